@@ -1,0 +1,206 @@
+//! The checked scenario: SI values, complete, immutable; what is here can be run.
+
+use std::path::PathBuf;
+
+use crate::material::Material;
+
+/// Everything one simulation needs.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Path under `scenarios/` without extension, e.g. `drop/1008`.
+    pub name: String,
+    pub title: String,
+    pub specimen: Specimen,
+    /// The faces of film, from the first that the impactor meets to the last; at least one.
+    pub faces: Vec<Face>,
+    pub frame: Frame,
+    /// Present exactly where the loading needs one.
+    pub impactor: Option<Impactor>,
+    pub loading: Loading,
+    pub output: Output,
+    pub reference: Option<Reference>,
+    /// The Rhai script that adds to the summary.
+    pub post: Option<PathBuf>,
+}
+
+/// Outline of the film and the part of it that is computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Specimen {
+    pub shape: Shape,
+    pub symmetry: Symmetry,
+}
+
+/// Outline of the film in the plane z = 0, centred on the origin. Lengths in m.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Full side lengths along x and y.
+    Rectangle {
+        x: f64,
+        y: f64,
+    },
+    Circle {
+        radius: f64,
+    },
+    /// Nodes and elements from an STL, OBJ or VTU file, coordinates in m.
+    Mesh(PathBuf),
+}
+
+/// Mirror planes through the origin; the computed part lies at x >= 0 and/or y >= 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symmetry {
+    None,
+    /// Only x >= 0 is computed.
+    HalfX,
+    /// Only y >= 0 is computed.
+    HalfY,
+    Quarter,
+}
+
+/// How a face is divided into elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meshing {
+    pub element: Element,
+    /// Edge length aimed at, m. Not used by imported meshes.
+    pub size: f64,
+}
+
+/// Kind of membrane element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// Four nodes, one integration point, stabilised against hourglass modes.
+    Quad4,
+    /// Four nodes, 2×2 integration points.
+    Quad4Full,
+    /// Three nodes, constant strain.
+    Tri3,
+}
+
+/// One face of film: `layers` layers that act as one membrane.
+#[derive(Clone, Debug)]
+pub struct Face {
+    /// z of the undeformed face, m.
+    pub height: f64,
+    pub layers: u32,
+    pub material: Material,
+    /// Angle from the x axis to MD, rad.
+    pub md_angle: f64,
+    /// Engineering pre-strain along MD and TD: the film's own length is the span / (1 + pre-strain).
+    pub prestrain: [f64; 2],
+    pub meshing: Meshing,
+}
+
+/// Which edges of the film are clamped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    pub hold: Hold,
+}
+
+/// Clamped edges.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Hold {
+    All,
+    Sides(Vec<Side>),
+    None,
+}
+
+/// A straight edge of a rectangle, or the outermost nodes of another outline in that direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    XMinus,
+    XPlus,
+    YMinus,
+    YPlus,
+}
+
+/// The rigid body that meets the film.
+#[derive(Clone, Debug)]
+pub struct Impactor {
+    pub shape: ImpactorShape,
+    /// kg.
+    pub mass: f64,
+    pub guide: Guide,
+    /// Coulomb coefficient between impactor and film.
+    pub friction: f64,
+    /// Where its axis stands over the film at the start: x, y in m.
+    pub position: [f64; 2],
+}
+
+/// Shape of the impactor, lengths in m; its axis is z, its tip points down.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ImpactorShape {
+    Sphere {
+        radius: f64,
+    },
+    /// A cylindrical shaft of this length with a hemispherical tip.
+    Hemisphere {
+        radius: f64,
+        length: f64,
+    },
+    /// A flat-ended cylinder, axis along z.
+    Cylinder {
+        radius: f64,
+        length: f64,
+    },
+    /// A closed surface from STL or OBJ, coordinates in m.
+    Mesh(PathBuf),
+}
+
+/// What the guide lets the impactor do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Guide {
+    /// Only translation along z.
+    Z,
+    /// Six degrees of freedom.
+    Free,
+}
+
+/// What is done to the specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Loading {
+    /// The impactor starts in touch with the first face at `velocity` (m/s, downward positive).
+    Impact {
+        velocity: f64,
+        gravity: f64,
+        duration: f64,
+    },
+    /// The edges x- and x+ are jaws that part at `velocity` (m/s, both together) along x.
+    Stretch {
+        /// Angle from MD to the direction of pull, rad: MD 0, TD π/2.
+        angle: f64,
+        velocity: f64,
+        /// Engineering strain at which the test ends.
+        until: f64,
+        /// Factor on the film's mass; `None` chooses it from the number of steps.
+        mass_scaling: Option<f64>,
+    },
+}
+
+/// What is kept of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Samples per second, Hz.
+    pub sample_rate: f64,
+    /// Mesh states kept for the recording.
+    pub frames: usize,
+    /// SAE J211 channel frequency class; `None` leaves the filtered channel equal to the raw one.
+    pub filter: Option<f64>,
+}
+
+/// A measured or virtual recording that the run is compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// CSV with `time_s` and `acceleration_m_s2` and/or `displacement_m`.
+    pub signals: PathBuf,
+    pub window: Window,
+}
+
+/// Part of a run that errors are taken over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Window {
+    /// From first contact to the largest displacement of the reference.
+    Loading,
+    /// The whole recording.
+    All,
+    /// From, to; s.
+    Range([f64; 2]),
+}

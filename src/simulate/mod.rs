@@ -1,0 +1,103 @@
+//! One run: from a checked model to its outcome.
+
+use std::time::Duration;
+
+use crate::model::Model;
+use crate::signal::Recording;
+
+/// What came out of a run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Channels of `signals.csv`, in its order, without the filtered one (that is post-processing).
+    pub signals: Recording,
+    /// The energy audit, sampled with the signals: one channel a term, J.
+    pub energies: Recording,
+    /// Kept states of the film and the impactor.
+    pub frames: Vec<Frame>,
+    /// What the frames are states of, one entry a face.
+    pub films: Vec<Film>,
+    pub rates: RateHistogram,
+    pub warnings: Vec<String>,
+    /// First time at which an element broke, s.
+    pub rupture_time: Option<f64>,
+    /// Largest |ΣE − E₀| over the energy exchanged.
+    pub energy_balance_error: f64,
+    /// Largest share of kinetic energy in the film's energy (only quasi-static loadings).
+    pub kinetic_share: Option<f64>,
+    /// Factor on the film's mass that the run used (only quasi-static loadings).
+    pub mass_scaling: Option<f64>,
+    /// Largest penetration over the impactor's radius.
+    pub penetration: Option<f64>,
+    pub elements: usize,
+    pub steps: u64,
+    /// Mean time step, s.
+    pub time_step: f64,
+    pub wall: Duration,
+}
+
+/// Topology of one face, as pictures need it.
+#[derive(Clone, Debug)]
+pub struct Film {
+    pub nodes: usize,
+    pub quads: Vec<[u32; 4]>,
+    pub tris: Vec<[u32; 3]>,
+    /// Mirror planes that complete the picture: x, y.
+    pub mirrored: [bool; 2],
+}
+
+/// State of the whole scene at one time.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// s.
+    pub time: f64,
+    /// One entry a face.
+    pub films: Vec<FilmState>,
+    /// Position (m) and rotation (unit quaternion i, j, k, w) of the impactor.
+    pub impactor: Option<([f64; 3], [f64; 4])>,
+}
+
+/// State of one face at one time.
+#[derive(Clone, Debug)]
+pub struct FilmState {
+    pub positions: Vec<[f32; 3]>,
+    /// Engineering strain of the MD and TD fibres and shear angle, one entry an element (quads, then triangles).
+    pub strains: Vec<[f32; 3]>,
+    /// Broken elements.
+    pub broken: Vec<bool>,
+}
+
+/// Share of the film's straining (area × time, loading only) by strain rate.
+#[derive(Clone, Debug, Default)]
+pub struct RateHistogram {
+    /// Edges of the bins, 1/s, logarithmic.
+    pub edges: Vec<f64>,
+    /// Share in each bin; sums to one when anything was strained.
+    pub shares: Vec<f64>,
+    /// Range in which the curves were measured, 1/s.
+    pub measured: Option<[f64; 2]>,
+    /// Share outside that range.
+    pub outside: f64,
+}
+
+/// Where a run stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Share of the simulated time that is done, 0 to 1.
+    pub done: f64,
+    pub time: f64,
+    pub steps: u64,
+}
+
+/// A run that went wrong numerically, with what was computed so far.
+#[derive(Debug)]
+pub struct Failure {
+    /// One sentence: time, element and cause.
+    pub cause: String,
+    pub so_far: Box<Outcome>,
+}
+
+/// Simulates `model`; `progress` is called now and then.
+pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failure> {
+    let _ = (model, progress);
+    unreachable!("being written")
+}
