@@ -2,6 +2,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::import::Fault;
+
 /// Why a film or a surface could not be meshed.
 #[derive(Debug, Error)]
 pub enum MeshError {
@@ -13,7 +15,6 @@ pub enum MeshError {
         "{elements} elements: more than the {limit} that a mesh can number; choose a larger size"
     )]
     TooMany { elements: usize, limit: usize },
-
-    #[error("{}: imported meshes are not read yet", path.display())]
-    Unread { path: PathBuf },
+    #[error("{}: {fault}", path.display())]
+    File { path: PathBuf, fault: Fault },
 }

@@ -1,5 +1,8 @@
 //! The film divided into elements.
 
+pub mod import;
+pub mod quality;
+
 mod disc;
 mod error;
 mod grid;
@@ -13,6 +16,7 @@ use nalgebra::Point3;
 use crate::model::{Element, Face, Meshing, Shape, Specimen, Symmetry};
 
 pub use error::MeshError;
+pub use quality::Quality;
 
 /// Nodes and elements of one face, flat or as imported, before any motion.
 #[derive(Clone, Debug, Default)]
@@ -40,7 +44,7 @@ pub fn build(specimen: &Specimen, face: &Face) -> Result<Mesh, MeshError> {
     match &specimen.shape {
         Shape::Rectangle { x, y } => structured::rectangle([*x, *y], mirrored, &face.meshing),
         Shape::Circle { radius } => disc::disc(*radius, mirrored, &face.meshing),
-        Shape::Mesh(path) => Err(MeshError::Unread { path: path.clone() }),
+        Shape::Mesh(path) => import::film(path, mirrored, face.meshing.element),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Edges, and what lies on the outline and on the mirror planes.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::Mesh;
 
@@ -39,8 +39,8 @@ pub fn undirected([from, to]: [u32; 2]) -> Edge {
 }
 
 /// How many elements meet at each edge.
-pub fn uses(mesh: &Mesh) -> HashMap<Edge, u32> {
-    let mut uses = HashMap::new();
+pub fn uses(mesh: &Mesh) -> BTreeMap<Edge, u32> {
+    let mut uses = BTreeMap::new();
     for edge in outlines(mesh).flat_map(directed).map(undirected) {
         *uses.entry(edge).or_insert(0) += 1;
     }
