@@ -113,14 +113,14 @@ impl Film {
     pub fn add_forces(&mut self, position: &[[f64; 3]], force: &mut [[f64; 3]]) -> bool {
         match &self.law {
             Law::Fabric(law) => {
-                element::add_forces(&mut self.quads, law, position, force)
-                    | element::add_forces(&mut self.full_quads, law, position, force)
-                    | element::add_forces(&mut self.tris, law, position, force)
+                widest(&mut self.quads, law, position, force)
+                    | widest(&mut self.full_quads, law, position, force)
+                    | widest(&mut self.tris, law, position, force)
             }
             Law::Elastic(law) => {
-                element::add_forces(&mut self.quads, law, position, force)
-                    | element::add_forces(&mut self.full_quads, law, position, force)
-                    | element::add_forces(&mut self.tris, law, position, force)
+                widest(&mut self.quads, law, position, force)
+                    | widest(&mut self.full_quads, law, position, force)
+                    | widest(&mut self.tris, law, position, force)
             }
         }
     }
@@ -208,4 +208,28 @@ fn block_strains<const NODES: usize, const POINTS: usize>(
         out[l].strain = [sum[0][l], sum[1][l], sum[2][l]];
     }
     out
+}
+
+/// [`element::add_forces`], compiled for the widest vectors that this machine has.
+fn widest<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
+    blocks: &mut Blocks<NODES, POINTS>,
+    law: &L,
+    position: &[[f64; 3]],
+    force: &mut [[f64; 3]],
+) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx2") {
+        #[target_feature(enable = "avx2")]
+        fn avx2<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
+            blocks: &mut Blocks<NODES, POINTS>,
+            law: &L,
+            position: &[[f64; 3]],
+            force: &mut [[f64; 3]],
+        ) -> bool {
+            element::add_forces(blocks, law, position, force)
+        }
+        // SAFETY: the machine was just seen to have AVX2.
+        return unsafe { avx2(blocks, law, position, force) };
+    }
+    element::add_forces(blocks, law, position, force)
 }

@@ -209,8 +209,9 @@ impl Engine {
                 broken += count;
             }
         }
-        if let (true, Some(impact)) = (broken > 0, &mut self.impact) {
-            impact.contact.forget();
+        if broken > 0 {
+            self.time_step.tear();
+            self.impact.iter_mut().for_each(|impact| impact.contact.forget());
         }
         broken
     }

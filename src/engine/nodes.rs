@@ -63,6 +63,7 @@ impl Nodes {
     }
 
     /// Velocity of one node.
+    #[inline]
     pub fn velocity_of(&self, node: usize) -> Vector3<f64> {
         Vector3::from(self.velocity[node])
     }

@@ -22,7 +22,7 @@ pub struct RigidBody {
 }
 
 /// Contacts gathered into the body's own equations of motion: how much film mass follows each of its motions, and
-/// the momentum that film takes from it.
+/// the momentum that film takes from it. Rows: translation, rotation; a guided body uses the third alone.
 #[derive(Clone, Debug)]
 pub struct Gathered {
     mass: Matrix6<f64>,
@@ -35,32 +35,14 @@ impl Default for Gathered {
     }
 }
 
-impl Gathered {
-    /// Adds film mass `mass` (3×3, kg) that a contact at `arm` from the centre of mass drags along, and the momentum
-    /// `change` (kg m/s) that it needs if the body kept its velocity.
-    pub fn add(&mut self, arm: Vector3<f64>, mass: &Matrix3<f64>, change: Vector3<f64>) {
-        let lever = arm.cross_matrix();
-        let blocks = [
-            (0, 0, *mass),
-            (0, 3, mass * lever.transpose()),
-            (3, 0, lever * mass),
-            (3, 3, lever * mass * lever.transpose()),
-        ];
-        for (row, column, block) in blocks {
-            let mut view = self.mass.fixed_view_mut::<3, 3>(row, column);
-            view += block;
-        }
-        let mut linear = self.momentum.fixed_rows_mut::<3>(0);
-        linear += change;
-        let mut angular = self.momentum.fixed_rows_mut::<3>(3);
-        angular += arm.cross(&change);
-    }
-}
-
 impl RigidBody {
-    /// Velocity of the material point at `point`.
-    pub fn velocity_at(&self, point: &Point3<f64>) -> Vector3<f64> {
-        self.velocity + self.spin.cross(&(point - self.centre()))
+    /// Velocity of its material point at `arm` (m) from the centre of mass.
+    #[inline]
+    pub fn velocity_at(&self, arm: &Vector3<f64>) -> Vector3<f64> {
+        match self.guide {
+            Guide::Z => self.velocity,
+            Guide::Free => self.velocity + self.spin.cross(arm),
+        }
     }
 
     /// Centre of mass.
@@ -93,29 +75,50 @@ impl RigidBody {
         }
     }
 
-    /// Takes up `impulse` (N s) at `point`, as far as the guide lets it.
-    pub fn push(&mut self, impulse: Vector3<f64>, point: &Point3<f64>) {
+    /// Takes up `impulse` (N s) at `arm` from the centre of mass, as far as the guide lets it.
+    pub fn push(&mut self, impulse: &Vector3<f64>, arm: &Vector3<f64>) {
         match self.guide {
             Guide::Z => self.velocity.z += impulse.z / self.mass,
             Guide::Free => {
                 self.velocity += impulse / self.mass;
-                let moment = (point - self.centre()).cross(&impulse);
                 if let Some(inverse) = self.space_inertia().try_inverse() {
-                    self.spin += inverse * moment;
+                    self.spin += inverse * arm.cross(impulse);
                 }
             }
         }
     }
 
-    /// Velocity per impulse along `direction` at `point`, 1/kg.
-    pub fn mobility(&self, direction: &Vector3<f64>, point: &Point3<f64>) -> f64 {
+    /// Velocity per impulse along `direction` at `arm` from the centre of mass, 1/kg.
+    pub fn mobility(&self, direction: &Vector3<f64>, arm: &Vector3<f64>) -> f64 {
         match self.guide {
             Guide::Z => direction.z * direction.z / self.mass,
             Guide::Free => {
-                let lever = (point - self.centre()).cross(direction);
+                let lever = arm.cross(direction);
                 let turning = self.space_inertia().try_inverse().map_or(0.0, |i| lever.dot(&(i * lever)));
                 1.0 / self.mass + turning
             }
+        }
+    }
+
+    /// Adds to `gathered` the film mass `mass` (3×3, kg) that a contact at `arm` drags along, and the momentum `change`
+    /// (kg m/s) that this film needs if the body keeps its velocity.
+    pub fn gather(&self, gathered: &mut Gathered, arm: &Vector3<f64>, mass: &Matrix3<f64>, change: &Vector3<f64>) {
+        if self.guide == Guide::Z {
+            gathered.mass[(2, 2)] += mass[(2, 2)];
+            gathered.momentum[2] += change.z;
+            return;
+        }
+        let lever = arm.cross_matrix();
+        let turned = lever * mass;
+        let blocks =
+            [(0, 0, *mass), (0, 3, mass * lever.transpose()), (3, 0, turned), (3, 3, turned * lever.transpose())];
+        for (row, column, block) in blocks {
+            let mut view = gathered.mass.fixed_view_mut::<3, 3>(row, column);
+            view += block;
+        }
+        for (row, part) in [(0, *change), (3, arm.cross(change))] {
+            let mut view = gathered.momentum.fixed_rows_mut::<3>(row);
+            view += part;
         }
     }
 
@@ -168,15 +171,15 @@ mod tests {
     /// One contact, solved implicitly, is the inelastic collision of two masses at a point.
     #[test]
     fn a_gathered_contact_is_an_inelastic_collision() {
-        let at = Point3::new(0.4, 0.1, 0.7);
+        let at = Vector3::new(0.4, 0.1, -0.3);
         let film = 0.5;
         let body = body(Guide::Free);
         let mut gathered = Gathered::default();
         let meeting = body.velocity_at(&at);
-        gathered.add(at - body.centre(), &Matrix3::from_diagonal_element(film), film * meeting);
+        body.gather(&mut gathered, &at, &Matrix3::from_diagonal_element(film), &(film * meeting));
         let after = body.after(&gathered);
         let mut pushed = body.clone();
-        pushed.push(-film * after.velocity_at(&at), &at);
+        pushed.push(&(-film * after.velocity_at(&at)), &at);
         assert!((pushed.velocity - after.velocity).norm() < 1e-13);
         assert!((pushed.spin - after.spin).norm() < 1e-13);
     }

@@ -7,6 +7,10 @@ use super::nodes::Nodes;
 /// Share of the stability limit that is used.
 const SAFETY: f64 = 0.9;
 
+/// The same once elements have broken: torn film snaps back and flutters between slack and taut, and a step near the
+/// limit of the linear theory gains energy at such kinks (docs/theory.md, section 4, has the figures).
+const TORN_SAFETY: f64 = 0.5;
+
 /// Steps between two looks at the film's stiffness.
 const INTERVAL: u32 = 16;
 
@@ -24,6 +28,7 @@ const COLLAPSE: f64 = 1e-3;
 #[derive(Clone, Debug, Default)]
 pub struct TimeStep {
     damping: f64,
+    safety: f64,
     first: f64,
     now: f64,
     target: f64,
@@ -33,8 +38,10 @@ pub struct TimeStep {
 impl TimeStep {
     /// The step of film at rest with mass-proportional `damping`, 1/s.
     pub fn new(films: &[Film], nodes: &Nodes, damping: f64) -> TimeStep {
-        let (first, _) = stable(films, nodes, damping);
-        TimeStep { damping, first, now: first, target: first, until_look: 0 }
+        let mut step = TimeStep { damping, safety: SAFETY, ..TimeStep::default() };
+        (step.first, _) = step.stable(films, nodes);
+        (step.now, step.target) = (step.first, step.first);
+        step
     }
 
     /// s.
@@ -46,7 +53,7 @@ impl TimeStep {
     pub fn next(&mut self, films: &[Film], nodes: &Nodes, time: f64) -> Result<(f64, f64), Fault> {
         let last = self.now;
         if self.until_look == 0 {
-            let (stable, face) = stable(films, nodes, self.damping);
+            let (stable, face) = self.stable(films, nodes);
             if stable.is_nan() || stable < COLLAPSE * self.first {
                 return Err(Fault::TimeStepCollapsed { time, first: self.first, now: stable, face });
             }
@@ -57,13 +64,19 @@ impl TimeStep {
         self.now = self.target.min(GROWTH * last);
         Ok((last, self.now))
     }
-}
 
-/// The stable step and the face that limits it.
-fn stable(films: &[Film], nodes: &Nodes, damping: f64) -> (f64, usize) {
-    let bounds = films.iter().map(|f| f.frequency_bound(&nodes.position)).enumerate();
-    let (face, squared) = bounds.fold((0, 0.0), |most, (face, w)| if w > most.1 { (face, w) } else { most });
-    let frequency = squared.sqrt();
-    let damping = if damping > 0.0 { damping / (2.0 * frequency) } else { 0.0 };
-    (SAFETY * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)
+    /// Tells that elements broke.
+    pub fn tear(&mut self) {
+        self.safety = TORN_SAFETY;
+        self.until_look = 0;
+    }
+
+    /// The stable step and the face that limits it.
+    fn stable(&self, films: &[Film], nodes: &Nodes) -> (f64, usize) {
+        let bounds = films.iter().map(|f| f.frequency_bound(&nodes.position)).enumerate();
+        let (face, squared) = bounds.fold((0, 0.0), |most, (face, w)| if w > most.1 { (face, w) } else { most });
+        let frequency = squared.sqrt();
+        let damping = if self.damping > 0.0 { self.damping / (2.0 * frequency) } else { 0.0 };
+        (self.safety * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)
+    }
 }

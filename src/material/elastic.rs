@@ -77,14 +77,15 @@ impl MembraneLaw for Elastic {
     fn stiffness(&self, d: &Deformation, _peaks: &Peaks) -> Stiffness {
         let (s, _) = self.response(d);
         let (c11, c22) = (dot(&d.f[0], &d.f[0]), dot(&d.f[1], &d.f[1]));
-        let mut bound = Stiffness { along: [splat(0.0); 2], across: [splat(0.0); 2], shear: splat(0.0) };
+        let nothing = splat(0.0);
+        let mut bound = Stiffness { along: [nothing; 2], across: [nothing; 2], shear: nothing, alignment: splat(1.0) };
         for l in 0..LANES {
-            let (s1, s2) = (s[0][l].abs() + s[2][l].abs(), s[1][l].abs() + s[2][l].abs());
-            bound.along[0][l] = self.plane() * (1.0 + self.poisson.abs()) * c11[l] + s1;
-            bound.along[1][l] = self.plane() * (1.0 + self.poisson.abs()) * c22[l] + s2;
-            bound.across[0][l] = s1;
-            bound.across[1][l] = s2;
-            bound.shear[l] = self.shear() * larger(c11[l], c22[l]);
+            let square = [c11[l] + d.spread[0][l], c22[l] + d.spread[1][l]];
+            for fibre in 0..2 {
+                bound.along[fibre][l] = self.plane() * (1.0 + self.poisson.abs()) * square[fibre];
+                bound.across[fibre][l] = s[fibre][l].abs() + s[2][l].abs();
+            }
+            bound.shear[l] = self.shear() * larger(square[0], square[1]);
         }
         bound
     }

@@ -172,18 +172,22 @@ impl MembraneLaw for Fabric {
         let fibres = Fibres::of(d);
         let strain = [fibres.strain(0), fibres.strain(1)];
         let stress = self.stress(d, &mut peaks.clone());
-        let mut bound =
-            Stiffness { along: [splat(0.0); 2], across: stress.tension.map(|t| t.map(f64::abs)), shear: splat(0.0) };
+        let mut bound = Stiffness {
+            along: [splat(0.0); 2],
+            across: stress.tension.map(|t| t.map(f64::abs)),
+            shear: splat(0.0),
+            alignment: fibres.sine,
+        };
         for l in 0..LANES {
             for (fibre, curve) in [&self.md, &self.td].into_iter().enumerate() {
                 let steepest = self.absorption.steepest(curve, strain[fibre][l], peaks[fibre][l], REACH);
-                bound.along[fibre][l] = larger(steepest, bound.across[fibre][l]);
+                bound.along[fibre][l] = larger(steepest - bound.across[fibre][l], 0.0);
             }
             let angle = fibres.angle[l].abs();
             let slope = self.absorption.steepest(&self.shear, angle, peaks[2][l], REACH);
             let secant = fibres.secant[l];
-            let place = self.shear.stress(larger(angle, peaks[2][l]));
-            bound.shear[l] = (slope * secant + place * secant * secant) * secant;
+            let stress = self.shear.stress(larger(angle, peaks[2][l]));
+            bound.shear[l] = slope * secant * secant + 4.0 * stress * secant;
         }
         bound
     }

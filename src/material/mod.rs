@@ -72,12 +72,14 @@ pub struct Strains {
 /// Bounds on the tangent stiffness of a film, Pa, for the stable time step.
 #[derive(Clone, Copy, Debug)]
 pub struct Stiffness {
-    /// Against motion along the fibres: MD, TD.
+    /// Against motion along the fibres, over that across them: MD, TD.
     pub along: [Lane; 2],
-    /// Against motion across the fibres (tension): MD, TD.
+    /// Against motion in any direction (tension): MD, TD.
     pub across: [Lane; 2],
     /// In shear, on top of both directions.
     pub shear: Lane,
+    /// Cosine of the angle between the fibres: how much of both acts in one direction.
+    pub alignment: Lane,
 }
 
 /// What an element asks of a law.

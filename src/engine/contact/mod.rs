@@ -11,7 +11,8 @@
 
 mod search;
 
-pub use search::{Surface, SurfaceError, Touch};
+use search::{FaceTouch, Touch};
+pub use search::{Surface, SurfaceError};
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
@@ -21,6 +22,16 @@ use super::rigid_body::{Gathered, RigidBody};
 
 /// Penetration of a face between its nodes that is left alone, over the impactor's size: half of the 1 % that is warned of.
 const FACE_BOUND: f64 = 0.005;
+
+/// Share of a penetration beyond the bound that is taken back in one step: a face that comes to be listed while it is
+/// too deep is eased out instead of thrown out.
+const FACE_RECOVERY: f64 = 0.02;
+
+/// Sweeps over the faces in a step.
+const FACE_SWEEPS: usize = 8;
+
+/// Share of [`FACE_BOUND`] from which the sagitta of an element on a sphere, (longest line)²/(8 R), has it listed.
+const LISTED_FROM: f64 = 0.7;
 
 /// Skin of the neighbour list over the impactor's size.
 const SKIN: f64 = 0.04;
@@ -76,9 +87,40 @@ struct Constraint {
 /// What one node got from the impactor in this step, N s.
 struct Impulse {
     node: usize,
-    point: Point3<f64>,
+    arm: Vector3<f64>,
     normal: Vector3<f64>,
     tangential: Vector3<f64>,
+}
+
+/// The deepest point of a triangle of film and what keeps it from going deeper.
+struct FacePoint {
+    nodes: [usize; 3],
+    weights: [f64; 3],
+    normal: Vector3<f64>,
+    arm: Vector3<f64>,
+    /// Normal velocity per impulse, 1/kg.
+    compliance: f64,
+    /// Least normal velocity, m/s.
+    target: f64,
+    /// Normal impulse so far, N s.
+    pushed: f64,
+}
+
+impl FacePoint {
+    fn relative_velocity(&self, nodes: &Nodes, body: &RigidBody) -> Vector3<f64> {
+        let film: Vector3<f64> = (0..3).map(|a| nodes.velocity_of(self.nodes[a]) * self.weights[a]).sum();
+        film - body.velocity_at(&self.arm)
+    }
+
+    /// Gives `impulse` (N s) to the film and takes it from the body.
+    fn spread(&self, impulse: Vector3<f64>, nodes: &mut Nodes, body: &mut RigidBody, multiplicity: f64) {
+        for (n, weight) in self.nodes.iter().zip(self.weights) {
+            for axis in 0..3 {
+                nodes.velocity[*n][axis] += weight * impulse[axis] * nodes.inverse_mass[*n][axis];
+            }
+        }
+        body.push(&(-multiplicity * impulse), &self.arm);
+    }
 }
 
 /// What a look at the present touch found.
@@ -141,18 +183,12 @@ impl Contact {
         let pose = body.predicted(dt);
         self.find_touching(nodes, &pose, dt);
         let ahead = self.body_ahead(nodes, body);
-        let start = self.impulses.len();
-        for constraint in &self.touching {
-            let point = pose * (body.pose.inverse() * (body.centre() + constraint.arm));
-            if let Some(impulse) = node_impulse(constraint, point, nodes, &ahead, body, self.friction) {
-                self.impulses.push(impulse);
-            }
-        }
-        for impulse in &self.impulses[start..] {
-            give(nodes, impulse);
-        }
+        let friction = self.friction;
+        let met = self.touching.iter().filter_map(|c| node_impulse(c, nodes, &ahead, body, friction));
+        self.impulses.extend(met);
         for impulse in &self.impulses {
-            body.push(-(impulse.normal + impulse.tangential) * self.multiplicity, &impulse.point);
+            give(nodes, impulse);
+            body.push(&(-self.multiplicity * (impulse.normal + impulse.tangential)), &impulse.arm);
         }
         self.meet_faces(nodes, body, dt);
         self.account(nodes, body, before, kick);
@@ -188,46 +224,70 @@ impl Contact {
             let sticks = slip.norm() <= bound;
             let tangential = if sticks { -slip } else { -slip * (bound / slip.norm()) };
             let follows = if sticks { Matrix3::identity() } else { along };
-            gathered.add(c.arm, &(follows * mass), (c.normal * c.lack + tangential) * mass);
+            body.gather(&mut gathered, &c.arm, &(follows * mass), &((c.normal * c.lack + tangential) * mass));
         }
         body.after(&gathered)
     }
 
-    /// The deepest point of each listed triangle, one after the other on the velocities as they come.
+    /// Lets no listed triangle reach deeper than [`FACE_BOUND`]: Gauss–Seidel sweeps over the deepest point of each, with
+    /// impulses that may shrink again but not pull (theory.md, section 6).
     fn meet_faces(&mut self, nodes: &mut Nodes, body: &mut RigidBody, dt: f64) {
         if self.near.faces.is_empty() {
             return;
         }
-        let allowed = FACE_BOUND * self.surface.size();
-        for f in 0..self.near.faces.len() {
-            let face = self.near.faces[f].map(|n| n as usize);
-            let pose = body.predicted(dt);
-            let corners = face.map(|n| Point3::from(nodes.position[n]) + nodes.velocity_of(n) * dt);
-            let offset = self.offset[face[0]] - allowed;
-            let Some(found) = self.surface.deepest(&pose, &corners, offset) else { continue };
-            let (touch, weights) = (found.touch, found.weights);
-            let point = Point3::from((0..3).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>());
-            let compliance: f64 = (0..3)
-                .map(|a| {
-                    let w = nodes.inverse_mass[face[a]];
-                    weights[a] * weights[a] * (0..3).map(|i| touch.normal[i].powi(2) * w[i]).sum::<f64>()
-                })
-                .sum::<f64>()
-                + self.multiplicity * body.mobility(&touch.normal, &point);
-            let size = (offset - touch.gap) / (dt * compliance);
-            let film: Vector3<f64> = (0..3).map(|a| nodes.velocity_of(face[a]) * weights[a]).sum();
-            let relative = film - body.velocity_at(&point);
-            let slip = relative - touch.normal * relative.dot(&touch.normal);
-            let stick = slip.norm() / compliance;
-            let tangential = if stick > 0.0 { -slip / slip.norm() * stick.min(self.friction * size) } else { slip };
-            for a in 0..3 {
-                let normal = touch.normal * size * weights[a];
-                let impulse = Impulse { node: face[a], point, normal, tangential: tangential * weights[a] };
-                give(nodes, &impulse);
-                body.push(-(impulse.normal + impulse.tangential) * self.multiplicity, &point);
-                self.impulses.push(impulse);
+        let pose = body.predicted(dt);
+        let listed = self.near.faces.iter();
+        let mut points: Vec<FacePoint> = listed.filter_map(|f| self.face_point(*f, nodes, body, &pose, dt)).collect();
+        for _ in 0..FACE_SWEEPS {
+            for point in &mut points {
+                let lack = point.target - point.relative_velocity(nodes, body).dot(&point.normal);
+                let pushed = (point.pushed + lack / point.compliance).max(0.0);
+                let impulse = point.normal * (pushed - point.pushed);
+                point.pushed = pushed;
+                point.spread(impulse, nodes, body, self.multiplicity);
             }
         }
+        for point in points.iter().filter(|p| p.pushed > 0.0) {
+            let relative = point.relative_velocity(nodes, body);
+            let slip = relative - point.normal * relative.dot(&point.normal);
+            let stick = slip.norm() / point.compliance;
+            let share = if stick > 0.0 { (self.friction * point.pushed / stick).min(1.0) } else { 0.0 };
+            let tangential = -slip * (share / point.compliance);
+            point.spread(tangential, nodes, body, self.multiplicity);
+            for a in 0..3 {
+                let normal = point.normal * (point.pushed * point.weights[a]);
+                let tangential = tangential * point.weights[a];
+                self.impulses.push(Impulse { node: point.nodes[a], arm: point.arm, normal, tangential });
+            }
+        }
+    }
+
+    /// The deepest point of a triangle, if it is near the bound.
+    fn face_point(
+        &self,
+        face: [u32; 3],
+        nodes: &Nodes,
+        body: &RigidBody,
+        pose: &Isometry3<f64>,
+        dt: f64,
+    ) -> Option<FacePoint> {
+        let face = face.map(|n| n as usize);
+        let allowed = FACE_BOUND * self.surface.size();
+        let corners = face.map(|n| Point3::from(nodes.position[n]) + nodes.velocity_of(n) * dt);
+        let bound = self.offset[face[0]] - allowed;
+        let FaceTouch { touch, weights } = self.surface.deepest(pose, &corners, bound + allowed)?;
+        let place: Vector3<f64> = (0..3).map(|a| corners[a].coords * weights[a]).sum();
+        let arm = place - pose.translation.vector;
+        let softness = |a: usize| {
+            let w = nodes.inverse_mass[face[a]];
+            weights[a] * weights[a] * (0..3).map(|i| touch.normal[i].powi(2) * w[i]).sum::<f64>()
+        };
+        let compliance = (0..3).map(softness).sum::<f64>() + self.multiplicity * body.mobility(&touch.normal, &arm);
+        let mut point =
+            FacePoint { nodes: face, weights, normal: touch.normal, arm, compliance, target: 0.0, pushed: 0.0 };
+        let to_bound = point.relative_velocity(nodes, body).dot(&touch.normal) + (bound - touch.gap) / dt;
+        point.target = if to_bound > 0.0 { FACE_RECOVERY * to_bound } else { to_bound };
+        (compliance > 0.0).then_some(point)
     }
 
     /// Work of this step's impulses with the mean of the velocities before and after it (theory.md, equation 22).
@@ -245,7 +305,7 @@ impl Contact {
                 Vector3::from_fn(|i, _| nodes.force[impulse.node][i] * nodes.inverse_mass[impulse.node][i]);
             let earlier = after - Vector3::from(self.received[impulse.node]) - acceleration * kick;
             let film = 0.5 * (after + earlier);
-            let surface = 0.5 * (body.velocity_at(&impulse.point) + before.velocity_at(&impulse.point));
+            let surface = 0.5 * (body.velocity_at(&impulse.arm) + before.velocity_at(&impulse.arm));
             let relative = film - surface;
             self.work.given += self.multiplicity * (impulse.normal + impulse.tangential).dot(&surface);
             self.work.impact_loss -= self.multiplicity * impulse.normal.dot(&relative);
@@ -267,9 +327,9 @@ impl Contact {
         self.near.faces.clear();
         for film in films {
             film.for_each_intact(|corners| {
-                let longest = longest_edge(corners, nodes);
-                let fine = longest * longest < 8.0 * 0.8 * FACE_BOUND * self.surface.size() * self.surface.size();
-                if self.surface.is_sphere() && fine {
+                let longest = longest_line(corners, nodes);
+                let size = self.surface.size();
+                if self.surface.is_sphere() && longest * longest < 8.0 * LISTED_FROM * FACE_BOUND * size * size {
                     return;
                 }
                 if corners.iter().any(|&n| within(n as usize, skin + longest)) {
@@ -327,20 +387,13 @@ impl Contact {
 
 /// Tangential velocity of a node over the body's surface.
 fn slip(c: &Constraint, nodes: &Nodes, body: &RigidBody) -> Vector3<f64> {
-    let relative = nodes.velocity_of(c.node) - body.velocity - body.spin.cross(&c.arm);
+    let relative = nodes.velocity_of(c.node) - body.velocity_at(&c.arm);
     relative - c.normal * relative.dot(&c.normal)
 }
 
 /// What a touching node gets when the body moves on as `ahead`; `None` where the body leaves it.
-fn node_impulse(
-    c: &Constraint,
-    point: Point3<f64>,
-    nodes: &Nodes,
-    ahead: &RigidBody,
-    body: &RigidBody,
-    friction: f64,
-) -> Option<Impulse> {
-    let change = ahead.velocity - body.velocity + (ahead.spin - body.spin).cross(&c.arm);
+fn node_impulse(c: &Constraint, nodes: &Nodes, ahead: &RigidBody, body: &RigidBody, friction: f64) -> Option<Impulse> {
+    let change = ahead.velocity_at(&c.arm) - body.velocity_at(&c.arm);
     let lack = c.lack + c.normal.dot(&change);
     if lack <= 0.0 {
         return None;
@@ -349,7 +402,7 @@ fn node_impulse(
     let slip = slip(c, nodes, ahead);
     let bound = friction * lack;
     let tangential = if slip.norm() <= bound { -slip } else { -slip * (bound / slip.norm()) };
-    Some(Impulse { node: c.node, point, normal: c.normal * lack * mass, tangential: tangential * mass })
+    Some(Impulse { node: c.node, arm: c.arm, normal: c.normal * lack * mass, tangential: tangential * mass })
 }
 
 fn velocity_change(nodes: &Nodes, impulse: &Impulse) -> [f64; 3] {
@@ -360,6 +413,13 @@ fn velocity_change(nodes: &Nodes, impulse: &Impulse) -> [f64; 3] {
 fn give(nodes: &mut Nodes, impulse: &Impulse) {
     let change = velocity_change(nodes, impulse);
     (0..3).for_each(|i| nodes.velocity[impulse.node][i] += change[i]);
+}
+
+/// Longest line between any two corners, m.
+fn longest_line(corners: &[u32], nodes: &Nodes) -> f64 {
+    let at = |n: u32| Point3::from(nodes.position[n as usize]);
+    let pairs = corners.iter().enumerate().flat_map(|(k, a)| corners[k + 1..].iter().map(move |b| (*a, *b)));
+    pairs.map(|(a, b)| nalgebra::distance_squared(&at(a), &at(b))).fold(0.0, f64::max).sqrt()
 }
 
 fn longest_edge(corners: &[u32], nodes: &Nodes) -> f64 {

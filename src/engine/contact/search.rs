@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use parry3d_f64::math::{Pose, Vector};
-use parry3d_f64::query::{self, PointQuery};
+use parry3d_f64::query::{self, PointProjection, PointQuery};
 use parry3d_f64::shape::{Ball, Capsule, Cylinder, Shape, SharedShape, TriMesh, TriMeshFlags, Triangle};
 use thiserror::Error;
 
@@ -136,17 +136,19 @@ impl Surface {
     /// Where `point` stands towards the body at `pose`.
     #[inline]
     pub fn touch(&self, pose: &Isometry3<f64>, point: &Point3<f64>) -> Touch {
-        let local = pose.inverse_transform_point(point);
-        let local = Vector::new(local.x, local.y, local.z);
-        let projection = match &self.shape {
-            Kind::Ball(ball) => ball.project_local_point(local, false),
-            Kind::Other(shape) => shape.project_local_point(local, false),
-        };
-        let arm = local - projection.point;
-        let distance = arm.length();
-        let side = if projection.is_inside { -1.0 } else { 1.0 };
-        let normal = if distance > 0.0 { arm * (side / distance) } else { local.normalize_or(Vector::NEG_Z) };
-        Touch { gap: side * distance, normal: pose.rotation * Vector3::new(normal.x, normal.y, normal.z) }
+        let arm = point.coords - pose.translation.vector;
+        match &self.shape {
+            // A ball looks the same however it is turned.
+            Kind::Ball(ball) => {
+                let (gap, normal) = outward(&arm, |local| ball.project_local_point(local, false));
+                Touch { gap, normal }
+            }
+            Kind::Other(shape) => {
+                let local = pose.rotation.inverse_transform_vector(&arm);
+                let (gap, normal) = outward(&local, |local| shape.project_local_point(local, false));
+                Touch { gap, normal: pose.rotation * normal }
+            }
+        }
     }
 
     /// The point of a triangle of film that is nearest to, or deepest in, the body at `pose`;
@@ -169,6 +171,18 @@ impl Surface {
         let touch = self.touch(pose, &point);
         (touch.gap < within).then_some(FaceTouch { touch, weights })
     }
+}
+
+/// Signed distance and outward normal at a point in body axes.
+#[inline]
+fn outward(local: &Vector3<f64>, project: impl Fn(Vector) -> PointProjection) -> (f64, Vector3<f64>) {
+    let local = Vector::new(local.x, local.y, local.z);
+    let projection = project(local);
+    let arm = local - projection.point;
+    let distance = arm.length();
+    let side = if projection.is_inside { -1.0 } else { 1.0 };
+    let normal = if distance > 0.0 { arm * (side / distance) } else { local.normalize_or(Vector::NEG_Z) };
+    (side * distance, Vector3::new(normal.x, normal.y, normal.z))
 }
 
 impl Kind {

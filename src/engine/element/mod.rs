@@ -275,6 +275,19 @@ impl<const NODES: usize> Hourglass<NODES> {
         }
     }
 
+    /// Bound on the stabilisation's stiffness in one lane, with `g` = Σ_a (∂N_a/∂X_I)²: the two parts of
+    /// ∂(f_I·q), each doubled for the product of both.
+    fn stiffness(&self, q: &Lane3, d: &Deformation, stabilisation: [f64; 2], g: [f64; 2], lane: usize) -> f64 {
+        let square = |v: &Lane3| v.iter().map(|x| x[lane] * x[lane]).sum::<f64>();
+        let shape = self.shape.iter().map(|s| s[lane] * s[lane]).sum::<f64>();
+        (0..2)
+            .map(|i| {
+                let moved = square(&d.f[i]) * shape + square(q) * g[i];
+                2.0 * stabilisation[i] * self.mean_square[i][lane] * moved
+            })
+            .sum()
+    }
+
     /// Energy of the stabilisation, ½ Σ_I κ_I H_I (f_I·q)², J/m³.
     fn energy(&self, q: &Lane3, d: &Deformation, stabilisation: [f64; 2]) -> Lane {
         let mut energy = splat(0.0);
@@ -346,6 +359,9 @@ pub(crate) fn frequency_bound<L: MembraneLaw, const NODES: usize, const POINTS: 
 ) -> f64 {
     let mut bound = splat(0.0);
     let mut volume = splat(0.0);
+    let hourglass = &blocks.hourglass[block];
+    let q = hourglass.amplitude(&gather(&blocks.nodes[block], position));
+    let stabilisation = law.moduli().map(|m| IN_PLANE_STABILISATION * m);
     for (point, d) in blocks.points[block].iter().zip(deformations(blocks, block, position)) {
         let k = law.stiffness(&d, &point.peaks);
         for l in 0..LANES {
@@ -355,9 +371,13 @@ pub(crate) fn frequency_bound<L: MembraneLaw, const NODES: usize, const POINTS: 
                     g[fibre] += point.gradient[a][fibre][l] * point.gradient[a][fibre][l];
                 }
             }
-            let first = k.along[0][l] * g[0] + k.across[1][l] * g[1];
-            let second = k.along[1][l] * g[1] + k.across[0][l] * g[0];
-            bound[l] += point.volume[l] * (first.max(second) + k.shear[l] * (g[0] + g[1]));
+            let (first, second) = (k.along[0][l] * g[0], k.along[1][l] * g[1]);
+            let apart = 0.5 * (first - second);
+            let both = first * second * k.alignment[l] * k.alignment[l];
+            let fibres = 0.5 * (first + second) + (apart * apart + both).sqrt();
+            let tension = k.across[0][l] * g[0] + k.across[1][l] * g[1];
+            let stabilised = hourglass.stiffness(&q, &d, stabilisation, g, l);
+            bound[l] += point.volume[l] * (fibres + tension + k.shear[l] * (g[0] + g[1]) + stabilised);
             volume[l] += point.volume[l];
         }
     }
