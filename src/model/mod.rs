@@ -214,11 +214,7 @@ pub enum Guide {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Loading {
     /// The impactor starts in touch with the first face at `velocity` (m/s, downward positive).
-    Impact {
-        velocity: f64,
-        gravity: f64,
-        duration: f64,
-    },
+    Impact { velocity: f64, gravity: f64, duration: f64 },
     /// The edges x- and x+ are jaws that part at `velocity` (m/s, both together) along x.
     Stretch {
         /// Angle from MD to the direction of pull, rad: MD 0, TD π/2.
