@@ -20,20 +20,12 @@ pub struct Source {
 impl Source {
     /// The text of the file at `path`.
     pub fn file(path: &Path, text: String) -> Arc<Source> {
-        Arc::new(Source {
-            name: shown_path(path),
-            text,
-            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
-        })
+        Arc::new(Source { name: shown_path(path), text, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
     }
 
     /// A text that is not a file; its relative paths start from the working directory.
     pub fn unfiled(name: &str, text: String) -> Arc<Source> {
-        Arc::new(Source {
-            name: name.to_owned(),
-            text,
-            folder: PathBuf::new(),
-        })
+        Arc::new(Source { name: name.to_owned(), text, folder: PathBuf::new() })
     }
 }
 
@@ -51,20 +43,12 @@ impl Span {
         let text = &source.text;
         let start = floor_boundary(text, range.start);
         let end = floor_boundary(text, range.end).max(start);
-        Span {
-            source: source.clone(),
-            range: start..end,
-        }
+        Span { source: source.clone(), range: start..end }
     }
 
     /// The line `number` (counted from one) without its end.
     pub fn line(source: &Arc<Source>, number: usize) -> Span {
-        let start: usize = source
-            .text
-            .split_inclusive('\n')
-            .take(number.saturating_sub(1))
-            .map(str::len)
-            .sum();
+        let start: usize = source.text.split_inclusive('\n').take(number.saturating_sub(1)).map(str::len).sum();
         let length = source.text[start..].lines().next().map_or(0, str::len);
         Span::new(source, start..start + length)
     }
@@ -72,11 +56,8 @@ impl Span {
     /// The place `line`, `column` (in characters), both counted from one.
     pub fn position(source: &Arc<Source>, line: usize, column: usize) -> Span {
         let whole = Span::line(source, line);
-        let offset: usize = source.text[whole.range.clone()]
-            .chars()
-            .take(column.saturating_sub(1))
-            .map(char::len_utf8)
-            .sum();
+        let offset: usize =
+            source.text[whole.range.clone()].chars().take(column.saturating_sub(1)).map(char::len_utf8).sum();
         let start = whole.range.start + offset;
         let next = source.text[start..].chars().next();
         let width = next.filter(|c| *c != '\n').map_or(0, char::len_utf8);
@@ -101,10 +82,7 @@ impl fmt::Debug for Span {
 
 fn floor_boundary(text: &str, at: usize) -> usize {
     let at = at.min(text.len());
-    (0..=at)
-        .rev()
-        .find(|i| text.is_char_boundary(*i))
-        .unwrap_or(0)
+    (0..=at).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0)
 }
 
 /// One mistake in the user's input.
@@ -120,47 +98,29 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// A mistake that is not at a place in a text.
     pub fn new(message: impl Into<String>) -> Diagnostic {
-        Diagnostic {
-            message: message.into(),
-            span: None,
-            hint: None,
-        }
+        Diagnostic { message: message.into(), span: None, hint: None }
     }
 
     /// The same mistake, shown at `span`.
     pub fn at(self, span: &Span) -> Diagnostic {
-        Diagnostic {
-            span: Some(span.clone()),
-            ..self
-        }
+        Diagnostic { span: Some(span.clone()), ..self }
     }
 
     /// The same mistake with a hint.
     pub fn hint(self, hint: impl Into<String>) -> Diagnostic {
-        Diagnostic {
-            hint: Some(hint.into()),
-            ..self
-        }
+        Diagnostic { hint: Some(hint.into()), ..self }
     }
 
     /// The mistake as a report with the line it is on; `styled` adds colours for a terminal.
     pub fn render(&self, styled: bool) -> String {
-        let renderer = if styled {
-            Renderer::styled()
-        } else {
-            Renderer::plain()
-        };
+        let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
         let title = Level::ERROR.primary_title(self.message.as_str());
         let Some(span) = &self.span else {
             let help = self.hint.iter().map(|hint| Level::HELP.message(hint));
             return renderer.render(&[title.elements(help)]);
         };
-        let mark = AnnotationKind::Primary
-            .span(span.range.clone())
-            .label(self.hint.as_deref());
-        let snippet = Snippet::source(&span.source.text)
-            .path(&span.source.name)
-            .annotation(mark);
+        let mark = AnnotationKind::Primary.span(span.range.clone()).label(self.hint.as_deref());
+        let snippet = Snippet::source(&span.source.text).path(&span.source.name).annotation(mark);
         renderer.render(&[title.element(snippet)])
     }
 }
@@ -184,9 +144,7 @@ pub fn closest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> O
 /// `path` without `..` detours, relative to the working directory where it lies below it.
 pub fn shown_path(path: &Path) -> String {
     let tidy = tidy_path(path);
-    let relative = std::env::current_dir()
-        .ok()
-        .and_then(|here| tidy.strip_prefix(here).ok().map(Path::to_owned));
+    let relative = std::env::current_dir().ok().and_then(|here| tidy.strip_prefix(here).ok().map(Path::to_owned));
     relative.unwrap_or(tidy).display().to_string()
 }
 
@@ -217,9 +175,8 @@ mod tests {
     fn looks_like_the_tour() {
         let text = "density = 915\n[x]\nthicknes = \"12 um\"\n".to_owned();
         let source = Source::unfiled("scenarios/materials/lldpe.toml", text);
-        let mistake = Diagnostic::new("unknown key `thicknes`")
-            .at(&Span::new(&source, 18..26))
-            .hint("did you mean `thickness`?");
+        let mistake =
+            Diagnostic::new("unknown key `thicknes`").at(&Span::new(&source, 18..26)).hint("did you mean `thickness`?");
         let expected = "\
 error: unknown key `thicknes`
  --> scenarios/materials/lldpe.toml:3:1

@@ -34,11 +34,7 @@ pub enum UnitError {
     #[error("expected {} with its unit, found \"{text}\"", dimension.name)]
     NoUnit { dimension: Dimension, text: String },
     #[error("unknown unit `{unit}` in \"{text}\"")]
-    UnknownUnit {
-        dimension: Dimension,
-        unit: String,
-        text: String,
-    },
+    UnknownUnit { dimension: Dimension, unit: String, text: String },
     #[error("expected {}, found \"{text}\", which does not start with a number", dimension.name)]
     NoNumber { dimension: Dimension, text: String },
 }
@@ -52,10 +48,7 @@ impl UnitError {
             | UnitError::UnknownUnit { dimension, .. }
             | UnitError::NoNumber { dimension, .. } => dimension,
         };
-        format!(
-            "write it like \"{}\", or as a bare number in {}",
-            dimension.example, dimension.unit
-        )
+        format!("write it like \"{}\", or as a bare number in {}", dimension.example, dimension.unit)
     }
 }
 
@@ -68,27 +61,17 @@ impl Dimension {
     /// The value of `text` in the SI unit.
     pub fn parse(self, text: &str) -> Result<f64, UnitError> {
         let (number, unit) = split_number(text.trim());
-        let value: f64 = number.parse().map_err(|_| UnitError::NoNumber {
+        let value: f64 = number.parse().map_err(|_| UnitError::NoNumber { dimension: self, text: text.to_owned() })?;
+        if unit.is_empty() {
+            return Err(UnitError::NoUnit { dimension: self, text: text.to_owned() });
+        }
+        let (factor, powers) = parse_unit(unit).map_err(|UnknownFactor(unit)| UnitError::UnknownUnit {
             dimension: self,
+            unit,
             text: text.to_owned(),
         })?;
-        if unit.is_empty() {
-            return Err(UnitError::NoUnit {
-                dimension: self,
-                text: text.to_owned(),
-            });
-        }
-        let (factor, powers) =
-            parse_unit(unit).map_err(|UnknownFactor(unit)| UnitError::UnknownUnit {
-                dimension: self,
-                unit,
-                text: text.to_owned(),
-            })?;
         if powers != self.powers {
-            return Err(UnitError::WrongDimension {
-                dimension: self,
-                text: text.to_owned(),
-            });
+            return Err(UnitError::WrongDimension { dimension: self, text: text.to_owned() });
         }
         Ok(scale(value, factor))
     }
@@ -100,16 +83,8 @@ impl Dimension {
             "Hz" | "Pa" => &[(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, "")],
             _ => &[],
         };
-        let (factor, prefix) = prefixes
-            .iter()
-            .copied()
-            .find(|(factor, _)| value.abs() >= *factor)
-            .unwrap_or((1.0, ""));
-        let shown = if factor < 1.0 {
-            value * (1.0 / factor).round()
-        } else {
-            value / factor
-        };
+        let (factor, prefix) = prefixes.iter().copied().find(|(factor, _)| value.abs() >= *factor).unwrap_or((1.0, ""));
+        let shown = if factor < 1.0 { value * (1.0 / factor).round() } else { value / factor };
         format!("{shown} {prefix}{}", self.unit)
     }
 }
@@ -117,12 +92,7 @@ impl Dimension {
 /// The leading number of `text` and what follows it. An `e` belongs to the number only if digits follow.
 fn split_number(text: &str) -> (&str, &str) {
     let bytes = text.as_bytes();
-    let digits = |from: usize| {
-        bytes[from..]
-            .iter()
-            .take_while(|b| b.is_ascii_digit() || **b == b'.')
-            .count()
-    };
+    let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit() || **b == b'.').count();
     let sign = |at: usize| usize::from(matches!(bytes.get(at), Some(b'+' | b'-')));
     let mut end = sign(0);
     end += digits(end);
@@ -139,11 +109,7 @@ fn split_number(text: &str) -> (&str, &str) {
 /// Dividing by the whole reciprocal keeps "12 um" the same number as the literal 12e-6.
 fn scale(value: f64, factor: f64) -> f64 {
     let reciprocal = (1.0 / factor).round();
-    if factor < 1.0 && (reciprocal * factor - 1.0).abs() < 1e-15 {
-        value / reciprocal
-    } else {
-        value * factor
-    }
+    if factor < 1.0 && (reciprocal * factor - 1.0).abs() < 1e-15 { value / reciprocal } else { value * factor }
 }
 
 struct UnknownFactor(String);
@@ -155,8 +121,7 @@ fn parse_unit(unit: &str) -> Result<(f64, Powers), UnknownFactor> {
         let sign: i8 = if place == 0 { 1 } else { -1 };
         for factor in group.split(['*', '·', ' ']).filter(|f| !f.is_empty()) {
             let (symbol, power) = split_power(factor);
-            let (size, powers) =
-                look_up(symbol).ok_or_else(|| UnknownFactor(symbol.to_owned()))?;
+            let (size, powers) = look_up(symbol).ok_or_else(|| UnknownFactor(symbol.to_owned()))?;
             let power = power * sign;
             total.0 *= size.powi(i32::from(power));
             for (sum, own) in total.1.iter_mut().zip(powers) {
@@ -177,9 +142,7 @@ fn split_power(factor: &str) -> (&str, i8) {
     }
     let symbol = factor.trim_end_matches(|c: char| c.is_ascii_digit() || c == '-');
     match factor[symbol.len()..].parse() {
-        Ok(power) if !symbol.is_empty() && (-4..=4).contains(&power) => {
-            (symbol.trim_end_matches('^'), power)
-        }
+        Ok(power) if !symbol.is_empty() && (-4..=4).contains(&power) => (symbol.trim_end_matches('^'), power),
         _ => (factor, 1),
     }
 }
@@ -365,22 +328,10 @@ mod tests {
     #[test]
     fn mistakes_are_named() {
         for (dimension, text, message) in [
-            (
-                Length::DIMENSION,
-                "12 kg",
-                "expected a length, found \"12 kg\"",
-            ),
-            (
-                Length::DIMENSION,
-                "12",
-                "expected a length with its unit, found \"12\"",
-            ),
+            (Length::DIMENSION, "12 kg", "expected a length, found \"12 kg\""),
+            (Length::DIMENSION, "12", "expected a length with its unit, found \"12\""),
             (Mass::DIMENSION, "3 foo", "unknown unit `foo` in \"3 foo\""),
-            (
-                Angle::DIMENSION,
-                "left",
-                "expected an angle, found \"left\", which does not start with a number",
-            ),
+            (Angle::DIMENSION, "left", "expected an angle, found \"left\", which does not start with a number"),
         ] {
             let error = dimension.parse(text).expect_err("not a quantity");
             assert_eq!(error.to_string(), message);

@@ -23,15 +23,9 @@ impl<'d> Findings<'d> {
     }
 
     /// A mistake in the value at the key path, and what to write instead.
-    pub fn report_with(
-        &mut self,
-        path: &str,
-        message: impl Into<String>,
-        hint: impl Into<String>,
-    ) {
+    pub fn report_with(&mut self, path: &str, message: impl Into<String>, hint: impl Into<String>) {
         let span = self.document.span(path);
-        self.mistakes
-            .push(Diagnostic::new(message).at(&span).hint(hint));
+        self.mistakes.push(Diagnostic::new(message).at(&span).hint(hint));
     }
 
     /// A key that must stand at the key path and does not.
@@ -43,8 +37,7 @@ impl<'d> Findings<'d> {
     pub fn out_of_place(&mut self, path: &str, why: impl Into<String>) {
         let span = self.document.key_span(path);
         let message = format!("`{path}` has no meaning here");
-        self.mistakes
-            .push(Diagnostic::new(message).at(&span).hint(why));
+        self.mistakes.push(Diagnostic::new(message).at(&span).hint(why));
     }
 
     /// Whether the key stands in the document.
@@ -68,9 +61,7 @@ impl<'d> Findings<'d> {
         let mut mistakes = self.mistakes;
         let place = |span: &Span| (span.source.name.clone(), span.range.start);
         mistakes.sort_by_cached_key(|mistake| mistake.span.as_ref().map(place));
-        mistakes.dedup_by(|a, b| {
-            a.message == b.message && a.span.as_ref().map(place) == b.span.as_ref().map(place)
-        });
+        mistakes.dedup_by(|a, b| a.message == b.message && a.span.as_ref().map(place) == b.span.as_ref().map(place));
         mistakes
     }
 }

@@ -33,9 +33,7 @@ fn is_jaws(hold: &Hold) -> bool {
     match hold {
         Hold::All => false,
         Hold::None => true,
-        Hold::Sides(sides) => {
-            sides.len() == 2 && sides.contains(&Side::XMinus) && sides.contains(&Side::XPlus)
-        }
+        Hold::Sides(sides) => sides.len() == 2 && sides.contains(&Side::XMinus) && sides.contains(&Side::XPlus),
     }
 }
 

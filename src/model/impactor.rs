@@ -29,23 +29,16 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Impacto
     })
 }
 
-fn shape(
-    written: &scenario::ImpactorShape,
-    findings: &mut Findings<'_>,
-) -> Option<ImpactorShape> {
+fn shape(written: &scenario::ImpactorShape, findings: &mut Findings<'_>) -> Option<ImpactorShape> {
     Some(match written {
         scenario::ImpactorShape::Sphere { radius } => ImpactorShape::Sphere { radius: radius.0 },
-        scenario::ImpactorShape::Hemisphere { radius, length } => ImpactorShape::Hemisphere {
-            radius: radius.0,
-            length: length.map_or(SHAFT * radius.0, |length| length.0),
-        },
-        scenario::ImpactorShape::Cylinder { radius, length } => ImpactorShape::Cylinder {
-            radius: radius.0,
-            length: length.0,
-        },
-        scenario::ImpactorShape::Mesh(_) => {
-            ImpactorShape::Mesh(findings.file("impactor.shape.mesh")?)
+        scenario::ImpactorShape::Hemisphere { radius, length } => {
+            ImpactorShape::Hemisphere { radius: radius.0, length: length.map_or(SHAFT * radius.0, |length| length.0) }
         }
+        scenario::ImpactorShape::Cylinder { radius, length } => {
+            ImpactorShape::Cylinder { radius: radius.0, length: length.0 }
+        }
+        scenario::ImpactorShape::Mesh(_) => ImpactorShape::Mesh(findings.file("impactor.shape.mesh")?),
     })
 }
 
@@ -55,10 +48,7 @@ fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, findings: &mut Fin
         return;
     }
     let hint = "set `specimen.symmetry` to \"none\"";
-    let off_centre = mirrors(symmetry)
-        .iter()
-        .zip(written.position)
-        .any(|(mirror, offset)| *mirror && offset.0 != 0.0);
+    let off_centre = mirrors(symmetry).iter().zip(written.position).any(|(mirror, offset)| *mirror && offset.0 != 0.0);
     if off_centre {
         let message = "the impactor does not stand on the mirror plane";
         findings.report_with("impactor.position", message, hint);

@@ -6,20 +6,15 @@ use crate::material::Material;
 use crate::scenario::{self, Layer, Layers, Scenario};
 
 /// The faces; none where a material is missing or no material.
-pub fn check(
-    scenario: &Scenario,
-    loading: &Loading,
-    findings: &mut Findings<'_>,
-) -> Option<Vec<Face>> {
+pub fn check(scenario: &Scenario, loading: &Loading, findings: &mut Findings<'_>) -> Option<Vec<Face>> {
     let own = scenario.specimen.material.as_ref();
     let shared = own.map(|written| material::check(written, "specimen.material", findings));
     let mut faces = if scenario.layer.is_empty() {
         stacked(scenario, shared, findings)?
     } else {
         let layers = scenario.layer.iter().enumerate();
-        let faces: Vec<_> = layers
-            .map(|(place, layer)| single(scenario, layer, place, shared.as_ref(), findings))
-            .collect();
+        let faces: Vec<_> =
+            layers.map(|(place, layer)| single(scenario, layer, place, shared.as_ref(), findings)).collect();
         faces.into_iter().collect::<Option<Vec<Face>>>()?
     };
     heights(&faces, scenario, findings);
@@ -33,11 +28,7 @@ pub fn check(
 }
 
 /// The faces of `[layers]`, alike but for their height.
-fn stacked(
-    scenario: &Scenario,
-    material: Option<Option<Material>>,
-    findings: &mut Findings<'_>,
-) -> Option<Vec<Face>> {
+fn stacked(scenario: &Scenario, material: Option<Option<Material>>, findings: &mut Findings<'_>) -> Option<Vec<Face>> {
     if material.is_none() {
         findings.missing("specimen.material", "what one layer is made of");
     }
@@ -85,12 +76,7 @@ fn single(
 }
 
 /// The division of a face; a layer's own first, then the specimen's.
-fn meshing(
-    scenario: &Scenario,
-    layer: Option<&Layer>,
-    path: &str,
-    findings: &mut Findings<'_>,
-) -> Option<Meshing> {
+fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, findings: &mut Findings<'_>) -> Option<Meshing> {
     let shared = &scenario.specimen.mesh;
     let own = layer.map_or(shared, |layer| &layer.mesh);
     let element = own.element.or(shared.element);
@@ -120,11 +106,7 @@ fn meshing(
 
 /// Key path of the height of a face.
 fn height_path(scenario: &Scenario, place: usize) -> String {
-    if scenario.layer.is_empty() {
-        format!("layers.faces.{place}")
-    } else {
-        format!("layer.{place}.height")
-    }
+    if scenario.layer.is_empty() { format!("layers.faces.{place}") } else { format!("layer.{place}.height") }
 }
 
 fn heights(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {

@@ -19,21 +19,14 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Loading {
 fn impact(written: &scenario::Impact, findings: &mut Findings<'_>) -> Loading {
     let gravity = written.gravity.0;
     if written.drop_height.is_some() && gravity == 0.0 {
-        findings.report(
-            "loading.impact.gravity",
-            "nothing falls from `drop_height` without gravity",
-        );
+        findings.report("loading.impact.gravity", "nothing falls from `drop_height` without gravity");
     }
     let fall = |height: f64| (2.0 * gravity * height).sqrt();
     let velocity = match (written.velocity, written.drop_height) {
         (Some(velocity), _) => velocity.0,
         (None, height) => height.map_or(0.0, |h| fall(h.0)),
     };
-    Loading::Impact {
-        velocity,
-        gravity,
-        duration: written.duration.0,
-    }
+    Loading::Impact { velocity, gravity, duration: written.duration.0 }
 }
 
 fn stretch(written: &scenario::Stretch) -> Loading {
@@ -57,11 +50,7 @@ fn direction(written: Direction) -> f64 {
 /// Jaws pull one flat, unstrained, straight-edged film in a direction that the loading alone names.
 fn stretched_specimen(scenario: &Scenario, findings: &mut Findings<'_>) {
     if !matches!(scenario.specimen.shape, Shape::Rectangle(_)) {
-        findings.report_with(
-            "specimen.shape",
-            "`loading.stretch` needs a rectangle",
-            "jaws hold straight edges",
-        );
+        findings.report_with("specimen.shape", "`loading.stretch` needs a rectangle", "jaws hold straight edges");
     }
     let turned = "`loading.stretch.direction` says how the film lies between the jaws";
     let pulled = "a stretch test pulls an unstrained film between two jaws";

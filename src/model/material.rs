@@ -5,17 +5,10 @@ use crate::material::{Curve, CurveError, Elastic, Fabric, Law, Material, Multipl
 use crate::scenario::{self, Fibre, Point, Scale};
 
 /// The material written at `path`; none where it is no material.
-pub fn check(
-    written: &scenario::Material,
-    path: &str,
-    findings: &mut Findings<'_>,
-) -> Option<Material> {
+pub fn check(written: &scenario::Material, path: &str, findings: &mut Findings<'_>) -> Option<Material> {
     let law = match (&written.fabric, &written.elastic) {
         (Some(fabric), _) => Law::Fabric(self::fabric(fabric, &format!("{path}.fabric"), findings)?),
-        (None, Some(elastic)) => Law::Elastic(Elastic {
-            young: elastic.young.0,
-            poisson: elastic.poisson,
-        }),
+        (None, Some(elastic)) => Law::Elastic(Elastic { young: elastic.young.0, poisson: elastic.poisson }),
         (None, None) => return None,
     };
     let rates = written.fabric.as_ref().and_then(|f| f.measured_rates);
@@ -27,40 +20,21 @@ pub fn check(
             "the lowest first",
         );
     }
-    Some(Material {
-        density: written.density.0,
-        thickness: written.thickness.0,
-        law,
-        measured_rates,
-    })
+    Some(Material { density: written.density.0, thickness: written.thickness.0, law, measured_rates })
 }
 
-fn fabric(
-    written: &scenario::Fabric,
-    path: &str,
-    findings: &mut Findings<'_>,
-) -> Option<Fabric> {
+fn fabric(written: &scenario::Fabric, path: &str, findings: &mut Findings<'_>) -> Option<Fabric> {
     let scale = written.scale;
     let md = fibre(&written.md, scale, &format!("{path}.md"), findings);
     let td = fibre(&written.td, scale, &format!("{path}.td"), findings);
     let shear_path = format!("{path}.shear.curve");
     let place = |index: usize| format!("{shear_path}.{index}");
     let shear = curve(&written.shear.curve, &shear_path, place, findings);
-    Some(Fabric {
-        md: md?,
-        td: td?,
-        shear: shear?,
-        absorption: written.absorption,
-    })
+    Some(Fabric::new(md?, td?, shear?, written.absorption))
 }
 
 /// The curve of one fibre set, moved by the multipliers.
-fn fibre(
-    written: &Fibre,
-    scale: Scale,
-    path: &str,
-    findings: &mut Findings<'_>,
-) -> Option<Curve> {
+fn fibre(written: &Fibre, scale: Scale, path: &str, findings: &mut Findings<'_>) -> Option<Curve> {
     let (curve, yields) = match (&written.curve, written.yield_points, written.break_point) {
         (Some(points), _, _) => general(written, points, path, findings)?,
         (None, Some([first, second]), Some(end)) => {
@@ -122,11 +96,7 @@ fn moved(
         );
         return None;
     };
-    let multipliers = Multipliers {
-        k1: scale.k1,
-        ke: scale.ke,
-        ky: scale.ky,
-    };
+    let multipliers = Multipliers { k1: scale.k1, ke: scale.ke, ky: scale.ky };
     match multipliers.apply(&curve, yields) {
         Ok(curve) => Some(curve),
         Err(error) => {
@@ -138,28 +108,19 @@ fn moved(
 }
 
 /// The curve through `points`; a mistake is shown at the `place` of its point.
-fn curve(
-    points: &[Point],
-    path: &str,
-    place: impl Fn(usize) -> String,
-    findings: &mut Findings<'_>,
-) -> Option<Curve> {
+fn curve(points: &[Point], path: &str, place: impl Fn(usize) -> String, findings: &mut Findings<'_>) -> Option<Curve> {
     let pairs = points.iter().map(|Point(strain, stress)| [*strain, stress.0]);
     let error = match Curve::new(pairs.collect()) {
         Ok(curve) => return Some(curve),
         Err(error) => error,
     };
     match error {
-        CurveError::StrainNotIncreasing {
-            index,
-            strain,
-            previous,
-        } => findings.report_with(
+        CurveError::StrainNotIncreasing { index, strain, previous } => findings.report_with(
             &place(index),
             "the curve is not increasing in strain",
             format!("{strain} stands after {previous}"),
         ),
-        CurveError::StressFalls { index } => {
+        CurveError::StressFalls { index, .. } => {
             findings.report(&place(index), "the stress of the curve falls");
         }
         CurveError::NotFinite { index } => {

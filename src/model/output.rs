@@ -34,11 +34,7 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Output {
         let message = format!("{samples:.2e} samples are more than can be kept");
         findings.report("output.sample_rate", message);
     }
-    Output {
-        sample_rate,
-        frames: usize::try_from(written.frames).unwrap_or(usize::MAX),
-        filter,
-    }
+    Output { sample_rate, frames: usize::try_from(written.frames).unwrap_or(usize::MAX), filter }
 }
 
 fn class(filter: Filter) -> Option<f64> {

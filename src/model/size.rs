@@ -20,11 +20,7 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
     let mut total = 0.0;
     for (place, face) in model.faces.iter().enumerate() {
         let own = format!("layer.{place}.mesh.size");
-        let path = if findings.is_written(&own) {
-            own
-        } else {
-            "specimen.mesh.size".to_owned()
-        };
+        let path = if findings.is_written(&own) { own } else { "specimen.mesh.size".to_owned() };
         if face.meshing.size > largest_side(&model.specimen.shape) {
             let message = "an element is larger than the film";
             findings.report_with(&path, message, "a bare number is in m");
@@ -34,10 +30,8 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
         let frames = PER_FRAME * model.output.frames as f64;
         let memory = total * (PER_ELEMENT + PER_NODE + frames);
         if memory > MOST_MEMORY {
-            let message = format!(
-                "the mesh is too large for memory: {total:.2e} elements need about {:.1e} GB",
-                memory / 1e9
-            );
+            let message =
+                format!("the mesh is too large for memory: {total:.2e} elements need about {:.1e} GB", memory / 1e9);
             let hint = format!("a run may take {} GB", MOST_MEMORY / 1e9);
             findings.report_with(&path, message, hint);
             return;
@@ -64,14 +58,7 @@ fn elements(model: &Model, face: &Face) -> f64 {
         Shape::Circle { radius } => PI * (radius / size).powi(2),
         Shape::Mesh(_) => 0.0,
     };
-    let share: f64 = mirrors(model.specimen.symmetry)
-        .iter()
-        .map(|mirror| if *mirror { 0.5 } else { 1.0 })
-        .product();
-    let triangles = if face.meshing.element == Element::Tri3 {
-        2.0
-    } else {
-        1.0
-    };
+    let share: f64 = mirrors(model.specimen.symmetry).iter().map(|mirror| if *mirror { 0.5 } else { 1.0 }).product();
+    let triangles = if face.meshing.element == Element::Tri3 { 2.0 } else { 1.0 };
     whole * share * triangles
 }

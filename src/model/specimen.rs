@@ -6,21 +6,13 @@ use super::{Findings, Shape, Specimen, Symmetry};
 use crate::scenario;
 
 /// The specimen in SI values; none where the file of its mesh is missing.
-pub fn check(
-    written: &scenario::Specimen,
-    findings: &mut Findings<'_>,
-) -> Option<Specimen> {
+pub fn check(written: &scenario::Specimen, findings: &mut Findings<'_>) -> Option<Specimen> {
     let shape = match &written.shape {
         scenario::Shape::Rectangle([x, y]) => Shape::Rectangle { x: x.0, y: y.0 },
-        scenario::Shape::Circle(circle) => Shape::Circle {
-            radius: circle.radius.0,
-        },
+        scenario::Shape::Circle(circle) => Shape::Circle { radius: circle.radius.0 },
         scenario::Shape::Mesh(_) => Shape::Mesh(findings.file("specimen.shape.mesh")?),
     };
-    Some(Specimen {
-        shape,
-        symmetry: symmetry(written),
-    })
+    Some(Specimen { shape, symmetry: symmetry(written) })
 }
 
 /// The mirror planes.
@@ -35,10 +27,7 @@ pub fn symmetry(written: &scenario::Specimen) -> Symmetry {
 
 /// Whether x = 0 and y = 0 are mirror planes.
 pub fn mirrors(symmetry: Symmetry) -> [bool; 2] {
-    [
-        matches!(symmetry, Symmetry::HalfX | Symmetry::Quarter),
-        matches!(symmetry, Symmetry::HalfY | Symmetry::Quarter),
-    ]
+    [matches!(symmetry, Symmetry::HalfX | Symmetry::Quarter), matches!(symmetry, Symmetry::HalfY | Symmetry::Quarter)]
 }
 
 /// Whether fibres at this angle lie along the axes, so that a mirror plane leaves them as they are.

@@ -23,11 +23,7 @@ impl Assignment {
         let everything = Span::new(&source, 0..argument.len());
         let malformed = || {
             let hint = "write it like layers.count=10";
-            vec![
-                Diagnostic::new("expected key.path=value")
-                    .at(&everything)
-                    .hint(hint),
-            ]
+            vec![Diagnostic::new("expected key.path=value").at(&everything).hint(hint)]
         };
         let (key, value) = argument.split_once('=').ok_or_else(malformed)?;
         let mut tree = tree::parse_as(&format!("{key}=0"), &source).map_err(|_| malformed())?;
@@ -42,11 +38,7 @@ impl Assignment {
     }
 
     /// A value that a script gives for a key path; `origin` names the script in diagnostics.
-    pub fn from_value(
-        path: &str,
-        value: &toml::Value,
-        origin: &str,
-    ) -> Result<Assignment, Vec<Diagnostic>> {
+    pub fn from_value(path: &str, value: &toml::Value, origin: &str) -> Result<Assignment, Vec<Diagnostic>> {
         let source = Source::unfiled(origin, format!("{path} = {value}"));
         let tree = tree::parse(&source)?;
         Ok(Assignment { tree })

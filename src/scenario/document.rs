@@ -34,11 +34,7 @@ impl Document {
     pub fn read(path: &Path) -> Result<Document, Vec<Diagnostic>> {
         let mut reader = Reader::default();
         match reader.read(path, Some(grammar::scenario()), None) {
-            Some(root) => Ok(Document {
-                root,
-                path: path.to_owned(),
-                mistakes: reader.mistakes,
-            }),
+            Some(root) => Ok(Document { root, path: path.to_owned(), mistakes: reader.mistakes }),
             None => Err(reader.mistakes),
         }
     }
@@ -54,11 +50,7 @@ impl Document {
         }
         root.span = self.root.span.clone();
         let mistakes = self.mistakes.iter().cloned();
-        Document {
-            root,
-            path: self.path.clone(),
-            mistakes: mistakes.chain(reader.mistakes).collect(),
-        }
+        Document { root, path: self.path.clone(), mistakes: mistakes.chain(reader.mistakes).collect() }
     }
 
     /// The scenario as its structs, and everything that is wrong with how it is written. Values that are
@@ -92,15 +84,9 @@ impl Document {
     pub fn name(&self) -> String {
         let absolute = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
         let bare = crate::diagnostic::tidy_path(&absolute).with_extension("");
-        let parts: Vec<_> = bare
-            .components()
-            .map(|part| part.as_os_str().to_string_lossy().into_owned())
-            .collect();
+        let parts: Vec<_> = bare.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
         let folders = parts.len().saturating_sub(1);
-        let start = parts[..folders]
-            .iter()
-            .rposition(|part| part == "scenarios")
-            .map_or(folders, |place| place + 1);
+        let start = parts[..folders].iter().rposition(|part| part == "scenarios").map_or(folders, |place| place + 1);
         parts[start..].join("/")
     }
 
@@ -210,10 +196,7 @@ impl Reader {
             None => self.curve(&path, &node.span),
         };
         match found {
-            Some(found) => Node {
-                included: true,
-                ..found
-            },
+            Some(found) => Node { included: true, ..found },
             None => node,
         }
     }
@@ -230,9 +213,7 @@ impl Reader {
             }
             Value::List(items) => {
                 let items = items.into_iter().enumerate();
-                let items = items.map(|(place, item)| {
-                    self.include(item, rule.and_then(|rule| rule.item(place)))
-                });
+                let items = items.map(|(place, item)| self.include(item, rule.and_then(|rule| rule.item(place))));
                 Value::List(items.collect())
             }
             other => other,
@@ -265,11 +246,7 @@ impl Reader {
     fn circle(&self, again: &Path) -> Diagnostic {
         let start = self.chain.iter().position(|file| file == again);
         let files = self.chain[start.unwrap_or(0)..].iter();
-        let names: Vec<String> = files
-            .map(PathBuf::as_path)
-            .chain([again])
-            .map(shown_path)
-            .collect();
+        let names: Vec<String> = files.map(PathBuf::as_path).chain([again]).map(shown_path).collect();
         Diagnostic::new(format!("files extend in a circle: {}", names.join(" → ")))
     }
 
@@ -300,9 +277,7 @@ fn read_text(path: &Path) -> Result<String, String> {
         return Err("it is not a file".to_owned());
     }
     let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| reason(&error))?;
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| reason(&error))?;
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(format!("it is larger than {} MB", LARGEST_FILE >> 20));
     }

@@ -136,10 +136,7 @@ impl Rule {
     /// The words among what may stand here.
     pub fn words(&self) -> Vec<(&str, Option<&str>)> {
         match self {
-            Rule::Choice(words) => words
-                .iter()
-                .map(|(word, sentence)| (word.as_str(), sentence.as_deref()))
-                .collect(),
+            Rule::Choice(words) => words.iter().map(|(word, sentence)| (word.as_str(), sentence.as_deref())).collect(),
             Rule::List { item, .. } => item.words(),
             Rule::Either(rules) => rules.iter().flat_map(Rule::words).collect(),
             _ => Vec::new(),
@@ -201,21 +198,15 @@ impl TableRule {
 
     /// Which of the groups the key belongs to.
     pub fn group_of(&self, name: &str) -> Option<usize> {
-        self.groups
-            .iter()
-            .position(|group| group.iter().any(|key| key == name))
+        self.groups.iter().position(|group| group.iter().any(|key| key == name))
     }
 }
 
 impl Range {
     /// Whether the value lies within.
     pub fn contains(&self, value: f64) -> bool {
-        let above = self
-            .from
-            .is_none_or(|b| value > b.value || (b.included && value == b.value));
-        let below = self
-            .to
-            .is_none_or(|b| value < b.value || (b.included && value == b.value));
+        let above = self.from.is_none_or(|b| value > b.value || (b.included && value == b.value));
+        let below = self.to.is_none_or(|b| value < b.value || (b.included && value == b.value));
         above && below
     }
 
@@ -255,18 +246,10 @@ fn compile(schema: &Json) -> Rule {
     match schema["type"].as_str() {
         Some("object") => Rule::Table(table(schema)),
         Some("array") => list(schema),
-        Some("number") => Rule::Number {
-            whole: false,
-            range: range(schema),
-        },
-        Some("integer") => Rule::Number {
-            whole: true,
-            range: range(schema),
-        },
+        Some("number") => Rule::Number { whole: false, range: range(schema) },
+        Some("integer") => Rule::Number { whole: true, range: range(schema) },
         Some("boolean") => Rule::Flag,
-        _ => Rule::Text {
-            path: schema["x-path"].as_bool().unwrap_or(false),
-        },
+        _ => Rule::Text { path: schema["x-path"].as_bool().unwrap_or(false) },
     }
 }
 
@@ -314,11 +297,7 @@ fn is_tagged(schema: &Json) -> bool {
 }
 
 fn tagged(schema: &Json) -> TableRule {
-    let mut table = TableRule {
-        group_required: true,
-        future: texts(&schema["x-future"]),
-        ..TableRule::default()
-    };
+    let mut table = TableRule { group_required: true, future: texts(&schema["x-future"]), ..TableRule::default() };
     for branch in list_of(schema, "oneOf").into_iter().flatten() {
         for mut key in keys(branch) {
             key.required = false;
@@ -334,17 +313,9 @@ fn table(schema: &Json) -> TableRule {
     let one_of = list_of(schema, "oneOf");
     let groups = match one_of {
         Some(branches) => branches.iter().map(|b| texts(&b["required"])).collect(),
-        None => texts(&schema["not"]["required"])
-            .into_iter()
-            .map(|key| vec![key])
-            .collect(),
+        None => texts(&schema["not"]["required"]).into_iter().map(|key| vec![key]).collect(),
     };
-    TableRule {
-        keys: keys(schema),
-        groups,
-        group_required: one_of.is_some(),
-        future: texts(&schema["x-future"]),
-    }
+    TableRule { keys: keys(schema), groups, group_required: one_of.is_some(), future: texts(&schema["x-future"]) }
 }
 
 fn keys(schema: &Json) -> Vec<Key> {

@@ -26,11 +26,7 @@ pub struct Layers {
 
 impl Default for Layers {
     fn default() -> Layers {
-        Layers {
-            count: one(),
-            faces: ground(),
-            prestrain: Prestrain::default(),
-        }
+        Layers { count: one(), faces: ground(), prestrain: Prestrain::default() }
     }
 }
 

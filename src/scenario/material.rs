@@ -86,10 +86,7 @@ pub struct Shear {
 
 /// One point of a curve: engineering strain (or shear angle in rad) and stress.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Point(
-    #[schemars(range(min = 0))] pub f64,
-    #[schemars(range(min = 0))] pub Pressure,
-);
+pub struct Point(#[schemars(range(min = 0))] pub f64, #[schemars(range(min = 0))] pub Pressure);
 
 /// The multipliers of a dynamic curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -110,11 +107,7 @@ pub struct Scale {
 
 impl Default for Scale {
     fn default() -> Scale {
-        Scale {
-            k1: unchanged(),
-            ke: unchanged(),
-            ky: unchanged(),
-        }
+        Scale { k1: unchanged(), ke: unchanged(), ky: unchanged() }
     }
 }
 

@@ -12,19 +12,13 @@ pub fn merge(base: Node, over: Node, rule: Option<&Rule>) -> Node {
     }
     let (span, included) = (over.span.clone(), base.included);
     let value = match (base.value, over.value) {
-        (Value::Table(base), Value::Table(over)) => {
-            Value::Table(merge_tables(base, over, rule.and_then(Rule::table)))
-        }
+        (Value::Table(base), Value::Table(over)) => Value::Table(merge_tables(base, over, rule.and_then(Rule::table))),
         (Value::List(base), Value::Table(over)) if numbers_items_of(&base, &over) => {
             Value::List(merge_items(base, over, rule))
         }
         (_, value) => return Node::new(value, span),
     };
-    Node {
-        value,
-        span,
-        included,
-    }
+    Node { value, span, included }
 }
 
 fn merge_tables(mut base: Table, over: Table, rule: Option<&TableRule>) -> Table {
@@ -46,10 +40,7 @@ fn merge_entry(base: &mut Table, entry: Entry, rule: Option<&Rule>) {
         return;
     };
     let old = base.entries[place].node.clone();
-    base.entries[place] = Entry {
-        node: merge(old, entry.node, rule),
-        ..entry
-    };
+    base.entries[place] = Entry { node: merge(old, entry.node, rule), ..entry };
 }
 
 /// A base that was right stays right: the groups of which `key` is no part leave.
@@ -57,16 +48,12 @@ fn drop_excluded(base: &mut Table, key: &str, rule: &TableRule) {
     let Some(own) = rule.group_of(key) else {
         return;
     };
-    base.entries
-        .retain(|entry| rule.group_of(&entry.key).is_none_or(|group| group == own));
+    base.entries.retain(|entry| rule.group_of(&entry.key).is_none_or(|group| group == own));
 }
 
 fn numbers_items_of(items: &[Node], over: &Table) -> bool {
     !over.entries.is_empty()
-        && over
-            .entries
-            .iter()
-            .all(|e| e.key.parse::<usize>().is_ok_and(|place| place < items.len()))
+        && over.entries.iter().all(|e| e.key.parse::<usize>().is_ok_and(|place| place < items.len()))
 }
 
 fn merge_items(mut items: Vec<Node>, over: Table, rule: Option<&Rule>) -> Vec<Node> {

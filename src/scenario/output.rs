@@ -24,11 +24,7 @@ pub struct Output {
 
 impl Default for Output {
     fn default() -> Output {
-        Output {
-            sample_rate: ten_kilohertz(),
-            frames: two_hundred_forty(),
-            filter: None,
-        }
+        Output { sample_rate: ten_kilohertz(), frames: two_hundred_forty(), filter: None }
     }
 }
 

@@ -32,8 +32,5 @@ fn anchored(node: &Node, rule: Option<&Rule>) -> Node {
         }
         other => other.clone(),
     };
-    Node {
-        value,
-        ..node.clone()
-    }
+    Node { value, ..node.clone() }
 }

@@ -113,7 +113,5 @@ fn open(schema: Json) -> Json {
 
 /// Whether the branches of a `oneOf` only name required keys.
 fn asks_for_keys(branches: &Json) -> bool {
-    branches
-        .as_array()
-        .is_some_and(|b| b.iter().all(|b| b.get("properties").is_none() && b.get("required").is_some()))
+    branches.as_array().is_some_and(|b| b.iter().all(|b| b.get("properties").is_none() && b.get("required").is_some()))
 }

@@ -70,14 +70,9 @@ fn table(table: &DeTable<'_>, source: &Arc<Source>, mistakes: &mut Vec<Diagnosti
     let entries = table.iter().map(|(key, value)| Entry {
         key: key.get_ref().to_string(),
         key_span: Span::new(source, key.span()),
-        node: Node::new(
-            self::value(value.get_ref(), source, value.span(), mistakes),
-            Span::new(source, value.span()),
-        ),
+        node: Node::new(self::value(value.get_ref(), source, value.span(), mistakes), Span::new(source, value.span())),
     });
-    Table {
-        entries: entries.collect(),
-    }
+    Table { entries: entries.collect() }
 }
 
 fn value(
@@ -112,11 +107,7 @@ fn value(
 
 impl Node {
     pub fn new(value: Value, span: Span) -> Node {
-        Node {
-            value,
-            span,
-            included: false,
-        }
+        Node { value, span, included: false }
     }
 
     /// What stands at the key path, e.g. `specimen.shape.rectangle.0`.
@@ -177,8 +168,6 @@ impl Table {
     /// The same table without places.
     pub fn to_toml(&self) -> toml::Table {
         let entries = self.entries.iter();
-        entries
-            .map(|entry| (entry.key.clone(), entry.node.to_toml()))
-            .collect()
+        entries.map(|entry| (entry.key.clone(), entry.node.to_toml())).collect()
     }
 }

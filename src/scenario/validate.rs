@@ -22,32 +22,19 @@ struct Place {
 
 impl Place {
     fn top(root: &Node) -> Place {
-        Place {
-            path: String::new(),
-            span: root.span.clone(),
-        }
+        Place { path: String::new(), span: root.span.clone() }
     }
 
     fn under(&self, entry: &Entry) -> Place {
-        Place {
-            path: self.name(&entry.key),
-            span: entry.key_span.clone(),
-        }
+        Place { path: self.name(&entry.key), span: entry.key_span.clone() }
     }
 
     fn at(&self, index: usize, item: &Node) -> Place {
-        Place {
-            path: self.name(&index.to_string()),
-            span: item.span.clone(),
-        }
+        Place { path: self.name(&index.to_string()), span: item.span.clone() }
     }
 
     fn name(&self, key: &str) -> String {
-        if self.path.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{}.{key}", self.path)
-        }
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 }
 
@@ -64,14 +51,7 @@ impl Walk {
     fn node(&mut self, node: &Node, rule: &Rule, place: &Place) {
         match (rule, &node.value) {
             (Rule::Table(rule), Value::Table(table)) => self.table(table, rule, place),
-            (
-                Rule::List {
-                    item,
-                    shortest,
-                    longest,
-                },
-                Value::List(items),
-            ) => {
+            (Rule::List { item, shortest, longest }, Value::List(items)) => {
                 self.length(items.len(), *shortest, *longest, &node.span);
                 for (index, child) in items.iter().enumerate() {
                     self.node(child, item, &place.at(index, child));
@@ -118,9 +98,7 @@ impl Walk {
     /// Keys that exclude one another: at most one group of them, and that one whole.
     fn groups(&mut self, table: &Table, rule: &TableRule, place: &Place) {
         let groups = rule.groups.iter();
-        let present: Vec<_> = groups
-            .filter_map(|group| Some((group, first_of(table, group)?)))
-            .collect();
+        let present: Vec<_> = groups.filter_map(|group| Some((group, first_of(table, group)?))).collect();
         match present.as_slice() {
             [] if rule.group_required && !has_future(table, rule) => {
                 self.report(no_group(rule, place));
@@ -131,11 +109,7 @@ impl Walk {
                 for (_, other) in others {
                     let message = format!("`{}` and `{}` exclude each other", first.key, other.key);
                     let hint = format!("keep one of {}", list_groups(rule));
-                    let later = if other.key_span.range.start > first.key_span.range.start {
-                        other
-                    } else {
-                        first
-                    };
+                    let later = if other.key_span.range.start > first.key_span.range.start { other } else { first };
                     self.report(Diagnostic::new(message).at(&later.key_span).hint(hint));
                 }
             }
@@ -176,12 +150,8 @@ impl Walk {
                 Ok(number) => Ok(number),
                 Err(error) => Err(Diagnostic::new(error.to_string()).hint(error.hint())),
             },
-            _ => Err(Diagnostic::new(format!(
-                "expected {}, found {}",
-                dimension.name,
-                node.found()
-            ))
-            .hint(format!("write it like \"{}\"", dimension.example))),
+            _ => Err(Diagnostic::new(format!("expected {}, found {}", dimension.name, node.found()))
+                .hint(format!("write it like \"{}\"", dimension.example))),
         };
         match number {
             Ok(number) => self.range(number, range, node, |bound| dimension.show(bound)),
@@ -192,10 +162,9 @@ impl Walk {
     fn number(&mut self, node: &Node, whole: bool, range: Range) {
         match node.value {
             Value::Whole(number) => self.range(number as f64, range, node, |b| b.to_string()),
-            Value::Number(_) if whole => self.report(
-                Diagnostic::new(format!("expected a whole number, found {}", node.found()))
-                    .at(&node.span),
-            ),
+            Value::Number(_) if whole => {
+                self.report(Diagnostic::new(format!("expected a whole number, found {}", node.found())).at(&node.span))
+            }
             Value::Number(number) => self.range(number, range, node, |b| b.to_string()),
             _ => {}
         }
@@ -248,10 +217,7 @@ fn takes(rule: &Rule, node: &Node) -> bool {
 }
 
 fn first_of<'t>(table: &'t Table, group: &[String]) -> Option<&'t Entry> {
-    table
-        .entries
-        .iter()
-        .find(|entry| group.contains(&entry.key))
+    table.entries.iter().find(|entry| group.contains(&entry.key))
 }
 
 fn has_future(table: &Table, rule: &TableRule) -> bool {
@@ -301,9 +267,7 @@ fn unknown_key(entry: &Entry, rule: &TableRule, place: &Place) -> Diagnostic {
             format!("known here: {}", known.join(", "))
         }
     };
-    Diagnostic::new(format!("unknown key `{}`", entry.key))
-        .at(&entry.key_span)
-        .hint(hint)
+    Diagnostic::new(format!("unknown key `{}`", entry.key)).at(&entry.key_span).hint(hint)
 }
 
 fn missing_key(key: &Key, place: &Place) -> Diagnostic {
@@ -327,11 +291,7 @@ fn first_clause(sentence: &str) -> String {
 }
 
 fn no_group(rule: &TableRule, place: &Place) -> Diagnostic {
-    let whole = if place.path.is_empty() {
-        "the file".to_owned()
-    } else {
-        format!("`{}`", place.path)
-    };
+    let whole = if place.path.is_empty() { "the file".to_owned() } else { format!("`{}`", place.path) };
     Diagnostic::new(format!("{whole} needs one of {}", list_groups(rule))).at(&place.span)
 }
 
