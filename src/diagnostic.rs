@@ -131,11 +131,16 @@ pub fn render(mistakes: &[Diagnostic], styled: bool) -> String {
     reports.join("\n\n")
 }
 
-/// The name among `known` that `written` was probably meant to be.
+/// The name among `known` that `written` was probably meant to be: alike, or part of one another.
 pub fn closest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let likeness = |name: &str| {
+        let part = written.len() > 3 && (name.contains(written) || written.contains(name));
+        let part = if part { 0.85 } else { 0.0 };
+        strsim::jaro_winkler(written, name).max(part)
+    };
     known
         .into_iter()
-        .map(|name| (strsim::jaro_winkler(written, name), name))
+        .map(|name| (likeness(name), name))
         .filter(|(likeness, _)| *likeness > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| name)

@@ -233,6 +233,7 @@ macro_rules! quantities {
                         "type": ["number", "string"],
                         "x-quantity": $name,
                         "x-unit": $unit,
+                        "examples": [$example],
                     })
                 }
             }

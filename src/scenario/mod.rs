@@ -1,5 +1,5 @@
 //! The scenario language as written: one file a table, every key with its unit, range, default and
-//! one sentence. What editors check, `droptower explain` shows and [`validate`] enforces all come
+//! one sentence. What editors check, `droptower explain` shows and the validator enforces all come
 //! from these structs. Whether what is written makes sense is not known here.
 
 mod assignment;

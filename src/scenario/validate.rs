@@ -260,7 +260,8 @@ fn unknown_key(entry: &Entry, rule: &TableRule, place: &Place) -> Diagnostic {
         return Diagnostic::new(message).at(&entry.key_span);
     }
     let names = || rule.keys.iter().map(|key| key.name.as_str());
-    let hint = match closest(&entry.key, names()) {
+    let meant = closest(&entry.key, names()).map(str::to_owned).or_else(|| deeper(rule, &entry.key));
+    let hint = match meant {
         Some(name) => format!("did you mean `{name}`?"),
         None => {
             let known: Vec<String> = names().map(|name| format!("`{name}`")).collect();
@@ -268,6 +269,18 @@ fn unknown_key(entry: &Entry, rule: &TableRule, place: &Place) -> Diagnostic {
         }
     };
     Diagnostic::new(format!("unknown key `{}`", entry.key)).at(&entry.key_span).hint(hint)
+}
+
+/// The path of a key of this name in a table below.
+fn deeper(rule: &TableRule, name: &str) -> Option<String> {
+    rule.keys.iter().find_map(|key| {
+        let table = key.rule.table()?;
+        let path = match table.key(name) {
+            Some(found) => found.name.clone(),
+            None => deeper(table, name)?,
+        };
+        Some(format!("{}.{path}", key.name))
+    })
 }
 
 fn missing_key(key: &Key, place: &Place) -> Diagnostic {

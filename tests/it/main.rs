@@ -3,4 +3,5 @@
 mod architecture;
 mod commands;
 mod diagnostics;
+mod language;
 mod mesh;
