@@ -1,3 +1,7 @@
 //! The one integration binary.
 
+mod architecture;
+mod commands;
+mod diagnostics;
+mod language;
 mod mesh;

@@ -1,0 +1,79 @@
+//! What is kept of a run.
+
+use super::{Findings, Output};
+use crate::scenario::{Filter, Loading, Scenario, Shape};
+use crate::units::Time;
+
+/// Samples per second and hertz of the class below which a recording cannot be filtered. ISO 6487 asks for
+/// 8, SAE J211-1 for 10; what is refused here satisfies neither.
+const SAMPLES_PER_CLASS_HERTZ: f64 = 8.0;
+
+/// Samples of one channel that a run may keep: 80 MB.
+const MOST_SAMPLES: f64 = 1e7;
+
+/// Samples of one channel below which there is no curve to speak of.
+const FEWEST_SAMPLES: f64 = 10.0;
+
+const PATH: &str = "output.sample_rate";
+
+/// What is kept, with the class as a number.
+pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Output {
+    let written = &scenario.output;
+    let filter = match scenario.loading {
+        Loading::Impact(_) => class(written.filter.unwrap_or(Filter::Cfc1000)),
+        Loading::Stretch(_) => None,
+    };
+    let sample_rate = written.sample_rate.0;
+    if let Some(class) = filter
+        && sample_rate < SAMPLES_PER_CLASS_HERTZ * class
+    {
+        let least = SAMPLES_PER_CLASS_HERTZ * class / 1e3;
+        let message = format!("too few samples for the class CFC{class}");
+        let hint = format!("at least {least} kHz (ISO 6487), better {} kHz (SAE J211-1)", class / 100.0);
+        findings.report_with(PATH, message, hint);
+    }
+    samples(scenario, sample_rate, findings);
+    Output { sample_rate, frames: usize::try_from(written.frames).unwrap_or(usize::MAX), filter }
+}
+
+/// A run is neither shorter than a few samples nor longer than memory.
+fn samples(scenario: &Scenario, sample_rate: f64, findings: &mut Findings<'_>) {
+    let time = run_time(scenario);
+    let samples = time * sample_rate;
+    let path = if findings.is_written(PATH) { PATH } else { pace(&scenario.loading) };
+    let hint = format!("the run takes {}", Time(time));
+    if samples > MOST_SAMPLES {
+        let message = format!("{samples:.1e} samples are more than can be kept");
+        findings.report_with(path, message, hint);
+    } else if (0.0..FEWEST_SAMPLES).contains(&samples) {
+        let message = format!("the run ends before {FEWEST_SAMPLES} samples are taken");
+        findings.report_with(path, message, hint);
+    }
+}
+
+/// Key path of what makes a run long or short.
+fn pace(loading: &Loading) -> &'static str {
+    match loading {
+        Loading::Impact(_) => "loading.impact.duration",
+        Loading::Stretch(_) => "loading.stretch.velocity",
+    }
+}
+
+/// Simulated time, s; not a number for a stretch of a shape that jaws cannot hold.
+fn run_time(scenario: &Scenario) -> f64 {
+    match (&scenario.loading, &scenario.specimen.shape) {
+        (Loading::Impact(impact), _) => impact.duration.0,
+        (Loading::Stretch(stretch), Shape::Rectangle([gauge, _])) => stretch.until * gauge.0 / stretch.velocity.0,
+        (Loading::Stretch(_), _) => f64::NAN,
+    }
+}
+
+fn class(filter: Filter) -> Option<f64> {
+    match filter {
+        Filter::Cfc1000 => Some(1000.0),
+        Filter::Cfc600 => Some(600.0),
+        Filter::Cfc180 => Some(180.0),
+        Filter::Cfc60 => Some(60.0),
+        Filter::None => None,
+    }
+}

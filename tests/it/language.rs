@@ -1,0 +1,133 @@
+//! What a sound scenario becomes: SI values, defaults, the order of the faces.
+
+use std::f64::consts::FRAC_PI_2;
+use std::fs;
+use std::path::Path;
+
+use droptower::diagnostic::render;
+use droptower::material::Law;
+use droptower::model::{self, Element, Hold, ImpactorShape, Loading, Model, Shape, Side, Symmetry, Window};
+use droptower::scenario::Document;
+
+fn read(path: &Path) -> Model {
+    let model = Document::read(path).and_then(|document| model::check(&document));
+    model.unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)))
+}
+
+/// The model of a text that lies in a folder of its own, as `scenarios/<name>.toml`, beside the sound parts.
+fn model(name: &str, text: &str) -> Model {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenarios = folder.path().join("scenarios");
+    let path = scenarios.join(format!("{name}.toml"));
+    fs::create_dir_all(path.parent().expect("a folder")).expect("writable");
+    for part in glob::glob("tests/it/broken/parts/*").expect("a good pattern").flatten() {
+        let copy = scenarios.join(part.file_name().expect("a file"));
+        fs::copy(&part, copy).expect("writable");
+    }
+    fs::write(&path, text).expect("writable");
+    read(&path)
+}
+
+#[test]
+fn the_tower_in_si() {
+    let tower = read(Path::new("tests/it/broken/parts/tower.toml"));
+    assert_eq!((tower.name.as_str(), tower.title.as_str()), ("tower", "Drop tower"));
+    assert_eq!(tower.specimen.shape, Shape::Rectangle { x: 0.4, y: 0.4 });
+    assert_eq!(tower.specimen.symmetry, Symmetry::Quarter);
+    assert_eq!(tower.faces.iter().map(|face| face.height).collect::<Vec<_>>(), [0.0, -0.03]);
+    let face = &tower.faces[0];
+    assert_eq!((face.layers, face.prestrain, face.md_angle), (8, [0.1, 0.0], 0.0));
+    assert_eq!((face.meshing.element, face.meshing.size), (Element::Quad4, 0.01));
+    assert_eq!((face.material.density, face.material.thickness), (915.0, 12e-6));
+    let Law::Fabric(fabric) = &face.material.law else { panic!("a fabric") };
+    assert_eq!(fabric.md().points(), [[0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]]);
+    assert_eq!(fabric.shear().points(), [[0.3, 4e6], [1.5, 8e6]]);
+    assert_eq!(tower.frame.hold, Hold::All);
+    let impactor = tower.impactor.expect("an impactor");
+    assert_eq!((impactor.shape, impactor.mass), (ImpactorShape::Sphere { radius: 0.15 }, 10.72));
+    assert_eq!(tower.loading, Loading::Impact { velocity: 4.16, gravity: 9.81, duration: 0.12 });
+    assert_eq!((tower.output.sample_rate, tower.output.frames, tower.output.filter), (10e3, 240, Some(1000.0)));
+}
+
+#[test]
+fn names_are_paths_below_scenarios() {
+    let text = "extends = \"../tower.toml\"";
+    assert_eq!(model("drop/1008", text).name, "drop/1008");
+    assert_eq!(model("1008", "extends = \"tower.toml\"").name, "1008");
+}
+
+#[test]
+fn defaults_are_filled_in() {
+    let text = "
+        [specimen]
+        shape = { circle = { radius = \"63.5 mm\" } }
+        mesh = { size = \"3 mm\" }
+        material = { density = 915, thickness = \"50 um\", elastic = { young = \"200 MPa\", poisson = 0.4 } }
+        [impactor]
+        shape = { hemisphere = { radius = \"19.05 mm\" } }
+        mass = \"100 g\"
+        friction = 0.3
+        [loading.impact]
+        drop_height = \"0.66 m\"
+        duration = \"20 ms\"
+        [reference]
+        signals = \"shear.csv\"
+        window = [0, \"10 ms\"]
+        ";
+    let dart = model("dart", text);
+    assert_eq!((dart.title.as_str(), dart.faces.len(), dart.faces[0].layers), ("dart", 1, 1));
+    assert_eq!((dart.specimen.symmetry, dart.frame.hold), (Symmetry::None, Hold::All));
+    let impactor = dart.impactor.expect("an impactor");
+    assert_eq!(impactor.shape, ImpactorShape::Hemisphere { radius: 0.01905, length: 4.0 * 0.01905 });
+    assert!(matches!(dart.loading, Loading::Impact { velocity, .. } if velocity == (2.0 * 9.81 * 0.66_f64).sqrt()));
+    assert_eq!(dart.output.filter, Some(1000.0));
+    assert_eq!(dart.reference.map(|reference| reference.window), Some(Window::Range([0.0, 0.01])));
+}
+
+#[test]
+fn a_layer_has_its_own_or_the_specimens() {
+    let text = "
+        extends = \"tower.toml\"
+        [[layer]]
+        height = \"10 mm\"
+        md_angle = \"90 deg\"
+        mesh.size = \"5 mm\"
+        [[layer]]
+        count = 3
+        material = { extends = \"film.toml\", thickness = \"20 um\" }
+        mesh.element = \"tri3\"
+        ";
+    let faces = model("two", text).faces;
+    let of = |place: usize| {
+        let face = &faces[place];
+        (face.height, face.layers, face.md_angle, face.material.thickness, face.meshing.element, face.meshing.size)
+    };
+    assert_eq!(of(0), (0.01, 1, FRAC_PI_2, 12e-6, Element::Quad4, 0.005));
+    assert_eq!(of(1), (0.0, 3, 0.0, 20e-6, Element::Tri3, 0.01));
+}
+
+#[test]
+fn a_stretch_turns_the_film_and_not_the_pull() {
+    for (direction, angle) in [("MD", 0.0), ("TD", FRAC_PI_2), ("90 deg", FRAC_PI_2)] {
+        let text = format!("extends = \"coupon.toml\"\nloading.stretch.direction = \"{direction}\"");
+        let coupon = model("coupon-td", &text);
+        assert!(matches!(coupon.loading, Loading::Stretch { angle: found, .. } if found == angle));
+        assert_eq!(coupon.faces[0].md_angle, -angle);
+        assert_eq!(coupon.frame.hold, Hold::Sides(vec![Side::XMinus, Side::XPlus]));
+        assert_eq!((coupon.output.filter, coupon.impactor.is_none()), (None, true));
+    }
+}
+
+#[test]
+fn multipliers_move_a_general_curve_like_its_yield_points() {
+    let general = "
+        extends = \"tower.toml\"
+        specimen.material.fabric.scale = { k1 = 2.75, ke = 3.41, ky = 1.2 }
+        specimen.material.fabric.md = { curve = [[0, 0], [0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]], yield_strains = [0.26, 0.84] }
+        ";
+    let named = "
+        extends = \"tower.toml\"
+        specimen.material.fabric.scale = { k1 = 2.75, ke = 3.41, ky = 1.2 }
+        ";
+    assert_eq!(model("a", general).faces[0].material, model("b", named).faces[0].material);
+}
