@@ -1,1 +1,203 @@
-//! diagnostic
+//! Mistakes in what a user wrote: where, what, and what to write instead; several at once.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+
+/// A text that the user wrote: a file, a script, an argument of the command line.
+#[derive(Debug)]
+pub struct Source {
+    /// As a diagnostic shows it: a path relative to the working directory, or e.g. "command line".
+    pub name: String,
+    pub text: String,
+    /// What relative paths in the text are relative to.
+    pub folder: PathBuf,
+}
+
+impl Source {
+    /// The text of the file at `path`.
+    pub fn file(path: &Path, text: String) -> Arc<Source> {
+        Arc::new(Source { name: shown_path(path), text, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
+    }
+
+    /// A text that is not a file; its relative paths start from the working directory.
+    pub fn unfiled(name: &str, text: String) -> Arc<Source> {
+        Arc::new(Source { name: name.to_owned(), text, folder: PathBuf::new() })
+    }
+}
+
+/// A stretch of a source.
+#[derive(Clone)]
+pub struct Span {
+    pub source: Arc<Source>,
+    /// Bytes of the source's text.
+    pub range: Range<usize>,
+}
+
+impl Span {
+    /// The bytes `range` of `source`, moved to whole characters within the text.
+    pub fn new(source: &Arc<Source>, range: Range<usize>) -> Span {
+        let text = &source.text;
+        let start = floor_boundary(text, range.start);
+        let end = floor_boundary(text, range.end).max(start);
+        Span { source: source.clone(), range: start..end }
+    }
+
+    /// The line `number` (counted from one) without its end.
+    pub fn line(source: &Arc<Source>, number: usize) -> Span {
+        let start: usize = source.text.split_inclusive('\n').take(number.saturating_sub(1)).map(str::len).sum();
+        let length = source.text[start..].lines().next().map_or(0, str::len);
+        Span::new(source, start..start + length)
+    }
+
+    /// The place `line`, `column` (in characters), both counted from one.
+    pub fn position(source: &Arc<Source>, line: usize, column: usize) -> Span {
+        let whole = Span::line(source, line);
+        let offset: usize =
+            source.text[whole.range.clone()].chars().take(column.saturating_sub(1)).map(char::len_utf8).sum();
+        let start = whole.range.start + offset;
+        let next = source.text[start..].chars().next();
+        let width = next.filter(|c| *c != '\n').map_or(0, char::len_utf8);
+        Span::new(source, start..start + width)
+    }
+
+    /// Line and column (in characters) of its start, both counted from one.
+    pub fn start(&self) -> (usize, usize) {
+        let before = &self.source.text[..self.range.start];
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        let line = before.matches('\n').count() + 1;
+        (line, before[line_start..].chars().count() + 1)
+    }
+}
+
+impl fmt::Debug for Span {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (line, column) = self.start();
+        write!(f, "{}:{line}:{column}", self.source.name)
+    }
+}
+
+fn floor_boundary(text: &str, at: usize) -> usize {
+    let at = at.min(text.len());
+    (0..=at).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0)
+}
+
+/// One mistake in the user's input.
+#[derive(Clone, Debug)]
+pub struct Diagnostic {
+    /// Lower case, no full stop.
+    pub message: String,
+    pub span: Option<Span>,
+    /// What to write instead, or why it is a mistake.
+    pub hint: Option<String>,
+}
+
+impl Diagnostic {
+    /// A mistake that is not at a place in a text.
+    pub fn new(message: impl Into<String>) -> Diagnostic {
+        Diagnostic { message: message.into(), span: None, hint: None }
+    }
+
+    /// The same mistake, shown at `span`.
+    pub fn at(self, span: &Span) -> Diagnostic {
+        Diagnostic { span: Some(span.clone()), ..self }
+    }
+
+    /// The same mistake with a hint.
+    pub fn hint(self, hint: impl Into<String>) -> Diagnostic {
+        Diagnostic { hint: Some(hint.into()), ..self }
+    }
+
+    /// The mistake as a report with the line it is on; `styled` adds colours for a terminal.
+    pub fn render(&self, styled: bool) -> String {
+        let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
+        let title = Level::ERROR.primary_title(self.message.as_str());
+        let Some(span) = &self.span else {
+            let help = self.hint.iter().map(|hint| Level::HELP.message(hint));
+            return renderer.render(&[title.elements(help)]);
+        };
+        let mark = AnnotationKind::Primary.span(span.range.clone()).label(self.hint.as_deref());
+        let snippet = Snippet::source(&span.source.text).path(&span.source.name).annotation(mark);
+        renderer.render(&[title.element(snippet)])
+    }
+}
+
+/// All mistakes, one report after the other.
+pub fn render(mistakes: &[Diagnostic], styled: bool) -> String {
+    let reports: Vec<String> = mistakes.iter().map(|m| m.render(styled)).collect();
+    reports.join("\n\n")
+}
+
+/// The name among `known` that `written` was probably meant to be.
+pub fn closest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .into_iter()
+        .map(|name| (strsim::jaro_winkler(written, name), name))
+        .filter(|(likeness, _)| *likeness > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}
+
+/// `path` without `..` detours, relative to the working directory where it lies below it.
+pub fn shown_path(path: &Path) -> String {
+    let tidy = tidy_path(path);
+    let relative = std::env::current_dir().ok().and_then(|here| tidy.strip_prefix(here).ok().map(Path::to_owned));
+    relative.unwrap_or(tidy).display().to_string()
+}
+
+/// `path` without `.` and, where a folder stands before it, without `..`.
+pub fn tidy_path(path: &Path) -> PathBuf {
+    let mut tidy = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if ends_in_folder(&tidy) => {
+                tidy.pop();
+            }
+            part => tidy.push(part),
+        }
+    }
+    tidy
+}
+
+fn ends_in_folder(path: &Path) -> bool {
+    matches!(path.components().next_back(), Some(Component::Normal(_)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn looks_like_the_tour() {
+        let text = "density = 915\n[x]\nthicknes = \"12 um\"\n".to_owned();
+        let source = Source::unfiled("scenarios/materials/lldpe.toml", text);
+        let mistake =
+            Diagnostic::new("unknown key `thicknes`").at(&Span::new(&source, 18..26)).hint("did you mean `thickness`?");
+        let expected = "\
+error: unknown key `thicknes`
+ --> scenarios/materials/lldpe.toml:3:1
+  |
+3 | thicknes = \"12 um\"
+  | ^^^^^^^^ did you mean `thickness`?";
+        assert_eq!(mistake.render(false), expected);
+    }
+
+    #[test]
+    fn positions_are_in_characters() {
+        let source = Source::unfiled("x", "a\nβγδ\n".to_owned());
+        let span = Span::position(&source, 2, 3);
+        assert_eq!(span.start(), (2, 3));
+        assert_eq!(&source.text[span.range.clone()], "δ");
+    }
+
+    #[test]
+    fn paths_lose_their_detours() {
+        let tidy = |text: &str| tidy_path(Path::new(text)).display().to_string();
+        assert_eq!(tidy("a/b/../c/./d"), "a/c/d");
+        assert_eq!(tidy("../a/../../b"), "../../b");
+    }
+}

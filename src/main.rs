@@ -1,3 +1,7 @@
-fn main() {
-    println!("{}", 1);
+//! The `droptower` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    droptower::cli::main()
 }

@@ -1,1 +1,355 @@
-//! units
+//! Quantities: "12 um" ⇄ 12e-6 m, with the dimension checked.
+//!
+//! A unit is written as factors with powers, `kg/m3`, `m/s^2`, `N/mm`; each factor is looked up by
+//! its abbreviation in `uom`, which knows the SI and its prefixes. A bare number is in the SI unit.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use thiserror::Error;
+use uom::si::f64 as si;
+
+/// Powers of metre, kilogram, second and radian.
+type Powers = [i8; 4];
+
+/// What a quantity measures: its name, its SI unit and the powers of the base units in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dimension {
+    /// With its article, as an error names it: "a length".
+    pub name: &'static str,
+    /// The unit of a bare number.
+    pub unit: &'static str,
+    /// A quantity as a user would write it.
+    pub example: &'static str,
+    powers: Powers,
+}
+
+/// Why a text is not a quantity of the dimension asked for.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum UnitError {
+    #[error("expected {}, found \"{text}\"", dimension.name)]
+    WrongDimension { dimension: Dimension, text: String },
+    #[error("expected {} with its unit, found \"{text}\"", dimension.name)]
+    NoUnit { dimension: Dimension, text: String },
+    #[error("unknown unit `{unit}` in \"{text}\"")]
+    UnknownUnit { dimension: Dimension, unit: String, text: String },
+    #[error("expected {}, found \"{text}\", which does not start with a number", dimension.name)]
+    NoNumber { dimension: Dimension, text: String },
+}
+
+impl UnitError {
+    /// What to write instead.
+    pub fn hint(&self) -> String {
+        let dimension = match self {
+            UnitError::WrongDimension { dimension, .. }
+            | UnitError::NoUnit { dimension, .. }
+            | UnitError::UnknownUnit { dimension, .. }
+            | UnitError::NoNumber { dimension, .. } => dimension,
+        };
+        format!("write it like \"{}\", or as a bare number in {}", dimension.example, dimension.unit)
+    }
+}
+
+impl Dimension {
+    /// The dimension with this name ("a length").
+    pub fn named(name: &str) -> Option<Dimension> {
+        DIMENSIONS.iter().copied().find(|d| d.name == name)
+    }
+
+    /// The value of `text` in the SI unit.
+    pub fn parse(self, text: &str) -> Result<f64, UnitError> {
+        let (number, unit) = split_number(text.trim());
+        let value: f64 = number.parse().map_err(|_| UnitError::NoNumber { dimension: self, text: text.to_owned() })?;
+        if unit.is_empty() {
+            return Err(UnitError::NoUnit { dimension: self, text: text.to_owned() });
+        }
+        let (factor, powers) = parse_unit(unit).map_err(|UnknownFactor(unit)| UnitError::UnknownUnit {
+            dimension: self,
+            unit,
+            text: text.to_owned(),
+        })?;
+        if powers != self.powers {
+            return Err(UnitError::WrongDimension { dimension: self, text: text.to_owned() });
+        }
+        Ok(scale(value, factor))
+    }
+
+    /// `value` (SI) with a prefix that makes the number easy to read, where the unit takes one.
+    pub fn show(self, value: f64) -> String {
+        let prefixes: &[(f64, &str)] = match self.unit {
+            "m" | "s" => &[(1.0, ""), (1e-3, "m"), (1e-6, "u")],
+            "Hz" | "Pa" => &[(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, "")],
+            _ => &[],
+        };
+        let (factor, prefix) = prefixes.iter().copied().find(|(factor, _)| value.abs() >= *factor).unwrap_or((1.0, ""));
+        let shown = if factor < 1.0 { value * (1.0 / factor).round() } else { value / factor };
+        format!("{shown} {prefix}{}", self.unit)
+    }
+}
+
+/// The leading number of `text` and what follows it. An `e` belongs to the number only if digits follow.
+fn split_number(text: &str) -> (&str, &str) {
+    let bytes = text.as_bytes();
+    let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit() || **b == b'.').count();
+    let sign = |at: usize| usize::from(matches!(bytes.get(at), Some(b'+' | b'-')));
+    let mut end = sign(0);
+    end += digits(end);
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let exponent = end + 1 + sign(end + 1);
+        let length = digits(exponent.min(bytes.len()));
+        if length > 0 {
+            end = exponent + length;
+        }
+    }
+    (&text[..end], text[end..].trim_start())
+}
+
+/// Dividing by the whole reciprocal keeps "12 um" the same number as the literal 12e-6.
+fn scale(value: f64, factor: f64) -> f64 {
+    let reciprocal = (1.0 / factor).round();
+    if factor < 1.0 && (reciprocal * factor - 1.0).abs() < 1e-15 { value / reciprocal } else { value * factor }
+}
+
+struct UnknownFactor(String);
+
+/// Factor to SI and powers of a unit such as `kg/m3`: every factor after a `/` divides.
+fn parse_unit(unit: &str) -> Result<(f64, Powers), UnknownFactor> {
+    let mut total = (1.0, [0; 4]);
+    for (place, group) in unit.split('/').enumerate() {
+        let sign: i8 = if place == 0 { 1 } else { -1 };
+        for factor in group.split(['*', '·', ' ']).filter(|f| !f.is_empty()) {
+            let (symbol, power) = split_power(factor);
+            let (size, powers) = look_up(symbol).ok_or_else(|| UnknownFactor(symbol.to_owned()))?;
+            let power = power * sign;
+            total.0 *= size.powi(i32::from(power));
+            for (sum, own) in total.1.iter_mut().zip(powers) {
+                *sum += own * power;
+            }
+        }
+    }
+    Ok(total)
+}
+
+/// `s2`, `s^2`, `s²`, `s^-1` → symbol and power.
+fn split_power(factor: &str) -> (&str, i8) {
+    if let Some(symbol) = factor.strip_suffix('²') {
+        return (symbol, 2);
+    }
+    if let Some(symbol) = factor.strip_suffix('³') {
+        return (symbol, 3);
+    }
+    let symbol = factor.trim_end_matches(|c: char| c.is_ascii_digit() || c == '-');
+    match factor[symbol.len()..].parse() {
+        Ok(power) if !symbol.is_empty() && (-4..=4).contains(&power) => (symbol.trim_end_matches('^'), power),
+        _ => (factor, 1),
+    }
+}
+
+/// Factor to SI and powers of one unit symbol.
+fn look_up(symbol: &str) -> Option<(f64, Powers)> {
+    if symbol == "1" {
+        return Some((1.0, [0; 4]));
+    }
+    let symbol = spelled_as_uom(symbol);
+    let one = format!("1 {symbol}");
+    macro_rules! first_of {
+        ($($quantity:ident: $powers:expr),* $(,)?) => {
+            $(if let Ok(found) = one.parse::<si::$quantity>() {
+                return Some((found.value, $powers));
+            })*
+        };
+    }
+    first_of! {
+        Length: [1, 0, 0, 0],
+        Mass: [0, 1, 0, 0],
+        Time: [0, 0, 1, 0],
+        Angle: [0, 0, 0, 1],
+        Frequency: [0, 0, -1, 0],
+        Pressure: [-1, 1, -2, 0],
+        Force: [1, 1, -2, 0],
+        Energy: [2, 1, -2, 0],
+    }
+    None
+}
+
+/// Keyboards have neither µ nor °.
+fn spelled_as_uom(symbol: &str) -> Cow<'_, str> {
+    match symbol {
+        "deg" => Cow::Borrowed("°"),
+        "um" | "μm" => Cow::Borrowed("µm"),
+        "us" | "μs" => Cow::Borrowed("µs"),
+        "ug" | "μg" => Cow::Borrowed("µg"),
+        _ => Cow::Borrowed(symbol),
+    }
+}
+
+macro_rules! quantities {
+    ($($(#[$doc:meta])* $type:ident: $name:literal, $unit:literal, $example:literal, $powers:expr;)*) => {
+        /// Every dimension of the scenario language.
+        pub const DIMENSIONS: &[Dimension] = &[$($type::DIMENSION),*];
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+            pub struct $type(pub f64);
+
+            impl $type {
+                pub const DIMENSION: Dimension = Dimension {
+                    name: $name,
+                    unit: $unit,
+                    example: $example,
+                    powers: $powers,
+                };
+            }
+
+            impl fmt::Display for $type {
+                fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                    f.write_str(&Self::DIMENSION.show(self.0))
+                }
+            }
+
+            impl Serialize for $type {
+                fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                    serializer.collect_str(self)
+                }
+            }
+
+            impl<'de> Deserialize<'de> for $type {
+                fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                    deserializer.deserialize_any(Written(Self::DIMENSION)).map($type)
+                }
+            }
+
+            impl JsonSchema for $type {
+                fn schema_name() -> Cow<'static, str> {
+                    stringify!($type).into()
+                }
+                fn inline_schema() -> bool {
+                    true
+                }
+                fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                    json_schema!({
+                        "type": ["number", "string"],
+                        "x-quantity": $name,
+                        "x-unit": $unit,
+                    })
+                }
+            }
+        )*
+    };
+}
+
+quantities! {
+    /// m.
+    Length: "a length", "m", "12 mm", [1, 0, 0, 0];
+    /// kg.
+    Mass: "a mass", "kg", "10.72 kg", [0, 1, 0, 0];
+    /// s.
+    Time: "a time", "s", "120 ms", [0, 0, 1, 0];
+    /// m/s.
+    Velocity: "a velocity", "m/s", "4.16 m/s", [1, 0, -1, 0];
+    /// m/s².
+    Acceleration: "an acceleration", "m/s2", "9.81 m/s2", [1, 0, -2, 0];
+    /// Pa.
+    Pressure: "a pressure", "Pa", "8.4 MPa", [-1, 1, -2, 0];
+    /// kg/m³.
+    Density: "a density", "kg/m3", "915 kg/m3", [-3, 1, 0, 0];
+    /// rad.
+    Angle: "an angle", "rad", "45 deg", [0, 0, 0, 1];
+    /// Hz.
+    Frequency: "a frequency", "Hz", "10 kHz", [0, 0, -1, 0];
+    /// Strain per second.
+    Rate: "a rate", "1/s", "0.04 1/s", [0, 0, -1, 0];
+}
+
+/// Reads a number as SI and a text with its unit.
+struct Written(Dimension);
+
+impl de::Visitor<'_> for Written {
+    type Value = f64;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.name)
+    }
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<f64, E> {
+        Ok(value)
+    }
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<f64, E> {
+        Ok(value as f64)
+    }
+    fn visit_u64<E: de::Error>(self, value: u64) -> Result<f64, E> {
+        Ok(value as f64)
+    }
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<f64, E> {
+        self.0.parse(text).map_err(E::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn units_of_the_tour() {
+        for (dimension, text, si) in [
+            (Length::DIMENSION, "12 um", 12e-6),
+            (Length::DIMENSION, "10 dm", 1.0),
+            (Length::DIMENSION, "20mm", 0.02),
+            (Length::DIMENSION, "-30 mm", -0.03),
+            (Velocity::DIMENSION, "0.2 m/s", 0.2),
+            (Acceleration::DIMENSION, "9.81 m/s2", 9.81),
+            (Acceleration::DIMENSION, "9.81 m/s^2", 9.81),
+            (Acceleration::DIMENSION, "9.81 m/s²", 9.81),
+            (Density::DIMENSION, "915 kg/m3", 915.0),
+            (Density::DIMENSION, "0.915 g/cm3", 915.0),
+            (Pressure::DIMENSION, "29.3 MPa", 29.3e6),
+            (Pressure::DIMENSION, "10 N/mm2", 10e6),
+            (Rate::DIMENSION, "0.04 1/s", 0.04),
+            (Rate::DIMENSION, "40 s^-1", 40.0),
+            (Frequency::DIMENSION, "10 kHz", 10e3),
+            (Angle::DIMENSION, "180 deg", std::f64::consts::PI),
+            (Time::DIMENSION, "120 ms", 0.12),
+            (Length::DIMENSION, "1e-3 m", 1e-3),
+            (Mass::DIMENSION, "1.5e1 g", 0.015),
+        ] {
+            let found = dimension.parse(text);
+            let close = matches!(found, Ok(value) if (value - si).abs() <= 1e-15 * si.abs());
+            assert!(close, "{text}: {found:?} instead of {si}");
+        }
+    }
+
+    #[test]
+    fn micrometres_are_the_literal() {
+        assert_eq!(Length::DIMENSION.parse("12 um"), Ok(12e-6));
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        for (dimension, text, message) in [
+            (Length::DIMENSION, "12 kg", "expected a length, found \"12 kg\""),
+            (Length::DIMENSION, "12", "expected a length with its unit, found \"12\""),
+            (Mass::DIMENSION, "3 foo", "unknown unit `foo` in \"3 foo\""),
+            (Angle::DIMENSION, "left", "expected an angle, found \"left\", which does not start with a number"),
+        ] {
+            let error = dimension.parse(text).expect_err("not a quantity");
+            assert_eq!(error.to_string(), message);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn shown_quantities_read_back(value in -1e9..1e9f64, which in 0..DIMENSIONS.len()) {
+            let dimension = DIMENSIONS[which];
+            let back = dimension.parse(&dimension.show(value));
+            let close = matches!(back, Ok(v) if (v - value).abs() <= 4e-16 * value.abs());
+            prop_assert!(close, "{value} became {back:?}");
+        }
+
+        #[test]
+        fn no_text_panics(text in ".{0,24}", which in 0..DIMENSIONS.len()) {
+            let _ = DIMENSIONS[which].parse(&text);
+        }
+    }
+}

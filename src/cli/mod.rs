@@ -1,1 +1,110 @@
 //! The command line: one file a command, exit codes, and the one place that prints.
+
+mod check;
+mod explain;
+mod list;
+mod new;
+mod run;
+mod scenarios;
+mod schema;
+mod script;
+
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use serde::Serialize;
+
+use crate::diagnostic::{self, Diagnostic};
+
+/// Exit status where the user's input is wrong; nothing was written.
+pub const BAD_INPUT: u8 = 2;
+/// Exit status where a run went wrong numerically; what was computed so far is kept.
+pub const NUMERICAL_FAILURE: u8 = 3;
+
+/// A scripted virtual drop tower for thin films and membranes.
+#[derive(Debug, Parser)]
+#[command(name = "droptower", version, max_term_width = 100)]
+struct Droptower {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    shared: Shared,
+}
+
+/// What every command takes.
+#[derive(Clone, Debug, Args)]
+pub struct Shared {
+    /// Print figures as JSON on standard output
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Threads to compute with; all cores where it is left out
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Print nothing but mistakes
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Simulate scenarios: compare, record, report
+    Run(run::RunArgs),
+    /// Say everything that is wrong with scenarios, without running them
+    Check(check::CheckArgs),
+    /// Print the JSON Schema of the scenario language, for editors
+    Schema,
+    /// Say what a key means: unit, range, default
+    Explain(explain::ExplainArgs),
+    /// Write a commented scenario to start from
+    New(new::NewArgs),
+    /// List the scenarios of a folder
+    List(list::ListArgs),
+    /// Run a Rhai script over scenarios
+    Script(script::ScriptArgs),
+}
+
+/// Runs the command that the arguments name; usage errors exit with status 2.
+pub fn main() -> ExitCode {
+    let Droptower { command, shared } = Droptower::parse();
+    if let Some(threads) = shared.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        if let Err(error) = pool.build_global() {
+            return report(&[Diagnostic::new(format!("cannot start {threads} threads: {error}"))]);
+        }
+    }
+    match command {
+        Command::Run(args) => run::run(&args, &shared),
+        Command::Check(args) => check::run(&args, &shared),
+        Command::Schema => schema::run(),
+        Command::Explain(args) => explain::run(&args, &shared),
+        Command::New(args) => new::run(&args, &shared),
+        Command::List(args) => list::run(&args, &shared),
+        Command::Script(args) => script::run(&args, &shared),
+    }
+}
+
+/// Prints mistakes on standard error, with colours on a terminal, and is the exit status for them.
+pub fn report(mistakes: &[Diagnostic]) -> ExitCode {
+    let styled = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+    // A closed standard error leaves no place to complain to; the exit status still tells.
+    let _ = writeln!(io::stderr(), "{}", diagnostic::render(mistakes, styled));
+    ExitCode::from(BAD_INPUT)
+}
+
+/// Prints text on standard output; a reader that has had enough (`| head`) is no failure.
+pub fn print(text: &str) -> ExitCode {
+    match writeln!(io::stdout(), "{text}") {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => report(&[Diagnostic::new(format!("cannot print: {error}"))]),
+    }
+}
+
+/// Prints figures as JSON on standard output.
+pub fn print_json(figures: &impl Serialize) -> ExitCode {
+    match serde_json::to_string_pretty(figures) {
+        Ok(text) => print(&text),
+        Err(error) => report(&[Diagnostic::new(format!("cannot print as JSON: {error}"))]),
+    }
+}

@@ -1,8 +1,64 @@
 //! The checked scenario: SI values, complete, immutable; what is here can be run.
 
+mod findings;
+mod frame;
+mod impactor;
+mod layers;
+mod loading;
+mod material;
+mod output;
+mod post;
+mod reference;
+mod size;
+mod specimen;
+
 use std::path::PathBuf;
 
+use crate::diagnostic::Diagnostic;
 use crate::material::Material;
+use crate::scenario::{Document, Scenario};
+use findings::Findings;
+
+/// Checks that what is written makes sense, and turns it into SI values.
+///
+/// # Errors
+/// Everything that is wrong with how the scenario is written and with what it says, at once.
+pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
+    let (scenario, mistakes) = document.scenario();
+    let mut findings = Findings::new(document, mistakes);
+    let model = scenario.and_then(|scenario| model(&scenario, &mut findings));
+    match model {
+        Some(model) if findings.mistakes.is_empty() => Ok(model),
+        _ => Err(findings.into_mistakes()),
+    }
+}
+
+/// Every part is checked before the first missing one ends it.
+fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
+    let name = findings.document.name();
+    let specimen = specimen::check(&scenario.specimen, findings);
+    let loading = loading::check(scenario, findings);
+    let faces = layers::check(scenario, &loading, findings);
+    let frame = frame::check(scenario, findings);
+    let impactor = impactor::check(scenario, findings);
+    let output = output::check(scenario, findings);
+    let reference = reference::check(scenario, findings);
+    let post = post::check(scenario, findings);
+    let model = Model {
+        title: scenario.title.clone().unwrap_or_else(|| name.clone()),
+        name,
+        specimen: specimen?,
+        faces: faces?,
+        frame,
+        impactor,
+        loading,
+        output,
+        reference,
+        post,
+    };
+    size::check(&model, findings);
+    Some(model)
+}
 
 /// Everything one simulation needs.
 #[derive(Clone, Debug)]
@@ -158,11 +214,7 @@ pub enum Guide {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Loading {
     /// The impactor starts in touch with the first face at `velocity` (m/s, downward positive).
-    Impact {
-        velocity: f64,
-        gravity: f64,
-        duration: f64,
-    },
+    Impact { velocity: f64, gravity: f64, duration: f64 },
     /// The edges x- and x+ are jaws that part at `velocity` (m/s, both together) along x.
     Stretch {
         /// Angle from MD to the direction of pull, rad: MD 0, TD π/2.

@@ -1,1 +1,73 @@
-//! scenario
+//! The scenario language as written: one file a table, every key with its unit, range, default and
+//! one sentence. What editors check, `droptower explain` shows and [`validate`] enforces all come
+//! from these structs. Whether what is written makes sense is not known here.
+
+mod assignment;
+mod curve_file;
+mod document;
+mod frame;
+pub mod grammar;
+mod impactor;
+mod layers;
+mod loading;
+mod material;
+mod merge;
+mod output;
+mod post;
+mod reference;
+mod resolved;
+pub mod schema;
+mod specimen;
+mod tree;
+mod validate;
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use assignment::Assignment;
+pub use document::Document;
+pub use frame::{EdgeChoice, Frame, Hold, Side};
+pub use impactor::{Guide, Impactor, ImpactorShape};
+pub use layers::{Layer, Layers, Prestrain};
+pub use loading::{Axis, Direction, Impact, Loading, Stretch};
+pub use material::{Elastic, Fabric, Fibre, Material, Point, Scale, Shear};
+pub use output::{Filter, Output};
+pub use post::Post;
+pub use reference::{Phase, Reference, Window};
+pub use specimen::{Circle, Element, Meshing, Shape, Specimen, Symmetry};
+pub use tree::{Node, Table, Value};
+
+/// A scenario as written: what is hit by what, and what is kept of it.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("not" = { "required": ["layers", "layer"] }))]
+pub struct Scenario {
+    /// One line that says what the scenario is; the name of its file where it is left out.
+    pub title: Option<String>,
+    /// A scenario file whose keys this one starts from and changes; relative to this file.
+    #[schemars(extend("x-path" = true))]
+    pub extends: Option<PathBuf>,
+    /// The film: outline, material, division into elements.
+    pub specimen: Specimen,
+    /// How many layers lie where, all of the specimen's material.
+    pub layers: Option<Layers>,
+    /// One entry a face, in place of `layers`: each with its own height, material, angle and mesh.
+    #[serde(default)]
+    #[schemars(length(min = 1))]
+    pub layer: Vec<Layer>,
+    /// What holds the film.
+    #[serde(default)]
+    pub frame: Frame,
+    /// The rigid body that meets the film; only where the loading needs one.
+    pub impactor: Option<Impactor>,
+    /// What is done to the specimen.
+    pub loading: Loading,
+    /// What is kept of a run.
+    #[serde(default)]
+    pub output: Output,
+    /// A recording that the run is compared with.
+    pub reference: Option<Reference>,
+    /// What happens to the results.
+    pub post: Option<Post>,
+}

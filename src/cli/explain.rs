@@ -1,0 +1,138 @@
+//! `droptower explain`: unit, range, default and sentence of every key under a path.
+
+use std::process::ExitCode;
+
+use clap::Args;
+use serde::Serialize;
+use serde_json::Value as Json;
+
+use super::{Shared, print, print_json, report};
+use crate::diagnostic::{Diagnostic, closest};
+use crate::scenario::grammar::{self, Key, Rule, TableRule};
+
+#[derive(Debug, Args)]
+pub struct ExplainArgs {
+    /// Key path, e.g. specimen.mesh; the top tables where it is left out
+    #[arg(value_name = "KEY")]
+    pub path: Option<String>,
+}
+
+/// What is known of one key.
+#[derive(Serialize)]
+struct Explanation {
+    key: String,
+    sentence: Option<String>,
+    expected: String,
+    unit: Option<&'static str>,
+    range: Option<String>,
+    default: Option<Json>,
+    required: bool,
+    choices: Vec<Choice>,
+}
+
+#[derive(Serialize)]
+struct Choice {
+    word: String,
+    sentence: Option<String>,
+}
+
+pub fn run(args: &ExplainArgs, shared: &Shared) -> ExitCode {
+    let explanations = match &args.path {
+        Some(path) => match find(path) {
+            Ok((name, key)) => under(&name, key),
+            Err(mistake) => return report(&[mistake]),
+        },
+        None => top(),
+    };
+    if shared.json {
+        return print_json(&explanations);
+    }
+    let texts: Vec<String> = explanations.iter().map(text).collect();
+    print(&texts.join("\n\n"))
+}
+
+/// The tables of a scenario, without what is in them.
+fn top() -> Vec<Explanation> {
+    let keys = grammar::scenario().table().map(|table| table.keys.iter());
+    keys.into_iter().flatten().map(|key| explanation(&key.name, key)).collect()
+}
+
+/// The key at `path` and its name; a number in the path (an item of a list) is passed over.
+fn find(path: &str) -> Result<(String, &'static Key), Diagnostic> {
+    let mut rule = grammar::scenario();
+    let mut name = String::new();
+    let mut found = None;
+    for step in path.split('.').filter(|step| step.parse::<usize>().is_err()) {
+        let keys = keys_under(rule).ok_or_else(|| nothing_under(&name))?;
+        let key = keys.key(step).ok_or_else(|| unknown(step, &name, keys))?;
+        name = if name.is_empty() { key.name.clone() } else { format!("{name}.{}", key.name) };
+        rule = &key.rule;
+        found = Some(key);
+    }
+    found.map(|key| (name, key)).ok_or_else(|| Diagnostic::new(format!("`{path}` is not a key")))
+}
+
+fn nothing_under(name: &str) -> Diagnostic {
+    Diagnostic::new(format!("`{name}` has no keys of its own"))
+}
+
+fn unknown(step: &str, name: &str, keys: &TableRule) -> Diagnostic {
+    let place = if name.is_empty() { "a scenario".to_owned() } else { format!("`{name}`") };
+    let mistake = Diagnostic::new(format!("{place} has no key `{step}`"));
+    let names = || keys.keys.iter().map(|key| key.name.as_str());
+    match closest(step, names()) {
+        Some(name) => mistake.hint(format!("did you mean `{name}`?")),
+        None => mistake.hint(format!("it has {}", names().collect::<Vec<_>>().join(", "))),
+    }
+}
+
+/// The keys of a table, or of the tables in a list.
+fn keys_under(rule: &Rule) -> Option<&TableRule> {
+    rule.table().or_else(|| rule.item(0)?.table())
+}
+
+/// The key and everything under it.
+fn under(name: &str, key: &Key) -> Vec<Explanation> {
+    let mut all = vec![explanation(name, key)];
+    if let Some(table) = keys_under(&key.rule) {
+        all.extend(table.keys.iter().flat_map(|child| under(&format!("{name}.{}", child.name), child)));
+    }
+    all
+}
+
+fn explanation(name: &str, key: &Key) -> Explanation {
+    let dimension = key.rule.dimension();
+    let show = |bound: f64| dimension.map_or(bound.to_string(), |d| d.show(bound));
+    let choices = key.rule.words().into_iter();
+    Explanation {
+        key: name.to_owned(),
+        sentence: key.sentence.clone(),
+        expected: key.rule.to_string(),
+        unit: dimension.map(|d| d.unit),
+        range: key.rule.range().and_then(|range| range.describe(show)),
+        default: key.default.clone().filter(|default| !default.is_object()),
+        required: key.required,
+        choices: choices
+            .map(|(word, sentence)| Choice { word: word.to_owned(), sentence: sentence.map(str::to_owned) })
+            .collect(),
+    }
+}
+
+fn text(explanation: &Explanation) -> String {
+    let mut lines = vec![explanation.key.clone()];
+    lines.extend(explanation.sentence.clone());
+    let mut facts = vec![explanation.expected.clone()];
+    facts.extend(explanation.unit.map(|unit| format!("a bare number is in {unit}")));
+    facts.extend(explanation.range.clone());
+    facts.extend(explanation.default.as_ref().map(|default| format!("default {default}")));
+    if explanation.required {
+        facts.push("required".to_owned());
+    }
+    lines.push(facts.join("; "));
+    let described = explanation.choices.iter().filter_map(|choice| {
+        let sentence = choice.sentence.as_ref()?;
+        Some(format!("  \"{}\": {sentence}", choice.word))
+    });
+    lines.extend(described);
+    lines.join("\n    ")
+}

@@ -1,0 +1,58 @@
+//! `droptower new`: a commented scenario to start from.
+
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+
+use super::{Shared, print, report};
+use crate::diagnostic::{Diagnostic, shown_path};
+
+#[derive(Debug, Args)]
+pub struct NewArgs {
+    /// What to simulate
+    pub kind: Kind,
+    /// The file to write; an existing one is left alone
+    pub path: PathBuf,
+}
+
+/// The tests that there is a template of.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Kind {
+    /// A sphere on a wound film, as in the LLDPE study
+    Drop,
+    /// A falling dart on a clamped disc (after ASTM D1709, method A)
+    Dart,
+    /// A tensile coupon between two jaws
+    Coupon,
+}
+
+impl Kind {
+    fn template(self) -> &'static str {
+        match self {
+            Kind::Drop => include_str!("templates/drop.toml"),
+            Kind::Dart => include_str!("templates/dart.toml"),
+            Kind::Coupon => include_str!("templates/coupon.toml"),
+        }
+    }
+}
+
+pub fn run(args: &NewArgs, shared: &Shared) -> ExitCode {
+    let shown = shown_path(&args.path);
+    let written = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(&args.path)
+        .and_then(|mut file| file.write_all(args.kind.template().as_bytes()));
+    match written {
+        Ok(()) if shared.quiet => ExitCode::SUCCESS,
+        Ok(()) => print(&format!("wrote {shown}; try: droptower check {shown}")),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            let mistake = Diagnostic::new(format!("{shown} exists already"));
+            report(&[mistake.hint("give another name, or remove it first")])
+        }
+        Err(error) => report(&[Diagnostic::new(format!("cannot write {shown}: {error}"))]),
+    }
+}

@@ -1,0 +1,86 @@
+//! The scenarios that the arguments name.
+
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::Diagnostic;
+use crate::model::{self, Model};
+use crate::scenario::{Assignment, Document};
+
+/// A scenario that can be run, as written and as checked.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    pub document: Document,
+    pub model: Model,
+}
+
+/// Every scenario named by paths and globs, changed by `--set`.
+///
+/// # Errors
+/// The mistakes of all scenarios at once.
+pub fn checked(patterns: &[String], set: &[String]) -> Result<Vec<Checked>, Vec<Diagnostic>> {
+    let (paths, assignments) = both(files(patterns), assignments(set))?;
+    let (mut checked, mut mistakes) = (Vec::new(), Vec::new());
+    for path in &paths {
+        match check(path, &assignments) {
+            Ok(scenario) => checked.push(scenario),
+            Err(found) => mistakes.extend(found),
+        }
+    }
+    if mistakes.is_empty() { Ok(checked) } else { Err(mistakes) }
+}
+
+/// The scenario at `path` with changes laid over it.
+pub fn check(path: &Path, assignments: &[Assignment]) -> Result<Checked, Vec<Diagnostic>> {
+    let document = Document::read(path)?.with(assignments);
+    let model = model::check(&document)?;
+    Ok(Checked { document, model })
+}
+
+/// The changes that `--set` asks for.
+pub fn assignments(set: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
+    let (mut assignments, mut mistakes) = (Vec::new(), Vec::new());
+    for argument in set {
+        match Assignment::from_argument(argument) {
+            Ok(assignment) => assignments.push(assignment),
+            Err(found) => mistakes.extend(found),
+        }
+    }
+    if mistakes.is_empty() { Ok(assignments) } else { Err(mistakes) }
+}
+
+/// The files that paths and globs name, each once, in the order of the arguments. A shell that expands globs has
+/// done so already; elsewhere, and within quotes, it is done here.
+pub fn files(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
+    let (mut files, mut mistakes) = (Vec::new(), Vec::new());
+    for pattern in patterns {
+        match matches(pattern) {
+            Ok(found) => {
+                let new: Vec<PathBuf> = found.into_iter().filter(|file| !files.contains(file)).collect();
+                files.extend(new);
+            }
+            Err(mistake) => mistakes.push(mistake),
+        }
+    }
+    if mistakes.is_empty() { Ok(files) } else { Err(mistakes) }
+}
+
+fn matches(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
+    if Path::new(pattern).exists() || !pattern.contains(['*', '?', '[']) {
+        return Ok(vec![PathBuf::from(pattern)]);
+    }
+    let paths = glob::glob(pattern).map_err(|error| Diagnostic::new(format!("`{pattern}`: {error}")))?;
+    let files: Vec<PathBuf> = paths.filter_map(Result::ok).filter(|path| path.is_file()).collect();
+    if files.is_empty() {
+        return Err(Diagnostic::new(format!("no file matches `{pattern}`")));
+    }
+    Ok(files)
+}
+
+/// Both values, or the mistakes of both.
+fn both<A, B>(a: Result<A, Vec<Diagnostic>>, b: Result<B, Vec<Diagnostic>>) -> Result<(A, B), Vec<Diagnostic>> {
+    match (a, b) {
+        (Ok(a), Ok(b)) => Ok((a, b)),
+        (Err(a), Err(b)) => Err(a.into_iter().chain(b).collect()),
+        (Err(mistakes), _) | (_, Err(mistakes)) => Err(mistakes),
+    }
+}

@@ -1,0 +1,67 @@
+//! What the checks find, each at the place of a key path.
+
+use std::path::PathBuf;
+
+use crate::diagnostic::{Diagnostic, Span, shown_path};
+use crate::scenario::Document;
+
+/// The mistakes found so far, and the document that says where they are.
+pub struct Findings<'d> {
+    pub document: &'d Document,
+    pub mistakes: Vec<Diagnostic>,
+}
+
+impl<'d> Findings<'d> {
+    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> Findings<'d> {
+        Findings { document, mistakes }
+    }
+
+    /// A mistake in the value at the key path.
+    pub fn report(&mut self, path: &str, message: impl Into<String>) {
+        let span = self.document.span(path);
+        self.mistakes.push(Diagnostic::new(message).at(&span));
+    }
+
+    /// A mistake in the value at the key path, and what to write instead.
+    pub fn report_with(&mut self, path: &str, message: impl Into<String>, hint: impl Into<String>) {
+        let span = self.document.span(path);
+        self.mistakes.push(Diagnostic::new(message).at(&span).hint(hint));
+    }
+
+    /// A key that must stand at the key path and does not.
+    pub fn missing(&mut self, path: &str, hint: impl Into<String>) {
+        self.report_with(path, format!("missing key `{path}`"), hint);
+    }
+
+    /// A key that has no meaning together with another.
+    pub fn out_of_place(&mut self, path: &str, why: impl Into<String>) {
+        let span = self.document.key_span(path);
+        let message = format!("`{path}` has no meaning here");
+        self.mistakes.push(Diagnostic::new(message).at(&span).hint(why));
+    }
+
+    /// Whether the key stands in the document.
+    pub fn is_written(&self, path: &str) -> bool {
+        self.document.find(path).is_some()
+    }
+
+    /// The existing file named at the key path.
+    pub fn file(&mut self, path: &str) -> Option<PathBuf> {
+        let file = self.document.file(path)?;
+        if file.is_file() {
+            return Some(file);
+        }
+        let shown = shown_path(&file);
+        self.report(path, format!("cannot read {shown}: there is no such file"));
+        None
+    }
+
+    /// All mistakes in the order of the text, without repetitions.
+    pub fn into_mistakes(self) -> Vec<Diagnostic> {
+        let mut mistakes = self.mistakes;
+        let place = |span: &Span| (span.source.name.clone(), span.range.start);
+        mistakes.sort_by_cached_key(|mistake| mistake.span.as_ref().map(place));
+        mistakes.dedup_by(|a, b| a.message == b.message && a.span.as_ref().map(place) == b.span.as_ref().map(place));
+        mistakes
+    }
+}

@@ -1,0 +1,72 @@
+//! What holds the film.
+
+use super::specimen::{mirrors, symmetry};
+use super::{Findings, Frame, Hold, Side};
+use crate::scenario::{self, EdgeChoice, Loading, Scenario, Shape};
+
+const PATH: &str = "frame.hold";
+
+/// The clamped edges; under a stretch the jaws, unless they let the film slide.
+pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Frame {
+    let hold = match &scenario.frame.hold {
+        Some(scenario::Hold::Word(EdgeChoice::All)) => Hold::All,
+        Some(scenario::Hold::Word(EdgeChoice::None)) => Hold::None,
+        Some(scenario::Hold::Sides(sides)) => self::sides(sides, scenario, findings),
+        None if is_stretch(scenario) => Hold::Sides(vec![Side::XMinus, Side::XPlus]),
+        None => Hold::All,
+    };
+    if is_stretch(scenario) && !is_jaws(&hold) {
+        findings.report_with(
+            PATH,
+            "a stretch test holds the sides x- and x+, its jaws",
+            "leave the key out, or write \"none\" to let the film slide along the jaws",
+        );
+    }
+    Frame { hold }
+}
+
+fn is_stretch(scenario: &Scenario) -> bool {
+    matches!(scenario.loading, Loading::Stretch(_))
+}
+
+fn is_jaws(hold: &Hold) -> bool {
+    match hold {
+        Hold::All => false,
+        Hold::None => true,
+        Hold::Sides(sides) => sides.len() == 2 && sides.contains(&Side::XMinus) && sides.contains(&Side::XPlus),
+    }
+}
+
+fn sides(written: &[scenario::Side], scenario: &Scenario, findings: &mut Findings<'_>) -> Hold {
+    if matches!(scenario.specimen.shape, Shape::Circle(_)) {
+        findings.report_with(PATH, "a circle has no sides", "hold \"all\" or \"none\"");
+    }
+    let mut sides = Vec::new();
+    for (place, side) in written.iter().map(side).enumerate() {
+        if sides.contains(&side) {
+            findings.report(&format!("{PATH}.{place}"), "this side is already held");
+        } else {
+            sides.push(side);
+        }
+    }
+    let [x, y] = mirrors(symmetry(&scenario.specimen));
+    let alike = |a, b| sides.contains(&a) == sides.contains(&b);
+    let broken = (x && !alike(Side::XMinus, Side::XPlus)) || (y && !alike(Side::YMinus, Side::YPlus));
+    if broken {
+        findings.report_with(
+            PATH,
+            "opposite sides across a mirror plane are not held alike",
+            "hold both, or set `specimen.symmetry` to \"none\"",
+        );
+    }
+    Hold::Sides(sides)
+}
+
+fn side(written: &scenario::Side) -> Side {
+    match written {
+        scenario::Side::XMinus => Side::XMinus,
+        scenario::Side::XPlus => Side::XPlus,
+        scenario::Side::YMinus => Side::YMinus,
+        scenario::Side::YPlus => Side::YPlus,
+    }
+}

@@ -1,0 +1,64 @@
+//! The rigid body that meets the film.
+
+use super::specimen::{mirrors, symmetry};
+use super::{Findings, Guide, Impactor, ImpactorShape, Symmetry};
+use crate::scenario::{self, Loading, Scenario};
+
+/// Shaft of a dart whose length is left out, in radii.
+const SHAFT: f64 = 4.0;
+
+/// The impactor, where the loading needs one.
+pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Impactor> {
+    if matches!(scenario.loading, Loading::Stretch(_)) {
+        return None;
+    }
+    let Some(written) = &scenario.impactor else {
+        findings.missing("impactor", "`loading.impact` needs a body that falls");
+        return None;
+    };
+    mirrored(written, symmetry(&scenario.specimen), findings);
+    Some(Impactor {
+        shape: shape(&written.shape, findings)?,
+        mass: written.mass.0,
+        guide: match written.guide {
+            scenario::Guide::Z => Guide::Z,
+            scenario::Guide::Free => Guide::Free,
+        },
+        friction: written.friction,
+        position: written.position.map(|length| length.0),
+    })
+}
+
+fn shape(written: &scenario::ImpactorShape, findings: &mut Findings<'_>) -> Option<ImpactorShape> {
+    Some(match written {
+        scenario::ImpactorShape::Sphere { radius } => ImpactorShape::Sphere { radius: radius.0 },
+        scenario::ImpactorShape::Hemisphere { radius, length } => {
+            ImpactorShape::Hemisphere { radius: radius.0, length: length.map_or(SHAFT * radius.0, |length| length.0) }
+        }
+        scenario::ImpactorShape::Cylinder { radius, length } => {
+            ImpactorShape::Cylinder { radius: radius.0, length: length.0 }
+        }
+        scenario::ImpactorShape::Mesh(_) => ImpactorShape::Mesh(findings.file("impactor.shape.mesh")?),
+    })
+}
+
+/// Mirror planes ask for a body that stands on them, cannot tip and is its own mirror image.
+fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, findings: &mut Findings<'_>) {
+    if symmetry == Symmetry::None {
+        return;
+    }
+    let hint = "set `specimen.symmetry` to \"none\"";
+    let off_centre = mirrors(symmetry).iter().zip(written.position).any(|(mirror, offset)| *mirror && offset.0 != 0.0);
+    if off_centre {
+        let message = "the impactor does not stand on the mirror plane";
+        findings.report_with("impactor.position", message, hint);
+    }
+    if written.guide == scenario::Guide::Free {
+        let message = "a free impactor can tip out of the mirror plane";
+        findings.report_with("impactor.guide", message, hint);
+    }
+    if matches!(written.shape, scenario::ImpactorShape::Mesh(_)) {
+        let message = "a meshed impactor is not known to be its own mirror image";
+        findings.report_with("impactor.shape.mesh", message, hint);
+    }
+}

@@ -1,0 +1,150 @@
+//! The faces of film, in the order in which the impactor meets them.
+
+use super::specimen::{is_along_axes, symmetry};
+use super::{Element, Face, Findings, Loading, Meshing, Symmetry, material};
+use crate::material::Material;
+use crate::scenario::{self, Layer, Layers, Scenario};
+
+/// The faces; none where a material is missing or no material.
+pub fn check(scenario: &Scenario, loading: &Loading, findings: &mut Findings<'_>) -> Option<Vec<Face>> {
+    let own = scenario.specimen.material.as_ref();
+    let shared = own.map(|written| material::check(written, "specimen.material", findings));
+    let mut faces = if scenario.layer.is_empty() {
+        stacked(scenario, shared, findings)?
+    } else {
+        let layers = scenario.layer.iter().enumerate();
+        let faces: Vec<_> =
+            layers.map(|(place, layer)| single(scenario, layer, place, shared.as_ref(), findings)).collect();
+        faces.into_iter().collect::<Option<Vec<Face>>>()?
+    };
+    heights(&faces, scenario, findings);
+    for face in &mut faces {
+        if let Loading::Stretch { angle, .. } = loading {
+            face.md_angle = -angle;
+        }
+    }
+    mirrored(&faces, scenario, findings);
+    Some(faces)
+}
+
+/// The faces of `[layers]`, alike but for their height.
+fn stacked(scenario: &Scenario, material: Option<Option<Material>>, findings: &mut Findings<'_>) -> Option<Vec<Face>> {
+    if material.is_none() {
+        findings.missing("specimen.material", "what one layer is made of");
+    }
+    let meshing = meshing(scenario, None, "specimen.mesh.size", findings);
+    let (material, meshing) = (material??, meshing?);
+    let fallback = Layers::default();
+    let layers = scenario.layers.as_ref().unwrap_or(&fallback);
+    let face = |height: f64| Face {
+        height,
+        layers: layers.count,
+        material: material.clone(),
+        md_angle: scenario.specimen.md_angle.0,
+        prestrain: [layers.prestrain.md, layers.prestrain.td],
+        meshing,
+    };
+    Some(layers.faces.iter().map(|height| face(height.0)).collect())
+}
+
+/// The face of one `[[layer]]`.
+fn single(
+    scenario: &Scenario,
+    layer: &Layer,
+    place: usize,
+    shared: Option<&Option<Material>>,
+    findings: &mut Findings<'_>,
+) -> Option<Face> {
+    let path = |key: &str| format!("layer.{place}.{key}");
+    let material = match (&layer.material, shared) {
+        (Some(written), _) => material::check(written, &path("material"), findings),
+        (None, Some(shared)) => shared.clone(),
+        (None, None) => {
+            findings.missing(&path("material"), "or give `specimen.material` for all layers");
+            None
+        }
+    };
+    let meshing = meshing(scenario, Some(layer), &path("mesh.size"), findings);
+    Some(Face {
+        height: layer.height.0,
+        layers: layer.count,
+        material: material?,
+        md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
+        prestrain: [layer.prestrain.md, layer.prestrain.td],
+        meshing: meshing?,
+    })
+}
+
+/// The division of a face; a layer's own first, then the specimen's.
+fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, findings: &mut Findings<'_>) -> Option<Meshing> {
+    let shared = &scenario.specimen.mesh;
+    let own = layer.map_or(shared, |layer| &layer.mesh);
+    let element = own.element.or(shared.element);
+    let size = own.size.or(shared.size);
+    let imported = matches!(scenario.specimen.shape, scenario::Shape::Mesh(_));
+    let size = match (size, imported) {
+        (Some(size), false) => size.0,
+        (None, true) => 0.0,
+        (Some(_), true) => {
+            findings.out_of_place(path, "an imported mesh brings its own element size");
+            return None;
+        }
+        (None, false) => {
+            findings.missing(path, "the edge length of an element, like \"10 mm\"");
+            return None;
+        }
+    };
+    Some(Meshing {
+        element: match element {
+            None | Some(scenario::Element::Quad4) => Element::Quad4,
+            Some(scenario::Element::Quad4Full) => Element::Quad4Full,
+            Some(scenario::Element::Tri3) => Element::Tri3,
+        },
+        size,
+    })
+}
+
+/// Key path of the height of a face.
+fn height_path(scenario: &Scenario, place: usize) -> String {
+    if scenario.layer.is_empty() { format!("layers.faces.{place}") } else { format!("layer.{place}.height") }
+}
+
+fn heights(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
+    if matches!(scenario.loading, scenario::Loading::Stretch(_)) && faces.len() > 1 {
+        findings.report(&height_path(scenario, 1), "a stretch test has one face");
+    }
+    for (place, pair) in faces.windows(2).enumerate() {
+        let path = height_path(scenario, place + 1);
+        if pair[1].height == pair[0].height {
+            findings.report(&path, "two faces lie at the same height");
+        } else if pair[1].height > pair[0].height {
+            findings.report_with(
+                &path,
+                "the faces do not stand from the highest to the lowest",
+                "the impactor comes from above and meets the first face first",
+            );
+        }
+    }
+}
+
+/// A mirror plane asks for fibres along the axes.
+fn mirrored(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
+    if symmetry(&scenario.specimen) == Symmetry::None {
+        return;
+    }
+    let oblique = faces.iter().position(|face| !is_along_axes(face.md_angle));
+    let Some(place) = oblique else { return };
+    let own = format!("layer.{place}.md_angle");
+    let path = if findings.is_written(&own) {
+        own
+    } else if findings.is_written("specimen.md_angle") {
+        "specimen.md_angle".to_owned()
+    } else {
+        "loading.stretch.direction".to_owned()
+    };
+    findings.report_with(
+        &path,
+        "oblique fibres have no mirror planes",
+        "set `specimen.symmetry` to \"none\", or turn MD by a multiple of 90 deg",
+    );
+}

@@ -1,0 +1,132 @@
+//! What a layer is made of: curves that are curves, moved by their multipliers.
+
+use super::Findings;
+use crate::material::{Curve, CurveError, Elastic, Fabric, Law, Material, Multipliers};
+use crate::scenario::{self, Fibre, Point, Scale};
+
+/// The material written at `path`; none where it is no material.
+pub fn check(written: &scenario::Material, path: &str, findings: &mut Findings<'_>) -> Option<Material> {
+    let law = match (&written.fabric, &written.elastic) {
+        (Some(fabric), _) => Law::Fabric(self::fabric(fabric, &format!("{path}.fabric"), findings)?),
+        (None, Some(elastic)) => Law::Elastic(Elastic { young: elastic.young.0, poisson: elastic.poisson }),
+        (None, None) => return None,
+    };
+    let rates = written.fabric.as_ref().and_then(|f| f.measured_rates);
+    let measured_rates = rates.map(|[from, to]| [from.0, to.0]);
+    if measured_rates.is_some_and(|[from, to]| to < from) {
+        findings.report_with(
+            &format!("{path}.fabric.measured_rates"),
+            "the highest rate is below the lowest",
+            "the lowest first",
+        );
+    }
+    Some(Material { density: written.density.0, thickness: written.thickness.0, law, measured_rates })
+}
+
+fn fabric(written: &scenario::Fabric, path: &str, findings: &mut Findings<'_>) -> Option<Fabric> {
+    let scale = written.scale;
+    let md = fibre(&written.md, scale, &format!("{path}.md"), findings);
+    let td = fibre(&written.td, scale, &format!("{path}.td"), findings);
+    let shear_path = format!("{path}.shear.curve");
+    let place = |index: usize| format!("{shear_path}.{index}");
+    let shear = curve(&written.shear.curve, &shear_path, place, findings);
+    Some(Fabric::new(md?, td?, shear?, written.absorption))
+}
+
+/// The curve of one fibre set, moved by the multipliers.
+fn fibre(written: &Fibre, scale: Scale, path: &str, findings: &mut Findings<'_>) -> Option<Curve> {
+    let (curve, yields) = match (&written.curve, written.yield_points, written.break_point) {
+        (Some(points), _, _) => general(written, points, path, findings)?,
+        (None, Some([first, second]), Some(end)) => {
+            if written.yield_strains.is_some() {
+                let why = "`yield` gives the yield points already";
+                findings.out_of_place(&format!("{path}.yield_strains"), why);
+            }
+            let place = |index: usize| match index {
+                0 | 1 => format!("{path}.yield.{index}"),
+                _ => format!("{path}.break"),
+            };
+            let curve = curve(&[first, second, end], path, place, findings)?;
+            (curve, Some([first.0, second.0]))
+        }
+        _ => return None,
+    };
+    moved(curve, yields, scale, path, findings)
+}
+
+/// A curve of any points; its yield strains must lie on it, in order.
+fn general(
+    written: &Fibre,
+    points: &[Point],
+    path: &str,
+    findings: &mut Findings<'_>,
+) -> Option<(Curve, Option<[f64; 2]>)> {
+    let curve_path = format!("{path}.curve");
+    let place = |index: usize| format!("{curve_path}.{index}");
+    let curve = curve(points, &curve_path, place, findings)?;
+    if let Some([first, second]) = written.yield_strains {
+        let last = curve.points().last().map_or(0.0, |point| point[0]);
+        let path = format!("{path}.yield_strains");
+        if second <= first {
+            findings.report(&path, "the second yield strain is not above the first");
+        } else if second >= last {
+            let message = format!("the curve ends at {last}, before its second yield point");
+            findings.report(&path, message);
+        }
+    }
+    Some((curve, written.yield_strains))
+}
+
+fn moved(
+    curve: Curve,
+    yields: Option<[f64; 2]>,
+    scale: Scale,
+    path: &str,
+    findings: &mut Findings<'_>,
+) -> Option<Curve> {
+    if scale == Scale::default() {
+        return Some(curve);
+    }
+    let fabric = path.rsplit_once('.').map_or(path, |(fabric, _)| fabric);
+    let Some(yields) = yields else {
+        findings.report_with(
+            &format!("{path}.curve"),
+            "`scale` moves a curve by its yield points, and this one names none",
+            format!("give their strains beside it: yield_strains = [{}, {}]", 0.3, 0.8),
+        );
+        return None;
+    };
+    let multipliers = Multipliers { k1: scale.k1, ke: scale.ke, ky: scale.ky };
+    match multipliers.apply(&curve, yields) {
+        Ok(curve) => Some(curve),
+        Err(error) => {
+            let message = format!("the multipliers leave no curve: {error}");
+            findings.report(&format!("{fabric}.scale"), message);
+            None
+        }
+    }
+}
+
+/// The curve through `points`; a mistake is shown at the `place` of its point.
+fn curve(points: &[Point], path: &str, place: impl Fn(usize) -> String, findings: &mut Findings<'_>) -> Option<Curve> {
+    let pairs = points.iter().map(|Point(strain, stress)| [*strain, stress.0]);
+    let error = match Curve::new(pairs.collect()) {
+        Ok(curve) => return Some(curve),
+        Err(error) => error,
+    };
+    match error {
+        CurveError::StrainNotIncreasing { index, strain, previous } => findings.report_with(
+            &place(index),
+            "the curve is not increasing in strain",
+            format!("{strain} stands after {previous}"),
+        ),
+        CurveError::StressFalls { index, .. } => {
+            findings.report(&place(index), "the stress of the curve falls");
+        }
+        CurveError::NotFinite { index } => {
+            findings.report(&place(index), "this point of the curve is not finite");
+        }
+        CurveError::TooShort => findings.report(path, error.to_string()),
+    }
+    None
+}

@@ -1,0 +1,37 @@
+//! The film's outline, and what mirror planes ask of the rest.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::{Findings, Shape, Specimen, Symmetry};
+use crate::scenario;
+
+/// The specimen in SI values; none where the file of its mesh is missing.
+pub fn check(written: &scenario::Specimen, findings: &mut Findings<'_>) -> Option<Specimen> {
+    let shape = match &written.shape {
+        scenario::Shape::Rectangle([x, y]) => Shape::Rectangle { x: x.0, y: y.0 },
+        scenario::Shape::Circle(circle) => Shape::Circle { radius: circle.radius.0 },
+        scenario::Shape::Mesh(_) => Shape::Mesh(findings.file("specimen.shape.mesh")?),
+    };
+    Some(Specimen { shape, symmetry: symmetry(written) })
+}
+
+/// The mirror planes.
+pub fn symmetry(written: &scenario::Specimen) -> Symmetry {
+    match written.symmetry {
+        scenario::Symmetry::None => Symmetry::None,
+        scenario::Symmetry::HalfX => Symmetry::HalfX,
+        scenario::Symmetry::HalfY => Symmetry::HalfY,
+        scenario::Symmetry::Quarter => Symmetry::Quarter,
+    }
+}
+
+/// Whether x = 0 and y = 0 are mirror planes.
+pub fn mirrors(symmetry: Symmetry) -> [bool; 2] {
+    [matches!(symmetry, Symmetry::HalfX | Symmetry::Quarter), matches!(symmetry, Symmetry::HalfY | Symmetry::Quarter)]
+}
+
+/// Whether fibres at this angle lie along the axes, so that a mirror plane leaves them as they are.
+pub fn is_along_axes(angle: f64) -> bool {
+    let quarters = angle / FRAC_PI_2;
+    (quarters - quarters.round()).abs() < 1e-9
+}

@@ -1,0 +1,69 @@
+//! One change of a scenario: `key.path = value`, from `--set` or from a script.
+
+use crate::diagnostic::{Diagnostic, Source, Span};
+
+use super::tree::{self, Node, Value};
+
+/// A value for a key path, laid over a scenario by [`Document::with`](super::Document::with).
+#[derive(Clone, Debug)]
+pub struct Assignment {
+    tree: Node,
+}
+
+impl Assignment {
+    /// Reads the argument of `--set`, `key.path=value`. The value is TOML; what is not TOML is a bare text, so
+    /// that `frame.hold=none` and `specimen.mesh.size=20mm` need no quotes.
+    pub fn from_argument(argument: &str) -> Result<Assignment, Vec<Diagnostic>> {
+        let source = Source::unfiled("--set", argument.to_owned());
+        if let Ok(tree) = tree::parse(&source)
+            && sets_one_key(&tree, argument)
+        {
+            return Ok(Assignment { tree });
+        }
+        let everything = Span::new(&source, 0..argument.len());
+        let malformed = || {
+            let hint = "write it like layers.count=10";
+            vec![Diagnostic::new("expected key.path=value").at(&everything).hint(hint)]
+        };
+        let (key, value) = argument.split_once('=').ok_or_else(malformed)?;
+        let mut tree = tree::parse_as(&format!("{key}=0"), &source).map_err(|_| malformed())?;
+        let text = value.trim();
+        if text.is_empty() || text.contains('\n') || !sets_one_key(&tree, argument) {
+            return Err(malformed());
+        }
+        let start = key.len() + 1 + (value.len() - value.trim_start().len());
+        let span = Span::new(&source, start..start + text.len());
+        *leaf(&mut tree) = Node::new(Value::Text(text.to_owned()), span);
+        Ok(Assignment { tree })
+    }
+
+    /// A value that a script gives for a key path; `origin` names the script in diagnostics.
+    pub fn from_value(path: &str, value: &toml::Value, origin: &str) -> Result<Assignment, Vec<Diagnostic>> {
+        let source = Source::unfiled(origin, format!("{path} = {value}"));
+        let tree = tree::parse(&source)?;
+        Ok(Assignment { tree })
+    }
+
+    pub(super) fn tree(&self) -> &Node {
+        &self.tree
+    }
+}
+
+/// Whether the text sets one key, and is not e.g. a header or two lines.
+fn sets_one_key(node: &Node, argument: &str) -> bool {
+    let Value::Table(table) = &node.value else {
+        return false;
+    };
+    table.entries.len() == 1 && argument.contains('=') && !argument.trim_start().starts_with('[')
+}
+
+/// The value at the end of a path of single keys.
+fn leaf(node: &mut Node) -> &mut Node {
+    if !matches!(&node.value, Value::Table(table) if !table.entries.is_empty()) {
+        return node;
+    }
+    match &mut node.value {
+        Value::Table(table) => leaf(&mut table.entries[0].node),
+        _ => unreachable!("just seen to be a table"),
+    }
+}

@@ -1,0 +1,44 @@
+//! `[frame]`: what holds the film.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What holds the film.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct Frame {
+    /// Clamped edges: all of them, the sides listed, or none. Under `loading.stretch` the sides x- and x+
+    /// are the jaws (the default there); "none" lets the film slide along them as it narrows.
+    #[schemars(extend("default" = "all"))]
+    pub hold: Option<Hold>,
+}
+
+/// Clamped edges. The validator has already said where a mistake is when serde tries the two forms.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Hold {
+    Word(EdgeChoice),
+    Sides(#[schemars(length(min = 1, max = 4))] Vec<Side>),
+}
+
+/// All edges or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum EdgeChoice {
+    /// Every edge is clamped.
+    All,
+    /// No edge is clamped.
+    None,
+}
+
+/// A straight edge of a rectangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Side {
+    #[serde(rename = "x-")]
+    XMinus,
+    #[serde(rename = "x+")]
+    XPlus,
+    #[serde(rename = "y-")]
+    YMinus,
+    #[serde(rename = "y+")]
+    YPlus,
+}

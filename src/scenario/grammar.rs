@@ -1,0 +1,345 @@
+//! The schema compiled into rules: what may stand under every key. The validator, the merge of
+//! extending files and `droptower explain` read the rules, never the schema.
+
+use std::fmt;
+use std::sync::LazyLock;
+
+use serde_json::Value as Json;
+
+use super::schema;
+use crate::units::Dimension;
+
+/// What may stand at one place.
+#[derive(Clone, Debug)]
+pub enum Rule {
+    Table(TableRule),
+    /// Any number of items of one kind.
+    List {
+        item: Box<Rule>,
+        shortest: usize,
+        longest: usize,
+    },
+    /// A list with a rule for each place.
+    Tuple(Vec<Rule>),
+    /// One of these words, each with its sentence.
+    Choice(Vec<(String, Option<String>)>),
+    Quantity(Dimension, Range),
+    Number {
+        whole: bool,
+        range: Range,
+    },
+    /// A text; `path` where it names a file.
+    Text {
+        path: bool,
+    },
+    Flag,
+    /// Any one of these.
+    Either(Vec<Rule>),
+}
+
+/// The keys of a table.
+#[derive(Clone, Debug, Default)]
+pub struct TableRule {
+    pub keys: Vec<Key>,
+    /// Sets of keys of which at most one set may stand in the table.
+    pub groups: Vec<Vec<String>>,
+    /// Whether one of the groups must.
+    pub group_required: bool,
+    /// Keys that the language keeps for later versions.
+    pub future: Vec<String>,
+}
+
+/// A key that may stand in a table.
+#[derive(Clone, Debug)]
+pub struct Key {
+    pub name: String,
+    pub sentence: Option<String>,
+    pub default: Option<Json>,
+    pub required: bool,
+    pub rule: Rule,
+}
+
+/// Bounds of a number, in SI units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Range {
+    pub from: Option<Bound>,
+    pub to: Option<Bound>,
+}
+
+/// One end of a range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    pub value: f64,
+    pub included: bool,
+}
+
+/// The rule of a whole scenario.
+pub fn scenario() -> &'static Rule {
+    static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole()));
+    &RULE
+}
+
+impl Rule {
+    /// The table among what may stand here.
+    pub fn table(&self) -> Option<&TableRule> {
+        match self {
+            Rule::Table(table) => Some(table),
+            Rule::Either(rules) => rules.iter().find_map(Rule::table),
+            _ => None,
+        }
+    }
+
+    /// The rule of the items of the list among what may stand here, at `place`.
+    pub fn item(&self, place: usize) -> Option<&Rule> {
+        match self {
+            Rule::List { item, .. } => Some(item),
+            Rule::Tuple(items) => items.get(place),
+            Rule::Either(rules) => rules.iter().find_map(|rule| rule.item(place)),
+            _ => None,
+        }
+    }
+
+    /// Whether the path of a file may stand here.
+    pub fn is_path(&self) -> bool {
+        match self {
+            Rule::Text { path } => *path,
+            Rule::Either(rules) => rules.iter().any(Rule::is_path),
+            _ => false,
+        }
+    }
+
+    /// Whether a path that stands here is replaced by what its file holds.
+    pub fn is_included(&self) -> bool {
+        self.is_path() && matches!(self, Rule::Either(_))
+    }
+
+    /// The dimension of the quantity among what may stand here.
+    pub fn dimension(&self) -> Option<Dimension> {
+        match self {
+            Rule::Quantity(dimension, _) => Some(*dimension),
+            Rule::List { item, .. } => item.dimension(),
+            Rule::Tuple(items) => items.iter().find_map(Rule::dimension),
+            Rule::Either(rules) => rules.iter().find_map(Rule::dimension),
+            _ => None,
+        }
+    }
+
+    /// The range of the number among what may stand here.
+    pub fn range(&self) -> Option<Range> {
+        match self {
+            Rule::Quantity(_, range) | Rule::Number { range, .. } => Some(*range),
+            Rule::List { item, .. } => item.range(),
+            _ => None,
+        }
+    }
+
+    /// The words among what may stand here.
+    pub fn words(&self) -> Vec<(&str, Option<&str>)> {
+        match self {
+            Rule::Choice(words) => words.iter().map(|(word, sentence)| (word.as_str(), sentence.as_deref())).collect(),
+            Rule::List { item, .. } => item.words(),
+            Rule::Either(rules) => rules.iter().flat_map(Rule::words).collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// What is expected, as an error names it: "a length".
+impl fmt::Display for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Rule::Table(_) => f.write_str("a table"),
+            Rule::List { item, .. } => write!(f, "a list of {}", plural(item)),
+            Rule::Tuple(items) => {
+                let items: Vec<String> = items.iter().map(Rule::to_string).collect();
+                write!(f, "[{}]", items.join(", "))
+            }
+            Rule::Choice(words) => {
+                let words: Vec<String> = words.iter().map(|(w, _)| format!("\"{w}\"")).collect();
+                f.write_str(&words.join(" or "))
+            }
+            Rule::Quantity(dimension, _) => f.write_str(dimension.name),
+            Rule::Number { whole: true, .. } => f.write_str("a whole number"),
+            Rule::Number { .. } => f.write_str("a number"),
+            Rule::Text { path: true } => f.write_str("a path"),
+            Rule::Text { .. } => f.write_str("a text"),
+            Rule::Flag => f.write_str("true or false"),
+            Rule::Either(rules) => {
+                let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
+                f.write_str(&rules.join(" or "))
+            }
+        }
+    }
+}
+
+/// The plural of what stands in a list.
+fn plural(rule: &Rule) -> String {
+    match rule {
+        Rule::Table(_) => "tables".to_owned(),
+        Rule::Number { .. } => "numbers".to_owned(),
+        Rule::Quantity(dimension, _) => {
+            let name = dimension.name;
+            let noun = name.split_once(' ').map_or(name, |(_, noun)| noun);
+            match noun.strip_suffix('y') {
+                Some(stem) => format!("{stem}ies"),
+                None if noun.ends_with('s') => format!("{noun}es"),
+                None => format!("{noun}s"),
+            }
+        }
+        other => other.to_string(),
+    }
+}
+
+impl TableRule {
+    /// The rule of this key.
+    pub fn key(&self, name: &str) -> Option<&Key> {
+        self.keys.iter().find(|key| key.name == name)
+    }
+
+    /// Which of the groups the key belongs to.
+    pub fn group_of(&self, name: &str) -> Option<usize> {
+        self.groups.iter().position(|group| group.iter().any(|key| key == name))
+    }
+}
+
+impl Range {
+    /// Whether the value lies within.
+    pub fn contains(&self, value: f64) -> bool {
+        let above = self.from.is_none_or(|b| value > b.value || (b.included && value == b.value));
+        let below = self.to.is_none_or(|b| value < b.value || (b.included && value == b.value));
+        above && below
+    }
+
+    /// In words, each bound as `show` writes it; `None` where every number is allowed.
+    pub fn describe(&self, show: impl Fn(f64) -> String) -> Option<String> {
+        let from = self.from.map(|b| {
+            let words = if b.included { "at least" } else { "more than" };
+            format!("{words} {}", show(b.value))
+        });
+        let to = self.to.map(|b| {
+            let words = if b.included { "at most" } else { "less than" };
+            format!("{words} {}", show(b.value))
+        });
+        match (from, to) {
+            (Some(from), Some(to)) => Some(format!("{from} and {to}")),
+            (from, to) => from.or(to),
+        }
+    }
+}
+
+/// The rule that a schema states.
+fn compile(schema: &Json) -> Rule {
+    if let Some(branches) = list_of(schema, "anyOf") {
+        return Rule::Either(branches.iter().map(compile).collect());
+    }
+    if let Some(name) = schema["x-quantity"].as_str()
+        && let Some(dimension) = Dimension::named(name)
+    {
+        return Rule::Quantity(dimension, range(schema));
+    }
+    if let Some(words) = words(schema) {
+        return Rule::Choice(words);
+    }
+    if is_tagged(schema) {
+        return Rule::Table(tagged(schema));
+    }
+    match schema["type"].as_str() {
+        Some("object") => Rule::Table(table(schema)),
+        Some("array") => list(schema),
+        Some("number") => Rule::Number { whole: false, range: range(schema) },
+        Some("integer") => Rule::Number { whole: true, range: range(schema) },
+        Some("boolean") => Rule::Flag,
+        _ => Rule::Text { path: schema["x-path"].as_bool().unwrap_or(false) },
+    }
+}
+
+fn list_of<'a>(schema: &'a Json, key: &str) -> Option<&'a Vec<Json>> {
+    schema[key].as_array()
+}
+
+fn text_of(schema: &Json, key: &str) -> Option<String> {
+    let text = schema[key].as_str()?;
+    Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+fn texts(list: &Json) -> Vec<String> {
+    let items = list.as_array().into_iter().flatten();
+    items.filter_map(Json::as_str).map(str::to_owned).collect()
+}
+
+fn range(schema: &Json) -> Range {
+    let bound = |key: &str, included: bool| {
+        let value = schema[key].as_f64()?;
+        Some(Bound { value, included })
+    };
+    Range {
+        from: bound("exclusiveMinimum", false).or(bound("minimum", true)),
+        to: bound("exclusiveMaximum", false).or(bound("maximum", true)),
+    }
+}
+
+/// The words of a plain `enum` and of a `oneOf` of constants, which may be mixed.
+fn words(schema: &Json) -> Option<Vec<(String, Option<String>)>> {
+    if let Some(word) = schema["const"].as_str() {
+        return Some(vec![(word.to_owned(), text_of(schema, "description"))]);
+    }
+    if schema["enum"].is_array() {
+        let words = texts(&schema["enum"]).into_iter();
+        return Some(words.map(|word| (word, None)).collect());
+    }
+    let branches: Option<Vec<_>> = list_of(schema, "oneOf")?.iter().map(words).collect();
+    branches.map(|b| b.into_iter().flatten().collect())
+}
+
+/// Whether the schema is that of an enumeration whose variants are keys.
+fn is_tagged(schema: &Json) -> bool {
+    list_of(schema, "oneOf").is_some_and(|b| b.iter().all(|b| b["properties"].is_object()))
+}
+
+fn tagged(schema: &Json) -> TableRule {
+    let mut table = TableRule { group_required: true, future: texts(&schema["x-future"]), ..TableRule::default() };
+    for branch in list_of(schema, "oneOf").into_iter().flatten() {
+        for mut key in keys(branch) {
+            key.required = false;
+            key.sentence = text_of(branch, "description").or(key.sentence);
+            table.groups.push(vec![key.name.clone()]);
+            table.keys.push(key);
+        }
+    }
+    table
+}
+
+fn table(schema: &Json) -> TableRule {
+    let one_of = list_of(schema, "oneOf");
+    let groups = match one_of {
+        Some(branches) => branches.iter().map(|b| texts(&b["required"])).collect(),
+        None => texts(&schema["not"]["required"]).into_iter().map(|key| vec![key]).collect(),
+    };
+    TableRule { keys: keys(schema), groups, group_required: one_of.is_some(), future: texts(&schema["x-future"]) }
+}
+
+fn keys(schema: &Json) -> Vec<Key> {
+    let required = texts(&schema["required"]);
+    let properties = schema["properties"].as_object().into_iter().flatten();
+    properties
+        .map(|(name, property)| Key {
+            name: name.clone(),
+            sentence: text_of(property, "description"),
+            default: property.get("default").cloned(),
+            required: required.contains(name),
+            rule: compile(property),
+        })
+        .collect()
+}
+
+fn list(schema: &Json) -> Rule {
+    if let Some(items) = list_of(schema, "prefixItems") {
+        return Rule::Tuple(items.iter().map(compile).collect());
+    }
+    let length = |key: &str| schema[key].as_u64().and_then(|n| usize::try_from(n).ok());
+    Rule::List {
+        item: Box::new(compile(&schema["items"])),
+        shortest: length("minItems").unwrap_or(0),
+        longest: length("maxItems").unwrap_or(usize::MAX),
+    }
+}

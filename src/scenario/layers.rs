@@ -1,0 +1,79 @@
+//! `[layers]` and `[[layer]]`: how much film lies where.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::material::Material;
+use super::schema;
+use super::specimen::Meshing;
+use crate::units::{Angle, Length};
+
+/// Faces of film that are alike but for their height.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Layers {
+    /// Layers per face; n layers act as one membrane of n times the thickness.
+    #[serde(default = "one")]
+    #[schemars(range(min = 1, max = 10_000))]
+    pub count: u32,
+    /// Height of every face, the first that the impactor meets first.
+    #[serde(default = "ground")]
+    #[schemars(length(min = 1, max = 64))]
+    pub faces: Vec<Length>,
+    /// Engineering strain with which the film is wound onto the frame.
+    #[serde(default)]
+    pub prestrain: Prestrain,
+}
+
+impl Default for Layers {
+    fn default() -> Layers {
+        Layers { count: one(), faces: ground(), prestrain: Prestrain::default() }
+    }
+}
+
+/// One face of film with everything of its own.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Layer {
+    /// Height of the undeformed face.
+    #[serde(default = "level")]
+    pub height: Length,
+    /// Layers in this face.
+    #[serde(default = "one")]
+    #[schemars(range(min = 1, max = 10_000))]
+    pub count: u32,
+    /// What a layer of this face is made of; the specimen's material where it is left out.
+    #[schemars(schema_with = "schema::path_or_table::<Material>")]
+    pub material: Option<Material>,
+    /// Angle from the x axis to MD; the specimen's where it is left out.
+    pub md_angle: Option<Angle>,
+    /// Engineering strain with which this face is mounted.
+    #[serde(default)]
+    pub prestrain: Prestrain,
+    /// Division into elements; what is left out is the specimen's.
+    #[serde(default)]
+    pub mesh: Meshing,
+}
+
+/// Engineering strain before the test: the film's own length is the span / (1 + strain).
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct Prestrain {
+    /// Along the machine direction.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 100))]
+    pub md: f64,
+    /// Along the transverse direction.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 100))]
+    pub td: f64,
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn level() -> Length {
+    Length(0.0)
+}
+
+fn ground() -> Vec<Length> {
+    vec![level()]
+}

@@ -1,0 +1,74 @@
+//! `[loading.…]`: what is done to the specimen; exactly one.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::units::{Acceleration, Angle, Length, Time, Velocity};
+
+/// What is done to the specimen.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(extend("x-future" = ["indent", "pressure"]))]
+pub enum Loading {
+    /// The impactor starts in touch with the first face and flies.
+    Impact(Impact),
+    /// Two jaws, the edges x- and x+, part along x.
+    Stretch(Stretch),
+}
+
+/// A free fall that ends on the film.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("oneOf" = [{ "required": ["velocity"] }, { "required": ["drop_height"] }]))]
+pub struct Impact {
+    /// Speed at first contact, downward positive.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub velocity: Option<Velocity>,
+    /// Height of an ideal free fall before first contact, in place of `velocity`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub drop_height: Option<Length>,
+    /// Acceleration of free fall.
+    #[serde(default = "standard_gravity")]
+    #[schemars(range(min = 0))]
+    pub gravity: Acceleration,
+    /// Simulated time from first contact.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub duration: Time,
+}
+
+fn standard_gravity() -> Acceleration {
+    Acceleration(9.81)
+}
+
+/// A tensile test of a coupon or of a single element.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Stretch {
+    /// Direction of pull in the film: along MD, along TD, or an angle from MD.
+    pub direction: Direction,
+    /// Speed at which the jaws part, both together.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub velocity: Velocity,
+    /// Engineering strain at which the test ends.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 100))]
+    pub until: f64,
+    /// Factor on the film's mass that lengthens the time step; chosen from the number of steps where it
+    /// is left out.
+    #[schemars(range(min = 1))]
+    pub mass_scaling: Option<f64>,
+}
+
+/// Direction of pull. The validator has already said where a mistake is when serde tries the two forms.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Direction {
+    Axis(Axis),
+    Angle(Angle),
+}
+
+/// A direction of the film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Axis {
+    #[serde(rename = "MD")]
+    Machine,
+    #[serde(rename = "TD")]
+    Transverse,
+}

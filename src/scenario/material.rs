@@ -1,0 +1,128 @@
+//! A material: the table of a material file, or of `specimen.material` itself.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::schema;
+use crate::units::{Density, Length, Pressure, Rate};
+
+/// What one layer of film is made of.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend(
+    "x-future" = ["hyperelastic"],
+    "oneOf" = [{ "required": ["fabric"] }, { "required": ["elastic"] }]
+))]
+pub struct Material {
+    /// One line that says what it is.
+    pub title: Option<String>,
+    /// A material file whose keys this one starts from and changes; relative to this file.
+    #[schemars(extend("x-path" = true))]
+    pub extends: Option<PathBuf>,
+    /// Mass per volume of the unstretched film.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub density: Density,
+    /// Thickness of one layer.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub thickness: Length,
+    /// Two fibre sets at 90° and a shear curve; carries no compression.
+    pub fabric: Option<Fabric>,
+    /// St. Venant–Kirchhoff, plane stress.
+    pub elastic: Option<Elastic>,
+}
+
+/// Two fibre sets at 90° and a shear curve, per layer.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Fabric {
+    /// Stress over engineering strain along the machine direction.
+    pub md: Fibre,
+    /// Stress over engineering strain along the transverse direction.
+    pub td: Fibre,
+    /// Shear stress over shear angle.
+    pub shear: Shear,
+    /// Multipliers that make a dynamic curve of a quasi-static one (paper, equations 12 and 13).
+    #[serde(default)]
+    pub scale: Scale,
+    /// Share of the stored energy that is lost on unloading.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
+    pub absorption: f64,
+    /// Lowest and highest strain rate at which the curves were measured.
+    #[schemars(transform = schema::positive_items)]
+    pub measured_rates: Option<[Rate; 2]>,
+}
+
+/// The curve of one fibre set: two yield points and a break point, or any curve.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend(
+    "x-future" = ["rates"],
+    "oneOf" = [{ "required": ["yield", "break"] }, { "required": ["curve"] }]
+))]
+pub struct Fibre {
+    /// The two yield points: strain and stress of each.
+    #[serde(rename = "yield")]
+    pub yield_points: Option<[Point; 2]>,
+    /// Strain and stress at which the fibres break.
+    #[serde(rename = "break")]
+    pub break_point: Option<Point>,
+    /// A CSV file with the columns `strain` and `stress` (Pa, or `stress_MPa`), or the points themselves;
+    /// the last one is the break.
+    #[schemars(schema_with = "schema::path_or_list::<Point>")]
+    pub curve: Option<Vec<Point>>,
+    /// Strains of the two yield points of `curve`, needed where `scale` moves it.
+    #[schemars(transform = schema::positive_items)]
+    pub yield_strains: Option<[f64; 2]>,
+}
+
+/// The shear curve.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Shear {
+    /// A CSV file with the columns `strain` (shear angle, rad) and `stress` (Pa, or `stress_MPa`), or the
+    /// points themselves.
+    #[schemars(schema_with = "schema::path_or_list::<Point>")]
+    pub curve: Vec<Point>,
+}
+
+/// One point of a curve: engineering strain (or shear angle in rad) and stress.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Point(#[schemars(range(min = 0))] pub f64, #[schemars(range(min = 0))] pub Pressure);
+
+/// The multipliers of a dynamic curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Scale {
+    /// Stiffness of the first part, up to the first yield point.
+    #[serde(default = "unchanged")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub k1: f64,
+    /// Stiffness up to the second yield point.
+    #[serde(default = "unchanged")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ke: f64,
+    /// Stress up to the second yield point.
+    #[serde(default = "unchanged")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ky: f64,
+}
+
+impl Default for Scale {
+    fn default() -> Scale {
+        Scale { k1: unchanged(), ke: unchanged(), ky: unchanged() }
+    }
+}
+
+fn unchanged() -> f64 {
+    1.0
+}
+
+/// St. Venant–Kirchhoff, plane stress.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("x-future" = ["wrinkling"]))]
+pub struct Elastic {
+    /// Young's modulus.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub young: Pressure,
+    /// Poisson's ratio.
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
+    pub poisson: f64,
+}

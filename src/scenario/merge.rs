@@ -1,0 +1,68 @@
+//! What an extending file, `--set` or a script changes in the table it starts from.
+
+use super::grammar::{Rule, TableRule};
+use super::tree::{Entry, Node, Table, Value};
+
+/// `over` laid over `base`: tables key by key, anything else replaces. A key that excludes others
+/// (`drop_height` and `velocity`) takes their place, so that a file can change its mind about them.
+/// A table whose keys are numbers changes the items of a list.
+pub fn merge(base: Node, over: Node, rule: Option<&Rule>) -> Node {
+    if over.included {
+        return over;
+    }
+    let (span, included) = (over.span.clone(), base.included);
+    let value = match (base.value, over.value) {
+        (Value::Table(base), Value::Table(over)) => Value::Table(merge_tables(base, over, rule.and_then(Rule::table))),
+        (Value::List(base), Value::Table(over)) if numbers_items_of(&base, &over) => {
+            Value::List(merge_items(base, over, rule))
+        }
+        (_, value) => return Node::new(value, span),
+    };
+    Node { value, span, included }
+}
+
+fn merge_tables(mut base: Table, over: Table, rule: Option<&TableRule>) -> Table {
+    for entry in &over.entries {
+        if let Some(rule) = rule {
+            drop_excluded(&mut base, &entry.key, rule);
+        }
+    }
+    for entry in over.entries {
+        let child = rule.and_then(|r| r.key(&entry.key)).map(|key| &key.rule);
+        merge_entry(&mut base, entry, child);
+    }
+    base
+}
+
+fn merge_entry(base: &mut Table, entry: Entry, rule: Option<&Rule>) {
+    let Some(place) = base.entries.iter().position(|e| e.key == entry.key) else {
+        base.entries.push(entry);
+        return;
+    };
+    let old = base.entries[place].node.clone();
+    base.entries[place] = Entry { node: merge(old, entry.node, rule), ..entry };
+}
+
+/// A base that was right stays right: the groups of which `key` is no part leave.
+fn drop_excluded(base: &mut Table, key: &str, rule: &TableRule) {
+    let Some(own) = rule.group_of(key) else {
+        return;
+    };
+    base.entries.retain(|entry| rule.group_of(&entry.key).is_none_or(|group| group == own));
+}
+
+fn numbers_items_of(items: &[Node], over: &Table) -> bool {
+    !over.entries.is_empty()
+        && over.entries.iter().all(|e| e.key.parse::<usize>().is_ok_and(|place| place < items.len()))
+}
+
+fn merge_items(mut items: Vec<Node>, over: Table, rule: Option<&Rule>) -> Vec<Node> {
+    for entry in over.entries {
+        let place = entry.key.parse::<usize>().ok();
+        if let Some((place, item)) = place.and_then(|p| items.get_mut(p).map(|item| (p, item))) {
+            let rule = rule.and_then(|r| r.item(place));
+            *item = merge(item.clone(), entry.node, rule);
+        }
+    }
+    items
+}

@@ -1,0 +1,49 @@
+//! `[output]`: what is kept of a run.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::units::Frequency;
+
+/// What is kept of a run.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Output {
+    /// Samples per second in `signals.csv`.
+    #[serde(default = "ten_kilohertz")]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e7))]
+    pub sample_rate: Frequency,
+    /// Mesh states kept for the recording.
+    #[serde(default = "two_hundred_forty")]
+    #[schemars(range(min = 1, max = 100_000))]
+    pub frames: u32,
+    /// Channel frequency class of the filtered acceleration (SAE J211-1, ISO 6487); CFC1000 where an
+    /// impact leaves it out.
+    #[schemars(extend("default" = "CFC1000"))]
+    pub filter: Option<Filter>,
+}
+
+impl Default for Output {
+    fn default() -> Output {
+        Output { sample_rate: ten_kilohertz(), frames: two_hundred_forty(), filter: None }
+    }
+}
+
+fn ten_kilohertz() -> Frequency {
+    Frequency(10e3)
+}
+
+fn two_hundred_forty() -> u32 {
+    240
+}
+
+/// Channel frequency class.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Filter {
+    Cfc1000,
+    Cfc600,
+    Cfc180,
+    Cfc60,
+    #[serde(rename = "none")]
+    None,
+}

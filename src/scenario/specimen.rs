@@ -1,0 +1,93 @@
+//! `[specimen]`: outline, material and division of the film.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::material::Material;
+use super::schema;
+use crate::units::{Angle, Length};
+
+/// The film: outline, material, division into elements.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Specimen {
+    /// Outline of the film's free span, centred on the origin.
+    pub shape: Shape,
+    /// What one layer is made of: the path of a material file, or the table itself.
+    #[schemars(schema_with = "schema::path_or_table::<Material>")]
+    pub material: Option<Material>,
+    /// Angle from the x axis to the machine direction (MD).
+    #[serde(default = "no_turn")]
+    pub md_angle: Angle,
+    /// How a face is divided into elements.
+    #[serde(default)]
+    pub mesh: Meshing,
+    /// Mirror planes through the origin; only the part at positive x and/or y is computed.
+    #[serde(default)]
+    pub symmetry: Symmetry,
+}
+
+fn no_turn() -> Angle {
+    Angle(0.0)
+}
+
+/// Outline of the film in the plane z = 0.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Shape {
+    /// Full side lengths along x and y.
+    Rectangle(#[schemars(transform = schema::positive_items)] [Length; 2]),
+    /// A disc.
+    Circle(Circle),
+    /// Nodes and elements from an STL, OBJ or VTU file, coordinates in m.
+    Mesh(#[schemars(extend("x-path" = true))] PathBuf),
+}
+
+/// A disc.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Circle {
+    /// Radius of the free span.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub radius: Length,
+}
+
+/// How a face is divided into elements.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct Meshing {
+    /// Kind of membrane element.
+    #[schemars(extend("default" = "quad4"))]
+    pub element: Option<Element>,
+    /// Edge length aimed at; required unless the mesh is imported.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub size: Option<Length>,
+}
+
+/// Kind of membrane element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Element {
+    /// Four nodes, one integration point, stabilised against hourglass modes.
+    #[serde(rename = "quad4")]
+    Quad4,
+    /// Four nodes, 2×2 integration points.
+    #[serde(rename = "quad4-full")]
+    Quad4Full,
+    /// Three nodes, constant strain.
+    #[serde(rename = "tri3")]
+    Tri3,
+}
+
+/// Mirror planes through the origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Symmetry {
+    /// The whole film is computed.
+    #[default]
+    None,
+    /// Only x >= 0 is computed.
+    HalfX,
+    /// Only y >= 0 is computed.
+    HalfY,
+    /// Only x >= 0 and y >= 0 is computed.
+    Quarter,
+}

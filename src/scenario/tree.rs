@@ -1,0 +1,173 @@
+//! What was written, as a tree in which every key and value knows its place.
+
+use std::sync::Arc;
+
+use toml::de::{DeTable, DeValue};
+
+use crate::diagnostic::{Diagnostic, Source, Span};
+
+/// A value with its place.
+#[derive(Clone, Debug)]
+pub struct Node {
+    pub value: Value,
+    pub span: Span,
+    /// The value is the whole of a file: what it is merged over is replaced.
+    pub included: bool,
+}
+
+/// A value of TOML; dates and times have no place in the language and are kept as they are written.
+#[derive(Clone, Debug)]
+pub enum Value {
+    Text(String),
+    Whole(i64),
+    Number(f64),
+    Flag(bool),
+    Time(String),
+    List(Vec<Node>),
+    Table(Table),
+}
+
+/// Keys in the order in which they were written.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    pub entries: Vec<Entry>,
+}
+
+/// A key, its place, and what stands under it.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    pub key: String,
+    pub key_span: Span,
+    pub node: Node,
+}
+
+/// Parses a whole source; all syntax errors at once.
+pub fn parse(source: &Arc<Source>) -> Result<Node, Vec<Diagnostic>> {
+    parse_as(&source.text, source)
+}
+
+/// Parses `text`, whose places are those of `source`.
+pub fn parse_as(text: &str, source: &Arc<Source>) -> Result<Node, Vec<Diagnostic>> {
+    let (document, errors) = DeTable::parse_recoverable(text);
+    if !errors.is_empty() {
+        return Err(errors.iter().map(|e| syntax_error(e, source)).collect());
+    }
+    let mut mistakes = Vec::new();
+    let table = table(document.get_ref(), source, &mut mistakes);
+    if !mistakes.is_empty() {
+        return Err(mistakes);
+    }
+    Ok(Node::new(Value::Table(table), Span::new(source, 0..0)))
+}
+
+fn syntax_error(error: &toml::de::Error, source: &Arc<Source>) -> Diagnostic {
+    let message = error.message().lines().next().unwrap_or_default();
+    let span = Span::new(source, error.span().unwrap_or(0..0));
+    Diagnostic::new(message.trim().to_owned()).at(&span)
+}
+
+fn table(table: &DeTable<'_>, source: &Arc<Source>, mistakes: &mut Vec<Diagnostic>) -> Table {
+    let entries = table.iter().map(|(key, value)| Entry {
+        key: key.get_ref().to_string(),
+        key_span: Span::new(source, key.span()),
+        node: Node::new(self::value(value.get_ref(), source, value.span(), mistakes), Span::new(source, value.span())),
+    });
+    Table { entries: entries.collect() }
+}
+
+fn value(
+    value: &DeValue<'_>,
+    source: &Arc<Source>,
+    range: std::ops::Range<usize>,
+    mistakes: &mut Vec<Diagnostic>,
+) -> Value {
+    match value {
+        DeValue::String(text) => Value::Text(text.to_string()),
+        DeValue::Boolean(flag) => Value::Flag(*flag),
+        DeValue::Datetime(time) => Value::Time(time.to_string()),
+        DeValue::Integer(digits) => {
+            let whole = i64::from_str_radix(digits.as_str(), digits.radix());
+            whole.map(Value::Whole).unwrap_or_else(|_| {
+                let span = Span::new(source, range);
+                mistakes.push(Diagnostic::new("whole number too large").at(&span));
+                Value::Whole(0)
+            })
+        }
+        DeValue::Float(digits) => Value::Number(digits.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Table(inner) => Value::Table(table(inner, source, mistakes)),
+        DeValue::Array(items) => {
+            let items = items.iter().map(|item| {
+                let value = self::value(item.get_ref(), source, item.span(), mistakes);
+                Node::new(value, Span::new(source, item.span()))
+            });
+            Value::List(items.collect())
+        }
+    }
+}
+
+impl Node {
+    pub fn new(value: Value, span: Span) -> Node {
+        Node { value, span, included: false }
+    }
+
+    /// What stands at the key path, e.g. `specimen.shape.rectangle.0`.
+    pub fn find(&self, path: &str) -> Option<&Node> {
+        let mut node = self;
+        for step in path.split('.').filter(|step| !step.is_empty()) {
+            node = node.child(step)?;
+        }
+        Some(node)
+    }
+
+    fn child(&self, step: &str) -> Option<&Node> {
+        match &self.value {
+            Value::Table(table) => table.get(step).map(|entry| &entry.node),
+            Value::List(items) => items.get(step.parse::<usize>().ok()?),
+            _ => None,
+        }
+    }
+
+    /// The same tree without places.
+    pub fn to_toml(&self) -> toml::Value {
+        match &self.value {
+            Value::Text(text) | Value::Time(text) => toml::Value::String(text.clone()),
+            Value::Whole(whole) => toml::Value::Integer(*whole),
+            Value::Number(number) => toml::Value::Float(*number),
+            Value::Flag(flag) => toml::Value::Boolean(*flag),
+            Value::List(items) => toml::Value::Array(items.iter().map(Node::to_toml).collect()),
+            Value::Table(table) => toml::Value::Table(table.to_toml()),
+        }
+    }
+
+    /// What was found, as an error names it.
+    pub fn found(&self) -> String {
+        match &self.value {
+            Value::Text(text) => format!("\"{text}\""),
+            Value::Time(text) => text.clone(),
+            Value::Whole(whole) => whole.to_string(),
+            Value::Number(number) => number.to_string(),
+            Value::Flag(flag) => flag.to_string(),
+            Value::List(items) => format!("a list of {}", items.len()),
+            Value::Table(_) => "a table".to_owned(),
+        }
+    }
+}
+
+impl Table {
+    /// The entry under `key`.
+    pub fn get(&self, key: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.key == key)
+    }
+
+    /// Takes the entry under `key` out of the table.
+    pub fn remove(&mut self, key: &str) -> Option<Entry> {
+        let place = self.entries.iter().position(|entry| entry.key == key)?;
+        Some(self.entries.remove(place))
+    }
+
+    /// The same table without places.
+    pub fn to_toml(&self) -> toml::Table {
+        let entries = self.entries.iter();
+        entries.map(|entry| (entry.key.clone(), entry.node.to_toml())).collect()
+    }
+}

@@ -1,0 +1,308 @@
+//! Everything that is wrong with how a scenario is written, at once, each at its place.
+
+use super::grammar::{Key, Range, Rule, TableRule};
+use super::tree::{Entry, Node, Table, Value};
+use crate::diagnostic::{Diagnostic, Span, closest};
+use crate::units::Dimension;
+
+/// The mistakes in `root` against `rule`.
+pub fn validate(root: &Node, rule: &Rule) -> Vec<Diagnostic> {
+    let mut walk = Walk::default();
+    walk.node(root, rule, &Place::top(root));
+    walk.mistakes
+}
+
+/// Where the walk stands.
+struct Place {
+    /// Key path, empty at the top.
+    path: String,
+    /// What a mistake about something left out points at.
+    span: Span,
+}
+
+impl Place {
+    fn top(root: &Node) -> Place {
+        Place { path: String::new(), span: root.span.clone() }
+    }
+
+    fn under(&self, entry: &Entry) -> Place {
+        Place { path: self.name(&entry.key), span: entry.key_span.clone() }
+    }
+
+    fn at(&self, index: usize, item: &Node) -> Place {
+        Place { path: self.name(&index.to_string()), span: item.span.clone() }
+    }
+
+    fn name(&self, key: &str) -> String {
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    }
+}
+
+#[derive(Default)]
+struct Walk {
+    mistakes: Vec<Diagnostic>,
+}
+
+impl Walk {
+    fn report(&mut self, mistake: Diagnostic) {
+        self.mistakes.push(mistake);
+    }
+
+    fn node(&mut self, node: &Node, rule: &Rule, place: &Place) {
+        match (rule, &node.value) {
+            (Rule::Table(rule), Value::Table(table)) => self.table(table, rule, place),
+            (Rule::List { item, shortest, longest }, Value::List(items)) => {
+                self.length(items.len(), *shortest, *longest, &node.span);
+                for (index, child) in items.iter().enumerate() {
+                    self.node(child, item, &place.at(index, child));
+                }
+            }
+            (Rule::Tuple(rules), Value::List(items)) => {
+                self.length(items.len(), rules.len(), rules.len(), &node.span);
+                for (index, (child, rule)) in items.iter().zip(rules).enumerate() {
+                    self.node(child, rule, &place.at(index, child));
+                }
+            }
+            (Rule::Choice(words), Value::Text(text)) => {
+                if !words.iter().any(|(word, _)| word == text) {
+                    self.report(unknown_word(text, rule).at(&node.span));
+                }
+            }
+            (Rule::Quantity(dimension, range), value) => {
+                self.quantity(value, *dimension, *range, node);
+            }
+            (Rule::Number { whole, range }, Value::Whole(_) | Value::Number(_)) => {
+                self.number(node, *whole, *range);
+            }
+            (Rule::Text { .. }, Value::Text(_)) | (Rule::Flag, Value::Flag(_)) => {}
+            (Rule::Either(rules), _) => self.either(node, rules, place),
+            _ => self.report(wrong_kind(node, rule)),
+        }
+    }
+
+    fn table(&mut self, table: &Table, rule: &TableRule, place: &Place) {
+        for entry in &table.entries {
+            match rule.key(&entry.key) {
+                Some(key) => self.node(&entry.node, &key.rule, &place.under(entry)),
+                None => self.report(unknown_key(entry, rule, place)),
+            }
+        }
+        for key in rule.keys.iter().filter(|key| key.required) {
+            if table.get(&key.name).is_none() {
+                self.report(missing_key(key, place));
+            }
+        }
+        self.groups(table, rule, place);
+    }
+
+    /// Keys that exclude one another: at most one group of them, and that one whole.
+    fn groups(&mut self, table: &Table, rule: &TableRule, place: &Place) {
+        let groups = rule.groups.iter();
+        let present: Vec<_> = groups.filter_map(|group| Some((group, first_of(table, group)?))).collect();
+        match present.as_slice() {
+            [] if rule.group_required && !has_future(table, rule) => {
+                self.report(no_group(rule, place));
+            }
+            [] => {}
+            [(group, _)] => self.whole_group(table, group, place),
+            [(_, first), others @ ..] => {
+                for (_, other) in others {
+                    let message = format!("`{}` and `{}` exclude each other", first.key, other.key);
+                    let hint = format!("keep one of {}", list_groups(rule));
+                    let later = if other.key_span.range.start > first.key_span.range.start { other } else { first };
+                    self.report(Diagnostic::new(message).at(&later.key_span).hint(hint));
+                }
+            }
+        }
+    }
+
+    fn whole_group(&mut self, table: &Table, group: &[String], place: &Place) {
+        for name in group.iter().filter(|name| table.get(name).is_none()) {
+            let message = format!("missing key `{}`", place.name(name));
+            let beside = first_of(table, group).map(|entry| format!("`{}` needs it", entry.key));
+            let mistake = Diagnostic::new(message).at(&place.span);
+            self.report(match beside {
+                Some(hint) => mistake.hint(hint),
+                None => mistake,
+            });
+        }
+    }
+
+    fn length(&mut self, found: usize, shortest: usize, longest: usize, span: &Span) {
+        if (shortest..=longest).contains(&found) {
+            return;
+        }
+        let expected = match (shortest, longest) {
+            (least, most) if least == most => format!("{least} items"),
+            (least, _) if found < least => {
+                format!("at least {least} item{}", if least == 1 { "" } else { "s" })
+            }
+            (_, most) => format!("at most {most} items"),
+        };
+        self.report(Diagnostic::new(format!("expected {expected}, found {found}")).at(span));
+    }
+
+    fn quantity(&mut self, value: &Value, dimension: Dimension, range: Range, node: &Node) {
+        let number = match value {
+            Value::Whole(whole) => Ok(*whole as f64),
+            Value::Number(number) => Ok(*number),
+            Value::Text(text) => match dimension.parse(text) {
+                Ok(number) => Ok(number),
+                Err(error) => Err(Diagnostic::new(error.to_string()).hint(error.hint())),
+            },
+            _ => Err(Diagnostic::new(format!("expected {}, found {}", dimension.name, node.found()))
+                .hint(format!("write it like \"{}\"", dimension.example))),
+        };
+        match number {
+            Ok(number) => self.range(number, range, node, |bound| dimension.show(bound)),
+            Err(mistake) => self.report(mistake.at(&node.span)),
+        }
+    }
+
+    fn number(&mut self, node: &Node, whole: bool, range: Range) {
+        match node.value {
+            Value::Whole(number) => self.range(number as f64, range, node, |b| b.to_string()),
+            Value::Number(_) if whole => {
+                self.report(Diagnostic::new(format!("expected a whole number, found {}", node.found())).at(&node.span))
+            }
+            Value::Number(number) => self.range(number, range, node, |b| b.to_string()),
+            _ => {}
+        }
+    }
+
+    fn range(&mut self, number: f64, range: Range, node: &Node, show: impl Fn(f64) -> String) {
+        let found = node.found();
+        if !number.is_finite() {
+            let message = format!("expected a finite number, found {found}");
+            self.report(Diagnostic::new(message).at(&node.span));
+        } else if !range.contains(number)
+            && let Some(bounds) = range.describe(show)
+        {
+            let message = format!("out of range: expected {bounds}, found {found}");
+            self.report(Diagnostic::new(message).at(&node.span));
+        }
+    }
+
+    /// The mistakes of the one branch that the value was meant for, if it is clear which.
+    fn either(&mut self, node: &Node, rules: &[Rule], place: &Place) {
+        let meant: Vec<&Rule> = rules.iter().filter(|rule| takes(rule, node)).collect();
+        if let [only] = meant.as_slice() {
+            return self.node(node, only, place);
+        }
+        let fits = |rule: &&Rule| {
+            let mut attempt = Walk::default();
+            attempt.node(node, rule, place);
+            attempt.mistakes.is_empty()
+        };
+        if !meant.iter().any(fits) {
+            let rule = Rule::Either(rules.to_vec());
+            self.report(wrong_kind(node, &rule));
+        }
+    }
+}
+
+/// Whether the value is of a kind that the rule can take.
+fn takes(rule: &Rule, node: &Node) -> bool {
+    match rule {
+        Rule::Table(_) => matches!(node.value, Value::Table(_)),
+        Rule::List { .. } | Rule::Tuple(_) => matches!(node.value, Value::List(_)),
+        Rule::Choice(_) | Rule::Text { .. } => matches!(node.value, Value::Text(_)),
+        Rule::Quantity(..) => {
+            matches!(node.value, Value::Text(_) | Value::Whole(_) | Value::Number(_))
+        }
+        Rule::Number { .. } => matches!(node.value, Value::Whole(_) | Value::Number(_)),
+        Rule::Flag => matches!(node.value, Value::Flag(_)),
+        Rule::Either(rules) => rules.iter().any(|rule| takes(rule, node)),
+    }
+}
+
+fn first_of<'t>(table: &'t Table, group: &[String]) -> Option<&'t Entry> {
+    table.entries.iter().find(|entry| group.contains(&entry.key))
+}
+
+fn has_future(table: &Table, rule: &TableRule) -> bool {
+    let entries = &mut table.entries.iter();
+    entries.any(|entry| rule.future.contains(&entry.key))
+}
+
+fn wrong_kind(node: &Node, rule: &Rule) -> Diagnostic {
+    let message = format!("expected {rule}, found {}", node.found());
+    let mistake = Diagnostic::new(message).at(&node.span);
+    match (&node.value, rule) {
+        (Value::Text(text), Rule::Number { .. } | Rule::Flag) if text.parse::<f64>().is_ok() => {
+            mistake.hint("leave the quotes out")
+        }
+        (Value::Text(text), Rule::Either(_)) => {
+            let words = rule.words();
+            match closest(text, words.iter().map(|(word, _)| *word)) {
+                Some(word) => mistake.hint(format!("did you mean \"{word}\"?")),
+                None => mistake,
+            }
+        }
+        _ => mistake,
+    }
+}
+
+fn unknown_word(text: &str, rule: &Rule) -> Diagnostic {
+    let words = rule.words();
+    let names = words.iter().map(|(word, _)| *word);
+    let mistake = Diagnostic::new(format!("expected {rule}, found \"{text}\""));
+    match closest(text, names) {
+        Some(word) => mistake.hint(format!("did you mean \"{word}\"?")),
+        None => mistake,
+    }
+}
+
+fn unknown_key(entry: &Entry, rule: &TableRule, place: &Place) -> Diagnostic {
+    if rule.future.contains(&entry.key) {
+        let path = place.name(&entry.key);
+        let message = format!("`{path}` is not supported by this version");
+        return Diagnostic::new(message).at(&entry.key_span);
+    }
+    let names = || rule.keys.iter().map(|key| key.name.as_str());
+    let hint = match closest(&entry.key, names()) {
+        Some(name) => format!("did you mean `{name}`?"),
+        None => {
+            let known: Vec<String> = names().map(|name| format!("`{name}`")).collect();
+            format!("known here: {}", known.join(", "))
+        }
+    };
+    Diagnostic::new(format!("unknown key `{}`", entry.key)).at(&entry.key_span).hint(hint)
+}
+
+fn missing_key(key: &Key, place: &Place) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("missing key `{}`", place.name(&key.name))).at(&place.span);
+    match &key.sentence {
+        Some(sentence) => mistake.hint(format!("`{}`: {}", key.name, first_clause(sentence))),
+        None => mistake,
+    }
+}
+
+/// The sentence of a key up to its first stop, in the lower case of a hint.
+fn first_clause(sentence: &str) -> String {
+    let clause = sentence.split(['.', ';']).next().unwrap_or(sentence);
+    let mut letters = clause.chars();
+    match letters.next() {
+        Some(first) if !letters.as_str().starts_with(char::is_uppercase) => {
+            first.to_lowercase().chain(letters).collect()
+        }
+        _ => clause.to_owned(),
+    }
+}
+
+fn no_group(rule: &TableRule, place: &Place) -> Diagnostic {
+    let whole = if place.path.is_empty() { "the file".to_owned() } else { format!("`{}`", place.path) };
+    Diagnostic::new(format!("{whole} needs one of {}", list_groups(rule))).at(&place.span)
+}
+
+fn list_groups(rule: &TableRule) -> String {
+    let groups: Vec<String> = rule
+        .groups
+        .iter()
+        .map(|group| {
+            let keys: Vec<String> = group.iter().map(|key| format!("`{key}`")).collect();
+            keys.join(" with ")
+        })
+        .collect();
+    groups.join(", ")
+}
