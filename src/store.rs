@@ -44,10 +44,7 @@ pub enum StoreError {
 impl StoreError {
     /// The file at `path` could not be written.
     pub fn write(path: impl Into<PathBuf>, source: io::Error) -> StoreError {
-        StoreError::Write {
-            path: path.into(),
-            source,
-        }
+        StoreError::Write { path: path.into(), source }
     }
 }
 
@@ -85,10 +82,7 @@ impl Draft {
     pub fn begin(target: &Path) -> Result<Draft, StoreError> {
         check_replaceable(target)?;
         let folder = sibling(target)?;
-        Ok(Draft {
-            folder,
-            target: target.into(),
-        })
+        Ok(Draft { folder, target: target.into() })
     }
 
     /// Where the files are put meanwhile.
@@ -142,9 +136,7 @@ impl Draft {
 }
 
 fn failed(target: &Path) -> PathBuf {
-    let mut name = target
-        .file_name()
-        .map_or_else(OsString::new, OsString::from);
+    let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
     name.push(".failed");
     target.with_file_name(name)
 }
@@ -181,19 +173,13 @@ fn check_replaceable(target: &Path) -> Result<(), StoreError> {
     let Ok(entries) = fs::read_dir(target) else {
         return Err(StoreError::NotAFolder { path: path() });
     };
-    let names: Vec<String> = entries
-        .flatten()
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
+    let names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     let is_one_of = |names: &[&str], name: &String| names.contains(&name.as_str());
     if !names.is_empty() && !names.iter().any(|name| is_one_of(&MARKS, name)) {
         return Err(StoreError::NotARun { path: path() });
     }
     match names.into_iter().find(|name| !is_one_of(&OURS, name)) {
-        Some(found) => Err(StoreError::Foreign {
-            path: path(),
-            found,
-        }),
+        Some(found) => Err(StoreError::Foreign { path: path(), found }),
         None => Ok(()),
     }
 }
@@ -204,9 +190,7 @@ mod tests {
 
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap().flatten();
-        let mut names: Vec<String> = entries
-            .map(|entry| entry.file_name().into_string().unwrap())
-            .collect();
+        let mut names: Vec<String> = entries.map(|entry| entry.file_name().into_string().unwrap()).collect();
         names.sort();
         names
     }
@@ -223,10 +207,7 @@ mod tests {
         let target = root.path().join("drop/1008");
         stored(&target, "1").unwrap();
         stored(&target, "2").unwrap();
-        assert_eq!(
-            fs::read_to_string(target.join("summary.json")).unwrap(),
-            "2"
-        );
+        assert_eq!(fs::read_to_string(target.join("summary.json")).unwrap(), "2");
         assert_eq!(names(&root.path().join("drop")), ["1008"]);
     }
 
@@ -238,10 +219,7 @@ mod tests {
         let draft = Draft::begin(&target).unwrap();
         draft.write("summary.json", "half").unwrap();
         drop(draft);
-        assert_eq!(
-            fs::read_to_string(target.join("summary.json")).unwrap(),
-            "1"
-        );
+        assert_eq!(fs::read_to_string(target.join("summary.json")).unwrap(), "1");
         assert_eq!(names(root.path()), ["1008"]);
     }
 
@@ -251,10 +229,7 @@ mod tests {
         let target = root.path().join("1008");
         let draft = Draft::begin(&target).unwrap();
         draft.write("failure.txt", "at 3 ms").unwrap();
-        assert_eq!(
-            draft.publish_failed().unwrap(),
-            root.path().join("1008.failed")
-        );
+        assert_eq!(draft.publish_failed().unwrap(), root.path().join("1008.failed"));
         assert_eq!(names(root.path()), ["1008.failed"]);
         stored(&target, "1").unwrap();
         assert_eq!(names(root.path()), ["1008"]);
@@ -267,43 +242,26 @@ mod tests {
         fs::create_dir(&theirs).unwrap();
         stored(&theirs, "an empty folder may be taken").unwrap();
         fs::write(theirs.join("notes.txt"), "mine").unwrap();
-        assert!(
-            matches!(stored(&theirs, "1"), Err(StoreError::Foreign { found, .. }) if found == "notes.txt")
-        );
+        assert!(matches!(stored(&theirs, "1"), Err(StoreError::Foreign { found, .. }) if found == "notes.txt"));
         fs::remove_file(theirs.join("summary.json")).unwrap();
-        assert!(matches!(
-            stored(&theirs, "1"),
-            Err(StoreError::NotARun { .. })
-        ));
+        assert!(matches!(stored(&theirs, "1"), Err(StoreError::NotARun { .. })));
         let file = theirs.join("notes.txt");
-        assert!(matches!(
-            stored(&file, "1"),
-            Err(StoreError::NotAFolder { .. })
-        ));
+        assert!(matches!(stored(&file, "1"), Err(StoreError::NotAFolder { .. })));
         assert_eq!(fs::read_to_string(file).unwrap(), "mine");
     }
 
     #[test]
     fn names_stay_below_the_root() {
         let root = Path::new("runs");
-        assert_eq!(
-            place(root, "drop/1008").unwrap(),
-            Path::new("runs/drop/1008")
-        );
+        assert_eq!(place(root, "drop/1008").unwrap(), Path::new("runs/drop/1008"));
         for name in ["", "..", "../x", "a/../../x", "/etc", "a\\..\\b"] {
-            assert!(
-                matches!(place(root, name), Err(StoreError::Name { .. })),
-                "{name}"
-            );
+            assert!(matches!(place(root, name), Err(StoreError::Name { .. })), "{name}");
         }
     }
 
     #[test]
     fn two_runs_do_not_share_a_place() {
         let places = [PathBuf::from("no/such"), PathBuf::from("no/such")];
-        assert!(matches!(
-            check_places(&places),
-            Err(StoreError::Twice { .. })
-        ));
+        assert!(matches!(check_places(&places), Err(StoreError::Twice { .. })));
     }
 }

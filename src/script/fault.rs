@@ -35,11 +35,7 @@ impl Fault {
     }
 
     pub(super) fn starting(file: &Path, error: &io::Error) -> Fault {
-        Fault::at(
-            file,
-            Position::NONE,
-            format!("cannot start a thread for the script: {error}"),
-        )
+        Fault::at(file, Position::NONE, format!("cannot start a thread for the script: {error}"))
     }
 
     fn at(file: &Path, position: Position, message: String) -> Fault {

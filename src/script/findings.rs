@@ -25,7 +25,7 @@ pub struct Findings {
 /// Why a name cannot be given to a figure or a table.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NameError {
-    #[error("`{name}` is not a name for a figure or a table: use a-z, 0-9 and _")]
+    #[error("`{name}` is not a name for a figure or a table: use letters, digits and _")]
     Letters { name: String },
     #[error("`{name}` is a figure of every run and cannot be replaced")]
     Reserved { name: String },
@@ -44,11 +44,7 @@ pub struct Ledger {
 impl Ledger {
     /// An empty ledger; `reserved` names cannot be given, `listener` hears every log line at once.
     pub fn new(reserved: Vec<String>, listener: impl Fn(&str) + Send + Sync + 'static) -> Ledger {
-        Ledger {
-            findings: Arc::default(),
-            reserved: reserved.into(),
-            listener: Arc::new(listener),
-        }
+        Ledger { findings: Arc::default(), reserved: reserved.into(), listener: Arc::new(listener) }
     }
 
     /// What was written down so far.
@@ -59,13 +55,9 @@ impl Ledger {
     /// Offers `measure`, `table`, `log` and `print` to scripts.
     pub fn register(&self, engine: &mut Engine) {
         let ledger = self.clone();
-        engine.register_fn("measure", move |name: &str, value: Dynamic| {
-            ledger.measure(name, &value)
-        });
+        engine.register_fn("measure", move |name: &str, value: Dynamic| ledger.measure(name, &value));
         let ledger = self.clone();
-        engine.register_fn("table", move |name: &str, rows: Dynamic| {
-            ledger.table(name, None, &rows)
-        });
+        engine.register_fn("table", move |name: &str, rows: Dynamic| ledger.table(name, None, &rows));
         let ledger = self.clone();
         engine.register_fn("table", move |name: &str, columns: Array, rows: Dynamic| {
             ledger.table(name, Some(&columns), &rows)
@@ -88,19 +80,15 @@ impl Ledger {
         Ok(())
     }
 
-    fn table(
-        &self,
-        name: &str,
-        columns: Option<&Array>,
-        rows: &Dynamic,
-    ) -> Result<(), Box<EvalAltResult>> {
+    fn table(&self, name: &str, columns: Option<&Array>, rows: &Dynamic) -> Result<(), Box<EvalAltResult>> {
         self.check(name).map_err(refuse)?;
         let rows = rows_of(rows, columns)?;
         let tables = &mut self.lock().tables;
         if tables.len() >= MOST_ENTRIES || rows.len() > MOST_ENTRIES {
             return Err(refuse(NameError::TooMany));
         }
-        tables.retain(|(other, _)| other != name);
+        // One file a table: two names must differ on every file system.
+        tables.retain(|(other, _)| !other.eq_ignore_ascii_case(name));
         tables.push((name.into(), rows));
         Ok(())
     }
@@ -115,11 +103,9 @@ impl Ledger {
     }
 
     fn check(&self, name: &str) -> Result<(), NameError> {
-        let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+        let letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || name.len() > 80 || !name.chars().all(letter) {
-            return Err(NameError::Letters {
-                name: name.chars().take(80).collect(),
-            });
+            return Err(NameError::Letters { name: name.chars().take(80).collect() });
         }
         if self.reserved.iter().any(|reserved| reserved == name) {
             return Err(NameError::Reserved { name: name.into() });
@@ -137,33 +123,22 @@ fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> Result<Vec<Row>, Box<Eval
         return Ok(vec![row_of(&map, columns)?]);
     }
     let Some(rows) = rows.read_lock::<Array>() else {
-        return Err(refuse(format!(
-            "a table is a map or a list of maps, not {}",
-            rows.type_name()
-        )));
+        return Err(refuse(format!("a table is a map or a list of maps, not {}", rows.type_name())));
     };
     let row = |row: &Dynamic| match row.read_lock::<Map>() {
         Some(map) => row_of(&map, columns),
-        None => Err(refuse(format!(
-            "a row of a table is a map, not {}",
-            row.type_name()
-        ))),
+        None => Err(refuse(format!("a row of a table is a map, not {}", row.type_name()))),
     };
     rows.iter().map(row).collect()
 }
 
 fn row_of(map: &Map, columns: Option<&Array>) -> Result<Row, Box<EvalAltResult>> {
     let Some(columns) = columns else {
-        return map
-            .iter()
-            .map(|(key, value)| Ok((key.to_string(), to_json(value)?)))
-            .collect();
+        return map.iter().map(|(key, value)| Ok((key.to_string(), to_json(value)?))).collect();
     };
     let column = |column: &Dynamic| {
         let name = column.to_string();
-        let value = map
-            .get(name.as_str())
-            .ok_or_else(|| refuse(format!("a row has no `{name}`")))?;
+        let value = map.get(name.as_str()).ok_or_else(|| refuse(format!("a row has no `{name}`")))?;
         Ok((name, to_json(value)?))
     };
     columns.iter().map(column).collect()
@@ -172,7 +147,7 @@ fn row_of(map: &Map, columns: Option<&Array>) -> Result<Row, Box<EvalAltResult>>
 pub(super) const ENTRIES: &[Entry] = &[
     Entry {
         call: "measure(name, value)",
-        gives: "adds a figure to the summary; names are a-z, 0-9 and _",
+        gives: "adds a figure to the summary; names are letters, digits and _",
         example: r#"measure("stopping_distance_m", 0.17); true"#,
     },
     Entry {

@@ -15,18 +15,10 @@ pub fn register(engine: &mut Engine) {
         .register_fn("signal", build)
         .register_fn("len", |s: &mut Series| s.len() as INT)
         .register_fn("to_string", describe)
-        .register_fn("max", |s: &mut Series| {
-            Ok::<_, Box<EvalAltResult>>(largest(s)?[1])
-        })
-        .register_fn("min", |s: &mut Series| {
-            Ok::<_, Box<EvalAltResult>>(smallest(s)?[1])
-        })
-        .register_fn("time_of_max", |s: &mut Series| {
-            Ok::<_, Box<EvalAltResult>>(largest(s)?[0])
-        })
-        .register_fn("time_of_min", |s: &mut Series| {
-            Ok::<_, Box<EvalAltResult>>(smallest(s)?[0])
-        })
+        .register_fn("max", |s: &mut Series| Ok::<_, Box<EvalAltResult>>(largest(s)?[1]))
+        .register_fn("min", |s: &mut Series| Ok::<_, Box<EvalAltResult>>(smallest(s)?[1]))
+        .register_fn("time_of_max", |s: &mut Series| Ok::<_, Box<EvalAltResult>>(largest(s)?[0]))
+        .register_fn("time_of_min", |s: &mut Series| Ok::<_, Box<EvalAltResult>>(smallest(s)?[0]))
         .register_fn("start", |s: &mut Series| end_of(s.time().first()))
         .register_fn("end", |s: &mut Series| end_of(s.time().last()))
         .register_fn("at", at)
@@ -34,17 +26,10 @@ pub fn register(engine: &mut Engine) {
         .register_fn("mean", mean)
         .register_fn("integral", |s: &mut Series| integrate::total(s))
         .register_fn("integrated", |s: &mut Series, start: Dynamic| {
-            Ok::<_, Box<EvalAltResult>>(integrate::once(
-                s,
-                number(&start, "the value at the start")?,
-            ))
+            Ok::<_, Box<EvalAltResult>>(integrate::once(s, number(&start, "the value at the start")?))
         })
-        .register_fn("filtered", |s: &mut Series, class: Dynamic| {
-            filtered(s, &class, Standard::Iso6487)
-        })
-        .register_fn("filtered_sae", |s: &mut Series, class: Dynamic| {
-            filtered(s, &class, Standard::SaeJ211)
-        })
+        .register_fn("filtered", |s: &mut Series, class: Dynamic| filtered(s, &class, Standard::Iso6487))
+        .register_fn("filtered_sae", |s: &mut Series, class: Dynamic| filtered(s, &class, Standard::SaeJ211))
         .register_fn("abs", |s: &mut Series| map(s, f64::abs))
         .register_fn("relative_error", relative_error);
     register_operators(engine);
@@ -52,41 +37,22 @@ pub fn register(engine: &mut Engine) {
 
 fn register_operators(engine: &mut Engine) {
     engine.register_fn("-", |s: Series| map(&s, |v| -v));
-    let operators: [(&str, fn(f64, f64) -> f64); 4] = [
-        ("+", |a, b| a + b),
-        ("-", |a, b| a - b),
-        ("*", |a, b| a * b),
-        ("/", |a, b| a / b),
-    ];
+    let operators: [(&str, fn(f64, f64) -> f64); 4] =
+        [("+", |a, b| a + b), ("-", |a, b| a - b), ("*", |a, b| a * b), ("/", |a, b| a / b)];
     for (symbol, operator) in operators {
-        engine.register_fn(symbol, move |a: Series, b: Series| {
-            pointwise(&a, &b, operator)
-        });
+        engine.register_fn(symbol, move |a: Series, b: Series| pointwise(&a, &b, operator));
         engine.register_fn(symbol, move |a: Series, b: f64| map(&a, |v| operator(v, b)));
-        engine.register_fn(symbol, move |a: Series, b: INT| {
-            map(&a, |v| operator(v, b as f64))
-        });
+        engine.register_fn(symbol, move |a: Series, b: INT| map(&a, |v| operator(v, b as f64)));
         engine.register_fn(symbol, move |a: f64, b: Series| map(&b, |v| operator(a, v)));
-        engine.register_fn(symbol, move |a: INT, b: Series| {
-            map(&b, |v| operator(a as f64, v))
-        });
+        engine.register_fn(symbol, move |a: INT, b: Series| map(&b, |v| operator(a as f64, v)));
     }
 }
 
 fn build(time: Array, values: Array) -> Answer<Series> {
-    let numbers = |items: &Array, what| {
-        items
-            .iter()
-            .map(|item| number(item, what))
-            .collect::<Answer<Vec<_>>>()
-    };
+    let numbers = |items: &Array, what| items.iter().map(|item| number(item, what)).collect::<Answer<Vec<_>>>();
     let (time, values) = (numbers(&time, "a time")?, numbers(&values, "a value")?);
     if time.len() != values.len() {
-        return Err(refuse(format!(
-            "{} times for {} values",
-            time.len(),
-            values.len()
-        )));
+        return Err(refuse(format!("{} times for {} values", time.len(), values.len())));
     }
     if !time.iter().all(|t| t.is_finite()) || !time.windows(2).all(|pair| pair[0] < pair[1]) {
         return Err(refuse("time does not increase"));
@@ -119,8 +85,7 @@ fn nothing() -> Box<EvalAltResult> {
 
 fn at(s: &mut Series, time: Dynamic) -> Answer<f64> {
     let time = number(&time, "a time")?;
-    s.at(time)
-        .ok_or_else(|| refuse(format!("the signal has no value at {time} s")))
+    s.at(time).ok_or_else(|| refuse(format!("the signal has no value at {time} s")))
 }
 
 fn slice(s: &mut Series, from: Dynamic, to: Dynamic) -> Answer<Series> {
@@ -145,9 +110,7 @@ fn map(s: &Series, f: impl Fn(f64) -> f64) -> Series {
 
 /// `b` is read between its samples at the times of `a`.
 fn pointwise(a: &Series, b: &Series, f: fn(f64, f64) -> f64) -> Series {
-    let values = a
-        .samples()
-        .map(|[time, value]| f(value, b.at(time).unwrap_or(f64::NAN)));
+    let values = a.samples().map(|[time, value]| f(value, b.at(time).unwrap_or(f64::NAN)));
     a.with_values(values.collect())
 }
 
@@ -162,11 +125,7 @@ pub const ENTRIES: &[Entry] = &[
         gives: "a signal from two lists; times in s, increasing",
         example: "signal([0, 1, 2], [5, 6.5, 8]).len() == 3",
     },
-    Entry {
-        call: "signal.len()",
-        gives: "the number of samples",
-        example: "signal([0, 1], [5, 6]).len() == 2",
-    },
+    Entry { call: "signal.len()", gives: "the number of samples", example: "signal([0, 1], [5, 6]).len() == 2" },
     Entry {
         call: "signal.max(), signal.min()",
         gives: "the largest and the smallest measured value",
@@ -217,11 +176,7 @@ pub const ENTRIES: &[Entry] = &[
         gives: "the same with the constant of SAE J211-1",
         example: "let s = signal([0, 0.0001, 0.0002], [2, 2, 2]).filtered_sae(600.0); (s.at(0) - 2).abs() < 1e-9",
     },
-    Entry {
-        call: "signal.abs()",
-        gives: "the magnitudes",
-        example: "signal([0, 1], [-5, 3]).abs().max() == 5.0",
-    },
+    Entry { call: "signal.abs()", gives: "the magnitudes", example: "signal([0, 1], [-5, 3]).abs().max() == 5.0" },
     Entry {
         call: "signal + signal, signal * number, -signal, …",
         gives: "+ − * / of signals and numbers; a second signal is read at the times of the first",
@@ -254,22 +209,10 @@ mod tests {
             ("signal([0, 0], [1, 2])", "time does not increase"),
             ("signal([0], [1, 2])", "1 times for 2 values"),
             ("signal([], []).max()", "the signal has no samples"),
-            (
-                "signal([0, 1], [1, 2]).at(\"x\")",
-                "expected a number for a time, found string",
-            ),
-            (
-                "signal([0, 1], [1, 2]).at(2)",
-                "the signal has no value at 2 s",
-            ),
-            (
-                "signal([0, 1], [1, 2]).filtered(60)",
-                "CFC 60 needs at least 600 samples a second",
-            ),
-            (
-                "let s = signal([0, 1], [1, 2]); relative_error(s, s, 3)",
-                "expected a window [from, to]",
-            ),
+            ("signal([0, 1], [1, 2]).at(\"x\")", "expected a number for a time, found string"),
+            ("signal([0, 1], [1, 2]).at(2)", "the signal has no value at 2 s"),
+            ("signal([0, 1], [1, 2]).filtered(60)", "CFC 60 needs at least 600 samples a second"),
+            ("let s = signal([0, 1], [1, 2]); relative_error(s, s, 3)", "expected a window [from, to]"),
         ] {
             let error = engine.run(text).unwrap_err().to_string();
             assert!(error.contains(expected), "{text} gave: {error}");

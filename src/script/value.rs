@@ -14,9 +14,7 @@ pub fn number(value: &Dynamic, what: &str) -> Result<f64, Box<EvalAltResult>> {
         return Ok(float);
     }
     let integer = value.as_int();
-    integer
-        .map(|i| i as f64)
-        .map_err(|found| refuse(format!("expected a number for {what}, found {found}")))
+    integer.map(|i| i as f64).map_err(|found| refuse(format!("expected a number for {what}, found {found}")))
 }
 
 /// A window of time `[from, to]` in s.
@@ -24,15 +22,9 @@ pub fn window(value: &Dynamic) -> Result<[f64; 2], Box<EvalAltResult>> {
     let bounds = value.read_lock::<Array>();
     let bounds = bounds.as_deref().map(Vec::as_slice);
     let Some([from, to]) = bounds else {
-        return Err(refuse(format!(
-            "expected a window [from, to], found {}",
-            value.type_name()
-        )));
+        return Err(refuse(format!("expected a window [from, to], found {}", value.type_name())));
     };
-    Ok([
-        number(from, "the window's start")?,
-        number(to, "the window's end")?,
-    ])
+    Ok([number(from, "the window's start")?, number(to, "the window's end")?])
 }
 
 /// The value as JSON; numbers that are not finite become null, host values are refused.
@@ -42,18 +34,14 @@ pub fn to_json(value: &Dynamic) -> Result<Value, Box<EvalAltResult>> {
 
 fn nested_to_json(value: &Dynamic, depth: usize) -> Result<Value, Box<EvalAltResult>> {
     let Some(depth) = depth.checked_sub(1) else {
-        return Err(refuse(format!(
-            "values are nested more than {DEEPEST} deep"
-        )));
+        return Err(refuse(format!("values are nested more than {DEEPEST} deep")));
     };
     if let Some(items) = value.read_lock::<Array>() {
         let items = items.iter().map(|item| nested_to_json(item, depth));
         return items.collect::<Result<Vec<_>, _>>().map(Value::Array);
     }
     if let Some(map) = value.read_lock::<Map>() {
-        let pairs = map
-            .iter()
-            .map(|(key, item)| Ok((key.to_string(), nested_to_json(item, depth)?)));
+        let pairs = map.iter().map(|(key, item)| Ok((key.to_string(), nested_to_json(item, depth)?)));
         return pairs.collect::<Result<_, _>>().map(Value::Object);
     }
     plain_to_json(value)
@@ -75,10 +63,7 @@ fn plain_to_json(value: &Dynamic) -> Result<Value, Box<EvalAltResult>> {
     if value.is_string() || value.is_char() {
         return Ok(Value::String(value.to_string()));
     }
-    Err(refuse(format!(
-        "a {} is not a figure; take one of it, e.g. its max()",
-        value.type_name()
-    )))
+    Err(refuse(format!("a {} is not a figure; take one of it, e.g. its max()", value.type_name())))
 }
 
 /// The script value of JSON; null is `()`.
@@ -93,9 +78,7 @@ pub fn from_json(value: &Value) -> Dynamic {
         Value::String(text) => text.clone().into(),
         Value::Array(items) => items.iter().map(from_json).collect::<Array>().into(),
         Value::Object(pairs) => {
-            let pairs = pairs
-                .iter()
-                .map(|(key, item)| (key.as_str().into(), from_json(item)));
+            let pairs = pairs.iter().map(|(key, item)| (key.as_str().into(), from_json(item)));
             pairs.collect::<Map>().into()
         }
     }

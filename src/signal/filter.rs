@@ -53,11 +53,7 @@ impl ChannelFilter {
     /// The filter of a channel frequency class (1000, 600, 180, 60 or any other number) at a sample interval in s.
     ///
     /// Errors where the rate lies below ten times the class, as both standards ask.
-    pub fn new(
-        class: f64,
-        interval: f64,
-        standard: Standard,
-    ) -> Result<ChannelFilter, FilterError> {
+    pub fn new(class: f64, interval: f64, standard: Standard) -> Result<ChannelFilter, FilterError> {
         if class.is_nan() || class <= 0.0 {
             return Err(FilterError::Class { class });
         }
@@ -71,10 +67,7 @@ impl ChannelFilter {
         let b0 = wa * wa / denominator;
         Ok(ChannelFilter {
             b: [b0, 2.0 * b0, b0],
-            a: [
-                -2.0 * (wa * wa - 1.0) / denominator,
-                (-1.0 + SQRT_2 * wa - wa * wa) / denominator,
-            ],
+            a: [-2.0 * (wa * wa - 1.0) / denominator, (-1.0 + SQRT_2 * wa - wa * wa) / denominator],
             padding: (0.01 / interval).round().max(100.0) as usize,
         })
     }
@@ -171,11 +164,7 @@ mod tests {
         let ramp: Vec<f64> = (0..6000).map(|i| 1e-2 * i as f64).collect();
         for class in CLASSES {
             let out = filter(class).apply(&ramp);
-            let worst = ramp
-                .iter()
-                .zip(&out)
-                .map(|(a, b)| (a - b).abs())
-                .fold(0.0, f64::max);
+            let worst = ramp.iter().zip(&out).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             // What the start of each pass leaves behind after the padding, against the ramp's 60.
             assert!(worst < 1e-4 * 60.0, "CFC {class}: off by {worst}");
         }
@@ -183,18 +172,12 @@ mod tests {
 
     #[test]
     fn a_pulse_keeps_its_time() {
-        let pulse: Vec<f64> = (0..4001)
-            .map(|i| (-((i as f64 - 2000.0) / 300.0).powi(2)).exp())
-            .collect();
+        let pulse: Vec<f64> = (0..4001).map(|i| (-((i as f64 - 2000.0) / 300.0).powi(2)).exp()).collect();
         for class in CLASSES {
             let out = filter(class).apply(&pulse);
-            let peak = (0..out.len())
-                .max_by(|a, b| out[*a].total_cmp(&out[*b]))
-                .unwrap();
+            let peak = (0..out.len()).max_by(|a, b| out[*a].total_cmp(&out[*b])).unwrap();
             assert_eq!(peak, 2000, "CFC {class}");
-            let skew = (0..2000)
-                .map(|i| (out[i] - out[4000 - i]).abs())
-                .fold(0.0, f64::max);
+            let skew = (0..2000).map(|i| (out[i] - out[4000 - i]).abs()).fold(0.0, f64::max);
             assert!(skew < 1e-6, "CFC {class}: skewed by {skew}");
         }
     }
@@ -203,14 +186,8 @@ mod tests {
     fn sines_come_out_with_the_analytic_gain() {
         for class in CLASSES {
             for share in [0.5, 1.0, 5.0 / 3.0, 3.0] {
-                let (found, expected) = (
-                    measured_gain(class, share * class),
-                    analytic_gain(class, share * class),
-                );
-                assert!(
-                    (found - expected).abs() < 3e-3,
-                    "CFC {class} at {share}: {found} for {expected}"
-                );
+                let (found, expected) = (measured_gain(class, share * class), analytic_gain(class, share * class));
+                assert!((found - expected).abs() < 3e-3, "CFC {class} at {share}: {found} for {expected}");
             }
         }
     }
@@ -228,25 +205,17 @@ mod tests {
     #[test]
     fn the_gain_lies_in_the_corridor_of_the_standard() {
         for class in CLASSES {
-            for (share, lowest, highest) in [
-                (0.1, -0.5, 0.5),
-                (1.0, -1.0, 0.5),
-                (1.65, -4.0, 0.5),
-                (3.3, -28.0, -8.5),
-            ] {
+            for (share, lowest, highest) in [(0.1, -0.5, 0.5), (1.0, -1.0, 0.5), (1.65, -4.0, 0.5), (3.3, -28.0, -8.5)]
+            {
                 let decibels = 20.0 * measured_gain(class, share * class).log10();
-                assert!(
-                    (lowest..=highest).contains(&decibels),
-                    "CFC {class} at {share}: {decibels} dB"
-                );
+                assert!((lowest..=highest).contains(&decibels), "CFC {class} at {share}: {decibels} dB");
             }
         }
     }
 
     #[test]
     fn the_standards_differ_in_one_constant() {
-        let iso =
-            ChannelFilter::new(1000.0 * 2.0775 / 2.08333, INTERVAL, Standard::Iso6487).unwrap();
+        let iso = ChannelFilter::new(1000.0 * 2.0775 / 2.08333, INTERVAL, Standard::Iso6487).unwrap();
         let sae = ChannelFilter::new(1000.0, INTERVAL, Standard::SaeJ211).unwrap();
         assert!((iso.b[0] - sae.b[0]).abs() < 1e-12);
     }
@@ -254,10 +223,7 @@ mod tests {
     #[test]
     fn a_rate_too_low_is_refused_and_named() {
         let error = ChannelFilter::new(1000.0, 1e-3, Standard::Iso6487).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "CFC 1000 needs at least 10000 samples a second, found 1000.0"
-        );
+        assert_eq!(error.to_string(), "CFC 1000 needs at least 10000 samples a second, found 1000.0");
         assert!(ChannelFilter::new(1000.0, 1e-4, Standard::Iso6487).is_ok());
     }
 
@@ -265,14 +231,8 @@ mod tests {
     fn gaps_and_uneven_steps_are_refused() {
         let uneven = Series::new(vec![0.0, 1e-5, 5e-5], vec![0.0; 3]);
         let gap = Series::new(vec![0.0, 1e-5, 2e-5], vec![0.0, f64::NAN, 0.0]);
-        assert_eq!(
-            channel(&uneven, 60.0, Standard::Iso6487),
-            Err(FilterError::NotUniform)
-        );
-        assert_eq!(
-            channel(&gap, 60.0, Standard::Iso6487),
-            Err(FilterError::NotMeasured { time: 1e-5 })
-        );
+        assert_eq!(channel(&uneven, 60.0, Standard::Iso6487), Err(FilterError::NotUniform));
+        assert_eq!(channel(&gap, 60.0, Standard::Iso6487), Err(FilterError::NotMeasured { time: 1e-5 }));
     }
 
     #[test]

@@ -20,11 +20,7 @@ pub enum NormError {
 /// The signal `s` is read between its samples at the times of the reference. Samples at which the
 /// reference was not measured do not count. The norm is Euclidean over samples (Polymers 2021, 13,
 /// 1537, equations 14 and 15; equation 16 prints the same sum without the norm).
-pub fn relative_error(
-    signal: &Series,
-    reference: &Series,
-    [from, to]: [f64; 2],
-) -> Result<f64, NormError> {
+pub fn relative_error(signal: &Series, reference: &Series, [from, to]: [f64; 2]) -> Result<f64, NormError> {
     let (mut difference, mut size, mut count) = (0.0, 0.0, 0_usize);
     let window = reference.window([from, to]);
     for [time, expected] in window.samples().filter(|[_, value]| value.is_finite()) {
@@ -87,17 +83,8 @@ mod tests {
         let line = sampled(10, |t| t);
         let half = line.window([0.0, 0.5]);
         let zero = sampled(10, |_| 0.0);
-        assert_eq!(
-            relative_error(&line, &line, [2.0, 3.0]),
-            Err(NormError::NoSamples { from: 2.0, to: 3.0 })
-        );
-        assert_eq!(
-            relative_error(&half, &line, ALL),
-            Err(NormError::NotCovered { time: 0.6 })
-        );
-        assert_eq!(
-            relative_error(&line, &zero, ALL),
-            Err(NormError::ZeroReference { from: 0.0, to: 1.0 })
-        );
+        assert_eq!(relative_error(&line, &line, [2.0, 3.0]), Err(NormError::NoSamples { from: 2.0, to: 3.0 }));
+        assert_eq!(relative_error(&half, &line, ALL), Err(NormError::NotCovered { time: 0.6 }));
+        assert_eq!(relative_error(&line, &zero, ALL), Err(NormError::ZeroReference { from: 0.0, to: 1.0 }));
     }
 }

@@ -34,18 +34,13 @@ pub fn at(time: &[f64], values: &[f64], t: f64) -> Option<f64> {
 
 /// The series at other `times`; `NaN` where it has no value.
 pub fn onto(series: &Series, times: &[f64]) -> Vec<f64> {
-    times
-        .iter()
-        .map(|t| series.at(*t).unwrap_or(f64::NAN))
-        .collect()
+    times.iter().map(|t| series.at(*t).unwrap_or(f64::NAN)).collect()
 }
 
 /// The series on equal steps (s) from its first sample to its last.
 pub fn uniform(series: &Series, step: f64) -> Result<Series, ResampleError> {
     let &[first, .., last] = series.time() else {
-        return Err(ResampleError::TooShort {
-            count: series.len(),
-        });
+        return Err(ResampleError::TooShort { count: series.len() });
     };
     if step.is_nan() || step <= 0.0 {
         return Err(ResampleError::StepNotPositive { step });
@@ -55,9 +50,7 @@ pub fn uniform(series: &Series, step: f64) -> Result<Series, ResampleError> {
     if steps >= MOST_SAMPLES as f64 {
         return Err(ResampleError::StepTooSmall { step, span });
     }
-    let times: Vec<f64> = (0..=steps as usize)
-        .map(|i| (first + i as f64 * step).min(last))
-        .collect();
+    let times: Vec<f64> = (0..=steps as usize).map(|i| (first + i as f64 * step).min(last)).collect();
     let values = onto(series, &times);
     Ok(Series::new(times, values))
 }
@@ -108,13 +101,7 @@ mod tests {
     #[test]
     fn steps_that_cannot_be_are_refused() {
         let line = Series::new(vec![0.0, 1.0], vec![0.0, 1.0]);
-        assert!(matches!(
-            uniform(&line, 0.0),
-            Err(ResampleError::StepNotPositive { .. })
-        ));
-        assert!(matches!(
-            uniform(&line, 1e-12),
-            Err(ResampleError::StepTooSmall { .. })
-        ));
+        assert!(matches!(uniform(&line, 0.0), Err(ResampleError::StepNotPositive { .. })));
+        assert!(matches!(uniform(&line, 1e-12), Err(ResampleError::StepTooSmall { .. })));
     }
 }

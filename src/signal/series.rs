@@ -17,10 +17,7 @@ impl Series {
         if time.len() == values.len() {
             return Series { time, values };
         }
-        Series {
-            time: time[..count].into(),
-            values: values[..count].into(),
-        }
+        Series { time: time[..count].into(), values: values[..count].into() }
     }
 
     /// Sample times, s.
@@ -72,21 +69,12 @@ impl Series {
 
     fn best(&self, beats: impl Fn(f64, f64) -> bool) -> Option<[f64; 2]> {
         let measured = self.samples().filter(|[_, value]| value.is_finite());
-        measured.reduce(|best, sample| {
-            if beats(sample[1], best[1]) {
-                sample
-            } else {
-                best
-            }
-        })
+        measured.reduce(|best, sample| if beats(sample[1], best[1]) { sample } else { best })
     }
 
     /// Time and value, sample by sample.
     pub fn samples(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
-        self.time
-            .iter()
-            .zip(self.values.iter())
-            .map(|(t, v)| [*t, *v])
+        self.time.iter().zip(self.values.iter()).map(|(t, v)| [*t, *v])
     }
 
     /// Value at `time`, linear between samples; `None` outside the samples or beside an unmeasured one.
