@@ -1,1 +1,12 @@
-//! report
+//! One self-contained page a run or study: figures, plots, warnings, and what was run. Opens offline.
+
+mod figure;
+mod html;
+mod plot;
+mod run_page;
+mod study_page;
+
+pub use figure::{Figure, rounded};
+pub use plot::PlotError;
+pub use run_page::{RunPage, run_page};
+pub use study_page::{StudyPage, study_page};
