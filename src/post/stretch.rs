@@ -9,13 +9,18 @@ use crate::simulate::Outcome;
 /// What a tensile test comes down to; fields of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stretch {
-    pub peak_force_N: Option<f64>,
-    pub peak_stress_Pa: Option<f64>,
+    /// Largest force between the jaws, N.
+    #[serde(rename = "peak_force_N")]
+    pub peak_force: Option<f64>,
+    /// Largest engineering stress, Pa.
+    #[serde(rename = "peak_stress_Pa")]
+    pub peak_stress: Option<f64>,
     pub strain_at_peak_stress: Option<f64>,
     /// Engineering strain at the rupture; none where the film held.
     pub strain_at_break: Option<f64>,
-    /// Engineering stress at the last sample before the rupture; none where the film held.
-    pub stress_at_break_Pa: Option<f64>,
+    /// Engineering stress at the last sample before the rupture, Pa; none where the film held.
+    #[serde(rename = "stress_at_break_Pa")]
+    pub stress_at_break: Option<f64>,
     /// Engineering strain at the end of the test.
     pub final_strain: Option<f64>,
     #[serde(flatten)]
@@ -35,11 +40,11 @@ impl Stretch {
             Some((strain.at(rupture).or(strain.at(time))?, stress.at(time)?))
         });
         Stretch {
-            peak_force_N: channel("force_N").largest().map(|[_, force]| force),
-            peak_stress_Pa: peak.map(|[_, value]| value),
+            peak_force: channel("force_N").largest().map(|[_, force]| force),
+            peak_stress: peak.map(|[_, value]| value),
             strain_at_peak_stress: peak.and_then(|[time, _]| strain.at(time)),
             strain_at_break: at_break.map(|(strain, _)| strain),
-            stress_at_break_Pa: at_break.map(|(_, stress)| stress),
+            stress_at_break: at_break.map(|(_, stress)| stress),
             final_strain: strain.values().last().copied(),
             audit: Audit::of(outcome),
             warnings: outcome.warnings.clone(),

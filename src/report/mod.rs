@@ -9,4 +9,4 @@ mod study_page;
 pub use figure::{Figure, rounded};
 pub use plot::PlotError;
 pub use run_page::{RunPage, run_page};
-pub use study_page::{StudyPage, study_page};
+pub use study_page::{StudyPage, columns, study_page};

@@ -37,13 +37,19 @@ pub(super) fn tables(findings: &Findings) -> String {
     tables.map(|(name, rows)| html::section(&name.replace('_', " "), &table(rows))).collect()
 }
 
-fn table(rows: &[Row]) -> String {
+/// The columns of a table: every name that a row has, in the order of first appearance.
+pub fn columns(rows: &[Row]) -> Vec<String> {
     let mut columns: Vec<String> = Vec::new();
     for name in rows.iter().flat_map(Row::keys) {
         if !columns.contains(name) {
             columns.push(name.clone());
         }
     }
+    columns
+}
+
+fn table(rows: &[Row]) -> String {
+    let columns = columns(rows);
     let cells = |row: &Row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect();
     html::table("rows", &columns, &rows.iter().map(cells).collect::<Vec<_>>())
 }

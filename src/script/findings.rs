@@ -144,7 +144,8 @@ fn row_of(map: &Map, columns: Option<&Array>) -> Result<Row, Box<EvalAltResult>>
     columns.iter().map(column).collect()
 }
 
-pub(super) const ENTRIES: &[Entry] = &[
+/// The reference of what a script writes down.
+pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "measure(name, value)",
         gives: "adds a figure to the summary; names are letters, digits and _",

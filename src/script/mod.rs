@@ -11,7 +11,7 @@ mod signal;
 mod value;
 
 pub use fault::{Fault, refuse};
-pub use findings::{Findings, Ledger, NameError, Row};
+pub use findings::{ENTRIES as LEDGER_ENTRIES, Findings, Ledger, NameError, Row};
 pub use host::{Limits, ReadError, Script, engine};
 pub use reference::Entry;
 pub use signal::{ENTRIES as SIGNAL_ENTRIES, register as register_signals};
