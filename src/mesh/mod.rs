@@ -1,6 +1,22 @@
 //! The film divided into elements.
 
+pub mod import;
+pub mod quality;
+
+mod disc;
+mod error;
+mod grid;
+mod structured;
+mod topology;
+
+use std::path::Path;
+
 use nalgebra::Point3;
+
+use crate::model::{Element, Face, Meshing, Shape, Specimen, Symmetry};
+
+pub use error::MeshError;
+pub use quality::Quality;
 
 /// Nodes and elements of one face, flat or as imported, before any motion.
 #[derive(Clone, Debug, Default)]
@@ -17,4 +33,56 @@ pub struct Mesh {
     pub sides: [Vec<u32>; 4],
     /// Nodes on the mirror planes x = 0 and y = 0; empty without that symmetry.
     pub mirrors: [Vec<u32>; 2],
+}
+
+/// Divides `face` of `specimen` into elements.
+///
+/// Rectangles and circles lie in the plane z = 0; imported meshes keep the z of their file. The
+/// height of the face is for the caller to add.
+pub fn build(specimen: &Specimen, face: &Face) -> Result<Mesh, MeshError> {
+    let mirrored = planes(specimen.symmetry);
+    match &specimen.shape {
+        Shape::Rectangle { x, y } => structured::rectangle([*x, *y], mirrored, &face.meshing),
+        Shape::Circle { radius } => disc::disc(*radius, mirrored, &face.meshing),
+        Shape::Mesh(path) => import::film(path, mirrored, face.meshing.element),
+    }
+}
+
+/// Number of elements that [`build`] will make, without making any.
+///
+/// Exact for rectangles and circles, saturating where the number is absurd; for imported meshes a
+/// guess from the length of the file, zero if it cannot be read.
+pub fn estimate(specimen: &Specimen, meshing: &Meshing) -> usize {
+    let mirrored = planes(specimen.symmetry);
+    match &specimen.shape {
+        Shape::Rectangle { x, y } => structured::count([*x, *y], mirrored, meshing),
+        Shape::Circle { radius } => disc::count(*radius, mirrored, meshing),
+        Shape::Mesh(path) => imported(path),
+    }
+}
+
+/// Bytes that one element and its share of the nodes take in the usual STL, OBJ and VTU files.
+const BYTES_PER_ELEMENT: u64 = 50;
+
+fn imported(path: &Path) -> usize {
+    let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
+    usize::try_from(bytes / BYTES_PER_ELEMENT).unwrap_or(usize::MAX)
+}
+
+/// Whether x = 0 and y = 0 are mirror planes.
+fn planes(symmetry: Symmetry) -> [bool; 2] {
+    match symmetry {
+        Symmetry::None => [false, false],
+        Symmetry::HalfX => [true, false],
+        Symmetry::HalfY => [false, true],
+        Symmetry::Quarter => [true, true],
+    }
+}
+
+/// Elements that one quadrilateral cell becomes.
+fn elements_per_cell(element: Element) -> usize {
+    match element {
+        Element::Quad4 | Element::Quad4Full => 1,
+        Element::Tri3 => 2,
+    }
 }

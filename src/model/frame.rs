@@ -6,7 +6,7 @@ use crate::scenario::{self, EdgeChoice, Loading, Scenario, Shape};
 
 const PATH: &str = "frame.hold";
 
-/// The clamped edges; under a stretch the jaws, unless they let the film slide.
+/// The clamped edges; under a stretch the jaws.
 pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Frame {
     let hold = match &scenario.frame.hold {
         Some(scenario::Hold::Word(EdgeChoice::All)) => Hold::All,
@@ -16,11 +16,7 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Frame {
         None => Hold::All,
     };
     if is_stretch(scenario) && !is_jaws(&hold) {
-        findings.report_with(
-            PATH,
-            "a stretch test holds the sides x- and x+, its jaws",
-            "leave the key out, or write \"none\" to let the film slide along the jaws",
-        );
+        findings.report_with(PATH, "a stretch test holds the sides x- and x+, its jaws", "leave the key out");
     }
     Frame { hold }
 }
@@ -30,11 +26,8 @@ fn is_stretch(scenario: &Scenario) -> bool {
 }
 
 fn is_jaws(hold: &Hold) -> bool {
-    match hold {
-        Hold::All => false,
-        Hold::None => true,
-        Hold::Sides(sides) => sides.len() == 2 && sides.contains(&Side::XMinus) && sides.contains(&Side::XPlus),
-    }
+    let Hold::Sides(sides) = hold else { return false };
+    sides.len() == 2 && sides.contains(&Side::XMinus) && sides.contains(&Side::XPlus)
 }
 
 fn sides(written: &[scenario::Side], scenario: &Scenario, findings: &mut Findings<'_>) -> Hold {

@@ -96,6 +96,9 @@ fn moved(
         );
         return None;
     };
+    if ![scale.k1, scale.ke, scale.ky].iter().all(|k| *k > 0.0) {
+        return None; // out of range, and said so already
+    }
     let multipliers = Multipliers { k1: scale.k1, ke: scale.ke, ky: scale.ky };
     match multipliers.apply(&curve, yields) {
         Ok(curve) => Some(curve),
@@ -110,6 +113,9 @@ fn moved(
 /// The curve through `points`; a mistake is shown at the `place` of its point.
 fn curve(points: &[Point], path: &str, place: impl Fn(usize) -> String, findings: &mut Findings<'_>) -> Option<Curve> {
     let pairs = points.iter().map(|Point(strain, stress)| [*strain, stress.0]);
+    if points.is_empty() {
+        return None; // too short a list, and said so already
+    }
     let error = match Curve::new(pairs.collect()) {
         Ok(curve) => return Some(curve),
         Err(error) => error,

@@ -84,6 +84,8 @@ pub struct Model {
 pub struct Specimen {
     pub shape: Shape,
     pub symmetry: Symmetry,
+    /// Mass-proportional damping of the film, 1/s.
+    pub damping: f64,
 }
 
 /// Outline of the film in the plane z = 0, centred on the origin. Lengths in m.

@@ -31,8 +31,8 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
         let memory = total * (PER_ELEMENT + PER_NODE + frames);
         if memory > MOST_MEMORY {
             let message =
-                format!("the mesh is too large for memory: {total:.2e} elements need about {:.1e} GB", memory / 1e9);
-            let hint = format!("a run may take {} GB", MOST_MEMORY / 1e9);
+                format!("the mesh is too large for memory: {total:.2e} elements need about {:.0} GB", memory / 1e9);
+            let hint = format!("a run may take {} GB; `output.frames` counts too", MOST_MEMORY / 1e9);
             findings.report_with(&path, message, hint);
             return;
         }

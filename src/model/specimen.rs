@@ -12,7 +12,7 @@ pub fn check(written: &scenario::Specimen, findings: &mut Findings<'_>) -> Optio
         scenario::Shape::Circle(circle) => Shape::Circle { radius: circle.radius.0 },
         scenario::Shape::Mesh(_) => Shape::Mesh(findings.file("specimen.shape.mesh")?),
     };
-    Some(Specimen { shape, symmetry: symmetry(written) })
+    Some(Specimen { shape, symmetry: symmetry(written), damping: written.damping.0 })
 }
 
 /// The mirror planes.

@@ -17,6 +17,9 @@ use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
 /// Files of the language are written by hand; what is larger is something else.
 const LARGEST_FILE: u64 = 16 << 20;
 
+/// Files that extend or name one another, one below the other.
+const LONGEST_CHAIN: usize = 32;
+
 /// A scenario as written, merged along `extends`, with the places of all its parts.
 #[derive(Clone, Debug)]
 pub struct Document {
@@ -150,6 +153,11 @@ impl Reader {
         let identity = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if self.chain.contains(&identity) {
             self.report(self.circle(&identity), named);
+            return None;
+        }
+        if self.chain.len() == LONGEST_CHAIN {
+            let message = format!("more than {LONGEST_CHAIN} files that extend one another");
+            self.report(Diagnostic::new(message), named);
             return None;
         }
         let source = self.text(path, named)?;

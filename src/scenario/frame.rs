@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 /// What holds the film.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Frame {
-    /// Clamped edges: all of them, the sides listed, or none. Under `loading.stretch` the sides x- and x+
-    /// are the jaws (the default there); "none" lets the film slide along them as it narrows.
+    /// Clamped edges: all of them, none, or the sides listed. Under `loading.stretch` the jaws clamp the sides
+    /// x- and x+, and nothing else can be held.
     #[schemars(extend("default" = "all"))]
     pub hold: Option<Hold>,
 }

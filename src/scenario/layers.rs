@@ -41,6 +41,7 @@ pub struct Layer {
     #[schemars(range(min = 1, max = 10_000))]
     pub count: u32,
     /// What a layer of this face is made of; the specimen's material where it is left out.
+    #[serde(default)]
     #[schemars(schema_with = "schema::path_or_table::<Material>")]
     pub material: Option<Material>,
     /// Angle from the x axis to MD; the specimen's where it is left out.

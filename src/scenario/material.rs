@@ -68,6 +68,7 @@ pub struct Fibre {
     pub break_point: Option<Point>,
     /// A CSV file with the columns `strain` and `stress` (Pa, or `stress_MPa`), or the points themselves;
     /// the last one is the break.
+    #[serde(default)]
     #[schemars(schema_with = "schema::path_or_list::<Point>")]
     pub curve: Option<Vec<Point>>,
     /// Strains of the two yield points of `curve`, needed where `scale` moves it.

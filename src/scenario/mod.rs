@@ -53,8 +53,8 @@ pub struct Scenario {
     /// How many layers lie where, all of the specimen's material.
     pub layers: Option<Layers>,
     /// One entry a face, in place of `layers`: each with its own height, material, angle and mesh.
-    #[serde(default)]
-    #[schemars(length(min = 1))]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(min = 1, max = 64))]
     pub layer: Vec<Layer>,
     /// What holds the film.
     #[serde(default)]

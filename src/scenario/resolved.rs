@@ -6,7 +6,11 @@ use crate::diagnostic::tidy_path;
 
 /// The tree as TOML, with the paths in it made absolute.
 pub fn text(root: &Node, rule: &Rule) -> String {
-    anchored(root, Some(rule)).to_toml().to_string()
+    match anchored(root, Some(rule)).value {
+        Value::Table(table) => table.to_toml().to_string(),
+        // A file is always a table.
+        _ => String::new(),
+    }
 }
 
 fn anchored(node: &Node, rule: Option<&Rule>) -> Node {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::material::Material;
 use super::schema;
-use crate::units::{Angle, Length};
+use crate::units::{Angle, Length, Rate};
 
 /// The film: outline, material, division into elements.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -15,6 +15,7 @@ pub struct Specimen {
     /// Outline of the film's free span, centred on the origin.
     pub shape: Shape,
     /// What one layer is made of: the path of a material file, or the table itself.
+    #[serde(default)]
     #[schemars(schema_with = "schema::path_or_table::<Material>")]
     pub material: Option<Material>,
     /// Angle from the x axis to the machine direction (MD).
@@ -26,6 +27,14 @@ pub struct Specimen {
     /// Mirror planes through the origin; only the part at positive x and/or y is computed.
     #[serde(default)]
     pub symmetry: Symmetry,
+    /// Mass-proportional damping of the film; off where it is left out.
+    #[serde(default = "undamped")]
+    #[schemars(range(min = 0))]
+    pub damping: Rate,
+}
+
+fn undamped() -> Rate {
+    Rate(0.0)
 }
 
 fn no_turn() -> Angle {

@@ -50,7 +50,16 @@ pub fn parse(source: &Arc<Source>) -> Result<Node, Vec<Diagnostic>> {
 pub fn parse_as(text: &str, source: &Arc<Source>) -> Result<Node, Vec<Diagnostic>> {
     let (document, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
-        return Err(errors.iter().map(|e| syntax_error(e, source)).collect());
+        let mut mistakes: Vec<Diagnostic> = errors.iter().map(|e| syntax_error(e, source)).collect();
+        // What follows on the same line is mostly the first mistake seen again.
+        let mut lines = Vec::new();
+        mistakes.retain(|mistake| {
+            let line = mistake.span.as_ref().map(|span| span.start().0);
+            let new = !lines.contains(&line);
+            lines.push(line);
+            new
+        });
+        return Err(mistakes);
     }
     let mut mistakes = Vec::new();
     let table = table(document.get_ref(), source, &mut mistakes);
@@ -63,7 +72,7 @@ pub fn parse_as(text: &str, source: &Arc<Source>) -> Result<Node, Vec<Diagnostic
 fn syntax_error(error: &toml::de::Error, source: &Arc<Source>) -> Diagnostic {
     let message = error.message().lines().next().unwrap_or_default();
     let span = Span::new(source, error.span().unwrap_or(0..0));
-    Diagnostic::new(message.trim().to_owned()).at(&span)
+    Diagnostic::new(message.trim().trim_end_matches(", expected nothing")).at(&span)
 }
 
 fn table(table: &DeTable<'_>, source: &Arc<Source>, mistakes: &mut Vec<Diagnostic>) -> Table {

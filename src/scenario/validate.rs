@@ -278,16 +278,9 @@ fn missing_key(key: &Key, place: &Place) -> Diagnostic {
     }
 }
 
-/// The sentence of a key up to its first stop, in the lower case of a hint.
-fn first_clause(sentence: &str) -> String {
-    let clause = sentence.split(['.', ';']).next().unwrap_or(sentence);
-    let mut letters = clause.chars();
-    match letters.next() {
-        Some(first) if !letters.as_str().starts_with(char::is_uppercase) => {
-            first.to_lowercase().chain(letters).collect()
-        }
-        _ => clause.to_owned(),
-    }
+/// The sentence of a key up to its first stop.
+fn first_clause(sentence: &str) -> &str {
+    sentence.split(['.', ';']).next().unwrap_or(sentence)
 }
 
 fn no_group(rule: &TableRule, place: &Place) -> Diagnostic {

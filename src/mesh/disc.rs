@@ -1,0 +1,138 @@
+//! Circles: a bulged square block in the middle and rings around it, no degenerate element.
+
+use std::f64::consts::FRAC_PI_4;
+
+use nalgebra::{Point2, Point3};
+
+use super::grid::{self, Grid};
+use super::{Mesh, MeshError, elements_per_cell};
+use crate::model::{Element, Meshing};
+
+/// Half the width of the central block over the radius: its elements and those at the rim then
+/// differ little in size.
+const BLOCK: f64 = 0.55;
+/// How far the block's sides bulge towards the circle: 0 is a square, 1/2 a circle.
+const BULGE: f64 = 0.25;
+/// Cells along half the block's side for a radius of one element: 7/3 (2n)² cells fill the circle.
+const CELLS: f64 = 0.58;
+
+/// A circle centred on the origin, `radius` in m; outer nodes stand on the circle.
+pub fn disc(radius: f64, mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
+    grid::check([2.0 * radius; 2], meshing.size, count(radius, [false; 2], meshing))?;
+    let pattern = Pattern::new(radius, meshing.size);
+    Ok(pattern.whole(radius, meshing.element).mesh(mirrored, meshing.element))
+}
+
+/// Elements in the computed part of the circle.
+pub fn count(radius: f64, mirrored: [bool; 2], meshing: &Meshing) -> usize {
+    let Pattern { block, rings } = Pattern::new(radius, meshing.size);
+    let whole = block.saturating_add(rings.saturating_mul(4)).saturating_mul(block);
+    let parts = mirrored.into_iter().filter(|m| *m).count();
+    (whole >> parts).saturating_mul(elements_per_cell(meshing.element))
+}
+
+/// Block of `block` × `block` cells (even, so that both axes are lines of the mesh) inside `rings`
+/// rings of `4 block` cells.
+struct Pattern {
+    block: usize,
+    rings: usize,
+}
+
+impl Pattern {
+    fn new(radius: f64, size: f64) -> Pattern {
+        let block = ((CELLS * radius / size).round().max(1.0) as usize).saturating_mul(2);
+        let rings = (block as f64 / 3.0).round().max(1.0) as usize;
+        Pattern { block, rings }
+    }
+
+    fn whole(&self, radius: f64, element: Element) -> Grid {
+        let mut grid = Grid::default();
+        let turned = |index: usize| element == Element::Tri3 && index % 2 == 1;
+        self.add_block(&mut grid, radius, turned);
+        self.add_rings(&mut grid, radius, turned);
+        grid
+    }
+
+    fn add_block(&self, grid: &mut Grid, radius: f64, turned: impl Fn(usize) -> bool) {
+        let places = || 0..=self.block;
+        grid.nodes.extend(
+            places()
+                .flat_map(|row| places().map(move |column| [column, row]))
+                .map(|place| lift(radius * block_point(self.parameters(place)))),
+        );
+        for row in 0..self.block {
+            grid.cells.extend((0..self.block).map(|column| {
+                let cell = [
+                    self.block_node([column, row]),
+                    self.block_node([column + 1, row]),
+                    self.block_node([column + 1, row + 1]),
+                    self.block_node([column, row + 1]),
+                ];
+                grid::alternate(cell, turned(column + row))
+            }));
+        }
+    }
+
+    fn add_rings(&self, grid: &mut Grid, radius: f64, turned: impl Fn(usize) -> bool) {
+        let perimeter = self.perimeter();
+        let around = perimeter.len();
+        let mut inner: Vec<u32> = perimeter.iter().map(|p| self.block_node(*p)).collect();
+        for ring in 1..=self.rings {
+            let share = ring as f64 / self.rings as f64;
+            let first = grid.nodes.len() as u32;
+            grid.nodes.extend(perimeter.iter().map(|place| {
+                let [u, v] = self.parameters(*place);
+                let (from, to) = (block_point([u, v]), circle_point([u, v]));
+                lift(radius * (from * (1.0 - share) + to.coords * share))
+            }));
+            let outer: Vec<u32> = (first..first + around as u32).collect();
+            grid.cells.extend((0..around).map(|here| {
+                let next = (here + 1) % around;
+                let cell = [inner[here], outer[here], outer[next], inner[next]];
+                grid::alternate(cell, turned(here + ring))
+            }));
+            inner = outer;
+        }
+    }
+
+    /// Columns and rows of the block's outer nodes, counter-clockwise from the lower right.
+    fn perimeter(&self) -> Vec<[usize; 2]> {
+        let n = self.block;
+        let right = (0..n).map(|row| [n, row]);
+        let top = (0..n).map(|back| [n - back, n]);
+        let left = (0..n).map(|back| [0, n - back]);
+        let bottom = (0..n).map(|column| [column, 0]);
+        right.chain(top).chain(left).chain(bottom).collect()
+    }
+
+    fn block_node(&self, [column, row]: [usize; 2]) -> u32 {
+        (row * (self.block + 1) + column) as u32
+    }
+
+    /// Place in the block as -1 to 1 along x and y, mirror images exactly.
+    fn parameters(&self, place: [usize; 2]) -> [f64; 2] {
+        let half = (self.block / 2) as f64;
+        place.map(|index| (index as f64 - half) / half)
+    }
+}
+
+/// A point of the bulged block in the unit circle.
+fn block_point([u, v]: [f64; 2]) -> Point2<f64> {
+    let bulged = |along: f64, across: f64| BLOCK * along * (1.0 - BULGE * across * across).sqrt();
+    Point2::new(bulged(u, v), bulged(v, u))
+}
+
+/// The point of the unit circle that a point on the block's outline is joined to.
+fn circle_point([u, v]: [f64; 2]) -> Point2<f64> {
+    if u.abs() >= v.abs() {
+        let (sin, cos) = (FRAC_PI_4 * v).sin_cos();
+        Point2::new(cos * u.signum(), sin)
+    } else {
+        let (sin, cos) = (FRAC_PI_4 * u).sin_cos();
+        Point2::new(sin, cos * v.signum())
+    }
+}
+
+fn lift(point: Point2<f64>) -> Point3<f64> {
+    Point3::new(point.x, point.y, 0.0)
+}

@@ -1,0 +1,132 @@
+//! Meshes from files: STL, OBJ and VTU, triangles and quadrilaterals, coordinates in m.
+
+mod checks;
+mod fault;
+mod obj;
+mod stl;
+mod vtu;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use nalgebra::Point3;
+
+use super::grid::split;
+use super::{Mesh, MeshError, topology};
+use crate::model::Element;
+
+pub use fault::Fault;
+pub use vtu::VtuFault;
+
+/// Reads a film: every element is turned counter-clockwise seen from +z, nodes within a millionth of
+/// the extent from a mirror plane are put onto it, and nodes without an element are left out.
+///
+/// With symmetry the file must hold the computed half or quarter only. Where triangles are asked
+/// for, quadrilaterals are split along their shorter diagonal; triangles of a file stay triangles.
+pub fn film(path: &Path, mirrored: [bool; 2], element: Element) -> Result<Mesh, MeshError> {
+    let read = || -> Result<Mesh, Fault> {
+        let mut mesh = checked(path)?;
+        checks::snap_to_mirrors(&mut mesh, mirrored)?;
+        checks::face_up(&mut mesh)?;
+        checks::convex(&mesh)?;
+        if element == Element::Tri3 {
+            split_quads(&mut mesh);
+        }
+        topology::label(&mut mesh, mirrored);
+        Ok(mesh)
+    };
+    read().map_err(|fault| in_file(path, fault))
+}
+
+/// Points (m) and triangles of a closed surface.
+pub type Surface = (Vec<Point3<f64>>, Vec<[u32; 3]>);
+
+/// Reads the closed surface of an impactor; triangles are turned to face outwards.
+pub fn surface(path: &Path) -> Result<Surface, MeshError> {
+    let read = || -> Result<Surface, Fault> {
+        let mut mesh = checked(path)?;
+        split_quads(&mut mesh);
+        checks::closed(&mesh)?;
+        checks::face_out(&mut mesh);
+        Ok((mesh.nodes, mesh.tris))
+    };
+    read().map_err(|fault| in_file(path, fault))
+}
+
+fn in_file(path: &Path, fault: Fault) -> MeshError {
+    let path = path.to_owned();
+    MeshError::File { path, fault }
+}
+
+/// The file's elements, sound one by one and edge by edge.
+fn checked(path: &Path) -> Result<Mesh, Fault> {
+    let raw = match extension(path).as_str() {
+        "stl" => merge_equal(stl::read(path)?),
+        "obj" => merge_equal(obj::read(path)?),
+        "vtu" => vtu::read(path)?,
+        _ => return Err(Fault::Format),
+    };
+    checks::elements(&raw)?;
+    let mesh = without_loose_nodes(raw);
+    checks::shapes(&mesh)?;
+    checks::manifold(&mesh)?;
+    Ok(mesh)
+}
+
+fn extension(path: &Path) -> String {
+    let extension = path.extension().unwrap_or_default();
+    extension.to_string_lossy().to_ascii_lowercase()
+}
+
+/// Makes nodes at one and the same position one node.
+fn merge_equal(mesh: Mesh) -> Mesh {
+    let mut numbers = HashMap::new();
+    let mut nodes = Vec::new();
+    let mut merged = Vec::with_capacity(mesh.nodes.len());
+    for point in &mesh.nodes {
+        // Adding zero makes -0 and 0 one number.
+        let bits = point.coords.map(|c| (c + 0.0).to_bits());
+        let number = *numbers.entry(<[u64; 3]>::from(bits)).or_insert_with(|| {
+            nodes.push(*point);
+            nodes.len() as u32 - 1
+        });
+        merged.push(number);
+    }
+    let new = |node: u32| merged.get(node as usize).copied().unwrap_or(u32::MAX);
+    renumber(mesh, nodes, new)
+}
+
+/// Leaves out the nodes that no element uses: they would have no mass.
+fn without_loose_nodes(mut mesh: Mesh) -> Mesh {
+    let mut numbers = vec![u32::MAX; mesh.nodes.len()];
+    for node in topology::outlines(&mesh).flatten() {
+        numbers[*node as usize] = 0;
+    }
+    let mut kept = Vec::new();
+    for (point, number) in std::mem::take(&mut mesh.nodes).into_iter().zip(&mut numbers) {
+        if *number == 0 {
+            *number = kept.len() as u32;
+            kept.push(point);
+        }
+    }
+    renumber(mesh, kept, |node| numbers[node as usize])
+}
+
+fn renumber(mesh: Mesh, nodes: Vec<Point3<f64>>, new: impl Fn(u32) -> u32) -> Mesh {
+    Mesh {
+        nodes,
+        quads: mesh.quads.into_iter().map(|q| q.map(&new)).collect(),
+        tris: mesh.tris.into_iter().map(|t| t.map(&new)).collect(),
+        ..Mesh::default()
+    }
+}
+
+fn split_quads(mesh: &mut Mesh) {
+    let distance = |a: u32, b: u32| (mesh.nodes[a as usize] - mesh.nodes[b as usize]).norm();
+    let tris = mesh.quads.iter().flat_map(|&[a, b, c, d]| {
+        if distance(a, c) <= distance(b, d) { split([a, b, c, d]) } else { split([b, c, d, a]) }
+    });
+    let tris: Vec<_> = tris.collect();
+    mesh.tris.extend(tris);
+    mesh.quads.clear();
+}

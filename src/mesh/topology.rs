@@ -1,0 +1,84 @@
+//! Edges, and what lies on the outline and on the mirror planes.
+
+use std::collections::BTreeMap;
+
+use super::Mesh;
+
+/// Distance over the mesh's extent below which a node stands on a plane or an outermost edge.
+const TOLERANCE: f64 = 1e-6;
+
+/// An edge as its two nodes, the smaller number first.
+pub type Edge = [u32; 2];
+
+/// Fills in the rim, sides and mirror nodes of a mesh whose nodes and elements are given.
+pub fn label(mesh: &mut Mesh, mirrored: [bool; 2]) {
+    let near = TOLERANCE * extent(mesh);
+    mesh.mirrors = [0, 1].map(|axis| match mirrored[axis] {
+        true => nodes_where(mesh, |p| p[axis].abs() <= near),
+        false => Vec::new(),
+    });
+    mesh.rim = rim(mesh);
+    mesh.sides = [0, 1, 2, 3].map(|side| side_nodes(mesh, mirrored, side, near));
+}
+
+/// Corners of every element, quadrilaterals first.
+pub fn outlines(mesh: &Mesh) -> impl Iterator<Item = &[u32]> {
+    let quads = mesh.quads.iter().map(|quad| quad.as_slice());
+    quads.chain(mesh.tris.iter().map(|tri| tri.as_slice()))
+}
+
+/// Directed edges of one element.
+pub fn directed(corners: &[u32]) -> impl Iterator<Item = [u32; 2]> {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).map(|(from, to)| [*from, *to])
+}
+
+/// The edge without its direction.
+pub fn undirected([from, to]: [u32; 2]) -> Edge {
+    [from.min(to), from.max(to)]
+}
+
+/// How many elements meet at each edge.
+pub fn uses(mesh: &Mesh) -> BTreeMap<Edge, u32> {
+    let mut uses = BTreeMap::new();
+    for edge in outlines(mesh).flat_map(directed).map(undirected) {
+        *uses.entry(edge).or_insert(0) += 1;
+    }
+    uses
+}
+
+fn rim(mesh: &Mesh) -> Vec<u32> {
+    let on = |plane: &[u32], node: &u32| plane.binary_search(node).is_ok();
+    let mirror = |edge: &Edge| {
+        let holds = |plane: &Vec<u32>| edge.iter().all(|node| on(plane, node));
+        mesh.mirrors.iter().any(holds)
+    };
+    let mut rim: Vec<u32> =
+        uses(mesh).into_iter().filter(|(edge, uses)| *uses == 1 && !mirror(edge)).flat_map(|(edge, _)| edge).collect();
+    rim.sort_unstable();
+    rim.dedup();
+    rim
+}
+
+/// Rim nodes that lie outermost towards `side`; none where a mirror plane stands in place of that side.
+fn side_nodes(mesh: &Mesh, mirrored: [bool; 2], side: usize, near: f64) -> Vec<u32> {
+    let (axis, sign) = (side / 2, if side.is_multiple_of(2) { -1.0 } else { 1.0 });
+    if mirrored[axis] && sign < 0.0 {
+        return Vec::new();
+    }
+    let reach = |node: &u32| sign * mesh.nodes[*node as usize][axis];
+    let outermost = mesh.rim.iter().map(reach).fold(f64::MIN, f64::max);
+    let touches = |node: &&u32| reach(node) >= outermost - near;
+    mesh.rim.iter().filter(touches).copied().collect()
+}
+
+fn nodes_where(mesh: &Mesh, holds: impl Fn(&nalgebra::Point3<f64>) -> bool) -> Vec<u32> {
+    let numbered = (0u32..).zip(&mesh.nodes);
+    numbered.filter(|(_, point)| holds(point)).map(|(node, _)| node).collect()
+}
+
+/// Largest coordinate in magnitude, m.
+pub fn extent(mesh: &Mesh) -> f64 {
+    let largest = |p: &nalgebra::Point3<f64>| p.coords.amax();
+    mesh.nodes.iter().map(largest).fold(0.0, f64::max)
+}

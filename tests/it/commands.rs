@@ -1,0 +1,103 @@
+//! The built binary, for the commands that do not simulate.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use droptower::scenario::grammar::{self, Rule};
+use serde_json::Value as Json;
+
+fn droptower(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
+    command.args(arguments).output().expect("the binary starts")
+}
+
+fn standard_output(arguments: &[&str]) -> String {
+    let output = droptower(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+#[test]
+fn templates_are_sound_and_not_overwritten() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for kind in ["drop", "dart", "coupon"] {
+        let path = folder.path().join(format!("{kind}.toml"));
+        let path = path.to_str().expect("UTF-8");
+        standard_output(&["new", kind, path]);
+        assert!(standard_output(&["check", path]).starts_with("ok"));
+        let again = droptower(&["new", kind, path]);
+        assert_eq!(again.status.code(), Some(2));
+    }
+}
+
+#[test]
+fn mistakes_exit_with_two_and_come_as_json() {
+    let tower = "tests/it/broken/parts/tower.toml";
+    let output = droptower(&["check", "--json", tower, "--set", "layers.count=0"]);
+    assert_eq!(output.status.code(), Some(2));
+    let verdicts: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(verdicts[0]["ok"], false);
+    assert_eq!(verdicts[0]["mistakes"][0]["file"], "--set");
+    assert_eq!(verdicts[0]["mistakes"][0]["column"], 14);
+}
+
+#[test]
+fn all_scenarios_of_a_glob_are_checked_at_once() {
+    let output = droptower(&["check", "tests/it/broken/un*.toml", "tests/it/broken/parts/tower.toml"]);
+    let mistakes = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(mistakes.contains("units.toml:2:") && mistakes.contains("unknown-keys.toml:2:"));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("tower.toml"));
+    assert_eq!(droptower(&["check", "nothing/*.toml"]).status.code(), Some(2));
+}
+
+#[test]
+fn explain_gives_unit_range_default_and_sentence() {
+    let text = standard_output(&["explain", "output.sample_rate"]);
+    for part in ["Samples per second", "a bare number is in Hz", "more than 0", "default \"10 kHz\""] {
+        assert!(text.contains(part), "{part} is missing in {text}");
+    }
+    let keys: Json = serde_json::from_str(&standard_output(&["explain", "specimen.mesh", "--json"])).expect("JSON");
+    assert_eq!(keys[2]["key"], "specimen.mesh.size");
+    assert_eq!(keys[2]["unit"], "m");
+    let unknown = droptower(&["explain", "specimen.mehs"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&unknown.stderr).contains("did you mean `mesh`?"));
+}
+
+#[test]
+fn every_key_has_a_sentence() {
+    fn silent(rule: &Rule, name: &str, found: &mut Vec<String>) {
+        let table = rule.table().or_else(|| rule.item(0)?.table());
+        for key in table.into_iter().flat_map(|table| &table.keys) {
+            let name = format!("{name}.{}", key.name);
+            if key.sentence.is_none() {
+                found.push(name.clone());
+            }
+            silent(&key.rule, &name, found);
+        }
+    }
+    let mut found = Vec::new();
+    silent(grammar::scenario(), "", &mut found);
+    assert!(found.is_empty(), "no sentence for {found:?}");
+}
+
+#[test]
+fn the_schema_closes_its_tables_and_asks_for_nothing() {
+    let schema: Json = serde_json::from_str(&standard_output(&["schema"])).expect("JSON");
+    assert_eq!(schema["additionalProperties"], false);
+    assert_eq!(schema["properties"]["specimen"]["additionalProperties"], false);
+    assert_eq!(schema["properties"]["specimen"]["properties"]["mesh"]["properties"]["size"]["x-unit"], "m");
+    assert!(!schema.to_string().contains("\"required\""));
+}
+
+#[test]
+fn list_names_scenarios_and_leaves_materials_out() {
+    let listed: Json =
+        serde_json::from_str(&standard_output(&["list", "tests/it/broken/parts", "--json"])).expect("JSON");
+    let listed = listed.as_array().expect("a list");
+    let named = |name: &str| listed.iter().find(|entry| entry["name"] == name);
+    assert_eq!(named("tower").map(|entry| &entry["title"]), Some(&Json::from("Drop tower")));
+    assert!(named("film").is_none());
+    assert!(!Path::new("runs").join("tower").exists());
+}

@@ -1,0 +1,241 @@
+//! Every mistake is found where it is and told what to do about it.
+//!
+//! `broken/*.toml` are scenarios with mistakes. Each offending line ends in `# error: …`, with `# hint: …` where there
+//! is a hint; one line may have several. Lines of the files that a scenario names count as its own.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use droptower::diagnostic::{Diagnostic, render};
+use droptower::model::{self, Model};
+use droptower::scenario::{Assignment, Document};
+use proptest::prelude::*;
+
+/// File, line, message and hint of a mistake.
+type Finding = (String, usize, String, Option<String>);
+
+fn broken() -> Vec<PathBuf> {
+    let paths = glob::glob("tests/it/broken/*.toml").expect("a good pattern");
+    paths.map(|path| path.expect("a readable folder")).collect()
+}
+
+fn check(path: &Path) -> Result<Model, Vec<Diagnostic>> {
+    model::check(&Document::read(path)?)
+}
+
+/// What the comments of a scenario, and of the parts that it names, expect.
+fn expected(path: &Path) -> BTreeSet<Finding> {
+    let mut files = vec![path.to_owned()];
+    let mut next = 0;
+    while next < files.len() {
+        let text = fs::read_to_string(&files[next]).expect("a text file");
+        let parts = glob::glob("tests/it/broken/parts/*").expect("a good pattern").flatten();
+        let new: Vec<PathBuf> = parts.filter(|p| text.contains(&file_name(p)) && !files.contains(p)).collect();
+        files.extend(new);
+        next += 1;
+    }
+    files.iter().flat_map(|file| comments(file)).collect()
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().expect("a file").to_string_lossy().into_owned()
+}
+
+fn comments(file: &Path) -> Vec<Finding> {
+    let text = fs::read_to_string(file).expect("a text file");
+    let mut findings = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        for comment in line.split("# error: ").skip(1) {
+            let (message, hint) = match comment.split_once(" # hint: ") {
+                Some((message, hint)) => (message, Some(hint.trim().to_owned())),
+                None => (comment, None),
+            };
+            findings.push((file.display().to_string(), number + 1, message.trim().to_owned(), hint));
+        }
+    }
+    findings
+}
+
+fn found(mistakes: &[Diagnostic]) -> BTreeSet<Finding> {
+    let finding = |mistake: &Diagnostic| {
+        let span = mistake.span.as_ref();
+        let file = span.map(|span| span.source.name.clone()).unwrap_or_default();
+        let line = span.map_or(0, |span| span.start().0);
+        (file, line, mistake.message.clone(), mistake.hint.clone())
+    };
+    mistakes.iter().map(finding).collect()
+}
+
+#[test]
+fn every_mistake_is_found_where_it_is() {
+    let mut wrong = Vec::new();
+    for path in broken() {
+        let mistakes = check(&path).err().unwrap_or_default();
+        let (expected, found) = (expected(&path), found(&mistakes));
+        let missed: Vec<_> = expected.difference(&found).map(|f| format!("  not found: {f:?}")).collect();
+        let surplus: Vec<_> = found.difference(&expected).map(|f| format!("  not expected: {f:?}")).collect();
+        if !(missed.is_empty() && surplus.is_empty() && !found.is_empty()) {
+            wrong.push(format!("{}\n{}\n{}", path.display(), missed.join("\n"), surplus.join("\n")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn messages_keep_to_the_house_style() {
+    for path in broken() {
+        for (_, _, message, hint) in expected(&path) {
+            for text in [Some(message), hint].into_iter().flatten() {
+                assert!(!text.ends_with('.'), "full stop: {text}");
+                assert!(!text.starts_with(|c: char| c.is_ascii_uppercase()), "upper case: {text}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_parts_themselves_are_sound() {
+    for part in ["tower", "coupon"] {
+        let path = format!("tests/it/broken/parts/{part}.toml");
+        let checked = check(Path::new(&path));
+        assert!(checked.is_ok(), "{}", render(&checked.err().unwrap_or_default(), false));
+    }
+}
+
+fn tower() -> Document {
+    Document::read(Path::new("tests/it/broken/parts/tower.toml")).expect("the tower reads")
+}
+
+fn set(argument: &str) -> Result<Model, Vec<Diagnostic>> {
+    let assignment = Assignment::from_argument(argument)?;
+    model::check(&tower().with(&[assignment]))
+}
+
+#[test]
+fn set_takes_toml_and_bare_texts() {
+    let size = |argument: &str| set(argument).map(|model| model.faces[0].meshing.size);
+    for argument in [
+        "specimen.mesh.size=20mm",
+        "specimen.mesh.size=20 mm",
+        "specimen.mesh.size = \"2 cm\"",
+        "specimen.mesh.size=0.02",
+    ] {
+        assert!(matches!(size(argument), Ok(found) if found == 0.02), "{argument}: {:?}", size(argument));
+    }
+    assert!(matches!(set("frame.hold=none"), Ok(model) if model.frame.hold == model::Hold::None));
+    assert!(matches!(set("layers.faces.1=\"-50 mm\""), Ok(model) if model.faces[1].height == -0.05));
+}
+
+#[test]
+fn set_changes_its_mind_about_excluding_keys() {
+    let model = set("loading.impact.drop_height=1m").expect("drop_height takes the place of velocity");
+    let model::Loading::Impact { velocity, .. } = model.loading else { panic!("still an impact") };
+    assert!((velocity - (2.0 * 9.81_f64).sqrt()).abs() < 1e-12);
+    assert!(set("specimen.shape.circle.radius=20cm").is_ok());
+}
+
+#[test]
+fn set_points_at_its_own_mistakes() {
+    for (argument, column, message) in [
+        ("layers.count=ten", 14, "expected a whole number, found \"ten\""),
+        ("layers.cuont=10", 8, "unknown key `cuont`"),
+        ("specimen.mesh.size=12 kg", 20, "expected a length, found \"12 kg\""),
+        ("layers.count", 1, "expected key.path=value"),
+        ("=8", 1, "expected key.path=value"),
+        ("[layers]", 1, "expected key.path=value"),
+        ("layers.count=", 1, "expected key.path=value"),
+    ] {
+        let mistakes = set(argument).expect_err("a mistake");
+        let [mistake] = mistakes.as_slice() else { panic!("one mistake, not {mistakes:?}") };
+        let span = mistake.span.as_ref().expect("a place");
+        assert_eq!((span.source.name.as_str(), span.start()), ("--set", (1, column)), "{argument}");
+        assert_eq!(mistake.message, message);
+    }
+}
+
+#[test]
+fn a_script_merges_into_a_material_that_is_a_file() {
+    let scale: toml::Value = toml::from_str("v = { k1 = 2.0, ke = 3.0, ky = 1.0 }").expect("a table");
+    let assignment = Assignment::from_value("specimen.material.fabric.scale", &scale["v"], "script");
+    let moved = model::check(&tower().with(&[assignment.expect("a value")])).expect("a model");
+    let still = model::check(&tower()).expect("a model");
+    assert_ne!(moved.faces[0].material, still.faces[0].material);
+}
+
+#[test]
+fn a_material_file_replaces_the_one_before() {
+    let mistakes = set("specimen.material=tests/it/broken/parts/thicknes.toml").expect_err("a mistake");
+    let messages: Vec<&str> = mistakes.iter().map(|mistake| mistake.message.as_str()).collect();
+    assert!(messages.contains(&"missing key `specimen.material.thickness`"), "{messages:?}");
+}
+
+#[test]
+fn a_resolved_scenario_is_the_same_from_anywhere() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("resolved.toml");
+    fs::write(&path, tower().resolved()).expect("writable");
+    let again = check(&path).unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)));
+    let model = model::check(&tower()).expect("a model");
+    assert_eq!(format!("{:?}", again.faces), format!("{:?}", model.faces));
+    assert_eq!(format!("{:?}", again.impactor), format!("{:?}", model.impactor));
+    assert_eq!((again.loading, again.output), (model.loading, model.output));
+    assert_eq!((again.specimen, again.frame, again.title), (model.specimen, model.frame, model.title));
+}
+
+#[test]
+fn a_chain_of_files_has_an_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for link in 0..40 {
+        let text = format!("extends = \"{}.toml\"\n", link + 1);
+        fs::write(folder.path().join(format!("{link}.toml")), text).expect("writable");
+    }
+    let mistakes = check(&folder.path().join("0.toml")).expect_err("too long");
+    assert_eq!(mistakes[0].message, "more than 32 files that extend one another");
+}
+
+const TEMPLATE: &str = include_str!("../../src/cli/templates/drop.toml");
+
+/// Pieces that turn one part of the language into another.
+fn piece() -> impl Strategy<Value = String> {
+    prop_oneof![
+        Just("[".to_owned()),
+        Just("]".to_owned()),
+        Just("{".to_owned()),
+        Just("}".to_owned()),
+        Just("\"".to_owned()),
+        Just("=".to_owned()),
+        Just("\n[[layer]]\n".to_owned()),
+        Just("nan".to_owned()),
+        Just("-1e400".to_owned()),
+        Just("99999999999999999999".to_owned()),
+        Just("\"12 kg\"".to_owned()),
+        Just("1979-05-27".to_owned()),
+        Just("extends = \".\"".to_owned()),
+        Just("curve".to_owned()),
+        "\\PC{0,8}",
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_text_makes_the_parser_panic(
+        cuts in prop::collection::vec((0.0..1.0f64, 0usize..30, piece()), 1..4)
+    ) {
+        let mut text: Vec<char> = TEMPLATE.chars().collect();
+        for (place, length, piece) in cuts {
+            let start = ((text.len() as f64) * place) as usize;
+            let end = (start + length).min(text.len());
+            text.splice(start..end, piece.chars());
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("mutated.toml");
+        fs::write(&path, text.into_iter().collect::<String>()).expect("writable");
+        if let Err(mistakes) = check(&path) {
+            prop_assert!(!mistakes.is_empty());
+            render(&mistakes, true);
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! The one integration binary.
+
+mod architecture;
+mod commands;
+mod diagnostics;
+mod mesh;

@@ -1,0 +1,411 @@
+//! Meshes: counts, areas, mirror images, rims, quality, and files good and bad.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use droptower::material::{Elastic, Law, Material};
+use droptower::mesh::{self, Mesh, Quality};
+use droptower::model::{Element, Face, Meshing, Shape, Side, Specimen, Symmetry};
+
+const SYMMETRIES: [Symmetry; 4] = [Symmetry::None, Symmetry::HalfX, Symmetry::HalfY, Symmetry::Quarter];
+const SQUARE: Shape = Shape::Rectangle { x: 0.4, y: 0.4 };
+const DISC: Shape = Shape::Circle { radius: 0.1 };
+
+fn face(element: Element, size: f64) -> Face {
+    let elastic = Elastic { young: 1e8, poisson: 0.4 };
+    Face {
+        height: 0.0,
+        layers: 1,
+        material: Material { density: 915.0, thickness: 12e-6, law: Law::Elastic(elastic), measured_rates: None },
+        md_angle: 0.0,
+        prestrain: [0.0; 2],
+        meshing: Meshing { element, size },
+    }
+}
+
+fn build(shape: &Shape, symmetry: Symmetry, element: Element, size: f64) -> Mesh {
+    let specimen = specimen(shape, symmetry);
+    mesh::build(&specimen, &face(element, size)).unwrap()
+}
+
+fn specimen(shape: &Shape, symmetry: Symmetry) -> Specimen {
+    let shape = shape.clone();
+    Specimen { shape, symmetry, damping: 0.0 }
+}
+
+fn parts(symmetry: Symmetry) -> usize {
+    match symmetry {
+        Symmetry::None => 1,
+        Symmetry::HalfX | Symmetry::HalfY => 2,
+        Symmetry::Quarter => 4,
+    }
+}
+
+#[test]
+fn rectangles_have_the_elements_that_their_size_asks_for() {
+    let cases = [
+        ([0.4, 0.4], 0.01, Symmetry::None, 1600),
+        ([0.4, 0.4], 0.01, Symmetry::Quarter, 400),
+        ([0.4, 0.4], 0.01, Symmetry::HalfX, 800),
+        ([0.005, 0.01], 0.01, Symmetry::None, 1),
+        ([0.005, 0.01], 0.01, Symmetry::Quarter, 1),
+        ([0.1, 0.05], 0.02, Symmetry::None, 5 * 3),
+        ([0.1, 0.05], 0.02, Symmetry::HalfX, 3 * 3),
+        ([0.3, 0.1], 0.1, Symmetry::None, 3),
+        ([0.1, 0.1], 1.0, Symmetry::None, 1),
+    ];
+    for ([x, y], size, symmetry, elements) in cases {
+        let mesh = build(&Shape::Rectangle { x, y }, symmetry, Element::Quad4, size);
+        assert_eq!(mesh.quads.len(), elements, "{x} by {y} at {size} {symmetry:?}");
+    }
+}
+
+#[test]
+fn the_estimate_is_the_number_of_elements() {
+    for shape in [SQUARE, DISC] {
+        for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
+            for size in [0.5, 0.03, 0.011] {
+                let mesh = build(&shape, symmetry, element, size);
+                let estimate = mesh::estimate(&specimen(&shape, symmetry), &Meshing { element, size });
+                assert_eq!(mesh.quads.len() + mesh.tris.len(), estimate);
+            }
+        }
+    }
+    let absurd = Meshing { element: Element::Tri3, size: 1e-300 };
+    for shape in [SQUARE, DISC] {
+        let specimen = specimen(&shape, Symmetry::None);
+        assert_eq!(mesh::estimate(&specimen, &absurd), usize::MAX);
+        let face = Face { meshing: absurd, ..face(Element::Tri3, 1.0) };
+        assert!(mesh::build(&specimen, &face).is_err());
+    }
+}
+
+fn with_elements(symmetry: Symmetry) -> [(Symmetry, Element); 2] {
+    [(symmetry, Element::Quad4), (symmetry, Element::Tri3)]
+}
+
+#[test]
+fn parts_of_a_rectangle_cover_their_share_of_it() {
+    for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
+        let mesh = build(&Shape::Rectangle { x: 0.3, y: 0.2 }, symmetry, element, 0.017);
+        let share = 0.06 / parts(symmetry) as f64;
+        assert!((Quality::of(&mesh).area - share).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn disc_area_converges_with_order_two() {
+    for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
+        let exact = std::f64::consts::PI * 0.01 / parts(symmetry) as f64;
+        let missing = |size| exact - Quality::of(&build(&DISC, symmetry, element, size)).area;
+        let order = (missing(0.01) / missing(0.0025)).log2() / 2.0;
+        assert!((order - 2.0).abs() < 0.1, "{symmetry:?} {element:?}: {order}");
+    }
+}
+
+#[test]
+fn elements_are_as_large_as_asked_on_average_and_well_shaped() {
+    for size in [0.02, 0.005, 0.001] {
+        let quality = Quality::of(&build(&DISC, Symmetry::None, Element::Quad4, size));
+        let mean = (quality.area / quality.elements as f64).sqrt();
+        assert!((mean / size - 1.0).abs() < 0.15, "{mean} for {size}");
+        assert!(quality.jacobian > 0.7, "{quality}");
+        assert!(quality.aspect < 2.0, "{quality}");
+        assert!(quality.skew < 0.5, "{quality}");
+        assert!(quality.edges[0] > 0.6 * size, "{quality}");
+    }
+    let quality = Quality::of(&build(&SQUARE, Symmetry::Quarter, Element::Quad4, 0.01));
+    assert!((quality.aspect - 1.0).abs() < 1e-9 && (quality.jacobian - 1.0).abs() < 1e-12);
+    assert!(quality.skew < 1e-9, "{quality}");
+}
+
+#[test]
+fn elements_turn_counter_clockwise() {
+    for shape in [SQUARE, DISC] {
+        for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
+            let mesh = build(&shape, symmetry, element, 0.03);
+            assert!(outlines(&mesh).iter().all(|o| signed_area(&mesh, o) > 0.0));
+        }
+    }
+}
+
+fn outlines(mesh: &Mesh) -> Vec<Vec<u32>> {
+    let quads = mesh.quads.iter().map(|q| q.to_vec());
+    quads.chain(mesh.tris.iter().map(|t| t.to_vec())).collect()
+}
+
+fn signed_area(mesh: &Mesh, corners: &[u32]) -> f64 {
+    let point = |i: usize| mesh.nodes[corners[i % corners.len()] as usize];
+    let cross = |i| point(i).x * point(i + 1).y - point(i + 1).x * point(i).y;
+    (0..corners.len()).map(cross).sum::<f64>() / 2.0
+}
+
+/// An element as the set of its corners' positions, bit by bit.
+type Corners = BTreeSet<[u64; 2]>;
+
+fn elements(mesh: &Mesh, mirror: [f64; 2]) -> BTreeSet<Corners> {
+    let bits = |node: &u32| {
+        let point = mesh.nodes[*node as usize];
+        [0, 1].map(|axis| (point[axis] * mirror[axis] + 0.0).to_bits())
+    };
+    let outlines = outlines(mesh);
+    outlines.iter().map(|o| o.iter().map(bits).collect()).collect()
+}
+
+#[test]
+fn whole_meshes_are_their_own_mirror_images() {
+    for shape in [SQUARE, DISC] {
+        for element in [Element::Quad4, Element::Tri3] {
+            let mesh = build(&shape, Symmetry::None, element, 0.021);
+            let whole = elements(&mesh, [1.0, 1.0]);
+            assert_eq!(whole, elements(&mesh, [-1.0, 1.0]), "{shape:?} {element:?} in x");
+            assert_eq!(whole, elements(&mesh, [1.0, -1.0]), "{shape:?} {element:?} in y");
+        }
+    }
+}
+
+#[test]
+fn mirrored_parts_make_the_whole() {
+    for shape in [SQUARE, DISC] {
+        for element in [Element::Quad4, Element::Tri3] {
+            let whole = build(&shape, Symmetry::None, element, 0.02);
+            let quarter = build(&shape, Symmetry::Quarter, element, 0.02);
+            let mirrors = [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
+            let four = mirrors.iter().flat_map(|mirror| elements(&quarter, *mirror));
+            assert_eq!(elements(&whole, [1.0, 1.0]), four.collect());
+        }
+    }
+}
+
+#[test]
+fn rims_sides_and_mirrors_hold_the_right_nodes() {
+    let quarter = build(&SQUARE, Symmetry::Quarter, Element::Quad4, 0.1);
+    let places = |nodes: &[u32]| -> Vec<[i32; 2]> {
+        let place = |n: &u32| quarter.nodes[*n as usize];
+        let tenth = |n| [0, 1].map(|axis| (place(n)[axis] * 10.0).round() as i32);
+        nodes.iter().map(tenth).collect()
+    };
+    let side = |side: Side| places(&quarter.sides[side as usize]);
+    assert_eq!(side(Side::XPlus), [[2, 0], [2, 1], [2, 2]]);
+    assert_eq!(side(Side::YPlus), [[0, 2], [1, 2], [2, 2]]);
+    assert!(side(Side::XMinus).is_empty() && side(Side::YMinus).is_empty());
+    assert_eq!(places(&quarter.mirrors[0]), [[0, 0], [0, 1], [0, 2]]);
+    assert_eq!(places(&quarter.mirrors[1]), [[0, 0], [1, 0], [2, 0]]);
+    let rim = [[2, 0], [2, 1], [0, 2], [1, 2], [2, 2]];
+    assert_eq!(places(&quarter.rim), rim);
+
+    let whole = build(&SQUARE, Symmetry::None, Element::Tri3, 0.1);
+    assert_eq!(whole.rim.len(), 16);
+    assert!(whole.sides.iter().all(|side| side.len() == 5));
+    assert!(whole.mirrors.iter().all(Vec::is_empty));
+}
+
+#[test]
+fn a_discs_rim_stands_on_the_circle() {
+    for symmetry in SYMMETRIES {
+        let mesh = build(&DISC, symmetry, Element::Quad4, 0.013);
+        let radius = |node: &u32| mesh.nodes[*node as usize].coords.norm();
+        assert!(mesh.rim.iter().all(|n| (radius(n) - 0.1).abs() < 1e-15));
+        let on_circle = (0..mesh.nodes.len() as u32).filter(|n| radius(n) > 0.0999);
+        assert_eq!(mesh.rim.len(), on_circle.count());
+    }
+}
+
+/// Writes `text` to a file of this name in a folder that lasts as long as the returned value.
+fn file(name: &str, text: impl AsRef<[u8]>) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    (folder, path)
+}
+
+fn import(path: &Path, symmetry: Symmetry, element: Element) -> Result<Mesh, mesh::MeshError> {
+    let specimen = specimen(&Shape::Mesh(path.to_owned()), symmetry);
+    mesh::build(&specimen, &face(element, 1.0))
+}
+
+fn as_obj(mesh: &Mesh) -> String {
+    let points = mesh.nodes.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
+    let corner = |node: &u32| format!(" {}", node + 1);
+    let outlines = outlines(mesh);
+    let faces = outlines.iter();
+    let faces = faces.map(|o| format!("f{}\n", o.iter().map(corner).collect::<String>()));
+    points.chain(faces).collect()
+}
+
+fn as_stl(mesh: &Mesh) -> String {
+    let vertex = |node: &u32| {
+        let p = mesh.nodes[*node as usize];
+        format!("vertex {} {} {}\n", p.x, p.y, p.z)
+    };
+    let facet = |tri: &[u32; 3]| {
+        let vertices: String = tri.iter().map(vertex).collect();
+        format!("facet normal 0 0 1\nouter loop\n{vertices}endloop\nendfacet\n")
+    };
+    let facets: String = mesh.tris.iter().map(facet).collect();
+    format!("solid film\n{facets}endsolid film\n")
+}
+
+fn as_vtu(mesh: &Mesh) -> String {
+    let points = mesh.nodes.iter().map(|p| format!("{} {} {} ", p.x, p.y, p.z));
+    let corners: Vec<String> = outlines(mesh).concat().iter().map(u32::to_string).collect();
+    let sizes: Vec<usize> = outlines(mesh).iter().map(Vec::len).collect();
+    let ends = sizes.iter().scan(0, |end, size| {
+        *end += size;
+        Some(format!("{end} "))
+    });
+    let types = sizes.iter().map(|size| if *size == 3 { "5 " } else { "9 " });
+    vtu(&points.collect::<String>(), &corners.join(" "), &ends.collect::<String>(), &types.collect::<String>())
+}
+
+fn vtu(points: &str, connectivity: &str, offsets: &str, types: &str) -> String {
+    format!(
+        r#"<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt32">
+<UnstructuredGrid><Piece NumberOfPoints="0" NumberOfCells="0">
+<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">{points}</DataArray></Points>
+<Cells>
+<DataArray type="Int64" Name="connectivity" format="ascii">{connectivity}</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">{offsets}</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">{types}</DataArray>
+</Cells></Piece></UnstructuredGrid></VTKFile>"#
+    )
+}
+
+/// Where the rim, the sides and the mirror nodes are, bit by bit.
+fn labels(mesh: &Mesh) -> Vec<BTreeSet<[u64; 2]>> {
+    let bits = |node: &u32| {
+        let point = mesh.nodes[*node as usize];
+        [point.x, point.y].map(|c| (c + 0.0).to_bits())
+    };
+    let lists = [&mesh.rim].into_iter().chain(&mesh.sides).chain(&mesh.mirrors);
+    lists.map(|list| list.iter().map(bits).collect()).collect()
+}
+
+#[test]
+fn meshes_come_back_from_files_as_they_were() {
+    for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
+        let mesh = build(&DISC, symmetry, element, 0.03);
+        for (name, text) in [("film.obj", as_obj(&mesh)), ("film.VTU", as_vtu(&mesh))] {
+            let (_folder, path) = file(name, text);
+            let back = import(&path, symmetry, Element::Quad4).unwrap();
+            assert_eq!(elements(&back, [1.0; 2]), elements(&mesh, [1.0; 2]), "{name}");
+            assert_eq!(labels(&back), labels(&mesh), "{name} {symmetry:?}");
+        }
+    }
+    let mesh = build(&SQUARE, Symmetry::Quarter, Element::Tri3, 0.1);
+    let (_folder, path) = file("film.stl", as_stl(&mesh));
+    let back = import(&path, Symmetry::Quarter, Element::Tri3).unwrap();
+    assert_eq!(back.nodes.len(), mesh.nodes.len());
+    assert_eq!(back.tris.len(), mesh.tris.len());
+    assert_eq!(back.rim.len(), mesh.rim.len());
+    assert!((Quality::of(&back).area - 0.04).abs() < 1e-8);
+}
+
+#[test]
+fn quads_of_a_file_become_triangles_where_asked() {
+    let mesh = build(&SQUARE, Symmetry::None, Element::Quad4, 0.1);
+    let (_folder, path) = file("film.obj", as_obj(&mesh));
+    let back = import(&path, Symmetry::None, Element::Tri3).unwrap();
+    assert_eq!((back.quads.len(), back.tris.len()), (0, 32));
+}
+
+#[test]
+fn elements_of_a_file_are_turned_and_loose_nodes_left_out() {
+    let upside_down = "v 9 9 9\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 2 5 4 3\n";
+    let (_folder, path) = file("film.obj", upside_down);
+    let mesh = import(&path, Symmetry::None, Element::Quad4).unwrap();
+    assert_eq!(mesh.nodes.len(), 4);
+    assert!(signed_area(&mesh, &mesh.quads[0]) > 0.0);
+    assert!(mesh.nodes.iter().all(|p| p.z == 1.0));
+}
+
+#[test]
+fn binary_arrays_are_read() {
+    // Points (0,0,0), (1,0,0), (0,1,0) as float32 and one triangle, each behind its length in bytes.
+    let arrays = [
+        "JAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAA==",
+        "DAAAAAAAAAABAAAAAgAAAA==",
+        "BAAAAAMAAAA=",
+        "AQAAAAU=",
+    ];
+    let text = vtu(arrays[0], arrays[1], arrays[2], arrays[3])
+        .replace("ascii", "binary")
+        .replace("Float64", "Float32")
+        .replace("Int64", "Int32");
+    let (_folder, path) = file("film.vtu", text);
+    let mesh = import(&path, Symmetry::None, Element::Tri3).unwrap();
+    assert_eq!(mesh.tris, [[0, 1, 2]]);
+    assert_eq!(mesh.nodes[1].x, 1.0);
+}
+
+const TRIANGLE: &str = "0 0 0 1 0 0 0 1 0";
+
+#[test]
+fn bad_files_are_named_with_what_is_wrong() {
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    let obj = |faces: &str| ("film.obj", format!("{square}{faces}"));
+    let vtu = |c: &str, o: &str, t: &str| ("film.vtu", vtu(TRIANGLE, c, o, t));
+    let cases = [
+        (obj(""), "no triangles"),
+        (obj("f 1 2 9\n"), "out of bounds"),
+        (obj("f 1 2 2\n"), "element 0 has no area"),
+        (obj("v 2 1 0\nf 1 2 3 5 4\n"), "5 corners"),
+        (obj("v 0.1 0.1 0\nf 1 2 5 4\n"), "concave"),
+        (obj("v 0 0 1\nf 1 2 5\n"), "stands upright"),
+        (obj("v 0.2 0.9 1\nf 1 2 3\nf 1 2 5\n"), "folds over"),
+        (obj("v 0 0 1\nv 0 1 1\nf 1 2 3\nf 1 2 5\nf 1 2 6\n"), "3 elements share"),
+        (obj("v 1 x 0\nf 1 2 5\n"), "position parse error"),
+        (obj("v 1 nan 0\nf 1 2 5\n"), "not finite"),
+        (vtu("0 1 2", "3", "10"), "VTK type 10"),
+        (vtu("0 1 7", "3", "5"), "names node 7 of 3"),
+        (vtu("0 1 2", "4", "5"), "do not fit"),
+        (vtu("0 1 -1", "3", "5"), "not the number of a node"),
+        (vtu("0 1 two", "3", "5"), "`two` is not a number"),
+        (("film.vtu", "<VTKFile/>".to_owned()), "`UnstructuredGrid` is missing"),
+        (("film.vtu", "<VTKFile compressor='vtkZLibDataCompressor'/>".to_owned()), "compressed"),
+        (("film.vtu", "solid".to_owned()), "film.vtu: "),
+        (("film.stl", "solid film\nfacet\n".to_owned()), "film.stl: "),
+        (("film.step", String::new()), "from .stl, .obj and .vtu"),
+    ];
+    for ((name, text), expected) in cases {
+        let (_folder, path) = file(name, text);
+        let message = import(&path, Symmetry::None, Element::Quad4).unwrap_err().to_string();
+        assert!(message.contains(name) && message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn files_with_symmetry_hold_the_computed_part_only() {
+    let (_folder, path) = file("film.obj", as_obj(&build(&SQUARE, Symmetry::None, Element::Quad4, 0.1)));
+    let message = import(&path, Symmetry::HalfY, Element::Quad4).unwrap_err().to_string();
+    assert!(message.contains("beyond the mirror plane y = 0"), "{message}");
+    let (_folder, path) = file("film.obj", "v 1 1 0\nv 2 1 0\nv 2 2 0\nf 1 2 3\n");
+    let message = import(&path, Symmetry::HalfX, Element::Quad4).unwrap_err().to_string();
+    assert!(message.contains("no edge lies on the mirror plane x = 0"), "{message}");
+}
+
+const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+
+#[test]
+fn impactor_surfaces_are_closed_and_face_outwards() {
+    let volume = |path: &Path| {
+        let (points, tris) = mesh::import::surface(path).unwrap();
+        let six = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|node| points[node as usize].coords);
+            a.dot(&b.cross(&c))
+        };
+        tris.iter().map(six).sum::<f64>() / 6.0
+    };
+    for faces in ["f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n"] {
+        let (_folder, path) = file("head.obj", format!("{TETRAHEDRON}{faces}"));
+        assert!((volume(&path) - 1.0 / 6.0).abs() < 1e-15);
+    }
+    for (faces, expected) in
+        [("f 1 3 2\nf 1 2 4\nf 2 3 4\n", "open"), ("f 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "face opposite ways")]
+    {
+        let (_folder, path) = file("head.obj", format!("{TETRAHEDRON}{faces}"));
+        let message = mesh::import::surface(&path).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+}
