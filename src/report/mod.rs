@@ -1,1 +1,4 @@
 //! report
+
+#[cfg(feature = "rerun")]
+pub mod recording;
