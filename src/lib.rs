@@ -7,6 +7,7 @@
 
 pub mod units;
 pub mod diagnostic;
+pub mod lane;
 pub mod signal;
 pub mod experiment;
 pub mod material;

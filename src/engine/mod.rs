@@ -1,1 +1,344 @@
-//! engine
+//! Explicit dynamics of films that meet a rigid impactor or are pulled by jaws.
+//!
+//! [`Engine::step`] advances by one central-difference step: forces of the elements, kick, contact, drift
+//! (theory.md, section 4). Whoever wants signals or pictures brings an [`Observer`], which is shown a read-only [`View`].
+
+mod contact;
+mod element;
+mod energy;
+mod failure;
+mod film;
+mod nodes;
+mod rigid_body;
+mod time_step;
+
+pub use contact::{Contact, Inspection, Surface, SurfaceError};
+pub use element::UprightElement;
+pub use energy::Energies;
+pub use film::{ElementStrain, Film};
+pub use nodes::Nodes;
+pub use rigid_body::RigidBody;
+pub use time_step::TimeStep;
+
+use thiserror::Error;
+
+/// Everything that moves, and how it is driven.
+pub struct Engine {
+    films: Vec<Film>,
+    nodes: Nodes,
+    impact: Option<Impact>,
+    drive: Drive,
+    time_step: TimeStep,
+    time: f64,
+    steps: u64,
+    gone: Gone,
+    before: Before,
+}
+
+/// The impactor and its contact.
+pub struct Impact {
+    /// The impactor.
+    pub body: RigidBody,
+    /// Its contact with the film.
+    pub contact: Contact,
+}
+
+/// What acts besides contact.
+#[derive(Clone, Debug, Default)]
+pub struct Drive {
+    /// m/s², downward.
+    pub gravity: f64,
+    /// Mass-proportional damping of the film, 1/s.
+    pub damping: f64,
+    /// Nodes moved at a prescribed velocity along x.
+    pub jaws: Vec<Jaw>,
+    /// Mirror images that one computed part of film stands for.
+    pub multiplicity: f64,
+}
+
+/// Nodes that are moved together at their initial velocity, held across it.
+#[derive(Clone, Debug)]
+pub struct Jaw {
+    /// Its nodes.
+    pub nodes: Vec<u32>,
+    /// Along x, m/s.
+    pub velocity: f64,
+}
+
+/// Energy that left the elements for good, J.
+#[derive(Clone, Copy, Debug, Default)]
+struct Gone {
+    rupture: f64,
+    absorbed: f64,
+    damping: f64,
+    external: f64,
+}
+
+/// Velocities half a step ago, kept where an observer wants energies.
+#[derive(Default)]
+struct Before {
+    velocity: Vec<[f64; 3]>,
+    body: Option<RigidBody>,
+}
+
+/// Why a run cannot go on.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Fault {
+    #[error("element {element} of face {face} is not a number any more at {time:.6} s")]
+    NotANumber { time: f64, face: usize, element: usize },
+    #[error("the time step fell from {first:.3e} s to {now:.3e} s at {time:.6} s, limited by face {face}")]
+    TimeStepCollapsed { time: f64, first: f64, now: f64, face: usize },
+    #[error("the energy balance is off by {:.1} % of the energy exchanged at {time:.6} s", 100.0 * .error)]
+    EnergyLost { time: f64, error: f64 },
+}
+
+/// Something that looks on.
+pub trait Observer {
+    /// Whether it wants to see the full step at `time` (s), of which the last was `dt` s ago.
+    fn wants(&self, time: f64, dt: f64) -> bool;
+    /// Sees it.
+    fn see(&mut self, view: &mut View<'_>) -> Result<(), Fault>;
+    /// Follows impactor and jaws through every step.
+    fn follow(&mut self, _track: &Track) {}
+}
+
+/// The impactor and the jaws at one step; zero where there is none.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Track {
+    /// Full step, s.
+    pub time: f64,
+    /// The step after it, s.
+    pub dt: f64,
+    /// Height of the centre of mass at the full step, m.
+    pub z: f64,
+    /// Vertical velocity in the middle of the step after it, m/s.
+    pub velocity: f64,
+    /// Work given to the film so far, J.
+    pub work: f64,
+    /// Pull of the film on the jaws, mean of all of them, N.
+    pub jaw_force: f64,
+}
+
+/// The state at a full step, read-only.
+pub struct View<'a> {
+    /// s.
+    pub time: f64,
+    /// Steps so far.
+    pub steps: u64,
+    /// Faces of film.
+    pub films: &'a [Film],
+    /// Nodes: positions and forces at `time`, velocities half a step after it.
+    pub nodes: &'a Nodes,
+    /// The impactor, its velocities half a step after `time`.
+    pub body: Option<&'a RigidBody>,
+    contact: Option<&'a mut Contact>,
+    drive: &'a Drive,
+    gone: Gone,
+    before: &'a Before,
+}
+
+impl Engine {
+    /// An engine at rest at time zero; `impact` is the impactor, if any.
+    pub fn new(films: Vec<Film>, nodes: Nodes, impact: Option<Impact>, drive: Drive) -> Engine {
+        let mut engine = Engine {
+            films,
+            nodes,
+            impact,
+            drive,
+            time_step: TimeStep::default(),
+            time: 0.0,
+            steps: 0,
+            gone: Gone::default(),
+            before: Before::default(),
+        };
+        // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
+        engine.forces();
+        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, engine.drive.damping);
+        engine
+    }
+
+    /// s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Steps so far.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Number of elements.
+    pub fn elements(&self) -> usize {
+        self.films.iter().map(Film::elements).sum()
+    }
+
+    /// The present time step, s.
+    pub fn time_step(&self) -> f64 {
+        self.time_step.now()
+    }
+
+    /// Advances by one step. Returns the number of elements that broke in it.
+    pub fn step(&mut self, observer: &mut dyn Observer) -> Result<usize, Fault> {
+        let (last, dt) = self.time_step.next(&self.films, &self.nodes, self.time)?;
+        let kick = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
+        let wanted = observer.wants(self.time, last);
+        let broken = self.forces();
+        if wanted {
+            self.before.velocity.clone_from(&self.nodes.velocity);
+            self.before.body = self.impact.as_ref().map(|i| i.body.clone());
+        }
+        self.pull(kick);
+        self.damp(kick);
+        self.meet(dt, kick);
+        if wanted {
+            observer.see(&mut self.view())?;
+        }
+        self.drift(dt, observer);
+        Ok(broken)
+    }
+
+    /// Forces at the full step; elements past their break strain lose theirs from the next step on.
+    fn forces(&mut self) -> usize {
+        self.nodes.start_forces(self.drive.gravity);
+        let mut broken = 0;
+        for film in &mut self.films {
+            if film.add_forces(&self.nodes.position, &mut self.nodes.force) {
+                let (count, held) = film.break_elements(&self.nodes.position);
+                self.gone.rupture += self.drive.multiplicity * (held.stored + held.hourglass);
+                self.gone.absorbed += self.drive.multiplicity * held.absorbed;
+                broken += count;
+            }
+        }
+        if let (true, Some(impact)) = (broken > 0, &mut self.impact) {
+            impact.contact.forget();
+        }
+        broken
+    }
+
+    /// Work of the jaws against the film's forces.
+    fn pull(&mut self, kick: f64) {
+        for jaw in &self.drive.jaws {
+            let work = -self.nodes.pull(&jaw.nodes) * jaw.velocity * kick;
+            self.gone.external -= self.drive.multiplicity * work;
+        }
+    }
+
+    fn damp(&mut self, kick: f64) {
+        let damping = self.drive.damping;
+        if damping == 0.0 {
+            return self.nodes.kick(kick, 0.0);
+        }
+        let earlier = self.nodes.velocity.clone();
+        self.nodes.kick(kick, damping);
+        let mut lost = 0.0;
+        for n in 0..earlier.len() {
+            for axis in 0..3 {
+                if self.nodes.inverse_mass[n][axis] > 0.0 {
+                    let mean = 0.5 * (earlier[n][axis] + self.nodes.velocity[n][axis]);
+                    lost += damping * self.nodes.mass[n] * mean * mean * kick;
+                }
+            }
+        }
+        self.gone.damping += self.drive.multiplicity * lost;
+    }
+
+    fn meet(&mut self, dt: f64, kick: f64) {
+        if let Some(Impact { body, contact }) = &mut self.impact {
+            let before = body.clone();
+            body.kick(kick, self.drive.gravity);
+            contact.meet(&self.films, &mut self.nodes, body, &before, [dt, kick]);
+        }
+    }
+
+    fn drift(&mut self, dt: f64, observer: &mut dyn Observer) {
+        let mut track = Track { time: self.time, dt, jaw_force: self.jaw_force(), ..Track::default() };
+        let fastest = self.nodes.drift(dt);
+        if let Some(Impact { body, contact }) = &mut self.impact {
+            track.z = body.centre().z;
+            track.velocity = body.velocity.z;
+            track.work = contact.work.given;
+            let turning = body.spin.norm() * contact.surface().reach();
+            contact.moved((fastest + body.velocity.norm() + turning) * dt);
+            body.drift(dt);
+        }
+        observer.follow(&track);
+        self.time += dt;
+        self.steps += 1;
+    }
+
+    /// Mean pull of the film on the jaws along x, N, on the computed part of the film.
+    fn jaw_force(&self) -> f64 {
+        let pull = |jaw: &Jaw| -jaw.velocity.signum() * self.nodes.pull(&jaw.nodes);
+        let count = self.drive.jaws.len().max(1) as f64;
+        self.drive.jaws.iter().map(pull).sum::<f64>() / count
+    }
+
+    fn view(&mut self) -> View<'_> {
+        let (body, contact) = match &mut self.impact {
+            Some(Impact { body, contact }) => (Some(&*body), Some(contact)),
+            None => (None, None),
+        };
+        View {
+            time: self.time,
+            steps: self.steps,
+            films: &self.films,
+            nodes: &self.nodes,
+            body,
+            contact,
+            drive: &self.drive,
+            gone: self.gone,
+            before: &self.before,
+        }
+    }
+}
+
+impl View<'_> {
+    /// The energy audit at this step.
+    pub fn energies(&self) -> Energies {
+        let copies = self.drive.multiplicity;
+        let g = self.drive.gravity;
+        let mut out = Energies {
+            rupture: self.gone.rupture,
+            absorbed: self.gone.absorbed,
+            damping: self.gone.damping,
+            external: self.gone.external,
+            ..Energies::default()
+        };
+        for film in self.films {
+            let energy = film.energy(&self.nodes.position);
+            out.stored += copies * energy.stored;
+            out.absorbed += copies * energy.absorbed;
+            out.hourglass += copies * energy.hourglass;
+        }
+        for (n, mass) in self.nodes.mass.iter().enumerate() {
+            let (v, u) = (self.nodes.velocity[n], self.before.velocity[n]);
+            out.kinetic_film += copies * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
+            out.potential += copies * mass * g * self.nodes.position[n][2];
+        }
+        if let (Some(body), Some(before)) = (self.body, &self.before.body) {
+            out.kinetic_impactor = body.kinetic_energy(before);
+            out.potential += body.mass * g * body.centre().z;
+        }
+        if let Some(contact) = &self.contact {
+            out.contact = contact.work.impact_loss;
+            out.friction = contact.work.friction_loss;
+        }
+        out
+    }
+
+    /// The touch between impactor and film, if there is an impactor.
+    pub fn inspect(&mut self) -> Option<Inspection> {
+        let (contact, body) = (self.contact.as_mut()?, self.body?);
+        Some(contact.inspect(self.films, self.nodes, &body.pose))
+    }
+
+    /// Half the smallest extent of the impactor, m.
+    pub fn impactor_size(&self) -> Option<f64> {
+        self.contact.as_ref().map(|c| c.surface().size())
+    }
+
+    /// Nodes that the impactor touched in this step.
+    pub fn touched(&self) -> Vec<usize> {
+        self.contact.as_ref().map_or(vec![], |c| c.touched().collect())
+    }
+}

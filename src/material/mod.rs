@@ -1,79 +1,88 @@
-//! Constitutive laws of films, per layer, as stress (Pa) of one layer.
+//! Constitutive laws of films: stress and energy of one layer as functions of its deformation.
+//!
+//! A law knows no mesh and no time. It is asked in lanes ([`crate::lane`]) for the stress that belongs to a
+//! deformation gradient, and in the same letters for the energy that stress is the gradient of.
 
-use thiserror::Error;
+mod absorption;
+mod curve;
+mod elastic;
+mod fabric;
+mod multipliers;
 
-/// A piecewise linear stress–strain curve through the origin.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    points: Vec<[f64; 2]>,
+pub use absorption::Absorption;
+pub use curve::{Curve, CurveError, Reading};
+pub use elastic::Elastic;
+pub use fabric::Fabric;
+pub use multipliers::Multipliers;
+
+use crate::lane::{Lane, Lane3};
+
+/// Deformation gradient of a membrane: the images f₁ = F a₁ and f₂ = F a₂ of the unit vectors along MD and TD
+/// of the stress-free film.
+pub type Gradient = [Lane3; 2];
+
+/// Largest strains so far of the MD fibres, the TD fibres and in shear.
+pub type Peaks = [Lane; 3];
+
+/// Answer of a law to a deformation.
+pub struct Stress {
+    /// First Piola–Kirchhoff stress ∂W/∂f₁, ∂W/∂f₂, Pa of one layer.
+    pub p: Gradient,
+    /// Tension over stretch of the two directions, never negative, Pa: what a stretched fibre resists sideways.
+    pub tension: [Lane; 2],
 }
 
-/// Why points are not a stress–strain curve.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum CurveError {
-    #[error("a curve needs at least one point besides the origin")]
-    TooShort,
-    #[error("strain does not increase at point {index}: {strain} after {previous}")]
-    StrainNotIncreasing {
-        index: usize,
-        strain: f64,
-        previous: f64,
-    },
-    #[error("stress falls at point {index}")]
-    StressFalls { index: usize },
-    #[error("point {index} is not a finite number")]
-    NotFinite { index: usize },
+/// Energy density of a film, J/m³.
+#[derive(Clone, Copy, Debug)]
+pub struct Energy {
+    /// Comes back on unloading.
+    pub stored: Lane,
+    /// Turned into heat and damage.
+    pub absorbed: Lane,
 }
 
-impl Curve {
-    /// Curve through the origin and `points` (strain, stress in Pa); a leading (0, 0) may be given or left out.
-    pub fn new(points: Vec<[f64; 2]>) -> Result<Curve, CurveError> {
-        Ok(Curve { points })
-    }
-    /// The corner points after the origin: strain, stress (Pa).
-    pub fn points(&self) -> &[[f64; 2]] {
-        &self.points
-    }
+/// Strains of a film in the measures of its law.
+#[derive(Clone, Copy, Debug)]
+pub struct Strains {
+    /// Engineering strain |f₁| − 1 along MD.
+    pub md: Lane,
+    /// Engineering strain |f₂| − 1 along TD.
+    pub td: Lane,
+    /// Angle by which MD and TD left their right angle, rad.
+    pub shear: Lane,
 }
 
-/// The multipliers of a dynamic curve (paper, equations 12 and 13).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Multipliers {
-    pub k1: f64,
-    pub ke: f64,
-    pub ky: f64,
+/// Bounds on the tangent stiffness of a film, Pa, for the stable time step.
+#[derive(Clone, Copy, Debug)]
+pub struct Stiffness {
+    /// Against motion along the fibres: MD, TD.
+    pub along: [Lane; 2],
+    /// Against motion across the fibres (tension): MD, TD.
+    pub across: [Lane; 2],
+    /// In shear, on top of both directions.
+    pub shear: Lane,
 }
 
-impl Multipliers {
-    /// The curve moved by the multipliers; `yields` are the strains of its two yield points.
-    pub fn apply(&self, curve: &Curve, yields: [f64; 2]) -> Result<Curve, CurveError> {
-        let _ = yields;
-        Ok(curve.clone())
-    }
-}
-
-/// Two fibre sets at 90° and a shear curve.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Fabric {
-    pub md: Curve,
-    pub td: Curve,
-    pub shear: Curve,
-    /// Share of the stored energy lost on unloading, 0 <= D < 1.
-    pub absorption: f64,
-}
-
-/// St. Venant–Kirchhoff plane stress.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Elastic {
-    /// Pa.
-    pub young: f64,
-    pub poisson: f64,
+/// What an element asks of a law.
+pub trait MembraneLaw {
+    /// Stress at deformation `f`; raises `peaks` to the strains reached.
+    fn stress(&self, f: &Gradient, peaks: &mut Peaks) -> Stress;
+    /// Energy at deformation `f` and largest strains `peaks`.
+    fn energy(&self, f: &Gradient, peaks: &Peaks) -> Energy;
+    /// Largest tangent stiffness at and near deformation `f`, whichever way it goes on.
+    fn stiffness(&self, f: &Gradient, peaks: &Peaks) -> Stiffness;
+    /// Slopes of the law at rest along MD and TD, Pa.
+    fn moduli(&self) -> [f64; 2];
+    /// Strains at which the MD and TD fibres break.
+    fn break_strains(&self) -> [f64; 2];
 }
 
 /// The law of a film.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Law {
+    /// Two fibre sets and shear.
     Fabric(Fabric),
+    /// St. Venant–Kirchhoff plane stress.
     Elastic(Elastic),
 }
 
@@ -84,7 +93,87 @@ pub struct Material {
     pub density: f64,
     /// Thickness of one layer, m.
     pub thickness: f64,
+    /// Its constitutive law.
     pub law: Law,
     /// Lowest and highest strain rate (1/s) at which the curves were measured.
     pub measured_rates: Option<[f64; 2]>,
+}
+
+/// Strains of a deformation; measures that every law shares.
+pub fn strains(f: &Gradient) -> Strains {
+    let fibres = fabric::Fibres::of(f);
+    Strains { md: fibres.strain(0), td: fibres.strain(1), shear: fibres.angle }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::{LANES, splat};
+
+    fn film() -> Fabric {
+        let md = Curve::new(vec![[0.03, 8.4e6], [0.2, 20e6], [0.75, 29e6]]).unwrap();
+        let td = Curve::new(vec![[0.04, 8e6], [0.14, 10e6], [6.0, 16e6]]).unwrap();
+        let shear = Curve::new(vec![[0.3, 4e6], [1.2, 7e6]]).unwrap();
+        Fabric::new(md, td, shear, 0.0)
+    }
+
+    /// Deformations in general position: stretched, sheared, turned out of the plane, one direction slack.
+    fn deformations() -> Vec<Gradient> {
+        let rows: [[[f64; 3]; 2]; 5] = [
+            [[1.13, 0.05, 0.2], [0.1, 1.3, -0.3]],
+            [[1.5, 0.7, 0.1], [0.6, 1.4, 0.5]],
+            [[0.3, 0.2, 1.1], [-0.9, 0.4, 0.6]],
+            [[0.7, 0.1, 0.2], [0.2, 1.2, 0.1]],
+            [[1.05, 0.95, 0.0], [0.98, 1.05, 0.02]],
+        ];
+        rows.iter().map(|f| f.map(|v| v.map(splat))).collect()
+    }
+
+    /// Central differences of the energy against the stress, both without history (D = 0, peaks at the strain).
+    fn check_derivative(law: &impl MembraneLaw) {
+        let step = 1e-6;
+        for f in deformations() {
+            let p = law.stress(&f, &mut [splat(0.0); 3]).p;
+            let scale = p.iter().flatten().fold(0.0, |m: f64, v| m.max(v[0].abs()));
+            for fibre in 0..2 {
+                for axis in 0..3 {
+                    let at = |sign: f64| {
+                        let mut g = f;
+                        g[fibre][axis] = splat(f[fibre][axis][0] + sign * step);
+                        let mut peaks = [splat(0.0); 3];
+                        law.stress(&g, &mut peaks);
+                        law.energy(&g, &peaks).stored[LANES - 1]
+                    };
+                    let difference = (at(1.0) - at(-1.0)) / (2.0 * step);
+                    assert!(
+                        (difference - p[fibre][axis][0]).abs() < 2e-7 * scale,
+                        "fibre {fibre} axis {axis}: {difference} {}",
+                        p[fibre][axis][0]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn fabric_stress_is_the_derivative_of_its_energy() {
+        check_derivative(&film());
+    }
+
+    #[test]
+    fn elastic_stress_is_the_derivative_of_its_energy() {
+        check_derivative(&Elastic { young: 5e7, poisson: 0.44 });
+    }
+
+    #[test]
+    fn rotation_alone_gives_no_stress() {
+        let (s, c) = 0.7_f64.sin_cos();
+        let f = [[c, s * 0.6, s * 0.8].map(splat), [-s, c * 0.6, c * 0.8].map(splat)];
+        for p in [
+            film().stress(&f, &mut [splat(0.0); 3]).p,
+            Elastic { young: 5e7, poisson: 0.4 }.stress(&f, &mut [splat(0.0); 3]).p,
+        ] {
+            assert!(p.iter().flatten().all(|v| v[0].abs() < 1e-6), "{p:?}");
+        }
+    }
 }

@@ -11,9 +11,7 @@ pub enum MeshError {
     Size { size: f64 },
     #[error("an outline of {x} m by {y} m: lengths must be positive and finite")]
     Outline { x: f64, y: f64 },
-    #[error(
-        "{elements} elements: more than the {limit} that a mesh can number; choose a larger size"
-    )]
+    #[error("{elements} elements: more than the {limit} that a mesh can number; choose a larger size")]
     TooMany { elements: usize, limit: usize },
     #[error("{}: {fault}", path.display())]
     File { path: PathBuf, fault: Fault },

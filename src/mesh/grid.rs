@@ -21,10 +21,7 @@ impl Grid {
     /// The part of the grid that is computed, as elements of the kind asked for.
     pub fn mesh(self, mirrored: [bool; 2], element: Element) -> Mesh {
         let grid = self.cut(mirrored).counter_clockwise();
-        let mut mesh = Mesh {
-            nodes: grid.nodes,
-            ..Mesh::default()
-        };
+        let mut mesh = Mesh { nodes: grid.nodes, ..Mesh::default() };
         match element {
             Element::Quad4 | Element::Quad4Full => mesh.quads = grid.cells,
             Element::Tri3 => mesh.tris = grid.cells.into_iter().flat_map(split).collect(),
@@ -73,10 +70,7 @@ pub fn check(lengths: [f64; 2], size: f64, elements: usize) -> Result<(), MeshEr
         return Err(MeshError::Outline { x, y });
     }
     if elements > LIMIT {
-        return Err(MeshError::TooMany {
-            elements,
-            limit: LIMIT,
-        });
+        return Err(MeshError::TooMany { elements, limit: LIMIT });
     }
     Ok(())
 }

@@ -76,9 +76,7 @@ impl fmt::Display for Quality {
 /// Normal of an element, as long as its area (m²); for a twisted one that of its mean plane.
 pub fn area_vector(points: &[Point3<f64>]) -> Vector3<f64> {
     let origin = points[0];
-    let fan = points
-        .windows(2)
-        .map(|w| (w[0] - origin).cross(&(w[1] - origin)));
+    let fan = points.windows(2).map(|w| (w[0] - origin).cross(&(w[1] - origin)));
     fan.sum::<Vector3<f64>>() / 2.0
 }
 
@@ -86,9 +84,7 @@ pub fn area_vector(points: &[Point3<f64>]) -> Vector3<f64> {
 pub fn edge_range(points: &[Point3<f64>]) -> [f64; 2] {
     corners(points)
         .map(|[_, here, next]| (next - here).norm())
-        .fold([f64::INFINITY, 0.0], |[low, high], edge| {
-            [low.min(edge), high.max(edge)]
-        })
+        .fold([f64::INFINITY, 0.0], |[low, high], edge| [low.min(edge), high.max(edge)])
 }
 
 /// Smallest sine of a corner's angle, signed by the element's normal and scaled so that the regular
@@ -117,11 +113,7 @@ fn skew(points: &[Point3<f64>]) -> f64 {
 }
 
 fn regular_angle(points: &[Point3<f64>]) -> f64 {
-    if points.len() == 3 {
-        FRAC_PI_3
-    } else {
-        FRAC_PI_2
-    }
+    if points.len() == 3 { FRAC_PI_3 } else { FRAC_PI_2 }
 }
 
 /// Each corner between the one before and the one after it.

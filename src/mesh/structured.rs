@@ -7,11 +7,7 @@ use super::{Mesh, MeshError, elements_per_cell};
 use crate::model::{Element, Meshing};
 
 /// A rectangle centred on the origin, `lengths` along x and y in m.
-pub fn rectangle(
-    lengths: [f64; 2],
-    mirrored: [bool; 2],
-    meshing: &Meshing,
-) -> Result<Mesh, MeshError> {
+pub fn rectangle(lengths: [f64; 2], mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
     grid::check(lengths, meshing.size, count(lengths, [false; 2], meshing))?;
     let cells = divisions(lengths, mirrored, meshing);
     Ok(whole(lengths, cells, meshing.element).mesh(mirrored, meshing.element))
@@ -36,11 +32,7 @@ fn divisions(lengths: [f64; 2], mirrored: [bool; 2], meshing: &Meshing) -> [usiz
 fn division(length: f64, mirrored: bool, meshing: &Meshing) -> usize {
     let any = nearest(length, meshing.size);
     let even = mirrored || (meshing.element == Element::Tri3 && any > 1);
-    if even {
-        nearest(length / 2.0, meshing.size).saturating_mul(2)
-    } else {
-        any
-    }
+    if even { nearest(length / 2.0, meshing.size).saturating_mul(2) } else { any }
 }
 
 /// The number of equal parts of `length` whose size is nearest to `size`, at least one.
@@ -48,11 +40,7 @@ fn nearest(length: f64, size: f64) -> usize {
     let fewer = (length / size).floor().max(1.0);
     let more = fewer + 1.0;
     let miss = |parts: f64| (length / parts - size).abs();
-    if miss(more) < miss(fewer) {
-        more as usize
-    } else {
-        fewer as usize
-    }
+    if miss(more) < miss(fewer) { more as usize } else { fewer as usize }
 }
 
 fn whole(lengths: [f64; 2], [columns, rows]: [usize; 2], element: Element) -> Grid {
@@ -60,18 +48,13 @@ fn whole(lengths: [f64; 2], [columns, rows]: [usize; 2], element: Element) -> Gr
     for row in 0..=rows {
         let y = coordinate(row, rows, lengths[1]);
         let x = |column| coordinate(column, columns, lengths[0]);
-        grid.nodes
-            .extend((0..=columns).map(|column| Point3::new(x(column), y, 0.0)));
+        grid.nodes.extend((0..=columns).map(|column| Point3::new(x(column), y, 0.0)));
     }
     let number = |column: usize, row: usize| (row * (columns + 1) + column) as u32;
     for row in 0..rows {
         grid.cells.extend((0..columns).map(|column| {
-            let cell = [
-                number(column, row),
-                number(column + 1, row),
-                number(column + 1, row + 1),
-                number(column, row + 1),
-            ];
+            let cell =
+                [number(column, row), number(column + 1, row), number(column + 1, row + 1), number(column, row + 1)];
             grid::alternate(cell, element == Element::Tri3 && (column + row) % 2 == 1)
         }));
     }

@@ -53,11 +53,8 @@ fn rim(mesh: &Mesh) -> Vec<u32> {
         let holds = |plane: &Vec<u32>| edge.iter().all(|node| on(plane, node));
         mesh.mirrors.iter().any(holds)
     };
-    let mut rim: Vec<u32> = uses(mesh)
-        .into_iter()
-        .filter(|(edge, uses)| *uses == 1 && !mirror(edge))
-        .flat_map(|(edge, _)| edge)
-        .collect();
+    let mut rim: Vec<u32> =
+        uses(mesh).into_iter().filter(|(edge, uses)| *uses == 1 && !mirror(edge)).flat_map(|(edge, _)| edge).collect();
     rim.sort_unstable();
     rim.dedup();
     rim
@@ -77,10 +74,7 @@ fn side_nodes(mesh: &Mesh, mirrored: [bool; 2], side: usize, near: f64) -> Vec<u
 
 fn nodes_where(mesh: &Mesh, holds: impl Fn(&nalgebra::Point3<f64>) -> bool) -> Vec<u32> {
     let numbered = (0u32..).zip(&mesh.nodes);
-    numbered
-        .filter(|(_, point)| holds(point))
-        .map(|(node, _)| node)
-        .collect()
+    numbered.filter(|(_, point)| holds(point)).map(|(node, _)| node).collect()
 }
 
 /// Largest coordinate in magnitude, m.

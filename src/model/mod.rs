@@ -28,6 +28,8 @@ pub struct Model {
 pub struct Specimen {
     pub shape: Shape,
     pub symmetry: Symmetry,
+    /// Mass-proportional damping of the film, 1/s.
+    pub damping: f64,
 }
 
 /// Outline of the film in the plane z = 0, centred on the origin. Lengths in m.
@@ -158,11 +160,7 @@ pub enum Guide {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Loading {
     /// The impactor starts in touch with the first face at `velocity` (m/s, downward positive).
-    Impact {
-        velocity: f64,
-        gravity: f64,
-        duration: f64,
-    },
+    Impact { velocity: f64, gravity: f64, duration: f64 },
     /// The edges x- and x+ are jaws that part at `velocity` (m/s, both together) along x.
     Stretch {
         /// Angle from MD to the direction of pull, rad: MD 0, TD π/2.

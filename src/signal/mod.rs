@@ -21,9 +21,6 @@ pub struct Recording {
 impl Recording {
     /// The channel called `name`.
     pub fn channel(&self, name: &str) -> Option<&[f64]> {
-        self.channels
-            .iter()
-            .find(|c| c.name == name)
-            .map(|c| c.values.as_slice())
+        self.channels.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
     }
 }

@@ -1,9 +1,22 @@
 //! One run: from a checked model to its outcome.
 
-use std::time::Duration;
+mod build;
+mod energy_check;
+mod frames;
+mod grid;
+mod probe;
+mod rates;
+mod warnings;
 
+use std::time::{Duration, Instant};
+
+use thiserror::Error;
+
+use crate::engine::{Engine, UprightElement};
+use crate::mesh::MeshError;
 use crate::model::Model;
 use crate::signal::Recording;
+use probe::Probe;
 
 /// What came out of a run.
 #[derive(Clone, Debug)]
@@ -88,16 +101,53 @@ pub struct Progress {
     pub steps: u64,
 }
 
-/// A run that went wrong numerically, with what was computed so far.
-#[derive(Debug)]
-pub struct Failure {
-    /// One sentence: time, element and cause.
-    pub cause: String,
-    pub so_far: Box<Outcome>,
+/// Why there is no outcome.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// The film or the impactor could not be meshed.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The impactor's surface is of no use.
+    #[error(transparent)]
+    Surface(#[from] crate::engine::SurfaceError),
+    /// A fibre has no direction in an element.
+    #[error(transparent)]
+    Upright(#[from] UprightElement),
+    /// The run went wrong numerically.
+    #[error("{0}")]
+    Failure(Box<Failure>),
 }
 
-/// Simulates `model`; `progress` is called now and then.
-pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failure> {
-    let _ = (model, progress);
-    unreachable!("being written")
+/// A run that went wrong numerically, with what was computed so far.
+#[derive(Debug, Error)]
+#[error("{cause}")]
+pub struct Failure {
+    /// Time, place and cause.
+    pub cause: crate::engine::Fault,
+    /// What was computed until then.
+    pub so_far: Outcome,
+}
+
+/// Simulates `model`; `progress` is called once a sample.
+pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, RunError> {
+    let begin = Instant::now();
+    let scene = build::scene(model)?;
+    let mut engine = scene.engine;
+    let mut probe = Probe::new(model, &scene.mounting, progress);
+    let fault = advance(&mut engine, &mut probe).err();
+    let outcome = probe.finish(&engine, scene.mounting, begin.elapsed());
+    match fault {
+        None => Ok(outcome),
+        Some(cause) => Err(RunError::Failure(Box::new(Failure { cause, so_far: outcome }))),
+    }
+}
+
+fn advance(engine: &mut Engine, probe: &mut Probe<'_>) -> Result<(), crate::engine::Fault> {
+    while !probe.is_done(engine.time()) {
+        let time = engine.time();
+        if engine.step(probe)? > 0 {
+            probe.broke(time);
+        }
+    }
+    Ok(())
 }

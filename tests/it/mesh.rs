@@ -7,29 +7,16 @@ use droptower::material::{Elastic, Law, Material};
 use droptower::mesh::{self, Mesh, Quality};
 use droptower::model::{Element, Face, Meshing, Shape, Side, Specimen, Symmetry};
 
-const SYMMETRIES: [Symmetry; 4] = [
-    Symmetry::None,
-    Symmetry::HalfX,
-    Symmetry::HalfY,
-    Symmetry::Quarter,
-];
+const SYMMETRIES: [Symmetry; 4] = [Symmetry::None, Symmetry::HalfX, Symmetry::HalfY, Symmetry::Quarter];
 const SQUARE: Shape = Shape::Rectangle { x: 0.4, y: 0.4 };
 const DISC: Shape = Shape::Circle { radius: 0.1 };
 
 fn face(element: Element, size: f64) -> Face {
-    let elastic = Elastic {
-        young: 1e8,
-        poisson: 0.4,
-    };
+    let elastic = Elastic { young: 1e8, poisson: 0.4 };
     Face {
         height: 0.0,
         layers: 1,
-        material: Material {
-            density: 915.0,
-            thickness: 12e-6,
-            law: Law::Elastic(elastic),
-            measured_rates: None,
-        },
+        material: Material { density: 915.0, thickness: 12e-6, law: Law::Elastic(elastic), measured_rates: None },
         md_angle: 0.0,
         prestrain: [0.0; 2],
         meshing: Meshing { element, size },
@@ -69,11 +56,7 @@ fn rectangles_have_the_elements_that_their_size_asks_for() {
     ];
     for ([x, y], size, symmetry, elements) in cases {
         let mesh = build(&Shape::Rectangle { x, y }, symmetry, Element::Quad4, size);
-        assert_eq!(
-            mesh.quads.len(),
-            elements,
-            "{x} by {y} at {size} {symmetry:?}"
-        );
+        assert_eq!(mesh.quads.len(), elements, "{x} by {y} at {size} {symmetry:?}");
     }
 }
 
@@ -83,23 +66,16 @@ fn the_estimate_is_the_number_of_elements() {
         for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
             for size in [0.5, 0.03, 0.011] {
                 let mesh = build(&shape, symmetry, element, size);
-                let estimate =
-                    mesh::estimate(&specimen(&shape, symmetry), &Meshing { element, size });
+                let estimate = mesh::estimate(&specimen(&shape, symmetry), &Meshing { element, size });
                 assert_eq!(mesh.quads.len() + mesh.tris.len(), estimate);
             }
         }
     }
-    let absurd = Meshing {
-        element: Element::Tri3,
-        size: 1e-300,
-    };
+    let absurd = Meshing { element: Element::Tri3, size: 1e-300 };
     for shape in [SQUARE, DISC] {
         let specimen = specimen(&shape, Symmetry::None);
         assert_eq!(mesh::estimate(&specimen, &absurd), usize::MAX);
-        let face = Face {
-            meshing: absurd,
-            ..face(Element::Tri3, 1.0)
-        };
+        let face = Face { meshing: absurd, ..face(Element::Tri3, 1.0) };
         assert!(mesh::build(&specimen, &face).is_err());
     }
 }
@@ -111,12 +87,7 @@ fn with_elements(symmetry: Symmetry) -> [(Symmetry, Element); 2] {
 #[test]
 fn parts_of_a_rectangle_cover_their_share_of_it() {
     for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
-        let mesh = build(
-            &Shape::Rectangle { x: 0.3, y: 0.2 },
-            symmetry,
-            element,
-            0.017,
-        );
+        let mesh = build(&Shape::Rectangle { x: 0.3, y: 0.2 }, symmetry, element, 0.017);
         let share = 0.06 / parts(symmetry) as f64;
         assert!((Quality::of(&mesh).area - share).abs() < 1e-14);
     }
@@ -128,10 +99,7 @@ fn disc_area_converges_with_order_two() {
         let exact = std::f64::consts::PI * 0.01 / parts(symmetry) as f64;
         let missing = |size| exact - Quality::of(&build(&DISC, symmetry, element, size)).area;
         let order = (missing(0.01) / missing(0.0025)).log2() / 2.0;
-        assert!(
-            (order - 2.0).abs() < 0.1,
-            "{symmetry:?} {element:?}: {order}"
-        );
+        assert!((order - 2.0).abs() < 0.1, "{symmetry:?} {element:?}: {order}");
     }
 }
 
@@ -181,10 +149,7 @@ fn elements(mesh: &Mesh, mirror: [f64; 2]) -> BTreeSet<Corners> {
         [0, 1].map(|axis| (point[axis] * mirror[axis] + 0.0).to_bits())
     };
     let outlines = outlines(mesh);
-    outlines
-        .iter()
-        .map(|o| o.iter().map(bits).collect())
-        .collect()
+    outlines.iter().map(|o| o.iter().map(bits).collect()).collect()
 }
 
 #[test]
@@ -193,16 +158,8 @@ fn whole_meshes_are_their_own_mirror_images() {
         for element in [Element::Quad4, Element::Tri3] {
             let mesh = build(&shape, Symmetry::None, element, 0.021);
             let whole = elements(&mesh, [1.0, 1.0]);
-            assert_eq!(
-                whole,
-                elements(&mesh, [-1.0, 1.0]),
-                "{shape:?} {element:?} in x"
-            );
-            assert_eq!(
-                whole,
-                elements(&mesh, [1.0, -1.0]),
-                "{shape:?} {element:?} in y"
-            );
+            assert_eq!(whole, elements(&mesh, [-1.0, 1.0]), "{shape:?} {element:?} in x");
+            assert_eq!(whole, elements(&mesh, [1.0, -1.0]), "{shape:?} {element:?} in y");
         }
     }
 }
@@ -214,9 +171,7 @@ fn mirrored_parts_make_the_whole() {
             let whole = build(&shape, Symmetry::None, element, 0.02);
             let quarter = build(&shape, Symmetry::Quarter, element, 0.02);
             let mirrors = [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
-            let four = mirrors
-                .iter()
-                .flat_map(|mirror| elements(&quarter, *mirror));
+            let four = mirrors.iter().flat_map(|mirror| elements(&quarter, *mirror));
             assert_eq!(elements(&whole, [1.0, 1.0]), four.collect());
         }
     }
@@ -270,10 +225,7 @@ fn import(path: &Path, symmetry: Symmetry, element: Element) -> Result<Mesh, mes
 }
 
 fn as_obj(mesh: &Mesh) -> String {
-    let points = mesh
-        .nodes
-        .iter()
-        .map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
+    let points = mesh.nodes.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
     let corner = |node: &u32| format!(" {}", node + 1);
     let outlines = outlines(mesh);
     let faces = outlines.iter();
@@ -295,25 +247,15 @@ fn as_stl(mesh: &Mesh) -> String {
 }
 
 fn as_vtu(mesh: &Mesh) -> String {
-    let points = mesh
-        .nodes
-        .iter()
-        .map(|p| format!("{} {} {} ", p.x, p.y, p.z));
+    let points = mesh.nodes.iter().map(|p| format!("{} {} {} ", p.x, p.y, p.z));
     let corners: Vec<String> = outlines(mesh).concat().iter().map(u32::to_string).collect();
     let sizes: Vec<usize> = outlines(mesh).iter().map(Vec::len).collect();
     let ends = sizes.iter().scan(0, |end, size| {
         *end += size;
         Some(format!("{end} "))
     });
-    let types = sizes
-        .iter()
-        .map(|size| if *size == 3 { "5 " } else { "9 " });
-    vtu(
-        &points.collect::<String>(),
-        &corners.join(" "),
-        &ends.collect::<String>(),
-        &types.collect::<String>(),
-    )
+    let types = sizes.iter().map(|size| if *size == 3 { "5 " } else { "9 " });
+    vtu(&points.collect::<String>(), &corners.join(" "), &ends.collect::<String>(), &types.collect::<String>())
 }
 
 fn vtu(points: &str, connectivity: &str, offsets: &str, types: &str) -> String {
@@ -336,10 +278,7 @@ fn labels(mesh: &Mesh) -> Vec<BTreeSet<[u64; 2]>> {
         let point = mesh.nodes[*node as usize];
         [point.x, point.y].map(|c| (c + 0.0).to_bits())
     };
-    let lists = [&mesh.rim]
-        .into_iter()
-        .chain(&mesh.sides)
-        .chain(&mesh.mirrors);
+    let lists = [&mesh.rim].into_iter().chain(&mesh.sides).chain(&mesh.mirrors);
     lists.map(|list| list.iter().map(bits).collect()).collect()
 }
 
@@ -350,11 +289,7 @@ fn meshes_come_back_from_files_as_they_were() {
         for (name, text) in [("film.obj", as_obj(&mesh)), ("film.VTU", as_vtu(&mesh))] {
             let (_folder, path) = file(name, text);
             let back = import(&path, symmetry, Element::Quad4).unwrap();
-            assert_eq!(
-                elements(&back, [1.0; 2]),
-                elements(&mesh, [1.0; 2]),
-                "{name}"
-            );
+            assert_eq!(elements(&back, [1.0; 2]), elements(&mesh, [1.0; 2]), "{name}");
             assert_eq!(labels(&back), labels(&mesh), "{name} {symmetry:?}");
         }
     }
@@ -419,10 +354,7 @@ fn bad_files_are_named_with_what_is_wrong() {
         (obj("v 0.1 0.1 0\nf 1 2 5 4\n"), "concave"),
         (obj("v 0 0 1\nf 1 2 5\n"), "stands upright"),
         (obj("v 0.2 0.9 1\nf 1 2 3\nf 1 2 5\n"), "folds over"),
-        (
-            obj("v 0 0 1\nv 0 1 1\nf 1 2 3\nf 1 2 5\nf 1 2 6\n"),
-            "3 elements share",
-        ),
+        (obj("v 0 0 1\nv 0 1 1\nf 1 2 3\nf 1 2 5\nf 1 2 6\n"), "3 elements share"),
         (obj("v 1 x 0\nf 1 2 5\n"), "position parse error"),
         (obj("v 1 nan 0\nf 1 2 5\n"), "not finite"),
         (vtu("0 1 2", "3", "10"), "VTK type 10"),
@@ -430,54 +362,27 @@ fn bad_files_are_named_with_what_is_wrong() {
         (vtu("0 1 2", "4", "5"), "do not fit"),
         (vtu("0 1 -1", "3", "5"), "not the number of a node"),
         (vtu("0 1 two", "3", "5"), "`two` is not a number"),
-        (
-            ("film.vtu", "<VTKFile/>".to_owned()),
-            "`UnstructuredGrid` is missing",
-        ),
-        (
-            (
-                "film.vtu",
-                "<VTKFile compressor='vtkZLibDataCompressor'/>".to_owned(),
-            ),
-            "compressed",
-        ),
+        (("film.vtu", "<VTKFile/>".to_owned()), "`UnstructuredGrid` is missing"),
+        (("film.vtu", "<VTKFile compressor='vtkZLibDataCompressor'/>".to_owned()), "compressed"),
         (("film.vtu", "solid".to_owned()), "film.vtu: "),
         (("film.stl", "solid film\nfacet\n".to_owned()), "film.stl: "),
         (("film.step", String::new()), "from .stl, .obj and .vtu"),
     ];
     for ((name, text), expected) in cases {
         let (_folder, path) = file(name, text);
-        let message = import(&path, Symmetry::None, Element::Quad4)
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.contains(name) && message.contains(expected),
-            "{message}"
-        );
+        let message = import(&path, Symmetry::None, Element::Quad4).unwrap_err().to_string();
+        assert!(message.contains(name) && message.contains(expected), "{message}");
     }
 }
 
 #[test]
 fn files_with_symmetry_hold_the_computed_part_only() {
-    let (_folder, path) = file(
-        "film.obj",
-        as_obj(&build(&SQUARE, Symmetry::None, Element::Quad4, 0.1)),
-    );
-    let message = import(&path, Symmetry::HalfY, Element::Quad4)
-        .unwrap_err()
-        .to_string();
-    assert!(
-        message.contains("beyond the mirror plane y = 0"),
-        "{message}"
-    );
+    let (_folder, path) = file("film.obj", as_obj(&build(&SQUARE, Symmetry::None, Element::Quad4, 0.1)));
+    let message = import(&path, Symmetry::HalfY, Element::Quad4).unwrap_err().to_string();
+    assert!(message.contains("beyond the mirror plane y = 0"), "{message}");
     let (_folder, path) = file("film.obj", "v 1 1 0\nv 2 1 0\nv 2 2 0\nf 1 2 3\n");
-    let message = import(&path, Symmetry::HalfX, Element::Quad4)
-        .unwrap_err()
-        .to_string();
-    assert!(
-        message.contains("no edge lies on the mirror plane x = 0"),
-        "{message}"
-    );
+    let message = import(&path, Symmetry::HalfX, Element::Quad4).unwrap_err().to_string();
+    assert!(message.contains("no edge lies on the mirror plane x = 0"), "{message}");
 }
 
 const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
@@ -492,17 +397,13 @@ fn impactor_surfaces_are_closed_and_face_outwards() {
         };
         tris.iter().map(six).sum::<f64>() / 6.0
     };
-    for faces in [
-        "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n",
-        "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n",
-    ] {
+    for faces in ["f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n"] {
         let (_folder, path) = file("head.obj", format!("{TETRAHEDRON}{faces}"));
         assert!((volume(&path) - 1.0 / 6.0).abs() < 1e-15);
     }
-    for (faces, expected) in [
-        ("f 1 3 2\nf 1 2 4\nf 2 3 4\n", "open"),
-        ("f 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "face opposite ways"),
-    ] {
+    for (faces, expected) in
+        [("f 1 3 2\nf 1 2 4\nf 2 3 4\n", "open"), ("f 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "face opposite ways")]
+    {
         let (_folder, path) = file("head.obj", format!("{TETRAHEDRON}{faces}"));
         let message = mesh::import::surface(&path).unwrap_err().to_string();
         assert!(message.contains(expected), "{message}");

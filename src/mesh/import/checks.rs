@@ -23,11 +23,7 @@ pub fn elements(mesh: &Mesh) -> Result<(), Fault> {
     let nodes = mesh.nodes.len();
     for (element, corners) in outlines(mesh).enumerate() {
         if let Some(&node) = corners.iter().find(|node| **node as usize >= nodes) {
-            return Err(Fault::NodeOutOfRange {
-                element,
-                node,
-                nodes,
-            });
+            return Err(Fault::NodeOutOfRange { element, node, nodes });
         }
     }
     let finite = |point: &Point3<f64>| point.iter().all(|c| c.is_finite());
@@ -64,10 +60,7 @@ pub fn convex(mesh: &Mesh) -> Result<(), Fault> {
 /// At most two elements meet at an edge.
 pub fn manifold(mesh: &Mesh) -> Result<(), Fault> {
     match topology::uses(mesh).into_iter().find(|(_, uses)| *uses > 2) {
-        Some((edge, elements)) => Err(Fault::NotManifold {
-            elements,
-            at: middle(mesh, edge),
-        }),
+        Some((edge, elements)) => Err(Fault::NotManifold { elements, at: middle(mesh, edge) }),
         None => Ok(()),
     }
 }
@@ -83,9 +76,7 @@ pub fn closed(mesh: &Mesh) -> Result<(), Fault> {
     }
     let alone = |[from, to]: &[u32; 2]| !seen.contains(&[*to, *from]);
     match outlines(mesh).flat_map(directed).find(alone) {
-        Some(edge) => Err(Fault::Open {
-            at: middle(mesh, edge),
-        }),
+        Some(edge) => Err(Fault::Open { at: middle(mesh, edge) }),
         None => Ok(()),
     }
 }
@@ -108,9 +99,7 @@ pub fn face_up(mesh: &mut Mesh) -> Result<(), Fault> {
     if let Some(element) = outlines(mesh).position(upright) {
         return Err(Fault::Upright { element });
     }
-    let down: Vec<bool> = outlines(mesh)
-        .map(|corners| upward(corners) < 0.0)
-        .collect();
+    let down: Vec<bool> = outlines(mesh).map(|corners| upward(corners) < 0.0).collect();
     let (quads, tris) = down.split_at(mesh.quads.len());
     for (quad, _) in mesh.quads.iter_mut().zip(quads).filter(|(_, down)| **down) {
         quad.swap(1, 3);
@@ -119,13 +108,8 @@ pub fn face_up(mesh: &mut Mesh) -> Result<(), Fault> {
         tri.swap(1, 2);
     }
     let mut seen = HashSet::new();
-    match outlines(mesh)
-        .flat_map(directed)
-        .find(|edge| !seen.insert(*edge))
-    {
-        Some(edge) => Err(Fault::Folded {
-            at: middle(mesh, edge),
-        }),
+    match outlines(mesh).flat_map(directed).find(|edge| !seen.insert(*edge)) {
+        Some(edge) => Err(Fault::Folded { at: middle(mesh, edge) }),
         None => Ok(()),
     }
 }
@@ -136,10 +120,7 @@ pub fn snap_to_mirrors(mesh: &mut Mesh, mirrored: [bool; 2]) -> Result<(), Fault
     for axis in (0..2).filter(|axis| mirrored[*axis]) {
         let name = ['x', 'y'][axis];
         if let Some(point) = mesh.nodes.iter().find(|point| point[axis] < -near) {
-            return Err(Fault::BeyondMirror {
-                axis: name,
-                at: (*point).into(),
-            });
+            return Err(Fault::BeyondMirror { axis: name, at: (*point).into() });
         }
         for point in mesh.nodes.iter_mut().filter(|p| p[axis] <= near) {
             point[axis] = 0.0;

@@ -19,11 +19,7 @@ pub enum Fault {
     #[error("a face has {corners} corners; a film has triangles and quadrilaterals")]
     Corners { corners: usize },
     #[error("element {element} names node {node} of {nodes}")]
-    NodeOutOfRange {
-        element: usize,
-        node: u32,
-        nodes: usize,
-    },
+    NodeOutOfRange { element: usize, node: u32, nodes: usize },
     #[error("node {node} has a coordinate that is not finite")]
     NotFinite { node: usize },
     #[error("element {element} has no area")]

@@ -103,10 +103,7 @@ fn without_loose_nodes(mut mesh: Mesh) -> Mesh {
         numbers[*node as usize] = 0;
     }
     let mut kept = Vec::new();
-    for (point, number) in std::mem::take(&mut mesh.nodes)
-        .into_iter()
-        .zip(&mut numbers)
-    {
+    for (point, number) in std::mem::take(&mut mesh.nodes).into_iter().zip(&mut numbers) {
         if *number == 0 {
             *number = kept.len() as u32;
             kept.push(point);
@@ -127,11 +124,7 @@ fn renumber(mesh: Mesh, nodes: Vec<Point3<f64>>, new: impl Fn(u32) -> u32) -> Me
 fn split_quads(mesh: &mut Mesh) {
     let distance = |a: u32, b: u32| (mesh.nodes[a as usize] - mesh.nodes[b as usize]).norm();
     let tris = mesh.quads.iter().flat_map(|&[a, b, c, d]| {
-        if distance(a, c) <= distance(b, d) {
-            split([a, b, c, d])
-        } else {
-            split([b, c, d, a])
-        }
+        if distance(a, c) <= distance(b, d) { split([a, b, c, d]) } else { split([b, c, d, a]) }
     });
     let tris: Vec<_> = tris.collect();
     mesh.tris.extend(tris);

@@ -11,11 +11,7 @@ use crate::mesh::Mesh;
 
 /// The triangles and quadrilaterals of the file; objects do not share nodes yet.
 pub fn read(path: &Path) -> Result<Mesh, Fault> {
-    let options = tobj::LoadOptions {
-        ignore_points: true,
-        ignore_lines: true,
-        ..tobj::LoadOptions::default()
-    };
+    let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..tobj::LoadOptions::default() };
     let mut file = BufReader::new(File::open(path)?);
     let no_materials = |_: &Path| Ok(Default::default());
     let (models, _) = tobj::load_obj_buf(&mut file, &options, no_materials)?;

@@ -16,11 +16,7 @@ pub fn read(path: &Path) -> Result<Mesh, Fault> {
     let point = |v: &stl_io::Vertex| Point3::from(v.0.map(f64::from));
     Ok(Mesh {
         nodes: stl.vertices.iter().map(point).collect(),
-        tris: stl
-            .faces
-            .iter()
-            .map(|face| face.vertices.map(|node| node as u32))
-            .collect(),
+        tris: stl.faces.iter().map(|face| face.vertices.map(|node| node as u32)).collect(),
         ..Mesh::default()
     })
 }

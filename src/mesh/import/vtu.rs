@@ -79,10 +79,7 @@ fn append(mesh: &mut Mesh, piece: Node, layout: Layout) -> Result<(), VtuFault> 
     let connectivity = layout.numbers(array(cells, "connectivity")?)?;
     let offsets = layout.numbers(array(cells, "offsets")?)?;
     let kinds = layout.numbers(array(cells, "types")?)?;
-    let nodes = connectivity
-        .into_iter()
-        .map(|value| node_number(value, first))
-        .collect::<Result<Vec<u32>, _>>()?;
+    let nodes = connectivity.into_iter().map(|value| node_number(value, first)).collect::<Result<Vec<u32>, _>>()?;
     let mut start = 0;
     for (cell, (end, kind)) in offsets.into_iter().zip(kinds).enumerate() {
         let end = end as usize;
@@ -135,23 +132,17 @@ impl Layout {
         match array.attribute("format") {
             Some("ascii") | None => ascii(text),
             Some("binary") => self.binary(text, array.attribute("type").unwrap_or_default()),
-            Some(format) => Err(VtuFault::Format {
-                format: format.to_owned(),
-            }),
+            Some(format) => Err(VtuFault::Format { format: format.to_owned() }),
         }
     }
 
     fn binary(self, text: &str, kind: &str) -> Result<Vec<f64>, VtuFault> {
-        let decode = decoder(kind).ok_or_else(|| VtuFault::Type {
-            kind: kind.to_owned(),
-        })?;
+        let decode = decoder(kind).ok_or_else(|| VtuFault::Type { kind: kind.to_owned() })?;
         let bytes = BASE64_STANDARD.decode(text.trim())?;
         let values = bytes.get(self.header..).unwrap_or_default();
         let width = width(kind);
         if !values.len().is_multiple_of(width) {
-            return Err(VtuFault::Truncated {
-                kind: kind.to_owned(),
-            });
+            return Err(VtuFault::Truncated { kind: kind.to_owned() });
         }
         let little = |value: &[u8]| {
             let mut bytes = [0; 8];
@@ -166,11 +157,7 @@ impl Layout {
 }
 
 fn ascii(text: &str) -> Result<Vec<f64>, VtuFault> {
-    let number = |word: &str| {
-        word.parse().map_err(|_| VtuFault::Number {
-            text: word.to_owned(),
-        })
-    };
+    let number = |word: &str| word.parse().map_err(|_| VtuFault::Number { text: word.to_owned() });
     text.split_ascii_whitespace().map(number).collect()
 }
 

@@ -1,0 +1,264 @@
+//! Distances between the impactor's shape and points and triangles of film: the one file that names parry.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::{self, PointQuery};
+use parry3d_f64::shape::{Ball, Capsule, Cylinder, Shape, SharedShape, TriMesh, TriMeshFlags, Triangle};
+use thiserror::Error;
+
+use crate::model::ImpactorShape;
+
+/// The impactor's surface about its centre of mass, body axes.
+#[derive(Clone)]
+pub struct Surface {
+    shape: Kind,
+    size: f64,
+    reach: f64,
+    lowest: f64,
+    inertia_per_mass: Matrix3<f64>,
+    moved: Vector3<f64>,
+}
+
+/// The ball apart, so that its queries are resolved at compile time.
+#[derive(Clone)]
+enum Kind {
+    Ball(Ball),
+    Other(SharedShape),
+}
+
+/// Where a point of film stands towards the impactor.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// Distance from the surface, negative inside, m.
+    pub gap: f64,
+    /// Outward unit normal of the impactor.
+    pub normal: Vector3<f64>,
+}
+
+/// Deepest point of a triangle of film.
+#[derive(Clone, Copy, Debug)]
+pub struct FaceTouch {
+    /// The point's own touch.
+    pub touch: Touch,
+    /// Its barycentric coordinates.
+    pub weights: [f64; 3],
+}
+
+/// Why a triangle surface is not an impactor.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum SurfaceError {
+    #[error("the impactor's surface is not a closed, orientable mesh of triangles")]
+    NotASurface,
+    #[error("the impactor's surface encloses no volume")]
+    NoVolume,
+}
+
+impl Surface {
+    /// The surface of `shape`; `triangles` are the vertices (m) and indices of a mesh file, if it is one.
+    pub fn new(
+        shape: &ImpactorShape,
+        triangles: Option<(Vec<Point3<f64>>, Vec<[u32; 3]>)>,
+    ) -> Result<Surface, SurfaceError> {
+        match *shape {
+            ImpactorShape::Sphere { radius } => Surface::about_centre(Kind::Ball(Ball::new(radius))),
+            ImpactorShape::Hemisphere { radius, length } => {
+                let (low, high) = (Vector::new(0.0, 0.0, -0.5 * length), Vector::new(0.0, 0.0, 0.5 * length));
+                Surface::about_centre(Kind::Other(SharedShape::new(Capsule::new(low, high, radius))))
+            }
+            ImpactorShape::Cylinder { radius, length } => {
+                let upright = Pose::from_parts(Vector::ZERO, rotation_y_to_z());
+                let cylinder = SharedShape::new(Cylinder::new(0.5 * length, radius));
+                Surface::about_centre(Kind::Other(SharedShape::compound(vec![(upright, cylinder)])))
+            }
+            ImpactorShape::Mesh(_) => {
+                let (vertices, indices) = triangles.ok_or(SurfaceError::NotASurface)?;
+                Surface::about_centre(Kind::Other(SharedShape::new(closed_mesh(&vertices, indices)?)))
+            }
+        }
+    }
+
+    fn about_centre(shape: Kind) -> Result<Surface, SurfaceError> {
+        let properties = shape.as_shape().mass_properties(1.0);
+        let mass = properties.mass();
+        if !(mass.is_finite() && mass > 0.0) {
+            return Err(SurfaceError::NoVolume);
+        }
+        let centre = properties.local_com;
+        let shape = shape.moved(-centre);
+        let bounds = shape.as_shape().compute_local_aabb();
+        let half = bounds.half_extents();
+        let principal = properties.principal_inertia() / mass;
+        let axes = properties.principal_inertia_local_frame;
+        let inertia = Matrix3::from_fn(|i, j| {
+            let unit = |k: usize| axes * Vector::new(f64::from(k == 0), f64::from(k == 1), f64::from(k == 2));
+            (0..3).map(|k| principal[k] * unit(k)[i] * unit(k)[j]).sum()
+        });
+        Ok(Surface {
+            size: half.x.min(half.y).min(half.z),
+            reach: bounds.mins.length().max(bounds.maxs.length()),
+            lowest: bounds.mins.z,
+            inertia_per_mass: inertia,
+            moved: Vector3::new(centre.x, centre.y, centre.z),
+            shape,
+        })
+    }
+
+    /// Half the smallest extent, m: the radius of a sphere.
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// Distance from the centre of mass within which the whole body lies, m.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// z of the lowest point below the centre of mass, m.
+    pub fn lowest(&self) -> f64 {
+        self.lowest
+    }
+
+    /// Where the centre of mass lies in the coordinates that the shape was given in, m.
+    pub fn centre(&self) -> Vector3<f64> {
+        self.moved
+    }
+
+    /// Inertia of a homogeneous body over its mass, m², body axes.
+    pub fn inertia_per_mass(&self) -> Matrix3<f64> {
+        self.inertia_per_mass
+    }
+
+    /// Whether it is smooth with one radius of curvature, so that a fine mesh touches it at nodes alone.
+    pub fn is_sphere(&self) -> bool {
+        matches!(self.shape, Kind::Ball(_))
+    }
+
+    /// Where `point` stands towards the body at `pose`.
+    #[inline]
+    pub fn touch(&self, pose: &Isometry3<f64>, point: &Point3<f64>) -> Touch {
+        let local = pose.inverse_transform_point(point);
+        let local = Vector::new(local.x, local.y, local.z);
+        let projection = match &self.shape {
+            Kind::Ball(ball) => ball.project_local_point(local, false),
+            Kind::Other(shape) => shape.project_local_point(local, false),
+        };
+        let arm = local - projection.point;
+        let distance = arm.length();
+        let side = if projection.is_inside { -1.0 } else { 1.0 };
+        let normal = if distance > 0.0 { arm * (side / distance) } else { local.normalize_or(Vector::NEG_Z) };
+        Touch { gap: side * distance, normal: pose.rotation * Vector3::new(normal.x, normal.y, normal.z) }
+    }
+
+    /// The point of a triangle of film that is nearest to, or deepest in, the body at `pose`;
+    /// `None` where it is farther than `within` (m).
+    pub fn deepest(&self, pose: &Isometry3<f64>, corners: &[Point3<f64>; 3], within: f64) -> Option<FaceTouch> {
+        let local = corners.map(|c| pose.inverse_transform_point(&c));
+        let [a, b, c] = local.map(|c| Vector::new(c.x, c.y, c.z));
+        let triangle = Triangle::new(a, b, c);
+        let nearest = match &self.shape {
+            Kind::Ball(_) => triangle.project_local_point(Vector::ZERO, false).point,
+            Kind::Other(shape) => {
+                let found = query::contact(&Pose::IDENTITY, &triangle, &Pose::IDENTITY, &**shape, within);
+                found.ok().flatten()?.point1
+            }
+        };
+        let weights = barycentric(&triangle, nearest);
+        let point = Point3::from(
+            corners[0].coords * weights[0] + corners[1].coords * weights[1] + corners[2].coords * weights[2],
+        );
+        let touch = self.touch(pose, &point);
+        (touch.gap < within).then_some(FaceTouch { touch, weights })
+    }
+}
+
+impl Kind {
+    fn as_shape(&self) -> &dyn Shape {
+        match self {
+            Kind::Ball(ball) => ball,
+            Kind::Other(shape) => &**shape,
+        }
+    }
+
+    fn moved(self, by: Vector) -> Kind {
+        match self {
+            Kind::Ball(_) => self,
+            Kind::Other(_) if by.length() == 0.0 => self,
+            Kind::Other(shape) => match shape.as_trimesh() {
+                Some(mesh) => {
+                    let mut mesh = mesh.clone();
+                    mesh.transform_vertices(&Pose::from_translation(by));
+                    Kind::Other(SharedShape::new(mesh))
+                }
+                None => Kind::Other(SharedShape::compound(vec![(Pose::from_translation(by), shape)])),
+            },
+        }
+    }
+}
+
+fn rotation_y_to_z() -> parry3d_f64::math::Rotation {
+    parry3d_f64::math::Rotation::from_rotation_arc(Vector::Y, Vector::Z)
+}
+
+fn closed_mesh(vertices: &[Point3<f64>], indices: Vec<[u32; 3]>) -> Result<TriMesh, SurfaceError> {
+    let vertices = vertices.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect();
+    let flags = TriMeshFlags::ORIENTED | TriMeshFlags::MERGE_DUPLICATE_VERTICES | TriMeshFlags::HALF_EDGE_TOPOLOGY;
+    TriMesh::with_flags(vertices, indices, flags).map_err(|_| SurfaceError::NotASurface)
+}
+
+fn barycentric(triangle: &Triangle, point: Vector) -> [f64; 3] {
+    let (u, v, w) = (triangle.b - triangle.a, triangle.c - triangle.a, point - triangle.a);
+    let (uu, uv, vv, wu, wv) = (u.dot(u), u.dot(v), v.dot(v), w.dot(u), w.dot(v));
+    let determinant = uu * vv - uv * uv;
+    if determinant <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let b = ((vv * wu - uv * wv) / determinant).clamp(0.0, 1.0);
+    let c = ((uu * wv - uv * wu) / determinant).clamp(0.0, 1.0 - b);
+    [1.0 - b - c, b, c]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shapes() -> Vec<Surface> {
+        [
+            ImpactorShape::Sphere { radius: 0.15 },
+            ImpactorShape::Hemisphere { radius: 0.02, length: 0.1 },
+            ImpactorShape::Cylinder { radius: 0.03, length: 0.2 },
+        ]
+        .iter()
+        .map(|s| Surface::new(s, None).unwrap())
+        .collect()
+    }
+
+    #[test]
+    fn gaps_and_normals_below_the_tip() {
+        for surface in shapes() {
+            let pose = Isometry3::translation(0.1, -0.2, 0.5);
+            for depth in [-0.004, 0.003, 0.02] {
+                let point = Point3::new(0.1, -0.2, 0.5 + surface.lowest() - depth);
+                let touch = surface.touch(&pose, &point);
+                assert!((touch.gap - depth).abs() < 1e-12, "{} for {depth}", touch.gap);
+                assert!((touch.normal + Vector3::z()).norm() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn the_deepest_point_of_a_triangle_lies_inside_it() {
+        for surface in shapes() {
+            let z = surface.lowest() + 1e-3;
+            let corners = [Point3::new(-0.5, -0.4, z), Point3::new(0.5, -0.4, z), Point3::new(0.0, 0.6, z)];
+            let found = surface.deepest(&Isometry3::identity(), &corners, 0.0).unwrap();
+            assert!((found.touch.gap + 1e-3).abs() < 1e-6, "{found:?}");
+            assert!(found.weights.iter().all(|w| *w > 0.05 && *w < 0.95));
+        }
+    }
+
+    #[test]
+    fn a_sphere_has_the_inertia_of_the_book() {
+        let inertia = shapes()[0].inertia_per_mass();
+        assert!((inertia - Matrix3::from_diagonal_element(0.4 * 0.15 * 0.15)).norm() < 1e-12);
+    }
+}

@@ -1,0 +1,103 @@
+//! The four-node membrane element (theory.md, section 3), with nodes counter-clockwise.
+
+use super::Element;
+
+/// Natural coordinates of the nodes.
+const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+/// Signs of the hourglass mode ξη at the nodes.
+const MODE: [f64; 4] = [1.0, -1.0, 1.0, -1.0];
+
+/// Bilinear map at one natural point.
+struct Map {
+    /// ∂N_a/∂X_I.
+    gradient: [[f64; 2]; 4],
+    /// ∂ξ_J/∂X_I.
+    inverse: [[f64; 2]; 2],
+    /// Area of reference film per area of natural square.
+    determinant: f64,
+}
+
+fn map(x: &[[f64; 2]; 4], [xi, eta]: [f64; 2]) -> Map {
+    let natural = CORNERS.map(|[a, b]| [0.25 * a * (1.0 + b * eta), 0.25 * b * (1.0 + a * xi)]);
+    let mut j = [[0.0; 2]; 2];
+    for (n, x) in natural.iter().zip(x) {
+        for i in 0..2 {
+            j[i][0] += x[i] * n[0];
+            j[i][1] += x[i] * n[1];
+        }
+    }
+    let determinant = j[0][0] * j[1][1] - j[0][1] * j[1][0];
+    let inverse = [[j[1][1] / determinant, -j[0][1] / determinant], [-j[1][0] / determinant, j[0][0] / determinant]];
+    let gradient = natural.map(|n| [0, 1].map(|i| n[0] * inverse[0][i] + n[1] * inverse[1][i]));
+    Map { gradient, inverse, determinant }
+}
+
+/// One point at the centre; the hourglass mode is stabilised with the exact mean squares of its gradient
+/// for a parallelogram (Flanagan and Belytschko 1981 for γ; theory.md, equations 12–14).
+pub(super) fn one_point(nodes: [u32; 4], x: [[f64; 2]; 4]) -> Element<4, 1> {
+    let centre = map(&x, [0.0, 0.0]);
+    let mut lever = [0.0; 2];
+    for a in 0..4 {
+        for i in 0..2 {
+            lever[i] += MODE[a] * x[a][i];
+        }
+    }
+    let shape =
+        std::array::from_fn(|a| 0.25 * (MODE[a] - lever[0] * centre.gradient[a][0] - lever[1] * centre.gradient[a][1]));
+    let weight = [0, 1].map(|i| (centre.inverse[0][i].powi(2) + centre.inverse[1][i].powi(2)) / 3.0);
+    Element { nodes, gradient: [centre.gradient], area: [4.0 * centre.determinant], hourglass: (shape, weight) }
+}
+
+/// 2×2 Gauss points.
+pub(super) fn four_points(nodes: [u32; 4], x: [[f64; 2]; 4]) -> Element<4, 4> {
+    let g = 1.0 / 3.0_f64.sqrt();
+    let maps = CORNERS.map(|[a, b]| map(&x, [a * g, b * g]));
+    Element {
+        nodes,
+        gradient: std::array::from_fn(|p| maps[p].gradient),
+        area: std::array::from_fn(|p| maps[p].determinant),
+        hourglass: ([0.0; 4], [0.0; 2]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHAPES: [[[f64; 2]; 4]; 3] = [
+        [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]],
+        [[0.0, 0.0], [2.0, 0.3], [2.4, 1.5], [0.2, 1.0]],
+        [[1.0, 1.0], [0.5, 2.0], [-0.7, 1.4], [0.0, 0.2]],
+    ];
+
+    #[test]
+    fn gradients_reproduce_linear_fields_and_the_area() {
+        for x in SHAPES {
+            let shoelace: f64 =
+                (0..4).map(|a| x[a][0] * x[(a + 1) % 4][1] - x[(a + 1) % 4][0] * x[a][1]).sum::<f64>() / 2.0;
+            assert!((one_point([0; 4], x).area() - shoelace).abs() < 1e-14);
+            assert!((four_points([0; 4], x).area() - shoelace).abs() < 1e-14);
+            for point in four_points([0; 4], x).gradient.into_iter().chain(one_point([0; 4], x).gradient) {
+                for i in 0..2 {
+                    for j in 0..2 {
+                        let sum: f64 = (0..4).map(|a| point[a][i] * x[a][j]).sum();
+                        assert!((sum - f64::from(u8::from(i == j))).abs() < 1e-13);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_hourglass_shape_is_orthogonal_to_linear_fields() {
+        for x in SHAPES {
+            let (shape, _) = one_point([0; 4], x).hourglass;
+            let along = |field: &dyn Fn(usize) -> f64| (0..4).map(|a| shape[a] * field(a)).sum::<f64>();
+            assert!(along(&|_| 1.0).abs() < 1e-14);
+            assert!(along(&|a| x[a][0]).abs() < 1e-14);
+            assert!(along(&|a| x[a][1]).abs() < 1e-14);
+            assert!((along(&|a| MODE[a]) - 1.0).abs() < 1e-14);
+        }
+    }
+}

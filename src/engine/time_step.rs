@@ -1,0 +1,69 @@
+//! The stable time step.
+
+use super::Fault;
+use super::film::Film;
+use super::nodes::Nodes;
+
+/// Share of the stability limit that is used.
+const SAFETY: f64 = 0.9;
+
+/// Steps between two looks at the film's stiffness.
+const INTERVAL: u32 = 16;
+
+/// Growth from one step to the next after a look.
+const GROWTH: f64 = 1.02;
+
+/// Largest step over the first one: film that has gone slack has no stiffness, but may regain it any time.
+const CEILING: f64 = 4.0;
+
+/// Share of the first step below which a run is given up.
+const COLLAPSE: f64 = 1e-3;
+
+/// The stable step of central differences, Δt = s·2/ω (√(1 + ξ²) − ξ), with ω bounded element by element from the
+/// present tangent stiffness and shape (theory.md, equations 16 and 17). Kinematic contact adds nothing to ω.
+#[derive(Clone, Debug, Default)]
+pub struct TimeStep {
+    damping: f64,
+    first: f64,
+    now: f64,
+    target: f64,
+    until_look: u32,
+}
+
+impl TimeStep {
+    /// The step of film at rest with mass-proportional `damping`, 1/s.
+    pub fn new(films: &[Film], nodes: &Nodes, damping: f64) -> TimeStep {
+        let (first, _) = stable(films, nodes, damping);
+        TimeStep { damping, first, now: first, target: first, until_look: 0 }
+    }
+
+    /// s.
+    pub fn now(&self) -> f64 {
+        self.now
+    }
+
+    /// The last and the next step, s; looks at the film again where it is due.
+    pub fn next(&mut self, films: &[Film], nodes: &Nodes, time: f64) -> Result<(f64, f64), Fault> {
+        let last = self.now;
+        if self.until_look == 0 {
+            let (stable, face) = stable(films, nodes, self.damping);
+            if stable.is_nan() || stable < COLLAPSE * self.first {
+                return Err(Fault::TimeStepCollapsed { time, first: self.first, now: stable, face });
+            }
+            self.target = stable.min(CEILING * self.first);
+            self.until_look = INTERVAL;
+        }
+        self.until_look -= 1;
+        self.now = self.target.min(GROWTH * last);
+        Ok((last, self.now))
+    }
+}
+
+/// The stable step and the face that limits it.
+fn stable(films: &[Film], nodes: &Nodes, damping: f64) -> (f64, usize) {
+    let bounds = films.iter().map(|f| f.frequency_bound(&nodes.position)).enumerate();
+    let (face, squared) = bounds.fold((0, 0.0), |most, (face, w)| if w > most.1 { (face, w) } else { most });
+    let frequency = squared.sqrt();
+    let damping = if damping > 0.0 { damping / (2.0 * frequency) } else { 0.0 };
+    (SAFETY * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)
+}

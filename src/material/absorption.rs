@@ -1,0 +1,137 @@
+//! Energy absorption on unloading.
+//!
+//! A fibre that was loaded along its curve σ(ε) to the largest strain ε_m and is then unloaded follows
+//! the same curve, compressed towards ε_m by the factor 1 − D (theory.md, equation 8):
+//!
+//! ```text
+//! σ_u(ε) = σ(ε_m − (ε_m − ε)/(1 − D)),   zero where the argument is negative.
+//! ```
+//!
+//! Substituting the argument in ∫σ_u dε gives exactly (1 − D)·W(ε_m): the share D of the stored energy is lost
+//! whatever the curve, the path is monotone as the curve is, and D = 0 is the curve itself. Reloading goes back along
+//! the same path to (ε_m, σ(ε_m)) and on along the curve.
+
+use super::curve::Curve;
+use crate::lane::{LANES, Lane, larger, splat};
+
+/// Share D of the stored energy that is lost on unloading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Absorption {
+    share: f64,
+    steepening: f64,
+}
+
+impl Absorption {
+    /// `share` D with 0 ≤ D < 1.
+    pub fn new(share: f64) -> Absorption {
+        assert!((0.0..1.0).contains(&share), "share of absorbed energy: {share}");
+        Absorption { share, steepening: 1.0 / (1.0 - share) }
+    }
+
+    /// D.
+    pub fn share(&self) -> f64 {
+        self.share
+    }
+
+    /// Where on the curve a fibre at `strain` with largest strain `peak` stands.
+    #[inline(always)]
+    fn place(&self, strain: f64, peak: f64) -> f64 {
+        peak - (peak - strain) * self.steepening
+    }
+
+    /// Stress at `strain`; raises `peak` to it.
+    #[inline(always)]
+    pub fn stress(&self, curve: &Curve, strain: &Lane, peak: &mut Lane) -> Lane {
+        let mut place = splat(0.0);
+        for l in 0..LANES {
+            peak[l] = larger(strain[l], peak[l]);
+            place[l] = self.place(strain[l], peak[l]);
+        }
+        curve.stress_lanes(&place)
+    }
+
+    /// Energy density at `strain` with largest strain `peak`: what would come back, and what is lost for good.
+    pub fn energy(&self, curve: &Curve, strain: &Lane, peak: &Lane) -> (Lane, Lane) {
+        let mut place = splat(0.0);
+        for l in 0..LANES {
+            place[l] = self.place(strain[l], peak[l]);
+        }
+        let stored = curve.read(&place).energy.map(|w| (1.0 - self.share) * w);
+        let absorbed = curve.read(peak).energy.map(|w| self.share * w);
+        (stored, absorbed)
+    }
+
+    /// Largest slope within `reach` of `strain` on either path, Pa.
+    pub fn steepest(&self, curve: &Curve, strain: f64, peak: f64, reach: f64) -> f64 {
+        let place = self.place(strain, peak);
+        let reach = reach * self.steepening;
+        if place + reach < 0.0 { 0.0 } else { self.steepening * curve.steepest(place - reach, place + reach) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curves() -> [Curve; 3] {
+        [
+            Curve::new(vec![[0.03, 8.4e6], [0.2, 20e6], [0.75, 29e6]]).unwrap(),
+            Curve::new(vec![[0.3, 1e6], [0.5, 1e6], [0.6, 9e6]]).unwrap(),
+            Curve::new(vec![[1.0, 5e7]]).unwrap(),
+        ]
+    }
+
+    /// Work by the trapezoid rule along `strains`, from the stresses alone.
+    fn work(absorption: Absorption, curve: &Curve, peak: &mut Lane, from: f64, to: f64) -> f64 {
+        let steps = 20_000;
+        let at = |i: usize| from + (to - from) * i as f64 / steps as f64;
+        let mut total = 0.0;
+        let mut before = absorption.stress(curve, &splat(from), peak)[0];
+        for i in 1..=steps {
+            let stress = absorption.stress(curve, &splat(at(i)), peak)[0];
+            total += 0.5 * (before + stress) * (at(i) - at(i - 1));
+            before = stress;
+        }
+        total
+    }
+
+    /// Load, unload, reload, cycle by cycle to a larger strain each: work in, share out, nothing more lost on the way back.
+    #[test]
+    fn every_cycle_returns_its_share() {
+        for curve in curves() {
+            for share in [0.0, 0.3, 0.8896, 0.99] {
+                let absorption = Absorption::new(share);
+                let mut peak = splat(0.0);
+                for fraction in [0.02, 0.1, 0.4, 0.9] {
+                    let largest = fraction * curve.end();
+                    work(absorption, &curve, &mut peak, 0.0, largest);
+                    let envelope = curve.energy(largest);
+                    let out = -work(absorption, &curve, &mut peak, largest, 0.0);
+                    let again = work(absorption, &curve, &mut peak, 0.0, largest);
+                    assert!((out - (1.0 - share) * envelope).abs() < 1e-5 * envelope, "D {share}: {out} of {envelope}");
+                    assert!((again - out).abs() < 1e-9 * envelope, "reload {again} after {out}");
+                    let (stored, absorbed) = absorption.energy(&curve, &splat(largest), &peak);
+                    assert!((stored[0] + absorbed[0] - envelope).abs() < 1e-12 * envelope);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn unloading_is_monotone_and_reloading_meets_the_curve() {
+        for curve in curves() {
+            let absorption = Absorption::new(0.8896);
+            let largest = 0.8 * curve.end();
+            let mut peak = splat(largest);
+            let path: Vec<f64> = (0..=200)
+                .map(|i| absorption.stress(&curve, &splat(largest * f64::from(i) / 200.0), &mut peak)[0])
+                .collect();
+            assert!(path.windows(2).all(|w| w[0] <= w[1]));
+            assert_eq!(path[200], curve.stress(largest));
+            assert_eq!(
+                absorption.stress(&curve, &splat(0.9 * curve.end()), &mut peak)[0],
+                curve.stress(0.9 * curve.end())
+            );
+        }
+    }
+}

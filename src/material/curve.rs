@@ -1,0 +1,185 @@
+//! Piecewise linear stress–strain curves.
+
+use thiserror::Error;
+
+use crate::lane::{LANES, Lane, larger, smaller, splat};
+
+/// A piecewise linear stress–strain curve that starts at the origin.
+///
+/// Below zero strain the stress is zero. Past the last point the last slope goes on; whether the
+/// material still holds there is for the law to say ([`Curve::end`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    points: Vec<[f64; 2]>,
+    segments: Vec<Segment>,
+}
+
+/// One straight piece: from `start`, `length` long in strain, the last one without end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Segment {
+    start: f64,
+    length: f64,
+    slope: f64,
+    stress: f64,
+}
+
+/// Why points are not a stress–strain curve.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CurveError {
+    #[error("a curve needs at least one point besides the origin")]
+    TooShort,
+    #[error("strain does not increase at point {index}: {strain} after {previous}")]
+    StrainNotIncreasing { index: usize, strain: f64, previous: f64 },
+    #[error("stress falls at point {index}: {stress} Pa after {previous} Pa")]
+    StressFalls { index: usize, stress: f64, previous: f64 },
+    #[error("point {index} is not a finite number")]
+    NotFinite { index: usize },
+}
+
+/// Stress and energy density of a curve in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// Pa.
+    pub stress: Lane,
+    /// Area under the curve up to the strain, J/m³.
+    pub energy: Lane,
+}
+
+impl Curve {
+    /// Curve through the origin and `points` (strain, stress in Pa), whose strain must increase and whose stress
+    /// must not fall: a falling branch would gather all further strain in one row of elements.
+    ///
+    /// A leading (0, 0) may be given or left out. An error's index counts the points as given.
+    pub fn new(points: Vec<[f64; 2]>) -> Result<Curve, CurveError> {
+        let given = if points.first() == Some(&[0.0, 0.0]) { 1 } else { 0 };
+        let points = points[given..].to_vec();
+        if points.is_empty() {
+            return Err(CurveError::TooShort);
+        }
+        let mut segments = Vec::with_capacity(points.len());
+        let mut from = [0.0, 0.0];
+        for (i, &to) in points.iter().enumerate() {
+            let index = i + given;
+            if !(to[0].is_finite() && to[1].is_finite()) {
+                return Err(CurveError::NotFinite { index });
+            }
+            if to[0] <= from[0] {
+                return Err(CurveError::StrainNotIncreasing { index, strain: to[0], previous: from[0] });
+            }
+            if to[1] < from[1] {
+                return Err(CurveError::StressFalls { index, stress: to[1], previous: from[1] });
+            }
+            let length = to[0] - from[0];
+            segments.push(Segment { start: from[0], length, slope: (to[1] - from[1]) / length, stress: from[1] });
+            from = to;
+        }
+        if let Some(last) = segments.last_mut() {
+            last.length = f64::INFINITY;
+        }
+        Ok(Curve { points, segments })
+    }
+
+    /// The corner points after the origin: strain, stress (Pa).
+    pub fn points(&self) -> &[[f64; 2]] {
+        &self.points
+    }
+
+    /// Strain of the last point.
+    pub fn end(&self) -> f64 {
+        self.points[self.points.len() - 1][0]
+    }
+
+    /// Slope at the origin, Pa.
+    pub fn initial_slope(&self) -> f64 {
+        self.segments[0].slope
+    }
+
+    /// Stress at one strain, Pa.
+    pub fn stress(&self, strain: f64) -> f64 {
+        self.stress_lanes(&splat(strain))[0]
+    }
+
+    /// Area under the curve up to one strain, J/m³.
+    pub fn energy(&self, strain: f64) -> f64 {
+        self.read(&splat(strain)).energy[0]
+    }
+
+    /// Stress in each lane: a sum of clamped segments, so without a branch on the strain.
+    #[inline(always)]
+    pub fn stress_lanes(&self, strain: &Lane) -> Lane {
+        let mut stress = splat(0.0);
+        for s in &self.segments {
+            for l in 0..LANES {
+                stress[l] += s.slope * smaller(larger(strain[l] - s.start, 0.0), s.length);
+            }
+        }
+        stress
+    }
+
+    /// Stress and energy in each lane.
+    pub fn read(&self, strain: &Lane) -> Reading {
+        let mut energy = splat(0.0);
+        for s in &self.segments {
+            for l in 0..LANES {
+                let d = smaller(larger(strain[l] - s.start, 0.0), s.length);
+                energy[l] += (s.stress + 0.5 * s.slope * d) * d;
+            }
+        }
+        Reading { stress: self.stress_lanes(strain), energy }
+    }
+
+    /// Largest slope between two strains, Pa.
+    pub fn steepest(&self, from: f64, to: f64) -> f64 {
+        let within = |s: &&Segment| s.start <= larger(to, 0.0) && s.start + s.length >= from;
+        self.segments.iter().filter(within).fold(0.0, |most, s| larger(s.slope, most))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bilinear() -> Curve {
+        Curve::new(vec![[0.1, 2.0], [0.5, 4.0]]).unwrap()
+    }
+
+    #[test]
+    fn passes_through_its_points() {
+        for (strain, stress) in [(-1.0, 0.0), (0.0, 0.0), (0.05, 1.0), (0.1, 2.0), (0.3, 3.0), (0.5, 4.0), (0.7, 5.0)] {
+            assert!((bilinear().stress(strain) - stress).abs() < 1e-12, "at {strain}");
+        }
+    }
+
+    #[test]
+    fn energy_is_the_area_under_the_curve() {
+        for (strain, area) in [(-1.0, 0.0), (0.05, 0.025), (0.1, 0.1), (0.3, 0.6), (0.5, 1.3)] {
+            assert!((bilinear().energy(strain) - area).abs() < 1e-12, "at {strain}");
+        }
+    }
+
+    #[test]
+    fn steepest_looks_at_every_segment_touched() {
+        for (from, to, slope) in
+            [(0.0, 0.05, 20.0), (0.05, 0.2, 20.0), (0.2, 0.3, 5.0), (0.6, 0.9, 5.0), (-0.2, -0.1, 20.0)]
+        {
+            assert!((bilinear().steepest(from, to) - slope).abs() < 1e-9, "{from}..{to}");
+        }
+    }
+
+    #[test]
+    fn refuses_what_is_no_curve() {
+        let cases: [(Vec<[f64; 2]>, CurveError); 5] = [
+            (vec![], CurveError::TooShort),
+            (vec![[0.0, 0.0]], CurveError::TooShort),
+            (
+                vec![[0.0, 0.0], [0.2, 1.0], [0.2, 2.0]],
+                CurveError::StrainNotIncreasing { index: 2, strain: 0.2, previous: 0.2 },
+            ),
+            (vec![[0.2, 1.0], [0.3, 0.5]], CurveError::StressFalls { index: 1, stress: 0.5, previous: 1.0 }),
+            (vec![[0.2, f64::NAN]], CurveError::NotFinite { index: 0 }),
+        ];
+        for (points, error) in cases {
+            assert_eq!(Curve::new(points), Err(error));
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Linear elastic film: St. Venant–Kirchhoff in plane stress.
+//!
+//! Energy per volume (theory.md, equation 9) with the Green–Lagrange strain E = ½(FᵀF − I) and G = Y/(2(1 + ν)):
+//!
+//! ```text
+//! W = Y/(2(1 − ν²)) · (E₁₁² + E₂₂² + 2ν E₁₁E₂₂) + 2G E₁₂²
+//! ∂W/∂f₁ = S₁₁ f₁ + S₁₂ f₂,   S₁₁ = Y/(1 − ν²)(E₁₁ + ν E₂₂),   S₁₂ = 2G E₁₂
+//! ```
+
+use super::{Energy, Gradient, MembraneLaw, Peaks, Stiffness, Stress};
+use crate::lane::{LANES, Lane, dot, larger, splat};
+
+/// Isotropic linear elasticity for small strain and any rotation; it carries compression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Elastic {
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, −1 < ν < 0.5.
+    pub poisson: f64,
+}
+
+impl Elastic {
+    fn plane(&self) -> f64 {
+        self.young / (1.0 - self.poisson * self.poisson)
+    }
+
+    fn shear(&self) -> f64 {
+        self.young / (2.0 * (1.0 + self.poisson))
+    }
+
+    /// Second Piola–Kirchhoff stress S₁₁, S₂₂, S₁₂ and the strains E₁₁, E₂₂, E₁₂.
+    #[inline(always)]
+    fn response(&self, f: &Gradient) -> ([Lane; 3], [Lane; 3]) {
+        let (c11, c22, c12) = (dot(&f[0], &f[0]), dot(&f[1], &f[1]), dot(&f[0], &f[1]));
+        let (plane, twice_shear) = (self.plane(), 2.0 * self.shear());
+        let mut stress = [splat(0.0); 3];
+        let mut strain = [splat(0.0); 3];
+        for l in 0..LANES {
+            let (e11, e22, e12) = (0.5 * (c11[l] - 1.0), 0.5 * (c22[l] - 1.0), 0.5 * c12[l]);
+            strain[0][l] = e11;
+            strain[1][l] = e22;
+            strain[2][l] = e12;
+            stress[0][l] = plane * (e11 + self.poisson * e22);
+            stress[1][l] = plane * (e22 + self.poisson * e11);
+            stress[2][l] = twice_shear * e12;
+        }
+        (stress, strain)
+    }
+}
+
+impl MembraneLaw for Elastic {
+    #[inline(always)]
+    fn stress(&self, f: &Gradient, _peaks: &mut Peaks) -> Stress {
+        let (s, _) = self.response(f);
+        let mut p = [[splat(0.0); 3]; 2];
+        let mut tension = [splat(0.0); 2];
+        for axis in 0..3 {
+            for l in 0..LANES {
+                p[0][axis][l] = s[0][l] * f[0][axis][l] + s[2][l] * f[1][axis][l];
+                p[1][axis][l] = s[1][l] * f[1][axis][l] + s[2][l] * f[0][axis][l];
+            }
+        }
+        for l in 0..LANES {
+            tension[0][l] = larger(s[0][l], 0.0);
+            tension[1][l] = larger(s[1][l], 0.0);
+        }
+        Stress { p, tension }
+    }
+
+    fn energy(&self, f: &Gradient, _peaks: &Peaks) -> Energy {
+        let (s, e) = self.response(f);
+        let mut stored = splat(0.0);
+        for l in 0..LANES {
+            stored[l] = 0.5 * (s[0][l] * e[0][l] + s[1][l] * e[1][l]) + s[2][l] * e[2][l];
+        }
+        Energy { stored, absorbed: splat(0.0) }
+    }
+
+    fn stiffness(&self, f: &Gradient, _peaks: &Peaks) -> Stiffness {
+        let (s, _) = self.response(f);
+        let (c11, c22) = (dot(&f[0], &f[0]), dot(&f[1], &f[1]));
+        let mut bound = Stiffness { along: [splat(0.0); 2], across: [splat(0.0); 2], shear: splat(0.0) };
+        for l in 0..LANES {
+            let (s1, s2) = (s[0][l].abs() + s[2][l].abs(), s[1][l].abs() + s[2][l].abs());
+            bound.along[0][l] = self.plane() * (1.0 + self.poisson.abs()) * c11[l] + s1;
+            bound.along[1][l] = self.plane() * (1.0 + self.poisson.abs()) * c22[l] + s2;
+            bound.across[0][l] = s1;
+            bound.across[1][l] = s2;
+            bound.shear[l] = self.shear() * larger(c11[l], c22[l]);
+        }
+        bound
+    }
+
+    fn moduli(&self) -> [f64; 2] {
+        [self.plane(); 2]
+    }
+
+    fn break_strains(&self) -> [f64; 2] {
+        [f64::INFINITY; 2]
+    }
+}

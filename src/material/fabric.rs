@@ -1,0 +1,245 @@
+//! Film as a fabric: two fibre sets and shear.
+//!
+//! Energy per volume of stress-free film (theory.md, equations 4–7), with λ_i = |f_i|, ε_i = λ_i − 1:
+//!
+//! ```text
+//! W = W_md(ε₁) + W_td(ε₂) + W_s(γ),    sin γ = f₁·f₂ / (m₁ m₂),   m_i = max(λ_i, 1)
+//! ∂W/∂f₁ = σ_md f₁/λ₁ + τ(γ)/cos γ · ( f₂/(m₁ m₂) − [λ₁ > 1] sin γ · f₁/λ₁² )
+//! ```
+//!
+//! and the same with the indices exchanged. γ is the angle by which taut fibres left their right angle;
+//! a slack fibre carries no stress, and its part in shear fades with its length instead of growing without bound.
+//! Beyond |sin γ| = 0.95 the angle goes on along its tangent, so that the force stays bounded as fibres close up.
+
+use super::{Absorption, Curve, Energy, Gradient, MembraneLaw, Peaks, Stiffness, Stress};
+use crate::lane::{LANES, Lane, Lane3, dot, larger, smaller, splat};
+
+/// Two fibre sets at 90° in the stress-free film and a shear curve, with energy absorption on unloading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fabric {
+    md: Curve,
+    td: Curve,
+    shear: Curve,
+    absorption: Absorption,
+}
+
+impl Fabric {
+    /// Engineering stress (Pa) over engineering strain for MD and TD, shear stress (Pa) over shear angle (rad),
+    /// and the share 0 ≤ `absorption` < 1 of the stored energy that is lost on unloading, in the fibres and in shear.
+    pub fn new(md: Curve, td: Curve, shear: Curve, absorption: f64) -> Fabric {
+        Fabric { md, td, shear, absorption: Absorption::new(absorption) }
+    }
+
+    /// Curve of the MD fibres.
+    pub fn md(&self) -> &Curve {
+        &self.md
+    }
+
+    /// Curve of the TD fibres.
+    pub fn td(&self) -> &Curve {
+        &self.td
+    }
+
+    /// Shear stress over shear angle.
+    pub fn shear(&self) -> &Curve {
+        &self.shear
+    }
+
+    /// Share of the stored energy that is lost on unloading.
+    pub fn absorption(&self) -> f64 {
+        self.absorption.share()
+    }
+}
+
+/// |sin γ| up to which the shear angle is the angle itself.
+const SINE_BOUND: f64 = 0.95;
+
+/// arcsin(t)/t in powers of t², |t| ≤ sin(γ/2) at the bound: interpolation at Chebyshev nodes, within 3e-16.
+const ARCSINE: [f64; 14] = [
+    0.999_999_999_999_999_83,
+    0.166_666_666_666_859_015,
+    0.074_999_999_964_012_642_7,
+    0.044_642_859_785_521_333_9,
+    0.030_381_843_577_076_961_1,
+    0.022_374_454_762_985_436,
+    0.017_319_104_536_812_763_9,
+    0.014_297_454_591_635_967_1,
+    0.009_283_139_208_044_635_19,
+    0.020_515_635_960_118_589_4,
+    -0.026_650_225_112_013_707,
+    0.083_046_910_650_325_365_3,
+    -0.093_554_494_262_457_303_2,
+    0.070_815_830_992_043_098_6,
+];
+
+/// The fibres of a deformation.
+pub(super) struct Fibres {
+    stretch: [Lane; 2],
+    /// 1/m_i.
+    inverse: [Lane; 2],
+    /// f₁·f₂/(m₁ m₂).
+    sine: Lane,
+    /// dγ/d(sin γ).
+    secant: Lane,
+    /// Shear angle γ, rad.
+    pub(super) angle: Lane,
+}
+
+impl Fibres {
+    #[inline(always)]
+    pub(super) fn of(f: &Gradient) -> Fibres {
+        let (c11, c22, c12) = (dot(&f[0], &f[0]), dot(&f[1], &f[1]), dot(&f[0], &f[1]));
+        let mut out = Fibres {
+            stretch: [splat(0.0); 2],
+            inverse: [splat(0.0); 2],
+            sine: splat(0.0),
+            secant: splat(0.0),
+            angle: splat(0.0),
+        };
+        for l in 0..LANES {
+            out.stretch[0][l] = c11[l].sqrt();
+            out.stretch[1][l] = c22[l].sqrt();
+            out.inverse[0][l] = 1.0 / larger(out.stretch[0][l], 1.0);
+            out.inverse[1][l] = 1.0 / larger(out.stretch[1][l], 1.0);
+        }
+        for l in 0..LANES {
+            let sine = c12[l] * out.inverse[0][l] * out.inverse[1][l];
+            let bounded = smaller(larger(sine, -SINE_BOUND), SINE_BOUND);
+            let cosine = (1.0 - bounded * bounded).sqrt();
+            let half = bounded / (2.0 * (1.0 + cosine)).sqrt();
+            let square = half * half;
+            let mut series = ARCSINE[13];
+            for k in (0..13).rev() {
+                series = series * square + ARCSINE[k];
+            }
+            out.sine[l] = sine;
+            out.secant[l] = 1.0 / cosine;
+            out.angle[l] = 2.0 * half * series + (sine - bounded) * out.secant[l];
+        }
+        out
+    }
+
+    #[inline(always)]
+    pub(super) fn strain(&self, fibre: usize) -> Lane {
+        self.stretch[fibre].map(|stretch| stretch - 1.0)
+    }
+}
+
+impl MembraneLaw for Fabric {
+    #[inline(always)]
+    fn stress(&self, f: &Gradient, peaks: &mut Peaks) -> Stress {
+        let fibres = Fibres::of(f);
+        let [peak_md, peak_td, peak_shear] = peaks;
+        let md = self.absorption.stress(&self.md, &fibres.strain(0), peak_md);
+        let td = self.absorption.stress(&self.td, &fibres.strain(1), peak_td);
+        let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), peak_shear);
+
+        let mut tension = [splat(0.0); 2];
+        let mut cross = splat(0.0);
+        let mut along = [splat(0.0); 2];
+        for l in 0..LANES {
+            let [r1, r2] = [fibres.inverse[0][l], fibres.inverse[1][l]];
+            let turn = shear[l].copysign(fibres.angle[l]) * fibres.secant[l];
+            tension[0][l] = md[l] * r1;
+            tension[1][l] = td[l] * r2;
+            cross[l] = turn * r1 * r2;
+            let taut1 = if fibres.stretch[0][l] > 1.0 { r1 * r1 } else { 0.0 };
+            let taut2 = if fibres.stretch[1][l] > 1.0 { r2 * r2 } else { 0.0 };
+            along[0][l] = tension[0][l] - turn * fibres.sine[l] * taut1;
+            along[1][l] = tension[1][l] - turn * fibres.sine[l] * taut2;
+        }
+        Stress { p: [combine(&along[0], &f[0], &cross, &f[1]), combine(&along[1], &f[1], &cross, &f[0])], tension }
+    }
+
+    fn energy(&self, f: &Gradient, peaks: &Peaks) -> Energy {
+        let fibres = Fibres::of(f);
+        let parts = [
+            self.absorption.energy(&self.md, &fibres.strain(0), &peaks[0]),
+            self.absorption.energy(&self.td, &fibres.strain(1), &peaks[1]),
+            self.absorption.energy(&self.shear, &fibres.angle.map(f64::abs), &peaks[2]),
+        ];
+        let mut total = Energy { stored: splat(0.0), absorbed: splat(0.0) };
+        for (stored, absorbed) in &parts {
+            for l in 0..LANES {
+                total.stored[l] += stored[l];
+                total.absorbed[l] += absorbed[l];
+            }
+        }
+        total
+    }
+
+    fn stiffness(&self, f: &Gradient, peaks: &Peaks) -> Stiffness {
+        /// Strain that a fibre may move before the bound is asked for again.
+        const REACH: f64 = 0.01;
+        let fibres = Fibres::of(f);
+        let strain = [fibres.strain(0), fibres.strain(1)];
+        let stress = self.stress(f, &mut peaks.clone());
+        let mut bound = Stiffness { along: [splat(0.0); 2], across: stress.tension, shear: splat(0.0) };
+        for l in 0..LANES {
+            for (fibre, curve) in [&self.md, &self.td].into_iter().enumerate() {
+                let steepest = self.absorption.steepest(curve, strain[fibre][l], peaks[fibre][l], REACH);
+                bound.along[fibre][l] = larger(steepest, stress.tension[fibre][l]);
+            }
+            let angle = fibres.angle[l].abs();
+            let slope = self.absorption.steepest(&self.shear, angle, peaks[2][l], REACH);
+            let secant = fibres.secant[l];
+            let place = self.shear.stress(larger(angle, peaks[2][l]));
+            bound.shear[l] = (slope * secant + place * secant * secant) * secant;
+        }
+        bound
+    }
+
+    fn moduli(&self) -> [f64; 2] {
+        [self.md.initial_slope(), self.td.initial_slope()]
+    }
+
+    fn break_strains(&self) -> [f64; 2] {
+        [self.md.end(), self.td.end()]
+    }
+}
+
+/// a·u + b·v in each lane.
+#[inline(always)]
+fn combine(a: &Lane, u: &Lane3, b: &Lane, v: &Lane3) -> Lane3 {
+    let mut out = [splat(0.0); 3];
+    for axis in 0..3 {
+        for l in 0..LANES {
+            out[axis][l] = a[l] * u[axis][l] + b[l] * v[axis][l];
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_angle_is_the_arcsine_and_goes_on_along_its_tangent() {
+        for i in -99..=99 {
+            let sine = f64::from(i) / 100.0;
+            let f = [[1.0, 0.0, 0.0].map(splat), [sine, (1.0 - sine * sine).sqrt(), 0.0].map(splat)];
+            let expected = if sine.abs() <= SINE_BOUND {
+                sine.asin()
+            } else {
+                let tangent = 1.0 / (1.0 - SINE_BOUND * SINE_BOUND).sqrt();
+                sine.signum() * (SINE_BOUND.asin() + tangent * (sine.abs() - SINE_BOUND))
+            };
+            assert!((Fibres::of(&f).angle[0] - expected).abs() < 2e-15, "at {sine}");
+        }
+    }
+
+    /// In pure tension the first Piola–Kirchhoff stress is the engineering stress of the curve.
+    #[test]
+    fn pull_along_a_fibre_reads_its_curve() {
+        let md = Curve::new(vec![[0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]]).unwrap();
+        let td = Curve::new(vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]).unwrap();
+        let film = Fabric::new(md.clone(), td.clone(), Curve::new(vec![[1.0, 1e7]]).unwrap(), 0.9);
+        for strain in [0.1, 0.26, 0.5, 1.0, 1.39] {
+            let f = [[1.0 + strain, 0.0, 0.0].map(splat), [0.0, 1.0, 0.0].map(splat)];
+            assert!((film.stress(&f, &mut [splat(0.0); 3]).p[0][0][0] / md.stress(strain) - 1.0).abs() < 1e-14);
+            let f = [[1.0, 0.0, 0.0].map(splat), [0.0, 1.0 + strain, 0.0].map(splat)];
+            assert!((film.stress(&f, &mut [splat(0.0); 3]).p[1][1][0] / td.stress(strain) - 1.0).abs() < 1e-14);
+        }
+    }
+}

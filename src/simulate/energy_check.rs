@@ -1,0 +1,62 @@
+//! Whether the energies of a run add up.
+
+use crate::engine::{Energies, Fault};
+use crate::signal::{Channel, Recording};
+
+/// Balance error, over the energy exchanged, that stops a run.
+const STOP: f64 = 0.1;
+
+/// Share of the run's own scale of energy below which the running check does not divide.
+const FLOOR: f64 = 0.02;
+
+/// The energy audit through a run.
+pub(super) struct EnergyCheck {
+    scale: f64,
+    start: Option<Energies>,
+    time: Vec<f64>,
+    rows: Vec<Energies>,
+    largest_gap: f64,
+    most_exchanged: f64,
+}
+
+impl EnergyCheck {
+    /// `scale` is an energy (J) that the run will move about, such as the impactor's.
+    pub(super) fn new(scale: f64) -> EnergyCheck {
+        EnergyCheck { scale, start: None, time: vec![], rows: vec![], largest_gap: 0.0, most_exchanged: 0.0 }
+    }
+
+    /// Takes in the energies at `time` (s); a fault where they no longer add up.
+    pub(super) fn sample(&mut self, time: f64, energies: Energies) -> Result<(), Fault> {
+        let start = *self.start.get_or_insert(energies);
+        self.time.push(time);
+        self.rows.push(energies);
+        self.largest_gap = self.largest_gap.max((energies.total() - start.total()).abs());
+        self.most_exchanged = self.most_exchanged.max(energies.exchanged(&start));
+        let error = self.largest_gap / self.most_exchanged.max(FLOOR * self.scale).max(f64::MIN_POSITIVE);
+        if error > STOP { Err(Fault::EnergyLost { time, error }) } else { Ok(()) }
+    }
+
+    /// Largest |ΣE − E₀| over the largest energy exchanged.
+    pub(super) fn balance_error(&self) -> f64 {
+        if self.most_exchanged > 0.0 { self.largest_gap / self.most_exchanged } else { 0.0 }
+    }
+
+    /// Largest share of kinetic energy in the film's energy once a tenth of the work is done.
+    pub(super) fn kinetic_share(&self) -> f64 {
+        let inner = |e: &Energies| e.stored + e.absorbed + e.rupture;
+        let all = self.rows.iter().map(inner).fold(0.0, f64::max);
+        let shares = self.rows.iter().filter(|e| inner(e) > 0.1 * all).map(|e| e.kinetic_film / inner(e));
+        shares.fold(0.0, f64::max)
+    }
+
+    /// One channel a term, and their sum.
+    pub(super) fn recording(&self) -> Recording {
+        let channel = |(term, name): (usize, &&str)| Channel {
+            name: (*name).to_string(),
+            values: self.rows.iter().map(|e| e.terms()[term]).collect(),
+        };
+        let mut channels: Vec<Channel> = Energies::NAMES.iter().enumerate().map(channel).collect();
+        channels.push(Channel { name: "sum_J".into(), values: self.rows.iter().map(Energies::total).collect() });
+        Recording { time: self.time.clone(), channels }
+    }
+}

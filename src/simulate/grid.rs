@@ -1,0 +1,47 @@
+//! Values at uneven times, read off on an even grid.
+
+/// Linear interpolation of `K` values onto times `start + k·step` as they come in.
+pub(super) struct Grid<const K: usize> {
+    start: f64,
+    step: f64,
+    last: Option<(f64, [f64; K])>,
+    pub(super) rows: Vec<[f64; K]>,
+}
+
+impl<const K: usize> Grid<K> {
+    /// A grid from `start` (s) in steps of `step` (s).
+    pub(super) fn new(start: f64, step: f64) -> Grid<K> {
+        Grid { start, step, last: None, rows: vec![] }
+    }
+
+    /// Takes in the values at `time`, later than all before.
+    pub(super) fn push(&mut self, time: f64, values: [f64; K]) {
+        let (before, from) = self.last.unwrap_or((time, values));
+        loop {
+            let at = self.start + self.rows.len() as f64 * self.step;
+            if at > time {
+                break;
+            }
+            let share = if time > before { ((at - before) / (time - before)).max(0.0) } else { 1.0 };
+            self.rows.push(std::array::from_fn(|k| from[k] + share * (values[k] - from[k])));
+        }
+        self.last = Some((time, values));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_straight_line_is_read_off_exactly() {
+        let mut grid = Grid::new(-0.5, 0.25);
+        for time in [-0.7, -0.1, 0.0, 0.9, 1.05] {
+            grid.push(time, [2.0 * time + 1.0]);
+        }
+        assert_eq!(grid.rows.len(), 7);
+        for (k, row) in grid.rows.iter().enumerate() {
+            assert!((row[0] - (2.0 * (-0.5 + 0.25 * k as f64) + 1.0)).abs() < 1e-12);
+        }
+    }
+}

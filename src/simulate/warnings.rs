@@ -1,0 +1,110 @@
+//! What a run should tell its user although it went on.
+
+use crate::engine::{ElementStrain, Inspection, View};
+
+/// Edge of an element in touch over the impactor's size above which a sphere is no longer round to the film.
+const COARSE: f64 = 0.25;
+/// Penetration over the impactor's size that is told.
+const DEEP: f64 = 0.01;
+/// Strain of one element over the mean of its neighbours that counts as localised, and the strain from which.
+const LOCALISED: (f64, f64) = (2.0, 0.5);
+/// Balance error that is told.
+const BALANCE: f64 = 0.01;
+/// Share of straining outside the measured rates that is told.
+const OUTSIDE: f64 = 0.05;
+/// Kinetic share above which a slow test is not quasi-static.
+const KINETIC: f64 = 0.01;
+
+/// Each kind of warning, told once, with the time at which it first held.
+#[derive(Default)]
+pub(super) struct Warnings {
+    coarse: Option<(f64, f64)>,
+    deep: Option<(f64, f64)>,
+    frame_hit: Option<f64>,
+    localised: Option<(f64, f64, usize)>,
+}
+
+impl Warnings {
+    /// Takes in what contact looks like at `time` (s) on an impactor of `size` (m).
+    pub(super) fn touch(&mut self, time: f64, size: f64, seen: &Inspection) {
+        let (edge, depth) = (seen.longest_edge / size, seen.penetration / size);
+        if edge > COARSE && self.coarse.is_none_or(|(_, worst)| edge > worst) {
+            self.coarse = Some((self.coarse.map_or(time, |c| c.0), edge));
+        }
+        if depth > DEEP && self.deep.is_none_or(|(_, worst)| depth > worst) {
+            self.deep = Some((self.deep.map_or(time, |c| c.0), depth));
+        }
+        if seen.frame_hit && self.frame_hit.is_none() {
+            self.frame_hit = Some(time);
+        }
+    }
+
+    /// Looks for an element that strains far more than those around it.
+    pub(super) fn strain(&mut self, view: &View<'_>, strains: &[Vec<ElementStrain>]) {
+        if self.localised.is_some() {
+            return;
+        }
+        for (face, (film, strains)) in view.films.iter().zip(strains).enumerate() {
+            let largest = |s: &ElementStrain| s.strain[0].max(s.strain[1]);
+            let intact: Vec<f64> = strains.iter().filter(|s| s.volume > 0.0).map(largest).collect();
+            let mut corners: Vec<Vec<u32>> = Vec::with_capacity(intact.len());
+            film.for_each_intact(|c| corners.push(c.to_vec()));
+            let Some(worst) = (0..intact.len()).max_by(|a, b| intact[*a].total_cmp(&intact[*b])) else { continue };
+            if intact[worst] < LOCALISED.1 {
+                continue;
+            }
+            let beside = |k: &usize| *k != worst && corners[*k].iter().any(|n| corners[worst].contains(n));
+            let around: Vec<f64> = (0..intact.len()).filter(beside).map(|k| intact[k]).collect();
+            let mean = around.iter().sum::<f64>() / around.len().max(1) as f64;
+            if !around.is_empty() && intact[worst] > LOCALISED.0 * mean {
+                self.localised = Some((view.time, intact[worst], face + 1));
+            }
+        }
+    }
+
+    /// All warnings, with those that only the whole run can tell.
+    pub(super) fn finish(self, balance: f64, outside: f64, kinetic: Option<f64>) -> Vec<String> {
+        let ms = |t: f64| 1e3 * t;
+        let mut out = vec![];
+        if let Some((time, edge)) = self.coarse {
+            out.push(format!(
+                "coarse contact: from {:.1} ms edges in touch are up to {edge:.2} of the impactor's radius (bound {COARSE}); use a smaller specimen.mesh.size",
+                ms(time)
+            ));
+        }
+        if let Some((time, depth)) = self.deep {
+            out.push(format!(
+                "penetration: from {:.1} ms faces reach up to {:.1} % of the radius into the impactor (bound {:.0} %); use a smaller specimen.mesh.size",
+                ms(time), 100.0 * depth, 100.0 * DEEP
+            ));
+        }
+        if let Some(time) = self.frame_hit {
+            out.push(format!(
+                "the impactor reached the clamped edge at {:.1} ms: the frame itself is not modelled",
+                ms(time)
+            ));
+        }
+        if let Some((time, strain, face)) = self.localised {
+            out.push(format!(
+                "strain localisation: at {:.1} ms one element of face {face} is strained to {strain:.2}, over {} times its neighbours; the result depends on the mesh from there on",
+                ms(time), LOCALISED.0
+            ));
+        }
+        if balance > BALANCE {
+            out.push(format!("energy balance error {:.1} % of the energy exchanged", 100.0 * balance));
+        }
+        if outside > OUTSIDE {
+            out.push(format!(
+                "strain rate: {:.0} % of the straining lies outside the rates at which the curves were measured",
+                100.0 * outside
+            ));
+        }
+        if let Some(share) = kinetic.filter(|k| *k > KINETIC) {
+            out.push(format!(
+                "not quasi-static: kinetic energy is up to {:.1} % of the film's; use a smaller mass_scaling",
+                100.0 * share
+            ));
+        }
+        out
+    }
+}
