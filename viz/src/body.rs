@@ -22,9 +22,7 @@ pub fn log(stream: &RecordingStream, body: &BodyTrack) -> RecordingStreamResult<
             let (points, triangles) = revolved(profile);
             stream.log_static(entity.as_str(), &surface(&points, &triangles))
         }
-        BodyShape::Surface { points, triangles } => {
-            stream.log_static(entity.as_str(), &surface(points, triangles))
-        }
+        BodyShape::Surface { points, triangles } => stream.log_static(entity.as_str(), &surface(points, triangles)),
     }?;
     for pose in &body.poses {
         stream.set_duration_secs(TIMELINE, pose.time);
@@ -37,9 +35,7 @@ pub fn log(stream: &RecordingStream, body: &BodyTrack) -> RecordingStreamResult<
 }
 
 fn sphere(radius: f32) -> Ellipsoids3D {
-    Ellipsoids3D::from_half_sizes([[radius; 3]])
-        .with_colors([STEEL])
-        .with_fill_mode(FillMode::Solid)
+    Ellipsoids3D::from_half_sizes([[radius; 3]]).with_colors([STEEL]).with_fill_mode(FillMode::Solid)
 }
 
 fn surface(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh3D {
@@ -82,9 +78,7 @@ mod tests {
         let (points, triangles) = revolved(&[[0.0, 1.0], [0.5, 1.0], [0.5, -1.0], [0.0, -1.0]]);
         let six = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|node| points[node as usize]);
-            a[0] * (b[1] * c[2] - b[2] * c[1])
-                + a[1] * (b[2] * c[0] - b[0] * c[2])
-                + a[2] * (b[0] * c[1] - b[1] * c[0])
+            a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
         };
         let volume = triangles.iter().map(six).sum::<f32>() / 6.0;
         let sides = SIDES as f32;

@@ -15,10 +15,7 @@ pub fn log(stream: &RecordingStream, film: &FilmTrack) -> RecordingStreamResult<
     let entity = format!("scene/{}", film.name);
     let poses = InstancePoses3D::new().with_scales(mirror_images(film.mirrored));
     stream.log_static(entity.as_str(), &poses)?;
-    let breaks = film
-        .frames
-        .iter()
-        .any(|frame| frame.visible.contains(&false));
+    let breaks = film.frames.iter().any(|frame| frame.visible.contains(&false));
     if !breaks {
         let whole = Mesh3D::update_fields().with_triangle_indices(film.triangles.iter().copied());
         stream.log_static(entity.as_str(), &whole)?;

@@ -16,9 +16,7 @@ use re_sdk_types::archetypes::{Scalars, SeriesLines, TextDocument, TextLog, View
 use re_sdk_types::components::{MediaType, TextLogLevel};
 use thiserror::Error;
 
-pub use scene::{
-    BodyShape, BodyTrack, Event, FilmFrame, FilmTrack, Plot, Pose, Scene, Severity, SignalTrack,
-};
+pub use scene::{BodyShape, BodyTrack, Event, FilmFrame, FilmTrack, Plot, Pose, Scene, Severity, SignalTrack};
 
 /// The one timeline, in seconds since the start.
 pub const TIMELINE: &str = "time";
@@ -31,25 +29,11 @@ pub enum VizError {
     #[error("{0}")]
     Flush(#[from] SinkFlushError),
     #[error("film `{film}` at {time} s: {found} positions or values for {expected} nodes")]
-    Nodes {
-        film: String,
-        time: f64,
-        found: usize,
-        expected: usize,
-    },
+    Nodes { film: String, time: f64, found: usize, expected: usize },
     #[error("film `{film}` at {time} s: {found} visibilities for {expected} triangles")]
-    Triangles {
-        film: String,
-        time: f64,
-        found: usize,
-        expected: usize,
-    },
+    Triangles { film: String, time: f64, found: usize, expected: usize },
     #[error("signal `{signal}`: {found} values at {expected} times")]
-    Samples {
-        signal: String,
-        found: usize,
-        expected: usize,
-    },
+    Samples { signal: String, found: usize, expected: usize },
 }
 
 impl From<RecordingStreamError> for VizError {

@@ -45,11 +45,7 @@ fn sums(points: &[[f32; 3]], triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[
 
 fn rounded_unit(normal: [f32; 3]) -> [f32; 3] {
     let length = normal.iter().map(|c| c * c).sum::<f32>().sqrt();
-    if length > 0.0 {
-        normal.map(|c| (c / length * STEPS).round() / STEPS)
-    } else {
-        [0.0, 0.0, 1.0]
-    }
+    if length > 0.0 { normal.map(|c| (c / length * STEPS).round() / STEPS) } else { [0.0, 0.0, 1.0] }
 }
 
 fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {

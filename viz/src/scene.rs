@@ -124,20 +124,11 @@ impl FilmTrack {
     fn check(&self) -> Result<(), VizError> {
         let named = self.triangles.iter().flatten().max();
         let needed = named.map_or(0, |node| *node as usize + 1);
-        let expected = self
-            .frames
-            .first()
-            .map_or(0, |f| f.positions.len())
-            .max(needed);
+        let expected = self.frames.first().map_or(0, |f| f.positions.len()).max(needed);
         for frame in &self.frames {
             let found = [frame.positions.len(), frame.values.len()];
             if let Some(&found) = found.iter().find(|found| **found != expected) {
-                return Err(VizError::Nodes {
-                    film: self.name.clone(),
-                    time: frame.time,
-                    found,
-                    expected,
-                });
+                return Err(VizError::Nodes { film: self.name.clone(), time: frame.time, found, expected });
             }
             if frame.visible.len() != self.triangles.len() {
                 return Err(VizError::Triangles {
@@ -158,10 +149,6 @@ impl SignalTrack {
         if found == expected {
             return Ok(());
         }
-        Err(VizError::Samples {
-            signal: self.path.clone(),
-            found,
-            expected,
-        })
+        Err(VizError::Samples { signal: self.path.clone(), found, expected })
     }
 }

@@ -6,8 +6,8 @@ use std::io::BufReader;
 use std::path::Path;
 
 use droptower_viz::{
-    BodyShape, BodyTrack, Event, FilmFrame, FilmTrack, Plot, Pose, Scene, Severity, SignalTrack,
-    TIMELINE, VizError, write,
+    BodyShape, BodyTrack, Event, FilmFrame, FilmTrack, Plot, Pose, Scene, Severity, SignalTrack, TIMELINE, VizError,
+    write,
 };
 use re_log_encoding::DecoderApp;
 use re_sdk::log::{Chunk, LogMsg};
@@ -41,11 +41,7 @@ fn state(n: u32, index: usize, frames: usize) -> FilmFrame {
     let position = |[column, row]: [u32; 2]| {
         let [x, y] = [column, row].map(|i| 0.2 * i as f32 / n as f32);
         let ripple = 1e-3 * share * (97.0 * x + 61.0 * y + 40.0 * share).sin();
-        [
-            x,
-            y,
-            -0.1 * share * (1.0 - 25.0 * (x * x).max(y * y)) + ripple,
-        ]
+        [x, y, -0.1 * share * (1.0 - 25.0 * (x * x).max(y * y)) + ripple]
     };
     let positions: Vec<[f32; 3]> = nodes.map(position).collect();
     FilmFrame {
@@ -69,26 +65,15 @@ fn scene(films: Vec<FilmTrack>, signals: Vec<SignalTrack>) -> Scene {
     Scene {
         name: "test".to_owned(),
         summary: "# A test".to_owned(),
-        plots: vec![Plot {
-            title: "All".to_owned(),
-            signals: signals.iter().map(|s| s.path.clone()).collect(),
-        }],
+        plots: vec![Plot { title: "All".to_owned(), signals: signals.iter().map(|s| s.path.clone()).collect() }],
         body: Some(BodyTrack {
             name: "impactor".to_owned(),
             shape: BodyShape::Sphere { radius: 0.15 },
             poses: (0..3)
-                .map(|i| Pose {
-                    time: f64::from(i),
-                    position: [0.0, 0.0, i as f32],
-                    rotation: [0.0, 0.0, 0.0, 1.0],
-                })
+                .map(|i| Pose { time: f64::from(i), position: [0.0, 0.0, i as f32], rotation: [0.0, 0.0, 0.0, 1.0] })
                 .collect(),
         }),
-        events: vec![Event {
-            time: 0.5,
-            severity: Severity::Warning,
-            text: "rupture".to_owned(),
-        }],
+        events: vec![Event { time: 0.5, severity: Severity::Warning, text: "rupture".to_owned() }],
         films,
         signals,
     }
@@ -146,18 +131,8 @@ fn written(scene: &Scene) -> (BTreeMap<String, Vec<Chunk>>, u64) {
 fn everything_in_the_scene_comes_back() {
     let scene = scene(vec![film(4, 5)], vec![signal("velocity_m_s", 1200)]);
     let (entities, _) = written(&scene);
-    for entity in [
-        "/scene",
-        "/scene/film",
-        "/scene/impactor",
-        "/summary",
-        "/events",
-    ] {
-        assert!(
-            entities.contains_key(entity),
-            "{entity} in {:?}",
-            entities.keys()
-        );
+    for entity in ["/scene", "/scene/film", "/scene/impactor", "/summary", "/events"] {
+        assert!(entities.contains_key(entity), "{entity} in {:?}", entities.keys());
     }
 
     let film = &entities["/scene/film"];
@@ -173,10 +148,8 @@ fn everything_in_the_scene_comes_back() {
     let triangles = rows::<TriangleIndices>(film, &Mesh3D::descriptor_triangle_indices());
     assert_eq!((triangles.len(), triangles[0].0), (1, i64::MIN));
 
-    let values = rows::<re_sdk_types::components::Scalar>(
-        &entities["/signals/velocity_m_s"],
-        &Scalars::descriptor_scalars(),
-    );
+    let values =
+        rows::<re_sdk_types::components::Scalar>(&entities["/signals/velocity_m_s"], &Scalars::descriptor_scalars());
     assert_eq!(values.len(), 1200);
     assert_eq!(values[1199].0, 119_900_000);
     assert_eq!(values[7].1[0].0.0, (0.07_f64).sin());
@@ -195,10 +168,7 @@ fn broken_triangles_vanish_when_they_break() {
     film.frames[2].visible[3] = false;
     film.frames[3].visible.fill(false);
     let (entities, _) = written(&scene(vec![film], Vec::new()));
-    let triangles = rows::<TriangleIndices>(
-        &entities["/scene/film"],
-        &Mesh3D::descriptor_triangle_indices(),
-    );
+    let triangles = rows::<TriangleIndices>(&entities["/scene/film"], &Mesh3D::descriptor_triangle_indices());
     let counts: Vec<_> = triangles.iter().map(|(time, t)| (*time, t.len())).collect();
     // What is left of nothing is one triangle without area.
     assert_eq!(counts, [(0, 8), (1_000_000, 7), (1_500_000, 1)]);
@@ -208,9 +178,7 @@ fn broken_triangles_vanish_when_they_break() {
 fn an_ordinary_drop_test_stays_small() {
     let mut lower = film(20, 240);
     lower.name = "lower".to_owned();
-    let signals = (0..12)
-        .map(|i| signal(&format!("channel_{i}"), 1200))
-        .collect();
+    let signals = (0..12).map(|i| signal(&format!("channel_{i}"), 1200)).collect();
     let (_, bytes) = written(&scene(vec![film(20, 240), lower], signals));
     println!("{bytes} bytes");
     assert!(bytes < 8_000_000, "{bytes} bytes");
@@ -223,13 +191,6 @@ fn lists_that_do_not_fit_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("recording.rrd");
     let error = write(&path, &scene(vec![short], Vec::new())).unwrap_err();
-    assert!(matches!(
-        error,
-        VizError::Nodes {
-            found: 8,
-            expected: 9,
-            ..
-        }
-    ));
+    assert!(matches!(error, VizError::Nodes { found: 8, expected: 9, .. }));
     assert!(!path.exists());
 }

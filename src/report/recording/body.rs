@@ -14,42 +14,27 @@ const ARC: u32 = 12;
 pub fn track(impactor: &Impactor, outcome: &Outcome) -> Result<BodyTrack, MeshError> {
     let poses = outcome.frames.iter().filter_map(|frame| {
         let (position, rotation) = frame.impactor?;
-        Some(Pose {
-            time: frame.time,
-            position: position.map(|c| c as f32),
-            rotation: rotation.map(|c| c as f32),
-        })
+        Some(Pose { time: frame.time, position: position.map(|c| c as f32), rotation: rotation.map(|c| c as f32) })
     });
-    Ok(BodyTrack {
-        name: "impactor".to_owned(),
-        shape: body_shape(&impactor.shape)?,
-        poses: poses.collect(),
-    })
+    Ok(BodyTrack { name: "impactor".to_owned(), shape: body_shape(&impactor.shape)?, poses: poses.collect() })
 }
 
 /// The shape about its centre of mass, as the run moves it.
 fn body_shape(shape: &ImpactorShape) -> Result<BodyShape, MeshError> {
     Ok(match shape {
-        ImpactorShape::Sphere { radius } => BodyShape::Sphere {
-            radius: *radius as f32,
-        },
-        ImpactorShape::Hemisphere { radius, length } => BodyShape::Revolved {
-            profile: capsule(*radius as f32, *length as f32),
-        },
+        ImpactorShape::Sphere { radius } => BodyShape::Sphere { radius: *radius as f32 },
+        ImpactorShape::Hemisphere { radius, length } => {
+            BodyShape::Revolved { profile: capsule(*radius as f32, *length as f32) }
+        }
         ImpactorShape::Cylinder { radius, length } => {
             let [r, half] = [*radius as f32, *length as f32 / 2.0];
-            BodyShape::Revolved {
-                profile: vec![[0.0, half], [r, half], [r, -half], [0.0, -half]],
-            }
+            BodyShape::Revolved { profile: vec![[0.0, half], [r, half], [r, -half], [0.0, -half]] }
         }
         ImpactorShape::Mesh(path) => {
             let (points, triangles) = mesh::import::surface(path)?;
             let centre = centroid(&points, &triangles);
             let place = |p: &Point3<f64>| <[f64; 3]>::from(p - centre).map(|c| c as f32);
-            BodyShape::Surface {
-                points: points.iter().map(place).collect(),
-                triangles,
-            }
+            BodyShape::Surface { points: points.iter().map(place).collect(), triangles }
         }
     })
 }
@@ -69,13 +54,11 @@ fn capsule(radius: f32, length: f32) -> Vec<[f32; 2]> {
 /// Centre of mass of the homogeneous body inside a closed surface.
 fn centroid(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vector3<f64> {
     let corners = |t: &[u32; 3]| t.map(|node| points[node as usize].coords);
-    let (volume, moment) = triangles.iter().map(corners).fold(
-        (0.0, Vector3::zeros()),
-        |(volume, moment), [a, b, c]| {
+    let (volume, moment) =
+        triangles.iter().map(corners).fold((0.0, Vector3::zeros()), |(volume, moment), [a, b, c]| {
             let six = a.dot(&b.cross(&c));
             (volume + six, moment + six * (a + b + c) / 4.0)
-        },
-    );
+        });
     moment / volume
 }
 
@@ -93,12 +76,7 @@ mod tests {
 
     #[test]
     fn the_centroid_of_a_tetrahedron_is_the_mean_of_its_corners() {
-        let corners = [
-            [1.0, 1.0, 1.0],
-            [5.0, 1.0, 1.0],
-            [1.0, 5.0, 1.0],
-            [1.0, 1.0, 5.0],
-        ];
+        let corners = [[1.0, 1.0, 1.0], [5.0, 1.0, 1.0], [1.0, 5.0, 1.0], [1.0, 1.0, 5.0]];
         let points = corners.map(Point3::from);
         let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
         let centre = centroid(&points, &triangles);

@@ -7,16 +7,8 @@ use crate::simulate::Outcome;
 
 /// First contact, extremes, rupture and warnings, in the order of time.
 pub fn of(outcome: &Outcome, signals: &Recording) -> Vec<Event> {
-    let info = |time: f64, text: String| Event {
-        time,
-        severity: Severity::Info,
-        text,
-    };
-    let warning = |time: f64, text: String| Event {
-        time,
-        severity: Severity::Warning,
-        text,
-    };
+    let info = |time: f64, text: String| Event { time, severity: Severity::Info, text };
+    let warning = |time: f64, text: String| Event { time, severity: Severity::Warning, text };
     let contact = first_contact(signals).map(|time| info(time, "first contact".to_owned()));
     let braking = extreme(signals, "acceleration_filtered_m_s2", 1.0)
         .map(|(time, peak)| info(time, format!("peak deceleration {peak:.1} m/s²")));
@@ -26,15 +18,8 @@ pub fn of(outcome: &Outcome, signals: &Recording) -> Vec<Event> {
     let rupture = outcome.rupture_time;
     let rupture = rupture.map(|time| warning(time, "first element breaks".to_owned()));
     let end = signals.time.last().copied().unwrap_or_default();
-    let warnings = outcome
-        .warnings
-        .iter()
-        .map(|text| warning(end, text.clone()));
-    let mut events: Vec<Event> = [contact, braking, lowest, rupture]
-        .into_iter()
-        .flatten()
-        .chain(warnings)
-        .collect();
+    let warnings = outcome.warnings.iter().map(|text| warning(end, text.clone()));
+    let mut events: Vec<Event> = [contact, braking, lowest, rupture].into_iter().flatten().chain(warnings).collect();
     events.sort_by(|a, b| a.time.total_cmp(&b.time));
     events
 }
@@ -60,10 +45,7 @@ mod tests {
 
     #[test]
     fn contact_and_extremes_are_found_at_their_times() {
-        let channel = |name: &str, values: [f64; 4]| Channel {
-            name: name.to_owned(),
-            values: values.to_vec(),
-        };
+        let channel = |name: &str, values: [f64; 4]| Channel { name: name.to_owned(), values: values.to_vec() };
         let signals = Recording {
             time: vec![0.0, 0.1, 0.2, 0.3],
             channels: vec![

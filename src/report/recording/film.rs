@@ -9,8 +9,7 @@ pub fn highest_strain(outcome: &Outcome) -> f32 {
     let states = outcome.frames.iter().flat_map(|frame| &frame.films);
     let elements = states.flat_map(|state| state.strains.iter().zip(&state.broken));
     let held = elements.filter(|(_, broken)| !**broken);
-    held.map(|(strain, _)| fibre_strain(strain))
-        .fold(0.0, f32::max)
+    held.map(|(strain, _)| fibre_strain(strain)).fold(0.0, f32::max)
 }
 
 fn fibre_strain([md, td, _]: &[f32; 3]) -> f32 {
@@ -76,12 +75,7 @@ mod tests {
 
     #[test]
     fn nodes_take_the_mean_of_the_elements_that_hold() {
-        let film = Film {
-            nodes: 6,
-            quads: vec![[0, 1, 2, 3]],
-            tris: vec![[1, 4, 2], [4, 5, 2]],
-            mirrored: [false; 2],
-        };
+        let film = Film { nodes: 6, quads: vec![[0, 1, 2, 3]], tris: vec![[1, 4, 2], [4, 5, 2]], mirrored: [false; 2] };
         let state = FilmState {
             positions: vec![[0.0; 3]; 6],
             strains: vec![[0.1, 0.4, 9.0], [0.2, 0.0, 9.0], [7.0, 0.0, 0.0]],

@@ -25,14 +25,8 @@ pub enum RecordingError {
 
 /// Diagrams and the channels of `signals.csv` that they show where a run has them.
 const PLOTS: [(&str, &[&str]); 6] = [
-    (
-        "Acceleration, m/s²",
-        &["acceleration_m_s2", "acceleration_filtered_m_s2"],
-    ),
-    (
-        "Displacement, m",
-        &["displacement_m", "depth_m", "deflection_m"],
-    ),
+    ("Acceleration, m/s²", &["acceleration_m_s2", "acceleration_filtered_m_s2"]),
+    ("Displacement, m", &["displacement_m", "depth_m", "deflection_m"]),
     ("Force, N", &["contact_force_N", "force_N"]),
     ("Stress, Pa", &["stress_Pa"]),
     ("Pressure, Pa", &["pressure_Pa"]),
@@ -51,29 +45,16 @@ pub fn write(
     Ok(droptower_viz::write(path, &scene)?)
 }
 
-fn scene(
-    model: &Model,
-    outcome: &Outcome,
-    signals: &Recording,
-    summary_text: &str,
-) -> Result<Scene, MeshError> {
+fn scene(model: &Model, outcome: &Outcome, signals: &Recording, summary_text: &str) -> Result<Scene, MeshError> {
     let highest = film::highest_strain(outcome);
     let faces = 0..outcome.films.len();
     let impactor = model.impactor.as_ref();
     Ok(Scene {
         name: model.name.clone(),
-        summary: format!(
-            "{summary_text}\n\nColour: the larger fibre strain, 0 (dark) to {highest:.3} (bright).\n"
-        ),
-        films: faces
-            .map(|face| film::track(outcome, face, highest))
-            .collect(),
-        body: impactor
-            .map(|impactor| body::track(impactor, outcome))
-            .transpose()?,
-        signals: tracks("signals", signals)
-            .chain(tracks("energies", &outcome.energies))
-            .collect(),
+        summary: format!("{summary_text}\n\nColour: the larger fibre strain, 0 (dark) to {highest:.3} (bright).\n"),
+        films: faces.map(|face| film::track(outcome, face, highest)).collect(),
+        body: impactor.map(|impactor| body::track(impactor, outcome)).transpose()?,
+        signals: tracks("signals", signals).chain(tracks("energies", &outcome.energies)).collect(),
         plots: plots(signals, &outcome.energies),
         events: events::of(outcome, signals),
     })
@@ -90,25 +71,18 @@ fn tracks<'a>(folder: &'a str, recording: &'a Recording) -> impl Iterator<Item =
 
 fn plots(signals: &Recording, energies: &Recording) -> Vec<Plot> {
     let shown = |channels: &[&str]| -> Vec<String> {
-        let present = channels
-            .iter()
-            .filter(|name| signals.channel(name).is_some());
+        let present = channels.iter().filter(|name| signals.channel(name).is_some());
         present.map(|name| format!("signals/{name}")).collect()
     };
     let mut plots: Vec<Plot> = PLOTS
         .iter()
-        .map(|(title, channels)| Plot {
-            title: (*title).to_owned(),
-            signals: shown(channels),
-        })
+        .map(|(title, channels)| Plot { title: (*title).to_owned(), signals: shown(channels) })
         .filter(|plot| !plot.signals.is_empty())
         .collect();
     if !energies.channels.is_empty() {
         plots.push(Plot {
             title: "Energies, J".to_owned(),
-            signals: tracks("energies", energies)
-                .map(|track| track.path)
-                .collect(),
+            signals: tracks("energies", energies).map(|track| track.path).collect(),
         });
     }
     plots
@@ -120,23 +94,15 @@ mod tests {
     use crate::signal::Channel;
 
     fn recording(names: &[&str]) -> Recording {
-        let channel = |name: &&str| Channel {
-            name: (*name).to_owned(),
-            values: vec![0.0, 1.0],
-        };
-        Recording {
-            time: vec![0.0, 0.1],
-            channels: names.iter().map(channel).collect(),
-        }
+        let channel = |name: &&str| Channel { name: (*name).to_owned(), values: vec![0.0, 1.0] };
+        Recording { time: vec![0.0, 0.1], channels: names.iter().map(channel).collect() }
     }
 
     #[test]
     fn diagrams_show_the_channels_that_a_run_has() {
         let signals = recording(&["displacement_m", "force_N", "velocity_m_s"]);
         let plots = plots(&signals, &recording(&["hourglass"]));
-        let shown = plots
-            .iter()
-            .map(|p| (p.title.as_str(), p.signals.join(" ")));
+        let shown = plots.iter().map(|p| (p.title.as_str(), p.signals.join(" ")));
         let expected = [
             ("Displacement, m", "signals/displacement_m"),
             ("Force, N", "signals/force_N"),
