@@ -30,7 +30,7 @@ fn build(shape: &Shape, symmetry: Symmetry, element: Element, size: f64) -> Mesh
 
 fn specimen(shape: &Shape, symmetry: Symmetry) -> Specimen {
     let shape = shape.clone();
-    Specimen { shape, symmetry }
+    Specimen { shape, symmetry, damping: 0.0 }
 }
 
 fn parts(symmetry: Symmetry) -> usize {
