@@ -3,6 +3,8 @@
 mod figure;
 mod html;
 mod plot;
+#[cfg(feature = "rerun")]
+pub mod recording;
 mod run_page;
 mod study_page;
 
