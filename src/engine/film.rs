@@ -190,11 +190,10 @@ fn block_strains<const NODES: usize, const POINTS: usize>(
     block: usize,
     position: &[[f64; 3]],
 ) -> [ElementStrain; LANES] {
-    let x = element::gather(&blocks.nodes[block], position);
     let mut out = [ElementStrain::default(); LANES];
     let mut sum = [splat(0.0); 3];
-    for point in &blocks.points[block] {
-        let s = strains(&element::deformation(&x, point));
+    for (point, d) in blocks.points[block].iter().zip(element::deformations(blocks, block, position)) {
+        let s = strains(&d);
         for l in 0..LANES {
             for (total, value) in sum.iter_mut().zip([s.md[l], s.td[l], s.shear[l]]) {
                 total[l] += value / POINTS as f64;

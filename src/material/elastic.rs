@@ -7,7 +7,7 @@
 //! ∂W/∂f₁ = S₁₁ f₁ + S₁₂ f₂,   S₁₁ = Y/(1 − ν²)(E₁₁ + ν E₂₂),   S₁₂ = 2G E₁₂
 //! ```
 
-use super::{Energy, Gradient, MembraneLaw, Peaks, Stiffness, Stress};
+use super::{Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
 use crate::lane::{LANES, Lane, dot, larger, splat};
 
 /// Isotropic linear elasticity for small strain and any rotation; it carries compression.
@@ -30,13 +30,15 @@ impl Elastic {
 
     /// Second Piola–Kirchhoff stress S₁₁, S₂₂, S₁₂ and the strains E₁₁, E₂₂, E₁₂.
     #[inline(always)]
-    fn response(&self, f: &Gradient) -> ([Lane; 3], [Lane; 3]) {
-        let (c11, c22, c12) = (dot(&f[0], &f[0]), dot(&f[1], &f[1]), dot(&f[0], &f[1]));
+    fn response(&self, d: &Deformation) -> ([Lane; 3], [Lane; 3]) {
+        let [f1, f2] = &d.f;
+        let (c11, c22, c12) = (dot(f1, f1), dot(f2, f2), dot(f1, f2));
         let (plane, twice_shear) = (self.plane(), 2.0 * self.shear());
         let mut stress = [splat(0.0); 3];
         let mut strain = [splat(0.0); 3];
         for l in 0..LANES {
-            let (e11, e22, e12) = (0.5 * (c11[l] - 1.0), 0.5 * (c22[l] - 1.0), 0.5 * c12[l]);
+            let (e11, e22, e12) =
+                (0.5 * (c11[l] + d.spread[0][l] - 1.0), 0.5 * (c22[l] + d.spread[1][l] - 1.0), 0.5 * c12[l]);
             strain[0][l] = e11;
             strain[1][l] = e22;
             strain[2][l] = e12;
@@ -50,25 +52,21 @@ impl Elastic {
 
 impl MembraneLaw for Elastic {
     #[inline(always)]
-    fn stress(&self, f: &Gradient, _peaks: &mut Peaks) -> Stress {
-        let (s, _) = self.response(f);
+    fn stress(&self, d: &Deformation, _peaks: &mut Peaks) -> Stress {
+        let (s, _) = self.response(d);
         let mut p = [[splat(0.0); 3]; 2];
-        let mut tension = [splat(0.0); 2];
+        let [f1, f2] = &d.f;
         for axis in 0..3 {
             for l in 0..LANES {
-                p[0][axis][l] = s[0][l] * f[0][axis][l] + s[2][l] * f[1][axis][l];
-                p[1][axis][l] = s[1][l] * f[1][axis][l] + s[2][l] * f[0][axis][l];
+                p[0][axis][l] = s[0][l] * f1[axis][l] + s[2][l] * f2[axis][l];
+                p[1][axis][l] = s[1][l] * f2[axis][l] + s[2][l] * f1[axis][l];
             }
         }
-        for l in 0..LANES {
-            tension[0][l] = larger(s[0][l], 0.0);
-            tension[1][l] = larger(s[1][l], 0.0);
-        }
-        Stress { p, tension }
+        Stress { p, tension: [s[0], s[1]] }
     }
 
-    fn energy(&self, f: &Gradient, _peaks: &Peaks) -> Energy {
-        let (s, e) = self.response(f);
+    fn energy(&self, d: &Deformation, _peaks: &Peaks) -> Energy {
+        let (s, e) = self.response(d);
         let mut stored = splat(0.0);
         for l in 0..LANES {
             stored[l] = 0.5 * (s[0][l] * e[0][l] + s[1][l] * e[1][l]) + s[2][l] * e[2][l];
@@ -76,9 +74,9 @@ impl MembraneLaw for Elastic {
         Energy { stored, absorbed: splat(0.0) }
     }
 
-    fn stiffness(&self, f: &Gradient, _peaks: &Peaks) -> Stiffness {
-        let (s, _) = self.response(f);
-        let (c11, c22) = (dot(&f[0], &f[0]), dot(&f[1], &f[1]));
+    fn stiffness(&self, d: &Deformation, _peaks: &Peaks) -> Stiffness {
+        let (s, _) = self.response(d);
+        let (c11, c22) = (dot(&d.f[0], &d.f[0]), dot(&d.f[1], &d.f[1]));
         let mut bound = Stiffness { along: [splat(0.0); 2], across: [splat(0.0); 2], shear: splat(0.0) };
         for l in 0..LANES {
             let (s1, s2) = (s[0][l].abs() + s[2][l].abs(), s[1][l].abs() + s[2][l].abs());

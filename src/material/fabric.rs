@@ -11,7 +11,7 @@
 //! a slack fibre carries no stress, and its part in shear fades with its length instead of growing without bound.
 //! Beyond |sin γ| = 0.95 the angle goes on along its tangent, so that the force stays bounded as fibres close up.
 
-use super::{Absorption, Curve, Energy, Gradient, MembraneLaw, Peaks, Stiffness, Stress};
+use super::{Absorption, Curve, Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
 use crate::lane::{LANES, Lane, Lane3, dot, larger, smaller, splat};
 
 /// Two fibre sets at 90° in the stress-free film and a shear curve, with energy absorption on unloading.
@@ -87,8 +87,8 @@ pub(super) struct Fibres {
 
 impl Fibres {
     #[inline(always)]
-    pub(super) fn of(f: &Gradient) -> Fibres {
-        let (c11, c22, c12) = (dot(&f[0], &f[0]), dot(&f[1], &f[1]), dot(&f[0], &f[1]));
+    pub(super) fn of(d: &Deformation) -> Fibres {
+        let (c11, c22, c12) = (dot(&d.f[0], &d.f[0]), dot(&d.f[1], &d.f[1]), dot(&d.f[0], &d.f[1]));
         let mut out = Fibres {
             stretch: [splat(0.0); 2],
             inverse: [splat(0.0); 2],
@@ -97,8 +97,8 @@ impl Fibres {
             angle: splat(0.0),
         };
         for l in 0..LANES {
-            out.stretch[0][l] = c11[l].sqrt();
-            out.stretch[1][l] = c22[l].sqrt();
+            out.stretch[0][l] = (c11[l] + d.spread[0][l]).sqrt();
+            out.stretch[1][l] = (c22[l] + d.spread[1][l]).sqrt();
             out.inverse[0][l] = 1.0 / larger(out.stretch[0][l], 1.0);
             out.inverse[1][l] = 1.0 / larger(out.stretch[1][l], 1.0);
         }
@@ -127,8 +127,8 @@ impl Fibres {
 
 impl MembraneLaw for Fabric {
     #[inline(always)]
-    fn stress(&self, f: &Gradient, peaks: &mut Peaks) -> Stress {
-        let fibres = Fibres::of(f);
+    fn stress(&self, d: &Deformation, peaks: &mut Peaks) -> Stress {
+        let fibres = Fibres::of(d);
         let [peak_md, peak_td, peak_shear] = peaks;
         let md = self.absorption.stress(&self.md, &fibres.strain(0), peak_md);
         let td = self.absorption.stress(&self.td, &fibres.strain(1), peak_td);
@@ -136,23 +136,21 @@ impl MembraneLaw for Fabric {
 
         let mut tension = [splat(0.0); 2];
         let mut cross = splat(0.0);
-        let mut along = [splat(0.0); 2];
         for l in 0..LANES {
             let [r1, r2] = [fibres.inverse[0][l], fibres.inverse[1][l]];
             let turn = shear[l].copysign(fibres.angle[l]) * fibres.secant[l];
-            tension[0][l] = md[l] * r1;
-            tension[1][l] = td[l] * r2;
             cross[l] = turn * r1 * r2;
             let taut1 = if fibres.stretch[0][l] > 1.0 { r1 * r1 } else { 0.0 };
             let taut2 = if fibres.stretch[1][l] > 1.0 { r2 * r2 } else { 0.0 };
-            along[0][l] = tension[0][l] - turn * fibres.sine[l] * taut1;
-            along[1][l] = tension[1][l] - turn * fibres.sine[l] * taut2;
+            tension[0][l] = md[l] * r1 - turn * fibres.sine[l] * taut1;
+            tension[1][l] = td[l] * r2 - turn * fibres.sine[l] * taut2;
         }
-        Stress { p: [combine(&along[0], &f[0], &cross, &f[1]), combine(&along[1], &f[1], &cross, &f[0])], tension }
+        let [f1, f2] = &d.f;
+        Stress { p: [combine(&tension[0], f1, &cross, f2), combine(&tension[1], f2, &cross, f1)], tension }
     }
 
-    fn energy(&self, f: &Gradient, peaks: &Peaks) -> Energy {
-        let fibres = Fibres::of(f);
+    fn energy(&self, d: &Deformation, peaks: &Peaks) -> Energy {
+        let fibres = Fibres::of(d);
         let parts = [
             self.absorption.energy(&self.md, &fibres.strain(0), &peaks[0]),
             self.absorption.energy(&self.td, &fibres.strain(1), &peaks[1]),
@@ -168,17 +166,18 @@ impl MembraneLaw for Fabric {
         total
     }
 
-    fn stiffness(&self, f: &Gradient, peaks: &Peaks) -> Stiffness {
+    fn stiffness(&self, d: &Deformation, peaks: &Peaks) -> Stiffness {
         /// Strain that a fibre may move before the bound is asked for again.
         const REACH: f64 = 0.01;
-        let fibres = Fibres::of(f);
+        let fibres = Fibres::of(d);
         let strain = [fibres.strain(0), fibres.strain(1)];
-        let stress = self.stress(f, &mut peaks.clone());
-        let mut bound = Stiffness { along: [splat(0.0); 2], across: stress.tension, shear: splat(0.0) };
+        let stress = self.stress(d, &mut peaks.clone());
+        let mut bound =
+            Stiffness { along: [splat(0.0); 2], across: stress.tension.map(|t| t.map(f64::abs)), shear: splat(0.0) };
         for l in 0..LANES {
             for (fibre, curve) in [&self.md, &self.td].into_iter().enumerate() {
                 let steepest = self.absorption.steepest(curve, strain[fibre][l], peaks[fibre][l], REACH);
-                bound.along[fibre][l] = larger(steepest, stress.tension[fibre][l]);
+                bound.along[fibre][l] = larger(steepest, bound.across[fibre][l]);
             }
             let angle = fibres.angle[l].abs();
             let slope = self.absorption.steepest(&self.shear, angle, peaks[2][l], REACH);
@@ -225,7 +224,7 @@ mod tests {
                 let tangent = 1.0 / (1.0 - SINE_BOUND * SINE_BOUND).sqrt();
                 sine.signum() * (SINE_BOUND.asin() + tangent * (sine.abs() - SINE_BOUND))
             };
-            assert!((Fibres::of(&f).angle[0] - expected).abs() < 2e-15, "at {sine}");
+            assert!((Fibres::of(&f.into()).angle[0] - expected).abs() < 2e-15, "at {sine}");
         }
     }
 
@@ -237,9 +236,9 @@ mod tests {
         let film = Fabric::new(md.clone(), td.clone(), Curve::new(vec![[1.0, 1e7]]).unwrap(), 0.9);
         for strain in [0.1, 0.26, 0.5, 1.0, 1.39] {
             let f = [[1.0 + strain, 0.0, 0.0].map(splat), [0.0, 1.0, 0.0].map(splat)];
-            assert!((film.stress(&f, &mut [splat(0.0); 3]).p[0][0][0] / md.stress(strain) - 1.0).abs() < 1e-14);
+            assert!((film.stress(&f.into(), &mut [splat(0.0); 3]).p[0][0][0] / md.stress(strain) - 1.0).abs() < 1e-14);
             let f = [[1.0, 0.0, 0.0].map(splat), [0.0, 1.0 + strain, 0.0].map(splat)];
-            assert!((film.stress(&f, &mut [splat(0.0); 3]).p[1][1][0] / td.stress(strain) - 1.0).abs() < 1e-14);
+            assert!((film.stress(&f.into(), &mut [splat(0.0); 3]).p[1][1][0] / td.stress(strain) - 1.0).abs() < 1e-14);
         }
     }
 }

@@ -36,6 +36,8 @@ pub struct Contact {
     near: NearList,
     touching: Vec<Constraint>,
     impulses: Vec<Impulse>,
+    /// Velocity that each node got from contact in this step, m/s.
+    received: Vec<[f64; 3]>,
     /// Sums since the start, J.
     pub work: Work,
     /// Largest penetration that was seen by [`Contact::inspect`], m.
@@ -97,6 +99,7 @@ impl Contact {
             surface,
             friction,
             multiplicity,
+            received: vec![[0.0; 3]; offset.len()],
             offset,
             near: NearList::default(),
             touching: vec![],
@@ -230,13 +233,17 @@ impl Contact {
     /// Work of this step's impulses with the mean of the velocities before and after it (theory.md, equation 22).
     fn account(&mut self, nodes: &Nodes, body: &RigidBody, before: &RigidBody, kick: f64) {
         for impulse in &self.impulses {
+            self.received[impulse.node] = [0.0; 3];
+        }
+        for impulse in &self.impulses {
+            let gained = velocity_change(nodes, impulse);
+            (0..3).for_each(|i| self.received[impulse.node][i] += gained[i]);
+        }
+        for impulse in &self.impulses {
             let after = nodes.velocity_of(impulse.node);
             let acceleration =
                 Vector3::from_fn(|i, _| nodes.force[impulse.node][i] * nodes.inverse_mass[impulse.node][i]);
-            let gained = Vector3::from_fn(|i, _| {
-                (impulse.normal[i] + impulse.tangential[i]) * nodes.inverse_mass[impulse.node][i]
-            });
-            let earlier = after - gained - acceleration * kick;
+            let earlier = after - Vector3::from(self.received[impulse.node]) - acceleration * kick;
             let film = 0.5 * (after + earlier);
             let surface = 0.5 * (body.velocity_at(&impulse.point) + before.velocity_at(&impulse.point));
             let relative = film - surface;
@@ -345,11 +352,14 @@ fn node_impulse(
     Some(Impulse { node: c.node, point, normal: c.normal * lack * mass, tangential: tangential * mass })
 }
 
+fn velocity_change(nodes: &Nodes, impulse: &Impulse) -> [f64; 3] {
+    let w = nodes.inverse_mass[impulse.node];
+    std::array::from_fn(|i| (impulse.normal[i] + impulse.tangential[i]) * w[i])
+}
+
 fn give(nodes: &mut Nodes, impulse: &Impulse) {
-    let (v, w) = (&mut nodes.velocity[impulse.node], nodes.inverse_mass[impulse.node]);
-    for axis in 0..3 {
-        v[axis] += (impulse.normal[axis] + impulse.tangential[axis]) * w[axis];
-    }
+    let change = velocity_change(nodes, impulse);
+    (0..3).for_each(|i| nodes.velocity[impulse.node][i] += change[i]);
 }
 
 fn longest_edge(corners: &[u32], nodes: &Nodes) -> f64 {

@@ -10,8 +10,8 @@ pub use reference::{Frame, UprightElement};
 
 use nalgebra::Point3;
 
-use crate::lane::{LANES, Lane, Lane3, splat};
-use crate::material::{Gradient, MembraneLaw, Peaks};
+use crate::lane::{LANES, Lane, Lane3, dot, splat};
+use crate::material::{Deformation, MembraneLaw, Peaks, Stress};
 
 /// Elements with `NODES` nodes and `POINTS` integration points.
 #[derive(Clone, Debug)]
@@ -37,14 +37,18 @@ pub struct Point<const NODES: usize> {
     pub peaks: Peaks,
 }
 
-/// The part of a four-node element's motion that its single integration point does not see
-/// (theory.md, equations 12–14): amplitude q = Σ γ_a x_a.
+/// The part of a four-node element's motion that its single integration point does not see: the amplitude
+/// q = Σ γ_a x_a of the mode ξη (theory.md, equations 12–14).
+///
+/// Across the element f_I varies by q times the mode's gradient, with mean square H_I |q|². The law sees it as
+/// [`Deformation::spread`], so tension resists the mode as full integration would, from the same energy. Along the
+/// fibres a small stiffness κ_I is added, ½ κ_I H_I (f_I·q)², because strains that cancel in the mean leave no trace in it.
 #[derive(Clone, Debug)]
 pub struct Hourglass<const NODES: usize> {
     /// γ_a, orthogonal to every linear field.
     pub shape: [Lane; NODES],
     /// Mean squares of the mode's gradient along MD and TD over the element, 1/m².
-    pub weight: [Lane; 2],
+    pub mean_square: [Lane; 2],
 }
 
 /// One element as it is put into a block.
@@ -76,7 +80,7 @@ impl<const NODES: usize, const POINTS: usize> Blocks<NODES, POINTS> {
             }));
             out.hourglass.push(Hourglass {
                 shape: std::array::from_fn(|a| std::array::from_fn(|l| lane(l).hourglass.0[a])),
-                weight: std::array::from_fn(|i| std::array::from_fn(|l| lane(l).hourglass.1[i])),
+                mean_square: std::array::from_fn(|i| std::array::from_fn(|l| lane(l).hourglass.1[i])),
             });
         }
         out
@@ -125,9 +129,13 @@ fn scatter<const NODES: usize>(nodes: &[[u32; LANES]; NODES], f: &[Lane3; NODES]
     }
 }
 
-/// f_I = Σ_a ∂N_a/∂X_I x_a (theory.md, equation 1).
+/// f_I = Σ_a ∂N_a/∂X_I x_a (theory.md, equation 1), and how far f_I varies around it.
 #[inline(always)]
-pub(crate) fn deformation<const NODES: usize>(x: &[Lane3; NODES], point: &Point<NODES>) -> Gradient {
+pub(crate) fn deformation<const NODES: usize>(
+    x: &[Lane3; NODES],
+    point: &Point<NODES>,
+    spread: [Lane; 2],
+) -> Deformation {
     let mut f = [[splat(0.0); 3]; 2];
     for fibre in 0..2 {
         for axis in 0..3 {
@@ -138,7 +146,7 @@ pub(crate) fn deformation<const NODES: usize>(x: &[Lane3; NODES], point: &Point<
             }
         }
     }
-    f
+    Deformation { f, spread }
 }
 
 /// Adds the forces of all elements to `force` and raises the largest strains.
@@ -151,19 +159,25 @@ pub(crate) fn add_forces<L: MembraneLaw, const NODES: usize, const POINTS: usize
     force: &mut [[f64; 3]],
 ) -> bool {
     let limits = law.break_strains();
-    let moduli = law.moduli();
+    let stabilisation = law.moduli().map(|m| IN_PLANE_STABILISATION * m);
     let mut past = false;
     for ((nodes, points), hourglass) in blocks.nodes.iter().zip(&mut blocks.points).zip(&blocks.hourglass) {
         let x = gather(nodes, position);
         let mut out = [[splat(0.0); 3]; NODES];
-        for point in points.iter_mut() {
-            let f = deformation(&x, point);
-            let stress = law.stress(&f, &mut point.peaks);
-            subtract_stress(&mut out, point, &stress.p);
-            if NODES == 4 && POINTS == 1 {
-                hourglass.subtract_force(&mut out, &x, &f, &point.volume, &stress.tension, moduli);
+        if NODES == 4 && POINTS == 1 {
+            let q = hourglass.amplitude(&x);
+            let d = deformation(&x, &points[0], hourglass.spread(&q));
+            let mut stress = law.stress(&d, &mut points[0].peaks);
+            hourglass.subtract_force(&mut out, &q, &d, &points[0].volume, &mut stress, stabilisation);
+            subtract_stress(&mut out, &points[0], &stress.p);
+            past |= beyond(&points[0], limits);
+        } else {
+            for point in points.iter_mut() {
+                let d = deformation(&x, point, [splat(0.0); 2]);
+                let stress = law.stress(&d, &mut point.peaks);
+                subtract_stress(&mut out, point, &stress.p);
+                past |= beyond(point, limits);
             }
-            past |= beyond(point, limits);
         }
         scatter(nodes, &out, force);
     }
@@ -172,7 +186,7 @@ pub(crate) fn add_forces<L: MembraneLaw, const NODES: usize, const POINTS: usize
 
 /// −V Σ_I ∂N_a/∂X_I p_I (theory.md, equation 2).
 #[inline(always)]
-fn subtract_stress<const NODES: usize>(out: &mut [Lane3; NODES], point: &Point<NODES>, p: &Gradient) {
+fn subtract_stress<const NODES: usize>(out: &mut [Lane3; NODES], point: &Point<NODES>, p: &[Lane3; 2]) {
     for fibre in 0..2 {
         for axis in 0..3 {
             let mut vp = splat(0.0);
@@ -212,28 +226,46 @@ impl<const NODES: usize> Hourglass<NODES> {
         q
     }
 
-    /// −V γ_a Σ_I H_I [ (σ_I/λ_I) q + κ_I (f_I·q) f_I ] (theory.md, equation 14).
+    /// H_I |q|².
+    #[inline(always)]
+    fn spread(&self, q: &Lane3) -> [Lane; 2] {
+        let squared = dot(q, q);
+        let mut spread = [splat(0.0); 2];
+        for fibre in 0..2 {
+            for l in 0..LANES {
+                spread[fibre][l] = self.mean_square[fibre][l] * squared[l];
+            }
+        }
+        spread
+    }
+
+    /// −V γ_a Σ_I H_I [ 2∂W/∂|f_I|² q + κ_I (f_I·q) f_I ]; adds what the stabilisation gives to ∂W/∂f_I,
+    /// κ_I H_I (f_I·q) q, to the stress (theory.md, equation 14).
     #[inline(always)]
     fn subtract_force(
         &self,
         out: &mut [Lane3; NODES],
-        x: &[Lane3; NODES],
-        f: &Gradient,
+        q: &Lane3,
+        d: &Deformation,
         volume: &Lane,
-        tension: &[Lane; 2],
-        moduli: [f64; 2],
+        stress: &mut Stress,
+        stabilisation: [f64; 2],
     ) {
-        let q = self.amplitude(x);
-        let along = [crate::lane::dot(&f[0], &q), crate::lane::dot(&f[1], &q)];
+        let mut resisted = [dot(&d.f[0], q), dot(&d.f[1], q)];
+        let mut followed = splat(0.0);
+        for fibre in 0..2 {
+            for l in 0..LANES {
+                resisted[fibre][l] *= stabilisation[fibre] * self.mean_square[fibre][l];
+                followed[l] += self.mean_square[fibre][l] * stress.tension[fibre][l];
+            }
+        }
         for axis in 0..3 {
             let mut h = splat(0.0);
             for l in 0..LANES {
-                let mut sum = 0.0;
-                for fibre in 0..2 {
-                    let resisted = IN_PLANE_STABILISATION * moduli[fibre] * along[fibre][l] * f[fibre][axis][l];
-                    sum += self.weight[fibre][l] * (tension[fibre][l] * q[axis][l] + resisted);
-                }
-                h[l] = volume[l] * sum;
+                let along = resisted[0][l] * d.f[0][axis][l] + resisted[1][l] * d.f[1][axis][l];
+                h[l] = volume[l] * (followed[l] * q[axis][l] + along);
+                stress.p[0][axis][l] += resisted[0][l] * q[axis][l];
+                stress.p[1][axis][l] += resisted[1][l] * q[axis][l];
             }
             for a in 0..NODES {
                 for l in 0..LANES {
@@ -243,16 +275,13 @@ impl<const NODES: usize> Hourglass<NODES> {
         }
     }
 
-    /// ½ Σ_I H_I [ (σ_I/λ_I) |q|² + κ_I (f_I·q)² ], J per volume.
-    fn energy(&self, x: &[Lane3; NODES], f: &Gradient, tension: &[Lane; 2], moduli: [f64; 2]) -> Lane {
-        let q = self.amplitude(x);
-        let squared = crate::lane::dot(&q, &q);
+    /// Energy of the stabilisation, ½ Σ_I κ_I H_I (f_I·q)², J/m³.
+    fn energy(&self, q: &Lane3, d: &Deformation, stabilisation: [f64; 2]) -> Lane {
         let mut energy = splat(0.0);
         for fibre in 0..2 {
-            let along = crate::lane::dot(&f[fibre], &q);
+            let along = dot(&d.f[fibre], q);
             for l in 0..LANES {
-                let resisted = IN_PLANE_STABILISATION * moduli[fibre] * along[l] * along[l];
-                energy[l] += 0.5 * self.weight[fibre][l] * (tension[fibre][l] * squared[l] + resisted);
+                energy[l] += 0.5 * stabilisation[fibre] * self.mean_square[fibre][l] * along[l] * along[l];
             }
         }
         energy
@@ -278,23 +307,33 @@ pub(crate) fn energies<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
     position: &[[f64; 3]],
 ) -> [ElementEnergy; LANES] {
     let x = gather(&blocks.nodes[block], position);
+    let stabilisation = law.moduli().map(|m| IN_PLANE_STABILISATION * m);
+    let hourglass = &blocks.hourglass[block];
+    let q = hourglass.amplitude(&x);
     let mut out = [ElementEnergy::default(); LANES];
     for point in &blocks.points[block] {
-        let f = deformation(&x, point);
-        let energy = law.energy(&f, &point.peaks);
+        let d = deformation(&x, point, hourglass.spread(&q));
+        let energy = law.energy(&d, &point.peaks);
+        let stabilised = hourglass.energy(&q, &d, stabilisation);
         for l in 0..LANES {
             out[l].stored += point.volume[l] * energy.stored[l];
             out[l].absorbed += point.volume[l] * energy.absorbed[l];
-        }
-        if NODES == 4 && POINTS == 1 {
-            let tension = law.stress(&f, &mut point.peaks.clone()).tension;
-            let hourglass = blocks.hourglass[block].energy(&x, &f, &tension, law.moduli());
-            for l in 0..LANES {
-                out[l].hourglass += point.volume[l] * hourglass[l];
-            }
+            out[l].hourglass += point.volume[l] * stabilised[l];
         }
     }
     out
+}
+
+/// Deformation at every integration point of a block.
+pub(crate) fn deformations<const NODES: usize, const POINTS: usize>(
+    blocks: &Blocks<NODES, POINTS>,
+    block: usize,
+    position: &[[f64; 3]],
+) -> [Deformation; POINTS] {
+    let x = gather(&blocks.nodes[block], position);
+    let hourglass = &blocks.hourglass[block];
+    let spread = hourglass.spread(&hourglass.amplitude(&x));
+    std::array::from_fn(|p| deformation(&x, &blocks.points[block][p], spread))
 }
 
 /// Bound on the squared angular frequency of the elements of one block, rad²/s² (theory.md, equation 17).
@@ -305,12 +344,10 @@ pub(crate) fn frequency_bound<L: MembraneLaw, const NODES: usize, const POINTS: 
     density: f64,
     position: &[[f64; 3]],
 ) -> f64 {
-    let x = gather(&blocks.nodes[block], position);
-    let points = &blocks.points[block];
     let mut bound = splat(0.0);
     let mut volume = splat(0.0);
-    for point in points {
-        let k = law.stiffness(&deformation(&x, point), &point.peaks);
+    for (point, d) in blocks.points[block].iter().zip(deformations(blocks, block, position)) {
+        let k = law.stiffness(&d, &point.peaks);
         for l in 0..LANES {
             let mut g = [0.0; 2];
             for a in 0..NODES {
