@@ -38,6 +38,8 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
         files.tables(&results.findings)?;
         let page = RunPage { model, outcome, results, scenario, failure: *failure };
         let page = report::run_page(&page).map_err(|error| not_drawn(draft, error))?;
+        #[cfg(feature = "rerun")]
+        files.recording(contents, results)?;
         files.write("report.html", page.into_bytes())?;
     }
     Ok(files.names)
@@ -66,6 +68,17 @@ impl Files<'_> {
     fn write(&mut self, name: &str, content: Vec<u8>) -> Result<(), StoreError> {
         self.draft.write(name, content)?;
         self.names.push(name.into());
+        Ok(())
+    }
+
+    #[cfg(feature = "rerun")]
+    fn recording(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
+        let Contents { model, outcome, .. } = contents;
+        let path = self.draft.path().join("recording.rrd");
+        let text = report::markdown(&results.summary(model));
+        report::recording::write(&path, model, outcome, &results.signals, &text)
+            .map_err(|error| StoreError::write(&path, io::Error::other(error)))?;
+        self.names.push("recording.rrd".into());
         Ok(())
     }
 

@@ -14,7 +14,7 @@ use super::scenarios::Checked;
 use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report, scenarios};
 use crate::diagnostic::Diagnostic;
 use crate::post::Plan;
-use crate::simulate::{self, Failure, Outcome, Progress};
+use crate::simulate::{self, Failure, Outcome, Progress, RunError};
 use crate::store::{self, Draft};
 
 #[derive(Debug, Args)]
@@ -88,7 +88,8 @@ impl Job {
     fn run(&self, progress: &mut dyn FnMut(Progress)) -> Done {
         match simulate::run(&self.checked.model, progress) {
             Ok(outcome) => self.keep(&outcome).unwrap_or_else(|(status, mistake)| self.broken(status, mistake)),
-            Err(failure) => self.keep_failed(&failure),
+            Err(RunError::Failure(failure)) => self.keep_failed(&failure),
+            Err(error) => self.broken(BAD_INPUT, Diagnostic::new(format!("{}: {error}", self.checked.model.name))),
         }
     }
 
@@ -106,17 +107,18 @@ impl Job {
     }
 
     fn keep_failed(&self, failure: &Failure) -> Done {
-        let (model, outcome) = (&self.checked.model, &*failure.so_far);
+        let (model, outcome) = (&self.checked.model, &failure.so_far);
         // What broke off may be too short or too wild to be measured; then its signals stand alone.
         let results = self.plan.measure(model, outcome).ok();
         let scenario = self.resolved();
-        let cause = Some(failure.cause.as_str());
-        let contents = Contents { model, outcome, results: results.as_ref(), scenario: &scenario, failure: cause };
+        let cause = failure.cause.to_string();
+        let contents =
+            Contents { model, outcome, results: results.as_ref(), scenario: &scenario, failure: Some(&cause) };
         let stored = Draft::begin(&self.place).and_then(|draft| {
             folder::fill(&draft, &contents)?;
             draft.publish_failed()
         });
-        let mistake = Diagnostic::new(format!("{}: {}", model.name, failure.cause));
+        let mistake = Diagnostic::new(format!("{}: {cause}", model.name));
         match stored {
             Ok(place) => {
                 let hint = format!("what was computed so far is in {}", place.display());

@@ -47,7 +47,7 @@ impl Study {
 
     fn simulate(&mut self) -> Answer<Run> {
         let Parts { model, plan, .. } = &*self.0;
-        let failed = |failure: simulate::Failure| refuse(format!("{}: {}", model.name, failure.cause));
+        let failed = |error| refuse(format!("{}: {error}", model.name));
         let outcome = simulate::run(model, &mut |_| {}).map_err(failed)?;
         let results = plan.measure(model, &outcome).map_err(refuse)?;
         Ok(Run::new(model, &outcome, &results))

@@ -35,7 +35,7 @@ fn model() -> Model {
     Model {
         name: "drop/pulse".into(),
         title: "A half-sine pulse".into(),
-        specimen: Specimen { shape: Shape::Circle { radius: 0.2 }, symmetry: Symmetry::None },
+        specimen: Specimen { shape: Shape::Circle { radius: 0.2 }, symmetry: Symmetry::None, damping: 0.0 },
         faces: vec![face],
         frame: Frame { hold: Hold::All },
         impactor: Some(Impactor {

@@ -1,6 +1,6 @@
 //! Figures as people read them: words, a rounded number, a unit.
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 /// Suffixes of names, longest first, and the units they stand for.
 const UNITS: [(&str, &str); 10] = [
@@ -40,9 +40,18 @@ impl Figure {
     }
 
     /// Words, value, unit.
-    pub fn cells(&self) -> Vec<String> {
-        vec![self.words.clone(), self.value.clone(), self.unit.into()]
+    pub fn cells(&self) -> [String; 3] {
+        [self.words.clone(), self.value.clone(), self.unit.into()]
     }
+}
+
+/// The figures of a summary as a table in Markdown.
+pub fn markdown(summary: &Map<String, Value>) -> String {
+    let figures = summary.iter().filter_map(|(name, value)| Figure::of(name, value));
+    // A bar in a text would end its cell.
+    let line = |figure: Figure| format!("| {} |\n", figure.cells().map(|cell| cell.replace('|', "\\|")).join(" | "));
+    let lines: String = figures.map(line).collect();
+    format!("| figure | value | unit |\n|---|---:|---|\n{lines}")
 }
 
 /// The number with four significant digits.

@@ -8,7 +8,7 @@ pub mod recording;
 mod run_page;
 mod study_page;
 
-pub use figure::{Figure, rounded};
+pub use figure::{Figure, markdown, rounded};
 pub use plot::PlotError;
 pub use run_page::{RunPage, run_page};
 pub use study_page::{StudyPage, columns, study_page};

@@ -25,8 +25,8 @@ pub fn run_page(run: &RunPage) -> Result<String, PlotError> {
     let RunPage { model, results, .. } = run;
     let summary = results.summary(model);
     let figures = summary.iter().filter(|(name, _)| !["scenario", "title", "droptower"].contains(&name.as_str()));
-    let figures = figures.filter_map(|(name, value)| Figure::of(name, value)).map(|figure| figure.cells());
-    let figures = html::table("figures", &[], &figures.collect::<Vec<_>>());
+    let figures = figures.filter_map(|(name, value)| Figure::of(name, value)).map(|figure| figure.cells().into());
+    let figures = html::table("figures", &[], &figures.collect::<Vec<Vec<String>>>());
     let body = [
         format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(&model.title), escape(&what_was_run(model))),
         warnings(run),

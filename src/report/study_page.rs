@@ -19,7 +19,7 @@ pub struct StudyPage<'a> {
 /// `report.html` of a study.
 pub fn study_page(study: &StudyPage) -> String {
     let figures = study.findings.measures.iter().filter_map(|(name, value)| Figure::of(name, value));
-    let figures: Vec<_> = figures.map(|figure| figure.cells()).collect();
+    let figures: Vec<Vec<String>> = figures.map(|figure| figure.cells().into()).collect();
     let body = [
         format!("<h1>{}</h1>\n", escape(study.name)),
         html::section("Figures", &html::table("figures", &[], &figures)),
