@@ -1,1 +1,267 @@
-//! store
+//! The run folder: written under a temporary name beside its place and renamed when whole.
+
+use std::collections::HashSet;
+use std::ffi::OsString;
+use std::fs;
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+use tempfile::TempDir;
+use thiserror::Error;
+
+/// What a run folder of ours may hold; anything else in one belongs to the user.
+const OURS: [&str; 8] = [
+    "signals.csv",
+    "energies.csv",
+    "summary.json",
+    "scenario.toml",
+    "recording.rrd",
+    "report.html",
+    "failure.txt",
+    "tables",
+];
+
+/// What makes a folder a run folder.
+const MARKS: [&str; 3] = ["summary.json", "scenario.toml", "failure.txt"];
+
+/// Why results cannot be stored; nothing that stood there before is lost.
+#[derive(Debug, Error)]
+pub enum StoreError {
+    #[error("`{name}` cannot name a run folder: only plain folder names below the output folder")]
+    Name { name: String },
+    #[error("{} is not a folder", path.display())]
+    NotAFolder { path: PathBuf },
+    #[error("{} is not a run folder of droptower and is not replaced; give another --out", path.display())]
+    NotARun { path: PathBuf },
+    #[error("{} holds `{found}`, which droptower did not write; move it or give another --out", path.display())]
+    Foreign { path: PathBuf, found: String },
+    #[error("two runs would be stored in {}", path.display())]
+    Twice { path: PathBuf },
+    #[error("cannot write {}: {source}", path.display())]
+    Write { path: PathBuf, source: io::Error },
+}
+
+impl StoreError {
+    /// The file at `path` could not be written.
+    pub fn write(path: impl Into<PathBuf>, source: io::Error) -> StoreError {
+        StoreError::Write { path: path.into(), source }
+    }
+}
+
+/// Where the run called `name` (`/` between its parts) is stored below `root`.
+pub fn place(root: &Path, name: &str) -> Result<PathBuf, StoreError> {
+    let parts = Path::new(name);
+    let plain = |part: Component| matches!(part, Component::Normal(_));
+    if name.is_empty() || name.contains('\\') || !parts.components().all(plain) {
+        return Err(StoreError::Name { name: name.into() });
+    }
+    Ok(root.join(parts))
+}
+
+/// Whether every one of `places` may be written: free, or a run folder of ours, and none given twice.
+pub fn check_places(places: &[PathBuf]) -> Result<(), StoreError> {
+    let mut seen = HashSet::new();
+    for path in places {
+        check_replaceable(path)?;
+        if !seen.insert(path) {
+            return Err(StoreError::Twice { path: path.clone() });
+        }
+    }
+    Ok(())
+}
+
+/// Results on their way to the folder `target`; dropped unpublished, they leave nothing.
+#[derive(Debug)]
+pub struct Draft {
+    folder: TempDir,
+    target: PathBuf,
+}
+
+impl Draft {
+    /// An empty draft beside `target`, which must be free or a run folder of ours.
+    pub fn begin(target: &Path) -> Result<Draft, StoreError> {
+        check_replaceable(target)?;
+        let folder = sibling(target)?;
+        Ok(Draft { folder, target: target.into() })
+    }
+
+    /// Where the files are put meanwhile.
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Writes one file of the draft; `name` may stand in a folder of the draft.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), StoreError> {
+        let path = place(self.path(), name)?;
+        let folder = path.parent().unwrap_or(self.path());
+        fs::create_dir_all(folder).map_err(|error| StoreError::write(folder, error))?;
+        fs::write(&path, content).map_err(|error| StoreError::write(&path, error))
+    }
+
+    /// Puts the whole draft in its place, in one step, and removes what it replaces.
+    pub fn publish(self) -> Result<PathBuf, StoreError> {
+        let target = self.target.clone();
+        self.publish_at(&target)?;
+        discard(&failed(&target));
+        Ok(target)
+    }
+
+    /// Puts what a failed run left beside its place, under the name `<target>.failed`.
+    ///
+    /// A whole run that stands at `target` stays.
+    pub fn publish_failed(self) -> Result<PathBuf, StoreError> {
+        let target = failed(&self.target);
+        check_replaceable(&target)?;
+        self.publish_at(&target)?;
+        Ok(target)
+    }
+
+    fn publish_at(self, target: &Path) -> Result<(), StoreError> {
+        let write = |error| StoreError::write(target, error);
+        let former = sibling(target)?;
+        let former_run = former.path().join("former");
+        let replaced = target.exists();
+        if replaced {
+            fs::rename(target, &former_run).map_err(write)?;
+        }
+        let renamed = fs::rename(self.folder.path(), target);
+        if let (Err(_), true) = (&renamed, replaced) {
+            fs::rename(&former_run, target).map_err(write)?;
+        }
+        renamed.map_err(write)?;
+        // The draft's folder has moved: there is nothing left to remove under its old name.
+        let _ = self.folder.keep();
+        Ok(())
+    }
+}
+
+fn failed(target: &Path) -> PathBuf {
+    let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
+    name.push(".failed");
+    target.with_file_name(name)
+}
+
+/// What an earlier failure left is out of date once a run went through.
+fn discard(folder: &Path) {
+    if folder.is_dir() && check_replaceable(folder).is_ok() {
+        let _ = fs::remove_dir_all(folder);
+    }
+}
+
+fn sibling(target: &Path) -> Result<TempDir, StoreError> {
+    let parent = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let error = |source| StoreError::write(parent, source);
+    fs::create_dir_all(parent).map_err(error)?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".droptower-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o777));
+    }
+    builder.tempdir_in(parent).map_err(error)
+}
+
+fn check_replaceable(target: &Path) -> Result<(), StoreError> {
+    let path = || target.to_path_buf();
+    if fs::symlink_metadata(target).is_err() {
+        return Ok(());
+    }
+    let Ok(entries) = fs::read_dir(target) else {
+        return Err(StoreError::NotAFolder { path: path() });
+    };
+    let names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let is_one_of = |names: &[&str], name: &String| names.contains(&name.as_str());
+    if !names.is_empty() && !names.iter().any(|name| is_one_of(&MARKS, name)) {
+        return Err(StoreError::NotARun { path: path() });
+    }
+    match names.into_iter().find(|name| !is_one_of(&OURS, name)) {
+        Some(found) => Err(StoreError::Foreign { path: path(), found }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap().flatten();
+        let mut names: Vec<String> = entries.map(|entry| entry.file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    fn stored(target: &Path, text: &str) -> Result<PathBuf, StoreError> {
+        let draft = Draft::begin(target)?;
+        draft.write("summary.json", text)?;
+        draft.publish()
+    }
+
+    #[test]
+    fn a_run_appears_whole_and_replaces_its_former_self() {
+        let root = tempfile::tempdir().unwrap();
+        let target = root.path().join("drop/1008");
+        stored(&target, "1").unwrap();
+        stored(&target, "2").unwrap();
+        assert_eq!(fs::read_to_string(target.join("summary.json")).unwrap(), "2");
+        assert_eq!(names(&root.path().join("drop")), ["1008"]);
+    }
+
+    #[test]
+    fn an_abandoned_draft_leaves_nothing() {
+        let root = tempfile::tempdir().unwrap();
+        let target = root.path().join("1008");
+        stored(&target, "1").unwrap();
+        let draft = Draft::begin(&target).unwrap();
+        draft.write("summary.json", "half").unwrap();
+        drop(draft);
+        assert_eq!(fs::read_to_string(target.join("summary.json")).unwrap(), "1");
+        assert_eq!(names(root.path()), ["1008"]);
+    }
+
+    #[test]
+    fn a_failed_run_stands_beside_and_goes_when_one_succeeds() {
+        let root = tempfile::tempdir().unwrap();
+        let target = root.path().join("1008");
+        let draft = Draft::begin(&target).unwrap();
+        draft.write("failure.txt", "at 3 ms").unwrap();
+        assert_eq!(draft.publish_failed().unwrap(), root.path().join("1008.failed"));
+        assert_eq!(names(root.path()), ["1008.failed"]);
+        stored(&target, "1").unwrap();
+        assert_eq!(names(root.path()), ["1008"]);
+    }
+
+    #[test]
+    fn what_is_not_ours_stays() {
+        let root = tempfile::tempdir().unwrap();
+        let theirs = root.path().join("theirs");
+        fs::create_dir(&theirs).unwrap();
+        stored(&theirs, "an empty folder may be taken").unwrap();
+        fs::write(theirs.join("notes.txt"), "mine").unwrap();
+        assert!(matches!(stored(&theirs, "1"), Err(StoreError::Foreign { found, .. }) if found == "notes.txt"));
+        fs::remove_file(theirs.join("summary.json")).unwrap();
+        assert!(matches!(stored(&theirs, "1"), Err(StoreError::NotARun { .. })));
+        let file = theirs.join("notes.txt");
+        assert!(matches!(stored(&file, "1"), Err(StoreError::NotAFolder { .. })));
+        assert_eq!(fs::read_to_string(file).unwrap(), "mine");
+    }
+
+    #[test]
+    fn names_stay_below_the_root() {
+        let root = Path::new("runs");
+        assert_eq!(place(root, "drop/1008").unwrap(), Path::new("runs/drop/1008"));
+        for name in ["", "..", "../x", "a/../../x", "/etc", "a\\..\\b"] {
+            assert!(matches!(place(root, name), Err(StoreError::Name { .. })), "{name}");
+        }
+    }
+
+    #[test]
+    fn two_runs_do_not_share_a_place() {
+        let places = [PathBuf::from("no/such"), PathBuf::from("no/such")];
+        assert!(matches!(check_places(&places), Err(StoreError::Twice { .. })));
+    }
+}

@@ -1,9 +1,13 @@
 //! The command line: one file a command, exit codes, and the one place that prints.
 
 mod check;
+mod digest;
 mod explain;
+mod faults;
+mod folder;
 mod list;
 mod new;
+mod progress;
 mod run;
 mod scenarios;
 mod schema;

@@ -1,11 +1,20 @@
 //! `droptower script`: a Rhai script over scenarios.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use rhai::{Dynamic, Map, Scope};
+use serde_json::{Value, json};
 
-use super::{Shared, report, scenarios};
+use super::faults::{WRITE_FAILURE, reading, script, storing};
+use super::{Shared, digest, folder, print, print_json, report, scenarios};
+use crate::diagnostic::Diagnostic;
+use crate::post;
+use crate::report::{StudyPage, study_page};
+use crate::script::{Findings, Ledger, Limits, Script, engine};
+use crate::store::{self, Draft, StoreError};
 
 #[derive(Debug, Args)]
 pub struct ScriptArgs {
@@ -25,9 +34,100 @@ pub struct ScriptArgs {
     pub out: Option<PathBuf>,
 }
 
-pub fn run(args: &ScriptArgs, _shared: &Shared) -> ExitCode {
-    match scenarios::assignments(&args.set) {
-        Ok(_) => ExitCode::SUCCESS,
+/// Names that belong to a study's summary.
+const RESERVED: [&str; 3] = ["script", "droptower", "tables"];
+
+pub fn run(args: &ScriptArgs, shared: &Shared) -> ExitCode {
+    match study(args, shared) {
+        Ok(status) => status,
         Err(mistakes) => report(&mistakes),
     }
+}
+
+fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>> {
+    let changes = scenarios::assignments(&args.set)?;
+    let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let place = place(args.out.as_deref(), &name).map_err(|error| vec![storing(&error)])?;
+    let quiet = shared.quiet;
+    let ledger = Ledger::new(RESERVED.map(String::from).into(), move |line| {
+        if !quiet {
+            eprintln!("{line}");
+        }
+    });
+    let mut engine = engine(Limits::STUDY);
+    ledger.register(&mut engine);
+    post::register_studies(&mut engine, changes);
+    let mut scope = Scope::new();
+    scope.push_constant("args", arguments(args)?);
+    let program = Script::read(&engine, &scope, &args.path).map_err(|error| vec![reading(&error)])?;
+    program.run(&engine, scope).map_err(|fault| vec![script(&fault)])?;
+    let findings = ledger.findings();
+    Ok(keep(args, &name, &place, &findings).map_or_else(
+        |error| {
+            report(&[storing(&error)]);
+            ExitCode::from(WRITE_FAILURE)
+        },
+        |files| show(&place, &files, &findings, &name, shared),
+    ))
+}
+
+fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
+    let place = match out {
+        Some(folder) => folder.into(),
+        None => store::place(Path::new("runs"), name)?,
+    };
+    store::check_places(std::slice::from_ref(&place))?;
+    Ok(place)
+}
+
+/// What the script finds as `args`; numbers and truths are such, the rest is text.
+fn arguments(args: &ScriptArgs) -> Result<Map, Vec<Diagnostic>> {
+    let mut map = Map::new();
+    let mut mistakes = Vec::new();
+    for argument in &args.arg {
+        match argument.split_once('=') {
+            Some((key, value)) => drop(map.insert(key.trim().into(), value_of(value.trim()))),
+            None => mistakes.push(Diagnostic::new(format!("expected key=value after --arg, found `{argument}`"))),
+        }
+    }
+    if let Some(scenario) = &args.scenario {
+        map.insert("scenario".into(), scenario.clone().into());
+    }
+    if mistakes.is_empty() { Ok(map) } else { Err(mistakes) }
+}
+
+fn value_of(text: &str) -> Dynamic {
+    let integer = text.parse::<i64>().map(Dynamic::from);
+    let float = || text.parse::<f64>().map(Dynamic::from);
+    let truth = || text.parse::<bool>().map(Dynamic::from);
+    integer.or_else(|_| float()).or_else(|_| truth()).unwrap_or_else(|_| text.to_owned().into())
+}
+
+fn summary(name: &str, findings: &Findings) -> serde_json::Map<String, Value> {
+    let mut summary = serde_json::Map::new();
+    summary.insert("script".into(), json!(name));
+    summary.insert("droptower".into(), json!(env!("CARGO_PKG_VERSION")));
+    summary.extend(findings.measures.clone());
+    let tables = findings.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
+    summary.insert("tables".into(), Value::Object(tables.collect()));
+    summary
+}
+
+fn keep(args: &ScriptArgs, name: &str, place: &Path, findings: &Findings) -> Result<Vec<String>, StoreError> {
+    let text = fs::read_to_string(&args.path).map_err(|error| StoreError::write(&args.path, error))?;
+    let page = study_page(&StudyPage { name, findings, script: &text });
+    let draft = Draft::begin(place)?;
+    let files = folder::fill_study(&draft, findings, &summary(name, findings), &page)?;
+    draft.publish()?;
+    Ok(files)
+}
+
+fn show(place: &Path, files: &[String], findings: &Findings, name: &str, shared: &Shared) -> ExitCode {
+    if shared.json {
+        return print_json(&summary(name, findings));
+    }
+    if shared.quiet {
+        return ExitCode::SUCCESS;
+    }
+    print(&format!("{name}\n{}", digest::folder(place, files).trim_end()))
 }

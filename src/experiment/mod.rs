@@ -1,1 +1,3 @@
-//! experiment
+//! What a laboratory does to its recordings.
+
+pub mod absorption;

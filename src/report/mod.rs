@@ -1,1 +1,14 @@
-//! report
+//! One self-contained page a run or study: figures, plots, warnings, and what was run. Opens offline.
+
+mod figure;
+mod html;
+mod plot;
+#[cfg(feature = "rerun")]
+pub mod recording;
+mod run_page;
+mod study_page;
+
+pub use figure::{Figure, markdown, rounded};
+pub use plot::PlotError;
+pub use run_page::{RunPage, run_page};
+pub use study_page::{StudyPage, columns, study_page};

@@ -1,1 +1,18 @@
-//! script
+//! Host for Rhai scripts: limits, values, faults, and what a script leaves behind.
+//!
+//! The host knows signals and plain values. Whoever offers more to scripts registers it into the
+//! engine and describes it as [`Entry`] lines, whose examples are run by the tests.
+
+mod fault;
+mod findings;
+mod host;
+mod reference;
+mod signal;
+mod value;
+
+pub use fault::{Fault, refuse};
+pub use findings::{ENTRIES as LEDGER_ENTRIES, Findings, Ledger, NameError, Row};
+pub use host::{Limits, ReadError, Script, engine};
+pub use reference::Entry;
+pub use signal::{ENTRIES as SIGNAL_ENTRIES, register as register_signals};
+pub use value::{from_json, number, to_json, window};

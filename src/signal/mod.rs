@@ -1,4 +1,13 @@
-//! Time series as values: what a channel and a recording are.
+//! Time series as values: what a channel and a recording are, and what is done to them.
+
+pub mod csv;
+pub mod filter;
+pub mod integrate;
+pub mod norm;
+pub mod resample;
+mod series;
+
+pub use series::Series;
 
 /// One measured or computed quantity over the common time axis of its [`Recording`].
 #[derive(Clone, Debug, PartialEq)]
@@ -22,5 +31,18 @@ impl Recording {
     /// The channel called `name`.
     pub fn channel(&self, name: &str) -> Option<&[f64]> {
         self.channels.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
+    }
+
+    /// The channel called `name` together with its time axis.
+    pub fn series(&self, name: &str) -> Option<Series> {
+        let values = self.channel(name)?;
+        Some(Series::new(self.time.as_slice(), values))
+    }
+
+    /// Puts `channel` behind the one called `before`, or last where there is none.
+    pub fn insert_after(&mut self, before: &str, channel: Channel) {
+        let place = self.channels.iter().position(|c| c.name == before);
+        let place = place.map_or(self.channels.len(), |index| index + 1);
+        self.channels.insert(place, channel);
     }
 }

@@ -1,0 +1,177 @@
+//! A run in a few lines, as the terminal shows it.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use crate::diagnostic::shown_path;
+use crate::model::{Impactor, ImpactorShape, Loading, Model};
+use crate::post::{Audit, Impact, Measures, Results, Stretch};
+use crate::simulate::Outcome;
+
+/// Standard gravity, m/s²: decelerations are shown in multiples of it.
+const G: f64 = 9.806_65;
+
+/// Title, cost, figures and warnings of a run; ends with a line break.
+pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
+    let mut text = format!("{}  {}\n", model.name, what(model));
+    match &results.measures {
+        Measures::Impact(measures) => {
+            text += &cost(&measures.audit);
+            text += &impact(measures);
+            text += &errors(model, measures);
+        }
+        Measures::Stretch(measures) => {
+            text += &cost(&measures.audit);
+            text += &stretch(measures);
+        }
+    }
+    if let Some(time) = outcome.rupture_time {
+        let _ = writeln!(text, "  the film ruptured at {:.1} ms", time * 1e3);
+    }
+    for warning in results.measures.warnings() {
+        let _ = writeln!(text, "  warning: {warning}");
+    }
+    for line in &results.findings.log {
+        let _ = writeln!(text, "  {line}");
+    }
+    text
+}
+
+/// Where the files are; ends with a line break.
+pub fn folder(place: &Path, files: &[String]) -> String {
+    format!("  {}: {}\n", shown_path(place), files.join("  "))
+}
+
+fn what(model: &Model) -> String {
+    let layers = layers(model);
+    match (&model.loading, &model.impactor) {
+        (Loading::Impact { velocity, .. }, Some(impactor)) => {
+            format!("{} at {velocity:.2} m/s on {layers}", body(impactor))
+        }
+        (Loading::Impact { velocity, .. }, None) => format!("{velocity:.2} m/s on {layers}"),
+        (Loading::Stretch { angle, velocity, until, .. }, _) => {
+            let (angle, until) = (angle.to_degrees(), until * 100.0);
+            format!("{layers} stretched at {velocity} m/s to {until:.0} %, {angle:.0}° from MD")
+        }
+    }
+}
+
+fn body(impactor: &Impactor) -> String {
+    let shape = match impactor.shape {
+        ImpactorShape::Sphere { .. } => "sphere",
+        ImpactorShape::Hemisphere { .. } => "hemisphere",
+        ImpactorShape::Cylinder { .. } => "cylinder",
+        ImpactorShape::Mesh(_) => "body",
+    };
+    format!("{shape} {} kg", impactor.mass)
+}
+
+/// `2 x 8 layers` where all faces are alike, else `8 + 9 layers`.
+fn layers(model: &Model) -> String {
+    let counts: Vec<u32> = model.faces.iter().map(|face| face.layers).collect();
+    match counts.as_slice() {
+        [1] => "1 layer of film".into(),
+        [count] => format!("{count} layers of film"),
+        [first, rest @ ..] if rest.iter().all(|count| count == first) => {
+            format!("{} x {first} layers of film", counts.len())
+        }
+        _ => {
+            let counts: Vec<String> = counts.iter().map(u32::to_string).collect();
+            format!("{} layers of film", counts.join(" + "))
+        }
+    }
+}
+
+fn cost(audit: &Audit) -> String {
+    format!(
+        "  {} elements, {} steps of {} us, {:.2} s ({:.0} ns per element step)\n",
+        grouped(audit.elements as u64),
+        grouped(audit.steps),
+        short(audit.time_step_s * 1e6),
+        audit.wall_s,
+        audit.ns_per_element_step,
+    )
+}
+
+fn impact(measures: &Impact) -> String {
+    let Impact { peak_acceleration_m_s2: peak, peak_displacement_m: travel, .. } = measures;
+    let peak = at(peak.map(|a| format!("{:.1} g", a / G)), measures.time_of_peak_acceleration_s);
+    let travel = at(travel.map(|d| format!("{:.1} mm", d * 1e3)), measures.time_of_peak_displacement_s);
+    let absorbed = measures.energy_absorption.map_or("-, did not turn round".into(), percent);
+    let balance = format!("{:.2} %", measures.audit.energy_balance_error * 100.0);
+    format!(
+        "  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} energy balance error {balance}\n"
+    )
+}
+
+fn errors(model: &Model, measures: &Impact) -> String {
+    let Some(reference) = &model.reference else {
+        return String::new();
+    };
+    let shown = |error: Option<f64>| error.map_or("-".into(), percent);
+    let (acceleration, displacement) = (shown(measures.acceleration_error), shown(measures.displacement_error));
+    format!("  against {}:  E_a {acceleration}   E_d {displacement}\n", shown_path(&reference.signals))
+}
+
+fn stretch(measures: &Stretch) -> String {
+    let stress = |pascal: Option<f64>| pascal.map_or("-".into(), |p| format!("{} MPa", short(p * 1e-6)));
+    let strain = |strain: Option<f64>| strain.map_or("-".into(), percent);
+    let force = measures.peak_force.map_or("-".into(), |force| format!("{} N", short(force)));
+    let peak = format!("{} at {}", stress(measures.peak_stress), strain(measures.strain_at_peak_stress));
+    let broke = match measures.strain_at_break {
+        Some(at) => format!("at {}, {}", percent(at), stress(measures.stress_at_break)),
+        None => "none".into(),
+    };
+    let mut text = format!(
+        "  peak stress         {peak:<22} peak force    {force}\n  break               {broke:<22} energy balance error {:.2} %\n",
+        measures.audit.energy_balance_error * 100.0,
+    );
+    if let (Some(scaling), Some(share)) = (measures.audit.mass_scaling, measures.audit.kinetic_share) {
+        let _ = writeln!(text, "  mass scaled by {}, kinetic share {}", short(scaling), percent(share));
+    }
+    text
+}
+
+fn at(value: Option<String>, time: Option<f64>) -> String {
+    match (value, time) {
+        (Some(value), Some(time)) => format!("{value} at {:.1} ms", time * 1e3),
+        _ => "-".into(),
+    }
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    let magnitude = value.abs().max(1e-300).log10().floor();
+    if !(-3.0..6.0).contains(&magnitude) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2.0 - magnitude).max(0.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// Digits in groups of three.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let groups = digits.as_bytes().rchunks(3).rev();
+    let groups: Vec<&str> = groups.filter_map(|group| std::str::from_utf8(group).ok()).collect();
+    groups.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_grouped() {
+        assert_eq!(grouped(11_240), "11 240");
+        assert_eq!(grouped(200), "200");
+        assert_eq!(grouped(1_000_000), "1 000 000");
+        assert_eq!(short(10.7123), "10.7");
+        assert_eq!(short(0.0), "0.00e0");
+        assert_eq!(short(2.5e8), "2.50e8");
+    }
+}

@@ -1,0 +1,49 @@
+//! Errors of the modules as diagnostics.
+
+use std::fs;
+
+use crate::diagnostic::{Diagnostic, Source, Span};
+use crate::post::{EvaluateError, PrepareError};
+use crate::script::{Fault, ReadError};
+use crate::store::StoreError;
+
+/// Exit status where results could not be written.
+pub const WRITE_FAILURE: u8 = 1;
+
+/// A script fault at its place in the script.
+pub fn script(fault: &Fault) -> Diagnostic {
+    let Ok(text) = fs::read_to_string(&fault.file) else {
+        return Diagnostic::new(fault.to_string());
+    };
+    let source = Source::file(&fault.file, text);
+    Diagnostic::new(fault.message.as_str()).at(&Span::position(&source, fault.line, fault.column))
+}
+
+/// A script that cannot start.
+pub fn reading(error: &ReadError) -> Diagnostic {
+    match error {
+        ReadError::Fault(fault) => script(fault),
+        other => Diagnostic::new(other.to_string()),
+    }
+}
+
+/// What would go wrong after the run.
+pub fn preparing(error: &PrepareError) -> Diagnostic {
+    match error {
+        PrepareError::Script(error) => reading(error),
+        other => Diagnostic::new(other.to_string()),
+    }
+}
+
+/// What went wrong after the run.
+pub fn evaluating(error: &EvaluateError) -> Diagnostic {
+    match error {
+        EvaluateError::Script(fault) => script(fault),
+        other => Diagnostic::new(other.to_string()),
+    }
+}
+
+/// Results that cannot be stored.
+pub fn storing(error: &StoreError) -> Diagnostic {
+    Diagnostic::new(error.to_string())
+}

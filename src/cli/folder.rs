@@ -1,0 +1,130 @@
+//! What goes into a run folder.
+
+use std::io;
+
+use serde_json::{Map, Value};
+
+use crate::model::Model;
+use crate::post::Results;
+use crate::report::{self, PlotError, RunPage};
+use crate::script::{Findings, Row};
+use crate::signal::{Recording, csv};
+use crate::simulate::Outcome;
+use crate::store::{Draft, StoreError};
+
+/// A run, finished or broken off.
+pub struct Contents<'a> {
+    pub model: &'a Model,
+    pub outcome: &'a Outcome,
+    /// `None` where a run that broke off cannot be measured.
+    pub results: Option<&'a Results>,
+    pub scenario: &'a str,
+    pub failure: Option<&'a str>,
+}
+
+/// Writes all files of a run into the draft and gives their names.
+pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreError> {
+    let Contents { model, outcome, results, scenario, failure } = contents;
+    let mut files = Files { draft, names: Vec::new() };
+    let signals = results.map_or(&outcome.signals, |results| &results.signals);
+    files.write("signals.csv", recording(signals)?)?;
+    files.write("energies.csv", recording(&outcome.energies)?)?;
+    files.write("scenario.toml", scenario.as_bytes().to_vec())?;
+    if let Some(cause) = failure {
+        files.write("failure.txt", format!("{cause}\n").into_bytes())?;
+    }
+    if let Some(results) = results {
+        files.write("summary.json", json(&results.summary(model))?)?;
+        files.tables(&results.findings)?;
+        let page = RunPage { model, outcome, results, scenario, failure: *failure };
+        let page = report::run_page(&page).map_err(|error| not_drawn(draft, error))?;
+        #[cfg(feature = "rerun")]
+        files.recording(contents, results)?;
+        files.write("report.html", page.into_bytes())?;
+    }
+    Ok(files.names)
+}
+
+/// Writes what a study leaves into the draft and gives the names of the files.
+pub fn fill_study(
+    draft: &Draft,
+    findings: &Findings,
+    summary: &Map<String, Value>,
+    page: &str,
+) -> Result<Vec<String>, StoreError> {
+    let mut files = Files { draft, names: Vec::new() };
+    files.write("summary.json", json(summary)?)?;
+    files.tables(findings)?;
+    files.write("report.html", page.as_bytes().to_vec())?;
+    Ok(files.names)
+}
+
+struct Files<'a> {
+    draft: &'a Draft,
+    names: Vec<String>,
+}
+
+impl Files<'_> {
+    fn write(&mut self, name: &str, content: Vec<u8>) -> Result<(), StoreError> {
+        self.draft.write(name, content)?;
+        self.names.push(name.into());
+        Ok(())
+    }
+
+    #[cfg(feature = "rerun")]
+    fn recording(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
+        let Contents { model, outcome, .. } = contents;
+        let path = self.draft.path().join("recording.rrd");
+        let text = report::markdown(&results.summary(model));
+        report::recording::write(&path, model, outcome, &results.signals, &text)
+            .map_err(|error| StoreError::write(&path, io::Error::other(error)))?;
+        self.names.push("recording.rrd".into());
+        Ok(())
+    }
+
+    fn tables(&mut self, findings: &Findings) -> Result<(), StoreError> {
+        for (name, rows) in &findings.tables {
+            let file = format!("tables/{name}.csv");
+            let content = table(rows).map_err(|error| StoreError::write(self.draft.path().join(&file), error))?;
+            self.write(&file, content)?;
+        }
+        Ok(())
+    }
+}
+
+fn recording(recording: &Recording) -> Result<Vec<u8>, StoreError> {
+    let mut text = Vec::new();
+    csv::write(recording, &mut text).map_err(|error| StoreError::write("signals.csv", error))?;
+    Ok(text)
+}
+
+fn json(summary: &Map<String, Value>) -> Result<Vec<u8>, StoreError> {
+    let text = serde_json::to_vec_pretty(summary);
+    let mut text = text.map_err(|error| StoreError::write("summary.json", error.into()))?;
+    text.push(b'\n');
+    Ok(text)
+}
+
+/// Rows under the names of all their columns.
+fn table(rows: &[Row]) -> io::Result<Vec<u8>> {
+    let columns = report::columns(rows);
+    let mut out = ::csv::Writer::from_writer(Vec::new());
+    out.write_record(&columns)?;
+    for row in rows {
+        let cell = |name: &String| row.get(name).map_or_else(String::new, cell);
+        out.write_record(columns.iter().map(cell))?;
+    }
+    out.into_inner().map_err(|error| io::Error::other(error.to_string()))
+}
+
+fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+fn not_drawn(draft: &Draft, error: PlotError) -> StoreError {
+    StoreError::write(draft.path().join("report.html"), io::Error::other(error))
+}

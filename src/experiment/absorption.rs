@@ -1,0 +1,98 @@
+//! Share of the impactor's energy that the film keeps (Polymers 2021, 13, 1537, equation 11).
+
+use thiserror::Error;
+
+/// Why a motion has no energy absorption.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum AbsorptionError {
+    #[error("the impactor did not turn round, so there is no unloading")]
+    NoUnloading,
+    #[error("the impactor gave no energy to the film")]
+    NoLoading,
+}
+
+/// The rigid body whose motion is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// kg.
+    pub mass: f64,
+    /// m/s², positive.
+    pub gravity: f64,
+}
+
+impl Body {
+    /// Kinetic and potential energy E_kp = ½Mv² + Mgd (J) at velocity `v` (m/s) and displacement `d` (m, up).
+    pub fn energy(&self, v: f64, d: f64) -> f64 {
+        0.5 * self.mass * v * v + self.mass * self.gravity * d
+    }
+}
+
+/// Energy absorption D = 1 − ΔE_u/ΔE_l.
+///
+/// ΔE_l and ΔE_u are the differences between the largest and the smallest E_kp before and after the
+/// largest travel. `velocity` (m/s) and `displacement` (m) count upward and share one time axis.
+pub fn energy_absorption(body: Body, velocity: &[f64], displacement: &[f64]) -> Result<f64, AbsorptionError> {
+    let motion = || velocity.iter().zip(displacement);
+    let energy: Vec<f64> = motion().map(|(v, d)| body.energy(*v, *d)).collect();
+    let lowest = motion().enumerate().min_by(|(_, a), (_, b)| a.1.total_cmp(b.1));
+    let Some((turn, _)) = lowest.filter(|(turn, _)| turn + 1 < energy.len()) else {
+        return Err(AbsorptionError::NoUnloading);
+    };
+    let loading = span(&energy[..=turn]);
+    if loading <= 0.0 {
+        return Err(AbsorptionError::NoLoading);
+    }
+    Ok(1.0 - span(&energy[turn..]) / loading)
+}
+
+fn span(energy: &[f64]) -> f64 {
+    let largest = energy.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let smallest = energy.iter().copied().fold(f64::INFINITY, f64::min);
+    largest - smallest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BODY: Body = Body { mass: 10.72, gravity: 9.81 };
+
+    /// Half a cosine down with speed `v_in`, half a cosine up with `v_out`; both 0.1 m deep, without gravity.
+    fn bounce(v_in: f64, v_out: f64) -> (Vec<f64>, Vec<f64>) {
+        let phase = |i: usize| std::f64::consts::FRAC_PI_2 * i as f64 / 500.0;
+        let speed = |i: usize| {
+            if i <= 500 { -v_in * phase(i).cos() } else { -v_out * phase(i).cos() }
+        };
+        let place = |i: usize| -0.1 * phase(i).sin();
+        ((0..=1000).map(speed).collect(), (0..=1000).map(place).collect())
+    }
+
+    #[test]
+    fn without_gravity_it_is_the_loss_of_kinetic_energy() {
+        let (v, d) = bounce(4.0, 1.0);
+        let body = Body { gravity: 0.0, ..BODY };
+        let absorbed = energy_absorption(body, &v, &d).unwrap();
+        assert!((absorbed - (1.0 - 1.0 / 16.0)).abs() < 1e-12, "{absorbed}");
+    }
+
+    #[test]
+    fn with_gravity_the_fall_through_the_film_counts() {
+        let (v, d) = bounce(4.0, 1.0);
+        let absorbed = energy_absorption(BODY, &v, &d).unwrap();
+        let (loading, unloading) = (8.0 + 9.81 * 0.1, 0.5 + 9.81 * 0.1);
+        assert!((absorbed - (1.0 - unloading / loading)).abs() < 1e-6, "{absorbed}");
+    }
+
+    #[test]
+    fn an_impactor_that_never_turns_has_none() {
+        let v = vec![-4.0; 100];
+        let d: Vec<f64> = (0..100).map(|i| -0.01 * f64::from(i)).collect();
+        assert_eq!(energy_absorption(BODY, &v, &d), Err(AbsorptionError::NoUnloading));
+        assert_eq!(energy_absorption(BODY, &[], &[]), Err(AbsorptionError::NoUnloading));
+    }
+
+    #[test]
+    fn one_that_gives_nothing_has_none() {
+        assert_eq!(energy_absorption(BODY, &[0.0; 3], &[0.0; 3]), Err(AbsorptionError::NoLoading));
+    }
+}

@@ -1,0 +1,67 @@
+//! Figures that every run has: its size, its cost, and how far it can be trusted.
+
+use serde::Serialize;
+
+use crate::simulate::{Outcome, RateHistogram};
+
+/// Size, cost and trust of a run; fields of `summary.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Audit {
+    pub energy_balance_error: f64,
+    pub ruptured: bool,
+    pub rupture_time_s: Option<f64>,
+    pub elements: usize,
+    pub steps: u64,
+    pub time_step_s: f64,
+    pub wall_s: f64,
+    pub ns_per_element_step: f64,
+    pub mass_scaling: Option<f64>,
+    pub kinetic_share: Option<f64>,
+    /// Largest penetration over the impactor's radius.
+    pub penetration: Option<f64>,
+    pub strain_rates: Histogram,
+}
+
+/// Share of the film's straining by strain rate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Histogram {
+    /// Edges of the bins, 1/s.
+    pub edges_1_s: Vec<f64>,
+    pub shares: Vec<f64>,
+    /// Range in which the curves were measured, 1/s.
+    pub measured_1_s: Option<[f64; 2]>,
+    pub outside: f64,
+}
+
+impl Audit {
+    /// The figures of a finished or broken-off run.
+    pub fn of(outcome: &Outcome) -> Audit {
+        let wall_s = outcome.wall.as_secs_f64();
+        let element_steps = outcome.elements as f64 * outcome.steps as f64;
+        Audit {
+            energy_balance_error: outcome.energy_balance_error,
+            ruptured: outcome.rupture_time.is_some(),
+            rupture_time_s: outcome.rupture_time,
+            elements: outcome.elements,
+            steps: outcome.steps,
+            time_step_s: outcome.time_step,
+            wall_s,
+            ns_per_element_step: wall_s * 1e9 / element_steps,
+            mass_scaling: outcome.mass_scaling,
+            kinetic_share: outcome.kinetic_share,
+            penetration: outcome.penetration,
+            strain_rates: Histogram::of(&outcome.rates),
+        }
+    }
+}
+
+impl Histogram {
+    fn of(rates: &RateHistogram) -> Histogram {
+        Histogram {
+            edges_1_s: rates.edges.clone(),
+            shares: rates.shares.clone(),
+            measured_1_s: rates.measured,
+            outside: rates.outside,
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Measures of an impact.
+
+use serde::Serialize;
+
+use super::{Audit, Comparison};
+use crate::experiment::absorption::{Body, energy_absorption};
+use crate::model::{Impactor, Loading, Model};
+use crate::signal::norm::NormError;
+use crate::signal::{Recording, Series};
+use crate::simulate::Outcome;
+
+/// What an impact comes down to; fields of `summary.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Impact {
+    /// Largest filtered acceleration.
+    pub peak_acceleration_m_s2: Option<f64>,
+    pub time_of_peak_acceleration_s: Option<f64>,
+    /// Largest travel below first contact; negative.
+    pub peak_displacement_m: Option<f64>,
+    pub time_of_peak_displacement_s: Option<f64>,
+    /// Largest upward velocity after the turn; none where the impactor did not turn round.
+    pub rebound_velocity_m_s: Option<f64>,
+    /// D of the paper's equation 11; none where the impactor did not turn round.
+    pub energy_absorption: Option<f64>,
+    /// E_a of the paper's equation 14; none without a reference.
+    pub acceleration_error: Option<f64>,
+    /// E_d of the paper's equation 15; none without a reference.
+    pub displacement_error: Option<f64>,
+    #[serde(flatten)]
+    pub audit: Audit,
+    pub warnings: Vec<String>,
+}
+
+impl Impact {
+    /// Measures of `signals`, which hold the filtered channel.
+    pub fn measure(model: &Model, outcome: &Outcome, signals: &Recording, comparison: Option<&Comparison>) -> Impact {
+        let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
+        let acceleration = channel("acceleration_filtered_m_s2");
+        let displacement = channel("displacement_m");
+        let peak = acceleration.largest();
+        let deepest = displacement.smallest();
+        let turned = deepest.filter(|[time, _]| displacement.time().last() > Some(time));
+        let rebound = turned.and_then(|[time, _]| {
+            let after = channel("velocity_m_s").window([time, f64::INFINITY]);
+            after.largest()
+        });
+        let mut warnings = outcome.warnings.clone();
+        let mut error = |name: &str, result: Option<Result<f64, NormError>>| match result {
+            Some(Err(reason)) => {
+                warnings.push(format!("no {name} error: {reason}"));
+                None
+            }
+            Some(Ok(error)) => Some(error),
+            None => None,
+        };
+        let acceleration_error = error("acceleration", comparison.and_then(|c| c.acceleration_error(&acceleration)));
+        let displacement_error = error("displacement", comparison.and_then(|c| c.displacement_error(&displacement)));
+        Impact {
+            peak_acceleration_m_s2: peak.map(|[_, value]| value),
+            time_of_peak_acceleration_s: peak.map(|[time, _]| time),
+            peak_displacement_m: deepest.map(|[_, value]| value),
+            time_of_peak_displacement_s: deepest.map(|[time, _]| time),
+            rebound_velocity_m_s: rebound.map(|[_, value]| value),
+            energy_absorption: absorption(model, signals),
+            acceleration_error,
+            displacement_error,
+            audit: Audit::of(outcome),
+            warnings,
+        }
+    }
+}
+
+fn absorption(model: &Model, signals: &Recording) -> Option<f64> {
+    let (Loading::Impact { gravity, .. }, Some(Impactor { mass, .. })) = (&model.loading, &model.impactor) else {
+        return None;
+    };
+    let body = Body { mass: *mass, gravity: *gravity };
+    let velocity = signals.channel("velocity_m_s")?;
+    energy_absorption(body, velocity, signals.channel("displacement_m")?).ok()
+}

@@ -1,0 +1,78 @@
+//! What will be done with a run, proved before the run: the reference is read and the script compiled first.
+
+use rhai::Engine;
+use thiserror::Error;
+
+use super::{Comparison, EvaluateError, ReferenceError, Results, Run, run};
+use crate::model::Model;
+use crate::script::{self, Ledger, Limits, Script};
+use crate::signal::filter::{ChannelFilter, FilterError, Standard};
+use crate::simulate::Outcome;
+
+/// Reference and post script of a model, ready.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    comparison: Option<Comparison>,
+    script: Option<Script>,
+}
+
+/// Why a run's results could not be evaluated, found before the run.
+#[derive(Debug, Error)]
+pub enum PrepareError {
+    #[error("output.filter: {0}")]
+    Filter(#[from] FilterError),
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    #[error(transparent)]
+    Script(#[from] script::ReadError),
+}
+
+impl Plan {
+    /// Reads and checks everything that is needed after the run.
+    pub fn prepare(model: &Model) -> Result<Plan, PrepareError> {
+        if let Some(class) = model.output.filter {
+            ChannelFilter::new(class, 1.0 / model.output.sample_rate, Standard::Iso6487)?;
+        }
+        let comparison = Comparison::read(model)?;
+        let ledger = Ledger::new(Vec::new(), |_| {});
+        let engine = host(&ledger);
+        let stand_in = run::scope(Run::empty());
+        let read = |path| Script::read(&engine, &stand_in, path);
+        let script = model.post.as_deref().map(read).transpose()?;
+        Ok(Plan { comparison, script })
+    }
+
+    /// Measures the run and lets the post script add to it; `listener` hears what the script logs.
+    pub fn evaluate(
+        &self,
+        model: &Model,
+        outcome: &Outcome,
+        listener: impl Fn(&str) + Send + Sync + 'static,
+    ) -> Result<Results, EvaluateError> {
+        let mut results = self.measure(model, outcome)?;
+        if let Some(script) = &self.script {
+            let ledger = Ledger::new(results.measures.reserved(), listener);
+            let run = Run::new(model, outcome, &results);
+            script.run(&host(&ledger), run::scope(run))?;
+            results.findings = ledger.findings();
+        }
+        Ok(results)
+    }
+
+    /// Measures the run without its script.
+    pub fn measure(&self, model: &Model, outcome: &Outcome) -> Result<Results, EvaluateError> {
+        Results::measure(model, outcome, self.comparison.clone())
+    }
+
+    /// What the run is compared with.
+    pub fn comparison(&self) -> Option<&Comparison> {
+        self.comparison.as_ref()
+    }
+}
+
+fn host(ledger: &Ledger) -> Engine {
+    let mut engine = script::engine(Limits::POST);
+    ledger.register(&mut engine);
+    run::register(&mut engine);
+    engine
+}

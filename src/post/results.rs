@@ -1,0 +1,136 @@
+//! What is known about a run once it is measured.
+
+use serde_json::{Map, Value, json};
+
+use thiserror::Error;
+
+use super::{Comparison, Impact, Stretch};
+use crate::model::{Loading, Model};
+use crate::script::{Fault, Findings};
+use crate::signal::filter::{self, FilterError, Standard};
+use crate::signal::resample::{self, ResampleError};
+use crate::signal::{Channel, Recording};
+use crate::simulate::Outcome;
+
+/// Figures by kind of loading.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measures {
+    Impact(Impact),
+    Stretch(Stretch),
+}
+
+/// A measured run.
+#[derive(Clone, Debug)]
+pub struct Results {
+    /// The channels of `signals.csv`, the filtered one included.
+    pub signals: Recording,
+    pub measures: Measures,
+    pub comparison: Option<Comparison>,
+    /// What the post script added.
+    pub findings: Findings,
+}
+
+/// Why a finished run cannot be measured.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EvaluateError {
+    #[error("the acceleration cannot be filtered: {0}")]
+    Filter(#[from] FilterError),
+    #[error("the acceleration cannot be filtered: {0}")]
+    Resample(#[from] ResampleError),
+    #[error(transparent)]
+    Script(#[from] Fault),
+}
+
+impl Results {
+    /// Everything but the post script.
+    pub(super) fn measure(
+        model: &Model,
+        outcome: &Outcome,
+        comparison: Option<Comparison>,
+    ) -> Result<Results, EvaluateError> {
+        let signals = with_filtered(model, &outcome.signals)?;
+        let measures = match model.loading {
+            Loading::Impact { .. } => Measures::Impact(Impact::measure(model, outcome, &signals, comparison.as_ref())),
+            Loading::Stretch { .. } => Measures::Stretch(Stretch::measure(outcome, &signals)),
+        };
+        Ok(Results { signals, measures, comparison, findings: Findings::default() })
+    }
+
+    /// What `summary.json` holds; numbers that are not finite are null.
+    pub fn summary(&self, model: &Model) -> Map<String, Value> {
+        let mut summary = header(model);
+        summary.extend(self.measures.figures());
+        summary.extend(self.findings.measures.clone());
+        if !self.findings.tables.is_empty() {
+            let tables = self.findings.tables.iter();
+            let tables = tables.map(|(name, rows)| (name.clone(), json!(rows)));
+            summary.insert("tables".into(), Value::Object(tables.collect()));
+        }
+        summary
+    }
+}
+
+fn header(model: &Model) -> Map<String, Value> {
+    let fields = [
+        ("scenario", json!(model.name)),
+        ("title", json!(model.title)),
+        ("droptower", json!(env!("CARGO_PKG_VERSION"))),
+    ];
+    fields.map(|(name, value)| (name.into(), value)).into_iter().collect()
+}
+
+impl Measures {
+    /// The figures by name, in the order of `summary.json`.
+    pub fn figures(&self) -> Map<String, Value> {
+        let value = match self {
+            Measures::Impact(impact) => json!(impact),
+            Measures::Stretch(stretch) => json!(stretch),
+        };
+        match value {
+            Value::Object(figures) => figures,
+            _ => Map::new(),
+        }
+    }
+
+    /// Everything that the user should know before trusting the figures.
+    pub fn warnings(&self) -> &[String] {
+        match self {
+            Measures::Impact(impact) => &impact.warnings,
+            Measures::Stretch(stretch) => &stretch.warnings,
+        }
+    }
+
+    /// The names that a post script cannot give: those of this run and of the summary's own parts.
+    pub(super) fn reserved(&self) -> Vec<String> {
+        let own = ["scenario", "title", "droptower", "tables"].map(String::from);
+        own.into_iter().chain(self.figures().into_iter().map(|(name, _)| name)).collect()
+    }
+}
+
+/// `signals` with the channel `acceleration_filtered_m_s2` where there is an acceleration.
+fn with_filtered(model: &Model, signals: &Recording) -> Result<Recording, EvaluateError> {
+    let mut signals = signals.clone();
+    let Some(raw) = signals.series("acceleration_m_s2") else {
+        return Ok(signals);
+    };
+    let values = match model.output.filter {
+        None => raw.values().to_vec(),
+        // A run that broke off at once has nothing to filter.
+        Some(_) if raw.len() < 2 => raw.values().to_vec(),
+        Some(class) => {
+            let step = resample::common_step(raw.time());
+            let even = match step {
+                Some(_) => raw.clone(),
+                None => resample::uniform(&raw, 1.0 / model.output.sample_rate)?,
+            };
+            let filtered = filter::channel(&even, class, Standard::Iso6487)?;
+            match step {
+                Some(_) => filtered.values().to_vec(),
+                None => resample::onto(&filtered, raw.time()),
+            }
+        }
+    };
+    let name = "acceleration_filtered_m_s2".into();
+    signals.insert_after("acceleration_m_s2", Channel { name, values });
+    Ok(signals)
+}

@@ -1,0 +1,201 @@
+//! A finished run as a script sees it.
+
+use std::sync::Arc;
+
+use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Scope};
+use serde_json::{Value, json};
+
+use super::{Comparison, Results};
+use crate::model::{Loading, Model};
+use crate::script::{Entry, from_json, refuse};
+use crate::signal::{Recording, Series};
+use crate::simulate::Outcome;
+
+/// Short names of channels: what a script writes, and the column it means.
+const CHANNELS: [(&str, &str); 14] = [
+    ("displacement", "displacement_m"),
+    ("velocity", "velocity_m_s"),
+    ("acceleration", "acceleration_filtered_m_s2"),
+    ("acceleration_raw", "acceleration_m_s2"),
+    ("contact_force", "contact_force_N"),
+    ("kinetic_energy", "kinetic_energy_J"),
+    ("potential_energy", "potential_energy_J"),
+    ("absorbed_energy", "absorbed_energy_J"),
+    ("total_energy", "total_energy_J"),
+    ("max_strain_md", "max_strain_md"),
+    ("max_strain_td", "max_strain_td"),
+    ("force", "force_N"),
+    ("strain", "strain"),
+    ("stress", "stress_Pa"),
+];
+
+/// A finished run: signals, energies, figures and what was run. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Run(Arc<Parts>);
+
+#[derive(Debug, Default)]
+struct Parts {
+    signals: Recording,
+    energies: Recording,
+    summary: serde_json::Map<String, Value>,
+    model: serde_json::Map<String, Value>,
+}
+
+/// Channels by the names of their columns.
+#[derive(Clone, Debug)]
+struct Columns {
+    run: Run,
+    of: fn(&Parts) -> &Recording,
+}
+
+/// A reference recording as a script sees it.
+#[derive(Clone, Debug)]
+pub(super) struct ReferenceSignals(pub Comparison);
+
+impl Run {
+    /// The run of `model` with everything that was measured.
+    pub fn new(model: &Model, outcome: &Outcome, results: &Results) -> Run {
+        Run(Arc::new(Parts {
+            signals: results.signals.clone(),
+            energies: outcome.energies.clone(),
+            summary: results.summary(model),
+            model: facts(model),
+        }))
+    }
+
+    /// A run without anything, for compiling scripts before there is one.
+    pub(super) fn empty() -> Run {
+        Run(Arc::default())
+    }
+
+    /// The figures of `summary.json`.
+    pub fn summary(&self) -> &serde_json::Map<String, Value> {
+        &self.0.summary
+    }
+
+    fn property(&mut self, name: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
+        let run = || self.clone();
+        match name.as_str() {
+            "time" => Ok(Dynamic::from(Series::new(&*self.0.signals.time, &*self.0.signals.time))),
+            "summary" => Ok(from_json(&Value::Object(self.0.summary.clone()))),
+            "model" => Ok(from_json(&Value::Object(self.0.model.clone()))),
+            "signals" => Ok(Dynamic::from(Columns { run: run(), of: |parts| &parts.signals })),
+            "energies" => Ok(Dynamic::from(Columns { run: run(), of: |parts| &parts.energies })),
+            name => self.channel(name).map(Dynamic::from),
+        }
+    }
+
+    fn channel(&self, name: &str) -> Result<Series, Box<EvalAltResult>> {
+        let known = CHANNELS.iter().find(|(short, _)| *short == name);
+        let series = known.and_then(|(_, column)| self.0.signals.series(column));
+        series.ok_or_else(|| {
+            let has = |(_, column): &&(&str, &str)| self.0.signals.channel(column).is_some();
+            let shorts = CHANNELS.iter().filter(has).map(|(short, _)| *short);
+            let others = ["time", "signals", "energies", "summary", "model"];
+            unknown("run", name, shorts.chain(others))
+        })
+    }
+}
+
+impl Columns {
+    fn get(&mut self, name: ImmutableString) -> Result<Series, Box<EvalAltResult>> {
+        let recording = (self.of)(&self.run.0);
+        let names = || recording.channels.iter().map(|c| c.name.as_str());
+        let series = recording.series(&name);
+        series.ok_or_else(|| unknown("recording", &name, names()))
+    }
+
+    fn names(&mut self) -> rhai::Array {
+        let recording = (self.of)(&self.run.0);
+        recording.channels.iter().map(|c| c.name.clone().into()).collect()
+    }
+}
+
+impl ReferenceSignals {
+    fn get(&mut self, name: ImmutableString) -> Result<Series, Box<EvalAltResult>> {
+        let series = match name.as_str() {
+            "acceleration" => self.0.acceleration.clone(),
+            "displacement" => self.0.displacement.clone(),
+            _ => None,
+        };
+        series.ok_or_else(|| unknown("reference", &name, ["acceleration", "displacement"]))
+    }
+}
+
+fn unknown<'a>(owner: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Box<EvalAltResult> {
+    let known: Vec<&str> = known.into_iter().collect();
+    refuse(format!("a {owner} has no `{name}`; it has {}", known.join(", ")))
+}
+
+/// What was run, as far as scripts reckon with it.
+fn facts(model: &Model) -> serde_json::Map<String, Value> {
+    let mut facts = serde_json::Map::new();
+    facts.insert("name".into(), json!(model.name));
+    facts.insert("title".into(), json!(model.title));
+    let layers: Vec<u32> = model.faces.iter().map(|face| face.layers).collect();
+    facts.insert("layers".into(), json!(layers));
+    if let Some(impactor) = &model.impactor {
+        facts.insert("mass".into(), json!(impactor.mass));
+    }
+    match &model.loading {
+        Loading::Impact { velocity, gravity, duration } => {
+            facts.insert("velocity".into(), json!(velocity));
+            facts.insert("gravity".into(), json!(gravity));
+            facts.insert("duration".into(), json!(duration));
+        }
+        Loading::Stretch { angle, velocity, until, .. } => {
+            facts.insert("angle".into(), json!(angle));
+            facts.insert("velocity".into(), json!(velocity));
+            facts.insert("until".into(), json!(until));
+        }
+    }
+    facts
+}
+
+/// Offers the type of `run` to scripts.
+pub(super) fn register(engine: &mut Engine) {
+    engine
+        .register_type_with_name::<Run>("run")
+        .register_indexer_get(Run::property)
+        .register_type_with_name::<Columns>("recording")
+        .register_indexer_get(Columns::get)
+        .register_fn("names", Columns::names)
+        .register_type_with_name::<ReferenceSignals>("reference")
+        .register_indexer_get(ReferenceSignals::get);
+}
+
+/// What a post script finds: the constant `run`.
+pub(super) fn scope(run: Run) -> Scope<'static> {
+    let mut scope = Scope::new();
+    scope.push_constant("run", run);
+    scope
+}
+
+/// The reference of what a post script finds.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "run.time, run.displacement, run.velocity, run.acceleration, …",
+        gives: "the channels as signals, SI; `acceleration` is the filtered one, `acceleration_raw` the one before",
+        example: "run.acceleration.len() == run.acceleration_raw.len() && run.displacement.min() < 0",
+    },
+    Entry {
+        call: "run.signals.<column>, run.signals.names()",
+        gives: "the columns of signals.csv by their full names",
+        example: r#"run.signals.velocity_m_s.at(0) < 0 && "velocity_m_s" in run.signals.names()"#,
+    },
+    Entry {
+        call: "run.energies.<column>, run.energies.names()",
+        gives: "the terms of the energy audit, J",
+        example: "run.energies.names().len() > 0",
+    },
+    Entry {
+        call: "run.summary.<figure>",
+        gives: "the figures of summary.json; () where there is none",
+        example: "run.summary.elements > 0 && run.summary.rupture_time_s == ()",
+    },
+    Entry {
+        call: "run.model.<fact>",
+        gives: "what was run: name, title, layers (a list, one a face), mass (kg), velocity (m/s), gravity (m/s²), duration (s)",
+        example: "run.model.layers[0] == 8 && run.model.mass > 10",
+    },
+];

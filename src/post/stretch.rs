@@ -1,0 +1,53 @@
+//! Measures of a coupon or a single element pulled between two jaws.
+
+use serde::Serialize;
+
+use super::Audit;
+use crate::signal::{Recording, Series};
+use crate::simulate::Outcome;
+
+/// What a tensile test comes down to; fields of `summary.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Stretch {
+    /// Largest force between the jaws, N.
+    #[serde(rename = "peak_force_N")]
+    pub peak_force: Option<f64>,
+    /// Largest engineering stress, Pa.
+    #[serde(rename = "peak_stress_Pa")]
+    pub peak_stress: Option<f64>,
+    pub strain_at_peak_stress: Option<f64>,
+    /// Engineering strain at the rupture; none where the film held.
+    pub strain_at_break: Option<f64>,
+    /// Engineering stress at the last sample before the rupture, Pa; none where the film held.
+    #[serde(rename = "stress_at_break_Pa")]
+    pub stress_at_break: Option<f64>,
+    /// Engineering strain at the end of the test.
+    pub final_strain: Option<f64>,
+    #[serde(flatten)]
+    pub audit: Audit,
+    pub warnings: Vec<String>,
+}
+
+impl Stretch {
+    /// Measures of `signals`.
+    pub fn measure(outcome: &Outcome, signals: &Recording) -> Stretch {
+        let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
+        let (strain, stress) = (channel("strain"), channel("stress_Pa"));
+        let peak = stress.largest();
+        let at_break = outcome.rupture_time.and_then(|rupture| {
+            let before = strain.window([f64::NEG_INFINITY, rupture]);
+            let time = *before.time().last()?;
+            Some((strain.at(rupture).or(strain.at(time))?, stress.at(time)?))
+        });
+        Stretch {
+            peak_force: channel("force_N").largest().map(|[_, force]| force),
+            peak_stress: peak.map(|[_, value]| value),
+            strain_at_peak_stress: peak.and_then(|[time, _]| strain.at(time)),
+            strain_at_break: at_break.map(|(strain, _)| strain),
+            stress_at_break: at_break.map(|(_, stress)| stress),
+            final_strain: strain.values().last().copied(),
+            audit: Audit::of(outcome),
+            warnings: outcome.warnings.clone(),
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Scenarios in scripts: read, change, simulate, one or many.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use rhai::{Array, Dynamic, Engine, EvalAltResult, Map};
+
+use super::run::{self, ReferenceSignals};
+use super::{Plan, Run};
+use crate::diagnostic::Diagnostic;
+use crate::model::{self, Model};
+use crate::scenario::{Assignment, Document};
+use crate::script::{Entry, refuse, to_json};
+use crate::simulate;
+
+type Answer<T> = Result<T, Box<EvalAltResult>>;
+
+/// A checked scenario in a script. Cheap to clone.
+#[derive(Clone)]
+pub struct Study(Arc<Parts>);
+
+struct Parts {
+    document: Document,
+    model: Model,
+    plan: Plan,
+}
+
+impl Study {
+    /// Reads the scenario at `path`, relative to the working directory, lays `changes` over it and checks it.
+    pub fn read(path: &Path, changes: &[Assignment]) -> Answer<Study> {
+        Study::check(Document::read(path).map_err(mistakes)?.with(changes))
+    }
+
+    fn check(document: Document) -> Answer<Study> {
+        let model = model::check(&document).map_err(mistakes)?;
+        let plan = Plan::prepare(&model).map_err(refuse)?;
+        Ok(Study(Arc::new(Parts { document, model, plan })))
+    }
+
+    /// The same scenario with values laid over its keys.
+    fn with(&mut self, changes: Map) -> Answer<Study> {
+        let changes = changes.iter().map(|(key, value)| assignment(key, value));
+        let changes = changes.collect::<Answer<Vec<_>>>()?;
+        Study::check(self.0.document.with(&changes))
+    }
+
+    fn simulate(&mut self) -> Answer<Run> {
+        let Parts { model, plan, .. } = &*self.0;
+        let failed = |error| refuse(format!("{}: {error}", model.name));
+        let outcome = simulate::run(model, &mut |_| {}).map_err(failed)?;
+        let results = plan.measure(model, &outcome).map_err(refuse)?;
+        Ok(Run::new(model, &outcome, &results))
+    }
+
+    fn reference(&mut self) -> Answer<ReferenceSignals> {
+        Ok(ReferenceSignals(self.comparison()?.clone()))
+    }
+
+    fn window(&mut self) -> Answer<Array> {
+        Ok(self.comparison()?.window.map(Dynamic::from).into())
+    }
+
+    fn comparison(&self) -> Answer<&super::Comparison> {
+        let comparison = self.0.plan.comparison();
+        comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
+    }
+}
+
+/// All at once on all cores; the runs in the order of the scenarios.
+fn simulate_all(scenarios: Array) -> Answer<Array> {
+    let study = |item: Dynamic| {
+        let found = item.type_name();
+        let study = item.try_cast::<Study>();
+        study.ok_or_else(|| refuse(format!("expected a list of scenarios, found {found} in it")))
+    };
+    let mut studies = scenarios.into_iter().map(study).collect::<Answer<Vec<_>>>()?;
+    let runs = studies.par_iter_mut().map(Study::simulate);
+    runs.map(|run| run.map(Dynamic::from)).collect()
+}
+
+fn assignment(key: &str, value: &Dynamic) -> Answer<Assignment> {
+    let json = to_json(value)?;
+    let value = toml::Value::try_from(&json);
+    let value = value.map_err(|error| refuse(format!("`{key}` cannot be written in a scenario: {error}")))?;
+    Assignment::from_value(key, &value, "script").map_err(mistakes)
+}
+
+fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
+    let line = |mistake: &Diagnostic| match &mistake.span {
+        Some(span) => format!("{span:?}: {}", mistake.message),
+        None => mistake.message.clone(),
+    };
+    refuse(mistakes.iter().map(line).collect::<Vec<_>>().join("; "))
+}
+
+/// Offers scenarios to scripts; `changes` are laid over each that a script reads.
+pub fn register(engine: &mut Engine, changes: Vec<Assignment>) {
+    run::register(engine);
+    engine
+        .register_type_with_name::<Study>("scenario")
+        .register_fn("scenario", move |path: &str| Study::read(Path::new(path), &changes))
+        .register_fn("with", Study::with)
+        .register_fn("simulate", Study::simulate)
+        .register_fn("simulate_all", simulate_all)
+        .register_get("reference", Study::reference)
+        .register_get("window", Study::window)
+        .register_get("name", |study: &mut Study| study.0.model.name.clone())
+        .register_get("title", |study: &mut Study| study.0.model.title.clone());
+}
+
+/// The reference of what a study script finds.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "args.<name>",
+        gives: "what was given with --scenario and --arg: numbers as numbers, the rest as text",
+        example: r#""scenario" in args"#,
+    },
+    Entry {
+        call: "scenario(path)",
+        gives: "the checked scenario in a file; the path is relative to the working directory",
+        example: "scenario(args.scenario).name != \"\"",
+    },
+    Entry {
+        call: "scenario.with(#{ \"key.path\": value })",
+        gives: "the same scenario with values laid over it, checked again",
+        example: "scenario(args.scenario).with(#{ \"output.frames\": 10, title: \"other\" }).title == \"other\"",
+    },
+    Entry {
+        call: "scenario.reference.acceleration, scenario.reference.displacement, scenario.window",
+        gives: "the recording it is compared with (acceleration through the run's filter) and the window of the errors, s",
+        example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0",
+    },
+    Entry {
+        call: "scenario.simulate()",
+        gives: "the run: everything that a post script finds as `run`",
+        example: "scenario(args.scenario).simulate().summary.elements > 0",
+    },
+    Entry {
+        call: "simulate_all([scenario, …])",
+        gives: "the runs of independent scenarios, simulated in parallel, in their order",
+        example: "let t = scenario(args.scenario); simulate_all([t, t]).len() == 2",
+    },
+];

@@ -1,0 +1,260 @@
+//! Measures and post scripts on a run made by hand: half a sine of braking, then free flight.
+
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use super::*;
+use crate::material::{Elastic, Law, Material};
+use crate::model::*;
+use crate::script::Fault;
+use crate::signal::{Channel, Recording};
+use crate::simulate::{Outcome, RateHistogram};
+
+const MASS: f64 = 10.72;
+const PEAK: f64 = 150.0;
+const PULSE: f64 = 0.09;
+const SPEED: f64 = 6.0;
+
+fn model() -> Model {
+    let material = Material {
+        density: 915.0,
+        thickness: 12e-6,
+        law: Law::Elastic(Elastic { young: 50e6, poisson: 0.44 }),
+        measured_rates: None,
+    };
+    let face = Face {
+        height: 0.0,
+        layers: 8,
+        material,
+        md_angle: 0.0,
+        prestrain: [0.0; 2],
+        meshing: Meshing { element: Element::Quad4, size: 0.01 },
+    };
+    Model {
+        name: "drop/pulse".into(),
+        title: "A half-sine pulse".into(),
+        specimen: Specimen { shape: Shape::Circle { radius: 0.2 }, symmetry: Symmetry::None, damping: 0.0 },
+        faces: vec![face],
+        frame: Frame { hold: Hold::All },
+        impactor: Some(Impactor {
+            shape: ImpactorShape::Sphere { radius: 0.15 },
+            mass: MASS,
+            guide: Guide::Z,
+            friction: 0.0,
+            position: [0.0; 2],
+        }),
+        loading: Loading::Impact { velocity: SPEED, gravity: 0.0, duration: 0.12 },
+        output: Output { sample_rate: 10e3, frames: 0, filter: Some(1000.0) },
+        reference: None,
+        post: None,
+    }
+}
+
+/// a = A sin(πt/T), and its integrals from −v₀ and 0.
+fn motion(t: f64) -> [f64; 3] {
+    let speed_gained = |t: f64| PEAK * PULSE / PI * (1.0 - (PI * t / PULSE).cos());
+    let place = |t: f64| {
+        let curved = PEAK * PULSE / PI * (t - PULSE / PI * (PI * t / PULSE).sin());
+        curved - SPEED * t
+    };
+    if t <= PULSE {
+        return [place(t), speed_gained(t) - SPEED, PEAK * (PI * t / PULSE).sin()];
+    }
+    let speed = speed_gained(PULSE) - SPEED;
+    [place(PULSE) + speed * (t - PULSE), speed, 0.0]
+}
+
+fn outcome() -> Outcome {
+    let time: Vec<f64> = (0..=1200).map(|i| f64::from(i) * 1e-4).collect();
+    let channel = |name: &str, index: usize| Channel {
+        name: name.into(),
+        values: time.iter().map(|t| motion(*t)[index]).collect(),
+    };
+    let channels = vec![channel("displacement_m", 0), channel("velocity_m_s", 1), channel("acceleration_m_s2", 2)];
+    let energies = Recording {
+        time: time.clone(),
+        channels: vec![Channel { name: "elastic_J".into(), values: vec![0.0; time.len()] }],
+    };
+    Outcome {
+        signals: Recording { time, channels },
+        energies,
+        frames: Vec::new(),
+        films: Vec::new(),
+        rates: RateHistogram::default(),
+        warnings: vec!["as made".into()],
+        rupture_time: None,
+        energy_balance_error: 0.0004,
+        kinetic_share: None,
+        mass_scaling: None,
+        penetration: Some(f64::NAN),
+        elements: 400,
+        steps: 1000,
+        time_step: 1.2e-4,
+        wall: Duration::from_millis(40),
+    }
+}
+
+fn impact(results: &Results) -> &Impact {
+    match &results.measures {
+        Measures::Impact(impact) => impact,
+        Measures::Stretch(_) => panic!("an impact was measured as a stretch"),
+    }
+}
+
+fn close(found: Option<f64>, expected: f64, tolerance: f64) {
+    let found = found.unwrap();
+    assert!((found - expected).abs() <= tolerance, "{found} for {expected}");
+}
+
+/// The run with a post script, in a folder of its own.
+fn with_script(text: &str) -> Result<Results, EvaluateError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("post.rhai");
+    fs::write(&path, text).unwrap();
+    let model = Model { post: Some(path), ..model() };
+    let plan = Plan::prepare(&model).unwrap();
+    plan.evaluate(&model, &outcome(), |_| {})
+}
+
+#[test]
+fn a_pulse_has_the_measures_of_its_formula() {
+    let plan = Plan::prepare(&model()).unwrap();
+    let results = plan.evaluate(&model(), &outcome(), |_| {}).unwrap();
+    let impact = impact(&results);
+    close(impact.peak_acceleration_m_s2, PEAK, 0.01);
+    close(impact.time_of_peak_acceleration_s, PULSE / 2.0, 1e-9);
+    let turn = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
+    close(impact.time_of_peak_displacement_s, turn, 1e-4);
+    close(impact.peak_displacement_m, motion(turn)[0], 1e-6);
+    let rebound = 2.0 * PEAK * PULSE / PI - SPEED;
+    close(impact.rebound_velocity_m_s, rebound, 1e-9);
+    close(impact.energy_absorption, 1.0 - (rebound / SPEED).powi(2), 1e-4);
+    assert_eq!(impact.acceleration_error, None);
+    assert_eq!(impact.audit.ns_per_element_step, 100.0);
+    let names: Vec<&str> = results.signals.channels.iter().map(|c| c.name.as_str()).collect();
+    let filtered = "acceleration_filtered_m_s2";
+    assert_eq!(names, ["displacement_m", "velocity_m_s", "acceleration_m_s2", filtered]);
+}
+
+#[test]
+fn what_is_not_finite_is_null_in_the_summary() {
+    let results = Plan::prepare(&model()).unwrap().evaluate(&model(), &outcome(), |_| {}).unwrap();
+    let summary = results.summary(&model());
+    assert!(summary["penetration"].is_null());
+    assert!(summary["acceleration_error"].is_null());
+    assert_eq!(summary["ruptured"], false);
+}
+
+#[test]
+fn a_run_that_breaks_off_before_the_turn_has_no_rebound() {
+    let mut short = outcome();
+    short.signals.time.truncate(100);
+    short.signals.channels.iter_mut().for_each(|c| c.values.truncate(100));
+    let results = Plan::prepare(&model()).unwrap().evaluate(&model(), &short, |_| {}).unwrap();
+    assert_eq!(impact(&results).rebound_velocity_m_s, None);
+    assert_eq!(impact(&results).energy_absorption, None);
+}
+
+fn reference(rows: impl Fn(f64) -> String, header: &str) -> (tempfile::TempDir, Model) {
+    let folder = tempfile::tempdir().unwrap();
+    let signals = folder.path().join("reference.csv");
+    let rows = (0..=1100).map(|i| rows(f64::from(i) * 1e-4));
+    fs::write(&signals, format!("{header}\n{}", rows.collect::<String>())).unwrap();
+    let reference = Some(Reference { signals, window: Window::Loading });
+    (folder, Model { reference, ..model() })
+}
+
+#[test]
+fn a_reference_ten_per_cent_low_gives_its_error() {
+    let row = |t: f64| format!("{t},{},{}\n", motion(t)[2] / 1.1, motion(t)[0]);
+    let (_folder, model) = reference(row, "time_s,acceleration_m_s2,displacement_m");
+    let plan = Plan::prepare(&model).unwrap();
+    let results = plan.evaluate(&model, &outcome(), |_| {}).unwrap();
+    close(impact(&results).acceleration_error, 0.1, 1e-4);
+    close(impact(&results).displacement_error, 0.0, 1e-9);
+}
+
+#[test]
+fn loading_ends_where_the_speed_is_used_up_when_the_laser_has_gaps() {
+    let laser = |t: f64| if t < 0.02 { motion(t)[0].to_string() } else { String::new() };
+    let row = |t: f64| format!("{t},{},{}\n", motion(t)[2], laser(t));
+    let (_folder, model) = reference(row, "time_s,acceleration_m_s2,displacement_m");
+    let plan = Plan::prepare(&model).unwrap();
+    let turn = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
+    close(plan.comparison().map(|c| c.window[1]), turn, 2e-4);
+}
+
+#[test]
+fn a_reference_without_signals_is_refused_before_the_run() {
+    let (_folder, model) = reference(|t| format!("{t},1\n"), "time_s,force_N");
+    assert!(matches!(Plan::prepare(&model), Err(PrepareError::Reference(ReferenceError::NothingToCompare { .. }))));
+}
+
+#[test]
+fn a_filter_too_high_for_the_rate_is_refused_before_the_run() {
+    let slow = Output { sample_rate: 1e3, ..model().output };
+    let error = Plan::prepare(&Model { output: slow, ..model() }).unwrap_err();
+    assert!(error.to_string().starts_with("output.filter: CFC 1000 needs"), "{error}");
+}
+
+#[test]
+fn a_post_script_adds_to_the_summary() {
+    let results = with_script(
+        "measure(\"speed_lost\", run.velocity.at(0.1) - run.velocity.at(0));
+         table(\"layers\", #{ n: run.model.layers[0] });
+         log(run.summary.elements)",
+    )
+    .unwrap();
+    let summary = results.summary(&model());
+    close(summary["speed_lost"].as_f64(), 2.0 * PEAK * PULSE / PI, 1e-3);
+    assert_eq!(summary["tables"]["layers"][0]["n"], 8);
+    assert_eq!(results.findings.log, ["400"]);
+}
+
+#[test]
+fn a_post_script_cannot_replace_a_figure_or_reach_for_what_is_not_there() {
+    for (text, expected) in [
+        ("measure(\"elements\", 1)", "`elements` is a figure of every run"),
+        ("measure(\"tables\", 1)", "`tables` is a figure of every run"),
+        ("run.nosuch", "a run has no `nosuch`; it has displacement, velocity, acceleration"),
+        ("run.signals.nosuch", "a recording has no `nosuch`; it has displacement_m"),
+        ("run.summary.nosuch", "property not found: nosuch"),
+    ] {
+        let Err(EvaluateError::Script(Fault { message, line, .. })) = with_script(text) else {
+            panic!("{text} went through");
+        };
+        assert!(message.contains(expected), "{text} gave: {message}");
+        assert_eq!(line, 1);
+    }
+}
+
+#[test]
+fn a_script_that_does_not_compile_is_refused_before_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("post.rhai");
+    fs::write(&path, "let a = 1;\nlet b = nosuch;").unwrap();
+    let error = Plan::prepare(&Model { post: Some(path), ..model() }).unwrap_err().to_string();
+    assert!(error.ends_with("post.rhai:2:9: undefined variable: nosuch"), "{error}");
+}
+
+#[test]
+fn the_examples_of_the_reference_hold() {
+    for entry in RUN_ENTRIES {
+        let held = with_script(&format!("measure(\"held\", {{ {} }})", entry.example));
+        let held = held.map(|results| results.findings.measures["held"].clone());
+        assert_eq!(held, Ok(true.into()), "{}", entry.call);
+    }
+}
+
+#[test]
+fn the_shipped_script_measures_the_pulse() {
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/post/impact.rhai");
+    let results = with_script(&fs::read_to_string(shipped).unwrap()).unwrap();
+    let measures = &results.findings.measures;
+    let turn = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
+    close(measures["loading_duration_s"].as_f64(), turn, 1e-4);
+    close(measures["mean_deceleration_m_s2"].as_f64(), SPEED / turn, 0.2);
+    close(measures["stopping_distance_m"].as_f64(), -motion(turn)[0], 1e-6);
+}

@@ -1,0 +1,87 @@
+//! Figures as people read them: words, a rounded number, a unit.
+
+use serde_json::{Map, Value};
+
+/// Suffixes of names, longest first, and the units they stand for.
+const UNITS: [(&str, &str); 10] = [
+    ("_1_s", "1/s"),
+    ("_m_s2", "m/s²"),
+    ("_kN", "kN"),
+    ("_m_s", "m/s"),
+    ("_Pa", "Pa"),
+    ("_Hz", "Hz"),
+    ("_J", "J"),
+    ("_N", "N"),
+    ("_m", "m"),
+    ("_s", "s"),
+];
+
+/// One line of a table of figures.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Figure {
+    pub words: String,
+    pub value: String,
+    pub unit: &'static str,
+}
+
+impl Figure {
+    /// The figure `name` of a summary; `None` where there is no value or it is not one number, text or truth.
+    pub fn of(name: &str, value: &Value) -> Option<Figure> {
+        let unit = UNITS.iter().find(|(suffix, _)| name.ends_with(suffix));
+        let (stem, unit) = unit.map_or((name, ""), |(suffix, unit)| (&name[..name.len() - suffix.len()], *unit));
+        let value = match value {
+            Value::Number(number) if number.is_f64() => rounded(number.as_f64()?),
+            Value::Number(number) => number.to_string(),
+            Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
+            Value::String(text) => text.clone(),
+            _ => return None,
+        };
+        Some(Figure { words: stem.replace('_', " "), value, unit })
+    }
+
+    /// Words, value, unit.
+    pub fn cells(&self) -> [String; 3] {
+        [self.words.clone(), self.value.clone(), self.unit.into()]
+    }
+}
+
+/// The figures of a summary as a table in Markdown.
+pub fn markdown(summary: &Map<String, Value>) -> String {
+    let figures = summary.iter().filter_map(|(name, value)| Figure::of(name, value));
+    // A bar in a text would end its cell.
+    let line = |figure: Figure| format!("| {} |\n", figure.cells().map(|cell| cell.replace('|', "\\|")).join(" | "));
+    let lines: String = figures.map(line).collect();
+    format!("| figure | value | unit |\n|---|---:|---|\n{lines}")
+}
+
+/// The number with four significant digits.
+pub fn rounded(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    if !(-4..7).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    let decimals = (3 - magnitude).max(0) as usize;
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_words_and_units() {
+        for (name, value, expected) in [
+            ("peak_acceleration_m_s2", Value::from(153.04321), "peak acceleration 153.0 m/s²"),
+            ("rupture_time_s", Value::from(0.0312345), "rupture time 0.03123 s"),
+            ("ruptured", Value::from(true), "ruptured yes "),
+            ("steps", Value::from(11_240), "steps 11240 "),
+            ("energy_balance_error", Value::from(4.0e-6), "energy balance error 4.000e-6 "),
+        ] {
+            assert_eq!(Figure::of(name, &value).unwrap().cells().join(" "), expected);
+        }
+        assert_eq!(Figure::of("rupture_time_s", &Value::Null), None);
+    }
+}

@@ -1,0 +1,133 @@
+//! The page of one run.
+
+use super::html::{self, escape};
+use super::plot::{self, Curve, Plot, PlotError};
+use super::{Figure, study_page};
+use crate::model::{Loading, Model};
+use crate::post::{Measures, Results};
+use crate::signal::{Recording, Series};
+use crate::simulate::Outcome;
+
+/// What the page of a run is made of.
+#[derive(Clone, Copy)]
+pub struct RunPage<'a> {
+    pub model: &'a Model,
+    pub outcome: &'a Outcome,
+    pub results: &'a Results,
+    /// The fully resolved scenario.
+    pub scenario: &'a str,
+    /// Why the run broke off, where it did.
+    pub failure: Option<&'a str>,
+}
+
+/// `report.html` of a run.
+pub fn run_page(run: &RunPage) -> Result<String, PlotError> {
+    let RunPage { model, results, .. } = run;
+    let summary = results.summary(model);
+    let figures = summary.iter().filter(|(name, _)| !["scenario", "title", "droptower"].contains(&name.as_str()));
+    let figures = figures.filter_map(|(name, value)| Figure::of(name, value)).map(|figure| figure.cells().into());
+    let figures = html::table("figures", &[], &figures.collect::<Vec<Vec<String>>>());
+    let body = [
+        format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(&model.title), escape(&what_was_run(model))),
+        warnings(run),
+        html::section("Figures", &figures),
+        html::section("Signals", &plots(run)?),
+        study_page::tables(&results.findings),
+        html::section("Log", &html::list(&results.findings.log)),
+        html::section("Scenario", &html::verbatim(run.scenario)),
+        format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
+    ];
+    Ok(html::page(&model.title, &body.concat()))
+}
+
+fn what_was_run(model: &Model) -> String {
+    let faces: Vec<String> = model.faces.iter().map(|face| face.layers.to_string()).collect();
+    let film = format!("{} layers of film", faces.join(" + "));
+    match (&model.loading, &model.impactor) {
+        (Loading::Impact { velocity, .. }, Some(impactor)) => {
+            format!("{}: {} kg at {velocity} m/s on {film}", model.name, impactor.mass)
+        }
+        (Loading::Impact { velocity, .. }, None) => format!("{}: {velocity} m/s on {film}", model.name),
+        (Loading::Stretch { angle, velocity, .. }, _) => {
+            format!("{}: {film} stretched at {velocity} m/s, {:.0}° from MD", model.name, angle.to_degrees())
+        }
+    }
+}
+
+fn warnings(run: &RunPage) -> String {
+    let failure = run.failure.map(|cause| format!("The run broke off: {cause}"));
+    let lines: Vec<String> = failure.into_iter().chain(run.results.measures.warnings().iter().cloned()).collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{}</div>\n", html::list(&lines))
+}
+
+fn plots(run: &RunPage) -> Result<String, PlotError> {
+    let (histogram, own) = match &run.results.measures {
+        Measures::Impact(impact) => (&impact.audit.strain_rates, impact_plots(run)),
+        Measures::Stretch(stretch) => (&stretch.audit.strain_rates, stretch_plots(run)),
+    };
+    let mut figures = own.iter().map(Plot::draw).collect::<Result<Vec<_>, _>>()?;
+    figures.push(audit(&run.outcome.energies).draw()?);
+    figures.push(plot::rates("Strain rates while loading", histogram)?);
+    Ok(format!("<div class=\"plots\">\n{}</div>\n", figures.concat()))
+}
+
+fn impact_plots(run: &RunPage) -> Vec<Plot> {
+    let signals = &run.results.signals;
+    let comparison = run.results.comparison.as_ref();
+    let simulated = |name: &str, column: &str, factor| Some(over_time(name, &signals.series(column)?, factor));
+    let reference = |series: Option<&Series>, factor| Some(over_time("reference", series?, factor));
+    let energy = |name: &str| simulated(name, &format!("{name}_energy_J"), 1.0);
+    let displacement = reference(comparison.and_then(|c| c.displacement.as_ref()), 1e3);
+    let acceleration = reference(comparison.and_then(|c| c.acceleration.as_ref()), 1.0);
+    vec![
+        time_plot(
+            "Displacement of the impactor",
+            "displacement (mm)",
+            [simulated("simulated", "displacement_m", 1e3), displacement],
+        ),
+        time_plot(
+            "Acceleration of the impactor",
+            "acceleration (m/s²)",
+            [
+                simulated("filtered", "acceleration_filtered_m_s2", 1.0),
+                simulated("raw", "acceleration_m_s2", 1.0),
+                acceleration,
+            ],
+        ),
+        time_plot("Energy of the impactor", "energy (J)", ["kinetic", "potential", "absorbed", "total"].map(energy)),
+    ]
+}
+
+fn stretch_plots(run: &RunPage) -> Vec<Plot> {
+    let signals = &run.results.signals;
+    let against = |title: &str, [x, y]: [&str; 2], columns: [&str; 2], factor: f64| {
+        let [xs, ys] = columns.map(|column| signals.channel(column).unwrap_or_default());
+        let points = xs.iter().zip(ys).map(|(x, y)| (*x, y * factor)).collect();
+        let curves = vec![Curve { name: "simulated".into(), points }];
+        Plot { title: title.into(), x: x.into(), y: y.into(), curves }
+    };
+    vec![
+        against("Stress and strain", ["engineering strain", "stress (MPa)"], ["strain", "stress_Pa"], 1e-6),
+        against("Force and travel", ["travel of the jaws (m)", "force (N)"], ["displacement_m", "force_N"], 1.0),
+    ]
+}
+
+fn audit(energies: &Recording) -> Plot {
+    let words = |name: &str| name.trim_end_matches("_J").trim_end_matches("_energy").replace('_', " ");
+    let curve = |channel: &crate::signal::Channel| {
+        let series = Series::new(energies.time.as_slice(), channel.values.as_slice());
+        Some(over_time(&words(&channel.name), &series, 1.0))
+    };
+    time_plot("Energy audit", "energy (J)", energies.channels.iter().map(curve))
+}
+
+fn time_plot(title: &str, y: &str, curves: impl IntoIterator<Item = Option<Curve>>) -> Plot {
+    Plot { title: title.into(), x: "time (ms)".into(), y: y.into(), curves: curves.into_iter().flatten().collect() }
+}
+
+fn over_time(name: &str, series: &Series, factor: f64) -> Curve {
+    Curve { name: name.into(), points: series.samples().map(|[t, v]| (t * 1e3, v * factor)).collect() }
+}

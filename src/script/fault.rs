@@ -1,0 +1,66 @@
+use std::fmt::Display;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use rhai::{EvalAltResult, ParseError, Position};
+use thiserror::Error;
+
+/// A mistake in a script, found while reading or while running it.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{}:{line}:{column}: {message}", file.display())]
+pub struct Fault {
+    pub file: PathBuf,
+    /// Counted from one.
+    pub line: usize,
+    /// In characters, counted from one.
+    pub column: usize,
+    pub message: String,
+}
+
+impl Fault {
+    pub(super) fn parsing(file: &Path, error: &ParseError) -> Fault {
+        Fault::at(file, error.position(), error.err_type().to_string())
+    }
+
+    /// The innermost culprit of a nested error.
+    pub(super) fn running(file: &Path, error: &EvalAltResult) -> Fault {
+        let culprit = error.unwrap_inner();
+        let position = culprit.position();
+        let message = match culprit {
+            EvalAltResult::ErrorRuntime(value, _) => value.to_string(),
+            EvalAltResult::ErrorTerminated(reason, _) => reason.to_string(),
+            other => without_position(&other.to_string(), position),
+        };
+        Fault::at(file, position, message)
+    }
+
+    pub(super) fn starting(file: &Path, error: &io::Error) -> Fault {
+        Fault::at(file, Position::NONE, format!("cannot start a thread for the script: {error}"))
+    }
+
+    fn at(file: &Path, position: Position, message: String) -> Fault {
+        Fault {
+            file: file.into(),
+            line: position.line().unwrap_or(1),
+            column: position.position().unwrap_or(1),
+            message: lower_first(&message),
+        }
+    }
+}
+
+fn without_position(message: &str, position: Position) -> String {
+    let suffix = format!(" ({position})");
+    message.strip_suffix(&suffix).unwrap_or(message).to_owned()
+}
+
+/// Sentences of the interpreter begin like ours do.
+fn lower_first(message: &str) -> String {
+    let mut letters = message.chars();
+    let first = letters.next().map(|c| c.to_lowercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
+}
+
+/// An error that a host function answers with; the engine adds the place of the call.
+pub fn refuse(message: impl Display) -> Box<EvalAltResult> {
+    message.to_string().into()
+}

@@ -1,0 +1,169 @@
+//! What a script leaves behind: figures, tables, and a log.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rhai::{Array, Dynamic, Engine, EvalAltResult, Map};
+use serde_json::Value;
+use thiserror::Error;
+
+use super::{Entry, refuse, to_json};
+
+/// One row of a table: column name and value, in order.
+pub type Row = serde_json::Map<String, Value>;
+
+/// Most entries of each kind that are kept.
+const MOST_ENTRIES: usize = 10_000;
+
+/// Figures, tables and log lines in the order in which the script gave them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Findings {
+    pub measures: Row,
+    pub tables: Vec<(String, Vec<Row>)>,
+    pub log: Vec<String>,
+}
+
+/// Why a name cannot be given to a figure or a table.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum NameError {
+    #[error("`{name}` is not a name for a figure or a table: use letters, digits and _")]
+    Letters { name: String },
+    #[error("`{name}` is a figure of every run and cannot be replaced")]
+    Reserved { name: String },
+    #[error("a script leaves at most {MOST_ENTRIES} figures, tables, rows or lines")]
+    TooMany,
+}
+
+/// Where host functions write findings down while a script runs.
+#[derive(Clone)]
+pub struct Ledger {
+    findings: Arc<Mutex<Findings>>,
+    reserved: Arc<[String]>,
+    listener: Arc<dyn Fn(&str) + Send + Sync>,
+}
+
+impl Ledger {
+    /// An empty ledger; `reserved` names cannot be given, `listener` hears every log line at once.
+    pub fn new(reserved: Vec<String>, listener: impl Fn(&str) + Send + Sync + 'static) -> Ledger {
+        Ledger { findings: Arc::default(), reserved: reserved.into(), listener: Arc::new(listener) }
+    }
+
+    /// What was written down so far.
+    pub fn findings(&self) -> Findings {
+        self.lock().clone()
+    }
+
+    /// Offers `measure`, `table`, `log` and `print` to scripts.
+    pub fn register(&self, engine: &mut Engine) {
+        let ledger = self.clone();
+        engine.register_fn("measure", move |name: &str, value: Dynamic| ledger.measure(name, &value));
+        let ledger = self.clone();
+        engine.register_fn("table", move |name: &str, rows: Dynamic| ledger.table(name, None, &rows));
+        let ledger = self.clone();
+        engine.register_fn("table", move |name: &str, columns: Array, rows: Dynamic| {
+            ledger.table(name, Some(&columns), &rows)
+        });
+        let ledger = self.clone();
+        engine.register_fn("log", move |line: Dynamic| ledger.log(&line.to_string()));
+        let ledger = self.clone();
+        // The interpreter's own `print` cannot answer with an error; a line too many is dropped there.
+        engine.on_print(move |line| drop(ledger.log(line)));
+    }
+
+    fn measure(&self, name: &str, value: &Dynamic) -> Result<(), Box<EvalAltResult>> {
+        self.check(name).map_err(refuse)?;
+        let value = to_json(value)?;
+        let measures = &mut self.lock().measures;
+        if measures.len() >= MOST_ENTRIES {
+            return Err(refuse(NameError::TooMany));
+        }
+        measures.insert(name.into(), value);
+        Ok(())
+    }
+
+    fn table(&self, name: &str, columns: Option<&Array>, rows: &Dynamic) -> Result<(), Box<EvalAltResult>> {
+        self.check(name).map_err(refuse)?;
+        let rows = rows_of(rows, columns)?;
+        let tables = &mut self.lock().tables;
+        if tables.len() >= MOST_ENTRIES || rows.len() > MOST_ENTRIES {
+            return Err(refuse(NameError::TooMany));
+        }
+        // One file a table: two names must differ on every file system.
+        tables.retain(|(other, _)| !other.eq_ignore_ascii_case(name));
+        tables.push((name.into(), rows));
+        Ok(())
+    }
+
+    fn log(&self, line: &str) -> Result<(), Box<EvalAltResult>> {
+        if self.lock().log.len() >= MOST_ENTRIES {
+            return Err(refuse(NameError::TooMany));
+        }
+        (self.listener)(line);
+        self.lock().log.push(line.into());
+        Ok(())
+    }
+
+    fn check(&self, name: &str) -> Result<(), NameError> {
+        let letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if name.is_empty() || name.len() > 80 || !name.chars().all(letter) {
+            return Err(NameError::Letters { name: name.chars().take(80).collect() });
+        }
+        if self.reserved.iter().any(|reserved| reserved == name) {
+            return Err(NameError::Reserved { name: name.into() });
+        }
+        Ok(())
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Findings> {
+        self.findings.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> Result<Vec<Row>, Box<EvalAltResult>> {
+    if let Some(map) = rows.read_lock::<Map>() {
+        return Ok(vec![row_of(&map, columns)?]);
+    }
+    let Some(rows) = rows.read_lock::<Array>() else {
+        return Err(refuse(format!("a table is a map or a list of maps, not {}", rows.type_name())));
+    };
+    let row = |row: &Dynamic| match row.read_lock::<Map>() {
+        Some(map) => row_of(&map, columns),
+        None => Err(refuse(format!("a row of a table is a map, not {}", row.type_name()))),
+    };
+    rows.iter().map(row).collect()
+}
+
+fn row_of(map: &Map, columns: Option<&Array>) -> Result<Row, Box<EvalAltResult>> {
+    let Some(columns) = columns else {
+        return map.iter().map(|(key, value)| Ok((key.to_string(), to_json(value)?))).collect();
+    };
+    let column = |column: &Dynamic| {
+        let name = column.to_string();
+        let value = map.get(name.as_str()).ok_or_else(|| refuse(format!("a row has no `{name}`")))?;
+        Ok((name, to_json(value)?))
+    };
+    columns.iter().map(column).collect()
+}
+
+/// The reference of what a script writes down.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "measure(name, value)",
+        gives: "adds a figure to the summary; names are letters, digits and _",
+        example: r#"measure("stopping_distance_m", 0.17); true"#,
+    },
+    Entry {
+        call: "table(name, rows)",
+        gives: "adds a table to the summary; rows are a map or a list of maps, columns in alphabetical order",
+        example: r#"table("coefficients", #{ k1: 2.75, ke: 3.41 }); true"#,
+    },
+    Entry {
+        call: "table(name, columns, rows)",
+        gives: "the same with the columns in the order given",
+        example: r#"table("tests", ["test", "k1"], [#{ k1: 2.75, test: 1008 }]); true"#,
+    },
+    Entry {
+        call: "log(text)",
+        gives: "a line for the terminal and the report; `print` does the same",
+        example: r#"log("loading took " + 57 + " ms"); print("done"); true"#,
+    },
+];

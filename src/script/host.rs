@@ -1,0 +1,235 @@
+//! The interpreter with its limits: a script from a stranger may be wrong or hostile, not harmful.
+
+use std::fs;
+use std::io;
+use std::panic::resume_unwind;
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rhai::packages::{
+    ArithmeticPackage, BasicArrayPackage, BasicFnPackage, BasicIteratorPackage, BasicMapPackage, BasicMathPackage,
+    BasicStringPackage, LogicPackage, MoreStringPackage, Package,
+};
+use rhai::{AST, Engine, Scope};
+use thiserror::Error;
+
+use super::Fault;
+
+/// Longest script that is read, bytes.
+const LONGEST: u64 = 1 << 20;
+
+/// Stack of the interpreter, bytes; only what is used takes memory.
+const STACK: usize = 256 << 20;
+
+/// How much a script may do.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Steps of the interpreter; bounds memory too, since every step stores at most one value.
+    pub operations: u64,
+    /// Wall time, host functions included.
+    pub time: Duration,
+}
+
+impl Limits {
+    /// For a script that looks at one finished run.
+    pub const POST: Limits = Limits { operations: 1_000_000, time: Duration::from_secs(60) };
+    /// For a script that simulates; its host functions may take hours.
+    pub const STUDY: Limits = Limits { operations: 2_000_000, time: Duration::from_secs(7 * 24 * 3600) };
+}
+
+/// Why a script cannot start.
+#[derive(Debug, Error)]
+pub enum ReadError {
+    #[error("cannot read {}: {source}", path.display())]
+    Open { path: PathBuf, source: io::Error },
+    #[error("{} is longer than {LONGEST} bytes", path.display())]
+    TooLong { path: PathBuf },
+    #[error(transparent)]
+    Fault(#[from] Fault),
+}
+
+/// An interpreter with the plain packages, the limits, and nothing else: no `eval`, no `import`, no files, no clock, no sleep.
+pub fn engine(limits: Limits) -> Engine {
+    let mut engine = Engine::new_raw();
+    register_packages(&mut engine);
+    engine
+        .disable_symbol("eval")
+        // What is curried does not count as data: it could double at every step.
+        .disable_symbol("curry")
+        .disable_symbol("import")
+        .disable_symbol("export")
+        .set_strict_variables(true)
+        .set_fail_on_invalid_map_property(true)
+        .set_max_modules(0)
+        .set_max_operations(limits.operations)
+        .set_max_call_levels(48)
+        .set_max_expr_depths(64, 32)
+        .set_max_variables(1000)
+        .set_max_functions(500)
+        .set_max_string_size(100_000)
+        .set_max_array_size(10_000)
+        .set_max_map_size(10_000);
+    let start = Instant::now();
+    engine.on_progress(move |operations| {
+        let late = operations % 256 == 0 && start.elapsed() > limits.time;
+        late.then(|| format!("the script took longer than {} s", limits.time.as_secs()).into())
+    });
+    super::register_signals(&mut engine);
+    engine
+}
+
+/// `LanguageCore` is left out for its `sleep`, `BasicTime` for its clock.
+fn register_packages(engine: &mut Engine) {
+    ArithmeticPackage::new().register_into_engine(engine);
+    LogicPackage::new().register_into_engine(engine);
+    BasicStringPackage::new().register_into_engine(engine);
+    BasicIteratorPackage::new().register_into_engine(engine);
+    BasicFnPackage::new().register_into_engine(engine);
+    BasicMathPackage::new().register_into_engine(engine);
+    BasicArrayPackage::new().register_into_engine(engine);
+    BasicMapPackage::new().register_into_engine(engine);
+    MoreStringPackage::new().register_into_engine(engine);
+}
+
+/// A script that was read and compiled.
+#[derive(Clone, Debug)]
+pub struct Script {
+    path: PathBuf,
+    program: AST,
+}
+
+impl Script {
+    /// Reads and compiles the script at `path`; `scope` holds the constants that it will find.
+    pub fn read(engine: &Engine, scope: &Scope, path: &Path) -> Result<Script, ReadError> {
+        let open = |source| ReadError::Open { path: path.into(), source };
+        if fs::metadata(path).map_err(open)?.len() > LONGEST {
+            return Err(ReadError::TooLong { path: path.into() });
+        }
+        let text = fs::read_to_string(path).map_err(open)?;
+        Ok(Script::compile(engine, scope, path, &text)?)
+    }
+
+    /// Compiles `text`, which stands for the file at `path` in faults.
+    pub fn compile(engine: &Engine, scope: &Scope, path: &Path, text: &str) -> Result<Script, Fault> {
+        let program = engine.compile_with_scope(scope, text).map_err(|error| Fault::parsing(path, &error))?;
+        Ok(Script { path: path.into(), program })
+    }
+
+    /// Runs the script with the constants in `scope`; its last value is dropped.
+    ///
+    /// The interpreter walks nested values by recursion, so it gets a stack that outlasts the deepest
+    /// nesting that the limits allow.
+    pub fn run(&self, engine: &Engine, mut scope: Scope<'static>) -> Result<(), Fault> {
+        let work = move || {
+            let result = engine.run_ast_with_scope(&mut scope, &self.program);
+            result.map_err(|error| Fault::running(&self.path, &error))
+        };
+        thread::scope(|threads| {
+            let interpreter = thread::Builder::new().name("script".into());
+            let interpreter = interpreter.stack_size(STACK).spawn_scoped(threads, work);
+            let interpreter = interpreter.map_err(|error| Fault::starting(&self.path, &error))?;
+            interpreter.join().unwrap_or_else(|panic| resume_unwind(panic))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::script::{Ledger, findings};
+
+    fn ledger() -> Ledger {
+        Ledger::new(vec!["steps".into()], |_| {})
+    }
+
+    fn run(text: &str) -> Result<findings::Findings, Fault> {
+        let limits = Limits { operations: 30_000, ..Limits::STUDY };
+        let (mut engine, scope, ledger) = (engine(limits), Scope::new(), ledger());
+        ledger.register(&mut engine);
+        Script::compile(&engine, &scope, Path::new("s.rhai"), text)?.run(&engine, scope)?;
+        Ok(ledger.findings())
+    }
+
+    #[test]
+    fn faults_name_file_line_and_column() {
+        for (text, expected) in [
+            ("let a = 1;\nlet b = a +;", "s.rhai:2:12: "),
+            ("let a = 1;\n  nosuch + 1", "s.rhai:2:3: undefined variable: nosuch"),
+            ("fn f(x) {\n x.nosuch()\n}\nf(1)", "s.rhai:2:4: function not found: nosuch"),
+            ("let a = [1];\na[7]", "s.rhai:2:3: array index 7 out of bounds"),
+            ("throw \"enough\"", "s.rhai:1:1: enough"),
+            ("let m = #{};\nm.nosuch", "s.rhai:2:3: "),
+        ] {
+            let fault = run(text).unwrap_err().to_string();
+            assert!(fault.starts_with(expected), "{text:?} gave: {fault}");
+        }
+    }
+
+    #[test]
+    fn hostile_scripts_are_stopped() {
+        for text in [
+            "loop {}",
+            "fn f() { f() } f()",
+            "let s = \"x\"; loop { s += s; }",
+            "let a = [1]; loop { a += a; }",
+            "let m = #{}; let i = 0; loop { m[\"k\" + i] = i; i += 1; }",
+            "eval(\"1\")",
+            "import \"os\" as os;",
+            "sleep(1)",
+            "timestamp()",
+            "let a = []; loop { a = [a]; }",
+            "let m = #{}; loop { m = #{ m: m, a: [m] }; }",
+            "let f = Fn(\"f\"); loop { f = f.curry(f); }",
+            "let f = Fn(\"f\"); loop { f = curry(f, f); }",
+            "let f = || 1; loop { let g = f; f = || g.call(); }",
+            "fn f(x) { x.map(|y| f([y])) } f([1])",
+            "loop { print(\"x\"); log(\"y\"); }",
+        ] {
+            assert!(run(text).is_err(), "{text:?} went through");
+        }
+    }
+
+    #[test]
+    fn closures_still_capture() {
+        let found = run("let k = 2; let f = |x| x * k; measure(\"six\", f.call(3))").unwrap();
+        assert_eq!(found.measures["six"], 6);
+    }
+
+    #[test]
+    fn time_runs_out() {
+        let (engine, scope) = (engine(Limits { operations: 0, time: Duration::from_millis(30) }), Scope::new());
+        let script = Script::compile(&engine, &scope, Path::new("s.rhai"), "loop {}").unwrap();
+        let fault = script.run(&engine, scope).unwrap_err();
+        assert_eq!(fault.message, "the script took longer than 0 s");
+    }
+
+    #[test]
+    fn names_are_checked() {
+        assert!(run("measure(\"a b\", 1)").unwrap_err().message.contains("use letters, digits and _"));
+        assert!(run("measure(\"../x\", 1)").is_err());
+        assert!(run("table(\"ä\", [])").is_err());
+        assert!(run("measure(\"steps\", 1)").unwrap_err().message.contains("cannot be replaced"));
+    }
+
+    #[test]
+    fn findings_keep_their_order_and_kind() {
+        let found = run("measure(\"b\", 1); measure(\"a\", 0.5); measure(\"n\", 0.0/0.0); measure(\"t\", \"x\");
+             table(\"rows\", [\"test\", \"k1\"], [#{ k1: 2, test: \"1008\" }]); print(1.5);")
+        .unwrap();
+        let measures = serde_json::to_string(&found.measures).unwrap();
+        assert_eq!(measures, r#"{"b":1,"a":0.5,"n":null,"t":"x"}"#);
+        assert_eq!(serde_json::to_string(&found.tables[0].1).unwrap(), r#"[{"test":"1008","k1":2}]"#);
+        assert_eq!(found.log, ["1.5"]);
+    }
+
+    #[test]
+    fn the_examples_of_the_reference_hold() {
+        let (mut engine, ledger) = (engine(Limits::POST), ledger());
+        ledger.register(&mut engine);
+        for entry in findings::ENTRIES {
+            let held = engine.eval::<bool>(entry.example);
+            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
+        }
+    }
+}

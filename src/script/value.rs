@@ -1,0 +1,85 @@
+//! Values on their way between scripts and files.
+
+use rhai::{Array, Dynamic, EvalAltResult, Map};
+use serde_json::{Number, Value};
+
+use super::refuse;
+
+/// Deepest nesting of lists and maps that leaves a script.
+const DEEPEST: usize = 8;
+
+/// The number in `value`, whether written `1` or `1.0`; `what` names it in the error.
+pub fn number(value: &Dynamic, what: &str) -> Result<f64, Box<EvalAltResult>> {
+    if let Ok(float) = value.as_float() {
+        return Ok(float);
+    }
+    let integer = value.as_int();
+    integer.map(|i| i as f64).map_err(|found| refuse(format!("expected a number for {what}, found {found}")))
+}
+
+/// A window of time `[from, to]` in s.
+pub fn window(value: &Dynamic) -> Result<[f64; 2], Box<EvalAltResult>> {
+    let bounds = value.read_lock::<Array>();
+    let bounds = bounds.as_deref().map(Vec::as_slice);
+    let Some([from, to]) = bounds else {
+        return Err(refuse(format!("expected a window [from, to], found {}", value.type_name())));
+    };
+    Ok([number(from, "the window's start")?, number(to, "the window's end")?])
+}
+
+/// The value as JSON; numbers that are not finite become null, host values are refused.
+pub fn to_json(value: &Dynamic) -> Result<Value, Box<EvalAltResult>> {
+    nested_to_json(value, DEEPEST)
+}
+
+fn nested_to_json(value: &Dynamic, depth: usize) -> Result<Value, Box<EvalAltResult>> {
+    let Some(depth) = depth.checked_sub(1) else {
+        return Err(refuse(format!("values are nested more than {DEEPEST} deep")));
+    };
+    if let Some(items) = value.read_lock::<Array>() {
+        let items = items.iter().map(|item| nested_to_json(item, depth));
+        return items.collect::<Result<Vec<_>, _>>().map(Value::Array);
+    }
+    if let Some(map) = value.read_lock::<Map>() {
+        let pairs = map.iter().map(|(key, item)| Ok((key.to_string(), nested_to_json(item, depth)?)));
+        return pairs.collect::<Result<_, _>>().map(Value::Object);
+    }
+    plain_to_json(value)
+}
+
+fn plain_to_json(value: &Dynamic) -> Result<Value, Box<EvalAltResult>> {
+    if value.is_unit() {
+        return Ok(Value::Null);
+    }
+    if let Ok(flag) = value.as_bool() {
+        return Ok(Value::Bool(flag));
+    }
+    if let Ok(integer) = value.as_int() {
+        return Ok(Value::from(integer));
+    }
+    if let Ok(float) = value.as_float() {
+        return Ok(Number::from_f64(float).map_or(Value::Null, Value::Number));
+    }
+    if value.is_string() || value.is_char() {
+        return Ok(Value::String(value.to_string()));
+    }
+    Err(refuse(format!("a {} is not a figure; take one of it, e.g. its max()", value.type_name())))
+}
+
+/// The script value of JSON; null is `()`.
+pub fn from_json(value: &Value) -> Dynamic {
+    match value {
+        Value::Null => Dynamic::UNIT,
+        Value::Bool(flag) => (*flag).into(),
+        Value::Number(number) => match number.as_i64() {
+            Some(integer) => integer.into(),
+            None => number.as_f64().unwrap_or(f64::NAN).into(),
+        },
+        Value::String(text) => text.clone().into(),
+        Value::Array(items) => items.iter().map(from_json).collect::<Array>().into(),
+        Value::Object(pairs) => {
+            let pairs = pairs.iter().map(|(key, item)| (key.as_str().into(), from_json(item)));
+            pairs.collect::<Map>().into()
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! How far one signal is from another: the relative error of the paper's equations 14 and 15.
+
+use thiserror::Error;
+
+use super::Series;
+
+/// Why two signals cannot be compared.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum NormError {
+    #[error("the reference has no sample between {from} s and {to} s")]
+    NoSamples { from: f64, to: f64 },
+    #[error("the signal has no value at {time} s, where the reference has one")]
+    NotCovered { time: f64 },
+    #[error("the reference is zero everywhere between {from} s and {to} s")]
+    ZeroReference { from: f64, to: f64 },
+}
+
+/// Relative error ‖s − e‖/‖e‖ over the samples of the reference `e` with `from <= time <= to`.
+///
+/// The signal `s` is read between its samples at the times of the reference. Samples at which the
+/// reference was not measured do not count. The norm is Euclidean over samples (Polymers 2021, 13,
+/// 1537, equations 14 and 15; equation 16 prints the same sum without the norm).
+pub fn relative_error(signal: &Series, reference: &Series, [from, to]: [f64; 2]) -> Result<f64, NormError> {
+    let (mut difference, mut size, mut count) = (0.0, 0.0, 0_usize);
+    let window = reference.window([from, to]);
+    for [time, expected] in window.samples().filter(|[_, value]| value.is_finite()) {
+        let found = signal.at(time).ok_or(NormError::NotCovered { time })?;
+        difference += (found - expected).powi(2);
+        size += expected.powi(2);
+        count += 1;
+    }
+    if count == 0 {
+        return Err(NormError::NoSamples { from, to });
+    }
+    if size == 0.0 {
+        return Err(NormError::ZeroReference { from, to });
+    }
+    Ok((difference / size).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [f64; 2] = [0.0, 1.0];
+
+    fn sampled(count: usize, f: impl Fn(f64) -> f64) -> Series {
+        let time: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64).collect();
+        let values: Vec<f64> = time.iter().map(|t| f(*t)).collect();
+        Series::new(time, values)
+    }
+
+    #[test]
+    fn a_signal_ten_per_cent_high_is_off_by_a_tenth() {
+        let reference = sampled(100, |t| (9.0 * t).sin());
+        let high = sampled(100, |t| 1.1 * (9.0 * t).sin());
+        assert!((relative_error(&high, &reference, ALL).unwrap() - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn different_time_axes_meet_on_the_samples_of_the_reference() {
+        let reference = sampled(10, |t| 1.0 + t);
+        let fine = sampled(777, |t| 1.0 + t);
+        assert!(relative_error(&fine, &reference, ALL).unwrap() < 1e-12);
+    }
+
+    #[test]
+    fn errors_of_both_signs_do_not_cancel() {
+        let reference = sampled(100, |_| 1.0);
+        let wavy = sampled(100, |t| 1.0 + (100.0 * std::f64::consts::PI * t).cos());
+        assert!((relative_error(&wavy, &reference, ALL).unwrap() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn only_the_window_counts_and_only_what_was_measured() {
+        let reference = sampled(100, |t| if t > 0.5 { f64::NAN } else { 2.0 });
+        let late = sampled(100, |t| if t < 0.25 { 7.0 } else { 2.0 });
+        assert_eq!(relative_error(&late, &reference, [0.25, 1.0]).unwrap(), 0.0);
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_said() {
+        let line = sampled(10, |t| t);
+        let half = line.window([0.0, 0.5]);
+        let zero = sampled(10, |_| 0.0);
+        assert_eq!(relative_error(&line, &line, [2.0, 3.0]), Err(NormError::NoSamples { from: 2.0, to: 3.0 }));
+        assert_eq!(relative_error(&half, &line, ALL), Err(NormError::NotCovered { time: 0.6 }));
+        assert_eq!(relative_error(&line, &zero, ALL), Err(NormError::ZeroReference { from: 0.0, to: 1.0 }));
+    }
+}

@@ -1,0 +1,84 @@
+use std::sync::Arc;
+
+use super::resample;
+
+/// One quantity over its own time axis; cheap to clone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    time: Arc<[f64]>,
+    values: Arc<[f64]>,
+}
+
+impl Series {
+    /// A series of `values` at `time` (s, strictly increasing); the longer of the two is cut.
+    pub fn new(time: impl Into<Arc<[f64]>>, values: impl Into<Arc<[f64]>>) -> Series {
+        let (time, values) = (time.into(), values.into());
+        let count = time.len().min(values.len());
+        if time.len() == values.len() {
+            return Series { time, values };
+        }
+        Series { time: time[..count].into(), values: values[..count].into() }
+    }
+
+    /// Sample times, s.
+    pub fn time(&self) -> &[f64] {
+        &self.time
+    }
+
+    /// One value a sample; `NaN` where nothing was measured.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Whether there is no sample at all.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Whether every sample was measured.
+    pub fn is_complete(&self) -> bool {
+        self.values.iter().all(|v| v.is_finite())
+    }
+
+    /// Other values on the same time axis.
+    pub fn with_values(&self, values: Vec<f64>) -> Series {
+        Series::new(Arc::clone(&self.time), values)
+    }
+
+    /// The samples with `from <= time <= to`.
+    pub fn window(&self, [from, to]: [f64; 2]) -> Series {
+        let start = self.time.partition_point(|t| *t < from);
+        let end = self.time.partition_point(|t| *t <= to).max(start);
+        Series::new(&self.time[start..end], &self.values[start..end])
+    }
+
+    /// Time and value of the largest measured sample; the first of several.
+    pub fn largest(&self) -> Option<[f64; 2]> {
+        self.best(|value, best| value > best)
+    }
+
+    /// Time and value of the smallest measured sample; the first of several.
+    pub fn smallest(&self) -> Option<[f64; 2]> {
+        self.best(|value, best| value < best)
+    }
+
+    fn best(&self, beats: impl Fn(f64, f64) -> bool) -> Option<[f64; 2]> {
+        let measured = self.samples().filter(|[_, value]| value.is_finite());
+        measured.reduce(|best, sample| if beats(sample[1], best[1]) { sample } else { best })
+    }
+
+    /// Time and value, sample by sample.
+    pub fn samples(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.time.iter().zip(self.values.iter()).map(|(t, v)| [*t, *v])
+    }
+
+    /// Value at `time`, linear between samples; `None` outside the samples or beside an unmeasured one.
+    pub fn at(&self, time: f64) -> Option<f64> {
+        resample::at(&self.time, &self.values, time)
+    }
+}

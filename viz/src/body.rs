@@ -1,0 +1,88 @@
+//! The rigid body: its shape once, its pose at every time.
+
+use re_sdk::{RecordingStream, RecordingStreamResult};
+use re_sdk_types::archetypes::{Ellipsoids3D, Mesh3D, Transform3D};
+use re_sdk_types::components::FillMode;
+use re_sdk_types::datatypes::Quaternion;
+
+use crate::scene::{BodyShape, BodyTrack};
+use crate::{TIMELINE, normals};
+
+const STEEL: [u8; 3] = [150, 155, 165];
+
+/// Sides of a revolved surface.
+const SIDES: u32 = 48;
+
+/// Logs the shape and all poses of `body`.
+pub fn log(stream: &RecordingStream, body: &BodyTrack) -> RecordingStreamResult<()> {
+    let entity = format!("scene/{}", body.name);
+    match &body.shape {
+        BodyShape::Sphere { radius } => stream.log_static(entity.as_str(), &sphere(*radius)),
+        BodyShape::Revolved { profile } => {
+            let (points, triangles) = revolved(profile);
+            stream.log_static(entity.as_str(), &surface(&points, &triangles))
+        }
+        BodyShape::Surface { points, triangles } => stream.log_static(entity.as_str(), &surface(points, triangles)),
+    }?;
+    for pose in &body.poses {
+        stream.set_duration_secs(TIMELINE, pose.time);
+        let moved = Transform3D::update_fields()
+            .with_translation(pose.position)
+            .with_quaternion(Quaternion::from_xyzw(pose.rotation));
+        stream.log(entity.as_str(), &moved)?;
+    }
+    Ok(())
+}
+
+fn sphere(radius: f32) -> Ellipsoids3D {
+    Ellipsoids3D::from_half_sizes([[radius; 3]]).with_colors([STEEL]).with_fill_mode(FillMode::Solid)
+}
+
+fn surface(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh3D {
+    Mesh3D::new(points.iter().copied())
+        .with_triangle_indices(triangles.iter().copied())
+        .with_vertex_normals(normals::of_surface(points, triangles))
+        .with_albedo_factor(STEEL)
+}
+
+/// Rings of points and the triangles between them, facing outwards for a profile from top to bottom.
+fn revolved(profile: &[[f32; 2]]) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let angle = |side: u32| std::f32::consts::TAU * side as f32 / SIDES as f32;
+    let ring = |&[radius, z]: &[f32; 2]| {
+        let point = move |side| {
+            let (sin, cos) = angle(side).sin_cos();
+            [radius * cos, radius * sin, z]
+        };
+        (0..SIDES).map(point).collect::<Vec<_>>()
+    };
+    let points = profile.iter().flat_map(ring).collect();
+    let between = |upper: u32| {
+        let node = |ring: u32, side: u32| ring * SIDES + side % SIDES;
+        let pair = move |side| {
+            let [a, b] = [node(upper, side), node(upper, side + 1)];
+            let [c, d] = [node(upper + 1, side), node(upper + 1, side + 1)];
+            [[a, c, d], [a, d, b]]
+        };
+        (0..SIDES).flat_map(pair).collect::<Vec<_>>()
+    };
+    let rings = profile.len().saturating_sub(1) as u32;
+    (points, (0..rings).flat_map(between).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_revolved_cylinder_has_its_volume_and_faces_outwards() {
+        let (points, triangles) = revolved(&[[0.0, 1.0], [0.5, 1.0], [0.5, -1.0], [0.0, -1.0]]);
+        let six = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|node| points[node as usize]);
+            a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+        };
+        let volume = triangles.iter().map(six).sum::<f32>() / 6.0;
+        let sides = SIDES as f32;
+        let polygon = sides / 2.0 * 0.25 * (std::f32::consts::TAU / sides).sin();
+        assert!((volume - 2.0 * polygon).abs() < 1e-4, "{volume}");
+    }
+}
