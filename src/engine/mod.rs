@@ -72,6 +72,8 @@ struct Gone {
     absorbed: f64,
     damping: f64,
     external: f64,
+    /// Part of `external` that belongs to the half step after the full one.
+    external_ahead: f64,
 }
 
 /// Velocities half a step ago, kept where an observer wants energies.
@@ -187,7 +189,7 @@ impl Engine {
             self.before.velocity.clone_from(&self.nodes.velocity);
             self.before.body = self.impact.as_ref().map(|i| i.body.clone());
         }
-        self.pull(kick);
+        self.pull(dt, kick);
         self.damp(kick);
         self.meet(dt, kick);
         if wanted {
@@ -216,12 +218,12 @@ impl Engine {
         broken
     }
 
-    /// Work of the jaws against the film's forces.
-    fn pull(&mut self, kick: f64) {
-        for jaw in &self.drive.jaws {
-            let work = -self.nodes.pull(&jaw.nodes) * jaw.velocity * kick;
-            self.gone.external -= self.drive.multiplicity * work;
-        }
+    /// Work of the jaws against the film's forces; these act over the halves of the steps on both sides.
+    fn pull(&mut self, dt: f64, kick: f64) {
+        let power = |jaw: &Jaw| -self.nodes.pull(&jaw.nodes) * jaw.velocity;
+        let power = self.drive.multiplicity * self.drive.jaws.iter().map(power).sum::<f64>();
+        self.gone.external -= power * kick;
+        self.gone.external_ahead = -0.5 * power * dt;
     }
 
     fn damp(&mut self, kick: f64) {
@@ -302,7 +304,7 @@ impl View<'_> {
             rupture: self.gone.rupture,
             absorbed: self.gone.absorbed,
             damping: self.gone.damping,
-            external: self.gone.external,
+            external: self.gone.external - self.gone.external_ahead,
             ..Energies::default()
         };
         for film in self.films {

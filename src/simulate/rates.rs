@@ -8,6 +8,9 @@ const PER_DECADE: usize = 4;
 /// Decades covered, as powers of ten, 1/s.
 const DECADES: (i32, i32) = (-5, 5);
 
+/// By how much a rate may miss an end of the measured range and still count as inside.
+const EDGE: f64 = 0.01;
+
 /// Straining of virgin film by rate, weighted with volume and strain.
 pub(super) struct RateAudit {
     measured: Option<[f64; 2]>,
@@ -55,7 +58,7 @@ fn count(weights: &mut [f64], outside: &mut f64, measured: Option<[f64; 2]>, rat
     let place = ((rate.log10() - f64::from(DECADES.0)) * PER_DECADE as f64).floor();
     let bin = (place.max(0.0) as usize).min(weights.len() - 1);
     weights[bin] += weight;
-    if measured.is_some_and(|[low, high]| rate < low || rate > high) {
+    if measured.is_some_and(|[low, high]| rate < (1.0 - EDGE) * low || rate > (1.0 + EDGE) * high) {
         *outside += weight;
     }
 }
