@@ -141,8 +141,8 @@ fn everything_in_the_scene_comes_back() {
     let (time, last) = &positions[4];
     assert_eq!(*time, 2_000_000);
     for (read, given) in last.iter().zip(&scene.films[0].frames[4].positions) {
-        for axis in 0..3 {
-            assert!((read.0.0[axis] - given[axis]).abs() <= 0.5 / 262_144.0);
+        for (read, given) in read.0.0.iter().zip(given) {
+            assert!((read - given).abs() <= 0.5 / 262_144.0);
         }
     }
     let triangles = rows::<TriangleIndices>(film, &Mesh3D::descriptor_triangle_indices());
