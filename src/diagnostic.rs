@@ -150,7 +150,8 @@ pub fn closest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> O
 pub fn shown_path(path: &Path) -> String {
     let tidy = tidy_path(path);
     let relative = std::env::current_dir().ok().and_then(|here| tidy.strip_prefix(here).ok().map(Path::to_owned));
-    relative.unwrap_or(tidy).display().to_string()
+    let shown = relative.unwrap_or(tidy).display().to_string();
+    if shown.is_empty() { ".".to_owned() } else { shown }
 }
 
 /// `path` without `.` and, where a folder stands before it, without `..`.

@@ -1,8 +1,7 @@
 //! One change of a scenario: `key.path = value`, from `--set` or from a script.
 
-use crate::diagnostic::{Diagnostic, Source, Span};
-
 use super::tree::{self, Node, Value};
+use crate::diagnostic::{Diagnostic, Source, Span};
 
 /// A value for a key path, laid over a scenario by [`Document::with`](super::Document::with).
 #[derive(Clone, Debug)]
@@ -33,7 +32,7 @@ impl Assignment {
         }
         let start = key.len() + 1 + (value.len() - value.trim_start().len());
         let span = Span::new(&source, start..start + text.len());
-        *leaf(&mut tree) = Node::new(Value::Text(text.to_owned()), span);
+        replace_leaf(&mut tree, Node::new(Value::Text(text.to_owned()), span));
         Ok(Assignment { tree })
     }
 
@@ -57,13 +56,12 @@ fn sets_one_key(node: &Node, argument: &str) -> bool {
     table.entries.len() == 1 && argument.contains('=') && !argument.trim_start().starts_with('[')
 }
 
-/// The value at the end of a path of single keys.
-fn leaf(node: &mut Node) -> &mut Node {
-    if !matches!(&node.value, Value::Table(table) if !table.entries.is_empty()) {
-        return node;
+/// Puts `leaf` at the end of a path of single keys.
+fn replace_leaf(node: &mut Node, leaf: Node) {
+    if let Value::Table(table) = &mut node.value
+        && let Some(entry) = table.entries.first_mut()
+    {
+        return replace_leaf(&mut entry.node, leaf);
     }
-    match &mut node.value {
-        Value::Table(table) => leaf(&mut table.entries[0].node),
-        _ => unreachable!("just seen to be a table"),
-    }
+    *node = leaf;
 }

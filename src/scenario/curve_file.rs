@@ -37,7 +37,8 @@ pub fn read(source: &Arc<Source>) -> Result<Node, Vec<Diagnostic>> {
 }
 
 fn columns(header: &StringRecord, source: &Arc<Source>) -> Result<Columns, Diagnostic> {
-    let place = |name: &str| header.iter().position(|column| column == name);
+    // Spreadsheets start their files with a byte order mark.
+    let place = |name: &str| header.iter().position(|column| column.trim_start_matches('\u{feff}') == name);
     let stresses = [("stress", 1.0), ("stress_Pa", 1.0), ("stress_kPa", 1e3), ("stress_MPa", 1e6)];
     let stress = stresses.iter().find_map(|(name, factor)| Some((place(name)?, *factor)));
     match (place("strain"), stress) {

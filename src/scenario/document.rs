@@ -1,24 +1,16 @@
 //! A scenario file with everything it names: what it extends, its materials, its curves.
 
-use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use serde::Deserialize;
 
 use super::assignment::Assignment;
-use super::grammar::{self, Rule};
+use super::grammar;
 use super::merge::merge;
-use super::tree::{self, Node, Table, Value};
-use super::{Scenario, curve_file, resolved, validate};
-use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
-
-/// Files of the language are written by hand; what is larger is something else.
-const LARGEST_FILE: u64 = 16 << 20;
-
-/// Files that extend or name one another, one below the other.
-const LONGEST_CHAIN: usize = 32;
+use super::reader::Reader;
+use super::tree::{Node, Value};
+use super::{Scenario, resolved, validate};
+use crate::diagnostic::{Diagnostic, Span, tidy_path};
 
 /// A scenario as written, merged along `extends`, with the places of all its parts.
 #[derive(Clone, Debug)]
@@ -86,7 +78,7 @@ impl Document {
     /// file where there is no such folder.
     pub fn name(&self) -> String {
         let absolute = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
-        let bare = crate::diagnostic::tidy_path(&absolute).with_extension("");
+        let bare = tidy_path(&absolute).with_extension("");
         let parts: Vec<_> = bare.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
         let folders = parts.len().saturating_sub(1);
         let start = parts[..folders].iter().rposition(|part| part == "scenarios").map_or(folders, |place| place + 1);
@@ -136,164 +128,5 @@ impl Document {
             Value::Text(text) => Some(node.span.source.folder.join(text)),
             _ => None,
         }
-    }
-}
-
-/// Reads files and what they name, and collects what goes wrong.
-#[derive(Default)]
-struct Reader {
-    mistakes: Vec<Diagnostic>,
-    /// The files being read, each named by the one before it.
-    chain: Vec<PathBuf>,
-}
-
-impl Reader {
-    /// The tree of the file at `path`, which stands at `named` in the file that names it.
-    fn read(&mut self, path: &Path, rule: Option<&Rule>, named: Option<&Span>) -> Option<Node> {
-        let identity = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        if self.chain.contains(&identity) {
-            self.report(self.circle(&identity), named);
-            return None;
-        }
-        if self.chain.len() == LONGEST_CHAIN {
-            let message = format!("more than {LONGEST_CHAIN} files that extend one another");
-            self.report(Diagnostic::new(message), named);
-            return None;
-        }
-        let source = self.text(path, named)?;
-        self.chain.push(identity);
-        let node = match tree::parse(&source) {
-            Ok(node) => self.extended(node, rule),
-            Err(mistakes) => {
-                self.mistakes.extend(mistakes);
-                None
-            }
-        };
-        self.chain.pop();
-        node
-    }
-
-    /// The tree laid over what it extends; none where that cannot be read.
-    fn extended(&mut self, mut node: Node, rule: Option<&Rule>) -> Option<Node> {
-        let extends = match &mut node.value {
-            Value::Table(table) => take_path(table, rule),
-            _ => None,
-        };
-        let over = self.include_within(node, rule);
-        let Some((path, span)) = extends else {
-            return Some(over);
-        };
-        let base = self.read(&path, rule, Some(&span))?;
-        Some(merge(base, over, rule))
-    }
-
-    /// The tree with files in place of the paths that name them.
-    fn include(&mut self, node: Node, rule: Option<&Rule>) -> Node {
-        let Value::Text(text) = &node.value else {
-            let kept = node.clone();
-            return self.extended(node, rule).unwrap_or(kept);
-        };
-        let Some(rule) = rule.filter(|rule| rule.is_included()) else {
-            return node;
-        };
-        let path = node.span.source.folder.join(text);
-        let found = match rule.table() {
-            Some(_) => self.read(&path, Some(rule), Some(&node.span)),
-            None => self.curve(&path, &node.span),
-        };
-        match found {
-            Some(found) => Node { included: true, ..found },
-            None => node,
-        }
-    }
-
-    fn include_within(&mut self, node: Node, rule: Option<&Rule>) -> Node {
-        let value = match node.value {
-            Value::Table(mut table) => {
-                let keys = rule.and_then(Rule::table);
-                for entry in &mut table.entries {
-                    let rule = keys.and_then(|k| k.key(&entry.key)).map(|key| &key.rule);
-                    entry.node = self.include(entry.node.clone(), rule);
-                }
-                Value::Table(table)
-            }
-            Value::List(items) => {
-                let items = items.into_iter().enumerate();
-                let items = items.map(|(place, item)| self.include(item, rule.and_then(|rule| rule.item(place))));
-                Value::List(items.collect())
-            }
-            other => other,
-        };
-        Node { value, ..node }
-    }
-
-    fn curve(&mut self, path: &Path, named: &Span) -> Option<Node> {
-        let source = self.text(path, Some(named))?;
-        match curve_file::read(&source) {
-            Ok(node) => Some(node),
-            Err(mistakes) => {
-                self.mistakes.extend(mistakes);
-                None
-            }
-        }
-    }
-
-    fn text(&mut self, path: &Path, named: Option<&Span>) -> Option<Arc<Source>> {
-        match read_text(path) {
-            Ok(text) => Some(Source::file(path, text)),
-            Err(why) => {
-                let message = format!("cannot read {}: {why}", shown_path(path));
-                self.report(Diagnostic::new(message), named);
-                None
-            }
-        }
-    }
-
-    fn circle(&self, again: &Path) -> Diagnostic {
-        let start = self.chain.iter().position(|file| file == again);
-        let files = self.chain[start.unwrap_or(0)..].iter();
-        let names: Vec<String> = files.map(PathBuf::as_path).chain([again]).map(shown_path).collect();
-        Diagnostic::new(format!("files extend in a circle: {}", names.join(" → ")))
-    }
-
-    fn report(&mut self, mistake: Diagnostic, named: Option<&Span>) {
-        self.mistakes.push(match named {
-            Some(span) => mistake.at(span),
-            None => mistake,
-        });
-    }
-}
-
-/// Takes `extends` out of a table that may have it.
-fn take_path(table: &mut Table, rule: Option<&Rule>) -> Option<(PathBuf, Span)> {
-    rule?.table()?.key("extends")?;
-    let Value::Text(text) = &table.get("extends")?.node.value else {
-        return None;
-    };
-    let text = text.clone();
-    let entry = table.remove("extends")?;
-    let folder = &entry.node.span.source.folder;
-    Some((folder.join(text), entry.node.span))
-}
-
-fn read_text(path: &Path) -> Result<String, String> {
-    let file = fs::File::open(path).map_err(|error| reason(&error))?;
-    let kind = file.metadata().map_err(|error| reason(&error))?;
-    if !kind.is_file() {
-        return Err("it is not a file".to_owned());
-    }
-    let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| reason(&error))?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err(format!("it is larger than {} MB", LARGEST_FILE >> 20));
-    }
-    String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_owned())
-}
-
-fn reason(error: &std::io::Error) -> String {
-    match error.kind() {
-        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
-        std::io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
-        _ => error.to_string(),
     }
 }

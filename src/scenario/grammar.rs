@@ -99,6 +99,12 @@ impl Rule {
         }
     }
 
+    /// The rule of what stands under a key: of a table, or, where the key is a number, of a list.
+    pub fn under(&self, key: &str) -> Option<&Rule> {
+        let of_table = self.table().and_then(|table| table.key(key)).map(|key| &key.rule);
+        of_table.or_else(|| self.item(key.parse().ok()?))
+    }
+
     /// Whether the path of a file may stand here.
     pub fn is_path(&self) -> bool {
         match self {

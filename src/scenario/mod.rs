@@ -14,6 +14,7 @@ mod material;
 mod merge;
 mod output;
 mod post;
+mod reader;
 mod reference;
 mod resolved;
 pub mod schema;

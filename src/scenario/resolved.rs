@@ -26,10 +26,9 @@ fn anchored(node: &Node, rule: Option<&Rule>) -> Node {
             Value::List(items.collect())
         }
         Value::Table(table) => {
-            let keys = rule.and_then(Rule::table);
             let mut table = table.clone();
             for entry in &mut table.entries {
-                let rule = keys.and_then(|k| k.key(&entry.key)).map(|key| &key.rule);
+                let rule = rule.and_then(|rule| rule.under(&entry.key));
                 entry.node = anchored(&entry.node, rule);
             }
             Value::Table(table)

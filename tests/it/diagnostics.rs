@@ -136,6 +136,15 @@ fn set_changes_its_mind_about_excluding_keys() {
 }
 
 #[test]
+fn set_reaches_into_lists() {
+    let document = Document::read(Path::new("tests/it/broken/symmetry-layers.toml")).expect("it reads");
+    let arguments = ["layer.1.md_angle=0 deg", "layer.1.material=tests/it/broken/parts/film.toml"];
+    let assignments = arguments.map(|argument| Assignment::from_argument(argument).expect("a value"));
+    let checked = model::check(&document.with(&assignments));
+    assert!(matches!(&checked, Ok(model) if model.faces[1].md_angle == 0.0), "{checked:?}");
+}
+
+#[test]
 fn set_points_at_its_own_mistakes() {
     for (argument, column, message) in [
         ("layers.count=ten", 14, "expected a whole number, found \"ten\""),

@@ -1,0 +1,198 @@
+//! Reading files and what they name: what they extend, their materials, their curves.
+
+use std::fs;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::curve_file;
+use super::grammar::Rule;
+use super::merge::merge;
+use super::tree::{self, Node, Table, Value};
+use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
+
+/// Bytes of a scenario with everything it names. Its files are written by hand; what is larger is something else.
+const MOST_BYTES: u64 = 32 << 20;
+
+/// Files that extend or name one another, one below the other.
+const LONGEST_CHAIN: usize = 32;
+
+/// Reads files and what they name, and collects what goes wrong.
+#[derive(Default)]
+pub struct Reader {
+    pub mistakes: Vec<Diagnostic>,
+    /// The files being read, each named by the one before it.
+    chain: Vec<PathBuf>,
+    /// Bytes read so far.
+    bytes: u64,
+}
+
+/// Why a file cannot be read.
+#[derive(Debug, Error)]
+enum ReadError {
+    #[error("there is no such file")]
+    NotFound,
+    #[error("it is not a file")]
+    NotAFile,
+    #[error("a scenario and its files may have {} MB", MOST_BYTES >> 20)]
+    TooLarge,
+    #[error("it is not UTF-8 text")]
+    NotText,
+    #[error("{0}")]
+    Io(io::Error),
+}
+
+impl From<io::Error> for ReadError {
+    fn from(error: io::Error) -> ReadError {
+        match error.kind() {
+            io::ErrorKind::NotFound => ReadError::NotFound,
+            _ => ReadError::Io(error),
+        }
+    }
+}
+
+impl Reader {
+    /// The tree of the file at `path`, which stands at `named` in the file that names it.
+    pub fn read(&mut self, path: &Path, rule: Option<&Rule>, named: Option<&Span>) -> Option<Node> {
+        let identity = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        if self.chain.contains(&identity) {
+            self.report(self.circle(&identity), named);
+            return None;
+        }
+        if self.chain.len() == LONGEST_CHAIN {
+            let message = format!("more than {LONGEST_CHAIN} files that extend one another");
+            self.report(Diagnostic::new(message), named);
+            return None;
+        }
+        let source = self.text(path, named)?;
+        self.chain.push(identity);
+        let node = match tree::parse(&source) {
+            Ok(node) => self.extended(node, rule),
+            Err(mistakes) => {
+                self.mistakes.extend(mistakes);
+                None
+            }
+        };
+        self.chain.pop();
+        node
+    }
+
+    /// The tree laid over what it extends; none where that cannot be read.
+    fn extended(&mut self, mut node: Node, rule: Option<&Rule>) -> Option<Node> {
+        let extends = match &mut node.value {
+            Value::Table(table) => take_path(table, rule),
+            _ => None,
+        };
+        let over = self.include_within(node, rule);
+        let Some((path, span)) = extends else {
+            return Some(over);
+        };
+        let base = self.read(&path, rule, Some(&span))?;
+        Some(merge(base, over, rule))
+    }
+
+    /// The tree with files in place of the paths that name them.
+    pub fn include(&mut self, node: Node, rule: Option<&Rule>) -> Node {
+        let Value::Text(text) = &node.value else {
+            let kept = node.clone();
+            return self.extended(node, rule).unwrap_or(kept);
+        };
+        let Some(rule) = rule.filter(|rule| rule.is_included()) else {
+            return node;
+        };
+        let path = node.span.source.folder.join(text);
+        let found = match rule.table() {
+            Some(_) => self.read(&path, Some(rule), Some(&node.span)),
+            None => self.curve(&path, &node.span),
+        };
+        match found {
+            Some(found) => Node { included: true, ..found },
+            None => node,
+        }
+    }
+
+    fn include_within(&mut self, node: Node, rule: Option<&Rule>) -> Node {
+        let value = match node.value {
+            Value::Table(mut table) => {
+                for entry in &mut table.entries {
+                    let rule = rule.and_then(|rule| rule.under(&entry.key));
+                    entry.node = self.include(entry.node.clone(), rule);
+                }
+                Value::Table(table)
+            }
+            Value::List(items) => {
+                let items = items.into_iter().enumerate();
+                let items = items.map(|(place, item)| self.include(item, rule.and_then(|rule| rule.item(place))));
+                Value::List(items.collect())
+            }
+            other => other,
+        };
+        Node { value, ..node }
+    }
+
+    fn curve(&mut self, path: &Path, named: &Span) -> Option<Node> {
+        let source = self.text(path, Some(named))?;
+        match curve_file::read(&source) {
+            Ok(node) => Some(node),
+            Err(mistakes) => {
+                self.mistakes.extend(mistakes);
+                None
+            }
+        }
+    }
+
+    fn text(&mut self, path: &Path, named: Option<&Span>) -> Option<Arc<Source>> {
+        match self.read_text(path) {
+            Ok(text) => Some(Source::file(path, text)),
+            Err(why) => {
+                let message = format!("cannot read {}: {why}", shown_path(path));
+                self.report(Diagnostic::new(message), named);
+                None
+            }
+        }
+    }
+
+    fn read_text(&mut self, path: &Path) -> Result<String, ReadError> {
+        // Asked first: opening a pipe would wait for its writer.
+        if !fs::metadata(path)?.is_file() {
+            return Err(ReadError::NotAFile);
+        }
+        let room = MOST_BYTES - self.bytes;
+        let mut bytes = Vec::new();
+        fs::File::open(path)?.take(room + 1).read_to_end(&mut bytes)?;
+        let length = bytes.len() as u64;
+        if length > room {
+            return Err(ReadError::TooLarge);
+        }
+        self.bytes += length;
+        String::from_utf8(bytes).map_err(|_| ReadError::NotText)
+    }
+
+    fn circle(&self, again: &Path) -> Diagnostic {
+        let start = self.chain.iter().position(|file| file == again);
+        let files = self.chain[start.unwrap_or(0)..].iter();
+        let names: Vec<String> = files.map(PathBuf::as_path).chain([again]).map(shown_path).collect();
+        Diagnostic::new(format!("files extend in a circle: {}", names.join(" → ")))
+    }
+
+    fn report(&mut self, mistake: Diagnostic, named: Option<&Span>) {
+        self.mistakes.push(match named {
+            Some(span) => mistake.at(span),
+            None => mistake,
+        });
+    }
+}
+
+/// Takes `extends` out of a table that may have it.
+fn take_path(table: &mut Table, rule: Option<&Rule>) -> Option<(PathBuf, Span)> {
+    rule?.table()?.key("extends")?;
+    let Value::Text(text) = &table.get("extends")?.node.value else {
+        return None;
+    };
+    let text = text.clone();
+    let entry = table.remove("extends")?;
+    let folder = &entry.node.span.source.folder;
+    Some((folder.join(text), entry.node.span))
+}
