@@ -4,4 +4,5 @@ mod architecture;
 mod commands;
 mod diagnostics;
 mod language;
+mod golden;
 mod mesh;
