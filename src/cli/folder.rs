@@ -29,10 +29,6 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     let signals = results.map_or(&outcome.signals, |results| &results.signals);
     files.write("signals.csv", recording(signals)?)?;
     files.write("energies.csv", recording(&outcome.energies)?)?;
-    files.write("scenario.toml", scenario.as_bytes().to_vec())?;
-    if let Some(cause) = failure {
-        files.write("failure.txt", format!("{cause}\n").into_bytes())?;
-    }
     if let Some(results) = results {
         files.write("summary.json", json(&results.summary(model))?)?;
         files.tables(&results.findings)?;
@@ -41,6 +37,10 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
         #[cfg(feature = "rerun")]
         files.recording(contents, results)?;
         files.write("report.html", page.into_bytes())?;
+    }
+    files.write("scenario.toml", scenario.as_bytes().to_vec())?;
+    if let Some(cause) = failure {
+        files.write("failure.txt", format!("{cause}\n").into_bytes())?;
     }
     Ok(files.names)
 }

@@ -11,7 +11,7 @@ use rhai::packages::{
     ArithmeticPackage, BasicArrayPackage, BasicFnPackage, BasicIteratorPackage, BasicMapPackage, BasicMathPackage,
     BasicStringPackage, LogicPackage, MoreStringPackage, Package,
 };
-use rhai::{AST, Engine, Scope};
+use rhai::{AST, Engine, OptimizationLevel, Scope, Token, TokenizeState};
 use thiserror::Error;
 
 use super::Fault;
@@ -53,6 +53,7 @@ pub enum ReadError {
 pub fn engine(limits: Limits) -> Engine {
     let mut engine = Engine::new_raw();
     register_packages(&mut engine);
+    free_reserved_words(&mut engine);
     engine
         .disable_symbol("eval")
         // What is curried does not count as data: it could double at every step.
@@ -60,6 +61,8 @@ pub fn engine(limits: Limits) -> Engine {
         .disable_symbol("import")
         .disable_symbol("export")
         .set_strict_variables(true)
+        // Folding constants would read what a constant map does not have as ().
+        .set_optimization_level(OptimizationLevel::None)
         .set_fail_on_invalid_map_property(true)
         .set_max_modules(0)
         .set_max_operations(limits.operations)
@@ -77,6 +80,17 @@ pub fn engine(limits: Limits) -> Engine {
     });
     super::register_signals(&mut engine);
     engine
+}
+
+/// The language reserves `with` for later; scripts say `scenario.with(…)`.
+fn free_reserved_words(engine: &mut Engine) {
+    let free = |token, _, _: &TokenizeState| match token {
+        Token::Reserved(word) if *word == "with" => Token::Identifier(word),
+        other => other,
+    };
+    // Marked as deprecated by its authors only to say that it may change; the tests would notice.
+    #[allow(deprecated)]
+    engine.on_parse_token(free);
 }
 
 /// `LanguageCore` is left out for its `sleep`, `BasicTime` for its clock.

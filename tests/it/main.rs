@@ -6,3 +6,4 @@ mod diagnostics;
 mod language;
 mod golden;
 mod mesh;
+mod runs;

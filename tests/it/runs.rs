@@ -1,0 +1,210 @@
+//! The built binary, for the commands that simulate: folders, figures, exit codes, scripts.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use rhai::{Engine, Map, Scope};
+use serde_json::Value as Json;
+use tempfile::TempDir;
+
+use droptower::post::{self, STUDY_ENTRIES};
+use droptower::script::{self, LEDGER_ENTRIES, Ledger, Limits};
+
+/// Coarse and short: what is tested is everything around the simulation.
+const QUICK: [&str; 4] = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=40ms"];
+
+/// A folder with the template of a drop test in it.
+fn bench() -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let made = droptower(folder.path(), &["new", "drop", "drop.toml"]);
+    assert!(made.status.success());
+    folder
+}
+
+fn droptower(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
+    command.current_dir(folder).args(arguments).output().expect("the binary starts")
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    droptower(folder, &[&["run"], arguments, &QUICK].concat())
+}
+
+fn code(output: &Output) -> Option<i32> {
+    output.status.code()
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn json(path: &Path) -> Json {
+    serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON")
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder").flatten();
+    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_run_leaves_its_folder() {
+    let bench = bench();
+    let output = run(bench.path(), &["drop.toml"]);
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    let folder = bench.path().join("runs/drop");
+    for name in ["signals.csv", "energies.csv", "summary.json", "scenario.toml", "report.html"] {
+        assert!(folder.join(name).is_file(), "{name}");
+    }
+    let signals = fs::read_to_string(folder.join("signals.csv")).expect("signals");
+    assert_eq!(
+        signals.lines().next(),
+        Some(
+            "time_s,displacement_m,velocity_m_s,acceleration_m_s2,acceleration_filtered_m_s2,contact_force_N,\
+             kinetic_energy_J,potential_energy_J,absorbed_energy_J,total_energy_J,max_strain_md,max_strain_td"
+        )
+    );
+    let summary = json(&folder.join("summary.json"));
+    for name in [
+        "peak_acceleration_m_s2",
+        "time_of_peak_acceleration_s",
+        "peak_displacement_m",
+        "time_of_peak_displacement_s",
+        "rebound_velocity_m_s",
+        "energy_absorption",
+        "energy_balance_error",
+        "ruptured",
+        "rupture_time_s",
+        "acceleration_error",
+        "displacement_error",
+        "elements",
+        "steps",
+        "time_step_s",
+        "wall_s",
+        "ns_per_element_step",
+    ] {
+        assert!(summary.get(name).is_some(), "{name}");
+    }
+    let page = fs::read_to_string(folder.join("report.html")).expect("a page");
+    assert!(!page.contains("http") || page.matches("http").count() == page.matches("http://www.w3.org/").count() + 1);
+    assert_eq!(names(bench.path()), ["drop.toml", "runs"]);
+    assert_eq!(names(&bench.path().join("runs")), ["drop"]);
+}
+
+#[test]
+fn the_kept_scenario_gives_the_same_signals() {
+    let bench = bench();
+    assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0));
+    let again = droptower(bench.path(), &["run", "runs/drop/scenario.toml", "--out", "again"]);
+    assert_eq!(code(&again), Some(0), "{}", error(&again));
+    let signals = |folder: &str| fs::read(bench.path().join(folder).join("signals.csv")).expect("signals");
+    assert!(signals("runs/drop") == signals("again"), "the signals differ");
+}
+
+#[test]
+fn several_scenarios_go_below_one_folder() {
+    let bench = bench();
+    fs::copy(bench.path().join("drop.toml"), bench.path().join("other.toml")).expect("a copy");
+    let output = run(bench.path(), &["*.toml", "--out", "out", "--json"]);
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    let summaries: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(summaries[1]["scenario"], "other");
+    assert_eq!(names(&bench.path().join("out")), ["drop", "other"]);
+}
+
+#[test]
+fn one_mistake_keeps_everything_from_being_written() {
+    let bench = bench();
+    let good = fs::read_to_string(bench.path().join("drop.toml")).expect("the template");
+    fs::write(bench.path().join("bad.rhai"), "let a = 1;\nlet b = nosuch;").expect("a script");
+    fs::write(bench.path().join("gap.csv"), "time_s,acceleration_m_s2\n0,1\n0,2\n").expect("a table");
+    for (added, expected) in [
+        ("[post]\nscript = \"bad.rhai\"", "bad.rhai:2:9"),
+        ("[reference]\nsignals = \"gap.csv\"", "gap.csv:3:1: time does not increase"),
+    ] {
+        fs::write(bench.path().join("bad.toml"), format!("{good}\n{added}\n")).expect("a scenario");
+        let output = run(bench.path(), &["drop.toml", "bad.toml"]);
+        assert_eq!(code(&output), Some(2));
+        assert!(error(&output).contains(expected), "{}", error(&output));
+        assert!(!bench.path().join("runs").exists());
+    }
+    let fast = run(bench.path(), &["drop.toml", "--set", "output.sample_rate=1kHz"]);
+    assert_eq!(code(&fast), Some(2), "{}", error(&fast));
+}
+
+#[test]
+fn folders_of_others_are_left_alone() {
+    let bench = bench();
+    let output = run(bench.path(), &["drop.toml", "--out", "."]);
+    assert_eq!(code(&output), Some(2));
+    assert!(error(&output).contains("is not a run folder of droptower"), "{}", error(&output));
+    assert_eq!(names(bench.path()), ["drop.toml"]);
+}
+
+const STUDY: &str = r#"
+let base = scenario(args.scenario);
+let runs = simulate_all([base, base.with(#{ "layers.count": args.layers })]);
+let travel = |run| run.summary.peak_displacement_m;
+table("travel", ["layers", "mm"], runs.map(|run| #{ layers: run.model.layers[0], mm: travel.call(run) * 1000 }));
+measure("difference", relative_error(runs[1].displacement, runs[0].displacement, [0, 0.02]));
+"#;
+
+#[test]
+fn a_script_leaves_its_tables() {
+    let bench = bench();
+    fs::write(bench.path().join("study.rhai"), STUDY).expect("a script");
+    let arguments = ["script", "study.rhai", "--scenario", "drop.toml", "--arg", "layers=16"];
+    let output = droptower(bench.path(), &[&arguments[..], &QUICK].concat());
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    let folder = bench.path().join("runs/study");
+    let summary = json(&folder.join("summary.json"));
+    assert_eq!(summary["tables"]["travel"][1]["layers"], 16);
+    assert!(summary["difference"].as_f64().is_some_and(|difference| difference > 0.001));
+    let table = fs::read_to_string(folder.join("tables/travel.csv")).expect("a table");
+    assert!(table.starts_with("layers,mm\n8,"), "{table}");
+    assert!(folder.join("report.html").is_file());
+}
+
+#[test]
+fn mistakes_in_a_script_have_their_place() {
+    let bench = bench();
+    for (text, expected) in [
+        ("\nlet t = scenario(\"nosuch.toml\");", "study.rhai:2:9"),
+        ("let t = scenario(args.scenario).with(#{ \"layers.cuont\": 9 });", "unknown key `cuont`"),
+        ("scenario(args.nosuch)", "study.rhai:1:15"),
+        ("simulate_all([1])", "expected a list of scenarios"),
+    ] {
+        fs::write(bench.path().join("study.rhai"), text).expect("a script");
+        let output = droptower(bench.path(), &["script", "study.rhai", "--scenario", "drop.toml"]);
+        assert_eq!(code(&output), Some(2), "{text}");
+        assert!(error(&output).contains(expected), "{text} gave: {}", error(&output));
+        assert!(!bench.path().join("runs").exists());
+    }
+}
+
+#[test]
+fn the_examples_of_the_scripting_reference_hold() {
+    let bench = bench();
+    let path = bench.path().join("drop.toml");
+    let text = fs::read_to_string(&path).expect("the template")
+        + "\n[reference]\nsignals = \"reference.csv\"\nwindow = [\"0 s\", \"2 ms\"]\n";
+    fs::write(&path, text).expect("a scenario");
+    let rows: String = (0..40).map(|i| format!("{},{i},{}\n", f64::from(i) * 1e-4, -i)).collect();
+    let table = format!("time_s,acceleration_m_s2,displacement_m\n{rows}");
+    fs::write(bench.path().join("reference.csv"), table).expect("a table");
+    let mut engine: Engine = script::engine(Limits::STUDY);
+    Ledger::new(Vec::new(), |_| {}).register(&mut engine);
+    let changes =
+        [QUICK[1], QUICK[3]].map(|set| droptower::scenario::Assignment::from_argument(set).expect("a change"));
+    post::register_studies(&mut engine, changes.into());
+    for entry in STUDY_ENTRIES.iter().chain(LEDGER_ENTRIES) {
+        let mut scope = Scope::new();
+        let scenario = path.to_str().expect("UTF-8").to_owned();
+        scope.push_constant("args", Map::from([("scenario".into(), scenario.into())]));
+        let held = engine.eval_with_scope::<bool>(&mut scope, entry.example);
+        assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
+    }
+}
