@@ -73,7 +73,6 @@ impl Plot {
             .light_line_style(TRANSPARENT)
             .label_style(("sans-serif", 14))
             .axis_desc_style(("sans-serif", 14))
-            .axis_desc_style(("sans-serif", 14))
             .y_label_formatter(&|value| tick(*value))
             .x_label_formatter(&|value| tick(*value))
             .draw()?;
