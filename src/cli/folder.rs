@@ -77,7 +77,7 @@ impl Files<'_> {
         let path = self.draft.path().join("recording.rrd");
         let text = report::markdown(&results.summary(model));
         report::recording::write(&path, model, outcome, &results.signals, &text)
-            .map_err(|error| StoreError::write(&path, io::Error::other(error)))?;
+            .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
         self.names.push("recording.rrd".into());
         Ok(())
     }

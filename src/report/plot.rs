@@ -72,6 +72,7 @@ impl Plot {
             .bold_line_style(GREY.mix(0.25))
             .light_line_style(TRANSPARENT)
             .label_style(("sans-serif", 14))
+            .axis_desc_style(("sans-serif", 14))
             .y_label_formatter(&|value| tick(*value))
             .x_label_formatter(&|value| tick(*value))
             .draw()?;
@@ -172,6 +173,7 @@ fn draw_rates(area: Area, histogram: &Histogram, edges: &[f64], (x, y): (Range<f
         .bold_line_style(GREY.mix(0.25))
         .light_line_style(TRANSPARENT)
         .label_style(("sans-serif", 14))
+        .axis_desc_style(("sans-serif", 14))
         .x_label_formatter(&|exponent| tick(10f64.powf(*exponent)))
         .y_label_formatter(&|share| tick(*share))
         .draw()?;

@@ -92,9 +92,9 @@ fn impact_plots(run: &RunPage) -> Vec<Plot> {
             "Acceleration of the impactor",
             "acceleration (m/s²)",
             [
-                simulated("filtered", "acceleration_filtered_m_s2", 1.0),
                 simulated("raw", "acceleration_m_s2", 1.0),
                 acceleration,
+                simulated("filtered", "acceleration_filtered_m_s2", 1.0),
             ],
         ),
         time_plot("Energy of the impactor", "energy (J)", ["kinetic", "potential", "absorbed", "total"].map(energy)),

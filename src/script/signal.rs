@@ -7,6 +7,7 @@ use crate::signal::filter::{self, Standard};
 use crate::signal::{Series, integrate, norm};
 
 type Answer<T> = Result<T, Box<EvalAltResult>>;
+type Operator = fn(f64, f64) -> f64;
 
 /// Offers the type `signal` and its functions to scripts.
 pub fn register(engine: &mut Engine) {
@@ -37,7 +38,7 @@ pub fn register(engine: &mut Engine) {
 
 fn register_operators(engine: &mut Engine) {
     engine.register_fn("-", |s: Series| map(&s, |v| -v));
-    let operators: [(&str, fn(f64, f64) -> f64); 4] =
+    let operators: [(&str, Operator); 4] =
         [("+", |a, b| a + b), ("-", |a, b| a - b), ("*", |a, b| a * b), ("/", |a, b| a / b)];
     for (symbol, operator) in operators {
         engine.register_fn(symbol, move |a: Series, b: Series| pointwise(&a, &b, operator));
@@ -109,7 +110,7 @@ fn map(s: &Series, f: impl Fn(f64) -> f64) -> Series {
 }
 
 /// `b` is read between its samples at the times of `a`.
-fn pointwise(a: &Series, b: &Series, f: fn(f64, f64) -> f64) -> Series {
+fn pointwise(a: &Series, b: &Series, f: Operator) -> Series {
     let values = a.samples().map(|[time, value]| f(value, b.at(time).unwrap_or(f64::NAN)));
     a.with_values(values.collect())
 }

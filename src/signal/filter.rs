@@ -40,7 +40,7 @@ pub enum FilterError {
     NotMeasured { time: f64 },
 }
 
-/// The recursion y[i] = b·(x[i], x[i−1], x[i−2]) + a·(y[i−1], y[i−2]).
+/// The recursion yᵢ = b·(xᵢ, xᵢ₋₁, xᵢ₋₂) + a·(yᵢ₋₁, yᵢ₋₂).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelFilter {
     b: [f64; 3],
