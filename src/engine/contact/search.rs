@@ -19,6 +19,9 @@ pub struct Surface {
     moved: Vector3<f64>,
 }
 
+/// Vertices (m) and triangles of a surface.
+pub type Triangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
+
 /// The ball apart, so that its queries are resolved at compile time.
 #[derive(Clone)]
 enum Kind {
@@ -54,11 +57,8 @@ pub enum SurfaceError {
 }
 
 impl Surface {
-    /// The surface of `shape`; `triangles` are the vertices (m) and indices of a mesh file, if it is one.
-    pub fn new(
-        shape: &ImpactorShape,
-        triangles: Option<(Vec<Point3<f64>>, Vec<[u32; 3]>)>,
-    ) -> Result<Surface, SurfaceError> {
+    /// The surface of `shape`; `triangles` are those of its mesh file, if it has one.
+    pub fn new(shape: &ImpactorShape, triangles: Option<Triangles>) -> Result<Surface, SurfaceError> {
         match *shape {
             ImpactorShape::Sphere { radius } => Surface::about_centre(Kind::Ball(Ball::new(radius))),
             ImpactorShape::Hemisphere { radius, length } => {
