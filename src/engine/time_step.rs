@@ -12,7 +12,7 @@ const SAFETY: f64 = 0.9;
 const TORN_SAFETY: f64 = 0.5;
 
 /// Steps between two looks at the film's stiffness.
-const INTERVAL: u32 = 16;
+const INTERVAL: u32 = 10;
 
 /// Growth from one step to the next after a look.
 const GROWTH: f64 = 1.02;

@@ -14,14 +14,15 @@ mod search;
 use search::{FaceTouch, Touch};
 pub use search::{Surface, SurfaceError};
 
-use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::film::Film;
 use super::nodes::Nodes;
 use super::rigid_body::{Gathered, RigidBody};
 
-/// Penetration of a face between its nodes that is left alone, over the impactor's size: half of the 1 % that is warned of.
-const FACE_BOUND: f64 = 0.005;
+/// Penetration of a face between its nodes that is left alone, over the impactor's size: a little less than what is
+/// warned of.
+const FACE_BOUND: f64 = 0.008;
 
 /// Share of a penetration beyond the bound that is taken back in one step: a face that comes to be listed while it is
 /// too deep is eased out instead of thrown out.
@@ -81,7 +82,10 @@ struct Constraint {
     normal: Vector3<f64>,
     /// Normal velocity that it lacks, m/s.
     lack: f64,
+    /// From the body's centre of mass, m.
     arm: Vector3<f64>,
+    /// Tangential velocity over the surface, m/s.
+    slip: Vector3<f64>,
 }
 
 /// What one node got from the impactor in this step, N s.
@@ -181,7 +185,7 @@ impl Contact {
         }
         self.impulses.clear();
         let pose = body.predicted(dt);
-        self.find_touching(nodes, &pose, dt);
+        self.find_touching(nodes, body, &pose, dt);
         let ahead = self.body_ahead(nodes, body);
         let friction = self.friction;
         let met = self.touching.iter().filter_map(|c| node_impulse(c, nodes, &ahead, body, friction));
@@ -195,7 +199,7 @@ impl Contact {
     }
 
     /// Nodes whose position at the end of the step lies inside.
-    fn find_touching(&mut self, nodes: &Nodes, pose: &Isometry3<f64>, dt: f64) {
+    fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, pose: &Isometry3<f64>, dt: f64) {
         self.touching.clear();
         let centre = Point3::from(pose.translation.vector);
         for &n in &self.near.nodes {
@@ -205,7 +209,10 @@ impl Contact {
             let Touch { gap, normal } = self.surface.touch(pose, &point);
             let gap = gap - self.offset[n];
             if gap < 0.0 && nodes.inverse_mass[n][2] > 0.0 {
-                self.touching.push(Constraint { node: n, normal, lack: -gap / dt, arm: point - centre });
+                let arm = point - centre;
+                let relative = nodes.velocity_of(n) - body.velocity_at(&arm);
+                let slip = relative - normal * relative.dot(&normal);
+                self.touching.push(Constraint { node: n, normal, lack: -gap / dt, arm, slip });
             }
         }
     }
@@ -218,13 +225,9 @@ impl Contact {
         let mut gathered = Gathered::default();
         for c in &self.touching {
             let mass = self.multiplicity * nodes.mass[c.node];
-            let along = c.normal * c.normal.transpose();
-            let slip = slip(c, nodes, body);
-            let bound = self.friction * c.lack;
-            let sticks = slip.norm() <= bound;
-            let tangential = if sticks { -slip } else { -slip * (bound / slip.norm()) };
-            let follows = if sticks { Matrix3::identity() } else { along };
-            body.gather(&mut gathered, &c.arm, &(follows * mass), &((c.normal * c.lack + tangential) * mass));
+            let (tangential, sticks) = stopping(&c.slip, self.friction * c.lack);
+            let along = if sticks { None } else { Some(&c.normal) };
+            body.gather(&mut gathered, &c.arm, mass, along, &((c.normal * c.lack + tangential) * mass));
         }
         body.after(&gathered)
     }
@@ -385,24 +388,23 @@ impl Contact {
     }
 }
 
-/// Tangential velocity of a node over the body's surface.
-fn slip(c: &Constraint, nodes: &Nodes, body: &RigidBody) -> Vector3<f64> {
-    let relative = nodes.velocity_of(c.node) - body.velocity_at(&c.arm);
-    relative - c.normal * relative.dot(&c.normal)
+/// The change of tangential velocity by which friction stops `slip`, as far as `bound` (m/s) allows, and whether it does.
+fn stopping(slip: &Vector3<f64>, bound: f64) -> (Vector3<f64>, bool) {
+    let speed = slip.norm();
+    if speed <= bound { (-slip, true) } else { (-slip * (bound / speed), false) }
 }
 
 /// What a touching node gets when the body moves on as `ahead`; `None` where the body leaves it.
 fn node_impulse(c: &Constraint, nodes: &Nodes, ahead: &RigidBody, body: &RigidBody, friction: f64) -> Option<Impulse> {
     let change = ahead.velocity_at(&c.arm) - body.velocity_at(&c.arm);
-    let lack = c.lack + c.normal.dot(&change);
+    let away = c.normal.dot(&change);
+    let lack = c.lack + away;
     if lack <= 0.0 {
         return None;
     }
     let mass = nodes.mass[c.node];
-    let slip = slip(c, nodes, ahead);
-    let bound = friction * lack;
-    let tangential = if slip.norm() <= bound { -slip } else { -slip * (bound / slip.norm()) };
-    Some(Impulse { node: c.node, arm: c.arm, normal: c.normal * lack * mass, tangential: tangential * mass })
+    let (tangential, _) = stopping(&(c.slip - change + c.normal * away), friction * lack);
+    Some(Impulse { node: c.node, arm: c.arm, normal: c.normal * (lack * mass), tangential: tangential * mass })
 }
 
 fn velocity_change(nodes: &Nodes, impulse: &Impulse) -> [f64; 3] {
