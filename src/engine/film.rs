@@ -17,7 +17,7 @@ pub struct Film {
     density: f64,
     /// Thickness of all layers, m.
     pub thickness: f64,
-    /// Which of all nodes are this face's.
+    /// Which of all nodes are this face's; elements count theirs from the first of them.
     pub nodes: Range<usize>,
     quads: Blocks<4, 1>,
     full_quads: Blocks<4, 4>,
@@ -75,7 +75,7 @@ impl Film {
         mesh.tris.iter().zip(&tris).for_each(|(n, e)| lump(n, e.area()));
 
         nodes.extend(mesh.nodes.iter().map(|p| [p.x, p.y, p.z + face.height]), &masses);
-        let mut film = Film {
+        Ok(Film {
             law: face.material.law.clone(),
             density,
             thickness,
@@ -83,16 +83,7 @@ impl Film {
             quads: Blocks::new(&quads, thickness),
             full_quads: Blocks::new(&full_quads, thickness),
             tris: Blocks::new(&tris, thickness),
-        };
-        film.offset_nodes(first as u32);
-        Ok(film)
-    }
-
-    fn offset_nodes(&mut self, first: u32) {
-        let shift = |n: &mut u32| *n += first;
-        self.quads.nodes.iter_mut().flatten().flatten().for_each(shift);
-        self.full_quads.nodes.iter_mut().flatten().flatten().for_each(shift);
-        self.tris.nodes.iter_mut().flatten().flatten().for_each(shift);
+        })
     }
 
     /// Number of elements.
@@ -100,17 +91,20 @@ impl Film {
         self.quads.count + self.full_quads.count + self.tris.count
     }
 
-    /// Shows the corner nodes of every element that has not broken.
+    /// Shows the corners of every element that has not broken, counted among all nodes.
     pub fn for_each_intact(&self, mut show: impl FnMut(&[u32])) {
+        let first = self.nodes.start as u32;
         each_kind!(self, _law, blocks, {
             for (b, l) in blocks.places().filter(|(b, l)| !blocks.is_broken(*b, *l)) {
-                show(&blocks.nodes_at(b, l));
+                show(&blocks.nodes_at(b, l).map(|n| first + n));
             }
         });
     }
 
-    /// Adds the film's forces to `force`. True if a fibre somewhere is past its break strain.
+    /// Adds the film's forces to `force`, that of its own nodes; `position` is that of all nodes.
+    /// True if a fibre somewhere is past its break strain.
     pub fn add_forces(&mut self, position: &[[f64; 3]], force: &mut [[f64; 3]]) -> bool {
+        let position = &position[self.nodes.clone()];
         match &self.law {
             Law::Fabric(law) => {
                 element::add_forces(&mut self.quads, law, position, force)
@@ -128,6 +122,7 @@ impl Film {
     /// Takes the force from every element with a fibre past its break strain; its mass stays.
     /// Returns the number of elements broken and the energies they held.
     pub fn break_elements(&mut self, position: &[[f64; 3]]) -> (usize, ElementEnergy) {
+        let position = &position[self.nodes.clone()];
         match &self.law {
             Law::Fabric(law) => super::failure::sum([
                 super::failure::break_elements(&mut self.quads, law, position),
@@ -140,6 +135,7 @@ impl Film {
 
     /// Energies of all elements, J.
     pub fn energy(&self, position: &[[f64; 3]]) -> ElementEnergy {
+        let position = &position[self.nodes.clone()];
         let mut total = ElementEnergy::default();
         each_kind!(self, law, blocks, {
             for block in 0..blocks.nodes.len() {
@@ -155,17 +151,18 @@ impl Film {
 
     /// Bound on the squared angular frequency of any element, rad²/s².
     pub fn frequency_bound(&self, position: &[[f64; 3]]) -> f64 {
+        let position = &position[self.nodes.clone()];
         let mut largest = 0.0_f64;
         each_kind!(self, law, blocks, {
-            for block in 0..blocks.nodes.len() {
-                largest = largest.max(element::frequency_bound(blocks, block, law, self.density, position));
-            }
+            let squared = element::frequency_bound(blocks, law, self.density, position);
+            largest = if squared <= largest { largest } else { squared };
         });
         largest
     }
 
     /// Strains of every element, quads first.
     pub fn strains(&self, position: &[[f64; 3]]) -> Vec<ElementStrain> {
+        let position = &position[self.nodes.clone()];
         let mut out = Vec::with_capacity(self.elements());
         each_kind!(self, _law, blocks, {
             for block in 0..blocks.nodes.len() {

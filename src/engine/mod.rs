@@ -22,6 +22,7 @@ pub use observer::{Observer, Track, View};
 pub use rigid_body::RigidBody;
 pub use time_step::TimeStep;
 
+use rayon::prelude::*;
 use thiserror::Error;
 
 /// Everything that moves, and how it is driven.
@@ -66,6 +67,9 @@ pub struct Jaw {
     /// Along x, m/s.
     pub velocity: f64,
 }
+
+/// Elements from which faces are worked on in parallel: below, waking a thread costs what it saves.
+const PARALLEL_FROM: usize = 5_000;
 
 /// Energy that left the elements for good, J.
 #[derive(Clone, Copy, Debug, Default)]
@@ -159,20 +163,36 @@ impl Engine {
     /// Forces at the full step; elements past their break strain lose theirs from the next step on.
     fn forces(&mut self) -> usize {
         self.nodes.start_forces(self.drive.gravity);
+        let past = self.add_forces();
         let mut broken = 0;
-        for film in &mut self.films {
-            if film.add_forces(&self.nodes.position, &mut self.nodes.force) {
-                let (count, held) = film.break_elements(&self.nodes.position);
-                self.gone.rupture += self.drive.multiplicity * (held.stored + held.hourglass);
-                self.gone.absorbed += self.drive.multiplicity * held.absorbed;
-                broken += count;
-            }
+        for (film, _) in self.films.iter_mut().zip(past).filter(|(_, past)| *past) {
+            let (count, held) = film.break_elements(&self.nodes.position);
+            self.gone.rupture += self.drive.multiplicity * (held.stored + held.hourglass);
+            self.gone.absorbed += self.drive.multiplicity * held.absorbed;
+            broken += count;
         }
         if broken > 0 {
             self.time_step.tear();
             self.impact.iter_mut().for_each(|impact| impact.contact.forget());
         }
         broken
+    }
+
+    /// Adds the films' forces; tells which of them have a fibre past its break strain. Faces share no node, so they are
+    /// worked on at the same time where they are large enough to be worth it.
+    fn add_forces(&mut self) -> Vec<bool> {
+        let elements = self.elements();
+        let (position, mut rest) = (&self.nodes.position, self.nodes.force.as_mut_slice());
+        let mut own = |film: &Film| {
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(film.nodes.len());
+            rest = others;
+            own
+        };
+        if elements < PARALLEL_FROM {
+            return self.films.iter_mut().map(|film| film.add_forces(position, own(film))).collect();
+        }
+        let faces: Vec<_> = self.films.iter_mut().map(|film| (own(film), film)).collect();
+        faces.into_par_iter().map(|(force, film)| film.add_forces(position, force)).collect()
     }
 
     /// Work of the jaws against the film's forces; these act over the halves of the steps on both sides.

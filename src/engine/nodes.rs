@@ -37,6 +37,14 @@ impl Nodes {
 
     /// v := ((1 − αΔt/2) v + a Δt)/(1 + αΔt/2) with mass-proportional damping α (1/s) (theory.md, equation 15).
     pub fn kick(&mut self, dt: f64, damping: f64) {
+        if damping == 0.0 {
+            for ((v, f), w) in self.velocity.iter_mut().zip(&self.force).zip(&self.inverse_mass) {
+                for axis in 0..3 {
+                    v[axis] += dt * f[axis] * w[axis];
+                }
+            }
+            return;
+        }
         let keep = (1.0 - 0.5 * damping * dt) / (1.0 + 0.5 * damping * dt);
         let gain = dt / (1.0 + 0.5 * damping * dt);
         for ((v, f), w) in self.velocity.iter_mut().zip(&self.force).zip(&self.inverse_mass) {

@@ -12,7 +12,7 @@ const SAFETY: f64 = 0.9;
 const TORN_SAFETY: f64 = 0.5;
 
 /// Steps between two looks at the film's stiffness.
-const INTERVAL: u32 = 10;
+const INTERVAL: u32 = 14;
 
 /// Growth from one step to the next after a look.
 const GROWTH: f64 = 1.02;
@@ -74,7 +74,7 @@ impl TimeStep {
     /// The stable step and the face that limits it.
     fn stable(&self, films: &[Film], nodes: &Nodes) -> (f64, usize) {
         let bounds = films.iter().map(|f| f.frequency_bound(&nodes.position)).enumerate();
-        let (face, squared) = bounds.fold((0, 0.0), |most, (face, w)| if w > most.1 { (face, w) } else { most });
+        let (face, squared) = bounds.fold((0, 0.0), |most, (face, w)| if w <= most.1 { most } else { (face, w) });
         let frequency = squared.sqrt();
         let damping = if self.damping > 0.0 { self.damping / (2.0 * frequency) } else { 0.0 };
         (self.safety * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)

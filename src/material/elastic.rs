@@ -74,6 +74,7 @@ impl MembraneLaw for Elastic {
         Energy { stored, absorbed: splat(0.0) }
     }
 
+    #[inline(always)]
     fn stiffness(&self, d: &Deformation, _peaks: &Peaks) -> Stiffness {
         let (s, _) = self.response(d);
         let (c11, c22) = (dot(&d.f[0], &d.f[0]), dot(&d.f[1], &d.f[1]));

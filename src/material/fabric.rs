@@ -170,6 +170,7 @@ impl MembraneLaw for Fabric {
         total
     }
 
+    #[inline(always)]
     fn stiffness(&self, d: &Deformation, peaks: &Peaks) -> Stiffness {
         /// Strain that a fibre may move before the bound is asked for again.
         const REACH: f64 = 0.005;

@@ -12,6 +12,9 @@ use crate::engine::{ElementStrain, Engine, Fault, Observer, Track, View};
 use crate::model::{Loading, Model};
 use crate::signal::{Channel, Recording};
 
+/// Looks at the energies, the contact and the strain around it in a run, unless there are fewer samples.
+const AUDITS: f64 = 400.0;
+
 /// Gathers the outcome of a run while it goes.
 pub(super) struct Probe<'a> {
     model: &'a Model,
@@ -20,6 +23,8 @@ pub(super) struct Probe<'a> {
     sample: f64,
     samples: usize,
     frame: f64,
+    audit: f64,
+    audits: usize,
     strains: Vec<[f64; 2]>,
     frames: Vec<Frame>,
     at_steps: Grid<3>,
@@ -52,6 +57,8 @@ impl<'a> Probe<'a> {
             sample,
             samples: (duration / sample * (1.0 + 1e-12)).floor() as usize + 1,
             frame: duration / model.output.frames.saturating_sub(1).max(1) as f64,
+            audit: (duration / AUDITS).max(sample),
+            audits: 0,
             strains: vec![],
             frames: vec![],
             at_steps: Grid::new(0.0, sample),
@@ -85,22 +92,31 @@ impl<'a> Probe<'a> {
         self.frames.len() < self.model.output.frames && self.frames.len() as f64 * self.frame <= time
     }
 
-    fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
-        let energies = view.energies();
-        if !energies.total().is_finite() {
-            return Err(not_a_number(view.time, faces));
-        }
+    fn audit_due(&self, time: f64) -> bool {
+        self.audits as f64 * self.audit <= time
+    }
+
+    fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) {
         let intact = || faces.iter().flatten().filter(|s| s.volume > 0.0);
         let largest = |fibre: usize| intact().map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
         self.strains.push([largest(0), largest(1)]);
         if !self.rising {
             self.rates.sample(view.time, faces);
         }
+        (self.progress)(Progress { done: view.time / self.duration, time: view.time, steps: view.steps });
+    }
+
+    fn take_audit(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
+        self.audits += 1;
+        let energies = view.energies();
+        if !energies.total().is_finite() {
+            return Err(not_a_number(view.time, faces));
+        }
+        self.warnings.strain(view, faces);
         if let (Some(seen), Some(size)) = (view.inspect(), view.impactor_size()) {
             self.warnings.touch(view.time, size, &seen);
             self.penetration = Some(self.penetration.unwrap_or(0.0).max(seen.penetration / size));
         }
-        (self.progress)(Progress { done: view.time / self.duration, time: view.time, steps: view.steps });
         self.energy.sample(view.time, energies)
     }
 
@@ -199,16 +215,18 @@ fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> Fault {
 
 impl Observer for Probe<'_> {
     fn wants(&self, time: f64, _dt: f64) -> bool {
-        self.sample_due(time) || self.frame_due(time)
+        self.sample_due(time) || self.frame_due(time) || self.audit_due(time)
     }
 
     fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
         let faces: Vec<_> = view.films.iter().map(|film| film.strains(&view.nodes.position)).collect();
         if self.frame_due(view.time) {
-            self.warnings.strain(view, &faces);
             self.frames.push(frames::frame(view, &faces));
         }
-        if self.sample_due(view.time) { self.take_sample(view, &faces) } else { Ok(()) }
+        if self.sample_due(view.time) {
+            self.take_sample(view, &faces);
+        }
+        if self.audit_due(view.time) { self.take_audit(view, &faces) } else { Ok(()) }
     }
 
     fn follow(&mut self, track: &Track) {

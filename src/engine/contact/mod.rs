@@ -140,6 +140,10 @@ impl Contact {
             let n = n as usize;
             let (x, v) = (nodes.position[n], nodes.velocity[n]);
             let point = Point3::new(x[0] + v[0] * dt, x[1] + v[1] * dt, x[2] + v[2] * dt);
+            let reach = self.surface.reach() + self.offset[n];
+            if nalgebra::distance_squared(&point, &centre) > reach * reach {
+                continue;
+            }
             let Touch { gap, normal } = self.surface.touch(pose, &point);
             let gap = gap - self.offset[n];
             if gap < 0.0 && nodes.inverse_mass[n][2] > 0.0 {

@@ -87,6 +87,7 @@ impl Surface {
         let shape = shape.moved(-centre);
         let bounds = shape.as_shape().compute_local_aabb();
         let half = bounds.half_extents();
+        let sphere = shape.as_shape().compute_local_bounding_sphere();
         let principal = properties.principal_inertia() / mass;
         let axes = properties.principal_inertia_local_frame;
         let inertia = Matrix3::from_fn(|i, j| {
@@ -95,7 +96,7 @@ impl Surface {
         });
         Ok(Surface {
             size: half.x.min(half.y).min(half.z),
-            reach: bounds.mins.length().max(bounds.maxs.length()),
+            reach: sphere.center().length() + sphere.radius(),
             lowest: bounds.mins.z,
             inertia_per_mass: inertia,
             moved: Vector3::new(centre.x, centre.y, centre.z),
@@ -134,20 +135,13 @@ impl Surface {
     }
 
     /// Where `point` stands towards the body at `pose`.
-    #[inline]
+    #[inline(always)]
     pub fn touch(&self, pose: &Isometry3<f64>, point: &Point3<f64>) -> Touch {
         let arm = point.coords - pose.translation.vector;
         match &self.shape {
             // A ball looks the same however it is turned.
-            Kind::Ball(ball) => {
-                let (gap, normal) = outward(&arm, |local| ball.project_local_point(local, false));
-                Touch { gap, normal }
-            }
-            Kind::Other(shape) => {
-                let local = pose.rotation.inverse_transform_vector(&arm);
-                let (gap, normal) = outward(&local, |local| shape.project_local_point(local, false));
-                Touch { gap, normal: pose.rotation * normal }
-            }
+            Kind::Ball(ball) => outward(&arm, ball.project_local_point(vector(&arm), false)),
+            Kind::Other(shape) => turned_touch(shape, pose, &arm),
         }
     }
 
@@ -155,7 +149,7 @@ impl Surface {
     /// `None` where it is farther than `within` (m).
     pub fn deepest(&self, pose: &Isometry3<f64>, corners: &[Point3<f64>; 3], within: f64) -> Option<FaceTouch> {
         let local = corners.map(|c| pose.inverse_transform_point(&c));
-        let [a, b, c] = local.map(|c| Vector::new(c.x, c.y, c.z));
+        let [a, b, c] = local.map(|c| vector(&c.coords));
         let triangle = Triangle::new(a, b, c);
         let nearest = match &self.shape {
             Kind::Ball(_) => triangle.project_local_point(Vector::ZERO, false).point,
@@ -173,16 +167,25 @@ impl Surface {
     }
 }
 
-/// Signed distance and outward normal at a point in body axes.
-#[inline]
-fn outward(local: &Vector3<f64>, project: impl Fn(Vector) -> PointProjection) -> (f64, Vector3<f64>) {
-    let local = Vector::new(local.x, local.y, local.z);
-    let projection = project(local);
-    let arm = local - projection.point;
+/// Signed distance and outward normal at a point whose projection on the surface is known, both in the same axes.
+#[inline(always)]
+fn outward(point: &Vector3<f64>, projection: PointProjection) -> Touch {
+    let arm = vector(point) - projection.point;
     let distance = arm.length();
     let side = if projection.is_inside { -1.0 } else { 1.0 };
-    let normal = if distance > 0.0 { arm * (side / distance) } else { local.normalize_or(Vector::NEG_Z) };
-    (side * distance, Vector3::new(normal.x, normal.y, normal.z))
+    let normal = if distance > 0.0 { arm * (side / distance) } else { vector(point).normalize_or(Vector::NEG_Z) };
+    Touch { gap: side * distance, normal: Vector3::new(normal.x, normal.y, normal.z) }
+}
+
+fn turned_touch(shape: &SharedShape, pose: &Isometry3<f64>, arm: &Vector3<f64>) -> Touch {
+    let local = pose.rotation.inverse_transform_vector(arm);
+    let touch = outward(&local, shape.project_local_point(vector(&local), false));
+    Touch { normal: pose.rotation * touch.normal, ..touch }
+}
+
+#[inline(always)]
+fn vector(v: &Vector3<f64>) -> Vector {
+    Vector::new(v.x, v.y, v.z)
 }
 
 impl Kind {

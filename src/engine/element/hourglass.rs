@@ -78,24 +78,26 @@ impl<const NODES: usize> Hourglass<NODES> {
         h
     }
 
-    /// Bound on the stabilisation's stiffness in one lane, with `g` = Σ_a (∂N_a/∂X_I)²: the two parts of
-    /// ∂(f_I·q), each doubled for the product of both.
-    pub(super) fn stiffness(
-        &self,
-        q: &Lane3,
-        d: &Deformation,
-        stabilisation: [f64; 2],
-        g: [f64; 2],
-        lane: usize,
-    ) -> f64 {
-        let square = |v: &Lane3| v.iter().map(|x| x[lane] * x[lane]).sum::<f64>();
-        let shape = self.shape.iter().map(|s| s[lane] * s[lane]).sum::<f64>();
-        (0..2)
-            .map(|i| {
-                let moved = square(&d.f[i]) * shape + square(q) * g[i];
-                2.0 * stabilisation[i] * self.mean_square[i][lane] * moved
-            })
-            .sum()
+    /// Bound on the stabilisation's stiffness, with `g` = Σ_a (∂N_a/∂X_I)²: the two parts of the gradient of
+    /// f_I·q, each doubled for the product of both.
+    #[inline(always)]
+    pub(super) fn stiffness(&self, q: &Lane3, d: &Deformation, stabilisation: [f64; 2], g: &[Lane; 2]) -> Lane {
+        let mut shape = splat(0.0);
+        for a in 0..NODES {
+            for l in 0..LANES {
+                shape[l] += self.shape[a][l] * self.shape[a][l];
+            }
+        }
+        let amplitude = dot(q, q);
+        let mut stiffness = splat(0.0);
+        for fibre in 0..2 {
+            let square = dot(&d.f[fibre], &d.f[fibre]);
+            for l in 0..LANES {
+                let moved = square[l] * shape[l] + amplitude[l] * g[fibre][l];
+                stiffness[l] += 2.0 * stabilisation[fibre] * self.mean_square[fibre][l] * moved;
+            }
+        }
+        stiffness
     }
 
     /// Energy of the stabilisation, ½ Σ_I κ_I H_I (f_I·q)², J/m³.

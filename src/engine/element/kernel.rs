@@ -7,8 +7,7 @@ use crate::material::{Deformation, MembraneLaw};
 
 /// Positions of a block's nodes.
 #[inline(always)]
-pub(super) fn gather<const NODES: usize>(nodes: &[[u32; LANES]; NODES], position: &[[f64; 3]]) -> [Lane3; NODES] {
-    let mut x = [[splat(0.0); 3]; NODES];
+pub(super) fn gather<const NODES: usize>(nodes: &[[u32; LANES]; NODES], position: &[[f64; 3]], x: &mut [Lane3; NODES]) {
     for a in 0..NODES {
         for l in 0..LANES {
             let p = position[nodes[a][l] as usize];
@@ -17,7 +16,6 @@ pub(super) fn gather<const NODES: usize>(nodes: &[[u32; LANES]; NODES], position
             }
         }
     }
-    x
 }
 
 #[inline(always)]
@@ -34,7 +32,11 @@ fn scatter<const NODES: usize>(nodes: &[[u32; LANES]; NODES], f: &[Lane3; NODES]
 
 /// f_I = Σ_a ∂N_a/∂X_I x_a (theory.md, equation 1), and how far f_I varies around it.
 #[inline(always)]
-fn deformation<const NODES: usize>(x: &[Lane3; NODES], point: &Point<NODES>, spread: [Lane; 2]) -> Deformation {
+pub(super) fn deformation<const NODES: usize>(
+    x: &[Lane3; NODES],
+    point: &Point<NODES>,
+    spread: [Lane; 2],
+) -> Deformation {
     let mut f = [[splat(0.0); 3]; 2];
     for fibre in 0..2 {
         for axis in 0..3 {
@@ -103,9 +105,10 @@ fn add_forces_lanewise<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
     let limits = law.break_strains();
     let stabilisation = hourglass::stabilisation(law);
     let mut past = false;
+    let mut x = [[splat(0.0); 3]; NODES];
+    let mut out = [[splat(0.0); 3]; NODES];
     for ((nodes, points), hourglass) in blocks.nodes.iter().zip(&mut blocks.points).zip(&blocks.hourglass) {
-        let x = gather(nodes, position);
-        let mut out = [[splat(0.0); 3]; NODES];
+        gather(nodes, position, &mut x);
         if NODES == 4 && POINTS == 1 {
             let point = &mut points[0];
             let q = hourglass.amplitude(&x);
@@ -115,6 +118,7 @@ fn add_forces_lanewise<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
             set_forces_at_centre(&mut out, point, &stress.p, hourglass, &h);
             past |= beyond(point, limits);
         } else {
+            out = [[splat(0.0); 3]; NODES];
             for point in points.iter_mut() {
                 let d = deformation(&x, point, [splat(0.0); 2]);
                 let stress = law.stress(&d, &mut point.peaks);
@@ -194,7 +198,8 @@ pub(crate) fn energies<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
     law: &L,
     position: &[[f64; 3]],
 ) -> [ElementEnergy; LANES] {
-    let x = gather(&blocks.nodes[block], position);
+    let mut x = [[splat(0.0); 3]; NODES];
+    gather(&blocks.nodes[block], position, &mut x);
     let stabilisation = hourglass::stabilisation(law);
     let hourglass = &blocks.hourglass[block];
     let q = hourglass.amplitude(&x);
@@ -213,12 +218,14 @@ pub(crate) fn energies<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
 }
 
 /// Deformation at every integration point of a block.
+#[inline(always)]
 pub(crate) fn deformations<const NODES: usize, const POINTS: usize>(
     blocks: &Blocks<NODES, POINTS>,
     block: usize,
     position: &[[f64; 3]],
 ) -> [Deformation; POINTS] {
-    let x = gather(&blocks.nodes[block], position);
+    let mut x = [[splat(0.0); 3]; NODES];
+    gather(&blocks.nodes[block], position, &mut x);
     let hourglass = &blocks.hourglass[block];
     let spread = hourglass.spread(&hourglass.amplitude(&x));
     std::array::from_fn(|p| deformation(&x, &blocks.points[block][p], spread))
