@@ -65,7 +65,7 @@ fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for checked in scenarios {
         let place = place(args.out.as_deref(), &checked.model.name, several).map_err(|error| vec![storing(&error)]);
-        let plan = Plan::prepare(&checked.model).map_err(|error| vec![preparing(&error)]);
+        let plan = Plan::prepare(&checked.model).map_err(|error| preparing(&error));
         match (place, plan) {
             (Ok(place), Ok(plan)) => jobs.push(Job { checked, plan, place }),
             (place, plan) => mistakes.extend([place.err(), plan.err()].into_iter().flatten().flatten()),

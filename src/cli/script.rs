@@ -59,7 +59,7 @@ fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>
     post::register_studies(&mut engine, changes);
     let mut scope = Scope::new();
     scope.push_constant("args", arguments(args)?);
-    let program = Script::read(&engine, &scope, &args.path).map_err(|error| vec![reading(&error)])?;
+    let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
     program.run(&engine, scope).map_err(|fault| vec![script(&fault)])?;
     let findings = ledger.findings();
     Ok(keep(args, &name, &place, &findings).map_or_else(

@@ -3,6 +3,7 @@
 //! The host knows signals and plain values. Whoever offers more to scripts registers it into the
 //! engine and describes it as [`Entry`] lines, whose examples are run by the tests.
 
+mod calls;
 mod fault;
 mod findings;
 mod host;
