@@ -7,13 +7,12 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::Value;
 
-use super::faults::{WRITE_FAILURE, evaluating, preparing, storing};
+use super::faults::{WRITE_FAILURE, evaluating, storing};
 use super::folder::{self, Contents};
 use super::progress::Bar;
 use super::scenarios::Checked;
 use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report, scenarios};
 use crate::diagnostic::Diagnostic;
-use crate::post::Plan;
 use crate::simulate::{self, Failure, Outcome, Progress, RunError};
 use crate::store::{self, Draft};
 
@@ -30,10 +29,9 @@ pub struct RunArgs {
     pub out: Option<PathBuf>,
 }
 
-/// A scenario with everything that its run needs, proved before the first one starts.
+/// A scenario and where its results go, proved before the first run starts.
 struct Job {
     checked: Checked,
-    plan: Plan,
     place: PathBuf,
 }
 
@@ -58,17 +56,15 @@ pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
     ExitCode::from(done.iter().map(|done| done.status).max().unwrap_or(0))
 }
 
-/// Checks, plans and places of all scenarios, or all their mistakes.
+/// Checks and places of all scenarios, or all their mistakes.
 fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     let scenarios = scenarios::checked(&args.scenarios, &args.set)?;
     let several = scenarios.len() > 1;
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for checked in scenarios {
-        let place = place(args.out.as_deref(), &checked.model.name, several).map_err(|error| vec![storing(&error)]);
-        let plan = Plan::prepare(&checked.model).map_err(|error| preparing(&error));
-        match (place, plan) {
-            (Ok(place), Ok(plan)) => jobs.push(Job { checked, plan, place }),
-            (place, plan) => mistakes.extend([place.err(), plan.err()].into_iter().flatten().flatten()),
+        match place(args.out.as_deref(), &checked.model.name, several) {
+            Ok(place) => jobs.push(Job { checked, place }),
+            Err(error) => mistakes.push(storing(&error)),
         }
     }
     let places: Vec<PathBuf> = jobs.iter().map(|job| job.place.clone()).collect();
@@ -95,7 +91,8 @@ impl Job {
 
     fn keep(&self, outcome: &Outcome) -> Result<Done, (u8, Diagnostic)> {
         let model = &self.checked.model;
-        let results = self.plan.evaluate(model, outcome, |_| {}).map_err(|error| (BAD_INPUT, evaluating(&error)))?;
+        let results =
+            self.checked.plan.evaluate(model, outcome, |_| {}).map_err(|error| (BAD_INPUT, evaluating(&error)))?;
         let contents = Contents { model, outcome, results: Some(&results), scenario: &self.resolved(), failure: None };
         let stored = Draft::begin(&self.place).and_then(|draft| {
             let files = folder::fill(&draft, &contents)?;
@@ -109,7 +106,7 @@ impl Job {
     fn keep_failed(&self, failure: &Failure) -> Done {
         let (model, outcome) = (&self.checked.model, &failure.so_far);
         // What broke off may be too short or too wild to be measured; then its signals stand alone.
-        let results = self.plan.measure(model, outcome).ok();
+        let results = self.checked.plan.measure(model, outcome).ok();
         let scenario = self.resolved();
         let cause = failure.cause.to_string();
         let contents =

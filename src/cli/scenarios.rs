@@ -2,15 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::Diagnostic;
+use super::faults::preparing;
+use crate::diagnostic::{Diagnostic, shown_path};
 use crate::model::{self, Model};
+use crate::post::Plan;
 use crate::scenario::{Assignment, Document};
 
-/// A scenario that can be run, as written and as checked.
+/// A scenario that can be run, as written and as checked, with what is needed after the run.
 #[derive(Clone, Debug)]
 pub struct Checked {
     pub document: Document,
     pub model: Model,
+    pub plan: Plan,
 }
 
 /// Every scenario named by paths and globs, changed by `--set`.
@@ -33,7 +36,8 @@ pub fn checked(patterns: &[String], set: &[String]) -> Result<Vec<Checked>, Vec<
 pub fn check(path: &Path, assignments: &[Assignment]) -> Result<Checked, Vec<Diagnostic>> {
     let document = Document::read(path)?.with(assignments);
     let model = model::check(&document)?;
-    Ok(Checked { document, model })
+    let plan = Plan::prepare(&model).map_err(|error| preparing(&error))?;
+    Ok(Checked { document, model, plan })
 }
 
 /// The changes that `--set` asks for.
@@ -65,7 +69,16 @@ pub fn files(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
 }
 
 fn matches(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
-    if Path::new(pattern).exists() || !pattern.contains(['*', '?', '[']) {
+    let path = Path::new(pattern);
+    if path.is_dir() {
+        let mistake = Diagnostic::new(format!("{} is a folder", shown_path(path)));
+        return Err(mistake.hint(format!("its scenarios are \"{}\"", shown_path(&path.join("*.toml")))));
+    }
+    if path.extension().is_some_and(|extension| extension == "rhai") {
+        let mistake = Diagnostic::new(format!("{} is a script", shown_path(path)));
+        return Err(mistake.hint(format!("run it with `droptower script {}`", shown_path(path))));
+    }
+    if path.exists() || !pattern.contains(['*', '?', '[']) {
         return Ok(vec![PathBuf::from(pattern)]);
     }
     let paths = glob::glob(pattern).map_err(|error| Diagnostic::new(format!("`{pattern}`: {error}")))?;

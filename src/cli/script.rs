@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 
 use super::faults::{WRITE_FAILURE, reading, script, storing};
 use super::{Shared, digest, folder, print, print_json, report, scenarios};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post;
 use crate::report::{StudyPage, study_page};
-use crate::script::{Findings, Ledger, Limits, Script, engine};
+use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine};
 use crate::store::{self, Draft, StoreError};
 
 #[derive(Debug, Args)]
@@ -45,6 +45,10 @@ pub fn run(args: &ScriptArgs, shared: &Shared) -> ExitCode {
 }
 
 fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>> {
+    if args.path.extension().is_some_and(|extension| extension == "toml") {
+        let mistake = Diagnostic::new(format!("{} is a scenario", shown_path(&args.path)));
+        return Err(vec![mistake.hint(format!("run it with `droptower run {}`", shown_path(&args.path)))]);
+    }
     let changes = scenarios::assignments(&args.set)?;
     let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| vec![storing(&error)])?;
@@ -57,6 +61,7 @@ fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>
     let mut engine = engine(Limits::STUDY);
     ledger.register(&mut engine);
     post::register_studies(&mut engine, changes);
+    Arguments::register(&mut engine);
     let mut scope = Scope::new();
     scope.push_constant("args", arguments(args)?);
     let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
@@ -81,7 +86,7 @@ fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
 }
 
 /// What the script finds as `args`; numbers and truths are such, the rest is text.
-fn arguments(args: &ScriptArgs) -> Result<Map, Vec<Diagnostic>> {
+fn arguments(args: &ScriptArgs) -> Result<Arguments, Vec<Diagnostic>> {
     let mut map = Map::new();
     let mut mistakes = Vec::new();
     for argument in &args.arg {
@@ -93,7 +98,7 @@ fn arguments(args: &ScriptArgs) -> Result<Map, Vec<Diagnostic>> {
     if let Some(scenario) = &args.scenario {
         map.insert("scenario".into(), scenario.clone().into());
     }
-    if mistakes.is_empty() { Ok(map) } else { Err(mistakes) }
+    if mistakes.is_empty() { Ok(Arguments::new(map)) } else { Err(mistakes) }
 }
 
 fn value_of(text: &str) -> Dynamic {

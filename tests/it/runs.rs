@@ -9,7 +9,7 @@ use serde_json::Value as Json;
 use tempfile::TempDir;
 
 use droptower::post::{self, STUDY_ENTRIES};
-use droptower::script::{self, LEDGER_ENTRIES, Ledger, Limits};
+use droptower::script::{self, Arguments, LEDGER_ENTRIES, Ledger, Limits};
 
 /// Coarse and short: what is tested is everything around the simulation.
 const QUICK: [&str; 4] = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=40ms"];
@@ -175,6 +175,9 @@ fn mistakes_in_a_script_have_their_place() {
         ("\nlet t = scenario(\"nosuch.toml\");", "study.rhai:2:9"),
         ("let t = scenario(args.scenario).with(#{ \"layers.cuont\": 9 });", "unknown key `cuont`"),
         ("scenario(args.nosuch)", "study.rhai:1:15"),
+        ("scenario(args.nosuch)", "the script needs `nosuch`: give --arg nosuch=…"),
+        ("let t = scenario(args.scenario);\nt.simulat()", "study.rhai:2:3"),
+        ("let t = scenario(args.scenario);\nt.simulat()", "did you mean `simulate`?"),
         ("simulate_all([1])", "expected a list of scenarios"),
     ] {
         fs::write(bench.path().join("study.rhai"), text).expect("a script");
@@ -200,10 +203,11 @@ fn the_examples_of_the_scripting_reference_hold() {
     let changes =
         [QUICK[1], QUICK[3]].map(|set| droptower::scenario::Assignment::from_argument(set).expect("a change"));
     post::register_studies(&mut engine, changes.into());
+    Arguments::register(&mut engine);
     for entry in STUDY_ENTRIES.iter().chain(LEDGER_ENTRIES) {
         let mut scope = Scope::new();
         let scenario = path.to_str().expect("UTF-8").to_owned();
-        scope.push_constant("args", Map::from([("scenario".into(), scenario.into())]));
+        scope.push_constant("args", Arguments::new(Map::from([("scenario".into(), scenario.into())])));
         let held = engine.eval_with_scope::<bool>(&mut scope, entry.example);
         assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
     }
