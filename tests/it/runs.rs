@@ -241,7 +241,7 @@ fn mistakes_in_a_script_have_their_place() {
     for (text, expected) in [
         ("\nlet t = scenario(\"nosuch.toml\");", "study.rhai:2:9"),
         ("let t = scenario(args.scenario).with(#{ \"layers.cuont\": 9 });", "unknown key `cuont`"),
-        ("scenario(args.nosuch)", "study.rhai:1:15"),
+        ("scenario(args.nosuch)", "study.rhai:1:14"),
         ("scenario(args.nosuch)", "the script needs `nosuch`: give --arg nosuch=…"),
         ("let t = scenario(args.scenario);\nt.simulat()", "study.rhai:2:3"),
         ("let t = scenario(args.scenario);\nt.simulat()", "did you mean `simulate`?"),
