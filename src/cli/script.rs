@@ -9,7 +9,7 @@ use rhai::{Dynamic, Map, Scope};
 use serde_json::{Value, json};
 
 use super::faults::{WRITE_FAILURE, reading, script, storing};
-use super::{Shared, digest, folder, print, print_json, report, scenarios};
+use super::{Shared, digest, folder, print, print_json, report, scenarios, table};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post;
 use crate::report::{StudyPage, study_page};
@@ -134,5 +134,5 @@ fn show(place: &Path, files: &[String], findings: &Findings, name: &str, shared:
     if shared.quiet {
         return ExitCode::SUCCESS;
     }
-    print(&format!("{name}\n{}", digest::folder(place, files).trim_end()))
+    print(&format!("{name}\n{}{}", table::findings(findings), digest::folder(place, files).trim_end()))
 }

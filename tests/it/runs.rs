@@ -236,6 +236,21 @@ fn a_script_leaves_its_tables() {
 }
 
 #[test]
+fn the_shipped_study_counts_layers() {
+    let bench = bench();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/layers.rhai");
+    let arguments =
+        ["script", shipped.to_str().expect("UTF-8"), "--scenario", "drop.toml", "--arg", "most=8", "--quiet", "--json"];
+    let output = droptower(bench.path(), &[&arguments[..], &QUICK].concat());
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    let summary: Json = serde_json::from_slice(&output.stdout).expect("nothing but JSON");
+    let rows = summary["tables"]["layers"].as_array().expect("rows");
+    assert_eq!(rows.iter().map(|row| row["layers"].as_i64()).collect::<Vec<_>>(), [Some(6), Some(8)]);
+    let travel = |row: &Json| row["travel_mm"].as_f64().expect("a number");
+    assert!(travel(&rows[0]) > travel(&rows[1]), "more layers stop earlier");
+}
+
+#[test]
 fn mistakes_in_a_script_have_their_place() {
     let bench = bench();
     for (text, expected) in [
