@@ -10,20 +10,16 @@ use serde_json::Value;
 use super::faults::{WRITE_FAILURE, evaluating, storing};
 use super::folder::{self, Contents};
 use super::progress::Bar;
-use super::scenarios::Checked;
-use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report, scenarios};
+use super::scenarios::{Checked, Selection};
+use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report};
 use crate::diagnostic::Diagnostic;
 use crate::simulate::{self, Failure, Outcome, Progress, RunError};
 use crate::store::{self, Draft};
 
 #[derive(Debug, Args)]
 pub struct RunArgs {
-    /// Scenario files or globs
-    #[arg(required = true, value_name = "SCENARIO")]
-    pub scenarios: Vec<String>,
-    /// Change a key: key.path=value
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub selection: Selection,
     /// Folder for the results, in place of runs/<name of the scenario>
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -58,7 +54,7 @@ pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
 
 /// Checks and places of all scenarios, or all their mistakes.
 fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
-    let scenarios = scenarios::checked(&args.scenarios, &args.set)?;
+    let scenarios = args.selection.checked()?;
     let several = scenarios.len() > 1;
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for checked in scenarios {

@@ -175,16 +175,24 @@ fn figure<'a>(title: &str, names: impl Iterator<Item = &'a str>, svg: &str) -> S
 pub fn rates(title: &str, histogram: &Histogram) -> Result<String, PlotError> {
     let edges: Vec<f64> = histogram.edges_1_s.iter().map(|edge| edge.log10()).collect();
     let highest = histogram.shares.iter().copied().fold(0.0, f64::max);
-    let (&[first, .., last], true) = (edges.as_slice(), highest > 0.0) else {
+    let Some(decades) = decades(histogram, &edges) else {
         return Ok(String::new());
     };
     let mut svg = String::new();
     let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-    let ranges = (first..last, 0.0..1.1 * highest);
+    let ranges = (decades, 0.0..1.1 * highest);
     let drawn = draw_rates(area, histogram, &edges, ranges);
     drawn.map_err(|cause| PlotError { title: title.into(), cause: cause.to_string() })?;
     let names = ["share of the straining"].into_iter().chain(histogram.measured_1_s.map(|_| "range of the curves"));
     Ok(figure(title, names, &svg))
+}
+
+/// Whole decades around every bin that holds something and the measured range; nothing where all bins are empty.
+fn decades(histogram: &Histogram, edges: &[f64]) -> Option<Range<f64>> {
+    let bins = edges.windows(2).zip(&histogram.shares).filter(|(_, share)| **share > 0.0);
+    let strained = range(bins.flat_map(|(bin, _)| bin.iter().copied()), 0.0)?;
+    let [low, high] = histogram.measured_1_s.map_or([strained.start, strained.end], |rates| rates.map(f64::log10));
+    Some(strained.start.min(low).floor()..strained.end.max(high).ceil())
 }
 
 fn draw_rates(area: Area, histogram: &Histogram, edges: &[f64], (x, y): (Range<f64>, Range<f64>)) -> Result<(), Fault> {
