@@ -1,6 +1,7 @@
 //! `droptower script`: a Rhai script over scenarios.
 
 use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -49,13 +50,25 @@ fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>
         let mistake = Diagnostic::new(format!("{} is a scenario", shown_path(&args.path)));
         return Err(vec![mistake.hint(format!("run it with `droptower run {}`", shown_path(&args.path)))]);
     }
-    let changes = scenarios::assignments(&args.set)?;
     let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| vec![storing(&error)])?;
-    let quiet = shared.quiet;
+    let findings = findings(args, shared.quiet)?;
+    Ok(keep(args, &name, &place, &findings).map_or_else(
+        |error| {
+            report(&[storing(&error)]);
+            ExitCode::from(WRITE_FAILURE)
+        },
+        |files| show(&place, &files, &findings, &name, shared),
+    ))
+}
+
+/// Runs the script; what it logs is heard at once.
+fn findings(args: &ScriptArgs, quiet: bool) -> Result<Findings, Vec<Diagnostic>> {
+    let changes = scenarios::assignments(&args.set)?;
     let ledger = Ledger::new(RESERVED.map(String::from).into(), move |line| {
         if !quiet {
-            eprintln!("{line}");
+            // Nobody may be listening; the line is kept for the report anyway.
+            let _ = writeln!(io::stderr(), "{line}");
         }
     });
     let mut engine = engine(Limits::STUDY);
@@ -66,14 +79,7 @@ fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>
     scope.push_constant("args", arguments(args)?);
     let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
     program.run(&engine, scope).map_err(|fault| vec![script(&fault)])?;
-    let findings = ledger.findings();
-    Ok(keep(args, &name, &place, &findings).map_or_else(
-        |error| {
-            report(&[storing(&error)]);
-            ExitCode::from(WRITE_FAILURE)
-        },
-        |files| show(&place, &files, &findings, &name, shared),
-    ))
+    Ok(ledger.findings())
 }
 
 fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
