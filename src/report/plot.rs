@@ -187,9 +187,12 @@ pub fn rates(title: &str, histogram: &Histogram) -> Result<String, PlotError> {
     Ok(figure(title, names, &svg))
 }
 
-/// Whole decades around every bin that holds something and the measured range; nothing where all bins are empty.
+/// Share of the straining from which a bin is worth its place on the axis.
+const WORTH_SHOWING: f64 = 1e-3;
+
+/// Whole decades around the measured range and every bin that is high enough to be seen; nothing where there is none.
 fn decades(histogram: &Histogram, edges: &[f64]) -> Option<Range<f64>> {
-    let bins = edges.windows(2).zip(&histogram.shares).filter(|(_, share)| **share > 0.0);
+    let bins = edges.windows(2).zip(&histogram.shares).filter(|(_, share)| **share > WORTH_SHOWING);
     let strained = range(bins.flat_map(|(bin, _)| bin.iter().copied()), 0.0)?;
     let [low, high] = histogram.measured_1_s.map_or([strained.start, strained.end], |rates| rates.map(f64::log10));
     Some(strained.start.min(low).floor()..strained.end.max(high).ceil())
