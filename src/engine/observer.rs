@@ -84,7 +84,7 @@ impl View<'_> {
     /// The touch between impactor and film, if there is an impactor.
     pub fn inspect(&self) -> Option<Inspection> {
         let (contact, body) = (self.contact?, self.body?);
-        Some(contact.inspect(self.films, self.nodes, &body.pose))
+        Some(contact.inspect(self.nodes, &body.pose))
     }
 
     /// Half the smallest extent of the impactor, m.

@@ -61,11 +61,21 @@ impl Absorption {
         (stored, absorbed)
     }
 
-    /// Largest slope within `reach` of `strain` on either path, Pa.
-    pub fn steepest(&self, curve: &Curve, strain: f64, peak: f64, reach: f64) -> f64 {
-        let place = self.place(strain, peak);
+    /// Largest slope within `reach` of `strain` on either path, Pa; zero where the fibre stays slack.
+    #[inline(always)]
+    pub fn steepest(&self, curve: &Curve, strain: &Lane, peak: &Lane, reach: f64) -> Lane {
         let reach = reach * self.steepening;
-        if place + reach < 0.0 { 0.0 } else { self.steepening * curve.steepest(place - reach, place + reach) }
+        let (mut from, mut to) = (splat(0.0), splat(0.0));
+        for l in 0..LANES {
+            let place = self.place(strain[l], peak[l]);
+            from[l] = place - reach;
+            to[l] = place + reach;
+        }
+        let mut steepest = curve.steepest(&from, &to);
+        for l in 0..LANES {
+            steepest[l] = if to[l] < 0.0 { 0.0 } else { self.steepening * steepest[l] };
+        }
+        steepest
     }
 }
 

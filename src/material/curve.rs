@@ -128,10 +128,18 @@ impl Curve {
         Reading { stress: self.stress_lanes(strain), energy }
     }
 
-    /// Largest slope between two strains, Pa.
-    pub fn steepest(&self, from: f64, to: f64) -> f64 {
-        let within = |s: &&Segment| s.start <= larger(to, 0.0) && s.start + s.length >= from;
-        self.segments.iter().filter(within).fold(0.0, |most, s| larger(s.slope, most))
+    /// Largest slope between two strains in each lane, Pa.
+    #[inline(always)]
+    pub fn steepest(&self, from: &Lane, to: &Lane) -> Lane {
+        let mut most = splat(0.0);
+        for s in &self.segments {
+            let end = s.start + s.length;
+            for l in 0..LANES {
+                let touched = (s.start <= larger(to[l], 0.0)) & (end >= from[l]);
+                most[l] = if touched { larger(s.slope, most[l]) } else { most[l] };
+            }
+        }
+        most
     }
 }
 
@@ -162,7 +170,7 @@ mod tests {
         for (from, to, slope) in
             [(0.0, 0.05, 20.0), (0.05, 0.2, 20.0), (0.2, 0.3, 5.0), (0.6, 0.9, 5.0), (-0.2, -0.1, 20.0)]
         {
-            assert!((bilinear().steepest(from, to) - slope).abs() < 1e-9, "{from}..{to}");
+            assert!((bilinear().steepest(&splat(from), &splat(to))[0] - slope).abs() < 1e-9, "{from}..{to}");
         }
     }
 

@@ -99,21 +99,25 @@ impl Fibres {
         for l in 0..LANES {
             out.stretch[0][l] = (c11[l] + d.spread[0][l]).sqrt();
             out.stretch[1][l] = (c22[l] + d.spread[1][l]).sqrt();
-            out.inverse[0][l] = 1.0 / larger(out.stretch[0][l], 1.0);
-            out.inverse[1][l] = 1.0 / larger(out.stretch[1][l], 1.0);
+            let (m1, m2) = (larger(out.stretch[0][l], 1.0), larger(out.stretch[1][l], 1.0));
+            let both = 1.0 / (m1 * m2);
+            out.inverse[0][l] = m2 * both;
+            out.inverse[1][l] = m1 * both;
         }
         for l in 0..LANES {
             let sine = c12[l] * out.inverse[0][l] * out.inverse[1][l];
             let bounded = smaller(larger(sine, -SINE_BOUND), SINE_BOUND);
             let cosine = (1.0 - bounded * bounded).sqrt();
-            let half = bounded / (2.0 * (1.0 + cosine)).sqrt();
+            let root = (2.0 * (1.0 + cosine)).sqrt();
+            let both = 1.0 / (cosine * root);
+            let half = bounded * cosine * both;
             let square = half * half;
             let mut series = ARCSINE[13];
             for k in (0..13).rev() {
                 series = series * square + ARCSINE[k];
             }
             out.sine[l] = sine;
-            out.secant[l] = 1.0 / cosine;
+            out.secant[l] = root * both;
             out.angle[l] = 2.0 * half * series + (sine - bounded) * out.secant[l];
         }
         out
@@ -170,26 +174,25 @@ impl MembraneLaw for Fabric {
         /// Strain that a fibre may move before the bound is asked for again.
         const REACH: f64 = 0.005;
         let fibres = Fibres::of(d);
-        let strain = [fibres.strain(0), fibres.strain(1)];
-        let stress = self.stress(d, &mut peaks.clone());
-        let mut bound = Stiffness {
-            along: [splat(0.0); 2],
-            across: stress.tension.map(|t| t.map(f64::abs)),
-            shear: splat(0.0),
-            alignment: fibres.sine,
-        };
+        let across = self.stress(d, &mut peaks.clone()).tension.map(|t| t.map(f64::abs));
+        let mut along = [
+            self.absorption.steepest(&self.md, &fibres.strain(0), &peaks[0], REACH),
+            self.absorption.steepest(&self.td, &fibres.strain(1), &peaks[1], REACH),
+        ];
+        let angle = fibres.angle.map(f64::abs);
+        let mut shear = self.absorption.steepest(&self.shear, &angle, &peaks[2], REACH);
+        let mut largest = angle;
         for l in 0..LANES {
-            for (fibre, curve) in [&self.md, &self.td].into_iter().enumerate() {
-                let steepest = self.absorption.steepest(curve, strain[fibre][l], peaks[fibre][l], REACH);
-                bound.along[fibre][l] = larger(steepest - bound.across[fibre][l], 0.0);
-            }
-            let angle = fibres.angle[l].abs();
-            let slope = self.absorption.steepest(&self.shear, angle, peaks[2][l], REACH);
-            let secant = fibres.secant[l];
-            let stress = self.shear.stress(larger(angle, peaks[2][l]));
-            bound.shear[l] = slope * secant * secant + 4.0 * stress * secant;
+            largest[l] = larger(angle[l], peaks[2][l]);
         }
-        bound
+        let stress = self.shear.stress_lanes(&largest);
+        for l in 0..LANES {
+            along[0][l] = larger(along[0][l] - across[0][l], 0.0);
+            along[1][l] = larger(along[1][l] - across[1][l], 0.0);
+            let secant = fibres.secant[l];
+            shear[l] = shear[l] * secant * secant + 4.0 * stress[l] * secant;
+        }
+        Stiffness { along, across, shear, alignment: fibres.sine }
     }
 
     fn moduli(&self) -> [f64; 2] {

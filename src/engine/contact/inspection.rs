@@ -3,7 +3,6 @@
 use nalgebra::{Isometry3, Point3};
 
 use super::Contact;
-use crate::engine::film::Film;
 use crate::engine::nodes::Nodes;
 
 /// What a look at the present touch found.
@@ -19,44 +18,32 @@ pub struct Inspection {
 
 impl Contact {
     /// Looks at the whole touch as it is now.
-    pub fn inspect(&self, films: &[Film], nodes: &Nodes, pose: &Isometry3<f64>) -> Inspection {
+    pub fn inspect(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> Inspection {
         let mut out = Inspection::default();
         let tolerance = 1e-4 * self.surface.size();
-        for film in films {
-            film.for_each_intact(|corners| {
-                let gap = |n: u32| {
-                    let offset = self.offset[n as usize];
-                    self.surface.touch(pose, &Point3::from(nodes.position[n as usize])).gap - offset
-                };
-                let centre = Point3::from(pose.translation.vector);
-                let longest = longest_edge(corners, nodes);
-                let far = self.surface.reach() + longest + tolerance;
-                if nalgebra::distance(&Point3::from(nodes.position[corners[0] as usize]), &centre) > far {
-                    return;
-                }
-                let inside: Vec<u32> = corners.iter().copied().filter(|n| gap(*n) < tolerance).collect();
-                if inside.is_empty() {
-                    return;
-                }
-                let held = |n: &u32| gap(*n) < -tolerance && nodes.inverse_mass[*n as usize][2] == 0.0;
-                out.frame_hit |= inside.iter().any(held);
-                out.longest_edge = out.longest_edge.max(longest);
-                for k in 2..corners.len() {
-                    let triangle =
-                        [corners[0], corners[k - 1], corners[k]].map(|n| Point3::from(nodes.position[n as usize]));
-                    let offset = self.offset[corners[0] as usize];
-                    if let Some(found) = self.surface.deepest(pose, &triangle, offset) {
-                        out.penetration = out.penetration.max(offset - found.touch.gap);
-                    }
-                }
+        for (first, second) in &self.near.elements {
+            let deepest = [Some(first), second.as_ref()].into_iter().flatten().filter_map(|triangle| {
+                let corners = triangle.map(|n| Point3::from(nodes.position[n as usize]));
+                let offset = self.offset[triangle[0] as usize];
+                self.surface.deepest(pose, &corners, offset + tolerance).map(|found| offset - found.touch.gap)
             });
+            let Some(depth) = deepest.reduce(f64::max) else { continue };
+            out.penetration = out.penetration.max(depth);
+            out.longest_edge = out.longest_edge.max(longest_edge(first, second.as_ref(), nodes));
         }
+        let held = |n: &&u32| nodes.inverse_mass[**n as usize][2] == 0.0;
+        out.frame_hit = self.near.nodes.iter().filter(held).any(|n| {
+            let gap = self.surface.touch(pose, &Point3::from(nodes.position[*n as usize])).gap;
+            gap < self.offset[*n as usize] - tolerance
+        });
         out
     }
 }
 
-fn longest_edge(corners: &[u32], nodes: &Nodes) -> f64 {
-    let at = |n: u32| Point3::from(nodes.position[n as usize]);
-    let edge = |k: usize| nalgebra::distance_squared(&at(corners[k]), &at(corners[(k + 1) % corners.len()]));
-    (0..corners.len()).map(edge).fold(0.0, f64::max).sqrt()
+/// Longest outer edge of an element given as its triangles, m.
+fn longest_edge(first: &[u32; 3], second: Option<&[u32; 3]>, nodes: &Nodes) -> f64 {
+    let [a, b, c] = first.map(|n| Point3::from(nodes.position[n as usize]));
+    let d = second.map(|t| Point3::from(nodes.position[t[2] as usize]));
+    let last = d.unwrap_or(c);
+    [(a, b), (b, c), (c, last), (last, a)].iter().map(|(p, q)| nalgebra::distance(p, q)).fold(0.0, f64::max)
 }

@@ -13,50 +13,69 @@ const LISTED_FROM: f64 = 0.7;
 /// Skin of the neighbour list over the impactor's size.
 const SKIN: f64 = 0.04;
 
-/// Nodes and triangles that could touch before the list is made again.
+/// Nodes and elements that could touch before the list is made again.
 #[derive(Default)]
 pub(super) struct NearList {
     pub(super) nodes: Vec<u32>,
+    /// Elements as their triangles.
+    pub(super) elements: Vec<Triangles>,
+    /// Triangles whose deepest point has to be watched between the nodes.
     pub(super) faces: Vec<[u32; 3]>,
     /// Relative motion that is left until then, m.
     pub(super) margin: f64,
 }
 
+/// One or two triangles.
+pub(super) type Triangles = ([u32; 3], Option<[u32; 3]>);
+
 impl Contact {
     /// Lists what could touch before film and impactor have moved by the skin.
     pub(super) fn list_neighbours(&mut self, films: &[Film], nodes: &Nodes, pose: &Isometry3<f64>) {
-        let skin = SKIN * self.surface.size();
+        let size = self.surface.size();
+        let skin = SKIN * size;
+        let fine = 8.0 * LISTED_FROM * FACE_BOUND * size * size;
         let centre = Point3::from(pose.translation.vector);
-        let within = |n: usize, margin: f64| {
-            let point = Point3::from(nodes.position[n]);
-            let reach = self.surface.reach() + self.offset[n] + margin;
-            nalgebra::distance_squared(&point, &centre) < reach * reach
-                && self.surface.touch(pose, &point).gap < self.offset[n] + margin
+        let distance_squared = |n: u32| nalgebra::distance_squared(&Point3::from(nodes.position[n as usize]), &centre);
+        let surface = &self.surface;
+        let within = |n: u32, margin: f64| {
+            let margin = margin + self.offset[n as usize];
+            let reach = surface.reach() + margin;
+            distance_squared(n) < reach * reach
+                && surface.touch(pose, &Point3::from(nodes.position[n as usize])).gap < margin
         };
-        let all = 0..nodes.position.len();
-        self.near.nodes = all.filter(|&n| within(n, skin)).map(|n| n as u32).collect();
-        self.near.faces.clear();
+        let near = &mut self.near;
+        near.nodes.clear();
+        near.nodes.extend((0..nodes.position.len() as u32).filter(|n| within(*n, skin)));
+        near.elements.clear();
+        near.faces.clear();
         for film in films {
             film.for_each_intact(|corners| {
-                let longest = longest_line(corners, nodes);
-                let size = self.surface.size();
-                if self.surface.is_sphere() && longest * longest < 8.0 * LISTED_FROM * FACE_BOUND * size * size {
+                let squared = longest_line_squared(corners, nodes);
+                let longest = squared.sqrt();
+                if !corners.iter().any(|n| within(*n, skin + longest)) {
                     return;
                 }
-                if corners.iter().any(|&n| within(n as usize, skin + longest)) {
-                    for k in 2..corners.len() {
-                        self.near.faces.push([corners[0], corners[k - 1], corners[k]]);
-                    }
+                let triangles =
+                    ([corners[0], corners[1], corners[2]], corners.get(3).map(|d| [corners[0], corners[2], *d]));
+                near.elements.push(triangles);
+                if !surface.is_sphere() || squared > fine {
+                    near.faces.push(triangles.0);
+                    near.faces.extend(triangles.1);
                 }
             });
         }
-        self.near.margin = skin;
+        near.margin = skin;
     }
 }
 
-/// Longest line between any two corners, m.
-fn longest_line(corners: &[u32], nodes: &Nodes) -> f64 {
+/// Square of the longest line between any two corners, m².
+fn longest_line_squared(corners: &[u32], nodes: &Nodes) -> f64 {
     let at = |n: u32| Point3::from(nodes.position[n as usize]);
-    let pairs = corners.iter().enumerate().flat_map(|(k, a)| corners[k + 1..].iter().map(move |b| (*a, *b)));
-    pairs.map(|(a, b)| nalgebra::distance_squared(&at(a), &at(b))).fold(0.0, f64::max).sqrt()
+    let mut longest = 0.0_f64;
+    for (k, a) in corners.iter().enumerate() {
+        for b in &corners[k + 1..] {
+            longest = longest.max(nalgebra::distance_squared(&at(*a), &at(*b)));
+        }
+    }
+    longest
 }

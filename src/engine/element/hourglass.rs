@@ -47,18 +47,17 @@ impl<const NODES: usize> Hourglass<NODES> {
         spread
     }
 
-    /// −V γ_a Σ_I H_I [ 2∂W/∂|f_I|² q + κ_I (f_I·q) f_I ]; adds what the stabilisation gives to ∂W/∂f_I,
-    /// κ_I H_I (f_I·q) q, to the stress (theory.md, equation 14).
+    /// h = V Σ_I H_I [ 2∂W/∂|f_I|² q + κ_I (f_I·q) f_I ], of which node a gets −γ_a h; adds what the stabilisation
+    /// gives to ∂W/∂f_I, κ_I H_I (f_I·q) q, to the stress (theory.md, equation 14).
     #[inline(always)]
-    pub(super) fn subtract_force(
+    pub(super) fn force(
         &self,
-        out: &mut [Lane3; NODES],
         q: &Lane3,
         d: &Deformation,
         volume: &Lane,
         stress: &mut Stress,
         stabilisation: [f64; 2],
-    ) {
+    ) -> Lane3 {
         let mut resisted = [dot(&d.f[0], q), dot(&d.f[1], q)];
         let mut followed = splat(0.0);
         for fibre in 0..2 {
@@ -67,20 +66,16 @@ impl<const NODES: usize> Hourglass<NODES> {
                 followed[l] += self.mean_square[fibre][l] * stress.tension[fibre][l];
             }
         }
+        let mut h = [splat(0.0); 3];
         for axis in 0..3 {
-            let mut h = splat(0.0);
             for l in 0..LANES {
                 let along = resisted[0][l] * d.f[0][axis][l] + resisted[1][l] * d.f[1][axis][l];
-                h[l] = volume[l] * (followed[l] * q[axis][l] + along);
+                h[axis][l] = volume[l] * (followed[l] * q[axis][l] + along);
                 stress.p[0][axis][l] += resisted[0][l] * q[axis][l];
                 stress.p[1][axis][l] += resisted[1][l] * q[axis][l];
             }
-            for a in 0..NODES {
-                for l in 0..LANES {
-                    out[a][axis][l] -= self.shape[a][l] * h[l];
-                }
-            }
         }
+        h
     }
 
     /// Bound on the stabilisation's stiffness in one lane, with `g` = Σ_a (∂N_a/∂X_I)²: the two parts of

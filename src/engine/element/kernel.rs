@@ -1,7 +1,7 @@
 //! From positions to forces and energies, a block at a time.
 
 use super::block::{Blocks, Point};
-use super::hourglass;
+use super::hourglass::{self, Hourglass};
 use crate::lane::{LANES, Lane, Lane3, splat};
 use crate::material::{Deformation, MembraneLaw};
 
@@ -48,6 +48,25 @@ fn deformation<const NODES: usize>(x: &[Lane3; NODES], point: &Point<NODES>, spr
     Deformation { f, spread }
 }
 
+/// The same at the centre of a four-node element, where the gradients of opposite nodes are equal and opposite.
+#[inline(always)]
+fn deformation_at_centre<const NODES: usize>(
+    x: &[Lane3; NODES],
+    point: &Point<NODES>,
+    spread: [Lane; 2],
+) -> Deformation {
+    let mut f = [[splat(0.0); 3]; 2];
+    for axis in 0..3 {
+        for l in 0..LANES {
+            let (first, second) = (x[0][axis][l] - x[2][axis][l], x[1][axis][l] - x[3][axis][l]);
+            for fibre in 0..2 {
+                f[fibre][axis][l] = point.gradient[0][fibre][l] * first + point.gradient[1][fibre][l] * second;
+            }
+        }
+    }
+    Deformation { f, spread }
+}
+
 /// Adds the forces of all elements to `force` and raises the largest strains.
 /// True if a fibre somewhere is past its break strain.
 pub(crate) fn add_forces<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
@@ -88,12 +107,13 @@ fn add_forces_lanewise<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
         let x = gather(nodes, position);
         let mut out = [[splat(0.0); 3]; NODES];
         if NODES == 4 && POINTS == 1 {
+            let point = &mut points[0];
             let q = hourglass.amplitude(&x);
-            let d = deformation(&x, &points[0], hourglass.spread(&q));
-            let mut stress = law.stress(&d, &mut points[0].peaks);
-            hourglass.subtract_force(&mut out, &q, &d, &points[0].volume, &mut stress, stabilisation);
-            subtract_stress(&mut out, &points[0], &stress.p);
-            past |= beyond(&points[0], limits);
+            let d = deformation_at_centre(&x, point, hourglass.spread(&q));
+            let mut stress = law.stress(&d, &mut point.peaks);
+            let h = hourglass.force(&q, &d, &point.volume, &mut stress, stabilisation);
+            set_forces_at_centre(&mut out, point, &stress.p, hourglass, &h);
+            past |= beyond(point, limits);
         } else {
             for point in points.iter_mut() {
                 let d = deformation(&x, point, [splat(0.0); 2]);
@@ -121,6 +141,28 @@ fn subtract_stress<const NODES: usize>(out: &mut [Lane3; NODES], point: &Point<N
                     out[a][axis][l] -= point.gradient[a][fibre][l] * vp[l];
                 }
             }
+        }
+    }
+}
+
+/// Forces from the stress at the centre of a four-node element, with the hourglass force −γ_a h (theory.md, equation 14).
+#[inline(always)]
+fn set_forces_at_centre<const NODES: usize>(
+    out: &mut [Lane3; NODES],
+    point: &Point<NODES>,
+    p: &[Lane3; 2],
+    hourglass: &Hourglass<NODES>,
+    h: &Lane3,
+) {
+    for axis in 0..3 {
+        for l in 0..LANES {
+            let (vp, vq) = (point.volume[l] * p[0][axis][l], point.volume[l] * p[1][axis][l]);
+            let first = point.gradient[0][0][l] * vp + point.gradient[0][1][l] * vq;
+            let second = point.gradient[1][0][l] * vp + point.gradient[1][1][l] * vq;
+            out[0][axis][l] = -first - hourglass.shape[0][l] * h[axis][l];
+            out[1][axis][l] = -second - hourglass.shape[1][l] * h[axis][l];
+            out[2][axis][l] = first - hourglass.shape[2][l] * h[axis][l];
+            out[3][axis][l] = second - hourglass.shape[3][l] * h[axis][l];
         }
     }
 }
