@@ -5,17 +5,14 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::Serialize;
 
-use super::{BAD_INPUT, Shared, print, print_json, report, scenarios};
+use super::scenarios::Selection;
+use super::{BAD_INPUT, Shared, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Scenario files or globs
-    #[arg(required = true, value_name = "SCENARIO")]
-    pub scenarios: Vec<String>,
-    /// Change a key: key.path=value
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub selection: Selection,
 }
 
 /// What was found in one file.
@@ -36,39 +33,27 @@ struct Mistake {
 }
 
 pub fn run(args: &CheckArgs, shared: &Shared) -> ExitCode {
-    let files = match scenarios::files(&args.scenarios) {
-        Ok(files) => files,
+    let found = match args.selection.verdicts() {
+        Ok(found) => found,
         Err(mistakes) => return report(&mistakes),
     };
-    let assignments = match scenarios::assignments(&args.set) {
-        Ok(assignments) => assignments,
-        Err(mistakes) => return report(&mistakes),
-    };
-    let mut wrong = Vec::new();
-    let mut verdicts = Vec::new();
-    for file in &files {
-        let mistakes = scenarios::check(file, &assignments).err().unwrap_or_default();
-        verdicts.push(verdict(shown_path(file), &mistakes));
-        wrong.extend(mistakes);
-    }
+    let found: Vec<(String, Vec<Diagnostic>)> =
+        found.into_iter().map(|(file, verdict)| (shown_path(&file), verdict.err().unwrap_or_default())).collect();
+    let wrong: Vec<Diagnostic> = found.iter().flat_map(|(_, mistakes)| mistakes.clone()).collect();
     if shared.json {
-        print_json(&verdicts);
-    } else if !shared.quiet {
-        let good = verdicts.iter().filter(|verdict| verdict.ok);
-        let lines: Vec<String> = good.map(|verdict| format!("ok  {}", verdict.path)).collect();
-        if !lines.is_empty() {
-            print(&lines.join("\n"));
-        }
+        let printed = print_json(&found.iter().map(|(path, mistakes)| verdict(path, mistakes)).collect::<Vec<_>>());
+        return if wrong.is_empty() { printed } else { ExitCode::from(BAD_INPUT) };
     }
-    match (wrong.is_empty(), shared.json) {
-        (true, _) => ExitCode::SUCCESS,
-        (false, true) => ExitCode::from(BAD_INPUT),
-        (false, false) => report(&wrong),
+    let good = found.iter().filter(|(_, mistakes)| mistakes.is_empty());
+    let good: Vec<String> = good.map(|(path, _)| format!("ok  {path}")).collect();
+    if !shared.quiet && !good.is_empty() {
+        print(&good.join("\n"));
     }
+    if wrong.is_empty() { ExitCode::SUCCESS } else { report(&wrong) }
 }
 
-fn verdict(path: String, mistakes: &[Diagnostic]) -> Verdict {
-    Verdict { path, ok: mistakes.is_empty(), mistakes: mistakes.iter().map(mistake).collect() }
+fn verdict(path: &str, mistakes: &[Diagnostic]) -> Verdict {
+    Verdict { path: path.into(), ok: mistakes.is_empty(), mistakes: mistakes.iter().map(mistake).collect() }
 }
 
 fn mistake(found: &Diagnostic) -> Mistake {

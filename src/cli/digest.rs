@@ -84,8 +84,9 @@ fn layers(model: &Model) -> String {
 
 fn cost(audit: &Audit) -> String {
     format!(
-        "  {} elements, {} steps of {} us, {:.2} s ({:.0} ns per element step)\n",
+        "  {} element{}, {} steps of {} us, {:.2} s ({:.0} ns per element step)\n",
         grouped(audit.elements as u64),
+        if audit.elements == 1 { "" } else { "s" },
         grouped(audit.steps),
         short(audit.time_step_s * 1e6),
         audit.wall_s,
@@ -98,7 +99,7 @@ fn impact(measures: &Impact) -> String {
     let peak = at(peak.map(|a| format!("{:.1} g", a / G)), measures.time_of_peak_acceleration_s);
     let travel = at(travel.map(|d| format!("{:.1} mm", d * 1e3)), measures.time_of_peak_displacement_s);
     let absorbed = measures.energy_absorption.map_or("-, did not turn round".into(), percent);
-    let balance = format!("{:.2} %", measures.audit.energy_balance_error * 100.0);
+    let balance = balance(&measures.audit);
     format!(
         "  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} energy balance error {balance}\n"
     )
@@ -123,8 +124,8 @@ fn stretch(measures: &Stretch) -> String {
         None => "none".into(),
     };
     let mut text = format!(
-        "  peak stress         {peak:<22} peak force    {force}\n  break               {broke:<22} energy balance error {:.2} %\n",
-        measures.audit.energy_balance_error * 100.0,
+        "  peak stress         {peak:<22} peak force    {force}\n  break               {broke:<22} energy balance error {}\n",
+        balance(&measures.audit),
     );
     if let (Some(scaling), Some(share)) = (measures.audit.mass_scaling, measures.audit.kinetic_share) {
         let _ = writeln!(text, "  mass scaled by {}, kinetic share {}", short(scaling), percent(share));
@@ -137,6 +138,11 @@ fn at(value: Option<String>, time: Option<f64>) -> String {
         (Some(value), Some(time)) => format!("{value} at {:.1} ms", time * 1e3),
         _ => "-".into(),
     }
+}
+
+fn balance(audit: &Audit) -> String {
+    let error = audit.energy_balance_error * 100.0;
+    if error < 0.01 { "below 0.01 %".into() } else { format!("{error:.2} %") }
 }
 
 fn percent(share: f64) -> String {

@@ -16,22 +16,23 @@ pub fn script(fault: &Fault) -> Diagnostic {
         return Diagnostic::new(fault.to_string());
     };
     let source = Source::file(&fault.file, text);
-    Diagnostic::new(fault.message.as_str()).at(&Span::position(&source, fault.line, fault.column))
+    let mistake = Diagnostic::new(fault.message.as_str()).at(&Span::position(&source, fault.line, fault.column));
+    Diagnostic { hint: fault.hint.clone(), ..mistake }
 }
 
 /// A script that cannot start.
-pub fn reading(error: &ReadError) -> Diagnostic {
+pub fn reading(error: &ReadError) -> Vec<Diagnostic> {
     match error {
-        ReadError::Fault(fault) => script(fault),
-        other => Diagnostic::new(other.to_string()),
+        ReadError::Faults(faults) => faults.iter().map(script).collect(),
+        other => vec![Diagnostic::new(other.to_string())],
     }
 }
 
 /// What would go wrong after the run.
-pub fn preparing(error: &PrepareError) -> Diagnostic {
+pub fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
     match error {
         PrepareError::Script(error) => reading(error),
-        other => Diagnostic::new(other.to_string()),
+        other => vec![Diagnostic::new(other.to_string())],
     }
 }
 

@@ -12,6 +12,7 @@ mod run;
 mod scenarios;
 mod schema;
 mod script;
+mod table;
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;

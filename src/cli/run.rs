@@ -7,33 +7,27 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::Value;
 
-use super::faults::{WRITE_FAILURE, evaluating, preparing, storing};
+use super::faults::{WRITE_FAILURE, evaluating, storing};
 use super::folder::{self, Contents};
 use super::progress::Bar;
-use super::scenarios::Checked;
-use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report, scenarios};
+use super::scenarios::{Checked, Selection};
+use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report};
 use crate::diagnostic::Diagnostic;
-use crate::post::Plan;
 use crate::simulate::{self, Failure, Outcome, Progress, RunError};
 use crate::store::{self, Draft};
 
 #[derive(Debug, Args)]
 pub struct RunArgs {
-    /// Scenario files or globs
-    #[arg(required = true, value_name = "SCENARIO")]
-    pub scenarios: Vec<String>,
-    /// Change a key: key.path=value
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub selection: Selection,
     /// Folder for the results, in place of runs/<name of the scenario>
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 
-/// A scenario with everything that its run needs, proved before the first one starts.
+/// A scenario and where its results go, proved before the first run starts.
 struct Job {
     checked: Checked,
-    plan: Plan,
     place: PathBuf,
 }
 
@@ -58,17 +52,15 @@ pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
     ExitCode::from(done.iter().map(|done| done.status).max().unwrap_or(0))
 }
 
-/// Checks, plans and places of all scenarios, or all their mistakes.
+/// Checks and places of all scenarios, or all their mistakes.
 fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
-    let scenarios = scenarios::checked(&args.scenarios, &args.set)?;
+    let scenarios = args.selection.checked()?;
     let several = scenarios.len() > 1;
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for checked in scenarios {
-        let place = place(args.out.as_deref(), &checked.model.name, several).map_err(|error| vec![storing(&error)]);
-        let plan = Plan::prepare(&checked.model).map_err(|error| vec![preparing(&error)]);
-        match (place, plan) {
-            (Ok(place), Ok(plan)) => jobs.push(Job { checked, plan, place }),
-            (place, plan) => mistakes.extend([place.err(), plan.err()].into_iter().flatten().flatten()),
+        match place(args.out.as_deref(), &checked.model.name, several) {
+            Ok(place) => jobs.push(Job { checked, place }),
+            Err(error) => mistakes.push(storing(&error)),
         }
     }
     let places: Vec<PathBuf> = jobs.iter().map(|job| job.place.clone()).collect();
@@ -95,7 +87,8 @@ impl Job {
 
     fn keep(&self, outcome: &Outcome) -> Result<Done, (u8, Diagnostic)> {
         let model = &self.checked.model;
-        let results = self.plan.evaluate(model, outcome, |_| {}).map_err(|error| (BAD_INPUT, evaluating(&error)))?;
+        let results =
+            self.checked.plan.evaluate(model, outcome, |_| {}).map_err(|error| (BAD_INPUT, evaluating(&error)))?;
         let contents = Contents { model, outcome, results: Some(&results), scenario: &self.resolved(), failure: None };
         let stored = Draft::begin(&self.place).and_then(|draft| {
             let files = folder::fill(&draft, &contents)?;
@@ -109,7 +102,7 @@ impl Job {
     fn keep_failed(&self, failure: &Failure) -> Done {
         let (model, outcome) = (&self.checked.model, &failure.so_far);
         // What broke off may be too short or too wild to be measured; then its signals stand alone.
-        let results = self.plan.measure(model, outcome).ok();
+        let results = self.checked.plan.measure(model, outcome).ok();
         let scenario = self.resolved();
         let cause = failure.cause.to_string();
         let contents =

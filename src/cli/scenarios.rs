@@ -2,38 +2,72 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::Diagnostic;
+use clap::Args;
+
+use super::faults::preparing;
+use crate::diagnostic::{Diagnostic, shown_path};
 use crate::model::{self, Model};
+use crate::post::Plan;
 use crate::scenario::{Assignment, Document};
 
-/// A scenario that can be run, as written and as checked.
+/// Which scenarios, and what is changed in them.
+#[derive(Debug, Args)]
+pub struct Selection {
+    /// Scenario files or globs
+    #[arg(required = true, value_name = "SCENARIO")]
+    pub scenarios: Vec<String>,
+    /// Change a key: key.path=value
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// A scenario that can be run, as written and as checked, with what is needed after the run.
 #[derive(Clone, Debug)]
 pub struct Checked {
     pub document: Document,
     pub model: Model,
+    pub plan: Plan,
 }
 
-/// Every scenario named by paths and globs, changed by `--set`.
-///
-/// # Errors
-/// The mistakes of all scenarios at once.
-pub fn checked(patterns: &[String], set: &[String]) -> Result<Vec<Checked>, Vec<Diagnostic>> {
-    let (paths, assignments) = both(files(patterns), assignments(set))?;
-    let (mut checked, mut mistakes) = (Vec::new(), Vec::new());
-    for path in &paths {
-        match check(path, &assignments) {
-            Ok(scenario) => checked.push(scenario),
-            Err(found) => mistakes.extend(found),
+impl Selection {
+    /// The scenarios, checked.
+    ///
+    /// # Errors
+    /// The mistakes of all scenarios at once.
+    pub fn checked(&self) -> Result<Vec<Checked>, Vec<Diagnostic>> {
+        let (mut checked, mut mistakes) = (Vec::new(), Vec::new());
+        for (_, verdict) in self.verdicts()? {
+            match verdict {
+                Ok(scenario) => checked.push(scenario),
+                Err(found) => mistakes.extend(found),
+            }
         }
+        if mistakes.is_empty() { Ok(checked) } else { Err(mistakes) }
     }
-    if mistakes.is_empty() { Ok(checked) } else { Err(mistakes) }
+
+    /// Every file with what checking it gave.
+    ///
+    /// # Errors
+    /// Mistakes in the arguments themselves.
+    pub fn verdicts(&self) -> Result<Vec<(PathBuf, Verdict)>, Vec<Diagnostic>> {
+        let (files, assignments) = both(files(&self.scenarios), assignments(&self.set))?;
+        let verdict = |file: PathBuf| {
+            let verdict = check(&file, &assignments);
+            (file, verdict)
+        };
+        Ok(files.into_iter().map(verdict).collect())
+    }
 }
+
+/// A sound scenario, or its mistakes.
+pub type Verdict = Result<Checked, Vec<Diagnostic>>;
 
 /// The scenario at `path` with changes laid over it.
-pub fn check(path: &Path, assignments: &[Assignment]) -> Result<Checked, Vec<Diagnostic>> {
+fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
     let document = Document::read(path)?.with(assignments);
     let model = model::check(&document)?;
-    Ok(Checked { document, model })
+    let plan = Plan::prepare(&model).map_err(|error| preparing(&error))?;
+    Ok(Checked { document, model, plan })
 }
 
 /// The changes that `--set` asks for.
@@ -50,7 +84,7 @@ pub fn assignments(set: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
 
 /// The files that paths and globs name, each once, in the order of the arguments. A shell that expands globs has
 /// done so already; elsewhere, and within quotes, it is done here.
-pub fn files(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
+fn files(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
     let (mut files, mut mistakes) = (Vec::new(), Vec::new());
     for pattern in patterns {
         match matches(pattern) {
@@ -65,7 +99,16 @@ pub fn files(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
 }
 
 fn matches(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
-    if Path::new(pattern).exists() || !pattern.contains(['*', '?', '[']) {
+    let path = Path::new(pattern);
+    if path.is_dir() {
+        let mistake = Diagnostic::new(format!("{} is a folder", shown_path(path)));
+        return Err(mistake.hint(format!("its scenarios are \"{}\"", shown_path(&path.join("*.toml")))));
+    }
+    if path.extension().is_some_and(|extension| extension == "rhai") {
+        let mistake = Diagnostic::new(format!("{} is a script", shown_path(path)));
+        return Err(mistake.hint(format!("run it with `droptower script {}`", shown_path(path))));
+    }
+    if path.exists() || !pattern.contains(['*', '?', '[']) {
         return Ok(vec![PathBuf::from(pattern)]);
     }
     let paths = glob::glob(pattern).map_err(|error| Diagnostic::new(format!("`{pattern}`: {error}")))?;

@@ -1,6 +1,7 @@
 //! `droptower script`: a Rhai script over scenarios.
 
 use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -9,11 +10,11 @@ use rhai::{Dynamic, Map, Scope};
 use serde_json::{Value, json};
 
 use super::faults::{WRITE_FAILURE, reading, script, storing};
-use super::{Shared, digest, folder, print, print_json, report, scenarios};
-use crate::diagnostic::Diagnostic;
+use super::{Shared, digest, folder, print, print_json, report, scenarios, table};
+use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post;
 use crate::report::{StudyPage, study_page};
-use crate::script::{Findings, Ledger, Limits, Script, engine};
+use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine};
 use crate::store::{self, Draft, StoreError};
 
 #[derive(Debug, Args)]
@@ -45,23 +46,13 @@ pub fn run(args: &ScriptArgs, shared: &Shared) -> ExitCode {
 }
 
 fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>> {
-    let changes = scenarios::assignments(&args.set)?;
+    if args.path.extension().is_some_and(|extension| extension == "toml") {
+        let mistake = Diagnostic::new(format!("{} is a scenario", shown_path(&args.path)));
+        return Err(vec![mistake.hint(format!("run it with `droptower run {}`", shown_path(&args.path)))]);
+    }
     let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| vec![storing(&error)])?;
-    let quiet = shared.quiet;
-    let ledger = Ledger::new(RESERVED.map(String::from).into(), move |line| {
-        if !quiet {
-            eprintln!("{line}");
-        }
-    });
-    let mut engine = engine(Limits::STUDY);
-    ledger.register(&mut engine);
-    post::register_studies(&mut engine, changes);
-    let mut scope = Scope::new();
-    scope.push_constant("args", arguments(args)?);
-    let program = Script::read(&engine, &scope, &args.path).map_err(|error| vec![reading(&error)])?;
-    program.run(&engine, scope).map_err(|fault| vec![script(&fault)])?;
-    let findings = ledger.findings();
+    let findings = findings(args, shared.quiet)?;
     Ok(keep(args, &name, &place, &findings).map_or_else(
         |error| {
             report(&[storing(&error)]);
@@ -69,6 +60,26 @@ fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>
         },
         |files| show(&place, &files, &findings, &name, shared),
     ))
+}
+
+/// Runs the script; what it logs is heard at once.
+fn findings(args: &ScriptArgs, quiet: bool) -> Result<Findings, Vec<Diagnostic>> {
+    let changes = scenarios::assignments(&args.set)?;
+    let ledger = Ledger::new(RESERVED.map(String::from).into(), move |line| {
+        if !quiet {
+            // Nobody may be listening; the line is kept for the report anyway.
+            let _ = writeln!(io::stderr(), "{line}");
+        }
+    });
+    let mut engine = engine(Limits::STUDY);
+    ledger.register(&mut engine);
+    post::register_studies(&mut engine, changes);
+    Arguments::register(&mut engine);
+    let mut scope = Scope::new();
+    scope.push_constant("args", arguments(args)?);
+    let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
+    program.run(&engine, scope).map_err(|fault| vec![script(&fault)])?;
+    Ok(ledger.findings())
 }
 
 fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
@@ -81,7 +92,7 @@ fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
 }
 
 /// What the script finds as `args`; numbers and truths are such, the rest is text.
-fn arguments(args: &ScriptArgs) -> Result<Map, Vec<Diagnostic>> {
+fn arguments(args: &ScriptArgs) -> Result<Arguments, Vec<Diagnostic>> {
     let mut map = Map::new();
     let mut mistakes = Vec::new();
     for argument in &args.arg {
@@ -93,7 +104,7 @@ fn arguments(args: &ScriptArgs) -> Result<Map, Vec<Diagnostic>> {
     if let Some(scenario) = &args.scenario {
         map.insert("scenario".into(), scenario.clone().into());
     }
-    if mistakes.is_empty() { Ok(map) } else { Err(mistakes) }
+    if mistakes.is_empty() { Ok(Arguments::new(map)) } else { Err(mistakes) }
 }
 
 fn value_of(text: &str) -> Dynamic {
@@ -129,5 +140,5 @@ fn show(place: &Path, files: &[String], findings: &Findings, name: &str, shared:
     if shared.quiet {
         return ExitCode::SUCCESS;
     }
-    print(&format!("{name}\n{}", digest::folder(place, files).trim_end()))
+    print(&format!("{name}\n{}{}", table::findings(findings), digest::folder(place, files).trim_end()))
 }

@@ -11,4 +11,4 @@ mod study_page;
 pub use figure::{Figure, markdown, rounded};
 pub use plot::PlotError;
 pub use run_page::{RunPage, run_page};
-pub use study_page::{StudyPage, columns, study_page};
+pub use study_page::{StudyPage, cell, columns, study_page};

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use thiserror::Error;
 
@@ -21,7 +22,8 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(0xc0, 0x5a, 0x9e),
 ];
 const GREY: RGBColor = RGBColor(0x80, 0x88, 0x90);
-const SIZE: (u32, u32) = (640, 360);
+/// Small, so that the labels stay readable where the page scales it down to a phone.
+const SIZE: (u32, u32) = (480, 300);
 
 /// Most points of one curve; longer ones are drawn by the extremes of their stretches.
 const MOST_POINTS: usize = 2000;
@@ -62,20 +64,11 @@ impl Plot {
     }
 
     fn draw_on(&self, area: Area, x: Range<f64>, y: Range<f64>) -> Result<(), Fault> {
-        let mut chart =
-            ChartBuilder::on(&area).margin(8).x_label_area_size(44).y_label_area_size(64).build_cartesian_2d(x, y)?;
-        chart
-            .configure_mesh()
-            .x_desc(&self.x)
-            .y_desc(&self.y)
-            .axis_style(GREY)
-            .bold_line_style(GREY.mix(0.25))
-            .light_line_style(TRANSPARENT)
-            .label_style(("sans-serif", 14))
-            .axis_desc_style(("sans-serif", 14))
-            .y_label_formatter(&|value| tick(*value))
-            .x_label_formatter(&|value| tick(*value))
-            .draw()?;
+        let mut chart = axes(
+            &area,
+            Axis { words: &self.x, range: x, label: tick },
+            Axis { words: &self.y, range: y, label: tick },
+        )?;
         for (curve, colour) in self.curves.iter().zip(COLOURS.iter().cycle()) {
             for piece in curve.points.split(|point| !finite(point)) {
                 chart.draw_series(LineSeries::new(thinned(piece), colour.stroke_width(2)))?;
@@ -92,7 +85,40 @@ impl Plot {
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 type Fault = Box<dyn std::error::Error>;
+
+/// One axis: what it shows, from where to where, and how a place on it is written.
+struct Axis<'a> {
+    words: &'a str,
+    range: Range<f64>,
+    label: fn(f64) -> String,
+}
+
+/// A chart with its axes and grid.
+fn axes<'a, 'b>(area: &'a Area<'b>, x: Axis, y: Axis) -> Result<Chart<'a, 'b>, Fault> {
+    let mut chart = ChartBuilder::on(area)
+        .margin(6)
+        .margin_right(24)
+        .x_label_area_size(44)
+        .y_label_area_size(62)
+        .build_cartesian_2d(x.range, y.range)?;
+    chart
+        .configure_mesh()
+        .x_labels(7)
+        .y_labels(7)
+        .x_desc(x.words)
+        .y_desc(y.words)
+        .axis_style(GREY)
+        .bold_line_style(GREY.mix(0.25))
+        .light_line_style(TRANSPARENT)
+        .label_style(("sans-serif", 14))
+        .axis_desc_style(("sans-serif", 14))
+        .x_label_formatter(&|place| (x.label)(*place))
+        .y_label_formatter(&|place| (y.label)(*place))
+        .draw()?;
+    Ok(chart)
+}
 
 fn finite(point: &(f64, f64)) -> bool {
     point.0.is_finite() && point.1.is_finite()
@@ -149,34 +175,33 @@ fn figure<'a>(title: &str, names: impl Iterator<Item = &'a str>, svg: &str) -> S
 pub fn rates(title: &str, histogram: &Histogram) -> Result<String, PlotError> {
     let edges: Vec<f64> = histogram.edges_1_s.iter().map(|edge| edge.log10()).collect();
     let highest = histogram.shares.iter().copied().fold(0.0, f64::max);
-    let (&[first, .., last], true) = (edges.as_slice(), highest > 0.0) else {
+    let Some(decades) = decades(histogram, &edges) else {
         return Ok(String::new());
     };
     let mut svg = String::new();
     let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-    let ranges = (first..last, 0.0..1.1 * highest);
+    let ranges = (decades, 0.0..1.1 * highest);
     let drawn = draw_rates(area, histogram, &edges, ranges);
     drawn.map_err(|cause| PlotError { title: title.into(), cause: cause.to_string() })?;
     let names = ["share of the straining"].into_iter().chain(histogram.measured_1_s.map(|_| "range of the curves"));
     Ok(figure(title, names, &svg))
 }
 
+/// Share of the straining from which a bin is worth its place on the axis.
+const WORTH_SHOWING: f64 = 1e-3;
+
+/// Whole decades around the measured range and every bin that is high enough to be seen; nothing where there is none.
+fn decades(histogram: &Histogram, edges: &[f64]) -> Option<Range<f64>> {
+    let bins = edges.windows(2).zip(&histogram.shares).filter(|(_, share)| **share > WORTH_SHOWING);
+    let strained = range(bins.flat_map(|(bin, _)| bin.iter().copied()), 0.0)?;
+    let [low, high] = histogram.measured_1_s.map_or([strained.start, strained.end], |rates| rates.map(f64::log10));
+    Some(strained.start.min(low).floor()..strained.end.max(high).ceil())
+}
+
 fn draw_rates(area: Area, histogram: &Histogram, edges: &[f64], (x, y): (Range<f64>, Range<f64>)) -> Result<(), Fault> {
     let (left, right, top) = (x.start, x.end, y.end);
-    let mut chart =
-        ChartBuilder::on(&area).margin(8).x_label_area_size(44).y_label_area_size(64).build_cartesian_2d(x, y)?;
-    chart
-        .configure_mesh()
-        .x_desc("strain rate (1/s)")
-        .y_desc("share")
-        .axis_style(GREY)
-        .bold_line_style(GREY.mix(0.25))
-        .light_line_style(TRANSPARENT)
-        .label_style(("sans-serif", 14))
-        .axis_desc_style(("sans-serif", 14))
-        .x_label_formatter(&|exponent| tick(10f64.powf(*exponent)))
-        .y_label_formatter(&|share| tick(*share))
-        .draw()?;
+    let x = Axis { words: "strain rate (1/s)", range: x, label: |exponent| tick(10f64.powf(exponent)) };
+    let mut chart = axes(&area, x, Axis { words: "share", range: y, label: tick })?;
     if let Some(measured) = histogram.measured_1_s {
         let [low, high] = measured.map(|rate| rate.log10().clamp(left, right));
         chart.draw_series([Rectangle::new([(low, 0.0), (high, top)], COLOURS[1].mix(0.18).filled())])?;

@@ -5,7 +5,7 @@ use super::plot::{self, Curve, Plot, PlotError};
 use super::{Figure, study_page};
 use crate::model::{Loading, Model};
 use crate::post::{Measures, Results};
-use crate::signal::{Recording, Series};
+use crate::signal::{Channel, Recording, Series};
 use crate::simulate::Outcome;
 
 /// What the page of a run is made of.
@@ -69,7 +69,7 @@ fn plots(run: &RunPage) -> Result<String, PlotError> {
         Measures::Stretch(stretch) => (&stretch.audit.strain_rates, stretch_plots(run)),
     };
     let mut figures = own.iter().map(Plot::draw).collect::<Result<Vec<_>, _>>()?;
-    figures.push(audit(&run.outcome.energies).draw()?);
+    figures.push(audit(&run.outcome.energies)?);
     figures.push(plot::rates("Strain rates while loading", histogram)?);
     Ok(format!("<div class=\"plots\">\n{}</div>\n", figures.concat()))
 }
@@ -97,6 +97,11 @@ fn impact_plots(run: &RunPage) -> Vec<Plot> {
                 simulated("filtered", "acceleration_filtered_m_s2", 1.0),
             ],
         ),
+        time_plot(
+            "Largest strain of the film",
+            "engineering strain",
+            [simulated("along MD", "max_strain_md", 1.0), simulated("along TD", "max_strain_td", 1.0)],
+        ),
         time_plot("Energy of the impactor", "energy (J)", ["kinetic", "potential", "absorbed", "total"].map(energy)),
     ]
 }
@@ -115,13 +120,26 @@ fn stretch_plots(run: &RunPage) -> Vec<Plot> {
     ]
 }
 
-fn audit(energies: &Recording) -> Plot {
-    let words = |name: &str| name.trim_end_matches("_J").trim_end_matches("_energy").replace('_', " ");
-    let curve = |channel: &crate::signal::Channel| {
+/// Share of the largest energy below which a term is named and not drawn.
+const NEGLIGIBLE: f64 = 1e-3;
+
+fn audit(energies: &Recording) -> Result<String, PlotError> {
+    let magnitude = |channel: &Channel| channel.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let largest = energies.channels.iter().map(magnitude).fold(0.0, f64::max);
+    let (small, drawn): (Vec<&Channel>, Vec<&Channel>) =
+        energies.channels.iter().partition(|channel| magnitude(channel) < NEGLIGIBLE * largest);
+    let words = |channel: &Channel| channel.name.trim_end_matches("_J").replace('_', " ");
+    let curve = |channel: &Channel| {
         let series = Series::new(energies.time.as_slice(), channel.values.as_slice());
-        Some(over_time(&words(&channel.name), &series, 1.0))
+        over_time(&words(channel), &series, 1.0)
     };
-    time_plot("Energy audit", "energy (J)", energies.channels.iter().map(curve))
+    let plot = time_plot("Energy audit", "energy (J)", drawn.into_iter().map(|channel| Some(curve(channel))));
+    let small: Vec<String> = small.into_iter().map(words).collect();
+    let note = match small.as_slice() {
+        [] => String::new(),
+        names => format!("<p class=\"note\">below {} %: {}</p>\n", NEGLIGIBLE * 100.0, escape(&names.join(", "))),
+    };
+    Ok(format!("<div>\n{}{note}</div>\n", plot.draw()?))
 }
 
 fn time_plot(title: &str, y: &str, curves: impl IntoIterator<Item = Option<Curve>>) -> Plot {

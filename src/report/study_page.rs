@@ -54,7 +54,8 @@ fn table(rows: &[Row]) -> String {
     html::table("rows", &columns, &rows.iter().map(cells).collect::<Vec<_>>())
 }
 
-fn cell(value: &Value) -> String {
+/// A value of a table as people read it; numbers rounded, nothing where there is none.
+pub fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),

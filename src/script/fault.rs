@@ -15,6 +15,8 @@ pub struct Fault {
     /// In characters, counted from one.
     pub column: usize,
     pub message: String,
+    /// What to write instead, where that can be guessed.
+    pub hint: Option<String>,
 }
 
 impl Fault {
@@ -38,13 +40,18 @@ impl Fault {
         Fault::at(file, Position::NONE, format!("cannot start a thread for the script: {error}"))
     }
 
-    fn at(file: &Path, position: Position, message: String) -> Fault {
+    pub(super) fn at(file: &Path, position: Position, message: String) -> Fault {
         Fault {
             file: file.into(),
             line: position.line().unwrap_or(1),
             column: position.position().unwrap_or(1),
             message: lower_first(&message),
+            hint: None,
         }
+    }
+
+    pub(super) fn with_hint(self, hint: Option<String>) -> Fault {
+        Fault { hint, ..self }
     }
 }
 

@@ -14,7 +14,7 @@ use rhai::packages::{
 use rhai::{AST, Engine, OptimizationLevel, Scope, Token, TokenizeState};
 use thiserror::Error;
 
-use super::Fault;
+use super::{Fault, calls};
 
 /// Longest script that is read, bytes.
 const LONGEST: u64 = 1 << 20;
@@ -45,8 +45,9 @@ pub enum ReadError {
     Open { path: PathBuf, source: io::Error },
     #[error("{} is longer than {LONGEST} bytes", path.display())]
     TooLong { path: PathBuf },
-    #[error(transparent)]
-    Fault(#[from] Fault),
+    /// It does not compile, or calls what nobody defined.
+    #[error("{}", .0.iter().map(Fault::to_string).collect::<Vec<_>>().join("; "))]
+    Faults(Vec<Fault>),
 }
 
 /// An interpreter with the plain packages, the limits, and nothing else: no `eval`, no `import`, no files, no clock, no sleep.
@@ -121,13 +122,17 @@ impl Script {
             return Err(ReadError::TooLong { path: path.into() });
         }
         let text = fs::read_to_string(path).map_err(open)?;
-        Ok(Script::compile(engine, scope, path, &text)?)
+        Script::compile(engine, scope, path, &text).map_err(ReadError::Faults)
     }
 
     /// Compiles `text`, which stands for the file at `path` in faults.
-    pub fn compile(engine: &Engine, scope: &Scope, path: &Path, text: &str) -> Result<Script, Fault> {
-        let program = engine.compile_with_scope(scope, text).map_err(|error| Fault::parsing(path, &error))?;
-        Ok(Script { path: path.into(), program })
+    ///
+    /// # Errors
+    /// The first mistake of the grammar, or else every call of a function that nobody defined.
+    pub fn compile(engine: &Engine, scope: &Scope, path: &Path, text: &str) -> Result<Script, Vec<Fault>> {
+        let program = engine.compile_with_scope(scope, text).map_err(|error| vec![Fault::parsing(path, &error)])?;
+        let undefined = calls::undefined(engine, &program, path);
+        if undefined.is_empty() { Ok(Script { path: path.into(), program }) } else { Err(undefined) }
     }
 
     /// Runs the script with the constants in `scope`; its last value is dropped.
@@ -161,7 +166,8 @@ mod tests {
         let limits = Limits { operations: 30_000, ..Limits::STUDY };
         let (mut engine, scope, ledger) = (engine(limits), Scope::new(), ledger());
         ledger.register(&mut engine);
-        Script::compile(&engine, &scope, Path::new("s.rhai"), text)?.run(&engine, scope)?;
+        let script = Script::compile(&engine, &scope, Path::new("s.rhai"), text);
+        script.map_err(|mut faults| faults.remove(0))?.run(&engine, scope)?;
         Ok(ledger.findings())
     }
 
@@ -170,7 +176,7 @@ mod tests {
         for (text, expected) in [
             ("let a = 1;\nlet b = a +;", "s.rhai:2:12: "),
             ("let a = 1;\n  nosuch + 1", "s.rhai:2:3: undefined variable: nosuch"),
-            ("fn f(x) {\n x.nosuch()\n}\nf(1)", "s.rhai:2:4: function not found: nosuch"),
+            ("fn f(x) {\n x.sqrt(2)\n}\nf(1)", "s.rhai:2:4: function not found: sqrt"),
             ("let a = [1];\na[7]", "s.rhai:2:3: array index 7 out of bounds"),
             ("throw \"enough\"", "s.rhai:1:1: enough"),
             ("let m = #{};\nm.nosuch", "s.rhai:2:3: "),

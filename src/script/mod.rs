@@ -3,6 +3,8 @@
 //! The host knows signals and plain values. Whoever offers more to scripts registers it into the
 //! engine and describes it as [`Entry`] lines, whose examples are run by the tests.
 
+mod arguments;
+mod calls;
 mod fault;
 mod findings;
 mod host;
@@ -10,6 +12,7 @@ mod reference;
 mod signal;
 mod value;
 
+pub use arguments::Arguments;
 pub use fault::{Fault, refuse};
 pub use findings::{ENTRIES as LEDGER_ENTRIES, Findings, Ledger, NameError, Row};
 pub use host::{Limits, ReadError, Script, engine};

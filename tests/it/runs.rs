@@ -9,7 +9,9 @@ use serde_json::Value as Json;
 use tempfile::TempDir;
 
 use droptower::post::{self, STUDY_ENTRIES};
-use droptower::script::{self, LEDGER_ENTRIES, Ledger, Limits};
+use droptower::report::Figure;
+use droptower::script::{self, Arguments, LEDGER_ENTRIES, Ledger, Limits};
+use droptower::signal::csv;
 
 /// Coarse and short: what is tested is everything around the simulation.
 const QUICK: [&str; 4] = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=40ms"];
@@ -105,6 +107,65 @@ fn the_kept_scenario_gives_the_same_signals() {
 }
 
 #[test]
+fn the_shipped_test_is_read_back() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/drop/1008.toml");
+    let output = run(bench.path(), &[shipped.to_str().expect("UTF-8"), "--json", "--quiet"]);
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    assert_eq!(error(&output), "");
+    let printed: Json = serde_json::from_slice(&output.stdout).expect("nothing but JSON");
+    let folder = bench.path().join("runs/drop/1008");
+    assert_eq!(printed, json(&folder.join("summary.json")));
+    for name in ["signals.csv", "energies.csv"] {
+        let path = folder.join(name);
+        let recording = csv::read(&path).expect("our own recording");
+        let mut again = Vec::new();
+        csv::write(&recording, &mut again).expect("a table");
+        assert!(again == fs::read(&path).expect("a table"), "{name} changed");
+    }
+    let signals = csv::read(&folder.join("signals.csv")).expect("signals");
+    let deepest = signals.series("displacement_m").and_then(|travel| travel.smallest()).expect("travel");
+    assert_eq!(printed["peak_displacement_m"].as_f64(), Some(deepest[1]));
+    assert_eq!(printed["time_of_peak_displacement_s"].as_f64(), Some(deepest[0]));
+}
+
+#[test]
+fn the_page_shows_the_figures_of_the_summary() {
+    let bench = bench();
+    assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0));
+    let folder = bench.path().join("runs/drop");
+    let page = fs::read_to_string(folder.join("report.html")).expect("a page");
+    let summary = json(&folder.join("summary.json"));
+    let figures = summary.as_object().expect("figures").iter().filter(|(_, value)| value.is_number());
+    for (name, value) in figures {
+        let cells = Figure::of(name, value).expect("a figure").cells();
+        let row = format!("<tr><td>{}</td></tr>", cells.join("</td><td>"));
+        assert!(page.contains(&row), "{row}");
+    }
+}
+
+#[test]
+fn a_run_that_goes_wrong_numerically_keeps_what_it_had() {
+    let bench = bench();
+    // A film that turns into diamond at 30 % makes the stable step collapse when the sphere gets there.
+    let wall = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
+    let output = run(bench.path(), &["drop.toml", "--json", "--set", wall]);
+    assert_eq!(code(&output), Some(3), "{}", error(&output));
+    assert!(output.stdout.is_empty());
+    assert!(error(&output).contains("drop.failed"), "{}", error(&output));
+    assert_eq!(names(&bench.path().join("runs")), ["drop.failed"]);
+    let folder = bench.path().join("runs/drop.failed");
+    let cause = fs::read_to_string(folder.join("failure.txt")).expect("a cause");
+    assert!(cause.contains("the time step fell") && cause.contains(" s at 0.0") && cause.contains("face"), "{cause}");
+    let page = fs::read_to_string(folder.join("report.html")).expect("a page");
+    assert!(page.contains("The run broke off: the time step fell"));
+    let signals = csv::read(&folder.join("signals.csv")).expect("signals");
+    assert!(signals.time.len() > 100 && signals.time.len() < 400, "{} samples", signals.time.len());
+    assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0));
+    assert_eq!(names(&bench.path().join("runs")), ["drop"], "what failed is out of date");
+}
+
+#[test]
 fn several_scenarios_go_below_one_folder() {
     let bench = bench();
     fs::copy(bench.path().join("drop.toml"), bench.path().join("other.toml")).expect("a copy");
@@ -120,9 +181,12 @@ fn one_mistake_keeps_everything_from_being_written() {
     let bench = bench();
     let good = fs::read_to_string(bench.path().join("drop.toml")).expect("the template");
     fs::write(bench.path().join("bad.rhai"), "let a = 1;\nlet b = nosuch;").expect("a script");
+    fs::write(bench.path().join("worse.rhai"), "mesure(\"a\", 1);\nrun.velocity.med();").expect("a script");
     fs::write(bench.path().join("gap.csv"), "time_s,acceleration_m_s2\n0,1\n0,2\n").expect("a table");
     for (added, expected) in [
         ("[post]\nscript = \"bad.rhai\"", "bad.rhai:2:9"),
+        ("[post]\nscript = \"worse.rhai\"", "did you mean `measure`?"),
+        ("[post]\nscript = \"worse.rhai\"", "worse.rhai:2:14"),
         ("[reference]\nsignals = \"gap.csv\"", "gap.csv:3:1: time does not increase"),
     ] {
         fs::write(bench.path().join("bad.toml"), format!("{good}\n{added}\n")).expect("a scenario");
@@ -130,6 +194,9 @@ fn one_mistake_keeps_everything_from_being_written() {
         assert_eq!(code(&output), Some(2));
         assert!(error(&output).contains(expected), "{}", error(&output));
         assert!(!bench.path().join("runs").exists());
+        let checked = droptower(bench.path(), &["check", "bad.toml"]);
+        assert_eq!(code(&checked), Some(2));
+        assert!(error(&checked).contains(expected), "{}", error(&checked));
     }
     let fast = run(bench.path(), &["drop.toml", "--set", "output.sample_rate=1kHz"]);
     assert_eq!(code(&fast), Some(2), "{}", error(&fast));
@@ -169,12 +236,30 @@ fn a_script_leaves_its_tables() {
 }
 
 #[test]
+fn the_shipped_study_counts_layers() {
+    let bench = bench();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/layers.rhai");
+    let arguments =
+        ["script", shipped.to_str().expect("UTF-8"), "--scenario", "drop.toml", "--arg", "most=8", "--quiet", "--json"];
+    let output = droptower(bench.path(), &[&arguments[..], &QUICK].concat());
+    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    let summary: Json = serde_json::from_slice(&output.stdout).expect("nothing but JSON");
+    let rows = summary["tables"]["layers"].as_array().expect("rows");
+    assert_eq!(rows.iter().map(|row| row["layers"].as_i64()).collect::<Vec<_>>(), [Some(6), Some(8)]);
+    let travel = |row: &Json| row["travel_mm"].as_f64().expect("a number");
+    assert!(travel(&rows[0]) > travel(&rows[1]), "more layers stop earlier");
+}
+
+#[test]
 fn mistakes_in_a_script_have_their_place() {
     let bench = bench();
     for (text, expected) in [
         ("\nlet t = scenario(\"nosuch.toml\");", "study.rhai:2:9"),
         ("let t = scenario(args.scenario).with(#{ \"layers.cuont\": 9 });", "unknown key `cuont`"),
-        ("scenario(args.nosuch)", "study.rhai:1:15"),
+        ("scenario(args.nosuch)", "study.rhai:1:14"),
+        ("scenario(args.nosuch)", "the script needs `nosuch`: give --arg nosuch=…"),
+        ("let t = scenario(args.scenario);\nt.simulat()", "study.rhai:2:3"),
+        ("let t = scenario(args.scenario);\nt.simulat()", "did you mean `simulate`?"),
         ("simulate_all([1])", "expected a list of scenarios"),
     ] {
         fs::write(bench.path().join("study.rhai"), text).expect("a script");
@@ -200,10 +285,11 @@ fn the_examples_of_the_scripting_reference_hold() {
     let changes =
         [QUICK[1], QUICK[3]].map(|set| droptower::scenario::Assignment::from_argument(set).expect("a change"));
     post::register_studies(&mut engine, changes.into());
+    Arguments::register(&mut engine);
     for entry in STUDY_ENTRIES.iter().chain(LEDGER_ENTRIES) {
         let mut scope = Scope::new();
         let scenario = path.to_str().expect("UTF-8").to_owned();
-        scope.push_constant("args", Map::from([("scenario".into(), scenario.into())]));
+        scope.push_constant("args", Arguments::new(Map::from([("scenario".into(), scenario.into())])));
         let held = engine.eval_with_scope::<bool>(&mut scope, entry.example);
         assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
     }

@@ -1,0 +1,53 @@
+//! What a script leaves, as the terminal shows it.
+
+use crate::report::{Figure, cell, columns};
+use crate::script::{Findings, Row};
+
+/// Most rows of a table that are shown; all of them are in its file.
+const MOST_ROWS: usize = 40;
+
+/// Figures and tables; every line ends with a line break.
+pub fn findings(findings: &Findings) -> String {
+    let figures = findings.measures.iter().filter_map(|(name, value)| Figure::of(name, value));
+    let figures = figures.map(|figure| format!("  {}\n", figure.cells().join(" ").trim_end()));
+    let tables = findings.tables.iter().map(|(name, rows)| format!("  {name}\n{}", table(rows)));
+    figures.chain(tables).collect()
+}
+
+/// The rows under their columns, numbers and text set to the right.
+fn table(rows: &[Row]) -> String {
+    let columns = columns(rows);
+    let shown = rows.iter().take(MOST_ROWS);
+    let cells = shown.map(|row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect());
+    let lines: Vec<Vec<String>> = std::iter::once(columns.clone()).chain(cells).collect();
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns.len()).map(width).collect();
+    let line = |line: &Vec<String>| {
+        let cells = line.iter().zip(&widths).map(|(cell, width)| format!("  {cell:>width$}"));
+        format!("  {}\n", cells.collect::<String>())
+    };
+    let rest = rows.len().saturating_sub(MOST_ROWS);
+    let rest = if rest > 0 { format!("    and {rest} more\n") } else { String::new() };
+    lines.iter().map(line).chain([rest]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn columns_stand_under_their_names() {
+        let row = |layers: i64, travel: f64| match json!({ "layers": layers, "travel": travel }) {
+            serde_json::Value::Object(row) => row,
+            _ => Row::new(),
+        };
+        assert_eq!(
+            table(&[row(8, -169.4413), row(10, -15.0)]),
+            "    layers  travel\n         8  -169.4\n        10  -15.00\n"
+        );
+        let many = table(&vec![row(1, 1.0); 45]);
+        assert!(many.ends_with("and 5 more\n") && many.lines().count() == 42);
+    }
+}
