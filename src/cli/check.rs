@@ -1,5 +1,6 @@
-//! `droptower check`: everything that is wrong with scenarios, at once.
+//! `droptower check`: everything that is wrong with scenarios and materials, at once.
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Args;
@@ -7,12 +8,14 @@ use serde::Serialize;
 
 use super::{BAD_INPUT, Shared, print, print_json, report, scenarios};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::model;
+use crate::scenario::{Assignment, Document};
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Scenario files or globs
-    #[arg(required = true, value_name = "SCENARIO")]
-    pub scenarios: Vec<String>,
+    /// Scenario files, material files or globs
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<String>,
     /// Change a key: key.path=value
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
@@ -36,7 +39,7 @@ struct Mistake {
 }
 
 pub fn run(args: &CheckArgs, shared: &Shared) -> ExitCode {
-    let files = match scenarios::files(&args.scenarios) {
+    let files = match scenarios::files(&args.files) {
         Ok(files) => files,
         Err(mistakes) => return report(&mistakes),
     };
@@ -47,7 +50,7 @@ pub fn run(args: &CheckArgs, shared: &Shared) -> ExitCode {
     let mut wrong = Vec::new();
     let mut verdicts = Vec::new();
     for file in &files {
-        let mistakes = scenarios::check(file, &assignments).err().unwrap_or_default();
+        let mistakes = mistakes(file, &assignments);
         verdicts.push(verdict(shown_path(file), &mistakes));
         wrong.extend(mistakes);
     }
@@ -65,6 +68,16 @@ pub fn run(args: &CheckArgs, shared: &Shared) -> ExitCode {
         (false, true) => ExitCode::from(BAD_INPUT),
         (false, false) => report(&wrong),
     }
+}
+
+/// What is wrong with the file, as the scenario or the material that it is.
+fn mistakes(path: &Path, assignments: &[Assignment]) -> Vec<Diagnostic> {
+    let is_material = Document::read(path).is_ok_and(|document| document.is_material());
+    if !is_material {
+        return scenarios::check(path, assignments).err().unwrap_or_default();
+    }
+    let material = Document::read_material(path).map(|document| document.with(assignments));
+    material.and_then(|material| model::check_material(&material)).err().unwrap_or_default()
 }
 
 fn verdict(path: String, mistakes: &[Diagnostic]) -> Verdict {
