@@ -9,6 +9,7 @@ mod energy;
 mod failure;
 mod film;
 mod nodes;
+mod observer;
 mod rigid_body;
 mod time_step;
 
@@ -17,6 +18,7 @@ pub use element::UprightElement;
 pub use energy::Energies;
 pub use film::{ElementStrain, Film};
 pub use nodes::Nodes;
+pub use observer::{Observer, Track, View};
 pub use rigid_body::RigidBody;
 pub use time_step::TimeStep;
 
@@ -94,51 +96,6 @@ pub enum Fault {
     EnergyLost { time: f64, error: f64 },
 }
 
-/// Something that looks on.
-pub trait Observer {
-    /// Whether it wants to see the full step at `time` (s), of which the last was `dt` s ago.
-    fn wants(&self, time: f64, dt: f64) -> bool;
-    /// Sees it.
-    fn see(&mut self, view: &mut View<'_>) -> Result<(), Fault>;
-    /// Follows impactor and jaws through every step.
-    fn follow(&mut self, _track: &Track) {}
-}
-
-/// The impactor and the jaws at one step; zero where there is none.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Track {
-    /// Full step, s.
-    pub time: f64,
-    /// The step after it, s.
-    pub dt: f64,
-    /// Height of the centre of mass at the full step, m.
-    pub z: f64,
-    /// Vertical velocity in the middle of the step after it, m/s.
-    pub velocity: f64,
-    /// Work given to the film so far, J.
-    pub work: f64,
-    /// Pull of the film on the jaws, mean of all of them, N.
-    pub jaw_force: f64,
-}
-
-/// The state at a full step, read-only.
-pub struct View<'a> {
-    /// s.
-    pub time: f64,
-    /// Steps so far.
-    pub steps: u64,
-    /// Faces of film.
-    pub films: &'a [Film],
-    /// Nodes: positions and forces at `time`, velocities half a step after it.
-    pub nodes: &'a Nodes,
-    /// The impactor, its velocities half a step after `time`.
-    pub body: Option<&'a RigidBody>,
-    contact: Option<&'a mut Contact>,
-    drive: &'a Drive,
-    gone: Gone,
-    before: &'a Before,
-}
-
 impl Engine {
     /// An engine at rest at time zero; `impact` is the impactor, if any.
     pub fn new(films: Vec<Film>, nodes: Nodes, impact: Option<Impact>, drive: Drive) -> Engine {
@@ -193,7 +150,7 @@ impl Engine {
         self.damp(kick);
         self.meet(dt, kick);
         if wanted {
-            observer.see(&mut self.view())?;
+            observer.see(&self.view())?;
         }
         self.drift(dt, observer);
         Ok(broken)
@@ -276,11 +233,9 @@ impl Engine {
         self.drive.jaws.iter().map(pull).sum::<f64>() / count
     }
 
-    fn view(&mut self) -> View<'_> {
-        let (body, contact) = match &mut self.impact {
-            Some(Impact { body, contact }) => (Some(&*body), Some(contact)),
-            None => (None, None),
-        };
+    fn view(&self) -> View<'_> {
+        let impact = self.impact.as_ref();
+        let (body, contact) = (impact.map(|i| &i.body), impact.map(|i| &i.contact));
         View {
             time: self.time,
             steps: self.steps,
@@ -292,56 +247,5 @@ impl Engine {
             gone: self.gone,
             before: &self.before,
         }
-    }
-}
-
-impl View<'_> {
-    /// The energy audit at this step.
-    pub fn energies(&self) -> Energies {
-        let copies = self.drive.multiplicity;
-        let g = self.drive.gravity;
-        let mut out = Energies {
-            rupture: self.gone.rupture,
-            absorbed: self.gone.absorbed,
-            damping: self.gone.damping,
-            external: self.gone.external - self.gone.external_ahead,
-            ..Energies::default()
-        };
-        for film in self.films {
-            let energy = film.energy(&self.nodes.position);
-            out.stored += copies * energy.stored;
-            out.absorbed += copies * energy.absorbed;
-            out.hourglass += copies * energy.hourglass;
-        }
-        for (n, mass) in self.nodes.mass.iter().enumerate() {
-            let (v, u) = (self.nodes.velocity[n], self.before.velocity[n]);
-            out.kinetic_film += copies * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
-            out.potential += copies * mass * g * self.nodes.position[n][2];
-        }
-        if let (Some(body), Some(before)) = (self.body, &self.before.body) {
-            out.kinetic_impactor = body.kinetic_energy(before);
-            out.potential += body.mass * g * body.centre().z;
-        }
-        if let Some(contact) = &self.contact {
-            out.contact = contact.work.impact_loss;
-            out.friction = contact.work.friction_loss;
-        }
-        out
-    }
-
-    /// The touch between impactor and film, if there is an impactor.
-    pub fn inspect(&mut self) -> Option<Inspection> {
-        let (contact, body) = (self.contact.as_mut()?, self.body?);
-        Some(contact.inspect(self.films, self.nodes, &body.pose))
-    }
-
-    /// Half the smallest extent of the impactor, m.
-    pub fn impactor_size(&self) -> Option<f64> {
-        self.contact.as_ref().map(|c| c.surface().size())
-    }
-
-    /// Nodes that the impactor touched in this step.
-    pub fn touched(&self) -> Vec<usize> {
-        self.contact.as_ref().map_or(vec![], |c| c.touched().collect())
     }
 }

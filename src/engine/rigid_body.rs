@@ -100,18 +100,26 @@ impl RigidBody {
         }
     }
 
-    /// Adds to `gathered` the film mass `mass` (3×3, kg) that a contact at `arm` drags along, and the momentum `change`
-    /// (kg m/s) that this film needs if the body keeps its velocity.
-    pub fn gather(&self, gathered: &mut Gathered, arm: &Vector3<f64>, mass: &Matrix3<f64>, change: &Vector3<f64>) {
+    /// Adds to `gathered` film of `mass` (kg) that a contact at `arm` drags along, in every direction or only along one,
+    /// and the momentum `change` (kg m/s) that this film needs if the body keeps its velocity.
+    pub fn gather(
+        &self,
+        gathered: &mut Gathered,
+        arm: &Vector3<f64>,
+        mass: f64,
+        along: Option<&Vector3<f64>>,
+        change: &Vector3<f64>,
+    ) {
         if self.guide == Guide::Z {
-            gathered.mass[(2, 2)] += mass[(2, 2)];
+            gathered.mass[(2, 2)] += mass * along.map_or(1.0, |n| n.z * n.z);
             gathered.momentum[2] += change.z;
             return;
         }
+        let mass = along.map_or(Matrix3::identity(), |n| n * n.transpose()) * mass;
         let lever = arm.cross_matrix();
         let turned = lever * mass;
         let blocks =
-            [(0, 0, *mass), (0, 3, mass * lever.transpose()), (3, 0, turned), (3, 3, turned * lever.transpose())];
+            [(0, 0, mass), (0, 3, mass * lever.transpose()), (3, 0, turned), (3, 3, turned * lever.transpose())];
         for (row, column, block) in blocks {
             let mut view = gathered.mass.fixed_view_mut::<3, 3>(row, column);
             view += block;
@@ -176,7 +184,7 @@ mod tests {
         let body = body(Guide::Free);
         let mut gathered = Gathered::default();
         let meeting = body.velocity_at(&at);
-        body.gather(&mut gathered, &at, &Matrix3::from_diagonal_element(film), &(film * meeting));
+        body.gather(&mut gathered, &at, film, None, &(film * meeting));
         let after = body.after(&gathered);
         let mut pushed = body.clone();
         pushed.push(&(-film * after.velocity_at(&at)), &at);

@@ -8,11 +8,11 @@ use super::nodes::Nodes;
 const SAFETY: f64 = 0.9;
 
 /// The same once elements have broken: torn film snaps back and flutters between slack and taut, and a step near the
-/// limit of the linear theory gains energy at such kinks (docs/theory.md, section 4, has the figures).
+/// limit of the linear theory gains energy at such kinks (theory.md, section 4).
 const TORN_SAFETY: f64 = 0.5;
 
 /// Steps between two looks at the film's stiffness.
-const INTERVAL: u32 = 16;
+const INTERVAL: u32 = 10;
 
 /// Growth from one step to the next after a look.
 const GROWTH: f64 = 1.02;

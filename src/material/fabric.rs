@@ -168,7 +168,7 @@ impl MembraneLaw for Fabric {
 
     fn stiffness(&self, d: &Deformation, peaks: &Peaks) -> Stiffness {
         /// Strain that a fibre may move before the bound is asked for again.
-        const REACH: f64 = 0.01;
+        const REACH: f64 = 0.005;
         let fibres = Fibres::of(d);
         let strain = [fibres.strain(0), fibres.strain(1)];
         let stress = self.stress(d, &mut peaks.clone());

@@ -85,7 +85,7 @@ impl<'a> Probe<'a> {
         self.frames.len() < self.model.output.frames && self.frames.len() as f64 * self.frame <= time
     }
 
-    fn take_sample(&mut self, view: &mut View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
+    fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
         let energies = view.energies();
         if !energies.total().is_finite() {
             return Err(not_a_number(view.time, faces));
@@ -202,7 +202,7 @@ impl Observer for Probe<'_> {
         self.sample_due(time) || self.frame_due(time)
     }
 
-    fn see(&mut self, view: &mut View<'_>) -> Result<(), Fault> {
+    fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
         let faces: Vec<_> = view.films.iter().map(|film| film.strains(&view.nodes.position)).collect();
         if self.frame_due(view.time) {
             self.warnings.strain(view, &faces);

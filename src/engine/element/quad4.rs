@@ -1,6 +1,6 @@
-//! The four-node membrane element (theory.md, section 3), with nodes counter-clockwise.
+//! The four-node membrane element (theory.md, equation 10), with nodes counter-clockwise.
 
-use super::Element;
+use super::block::Element;
 
 /// Natural coordinates of the nodes.
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -34,7 +34,7 @@ fn map(x: &[[f64; 2]; 4], [xi, eta]: [f64; 2]) -> Map {
 }
 
 /// One point at the centre; the hourglass mode is stabilised with the exact mean squares of its gradient
-/// for a parallelogram (Flanagan and Belytschko 1981 for γ; theory.md, equations 12–14).
+/// for a parallelogram (Flanagan and Belytschko 1981 for γ; theory.md, equations 11–14).
 pub(super) fn one_point(nodes: [u32; 4], x: [[f64; 2]; 4]) -> Element<4, 1> {
     let centre = map(&x, [0.0, 0.0]);
     let mut lever = [0.0; 2];

@@ -1,6 +1,6 @@
 //! The three-node membrane element of constant strain, with nodes counter-clockwise.
 
-use super::Element;
+use super::block::Element;
 
 /// Gradients of the linear shape functions and the area of the stress-free triangle.
 pub(super) fn constant_strain(nodes: [u32; 3], x: [[f64; 2]; 3]) -> Element<3, 1> {

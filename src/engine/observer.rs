@@ -1,0 +1,99 @@
+//! What an observer may see of a run.
+
+use super::{Before, Contact, Drive, Energies, Fault, Film, Gone, Inspection, Nodes, RigidBody};
+
+/// Something that looks on.
+pub trait Observer {
+    /// Whether it wants to see the full step at `time` (s), of which the last was `dt` s ago.
+    fn wants(&self, time: f64, dt: f64) -> bool;
+    /// Sees it.
+    fn see(&mut self, view: &View<'_>) -> Result<(), Fault>;
+    /// Follows impactor and jaws through every step.
+    fn follow(&mut self, _track: &Track) {}
+}
+
+/// The impactor and the jaws at one step; zero where there is none.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Track {
+    /// Full step, s.
+    pub time: f64,
+    /// The step after it, s.
+    pub dt: f64,
+    /// Height of the centre of mass at the full step, m.
+    pub z: f64,
+    /// Vertical velocity in the middle of the step after it, m/s.
+    pub velocity: f64,
+    /// Work given to the film so far, J.
+    pub work: f64,
+    /// Pull of the film on the jaws, mean of all of them, N.
+    pub jaw_force: f64,
+}
+
+/// The state at a full step, read-only.
+pub struct View<'a> {
+    /// s.
+    pub time: f64,
+    /// Steps so far.
+    pub steps: u64,
+    /// Faces of film.
+    pub films: &'a [Film],
+    /// Nodes: positions and forces at `time`, velocities half a step after it.
+    pub nodes: &'a Nodes,
+    /// The impactor, its velocities half a step after `time`.
+    pub body: Option<&'a RigidBody>,
+    pub(super) contact: Option<&'a Contact>,
+    pub(super) drive: &'a Drive,
+    pub(super) gone: Gone,
+    pub(super) before: &'a Before,
+}
+
+impl View<'_> {
+    /// The energy audit at this step.
+    pub fn energies(&self) -> Energies {
+        let copies = self.drive.multiplicity;
+        let g = self.drive.gravity;
+        let mut out = Energies {
+            rupture: self.gone.rupture,
+            absorbed: self.gone.absorbed,
+            damping: self.gone.damping,
+            external: self.gone.external - self.gone.external_ahead,
+            ..Energies::default()
+        };
+        for film in self.films {
+            let energy = film.energy(&self.nodes.position);
+            out.stored += copies * energy.stored;
+            out.absorbed += copies * energy.absorbed;
+            out.hourglass += copies * energy.hourglass;
+        }
+        for (n, mass) in self.nodes.mass.iter().enumerate() {
+            let (v, u) = (self.nodes.velocity[n], self.before.velocity[n]);
+            out.kinetic_film += copies * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
+            out.potential += copies * mass * g * self.nodes.position[n][2];
+        }
+        if let (Some(body), Some(before)) = (self.body, &self.before.body) {
+            out.kinetic_impactor = body.kinetic_energy(before);
+            out.potential += body.mass * g * body.centre().z;
+        }
+        if let Some(contact) = &self.contact {
+            out.contact = contact.work.impact_loss;
+            out.friction = contact.work.friction_loss;
+        }
+        out
+    }
+
+    /// The touch between impactor and film, if there is an impactor.
+    pub fn inspect(&self) -> Option<Inspection> {
+        let (contact, body) = (self.contact?, self.body?);
+        Some(contact.inspect(self.films, self.nodes, &body.pose))
+    }
+
+    /// Half the smallest extent of the impactor, m.
+    pub fn impactor_size(&self) -> Option<f64> {
+        self.contact.as_ref().map(|c| c.surface().size())
+    }
+
+    /// Nodes that the impactor touched in this step.
+    pub fn touched(&self) -> Vec<usize> {
+        self.contact.as_ref().map_or(vec![], |c| c.touched().collect())
+    }
+}
