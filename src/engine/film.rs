@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::element::{self, Blocks, ElementEnergy, Frame, UprightElement};
+use super::element::{self, Blocks, ElementEnergy, StressFree, UprightElement};
 use super::nodes::Nodes;
 use crate::lane::{LANES, splat};
 use crate::material::{Law, MembraneLaw, strains};
@@ -54,16 +54,16 @@ impl Film {
     /// The elements of `mesh` as film of `face`; appends the face's nodes, lifted to its height, to `nodes`.
     /// `mass_scaling` multiplies the density.
     pub fn mount(mesh: &Mesh, face: &Face, mass_scaling: f64, nodes: &mut Nodes) -> Result<Film, UprightElement> {
-        let frame = Frame::new(face.md_angle, face.prestrain);
+        let stress_free = StressFree::new(face.md_angle, face.prestrain);
         let thickness = face.material.thickness * f64::from(face.layers);
         let density = face.material.density * mass_scaling;
         let first = nodes.position.len();
         let one_point = face.meshing.element != model::Element::Quad4Full;
         let (reduced, full): (&[_], &[_]) = if one_point { (&mesh.quads, &[]) } else { (&[], &mesh.quads) };
 
-        let quads = element::quads(reduced, &mesh.nodes, &frame)?;
-        let full_quads = element::full_quads(full, &mesh.nodes, &frame)?;
-        let tris = element::tris(&mesh.tris, &mesh.nodes, &frame)?;
+        let quads = element::quads(reduced, &mesh.nodes, &stress_free)?;
+        let full_quads = element::full_quads(full, &mesh.nodes, &stress_free)?;
+        let tris = element::tris(&mesh.tris, &mesh.nodes, &stress_free)?;
 
         let mut masses = vec![0.0; mesh.nodes.len()];
         let mut lump = |element_nodes: &[u32], area: f64| {
@@ -113,14 +113,14 @@ impl Film {
     pub fn add_forces(&mut self, position: &[[f64; 3]], force: &mut [[f64; 3]]) -> bool {
         match &self.law {
             Law::Fabric(law) => {
-                widest(&mut self.quads, law, position, force)
-                    | widest(&mut self.full_quads, law, position, force)
-                    | widest(&mut self.tris, law, position, force)
+                element::add_forces(&mut self.quads, law, position, force)
+                    | element::add_forces(&mut self.full_quads, law, position, force)
+                    | element::add_forces(&mut self.tris, law, position, force)
             }
             Law::Elastic(law) => {
-                widest(&mut self.quads, law, position, force)
-                    | widest(&mut self.full_quads, law, position, force)
-                    | widest(&mut self.tris, law, position, force)
+                element::add_forces(&mut self.quads, law, position, force)
+                    | element::add_forces(&mut self.full_quads, law, position, force)
+                    | element::add_forces(&mut self.tris, law, position, force)
             }
         }
     }
@@ -208,28 +208,4 @@ fn block_strains<const NODES: usize, const POINTS: usize>(
         out[l].strain = [sum[0][l], sum[1][l], sum[2][l]];
     }
     out
-}
-
-/// [`element::add_forces`], compiled for the widest vectors that this machine has.
-fn widest<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
-    blocks: &mut Blocks<NODES, POINTS>,
-    law: &L,
-    position: &[[f64; 3]],
-    force: &mut [[f64; 3]],
-) -> bool {
-    #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx2") {
-        #[target_feature(enable = "avx2")]
-        fn avx2<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
-            blocks: &mut Blocks<NODES, POINTS>,
-            law: &L,
-            position: &[[f64; 3]],
-            force: &mut [[f64; 3]],
-        ) -> bool {
-            element::add_forces(blocks, law, position, force)
-        }
-        // SAFETY: the machine was just seen to have AVX2.
-        return unsafe { avx2(blocks, law, position, force) };
-    }
-    element::add_forces(blocks, law, position, force)
 }

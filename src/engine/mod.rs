@@ -147,7 +147,7 @@ impl Engine {
             self.before.body = self.impact.as_ref().map(|i| i.body.clone());
         }
         self.pull(dt, kick);
-        self.damp(kick);
+        self.kick(kick);
         self.meet(dt, kick);
         if wanted {
             observer.see(&self.view())?;
@@ -183,7 +183,8 @@ impl Engine {
         self.gone.external_ahead = -0.5 * power * dt;
     }
 
-    fn damp(&mut self, kick: f64) {
+    /// Accelerates the nodes; books what damping takes.
+    fn kick(&mut self, kick: f64) {
         let damping = self.drive.damping;
         if damping == 0.0 {
             return self.nodes.kick(kick, 0.0);

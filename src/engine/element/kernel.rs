@@ -50,8 +50,32 @@ fn deformation<const NODES: usize>(x: &[Lane3; NODES], point: &Point<NODES>, spr
 
 /// Adds the forces of all elements to `force` and raises the largest strains.
 /// True if a fibre somewhere is past its break strain.
-#[inline(always)]
 pub(crate) fn add_forces<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
+    blocks: &mut Blocks<NODES, POINTS>,
+    law: &L,
+    position: &[[f64; 3]],
+    force: &mut [[f64; 3]],
+) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx2") {
+        #[target_feature(enable = "avx2")]
+        fn avx2<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
+            blocks: &mut Blocks<NODES, POINTS>,
+            law: &L,
+            position: &[[f64; 3]],
+            force: &mut [[f64; 3]],
+        ) -> bool {
+            add_forces_lanewise(blocks, law, position, force)
+        }
+        // SAFETY: the machine was just seen to have AVX2.
+        return unsafe { avx2(blocks, law, position, force) };
+    }
+    add_forces_lanewise(blocks, law, position, force)
+}
+
+/// [`add_forces`], to be compiled for vectors of each width: the operations are the same, so the bits are.
+#[inline(always)]
+fn add_forces_lanewise<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
     blocks: &mut Blocks<NODES, POINTS>,
     law: &L,
     position: &[[f64; 3]],

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// Where MD points and how far the film was stretched onto the frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame {
+pub struct StressFree {
     md: Vector3<f64>,
     prestrain: [f64; 2],
 }
@@ -18,10 +18,10 @@ pub struct UprightElement {
     pub nodes: [u32; 3],
 }
 
-impl Frame {
+impl StressFree {
     /// MD at `md_angle` (rad) from the x axis; engineering pre-strain along MD and TD.
-    pub fn new(md_angle: f64, prestrain: [f64; 2]) -> Frame {
-        Frame { md: Vector3::new(md_angle.cos(), md_angle.sin(), 0.0), prestrain }
+    pub fn new(md_angle: f64, prestrain: [f64; 2]) -> StressFree {
+        StressFree { md: Vector3::new(md_angle.cos(), md_angle.sin(), 0.0), prestrain }
     }
 
     /// Stress-free coordinates (m, along MD and TD) of an element's nodes: the mounted ones, projected on the
