@@ -57,10 +57,11 @@ fn scenarios_check_and_so_does_what_a_run_keeps_of_them() {
 
 /// The model as text, without what depends on where its file lies.
 fn placeless(mut model: Model) -> String {
-    let whole = |path: &mut PathBuf| *path = fs::canonicalize(&path).expect("a file");
     model.name.clear();
-    model.post.as_mut().map(whole);
-    model.reference.as_mut().map(|reference| whole(&mut reference.signals));
+    let recording = model.reference.as_mut().map(|reference| &mut reference.signals);
+    for path in model.post.iter_mut().chain(recording) {
+        *path = fs::canonicalize(&path).expect("a file");
+    }
     format!("{model:?}")
 }
 
