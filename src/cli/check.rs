@@ -1,13 +1,16 @@
-//! `droptower check`: everything that is wrong with scenarios, at once.
+//! `droptower check`: everything that is wrong with scenarios and materials, at once.
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
 
-use super::scenarios::Selection;
+use super::scenarios::{self, Selection};
 use super::{BAD_INPUT, Shared, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::model;
+use crate::scenario::{Assignment, Document};
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -33,12 +36,12 @@ struct Mistake {
 }
 
 pub fn run(args: &CheckArgs, shared: &Shared) -> ExitCode {
-    let found = match args.selection.verdicts() {
+    let found = match args.selection.each(mistakes) {
         Ok(found) => found,
         Err(mistakes) => return report(&mistakes),
     };
     let found: Vec<(String, Vec<Diagnostic>)> =
-        found.into_iter().map(|(file, verdict)| (shown_path(&file), verdict.err().unwrap_or_default())).collect();
+        found.into_iter().map(|(file, mistakes)| (shown_path(&file), mistakes)).collect();
     let wrong: Vec<Diagnostic> = found.iter().flat_map(|(_, mistakes)| mistakes.clone()).collect();
     if shared.json {
         let printed = print_json(&found.iter().map(|(path, mistakes)| verdict(path, mistakes)).collect::<Vec<_>>());
@@ -50,6 +53,16 @@ pub fn run(args: &CheckArgs, shared: &Shared) -> ExitCode {
         print(&good.join("\n"));
     }
     if wrong.is_empty() { ExitCode::SUCCESS } else { report(&wrong) }
+}
+
+/// What is wrong with the file, as the scenario or the material that it is.
+fn mistakes(path: &Path, assignments: &[Assignment]) -> Vec<Diagnostic> {
+    let is_material = Document::read(path).is_ok_and(|document| document.is_material());
+    if !is_material {
+        return scenarios::check(path, assignments).err().unwrap_or_default();
+    }
+    let material = Document::read_material(path).map(|document| document.with(assignments));
+    material.and_then(|material| model::check_material(&material)).err().unwrap_or_default()
 }
 
 fn verdict(path: &str, mistakes: &[Diagnostic]) -> Verdict {

@@ -69,17 +69,18 @@ fn body(impactor: &Impactor) -> String {
 /// `2 x 8 layers` where all faces are alike, else `8 + 9 layers`.
 fn layers(model: &Model) -> String {
     let counts: Vec<u32> = model.faces.iter().map(|face| face.layers).collect();
-    match counts.as_slice() {
-        [1] => "1 layer of film".into(),
-        [count] => format!("{count} layers of film"),
+    let layers = match counts.as_slice() {
+        [1] => "1 layer".into(),
+        [count] => format!("{count} layers"),
         [first, rest @ ..] if rest.iter().all(|count| count == first) => {
-            format!("{} x {first} layers of film", counts.len())
+            format!("{} x {first} layers", counts.len())
         }
         _ => {
             let counts: Vec<String> = counts.iter().map(u32::to_string).collect();
-            format!("{} layers of film", counts.join(" + "))
+            format!("{} layers", counts.join(" + "))
         }
-    }
+    };
+    format!("{layers} of {}", model.film())
 }
 
 fn cost(audit: &Audit) -> String {

@@ -55,7 +55,7 @@ pub struct Shared {
 enum Command {
     /// Simulate scenarios: compare, record, report
     Run(run::RunArgs),
-    /// Say everything that is wrong with scenarios, without running them
+    /// Say everything that is wrong with scenarios and materials, without running them
     Check(check::CheckArgs),
     /// Print the JSON Schema of the scenario language, for editors
     Schema,

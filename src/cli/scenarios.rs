@@ -36,7 +36,7 @@ impl Selection {
     /// The mistakes of all scenarios at once.
     pub fn checked(&self) -> Result<Vec<Checked>, Vec<Diagnostic>> {
         let (mut checked, mut mistakes) = (Vec::new(), Vec::new());
-        for (_, verdict) in self.verdicts()? {
+        for (_, verdict) in self.each(check)? {
             match verdict {
                 Ok(scenario) => checked.push(scenario),
                 Err(found) => mistakes.extend(found),
@@ -45,17 +45,17 @@ impl Selection {
         if mistakes.is_empty() { Ok(checked) } else { Err(mistakes) }
     }
 
-    /// Every file with what checking it gave.
+    /// Every file with what `check` gives for it.
     ///
     /// # Errors
     /// Mistakes in the arguments themselves.
-    pub fn verdicts(&self) -> Result<Vec<(PathBuf, Verdict)>, Vec<Diagnostic>> {
+    pub fn each<T>(&self, check: impl Fn(&Path, &[Assignment]) -> T) -> Result<Vec<(PathBuf, T)>, Vec<Diagnostic>> {
         let (files, assignments) = both(files(&self.scenarios), assignments(&self.set))?;
-        let verdict = |file: PathBuf| {
-            let verdict = check(&file, &assignments);
-            (file, verdict)
+        let checked = |file: PathBuf| {
+            let found = check(&file, &assignments);
+            (file, found)
         };
-        Ok(files.into_iter().map(verdict).collect())
+        Ok(files.into_iter().map(checked).collect())
     }
 }
 
@@ -63,7 +63,7 @@ impl Selection {
 pub type Verdict = Result<Checked, Vec<Diagnostic>>;
 
 /// The scenario at `path` with changes laid over it.
-fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
+pub fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
     let document = Document::read(path)?.with(assignments);
     let model = model::check(&document)?;
     let plan = Plan::prepare(&model).map_err(|error| preparing(&error))?;

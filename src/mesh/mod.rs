@@ -13,7 +13,7 @@ use std::path::Path;
 
 use nalgebra::Point3;
 
-use crate::model::{Element, Face, Meshing, Shape, Specimen, Symmetry};
+use crate::model::{Element, Face, Meshing, Shape, Specimen};
 
 pub use error::MeshError;
 pub use quality::Quality;
@@ -40,7 +40,7 @@ pub struct Mesh {
 /// Rectangles and circles lie in the plane z = 0; imported meshes keep the z of their file. The
 /// height of the face is for the caller to add.
 pub fn build(specimen: &Specimen, face: &Face) -> Result<Mesh, MeshError> {
-    let mirrored = planes(specimen.symmetry);
+    let mirrored = specimen.symmetry.mirrors();
     match &specimen.shape {
         Shape::Rectangle { x, y } => structured::rectangle([*x, *y], mirrored, &face.meshing),
         Shape::Circle { radius } => disc::disc(*radius, mirrored, &face.meshing),
@@ -53,7 +53,7 @@ pub fn build(specimen: &Specimen, face: &Face) -> Result<Mesh, MeshError> {
 /// Exact for rectangles and circles, saturating where the number is absurd; for imported meshes a
 /// guess from the length of the file, zero if it cannot be read.
 pub fn estimate(specimen: &Specimen, meshing: &Meshing) -> usize {
-    let mirrored = planes(specimen.symmetry);
+    let mirrored = specimen.symmetry.mirrors();
     match &specimen.shape {
         Shape::Rectangle { x, y } => structured::count([*x, *y], mirrored, meshing),
         Shape::Circle { radius } => disc::count(*radius, mirrored, meshing),
@@ -67,16 +67,6 @@ const BYTES_PER_ELEMENT: u64 = 50;
 fn imported(path: &Path) -> usize {
     let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
     usize::try_from(bytes / BYTES_PER_ELEMENT).unwrap_or(usize::MAX)
-}
-
-/// Whether x = 0 and y = 0 are mirror planes.
-fn planes(symmetry: Symmetry) -> [bool; 2] {
-    match symmetry {
-        Symmetry::None => [false, false],
-        Symmetry::HalfX => [true, false],
-        Symmetry::HalfY => [false, true],
-        Symmetry::Quarter => [true, true],
-    }
 }
 
 /// Elements that one quadrilateral cell becomes.

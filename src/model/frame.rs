@@ -1,6 +1,6 @@
 //! What holds the film.
 
-use super::specimen::{mirrors, symmetry};
+use super::specimen::symmetry;
 use super::{Findings, Frame, Hold, Side};
 use crate::scenario::{self, EdgeChoice, Loading, Scenario, Shape};
 
@@ -42,7 +42,7 @@ fn sides(written: &[scenario::Side], scenario: &Scenario, findings: &mut Finding
             sides.push(side);
         }
     }
-    let [x, y] = mirrors(symmetry(&scenario.specimen));
+    let [x, y] = symmetry(&scenario.specimen).mirrors();
     let alike = |a, b| sides.contains(&a) == sides.contains(&b);
     let broken = (x && !alike(Side::XMinus, Side::XPlus)) || (y && !alike(Side::YMinus, Side::YPlus));
     if broken {

@@ -1,6 +1,6 @@
 //! The rigid body that meets the film.
 
-use super::specimen::{mirrors, symmetry};
+use super::specimen::symmetry;
 use super::{Findings, Guide, Impactor, ImpactorShape, Symmetry};
 use crate::scenario::{self, Loading, Scenario};
 
@@ -48,7 +48,7 @@ fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, findings: &mut Fin
         return;
     }
     let hint = "set `specimen.symmetry` to \"none\"";
-    let off_centre = mirrors(symmetry).iter().zip(written.position).any(|(mirror, offset)| *mirror && offset.0 != 0.0);
+    let off_centre = symmetry.mirrors().iter().zip(written.position).any(|(mirror, offset)| *mirror && offset.0 != 0.0);
     if off_centre {
         let message = "the impactor does not stand on the mirror plane";
         findings.report_with("impactor.position", message, hint);

@@ -8,7 +8,7 @@ use crate::scenario::{self, Layer, Layers, Scenario};
 /// The faces; none where a material is missing or no material.
 pub fn check(scenario: &Scenario, loading: &Loading, findings: &mut Findings<'_>) -> Option<Vec<Face>> {
     let own = scenario.specimen.material.as_ref();
-    let shared = own.map(|written| material::check(written, "specimen.material", findings));
+    let shared = own.map(|written| film(written, "specimen.material", findings));
     let mut faces = if scenario.layer.is_empty() {
         stacked(scenario, shared, findings)?
     } else {
@@ -27,19 +27,32 @@ pub fn check(scenario: &Scenario, loading: &Loading, findings: &mut Findings<'_>
     Some(faces)
 }
 
+/// What a layer is made of and what it is called.
+#[derive(Clone)]
+struct Film {
+    name: Option<String>,
+    material: Material,
+}
+
+fn film(written: &scenario::Material, path: &str, findings: &mut Findings<'_>) -> Option<Film> {
+    let material = material::check(written, path, findings)?;
+    Some(Film { name: written.name.clone(), material })
+}
+
 /// The faces of `[layers]`, alike but for their height.
-fn stacked(scenario: &Scenario, material: Option<Option<Material>>, findings: &mut Findings<'_>) -> Option<Vec<Face>> {
-    if material.is_none() {
+fn stacked(scenario: &Scenario, film: Option<Option<Film>>, findings: &mut Findings<'_>) -> Option<Vec<Face>> {
+    if film.is_none() {
         findings.missing("specimen.material", "what one layer is made of");
     }
     let meshing = meshing(scenario, None, "specimen.mesh.size", findings);
-    let (material, meshing) = (material??, meshing?);
+    let (film, meshing) = (film??, meshing?);
     let fallback = Layers::default();
     let layers = scenario.layers.as_ref().unwrap_or(&fallback);
     let face = |height: f64| Face {
         height,
         layers: layers.count,
-        material: material.clone(),
+        film: film.name.clone(),
+        material: film.material.clone(),
         md_angle: scenario.specimen.md_angle.0,
         prestrain: [layers.prestrain.md, layers.prestrain.td],
         meshing,
@@ -52,12 +65,12 @@ fn single(
     scenario: &Scenario,
     layer: &Layer,
     place: usize,
-    shared: Option<&Option<Material>>,
+    shared: Option<&Option<Film>>,
     findings: &mut Findings<'_>,
 ) -> Option<Face> {
     let path = |key: &str| format!("layer.{place}.{key}");
-    let material = match (&layer.material, shared) {
-        (Some(written), _) => material::check(written, &path("material"), findings),
+    let film = match (&layer.material, shared) {
+        (Some(written), _) => film(written, &path("material"), findings),
         (None, Some(shared)) => shared.clone(),
         (None, None) => {
             findings.missing(&path("material"), "or give `specimen.material` for all layers");
@@ -65,10 +78,12 @@ fn single(
         }
     };
     let meshing = meshing(scenario, Some(layer), &path("mesh.size"), findings);
+    let film = film?;
     Some(Face {
         height: layer.height.0,
         layers: layer.count,
-        material: material?,
+        film: film.name,
+        material: film.material,
         md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
         prestrain: [layer.prestrain.md, layer.prestrain.td],
         meshing: meshing?,

@@ -4,10 +4,11 @@ use super::Findings;
 use crate::material::{Curve, CurveError, Elastic, Fabric, Law, Material, Multipliers};
 use crate::scenario::{self, Fibre, Point, Scale};
 
-/// The material written at `path`; none where it is no material.
+/// The material written at `path`, which is empty for that of a material file; none where it is no material.
 pub fn check(written: &scenario::Material, path: &str, findings: &mut Findings<'_>) -> Option<Material> {
+    let fabric_path = if path.is_empty() { "fabric".to_owned() } else { format!("{path}.fabric") };
     let law = match (&written.fabric, &written.elastic) {
-        (Some(fabric), _) => Law::Fabric(self::fabric(fabric, &format!("{path}.fabric"), findings)?),
+        (Some(fabric), _) => Law::Fabric(self::fabric(fabric, &fabric_path, findings)?),
         (None, Some(elastic)) => Law::Elastic(Elastic { young: elastic.young.0, poisson: elastic.poisson }),
         (None, None) => return None,
     };
@@ -15,7 +16,7 @@ pub fn check(written: &scenario::Material, path: &str, findings: &mut Findings<'
     let measured_rates = rates.map(|[from, to]| [from.0, to.0]);
     if measured_rates.is_some_and(|[from, to]| to < from) {
         findings.report_with(
-            &format!("{path}.fabric.measured_rates"),
+            &format!("{fabric_path}.measured_rates"),
             "the highest rate is below the lowest",
             "the lowest first",
         );

@@ -33,6 +33,20 @@ pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
     }
 }
 
+/// Checks a material file alone.
+///
+/// # Errors
+/// Everything that is wrong with it, at once.
+pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> {
+    let (written, mistakes) = document.material();
+    let mut findings = Findings::new(document, mistakes);
+    let material = written.and_then(|written| material::check(&written, "", &mut findings));
+    match material {
+        Some(material) if findings.mistakes.is_empty() => Ok(material),
+        _ => Err(findings.into_mistakes()),
+    }
+}
+
 /// Every part is checked before the first missing one ends it.
 fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
     let name = findings.document.name();
@@ -77,6 +91,15 @@ pub struct Model {
     pub reference: Option<Reference>,
     /// The Rhai script that adds to the summary.
     pub post: Option<PathBuf>,
+}
+
+impl Model {
+    /// What reports call the film: one word where all faces are of the same, else "film".
+    pub fn film(&self) -> &str {
+        let mut names = self.faces.iter().map(|face| face.film.as_deref());
+        let first = names.next().flatten();
+        first.filter(|_| names.all(|name| name == first)).unwrap_or("film")
+    }
 }
 
 /// Outline of the film and the part of it that is computed.
@@ -139,8 +162,10 @@ pub struct Face {
     /// z of the undeformed face, m.
     pub height: f64,
     pub layers: u32,
+    /// What reports call the film, e.g. "LLDPE".
+    pub film: Option<String>,
     pub material: Material,
-    /// Angle from the x axis to MD, rad.
+    /// Angle from the x axis to MD, rad; under a stretch turned so that the pull is along x.
     pub md_angle: f64,
     /// Engineering pre-strain along MD and TD: the film's own length is the span / (1 + pre-strain).
     pub prestrain: [f64; 2],

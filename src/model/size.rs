@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use super::specimen::mirrors;
 use super::{Element, Face, Findings, Model, Shape};
 
 /// Memory that one run may take for its film, bytes. A bound that is the same on every machine: a film
@@ -58,7 +57,6 @@ fn elements(model: &Model, face: &Face) -> f64 {
         Shape::Circle { radius } => PI * (radius / size).powi(2),
         Shape::Mesh(_) => 0.0,
     };
-    let share: f64 = mirrors(model.specimen.symmetry).iter().map(|mirror| if *mirror { 0.5 } else { 1.0 }).product();
     let triangles = if face.meshing.element == Element::Tri3 { 2.0 } else { 1.0 };
-    whole * share * triangles
+    whole * triangles / model.specimen.symmetry.copies()
 }

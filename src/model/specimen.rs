@@ -25,9 +25,16 @@ pub fn symmetry(written: &scenario::Specimen) -> Symmetry {
     }
 }
 
-/// Whether x = 0 and y = 0 are mirror planes.
-pub fn mirrors(symmetry: Symmetry) -> [bool; 2] {
-    [matches!(symmetry, Symmetry::HalfX | Symmetry::Quarter), matches!(symmetry, Symmetry::HalfY | Symmetry::Quarter)]
+impl Symmetry {
+    /// Whether x = 0 and y = 0 are mirror planes.
+    pub fn mirrors(self) -> [bool; 2] {
+        [matches!(self, Symmetry::HalfX | Symmetry::Quarter), matches!(self, Symmetry::HalfY | Symmetry::Quarter)]
+    }
+
+    /// How many copies of the computed part the whole is made of.
+    pub fn copies(self) -> f64 {
+        self.mirrors().iter().map(|mirror| if *mirror { 2.0 } else { 1.0 }).product()
+    }
 }
 
 /// Whether fibres at this angle lie along the axes, so that a mirror plane leaves them as they are.

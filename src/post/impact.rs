@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{Audit, Comparison};
 use crate::experiment::absorption::{Body, energy_absorption};
+use crate::material::{Law, MembraneLaw};
 use crate::model::{Impactor, Loading, Model};
 use crate::signal::norm::NormError;
 use crate::signal::{Recording, Series};
@@ -22,6 +23,9 @@ pub struct Impact {
     pub rebound_velocity_m_s: Option<f64>,
     /// D of the paper's equation 11; none where the impactor did not turn round.
     pub energy_absorption: Option<f64>,
+    /// Engineering strains at which the MD and TD fibres break, of the face that breaks first; none where nothing breaks.
+    pub break_strain_md: Option<f64>,
+    pub break_strain_td: Option<f64>,
     /// E_a of the paper's equation 14; none without a reference.
     pub acceleration_error: Option<f64>,
     /// E_d of the paper's equation 15; none without a reference.
@@ -55,6 +59,7 @@ impl Impact {
         };
         let acceleration_error = error("acceleration", comparison.and_then(|c| c.acceleration_error(&acceleration)));
         let displacement_error = error("displacement", comparison.and_then(|c| c.displacement_error(&displacement)));
+        let [break_strain_md, break_strain_td] = break_strains(model);
         Impact {
             peak_acceleration_m_s2: peak.map(|[_, value]| value),
             time_of_peak_acceleration_s: peak.map(|[time, _]| time),
@@ -62,12 +67,28 @@ impl Impact {
             time_of_peak_displacement_s: deepest.map(|[time, _]| time),
             rebound_velocity_m_s: rebound.map(|[_, value]| value),
             energy_absorption: absorption(model, signals),
+            break_strain_md,
+            break_strain_td,
             acceleration_error,
             displacement_error,
             audit: Audit::of(outcome),
             warnings,
         }
     }
+}
+
+/// The smallest over the faces, along MD and TD.
+fn break_strains(model: &Model) -> [Option<f64>; 2] {
+    let strains = || {
+        model.faces.iter().map(|face| match &face.material.law {
+            Law::Fabric(fabric) => fabric.break_strains(),
+            Law::Elastic(elastic) => elastic.break_strains(),
+        })
+    };
+    [0, 1].map(|fibre| {
+        let smallest = strains().map(|strains| strains[fibre]).fold(f64::INFINITY, f64::min);
+        Some(smallest).filter(|strain| strain.is_finite())
+    })
 }
 
 fn absorption(model: &Model, signals: &Recording) -> Option<f64> {

@@ -27,6 +27,7 @@ fn model() -> Model {
     let face = Face {
         height: 0.0,
         layers: 8,
+        film: None,
         material,
         md_angle: 0.0,
         prestrain: [0.0; 2],

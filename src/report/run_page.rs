@@ -42,7 +42,7 @@ pub fn run_page(run: &RunPage) -> Result<String, PlotError> {
 
 fn what_was_run(model: &Model) -> String {
     let faces: Vec<String> = model.faces.iter().map(|face| face.layers.to_string()).collect();
-    let film = format!("{} layers of film", faces.join(" + "));
+    let film = format!("{} layers of {}", faces.join(" + "), model.film());
     match (&model.loading, &model.impactor) {
         (Loading::Impact { velocity, .. }, Some(impactor)) => {
             format!("{}: {} kg at {velocity} m/s on {film}", model.name, impactor.mass)

@@ -1,22 +1,23 @@
-//! A scenario file with everything it names: what it extends, its materials, its curves.
+//! A scenario or material file with everything it names: what it extends, its materials, its curves.
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::assignment::Assignment;
-use super::grammar;
+use super::grammar::{self, Rule};
 use super::merge::merge;
 use super::reader::Reader;
 use super::tree::{Node, Value};
-use super::{Scenario, resolved, validate};
+use super::{Material, Scenario, resolved, validate};
 use crate::diagnostic::{Diagnostic, Span, tidy_path};
 
-/// A scenario as written, merged along `extends`, with the places of all its parts.
+/// A scenario or a material as written, merged along `extends`, with the places of all its parts.
 #[derive(Clone, Debug)]
 pub struct Document {
     root: Node,
     path: PathBuf,
+    rule: &'static Rule,
     /// Files that could not be read in place of the paths that name them.
     mistakes: Vec<Diagnostic>,
 }
@@ -27,16 +28,34 @@ impl Document {
     /// # Errors
     /// The file, or one that it extends, cannot be read or is not TOML.
     pub fn read(path: &Path) -> Result<Document, Vec<Diagnostic>> {
+        Document::read_by(path, grammar::scenario())
+    }
+
+    /// Reads the material file at `path` and all files that it names.
+    ///
+    /// # Errors
+    /// The file, or one that it extends, cannot be read or is not TOML.
+    pub fn read_material(path: &Path) -> Result<Document, Vec<Diagnostic>> {
+        Document::read_by(path, grammar::material())
+    }
+
+    fn read_by(path: &Path, rule: &'static Rule) -> Result<Document, Vec<Diagnostic>> {
         let mut reader = Reader::default();
-        match reader.read(path, Some(grammar::scenario()), None) {
-            Some(root) => Ok(Document { root, path: path.to_owned(), mistakes: reader.mistakes }),
+        match reader.read(path, Some(rule), None) {
+            Some(root) => Ok(Document { root, path: path.to_owned(), rule, mistakes: reader.mistakes }),
             None => Err(reader.mistakes),
         }
     }
 
-    /// The same scenario with changes laid over it.
+    /// Whether what was read as a scenario is a material: its keys, and no specimen.
+    pub fn is_material(&self) -> bool {
+        let has = |key: &str| self.find(key).is_some();
+        !has("specimen") && ["density", "thickness", "fabric", "elastic"].into_iter().any(has)
+    }
+
+    /// The same text with changes laid over it.
     pub fn with(&self, assignments: &[Assignment]) -> Document {
-        let rule = Some(grammar::scenario());
+        let rule = Some(self.rule);
         let mut reader = Reader::default();
         let mut root = self.root.clone();
         for assignment in assignments {
@@ -45,16 +64,25 @@ impl Document {
         }
         root.span = self.root.span.clone();
         let mistakes = self.mistakes.iter().cloned();
-        Document { root, path: self.path.clone(), mistakes: mistakes.chain(reader.mistakes).collect() }
+        Document { root, path: self.path.clone(), rule: self.rule, mistakes: mistakes.chain(reader.mistakes).collect() }
     }
 
     /// The scenario as its structs, and everything that is wrong with how it is written. Values that are
     /// only out of range or unknown do not keep it from being read, so that all mistakes show at once.
     pub fn scenario(&self) -> (Option<Scenario>, Vec<Diagnostic>) {
+        self.written()
+    }
+
+    /// The material as its struct, likewise; only of what was read as a material.
+    pub fn material(&self) -> (Option<Material>, Vec<Diagnostic>) {
+        self.written()
+    }
+
+    fn written<T: DeserializeOwned>(&self) -> (Option<T>, Vec<Diagnostic>) {
         let mut mistakes = self.mistakes.clone();
-        mistakes.extend(validate::validate(&self.root, grammar::scenario()));
-        match Scenario::deserialize(self.root.to_toml()) {
-            Ok(scenario) => (Some(scenario), mistakes),
+        mistakes.extend(validate::validate(&self.root, self.rule));
+        match T::deserialize(self.root.to_toml()) {
+            Ok(written) => (Some(written), mistakes),
             Err(error) if mistakes.is_empty() => {
                 let mistake = Diagnostic::new(error.message().to_owned()).at(&self.root.span);
                 (None, vec![mistake])
@@ -66,7 +94,7 @@ impl Document {
     /// The whole scenario as one TOML text that runs from any folder: paths absolute, materials and
     /// curves in place.
     pub fn resolved(&self) -> String {
-        resolved::text(&self.root, grammar::scenario())
+        resolved::text(&self.root, self.rule)
     }
 
     /// The file that was read.

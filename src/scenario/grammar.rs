@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use serde_json::Value as Json;
 
-use super::schema;
+use super::{Material, Scenario, schema};
 use crate::units::Dimension;
 
 /// What may stand at one place.
@@ -75,7 +75,13 @@ pub struct Bound {
 
 /// The rule of a whole scenario.
 pub fn scenario() -> &'static Rule {
-    static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole()));
+    static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Scenario>()));
+    &RULE
+}
+
+/// The rule of a material file.
+pub fn material() -> &'static Rule {
+    static RULE: LazyLock<Rule> = LazyLock::new(|| compile(&schema::whole::<Material>()));
     &RULE
 }
 

@@ -17,6 +17,8 @@ use crate::units::{Density, Length, Pressure, Rate};
 pub struct Material {
     /// One line that says what it is.
     pub title: Option<String>,
+    /// A word for reports, e.g. "LLDPE".
+    pub name: Option<String>,
     /// A material file whose keys this one starts from and changes; relative to this file.
     #[schemars(extend("x-path" = true))]
     pub extends: Option<PathBuf>,

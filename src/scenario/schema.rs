@@ -7,17 +7,17 @@ use serde_json::{Map, Value as Json, json};
 use super::Scenario;
 
 /// The schema with every table in place, as the grammar is compiled from it.
-pub(super) fn whole() -> Json {
+pub(super) fn whole<T: JsonSchema>() -> Json {
     let mut settings = SchemaSettings::draft2020_12();
     settings.inline_subschemas = true;
-    let schema = settings.into_generator().into_root_schema_for::<Scenario>();
+    let schema = settings.into_generator().into_root_schema_for::<T>();
     without_null(schema.to_value())
 }
 
 /// The schema for editors. Files extend one another, so no single file must be complete: only
 /// `droptower check` can say that a key is missing.
 pub fn published() -> Json {
-    let mut schema = open(whole());
+    let mut schema = open(whole::<Scenario>());
     if let Json::Object(top) = &mut schema {
         top.insert("title".into(), json!("droptower scenario"));
         top.insert("type".into(), json!("object"));

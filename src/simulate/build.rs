@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::{Film as FilmTopology, RunError};
 use crate::engine::{Contact, Drive, Engine, Film, Impact, Jaw, Nodes, RigidBody, Surface};
 use crate::mesh::{self, Mesh};
-use crate::model::{Face, Hold, Impactor, ImpactorShape, Loading, Model, Shape, Side, Symmetry};
+use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model, Shape, Side, Symmetry};
 
 /// An engine and what has to be remembered of how it was set up.
 pub(super) struct Scene {
@@ -47,10 +47,9 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     let mut jaws = [vec![], vec![]];
     let mut meshes = vec![];
     for face in &model.faces {
-        let face = turned(face, &model.loading);
-        let mesh = mesh::build(&model.specimen, &face)?;
+        let mesh = mesh::build(&model.specimen, face)?;
         let first = nodes.position.len() as u32;
-        films.push(Film::mount(&mesh, &face, mass_scaling, &mut nodes)?);
+        films.push(Film::mount(&mesh, face, mass_scaling, &mut nodes)?);
         constrain(&mut nodes, &mesh, first, model);
         for (jaw, side) in jaws.iter_mut().zip([Side::XMinus, Side::XPlus]) {
             jaw.extend(mesh.sides[side as usize].iter().map(|n| first + n));
@@ -58,7 +57,7 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
         topologies.push(topology(&mesh, model.specimen.symmetry));
         meshes.push(mesh);
     }
-    let multiplicity = copies(model.specimen.symmetry);
+    let multiplicity = model.specimen.symmetry.copies();
     let mut drive = Drive { multiplicity, damping: model.specimen.damping, ..Drive::default() };
     let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: None, gauge: 0.0, section: 0.0 };
     let mut impact = None;
@@ -80,36 +79,13 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     Ok(Scene { engine: Engine::new(films, nodes, impact, drive), mounting })
 }
 
-/// The face as it lies in the machine: a coupon is cut so that the pull is along x.
-fn turned(face: &Face, loading: &Loading) -> Face {
-    let mut face = face.clone();
-    if let Loading::Stretch { angle, .. } = loading {
-        face.md_angle = -angle;
-    }
-    face
-}
-
 fn topology(mesh: &Mesh, symmetry: Symmetry) -> FilmTopology {
     FilmTopology {
         nodes: mesh.nodes.len(),
         quads: mesh.quads.clone(),
         tris: mesh.tris.clone(),
-        mirrored: mirrors(symmetry),
+        mirrored: symmetry.mirrors(),
     }
-}
-
-/// Mirror planes x = 0 and y = 0.
-fn mirrors(symmetry: Symmetry) -> [bool; 2] {
-    match symmetry {
-        Symmetry::None => [false, false],
-        Symmetry::HalfX => [true, false],
-        Symmetry::HalfY => [false, true],
-        Symmetry::Quarter => [true, true],
-    }
-}
-
-fn copies(symmetry: Symmetry) -> f64 {
-    mirrors(symmetry).iter().map(|m| if *m { 2.0 } else { 1.0 }).product()
 }
 
 /// Mirror planes, and for an impact the clamped edges.
@@ -161,7 +137,7 @@ fn placed(
         inertia: surface.inertia_per_mass() * impactor.mass,
         guide: impactor.guide,
     };
-    let contact = Contact::new(surface, impactor.friction, copies(model.specimen.symmetry), offset);
+    let contact = Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset);
     Ok(Impact { body, contact })
 }
 
@@ -174,7 +150,7 @@ fn gauge_and_section(model: &Model, meshes: &[Mesh]) -> (f64, f64) {
                 let values = || mesh.nodes.iter().map(|p| p[axis]);
                 values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
             };
-            let [x, y] = mirrors(model.specimen.symmetry).map(|m| if m { 2.0 } else { 1.0 });
+            let [x, y] = model.specimen.symmetry.mirrors().map(|m| if m { 2.0 } else { 1.0 });
             (x * extent(0), y * extent(1))
         }),
     };

@@ -52,6 +52,20 @@ fn all_scenarios_of_a_glob_are_checked_at_once() {
 }
 
 #[test]
+fn materials_are_checked_alone() {
+    let good = standard_output(&["check", "tests/it/broken/parts/film.toml", "tests/it/broken/parts/tower.toml"]);
+    assert_eq!(good.lines().filter(|line| line.starts_with("ok")).count(), 2, "{good}");
+    let output = droptower(&["check", "--json", "tests/it/broken/parts/thicknes.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    let verdicts: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+    let mistakes = verdicts[0]["mistakes"].as_array().expect("a list").iter();
+    let messages: Vec<&str> = mistakes.filter_map(|mistake| mistake["message"].as_str()).collect();
+    assert_eq!(messages[..2], ["missing key `thickness`", "unknown key `thicknes`"]);
+    let set = droptower(&["check", "tests/it/broken/parts/film.toml", "--set", "fabric.scale.k1=-1"]);
+    assert_eq!(set.status.code(), Some(2));
+}
+
+#[test]
 fn explain_gives_unit_range_default_and_sentence() {
     let text = standard_output(&["explain", "output.sample_rate"]);
     for part in ["Samples per second", "a bare number is in Hz", "more than 0", "default \"10 kHz\""] {

@@ -94,16 +94,21 @@ fn a_layer_has_its_own_or_the_specimens() {
         mesh.size = \"5 mm\"
         [[layer]]
         count = 3
-        material = { extends = \"film.toml\", thickness = \"20 um\" }
+        material = { extends = \"film.toml\", thickness = \"20 um\", name = \"LDPE\" }
         mesh.element = \"tri3\"
         ";
-    let faces = model("two", text).faces;
+    let two = model("two", text);
+    assert_eq!(two.film(), "film", "two films have no one name");
+    let faces = two.faces;
     let of = |place: usize| {
         let face = &faces[place];
         (face.height, face.layers, face.md_angle, face.material.thickness, face.meshing.element, face.meshing.size)
     };
     assert_eq!(of(0), (0.01, 1, FRAC_PI_2, 12e-6, Element::Quad4, 0.005));
     assert_eq!(of(1), (0.0, 3, 0.0, 20e-6, Element::Tri3, 0.01));
+    assert_eq!(faces[1].film.as_deref(), Some("LDPE"));
+    let named = model("named", "extends = \"tower.toml\"\nspecimen.material.name = \"LLDPE\"");
+    assert_eq!(named.film(), "LLDPE");
 }
 
 #[test]

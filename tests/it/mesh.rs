@@ -16,6 +16,7 @@ fn face(element: Element, size: f64) -> Face {
     Face {
         height: 0.0,
         layers: 1,
+        film: None,
         material: Material { density: 915.0, thickness: 12e-6, law: Law::Elastic(elastic), measured_rates: None },
         md_angle: 0.0,
         prestrain: [0.0; 2],

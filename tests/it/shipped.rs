@@ -1,0 +1,148 @@
+//! What is shipped works: every scenario and material checks, every scenario starts, every script compiles and runs.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use droptower::diagnostic::{Diagnostic, render};
+use droptower::model::{self, Loading, Model};
+use droptower::post::{self, Plan, Results};
+use droptower::scenario::{Assignment, Document};
+use droptower::script::{self, Ledger, Limits, Script};
+use droptower::simulate;
+use droptower::units::DIMENSIONS;
+use rhai::{Map, Scope};
+
+fn files(pattern: &str) -> Vec<PathBuf> {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let paths = glob::glob(&format!("{root}/{pattern}")).expect("a good pattern");
+    let paths: Vec<PathBuf> = paths.map(|path| path.expect("a readable folder")).collect();
+    assert!(!paths.is_empty(), "nothing at {pattern}");
+    paths
+}
+
+/// The value, or a panic that shows the mistakes in `path`.
+fn sound<T>(path: &Path, result: Result<T, Vec<Diagnostic>>) -> T {
+    result.unwrap_or_else(|mistakes| panic!("{}\n{}", path.display(), render(&mistakes, false)))
+}
+
+fn read(path: &Path) -> Document {
+    sound(path, Document::read(path))
+}
+
+/// All shipped scenarios; what is no scenario is a material.
+fn scenarios() -> Vec<(PathBuf, Document)> {
+    let documents = files("scenarios/**/*.toml").into_iter().map(|path| (path.clone(), read(&path)));
+    documents.filter(|(_, document)| !document.is_material()).collect()
+}
+
+#[test]
+fn materials_check() {
+    let materials = files("scenarios/**/*.toml").into_iter().filter(|path| read(path).is_material());
+    let checked =
+        materials.map(|path| sound(&path, Document::read_material(&path).and_then(|m| model::check_material(&m))));
+    assert!(checked.count() >= 2);
+}
+
+#[test]
+fn scenarios_check_and_so_does_what_a_run_keeps_of_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let kept = folder.path().join("scenario.toml");
+    for (path, document) in scenarios() {
+        let model = sound(&path, model::check(&document));
+        fs::write(&kept, document.resolved()).expect("writable");
+        let again = sound(&path, model::check(&read(&kept)));
+        assert_eq!(placeless(again), placeless(model), "{}", path.display());
+    }
+}
+
+/// The model as text, without what depends on where its file lies.
+fn placeless(mut model: Model) -> String {
+    model.name.clear();
+    let recording = model.reference.as_mut().map(|reference| &mut reference.signals);
+    for path in model.post.iter_mut().chain(recording) {
+        *path = fs::canonicalize(&path).expect("a file");
+    }
+    format!("{model:?}")
+}
+
+/// A few samples on a coarse mesh.
+fn shortened(document: &Document, path: &Path) -> Model {
+    let model = sound(path, model::check(document));
+    let changes: &[&str] = match model.loading {
+        Loading::Impact { .. } => &["specimen.mesh.size=40mm", "loading.impact.duration=3ms", "output.frames=2"],
+        Loading::Stretch { .. } => &["loading.stretch.until=0.03", "output.frames=2"],
+    };
+    let changes: Vec<Assignment> =
+        changes.iter().map(|change| sound(path, Assignment::from_argument(change))).collect();
+    sound(path, model::check(&document.with(&changes)))
+}
+
+fn run(model: &Model) -> Results {
+    let told = |error: &dyn std::fmt::Display| format!("{}: {error}", model.name);
+    let plan = Plan::prepare(model).unwrap_or_else(|error| panic!("{}", told(&error)));
+    let outcome = simulate::run(model, &mut |_| {}).unwrap_or_else(|error| panic!("{}", told(&error)));
+    assert!(outcome.energy_balance_error < 0.01, "{}: balance {}", model.name, outcome.energy_balance_error);
+    plan.evaluate(model, &outcome, |_| {}).unwrap_or_else(|error| panic!("{}", told(&error)))
+}
+
+#[test]
+fn scenarios_start() {
+    for (path, document) in scenarios() {
+        let signals = run(&shortened(&document, &path)).signals;
+        assert!(signals.time.len() >= 10, "{}: {} samples", path.display(), signals.time.len());
+        for channel in &signals.channels {
+            assert!(channel.values.iter().all(|v| v.is_finite()), "{}: {}", path.display(), channel.name);
+        }
+    }
+}
+
+#[test]
+fn post_scripts_add_figures() {
+    let path = files("scenarios/drop/tower.toml").remove(0);
+    for script in files("scripts/post/*.rhai") {
+        let model = Model { post: Some(script.clone()), ..shortened(&read(&path), &path) };
+        assert!(!run(&model).findings.measures.is_empty(), "{} adds nothing", script.display());
+    }
+}
+
+#[test]
+fn study_scripts_compile() {
+    let mut engine = script::engine(Limits::STUDY);
+    Ledger::new(Vec::new(), |_| {}).register(&mut engine);
+    post::register_studies(&mut engine, Vec::new());
+    let mut scope = Scope::new();
+    scope.push_constant("args", Map::new());
+    for path in files("scripts/*.rhai") {
+        let compiled = Script::read(&engine, &scope, &path);
+        assert!(compiled.is_ok(), "{}", compiled.err().map(|error| error.to_string()).unwrap_or_default());
+    }
+}
+
+fn texts(value: &toml::Value, found: &mut Vec<String>) {
+    match value {
+        toml::Value::String(text) => found.push(text.clone()),
+        toml::Value::Array(items) => items.iter().for_each(|item| texts(item, found)),
+        toml::Value::Table(table) => table.values().for_each(|item| texts(item, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn quantities_read_back_as_they_are_shown() {
+    let mut found = Vec::new();
+    for path in files("scenarios/**/*.toml") {
+        let text = fs::read_to_string(&path).expect("a text file");
+        texts(&toml::from_str(&text).expect("TOML"), &mut found);
+    }
+    let quantities = found.iter().filter_map(|text| {
+        let dimension = DIMENSIONS.iter().find(|dimension| dimension.parse(text).is_ok())?;
+        Some((text, dimension, dimension.parse(text).ok()?))
+    });
+    let mut read = 0;
+    for (text, dimension, value) in quantities {
+        let shown = dimension.show(value);
+        assert_eq!(dimension.parse(&shown), Ok(value), "{text} is shown as {shown}");
+        read += 1;
+    }
+    assert!(read >= 50, "only {read} quantities in the scenarios");
+}
