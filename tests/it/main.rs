@@ -7,3 +7,4 @@ mod language;
 mod golden;
 mod mesh;
 mod runs;
+mod verification;
