@@ -25,8 +25,7 @@ fn mirror_planes_change_nothing() {
 fn elements_agree() {
     let mut claims = Claims::of("elements");
     for (element, share) in [("quad4-full", 1e-2), ("tri3", 3e-2)] {
-        let size = "specimen.mesh.size=10mm";
-        alike(&mut claims, element, &[size], &[size, &format!("specimen.mesh.element={element}")], share);
+        alike(&mut claims, element, &[], &[&format!("specimen.mesh.element={element}")], share);
     }
     claims.judge();
 }
@@ -36,7 +35,7 @@ fn directions_are_only_names() {
     let mut claims = Claims::of("directions");
     let long = r#"specimen.shape={ rectangle = ["400 mm", "320 mm"] }"#;
     let turned = r#"specimen.shape={ rectangle = ["320 mm", "400 mm"] }"#;
-    alike(&mut claims, "film and frame turned", &[long], &[turned, "specimen.md_angle=90deg"], 1e-9);
+    alike(&mut claims, "film and frame turned", &[long], &[turned, "specimen.md_angle=90deg"], 1e-4);
     let swapped = [
         long,
         "specimen.md_angle=90deg",
@@ -44,14 +43,14 @@ fn directions_are_only_names() {
         r#"specimen.material.fabric.td={ yield = [[0.26, "8.4 MPa"], [0.84, "20 MPa"]], break = [1.39, "29.3 MPa"] }"#,
         "layers.prestrain={ md = 0.0, td = 0.10 }",
     ];
-    alike(&mut claims, "MD and TD swapped", &[long], &swapped, 1e-9);
+    alike(&mut claims, "MD and TD swapped", &[long], &swapped, 1e-4);
     claims.judge();
 }
 
 #[test]
 fn a_mesh_twice_as_fine_changes_little() {
     let mut claims = Claims::of("mesh");
-    alike(&mut claims, "10 mm against 20 mm", &["specimen.mesh.size=20mm"], &["specimen.mesh.size=10mm"], 2e-2);
+    alike(&mut claims, "10 mm against 20 mm", &["specimen.mesh.size=20mm"], &[], 2e-2);
     claims.judge();
 }
 

@@ -2,7 +2,7 @@
 
 use droptower::engine::{Contact, Drive, Engine, Fault, Film, Impact, Jaw, Nodes, Observer, RigidBody, Surface, View};
 use droptower::mesh::{self, Mesh};
-use droptower::model::{Hold, Loading, Model, Side};
+use droptower::model::{Hold, Loading, Model, Side, Symmetry};
 use nalgebra::{Isometry3, Vector3};
 
 /// An engine that is stepped by a test.
@@ -11,7 +11,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The faces of an impact without mirror planes, held at the rim or not at all, under a body in touch with the
+    /// The faces of an impact, whole or a quarter, held at the rim or not at all, under a body in touch with the
     /// first of them.
     pub fn struck(model: &Model) -> Scene {
         let Loading::Impact { velocity, gravity, .. } = model.loading else { panic!("{} is no impact", model.name) };
@@ -23,6 +23,9 @@ impl Scene {
             let mesh = mesh::build(&model.specimen, face).expect("a mesh");
             let first = nodes.position.len();
             films.push(Film::mount(&mesh, face, 1.0, &mut nodes).expect("a film"));
+            for (mirror, held) in mesh.mirrors.iter().zip([[true, false, false], [false, true, false]]) {
+                nodes.hold(mirror.iter().map(|n| first + *n as usize), held);
+            }
             if model.frame.hold == Hold::All {
                 nodes.hold(mesh.rim.iter().map(|n| first + *n as usize), [true; 3]);
             }
@@ -41,8 +44,9 @@ impl Scene {
             inertia: surface.inertia_per_mass() * impactor.mass,
             guide: impactor.guide,
         };
-        let contact = Contact::new(surface, impactor.friction, 1.0, offset);
-        let drive = Drive { gravity, multiplicity: 1.0, ..Drive::default() };
+        let copies = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
+        let contact = Contact::new(surface, impactor.friction, copies, offset);
+        let drive = Drive { gravity, multiplicity: copies, ..Drive::default() };
         Scene { engine: Engine::new(films, nodes, Some(Impact { body, contact }), drive) }
     }
 

@@ -10,12 +10,12 @@ use super::tower::{impact, loading_of_1008, measured, peaks, run};
 
 /// Slow enough that only the lower part of the sphere touches.
 const TIP: [&str; 4] =
-    ["layers.faces=[\"0 mm\"]", "loading.impact.velocity=1.5m/s", "impactor.mass=2kg", "loading.impact.duration=60ms"];
+    ["layers.faces=[\"0 mm\"]", "loading.impact.velocity=1.5m/s", "impactor.mass=2kg", "loading.impact.duration=45ms"];
 
 #[test]
 fn a_hemisphere_is_a_sphere_to_what_its_tip_meets() {
     let mut claims = Claims::of("hemisphere");
-    let changes = [&TIP[..], &["specimen.mesh.size=10mm"]].concat();
+    let changes = [&TIP[..], &["specimen.mesh.size=30mm"]].concat();
     let sphere = peaks(&impact(&loading_of_1008(&changes)));
     let dart = [&changes[..], &[r#"impactor.shape={ hemisphere = { radius = "120 mm" } }"#]].concat();
     let dart = peaks(&impact(&loading_of_1008(&dart)));
@@ -79,7 +79,7 @@ fn a_sphere_of_triangles_is_a_sphere() {
     let triangles = icosphere(4);
     assert_eq!(triangles.len(), 20 * 256);
     fs::write(&path, stl(&triangles, 0.12)).expect("a file");
-    let whole = [&TIP[..], &["specimen.symmetry=none", "loading.impact.duration=40ms"]].concat();
+    let whole = [&TIP[..], &["specimen.symmetry=none", "specimen.mesh.size=20mm"]].concat();
     let sphere = peaks(&impact(&loading_of_1008(&whole)));
     let shape = format!("impactor.shape={{ mesh = '{}' }}", path.display());
     let outcome = impact(&loading_of_1008(&[&whole[..], &[&shape]].concat()));
@@ -93,16 +93,15 @@ fn a_sphere_of_triangles_is_a_sphere() {
 #[test]
 fn nothing_gets_deep_into_the_impactor() {
     let mut claims = Claims::of("penetration");
-    let cylinder = r#"impactor.shape={ cylinder = { radius = "60 mm", length = "120 mm" } }"#;
     let dart = r#"impactor.shape={ hemisphere = { radius = "60 mm" } }"#;
-    let gentle = ["loading.impact.velocity=2m/s", "loading.impact.duration=60ms"];
-    let cases: [(&str, &[&str], f64); 5] = [
-        ("1008, 20 mm", &[], 1e-2),
-        ("1008, 10 mm", &["specimen.mesh.size=10mm"], 1e-2),
-        ("dart of 60 mm, 10 mm", &[&gentle[..], &[dart, "specimen.mesh.size=10mm"]].concat(), 1e-2),
-        ("cylinder of 60 mm, 10 mm", &[&gentle[..], &[cylinder, "specimen.mesh.size=10mm"]].concat(), 1e-2),
-        // A coarse mesh meets the edge between its nodes: told, but it holds.
-        ("cylinder of 60 mm, 50 mm", &[&gentle[..], &[cylinder, "specimen.mesh.size=50mm"]].concat(), 5e-2),
+    let cylinder = r#"impactor.shape={ cylinder = { radius = "60 mm", length = "120 mm" } }"#;
+    let light = ["impactor.mass=1kg", "loading.impact.velocity=2m/s", "layers.faces=[\"0 mm\"]"];
+    let on = |shape, size| [&light[..], &[shape, size]].concat();
+    let cases: [(&str, &[&str], f64); 3] = [
+        ("1008, 10 mm", &[], 1e-2),
+        ("dart of 60 mm, 15 mm", &on(dart, "specimen.mesh.size=15mm"), 1e-2),
+        // A coarse mesh meets the edge between its nodes: it is told, but the edge does not come through.
+        ("cylinder of 60 mm, 50 mm", &on(cylinder, "specimen.mesh.size=50mm"), 5e-2),
     ];
     for (what, changes, bound) in cases {
         let model = loading_of_1008(changes);
@@ -110,7 +109,7 @@ fn nothing_gets_deep_into_the_impactor() {
         claims.at_most(&format!("{what}, depth over radius"), outcome.penetration.expect("a depth"), bound);
         claims.at_most(&format!("{what}, energy balance error"), outcome.energy_balance_error, 1e-2);
         let rebound = measured(&model, &outcome).rebound_velocity_m_s;
-        claims.holds(&format!("{what}, comes back"), &format!("{rebound:?} m/s"), rebound.is_some_and(|v| v > 0.0));
+        claims.holds(&format!("{what}, comes back"), &format!("{rebound:.3?} m/s"), rebound.is_some_and(|v| v > 0.0));
     }
     claims.judge();
 }
