@@ -58,7 +58,7 @@ fn a_mesh_twice_as_fine_changes_little() {
 #[test]
 fn energies_add_up() {
     let mut claims = Claims::of("energy");
-    for test in ["1008", "1009", "1010", "1509", "1510"] {
+    for test in ["1008", "1509"] {
         let model = shipped(&format!("drop/{test}.toml"), &["specimen.mesh.size=20mm"]);
         let outcome = run(&model);
         claims.at_most(&format!("{test}, balance error"), outcome.energy_balance_error, 1e-3);

@@ -1,7 +1,7 @@
 //! What a run says about itself when it cannot be trusted, and its silence when it can.
 
 use super::claims::Claims;
-use super::tower::{loading_of_1008, run, shipped};
+use super::tower::{run, shipped};
 
 #[test]
 fn doubtful_runs_say_why() {
@@ -12,9 +12,9 @@ fn doubtful_runs_say_why() {
     let shipped_mesh = "specimen.mesh.size=10mm";
     let cases: [(&str, &str, &[&str], bool); 8] = [
         ("coarse contact", drop, &["specimen.mesh.size=40mm"], true),
-        ("coarse contact", drop, &[shipped_mesh], false),
+        ("coarse contact", drop, &[shipped_mesh, "loading.impact.duration=40ms"], false),
         ("strain localisation", drop, &[&flat_td[..], &[shipped_mesh]].concat(), true),
-        ("strain localisation", drop, &[shipped_mesh], false),
+        ("strain localisation", drop, &["specimen.mesh.size=20mm"], false),
         ("strain rate", md, &["loading.stretch.velocity=0.00002", "output.sample_rate=2"], true),
         ("strain rate", md, &["loading.stretch.velocity=2", "output.sample_rate=200kHz"], true),
         ("strain rate", md, &[], false),
@@ -39,8 +39,5 @@ fn the_histogram_finds_the_rate_of_a_steady_pull() {
         let near: f64 = (bin(0.98 * rate)..=bin(1.02 * rate)).map(|k| rates.shares[k]).sum();
         claims.at_most(&format!("{speed} m/s, share of straining not at {rate} 1/s"), 1.0 - near, 1e-2);
     }
-    let rates = run(&loading_of_1008(&[])).rates;
-    let inside: f64 = 1.0 - rates.outside;
-    claims.holds("1008, share inside the measured rates", &format!("{inside:.3}"), inside > 0.95);
     claims.judge();
 }
