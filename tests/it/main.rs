@@ -8,3 +8,4 @@ mod golden;
 mod mesh;
 mod runs;
 mod shipped;
+mod verification;

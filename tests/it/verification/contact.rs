@@ -1,0 +1,159 @@
+//! Contact: momentum, sticking, sliding.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+
+use super::claims::Claims;
+use super::scene::{Scene, watch};
+use super::tower::{channel, loading_of_1008, run};
+
+/// An unheld film that a light sphere meets off its centre, without gravity.
+const ADRIFT: [&str; 8] = [
+    "specimen.symmetry=none",
+    "frame.hold=none",
+    "layers.prestrain.md=0.0",
+    "impactor.mass=0.05",
+    "impactor.position=[0.03, 0.02]",
+    "loading.impact.gravity=0",
+    "loading.impact.duration=10ms",
+    "impactor.friction=0.4",
+];
+
+#[test]
+fn momentum_is_exchanged_and_never_made() {
+    let mut claims = Claims::of("momentum");
+    for (guide, axes) in [("free", 0..3), ("z", 2..3)] {
+        let set = format!("impactor.guide={guide}");
+        let model = loading_of_1008(&[&ADRIFT[..], &[&set]].concat());
+        let mut scene = Scene::struck(&model);
+        let start = 0.05 * 4.16;
+        let (mut off, mut given) = (0.0_f64, 0.0_f64);
+        while scene.engine.time() < 0.01 {
+            let [total, film] = watch(&mut scene.engine, |view| {
+                let body = view.body.expect("a body");
+                let masses = view.nodes.mass.iter().zip(&view.nodes.velocity);
+                let film: Vector3<f64> = masses.map(|(m, v)| Vector3::from(*v) * *m).sum();
+                [film + body.velocity * body.mass, film]
+            });
+            let change = total + Vector3::new(0.0, 0.0, start);
+            off = axes.clone().map(|axis| change[axis].abs() / start).fold(off, f64::max);
+            given = given.max(film.norm() / start);
+        }
+        claims.at_most(&format!("guide {guide}, drift of film + impactor"), off, 1e-12);
+        claims.holds(&format!("guide {guide}, share that the film took"), &format!("{given:.3}"), given > 0.01);
+        let outcome = run(&model);
+        claims.at_most(&format!("guide {guide}, energy balance error"), outcome.energy_balance_error, 1e-3);
+    }
+    claims.judge();
+}
+
+#[test]
+fn the_contact_force_is_what_stops_the_impactor() {
+    let mut claims = Claims::of("impulse");
+    let outcome = run(&loading_of_1008(&[]));
+    let [force, velocity] = ["contact_force_N", "velocity_m_s"].map(|name| channel(&outcome.signals, name));
+    let sample = outcome.signals.time[1];
+    let count = force.len() - 1;
+    let impulse: f64 = force.windows(2).map(|f| 0.5 * (f[0] + f[1]) * sample).sum();
+    let change = 10.72 * (velocity[count] - velocity[0] + 9.81 * sample * count as f64);
+    claims.near("integral of the force, N s", impulse, change, 1e-3);
+    claims.judge();
+}
+
+/// Distance from the sphere within which a node is in touch itself, and not only through a face beside it, m.
+const TOUCH: f64 = 2e-4;
+
+/// Radius of [`ROUND`], m.
+const RADIUS: f64 = 0.3;
+
+/// A sphere so large over its elements that they touch it at their nodes alone.
+const ROUND: [&str; 5] = [
+    "impactor.shape.sphere.radius=300mm",
+    r#"specimen.shape={ rectangle = ["1 m", "1 m"] }"#,
+    "specimen.mesh.size=20mm",
+    "impactor.mass=5kg",
+    "loading.impact.duration=150ms",
+];
+
+/// Farthest that a node near the pole of the sphere moves over its surface while it stays in touch, over the radius;
+/// looked for until it is `enough`, or the sphere turns.
+fn creep(friction: &str, enough: f64) -> f64 {
+    let model = loading_of_1008(&[&ROUND[..], &[&format!("impactor.friction={friction}")]].concat());
+    let mut scene = Scene::struck(&model);
+    let mut since: BTreeMap<usize, (u32, Vector3<f64>)> = BTreeMap::new();
+    let mut farthest = 0.0_f64;
+    loop {
+        let (falling, arms) = watch(&mut scene.engine, |view| {
+            let body = view.body.expect("a body");
+            let arm = |n: &usize| Vector3::from(view.nodes.position[*n]) - body.pose.translation.vector;
+            let arms: BTreeMap<usize, Vector3<f64>> =
+                view.touched().iter().map(|n| (*n, arm(n))).filter(|(_, arm)| arm.norm() < RADIUS + TOUCH).collect();
+            (body.velocity.z < 0.0, arms)
+        });
+        if !falling || farthest > enough {
+            return farthest;
+        }
+        since.retain(|n, _| arms.contains_key(n));
+        for (n, arm) in arms.into_iter().filter(|(_, arm)| -arm.z > 0.8 * arm.norm()) {
+            let (steps, place) = since.entry(n).or_insert((0, arm));
+            *steps += 1;
+            // The first step of a touch ends on the surface.
+            if *steps == 2 {
+                *place = arm;
+            }
+            farthest = farthest.max((arm - *place).norm() / RADIUS * f64::from(u8::from(*steps > 1)));
+        }
+    }
+}
+
+#[test]
+fn what_sticks_does_not_creep() {
+    let mut claims = Claims::of("sticking");
+    claims.at_most("drift of nodes near the pole over the radius, friction 10", creep("10", 1.0), 1e-3);
+    let sliding = creep("0", 2e-2);
+    claims.holds("the same without friction", &format!("{sliding:.3e}"), sliding > 1e-2);
+    claims.judge();
+}
+
+#[test]
+fn friction_only_takes() {
+    let mut claims = Claims::of("friction");
+    let mut losses = vec![];
+    for friction in ["0", "0.1", "0.4", "10"] {
+        let outcome = run(&loading_of_1008(&[&format!("impactor.friction={friction}")]));
+        let lost = channel(&outcome.energies, "friction_J");
+        let back = lost.windows(2).map(|w| w[0] - w[1]).fold(0.0, f64::max);
+        let impact = 0.5 * 10.72 * 4.16 * 4.16;
+        claims.at_most(&format!("friction {friction}, energy given back over that of the impact"), back / impact, 1e-9);
+        losses.push(lost[lost.len() - 1] / impact);
+    }
+    claims.at_most("loss without friction", losses[0].abs(), 0.0);
+    claims.holds("losses over the energy of the impact", &format!("{losses:.3?}"), losses[1] > 0.0 && losses[2] > 0.0);
+    claims.judge();
+}
+
+/// A free sphere off the centre of the film begins to roll through friction and through nothing else.
+#[test]
+fn without_friction_nothing_turns_a_sphere() {
+    let mut claims = Claims::of("spin");
+    let free = [
+        "specimen.mesh.size=20mm",
+        "specimen.symmetry=none",
+        "impactor.guide=free",
+        "impactor.position=[0.05, 0.02]",
+        "layers.faces=[\"0 mm\"]",
+    ];
+    for (friction, rolls) in [("0", false), ("0.4", true)] {
+        let model = loading_of_1008(&[&free[..], &[&format!("impactor.friction={friction}")]].concat());
+        let mut scene = Scene::struck(&model);
+        let mut spin = 0.0;
+        while scene.engine.time() < 0.03 {
+            spin = watch(&mut scene.engine, |view| view.body.expect("a body").spin.norm());
+        }
+        // A sphere's normal passes through its centre but for round-off.
+        let right = if rolls { spin > 1e-2 } else { spin < 1e-10 };
+        claims.holds(&format!("friction {friction}, spin after 30 ms"), &format!("{spin:.3e} rad/s"), right);
+    }
+    claims.judge();
+}

@@ -1,0 +1,75 @@
+//! Drops against themselves by another road: symmetry, element, frame of reference, mesh; and their energy.
+
+use droptower::experiment::absorption::{Body, energy_absorption};
+
+use super::claims::Claims;
+use super::tower::{channel, impact, loading_of_1008, measured, peaks, run, shipped};
+
+/// Holds both peaks of 1008 under `changes` to those under `reference`.
+fn alike(claims: &mut Claims, what: &str, reference: &[&str], changes: &[&str], share: f64) {
+    let [one, other] = [reference, changes].map(|c| peaks(&impact(&loading_of_1008(c))));
+    claims.near(&format!("{what}, peak displacement"), other[0], one[0], share);
+    claims.near(&format!("{what}, peak acceleration"), other[1], one[1], share);
+}
+
+#[test]
+fn mirror_planes_change_nothing() {
+    let mut claims = Claims::of("symmetry");
+    for part in ["half-x", "half-y", "quarter"] {
+        alike(&mut claims, part, &["specimen.symmetry=none"], &[&format!("specimen.symmetry={part}")], 5e-3);
+    }
+    claims.judge();
+}
+
+#[test]
+fn elements_agree() {
+    let mut claims = Claims::of("elements");
+    for (element, share) in [("quad4-full", 1e-2), ("tri3", 3e-2)] {
+        alike(&mut claims, element, &[], &[&format!("specimen.mesh.element={element}")], share);
+    }
+    claims.judge();
+}
+
+#[test]
+fn directions_are_only_names() {
+    let mut claims = Claims::of("directions");
+    let long = r#"specimen.shape={ rectangle = ["400 mm", "320 mm"] }"#;
+    let turned = r#"specimen.shape={ rectangle = ["320 mm", "400 mm"] }"#;
+    alike(&mut claims, "film and frame turned", &[long], &[turned, "specimen.md_angle=90deg"], 1e-4);
+    let swapped = [
+        long,
+        "specimen.md_angle=90deg",
+        r#"specimen.material.fabric.md={ yield = [[0.33, "8 MPa"], [0.69, "10 MPa"]], break = [7.01, "16.2 MPa"] }"#,
+        r#"specimen.material.fabric.td={ yield = [[0.26, "8.4 MPa"], [0.84, "20 MPa"]], break = [1.39, "29.3 MPa"] }"#,
+        "layers.prestrain={ md = 0.0, td = 0.10 }",
+    ];
+    alike(&mut claims, "MD and TD swapped", &[long], &swapped, 1e-4);
+    claims.judge();
+}
+
+#[test]
+fn a_mesh_twice_as_fine_changes_little() {
+    let mut claims = Claims::of("mesh");
+    alike(&mut claims, "10 mm against 20 mm", &["specimen.mesh.size=20mm"], &[], 2e-2);
+    claims.judge();
+}
+
+/// The impactor's own figures: what it lost is what the channels say the film took, by two roads.
+#[test]
+fn energies_add_up() {
+    let mut claims = Claims::of("energy");
+    for test in ["1008", "1509"] {
+        let model = shipped(&format!("drop/{test}.toml"), &["specimen.mesh.size=20mm"]);
+        let outcome = run(&model);
+        claims.at_most(&format!("{test}, balance error"), outcome.energy_balance_error, 1e-3);
+        let total = channel(&outcome.signals, "total_energy_J");
+        let drift = total.iter().map(|e| (e / total[0] - 1.0).abs()).fold(0.0, f64::max);
+        claims.at_most(&format!("{test}, drift of E_kp + work"), drift, 1e-3);
+        let [velocity, displacement] = ["velocity_m_s", "displacement_m"].map(|name| channel(&outcome.signals, name));
+        let body = Body { mass: 10.72, gravity: 9.81 };
+        let by_equation_11 = energy_absorption(body, velocity, displacement).expect("a turn");
+        let told = measured(&model, &outcome).energy_absorption.expect("a share");
+        claims.near(&format!("{test}, D"), told, by_equation_11, 1e-12);
+    }
+    claims.judge();
+}

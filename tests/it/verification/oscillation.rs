@@ -1,0 +1,167 @@
+//! Free oscillation of pre-strained film: eigenfrequencies, decay by damping, the time step.
+
+use std::f64::consts::PI;
+
+use droptower::engine::{Drive, Engine};
+use droptower::material::{Elastic, Law, Material};
+use droptower::mesh;
+use droptower::model::{Element, Face, Meshing, Shape, Side, Specimen, Symmetry};
+
+use super::claims::Claims;
+use super::scene::{mounted, watch};
+
+const DENSITY: f64 = 915.0;
+const YOUNG: f64 = 50e6;
+const SPAN: f64 = 0.2;
+const EDGE: f64 = 0.01;
+const PRESTRAIN: f64 = 0.05;
+/// Height of the first mode over the span: small enough that its own stretch is a 1e-5 part of the pre-strain.
+const HEIGHT: f64 = 5e-4;
+
+/// What swings.
+#[derive(Clone, Copy, Debug)]
+enum Film {
+    /// Held at its ends, stretched along x.
+    Strip,
+    /// Held all around, stretched both ways.
+    Square,
+}
+
+impl Film {
+    fn poisson(self) -> f64 {
+        match self {
+            Film::Strip => 0.0,
+            Film::Square => 0.44,
+        }
+    }
+
+    /// √(Pλ/ρ): P the first Piola–Kirchhoff stress of St. Venant–Kirchhoff at stretch λ, mass per stress-free volume ρ.
+    fn wave_speed(self) -> f64 {
+        let stretch = 1.0 + PRESTRAIN;
+        let second = YOUNG / (1.0 - self.poisson()) * 0.5 * (stretch * stretch - 1.0);
+        stretch * (second / DENSITY).sqrt()
+    }
+
+    /// First eigenfrequency, Hz.
+    fn frequency(self) -> f64 {
+        match self {
+            Film::Strip => self.wave_speed() / (2.0 * SPAN),
+            Film::Square => self.wave_speed() / (2.0 * SPAN) * 2.0_f64.sqrt(),
+        }
+    }
+
+    fn width(self) -> f64 {
+        match self {
+            Film::Strip => EDGE,
+            Film::Square => SPAN,
+        }
+    }
+
+    /// The engine at rest in the shape of the first mode, and the node in its middle.
+    fn plucked(self, element: Element, damping: f64) -> (Engine, usize) {
+        let law = Law::Elastic(Elastic { young: YOUNG, poisson: self.poisson() });
+        let material = Material { density: DENSITY, thickness: 12e-6, law, measured_rates: None };
+        let meshing = Meshing { element, size: EDGE };
+        let across = match self {
+            Film::Strip => 0.0,
+            Film::Square => PRESTRAIN,
+        };
+        let prestrain = [PRESTRAIN, across];
+        let face = Face { height: 0.0, layers: 1, material, md_angle: 0.0, prestrain, meshing };
+        let shape = Shape::Rectangle { x: SPAN, y: self.width() };
+        let mesh = mesh::build(&Specimen { shape, symmetry: Symmetry::None, damping }, &face).expect("a mesh");
+        let (film, mut nodes) = mounted(&mesh, &face);
+        let ends = [Side::XMinus, Side::XPlus].map(|side| mesh.sides[side as usize].clone()).concat();
+        let held = match self {
+            Film::Strip => ends,
+            Film::Square => mesh.rim.clone(),
+        };
+        for x in &mut nodes.position {
+            let along = |at: f64| (PI * at / SPAN).cos();
+            let mode = match self {
+                Film::Strip => along(x[0]),
+                Film::Square => along(x[0]) * along(x[1]),
+            };
+            x[2] = HEIGHT * SPAN * mode;
+        }
+        nodes.hold(held.iter().map(|n| *n as usize), [true; 3]);
+        let highest = |a: &usize, b: &usize| nodes.position[*a][2].total_cmp(&nodes.position[*b][2]);
+        let middle = (0..nodes.position.len()).max_by(highest).expect("nodes");
+        let drive = Drive { damping, multiplicity: 1.0, ..Drive::default() };
+        (Engine::new(vec![film], nodes, None, drive), middle)
+    }
+}
+
+/// Times of the zero crossings and the extremes between them.
+fn swing(engine: &mut Engine, middle: usize, crossings: usize) -> (Vec<f64>, Vec<f64>) {
+    let (mut times, mut extremes) = (vec![], vec![]);
+    let (mut last, mut extreme) = ([0.0, 0.0], 0.0_f64);
+    while times.len() < crossings {
+        let [time, z] = watch(engine, |view| [view.time, view.nodes.position[middle][2]]);
+        if last[1] * z < 0.0 {
+            times.push(last[0] + (time - last[0]) * last[1] / (last[1] - z));
+            extremes.push(extreme);
+            extreme = 0.0;
+        }
+        extreme = extreme.max(z.abs());
+        last = [time, z];
+    }
+    (times, extremes)
+}
+
+#[test]
+fn prestrained_film_swings_at_its_eigenfrequency() {
+    let mut claims = Claims::of("eigenfrequency");
+    for film in [Film::Strip, Film::Square] {
+        for element in [Element::Quad4, Element::Quad4Full, Element::Tri3] {
+            let (mut engine, middle) = film.plucked(element, 0.0);
+            let (times, extremes) = swing(&mut engine, middle, 11);
+            let seen = 10.0 / (2.0 * (times[10] - times[0]));
+            claims.near(&format!("{film:?} {element:?}, Hz"), seen, film.frequency(), 1e-2);
+            claims.near(&format!("{film:?} {element:?}, height kept, m"), extremes[10], extremes[1], 1e-2);
+        }
+    }
+    claims.judge();
+}
+
+#[test]
+fn damping_takes_half_its_rate_from_the_amplitude() {
+    let mut claims = Claims::of("damping");
+    for ratio in [0.02, 0.2] {
+        let undamped = 2.0 * PI * Film::Strip.frequency();
+        let damping = ratio * undamped;
+        let (mut engine, middle) = Film::Strip.plucked(Element::Quad4, damping);
+        let start = watch(&mut engine, |view| view.energies());
+        let (times, extremes) = swing(&mut engine, middle, 11);
+        let rate = (extremes[1] / extremes[10]).ln() / (9.0 * (times[10] - times[1]) / 9.0);
+        claims.near(&format!("rate of decay at α = {damping:.0} 1/s"), 2.0 * rate, damping, 1e-2);
+        let seen = 10.0 * PI / (times[10] - times[0]);
+        let damped = (undamped * undamped - 0.25 * damping * damping).sqrt();
+        claims.near(&format!("damped angular frequency at α = {damping:.0} 1/s"), seen, damped, 1e-2);
+        let end = watch(&mut engine, |view| view.energies());
+        let error = (end.total() - start.total()).abs() / end.exchanged(&start);
+        claims.at_most(&format!("energy balance error at α = {damping:.0} 1/s"), error, 1e-3);
+    }
+    claims.judge();
+}
+
+/// A bar of lumped masses along x has the highest frequency 2√(P′/ρ)/h, so that no stable step is longer than
+/// h/√(P′/ρ), h the stress-free edge and P′ = E(3λ² − 1)/2; with damping the limit is shorter.
+#[test]
+fn the_time_step_keeps_below_the_limit() {
+    let mut claims = Claims::of("time step");
+    let stretch: f64 = 1.0 + PRESTRAIN;
+    let tangent = 0.5 * YOUNG * (3.0 * stretch * stretch - 1.0);
+    let limit = EDGE / stretch / (tangent / DENSITY).sqrt();
+    for element in [Element::Quad4, Element::Quad4Full, Element::Tri3] {
+        let (engine, _) = Film::Strip.plucked(element, 0.0);
+        claims.at_most(&format!("{element:?}, step over the limit of a bar"), engine.time_step() / limit, 1.0);
+        let damping = 2.0 / limit;
+        let (damped, _) = Film::Strip.plucked(element, damping);
+        let ratio = damping * 0.5 * limit / 2.0;
+        let shorter = (1.0 + ratio * ratio).sqrt() - ratio;
+        let step = damped.time_step() / limit;
+        claims.at_most(&format!("{element:?}, damped step over the limit of a damped bar"), step / shorter, 1.0);
+    }
+    claims.judge();
+}

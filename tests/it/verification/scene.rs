@@ -1,0 +1,116 @@
+//! Engines set up by hand, and a look at every step.
+
+use droptower::engine::{Contact, Drive, Engine, Fault, Film, Impact, Jaw, Nodes, Observer, RigidBody, Surface, View};
+use droptower::mesh::{self, Mesh};
+use droptower::model::{Hold, Loading, Model, Side, Symmetry};
+use nalgebra::{Isometry3, Vector3};
+
+/// An engine that is stepped by a test.
+pub struct Scene {
+    pub engine: Engine,
+}
+
+impl Scene {
+    /// The faces of an impact, whole or a quarter, held at the rim or not at all, under a body in touch with the
+    /// first of them.
+    pub fn struck(model: &Model) -> Scene {
+        let Loading::Impact { velocity, gravity, .. } = model.loading else { panic!("{} is no impact", model.name) };
+        let mut nodes = Nodes::default();
+        let mut films = vec![];
+        let mut offset = vec![];
+        let mut between = 0.0;
+        for face in &model.faces {
+            let mesh = mesh::build(&model.specimen, face).expect("a mesh");
+            let first = nodes.position.len();
+            films.push(Film::mount(&mesh, face, 1.0, &mut nodes).expect("a film"));
+            for (mirror, held) in mesh.mirrors.iter().zip([[true, false, false], [false, true, false]]) {
+                nodes.hold(mirror.iter().map(|n| first + *n as usize), held);
+            }
+            if model.frame.hold == Hold::All {
+                nodes.hold(mesh.rim.iter().map(|n| first + *n as usize), [true; 3]);
+            }
+            let thickness = face.material.thickness * f64::from(face.layers);
+            offset.resize(nodes.position.len(), between + 0.5 * thickness);
+            between += thickness;
+        }
+        let impactor = model.impactor.as_ref().expect("an impactor");
+        let surface = Surface::new(&impactor.shape, None).expect("a surface");
+        let [x, y] = impactor.position;
+        let body = RigidBody {
+            pose: Isometry3::translation(x, y, model.faces[0].height + offset[0] - surface.lowest()),
+            velocity: Vector3::new(0.0, 0.0, -velocity),
+            spin: Vector3::zeros(),
+            mass: impactor.mass,
+            inertia: surface.inertia_per_mass() * impactor.mass,
+            guide: impactor.guide,
+        };
+        let copies = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
+        let contact = Contact::new(surface, impactor.friction, copies, offset);
+        let drive = Drive { gravity, multiplicity: copies, ..Drive::default() };
+        Scene { engine: Engine::new(films, nodes, Some(Impact { body, contact }), drive) }
+    }
+
+    /// The film of a stretch between jaws that part at `velocity` (m/s).
+    pub fn stretched(model: &Model, velocity: f64) -> Scene {
+        let mesh = mesh::build(&model.specimen, &model.faces[0]).expect("a mesh");
+        let mut nodes = Nodes::default();
+        let film = Film::mount(&mesh, &model.faces[0], 1.0, &mut nodes).expect("a film");
+        let jaws = [(Side::XMinus, -0.5), (Side::XPlus, 0.5)].map(|(side, share)| {
+            let jaw = Jaw { nodes: mesh.sides[side as usize].clone(), velocity: share * velocity };
+            nodes.hold(jaw.nodes.iter().map(|n| *n as usize), [true; 3]);
+            jaw.nodes.iter().for_each(|n| nodes.velocity[*n as usize] = [jaw.velocity, 0.0, 0.0]);
+            jaw
+        });
+        let drive = Drive { jaws: jaws.into(), multiplicity: 1.0, ..Drive::default() };
+        Scene { engine: Engine::new(vec![film], nodes, None, drive) }
+    }
+
+    /// Advances by one step; how many elements broke in it.
+    pub fn step(&mut self) -> usize {
+        self.engine.step(&mut Blind).expect("a step")
+    }
+}
+
+/// An observer that sees nothing.
+struct Blind;
+
+impl Observer for Blind {
+    fn wants(&self, _time: f64, _dt: f64) -> bool {
+        false
+    }
+
+    fn see(&mut self, _view: &View<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+/// Looks at one step.
+struct Glance<F, T> {
+    look: F,
+    seen: Option<T>,
+}
+
+impl<T, F: FnMut(&View<'_>) -> T> Observer for Glance<F, T> {
+    fn wants(&self, _time: f64, _dt: f64) -> bool {
+        true
+    }
+
+    fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
+        self.seen = Some((self.look)(view));
+        Ok(())
+    }
+}
+
+/// Advances by one step and returns what `look` sees at it.
+pub fn watch<T>(engine: &mut Engine, look: impl FnMut(&View<'_>) -> T) -> T {
+    let mut glance = Glance { look, seen: None };
+    engine.step(&mut glance).expect("a step");
+    glance.seen.expect("every step is seen")
+}
+
+/// A mesh and the nodes and film that stand on it, before anything moves.
+pub fn mounted(mesh: &Mesh, face: &droptower::model::Face) -> (Film, Nodes) {
+    let mut nodes = Nodes::default();
+    let film = Film::mount(mesh, face, 1.0, &mut nodes).expect("a film");
+    (film, nodes)
+}

@@ -1,0 +1,78 @@
+//! One element between two jaws follows the curve that was put in, at every speed.
+
+use std::f64::consts::FRAC_PI_2;
+
+use droptower::simulate::Outcome;
+
+use super::claims::Claims;
+use super::tower::{channel, run, shipped};
+
+/// The printed points of the paper's Tables 4 and 5: strain, stress (Pa).
+const MD: [[f64; 2]; 4] = [[0.0, 0.0], [0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]];
+const TD: [[f64; 2]; 4] = [[0.0, 0.0], [0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]];
+/// The assumed shear curve, scenarios/materials/lldpe-shear.csv: angle, stress (Pa).
+const SHEAR: [[f64; 2]; 4] = [[0.0, 0.0], [0.2727, 4.73e6], [0.8, 8.66e6], [1.4, 9.5e6]];
+
+/// Straight lines between `points`.
+fn line(points: &[[f64; 2]], at: f64) -> f64 {
+    let piece = points.windows(2).find(|w| at <= w[1][0]).unwrap_or(&points[points.len() - 2..]);
+    let [a, b] = [piece[0], piece[1]];
+    a[1] + (b[1] - a[1]) * (at - a[0]) / (b[0] - a[0])
+}
+
+/// Largest difference of the run's stress from `law`, over the law's stress, between two strains.
+fn deviation(outcome: &Outcome, law: impl Fn(f64) -> f64, [from, to]: [f64; 2]) -> f64 {
+    let strain = channel(&outcome.signals, "strain");
+    let stress = channel(&outcome.signals, "stress_Pa");
+    let between = strain.iter().zip(stress).filter(|(e, _)| **e >= from && **e <= to);
+    between.map(|(e, s)| (s / law(*e) - 1.0).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn it_follows_its_curve_and_breaks_at_its_end() {
+    let mut claims = Claims::of("single element");
+    for (name, curve, until) in [("md", MD, 1.45), ("td", TD, 7.1)] {
+        for speed in ["0.0002", "0.02", "0.2"] {
+            let what = |claim: &str| format!("{name} at {speed} m/s, {claim}");
+            let model = shipped(&format!("stretch/{name}-{speed}.toml"), &[&format!("loading.stretch.until={until}")]);
+            let outcome = run(&model);
+            let end = curve[3][0];
+            let strain = channel(&outcome.signals, "strain");
+            let sample = strain[1] - strain[0];
+            let followed = deviation(&outcome, |e| line(&curve, e), [0.005, end - sample]);
+            claims.at_most(&what("stress off its curve"), followed, 1e-3);
+            let rate = speed.parse::<f64>().expect("a speed") / 0.005;
+            let broke = outcome.rupture_time.expect("a break") * rate;
+            claims.at_most(&what("samples from the break strain"), (broke - end).abs() / sample, 1.0);
+            let stress = channel(&outcome.signals, "stress_Pa");
+            claims.at_most(&what("stress after the break, Pa"), stress[stress.len() - 1].abs(), 1e-9);
+            claims.at_most(&what("kinetic share"), outcome.kinetic_share.expect("a share"), 1e-2);
+            claims.at_most(&what("energy balance error"), outcome.energy_balance_error, 1e-3);
+        }
+    }
+    claims.judge();
+}
+
+/// With all nodes in the jaws the element's gradient is diag(1 + e, 1). Fibres at ±45° both have the stretch
+/// λ = √((1 + (1+e)²)/2) and close up by the angle γ = 2 atan(1+e) − π/2, so that the pull over the stress-free
+/// section, the derivative of the energy by e, is (σ_md + σ_td)(1+e)/(2λ) + 2τ(γ)/(1 + (1+e)²).
+fn oblique(e: f64) -> f64 {
+    let along = 1.0 + e;
+    let stretch = (0.5 * (1.0 + along * along)).sqrt();
+    let angle = 2.0 * along.atan() - FRAC_PI_2;
+    let fibres = line(&MD, stretch - 1.0) + line(&TD, stretch - 1.0);
+    fibres * along / (2.0 * stretch) + 2.0 * line(&SHEAR, angle) / (1.0 + along * along)
+}
+
+#[test]
+fn at_45_degrees_it_pulls_as_the_closed_form() {
+    let mut claims = Claims::of("single element, 45 deg");
+    for speed in ["0.0002", "0.02", "0.2"] {
+        let outcome = run(&shipped(&format!("stretch/45deg-{speed}.toml"), &[]));
+        let what = |claim: &str| format!("{speed} m/s, {claim}");
+        claims.at_most(&what("force off the closed form"), deviation(&outcome, oblique, [0.005, 0.4]), 1e-3);
+        claims.at_most(&what("kinetic share"), outcome.kinetic_share.expect("a share"), 1e-2);
+        claims.at_most(&what("energy balance error"), outcome.energy_balance_error, 1e-3);
+    }
+    claims.judge();
+}

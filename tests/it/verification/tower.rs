@@ -1,0 +1,59 @@
+//! Scenarios, shipped or changed, and what comes out of them.
+
+use std::path::Path;
+
+use droptower::diagnostic::{self, Diagnostic};
+use droptower::model::{self, Model};
+use droptower::post::{Impact, Measures, Plan};
+use droptower::scenario::{Assignment, Document};
+use droptower::signal::Recording;
+use droptower::simulate::{self, Outcome};
+
+/// The model of a file under `scenarios/`, with changes written as for `--set`.
+pub fn shipped(name: &str, changes: &[&str]) -> Model {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name);
+    let changes: Vec<Assignment> = changes.iter().map(|c| sound(Assignment::from_argument(c))).collect();
+    let document = sound(Document::read(&path)).with(&changes);
+    let mut model = sound(model::check(&document));
+    model.post = None;
+    model
+}
+
+fn sound<T>(read: Result<T, Vec<Diagnostic>>) -> T {
+    read.unwrap_or_else(|mistakes| panic!("{}", diagnostic::render(&mistakes, false)))
+}
+
+/// Test 1008 until just after the turn, with changes.
+pub fn loading_of_1008(changes: &[&str]) -> Model {
+    shipped("drop/1008.toml", &[&["loading.impact.duration=62ms"], changes].concat())
+}
+
+/// Runs `model` to its end.
+pub fn run(model: &Model) -> Outcome {
+    simulate::run(model, &mut |_| {}).unwrap_or_else(|error| panic!("{}: {error}", model.name))
+}
+
+/// Runs an impact and measures it.
+pub fn impact(model: &Model) -> Impact {
+    measured(model, &run(model))
+}
+
+/// The measures of an impact that has run.
+pub fn measured(model: &Model, outcome: &Outcome) -> Impact {
+    let plan = Plan::prepare(model).expect("a plan");
+    match plan.measure(model, outcome).expect("measures").measures {
+        Measures::Impact(impact) => impact,
+        Measures::Stretch(_) => panic!("{} is no impact", model.name),
+    }
+}
+
+/// Peak displacement (m) and peak filtered acceleration (m/s²).
+pub fn peaks(impact: &Impact) -> [f64; 2] {
+    let of = |value: Option<f64>| value.expect("a peak");
+    [of(impact.peak_displacement_m), of(impact.peak_acceleration_m_s2)]
+}
+
+/// A channel that is there.
+pub fn channel<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
+    recording.channel(name).unwrap_or_else(|| panic!("no channel {name}"))
+}

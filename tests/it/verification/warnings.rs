@@ -1,0 +1,43 @@
+//! What a run says about itself when it cannot be trusted, and its silence when it can.
+
+use super::claims::Claims;
+use super::tower::{run, shipped};
+
+#[test]
+fn doubtful_runs_say_why() {
+    let mut claims = Claims::of("warnings");
+    let flat_td = ["impactor.shape.sphere.radius=50mm", "impactor.friction=0", "loading.impact.duration=40ms"];
+    let drop = "drop/1008.toml";
+    let md = "stretch/md-0.02.toml";
+    let shipped_mesh = "specimen.mesh.size=10mm";
+    let cases: [(&str, &str, &[&str], bool); 8] = [
+        ("coarse contact", drop, &["specimen.mesh.size=40mm"], true),
+        ("coarse contact", drop, &[shipped_mesh, "loading.impact.duration=40ms"], false),
+        ("strain localisation", drop, &[&flat_td[..], &[shipped_mesh]].concat(), true),
+        ("strain localisation", drop, &["specimen.mesh.size=20mm"], false),
+        ("strain rate", md, &["loading.stretch.velocity=0.00002", "output.sample_rate=2"], true),
+        ("strain rate", md, &["loading.stretch.velocity=2", "output.sample_rate=200kHz"], true),
+        ("strain rate", md, &[], false),
+        ("not quasi-static", md, &["loading.stretch.mass_scaling=1e8"], true),
+    ];
+    for (word, scenario, changes, expected) in cases {
+        let outcome = run(&shipped(scenario, changes));
+        let told = outcome.warnings.iter().any(|w| w.starts_with(word));
+        let seen = if outcome.warnings.is_empty() { "silent".to_owned() } else { outcome.warnings.join("; ") };
+        claims.holds(&format!("{word}, {scenario} {}", changes.join(" ")), &seen, told == expected);
+    }
+    claims.judge();
+}
+
+#[test]
+fn the_histogram_finds_the_rate_of_a_steady_pull() {
+    let mut claims = Claims::of("strain rates");
+    for (speed, rate) in [("0.0002", 0.04), ("0.02", 4.0), ("0.2", 40.0)] {
+        let outcome = run(&shipped(&format!("stretch/md-{speed}.toml"), &[]));
+        let rates = &outcome.rates;
+        let bin = |rate: f64| rates.edges.partition_point(|edge| *edge <= rate) - 1;
+        let near: f64 = (bin(0.98 * rate)..=bin(1.02 * rate)).map(|k| rates.shares[k]).sum();
+        claims.at_most(&format!("{speed} m/s, share of straining not at {rate} 1/s"), 1.0 - near, 1e-2);
+    }
+    claims.judge();
+}
