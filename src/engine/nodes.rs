@@ -76,6 +76,12 @@ impl Nodes {
         Vector3::from(self.velocity[node])
     }
 
+    /// Whether a node is held in every direction.
+    #[inline]
+    pub fn is_held(&self, node: usize) -> bool {
+        self.inverse_mass[node] == [0.0; 3]
+    }
+
     /// Sum of the forces along x on some nodes, N.
     pub fn pull(&self, nodes: &[u32]) -> f64 {
         nodes.iter().map(|n| self.force[*n as usize][0]).sum()

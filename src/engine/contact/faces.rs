@@ -2,7 +2,6 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::search::FaceTouch;
 use super::{Contact, Impulse};
 use crate::engine::nodes::Nodes;
 use crate::engine::rigid_body::RigidBody;
@@ -13,28 +12,33 @@ pub(super) const FACE_BOUND: f64 = 0.008;
 
 /// Share of a penetration beyond the bound that is taken back in one step: a face that comes to be listed while it is
 /// too deep is eased out instead of thrown out.
-const FACE_RECOVERY: f64 = 0.02;
+const RECOVERY: f64 = 0.02;
 
-/// Sweeps over the faces in a step.
-const FACE_SWEEPS: usize = 8;
+/// Sweeps over all contacts in a step.
+const SWEEPS: usize = 10;
 
-/// The deepest point of a triangle of film and what keeps it from going deeper.
-struct FacePoint {
-    nodes: [usize; 3],
-    weights: [f64; 3],
+/// Cosine between the surface's normals at the corners of an element from which the surface under it counts as flat.
+const FLAT: f64 = 0.99;
+
+/// A point of film that must not go deeper: a node, or the deepest point of an element.
+struct Footing {
+    nodes: [usize; 4],
+    weights: [f64; 4],
     normal: Vector3<f64>,
     arm: Vector3<f64>,
-    /// Normal velocity per impulse, 1/kg.
+    /// Velocity per impulse, 1/kg.
     compliance: f64,
-    /// Least normal velocity, m/s.
+    /// Least normal velocity over the surface, m/s.
     target: f64,
     /// Normal impulse so far, N s.
     pushed: f64,
+    /// Tangential impulse so far, N s.
+    dragged: Vector3<f64>,
 }
 
-impl FacePoint {
-    fn relative_velocity(&self, nodes: &Nodes, body: &RigidBody) -> Vector3<f64> {
-        let film: Vector3<f64> = (0..3).map(|a| nodes.velocity_of(self.nodes[a]) * self.weights[a]).sum();
+impl Footing {
+    fn slip(&self, nodes: &Nodes, body: &RigidBody) -> Vector3<f64> {
+        let film: Vector3<f64> = (0..4).map(|a| nodes.velocity_of(self.nodes[a]) * self.weights[a]).sum();
         film - body.velocity_at(&self.arm)
     }
 
@@ -47,67 +51,108 @@ impl FacePoint {
         }
         body.push(&(-multiplicity * impulse), &self.arm);
     }
+
+    /// Brings the point to its least velocity and stops its slip, as far as impulses that only push and the cone of
+    /// friction allow. What an earlier sweep gave may shrink again.
+    fn settle(&mut self, nodes: &mut Nodes, body: &mut RigidBody, multiplicity: f64, friction: f64) {
+        let lack = self.target - self.slip(nodes, body).dot(&self.normal);
+        let pushed = (self.pushed + lack / self.compliance).max(0.0);
+        self.spread(self.normal * (pushed - self.pushed), nodes, body, multiplicity);
+        self.pushed = pushed;
+
+        let slip = self.slip(nodes, body);
+        let along = slip - self.normal * slip.dot(&self.normal);
+        let wanted = self.dragged - along / self.compliance;
+        let bound = friction * pushed;
+        let dragged = if wanted.norm() <= bound { wanted } else { wanted * (bound / wanted.norm()) };
+        self.spread(dragged - self.dragged, nodes, body, multiplicity);
+        self.dragged = dragged;
+    }
+
+    fn impulses(self) -> impl Iterator<Item = Impulse> {
+        (0..4).filter(move |a| self.weights[*a] > 0.0).map(move |a| Impulse {
+            node: self.nodes[a],
+            arm: self.arm,
+            normal: self.normal * (self.pushed * self.weights[a]),
+            tangential: self.dragged * self.weights[a],
+        })
+    }
 }
 
 impl Contact {
-    /// Lets no listed triangle reach deeper than [`FACE_BOUND`]: Gauss–Seidel sweeps over the deepest point of each, with
-    /// impulses that may shrink again but not pull (theory.md, section 6).
+    /// Lets no listed element reach deeper than [`FACE_BOUND`]: Gauss–Seidel sweeps over the deepest point of each together
+    /// with the nodes that were met (theory.md, section 6).
     pub(super) fn meet_faces(&mut self, nodes: &mut Nodes, body: &mut RigidBody, dt: f64) {
-        if self.near.faces.is_empty() {
+        if self.near.watched.is_empty() {
             return;
         }
         let pose = body.predicted(dt);
-        let listed = self.near.faces.iter();
-        let mut points: Vec<FacePoint> = listed.filter_map(|f| self.face_point(*f, nodes, body, &pose, dt)).collect();
-        for _ in 0..FACE_SWEEPS {
-            for point in &mut points {
-                let lack = point.target - point.relative_velocity(nodes, body).dot(&point.normal);
-                let pushed = (point.pushed + lack / point.compliance).max(0.0);
-                let impulse = point.normal * (pushed - point.pushed);
-                point.pushed = pushed;
-                point.spread(impulse, nodes, body, self.multiplicity);
+        let watched = self.near.watched.iter().filter(|corners| !self.lies_flat(corners));
+        let faces: Vec<Footing> = watched.filter_map(|c| self.footing(*c, nodes, body, &pose, dt)).collect();
+        if faces.is_empty() {
+            return;
+        }
+        let met = std::mem::take(&mut self.impulses);
+        let mut footings: Vec<Footing> = met.iter().map(|met| self.met_node(met, nodes, body)).chain(faces).collect();
+        for _ in 0..SWEEPS {
+            for footing in &mut footings {
+                footing.settle(nodes, body, self.multiplicity, self.friction);
             }
         }
-        for point in points.iter().filter(|p| p.pushed > 0.0) {
-            let relative = point.relative_velocity(nodes, body);
-            let slip = relative - point.normal * relative.dot(&point.normal);
-            let stick = slip.norm() / point.compliance;
-            let share = if stick > 0.0 { (self.friction * point.pushed / stick).min(1.0) } else { 0.0 };
-            let tangential = -slip * (share / point.compliance);
-            point.spread(tangential, nodes, body, self.multiplicity);
-            for a in 0..3 {
-                let normal = point.normal * (point.pushed * point.weights[a]);
-                let tangential = tangential * point.weights[a];
-                self.impulses.push(Impulse { node: point.nodes[a], arm: point.arm, normal, tangential });
-            }
-        }
+        self.impulses.extend(footings.into_iter().filter(|f| f.pushed > 0.0).flat_map(Footing::impulses));
     }
 
-    /// The deepest point of a triangle, if it is near the bound.
-    fn face_point(
+    /// Whether the surface has the same normal at all corners of an element.
+    fn lies_flat(&self, corners: &[u32; 4]) -> bool {
+        let normals = corners.map(|n| self.normals[n as usize]);
+        normals[1..].iter().all(|normal| normals[0].dot(normal) > FLAT)
+    }
+
+    /// A node that was met before the faces are looked at, with what it got.
+    fn met_node(&self, met: &Impulse, nodes: &Nodes, body: &RigidBody) -> Footing {
+        let pushed = met.normal.norm();
+        let normal = met.normal / pushed;
+        let mut footing = Footing {
+            nodes: [met.node; 4],
+            weights: [1.0, 0.0, 0.0, 0.0],
+            normal,
+            arm: met.arm,
+            compliance: 1.0 / nodes.mass[met.node] + self.multiplicity * body.mobility(&normal, &met.arm),
+            target: 0.0,
+            pushed,
+            dragged: met.tangential,
+        };
+        footing.target = footing.slip(nodes, body).dot(&normal);
+        footing
+    }
+
+    /// The deepest point of an element, if it is near the bound. An element at the clamped edge has none: it cannot
+    /// give way, and the frame behind it is not modelled.
+    fn footing(
         &self,
-        face: [u32; 3],
+        corners: [u32; 4],
         nodes: &Nodes,
         body: &RigidBody,
         pose: &Isometry3<f64>,
         dt: f64,
-    ) -> Option<FacePoint> {
-        let face = face.map(|n| n as usize);
-        let allowed = FACE_BOUND * self.surface.size();
-        let corners = face.map(|n| Point3::from(nodes.position[n]) + nodes.velocity_of(n) * dt);
-        let bound = self.offset[face[0]] - allowed;
-        let FaceTouch { touch, weights } = self.surface.deepest(pose, &corners, bound + allowed)?;
-        let place: Vector3<f64> = (0..3).map(|a| corners[a].coords * weights[a]).sum();
+    ) -> Option<Footing> {
+        let corners = corners.map(|n| n as usize);
+        if corners.iter().any(|n| nodes.is_held(*n)) {
+            return None;
+        }
+        let places = corners.map(|n| Point3::from(nodes.position[n]) + nodes.velocity_of(n) * dt);
+        let bound = self.offset[corners[0]] - FACE_BOUND * self.surface.size();
+        let found = self.surface.deepest(pose, &places, self.offset[corners[0]])?;
+        let place: Vector3<f64> = (0..4).map(|a| places[a].coords * found.weights[a]).sum();
         let arm = place - pose.translation.vector;
-        let softness = |a: usize| {
-            let w = nodes.inverse_mass[face[a]];
-            weights[a] * weights[a] * (0..3).map(|i| touch.normal[i].powi(2) * w[i]).sum::<f64>()
-        };
-        let compliance = (0..3).map(softness).sum::<f64>() + self.multiplicity * body.mobility(&touch.normal, &arm);
-        let mut point =
-            FacePoint { nodes: face, weights, normal: touch.normal, arm, compliance, target: 0.0, pushed: 0.0 };
-        let to_bound = point.relative_velocity(nodes, body).dot(&touch.normal) + (bound - touch.gap) / dt;
-        point.target = if to_bound > 0.0 { FACE_RECOVERY * to_bound } else { to_bound };
-        (compliance > 0.0).then_some(point)
+        let normal = found.touch.normal;
+        let softness = |a: usize| found.weights[a].powi(2) / nodes.mass[corners[a]];
+        let compliance = (0..4).map(softness).sum::<f64>() + self.multiplicity * body.mobility(&normal, &arm);
+        let (weights, dragged) = (found.weights, Vector3::zeros());
+        let mut footing =
+            Footing { nodes: corners, weights, normal, arm, compliance, target: 0.0, pushed: 0.0, dragged };
+        let to_bound = footing.slip(nodes, body).dot(&normal) + (bound - found.touch.gap) / dt;
+        footing.target = if to_bound > 0.0 { RECOVERY * to_bound } else { to_bound };
+        Some(footing)
     }
 }

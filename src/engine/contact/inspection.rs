@@ -21,17 +21,14 @@ impl Contact {
     pub fn inspect(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> Inspection {
         let mut out = Inspection::default();
         let tolerance = 1e-4 * self.surface.size();
-        for (first, second) in &self.near.elements {
-            let deepest = [Some(first), second.as_ref()].into_iter().flatten().filter_map(|triangle| {
-                let corners = triangle.map(|n| Point3::from(nodes.position[n as usize]));
-                let offset = self.offset[triangle[0] as usize];
-                self.surface.deepest(pose, &corners, offset + tolerance).map(|found| offset - found.touch.gap)
-            });
-            let Some(depth) = deepest.reduce(f64::max) else { continue };
-            out.penetration = out.penetration.max(depth);
-            out.longest_edge = out.longest_edge.max(longest_edge(first, second.as_ref(), nodes));
+        for corners in &self.near.elements {
+            let places = corners.map(|n| Point3::from(nodes.position[n as usize]));
+            let offset = self.offset[corners[0] as usize];
+            let Some(found) = self.surface.deepest(pose, &places, offset + tolerance) else { continue };
+            out.penetration = out.penetration.max(offset - found.touch.gap);
+            out.longest_edge = out.longest_edge.max(longest_edge(&places));
         }
-        let held = |n: &&u32| nodes.inverse_mass[**n as usize][2] == 0.0;
+        let held = |n: &&u32| nodes.is_held(**n as usize);
         out.frame_hit = self.near.nodes.iter().filter(held).any(|n| {
             let gap = self.surface.touch(pose, &Point3::from(nodes.position[*n as usize])).gap;
             gap < self.offset[*n as usize] - tolerance
@@ -40,10 +37,7 @@ impl Contact {
     }
 }
 
-/// Longest outer edge of an element given as its triangles, m.
-fn longest_edge(first: &[u32; 3], second: Option<&[u32; 3]>, nodes: &Nodes) -> f64 {
-    let [a, b, c] = first.map(|n| Point3::from(nodes.position[n as usize]));
-    let d = second.map(|t| Point3::from(nodes.position[t[2] as usize]));
-    let last = d.unwrap_or(c);
-    [(a, b), (b, c), (c, last), (last, a)].iter().map(|(p, q)| nalgebra::distance(p, q)).fold(0.0, f64::max)
+/// Longest edge of an element, m.
+fn longest_edge(corners: &[Point3<f64>; 4]) -> f64 {
+    (0..4).map(|a| nalgebra::distance(&corners[a], &corners[(a + 1) % 4])).fold(0.0, f64::max)
 }

@@ -34,6 +34,8 @@ pub struct Contact {
     /// Distance of each node's mid-surface from the impactor when in touch, m: the film in between.
     offset: Vec<f64>,
     near: NearList,
+    /// The surface's normal at each node near it, zero elsewhere.
+    normals: Vec<Vector3<f64>>,
     touching: Vec<Constraint>,
     impulses: Vec<Impulse>,
     /// Velocity that each node got from contact in this step, m/s.
@@ -76,6 +78,7 @@ struct Impulse {
 impl Contact {
     /// Contact of `surface` with film whose nodes keep `offset` (m) from it; `multiplicity` mirror images count.
     pub fn new(surface: Surface, friction: f64, multiplicity: f64, offset: Vec<f64>) -> Contact {
+        let normals = vec![Vector3::zeros(); offset.len()];
         Contact {
             surface,
             friction,
@@ -83,6 +86,7 @@ impl Contact {
             received: vec![[0.0; 3]; offset.len()],
             offset,
             near: NearList::default(),
+            normals,
             touching: vec![],
             impulses: vec![],
             work: Work::default(),
@@ -145,8 +149,9 @@ impl Contact {
                 continue;
             }
             let Touch { gap, normal } = self.surface.touch(pose, &point);
+            self.normals[n] = normal;
             let gap = gap - self.offset[n];
-            if gap < 0.0 && nodes.inverse_mass[n][2] > 0.0 {
+            if gap < 0.0 && !nodes.is_held(n) {
                 let arm = point - centre;
                 let relative = nodes.velocity_of(n) - body.velocity_at(&arm);
                 let slip = relative - normal * relative.dot(&normal);

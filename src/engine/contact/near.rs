@@ -1,6 +1,6 @@
 //! The neighbour list.
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::Contact;
 use super::faces::FACE_BOUND;
@@ -17,16 +17,13 @@ const SKIN: f64 = 0.04;
 #[derive(Default)]
 pub(super) struct NearList {
     pub(super) nodes: Vec<u32>,
-    /// Elements as their triangles.
-    pub(super) elements: Vec<Triangles>,
-    /// Triangles whose deepest point has to be watched between the nodes.
-    pub(super) faces: Vec<[u32; 3]>,
+    /// Corners of elements; a triangle repeats its last.
+    pub(super) elements: Vec<[u32; 4]>,
+    /// Those whose deepest point has to be watched between the nodes.
+    pub(super) watched: Vec<[u32; 4]>,
     /// Relative motion that is left until then, m.
     pub(super) margin: f64,
 }
-
-/// One or two triangles.
-pub(super) type Triangles = ([u32; 3], Option<[u32; 3]>);
 
 impl Contact {
     /// Lists what could touch before film and impactor have moved by the skin.
@@ -47,7 +44,8 @@ impl Contact {
         near.nodes.clear();
         near.nodes.extend((0..nodes.position.len() as u32).filter(|n| within(*n, skin)));
         near.elements.clear();
-        near.faces.clear();
+        near.watched.clear();
+        self.normals.fill(Vector3::zeros());
         for film in films {
             film.for_each_intact(|corners| {
                 let squared = longest_line_squared(corners, nodes);
@@ -55,12 +53,10 @@ impl Contact {
                 if !corners.iter().any(|n| within(*n, skin + longest)) {
                     return;
                 }
-                let triangles =
-                    ([corners[0], corners[1], corners[2]], corners.get(3).map(|d| [corners[0], corners[2], *d]));
-                near.elements.push(triangles);
+                let element = [corners[0], corners[1], corners[2], corners[corners.len() - 1]];
+                near.elements.push(element);
                 if !surface.is_sphere() || squared > fine {
-                    near.faces.push(triangles.0);
-                    near.faces.extend(triangles.1);
+                    near.watched.push(element);
                 }
             });
         }

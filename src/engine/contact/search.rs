@@ -38,13 +38,13 @@ pub struct Touch {
     pub normal: Vector3<f64>,
 }
 
-/// Deepest point of a triangle of film.
+/// Deepest point of an element of film.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceTouch {
     /// The point's own touch.
     pub touch: Touch,
-    /// Its barycentric coordinates.
-    pub weights: [f64; 3],
+    /// Weights of the element's corners in it.
+    pub weights: [f64; 4],
 }
 
 /// Why a triangle surface is not an impactor.
@@ -145,26 +145,82 @@ impl Surface {
         }
     }
 
-    /// The point of a triangle of film that is nearest to, or deepest in, the body at `pose`;
-    /// `None` where it is farther than `within` (m).
-    pub fn deepest(&self, pose: &Isometry3<f64>, corners: &[Point3<f64>; 3], within: f64) -> Option<FaceTouch> {
-        let local = corners.map(|c| pose.inverse_transform_point(&c));
-        let [a, b, c] = local.map(|c| vector(&c.coords));
-        let triangle = Triangle::new(a, b, c);
-        let nearest = match &self.shape {
-            Kind::Ball(_) => triangle.project_local_point(Vector::ZERO, false).point,
-            Kind::Other(shape) => {
-                let found = query::contact(&Pose::IDENTITY, &triangle, &Pose::IDENTITY, &**shape, within);
-                found.ok().flatten()?.point1
+    /// The point of an element of film that is nearest to, or deepest in, the body at `pose`; `None` where it is farther than
+    /// `within` (m). The element is the four triangles between its edges and the mean of its corners.
+    ///
+    /// On a sphere the point is exact. On other shapes it is the deepest of nine points spread over the element and, where
+    /// the element is coarse against the shape, of parry's contact with each triangle.
+    pub fn deepest(&self, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], within: f64) -> Option<FaceTouch> {
+        let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+        let triangles = (0..4).map(|a| [a, (a + 1) % 4]);
+        let mut best: Option<FaceTouch> = None;
+        let mut offer = |weights: [f64; 4]| {
+            let place = (0..4).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>();
+            let touch = self.touch(pose, &place.into());
+            if touch.gap < best.map_or(within, |b| b.touch.gap) {
+                best = Some(FaceTouch { touch, weights });
             }
         };
-        let weights = barycentric(&triangle, nearest);
-        let point = Point3::from(
-            corners[0].coords * weights[0] + corners[1].coords * weights[1] + corners[2].coords * weights[2],
-        );
-        let touch = self.touch(pose, &point);
-        (touch.gap < within).then_some(FaceTouch { touch, weights })
+        let shape = match &self.shape {
+            Kind::Ball(_) => {
+                for [a, b] in triangles {
+                    let triangle = self.local(pose, [&corners[a], &corners[b], &mean]);
+                    offer(spread(
+                        a,
+                        b,
+                        barycentric(&triangle, triangle.project_local_point(Vector::ZERO, false).point),
+                    ));
+                }
+                return best;
+            }
+            Kind::Other(shape) => shape,
+        };
+        SAMPLES.iter().for_each(|weights| offer(*weights));
+        let coarse = nalgebra::distance(&corners[0], &corners[2]).max(nalgebra::distance(&corners[1], &corners[3]));
+        if coarse > COARSE * self.size {
+            for [a, b] in triangles {
+                let triangle = self.local(pose, [&corners[a], &corners[b], &mean]);
+                let found = query::contact(&Pose::IDENTITY, &triangle, &Pose::IDENTITY, &**shape, within.max(0.0));
+                if let Ok(Some(contact)) = found {
+                    offer(spread(a, b, barycentric(&triangle, contact.point1)));
+                }
+            }
+        }
+        best
     }
+
+    fn local(&self, pose: &Isometry3<f64>, corners: [&Point3<f64>; 3]) -> Triangle {
+        let [a, b, c] = corners.map(|c| vector(&pose.inverse_transform_point(c).coords));
+        Triangle::new(a, b, c)
+    }
+}
+
+/// Longest line of an element over the shape's size from which its triangles are looked at as a whole.
+const COARSE: f64 = 0.25;
+
+/// Weights of the corners at the natural coordinates −⅔, 0, ⅔ of a bilinear element.
+const SAMPLES: [[f64; 4]; 9] = {
+    let mut samples = [[0.0; 4]; 9];
+    let mut k = 0;
+    while k < 9 {
+        let (x, y) = ((k % 3) as f64 * (2.0 / 3.0) - 2.0 / 3.0, (k / 3) as f64 * (2.0 / 3.0) - 2.0 / 3.0);
+        samples[k] = [
+            0.25 * (1.0 - x) * (1.0 - y),
+            0.25 * (1.0 + x) * (1.0 - y),
+            0.25 * (1.0 + x) * (1.0 + y),
+            0.25 * (1.0 - x) * (1.0 + y),
+        ];
+        k += 1;
+    }
+    samples
+};
+
+/// Weights of an element's corners at a point of its triangle over the corners `a`, `b` and their mean.
+fn spread(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
+    let mut weights = [0.25 * wm; 4];
+    weights[a] += wa;
+    weights[b] += wb;
+    weights
 }
 
 /// Signed distance and outward normal at a point whose projection on the surface is known, both in the same axes.
@@ -262,14 +318,17 @@ mod tests {
         }
     }
 
+    /// A square of film and a triangle (which repeats its last corner), both reaching 1 mm into the tip.
     #[test]
-    fn the_deepest_point_of_a_triangle_lies_inside_it() {
+    fn the_deepest_point_of_an_element_lies_under_the_tip() {
         for surface in shapes() {
             let z = surface.lowest() + 1e-3;
-            let corners = [Point3::new(-0.5, -0.4, z), Point3::new(0.5, -0.4, z), Point3::new(0.0, 0.6, z)];
-            let found = surface.deepest(&Isometry3::identity(), &corners, 0.0).unwrap();
-            assert!((found.touch.gap + 1e-3).abs() < 1e-6, "{found:?}");
-            assert!(found.weights.iter().all(|w| *w > 0.05 && *w < 0.95));
+            let [a, b, c, d] = [[-0.5, -0.4], [0.5, -0.4], [0.6, 0.5], [-0.4, 0.6]].map(|[x, y]| Point3::new(x, y, z));
+            for corners in [[a, b, c, d], [a, b, c, c]] {
+                let found = surface.deepest(&Isometry3::identity(), &corners, 0.0).unwrap();
+                assert!((found.touch.gap + 1e-3).abs() < 1e-6, "{found:?}");
+                assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            }
         }
     }
 

@@ -67,7 +67,7 @@ impl Film {
             Film::Square => PRESTRAIN,
         };
         let prestrain = [PRESTRAIN, across];
-        let face = Face { height: 0.0, layers: 1, material, md_angle: 0.0, prestrain, meshing };
+        let face = Face { height: 0.0, layers: 1, material, md_angle: 0.0, prestrain, meshing, film: None };
         let shape = Shape::Rectangle { x: SPAN, y: self.width() };
         let mesh = mesh::build(&Specimen { shape, symmetry: Symmetry::None, damping }, &face).expect("a mesh");
         let (film, mut nodes) = mounted(&mesh, &face);
