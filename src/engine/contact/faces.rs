@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::near::NearElement;
 use super::{Contact, Impulse};
 use crate::engine::nodes::Nodes;
 use crate::engine::rigid_body::RigidBody;
@@ -17,8 +18,8 @@ const RECOVERY: f64 = 0.02;
 /// Sweeps over all contacts in a step.
 const SWEEPS: usize = 10;
 
-/// Cosine between the surface's normals at the corners of an element from which the surface under it counts as flat.
-const FLAT: f64 = 0.99;
+/// Share of [`FACE_BOUND`] from which the sagitta of an element is watched.
+pub(super) const WATCHED_FROM: f64 = 0.7;
 
 /// A point of film that must not go deeper: a node, or the deepest point of an element.
 struct Footing {
@@ -87,8 +88,9 @@ impl Contact {
             return;
         }
         let pose = body.predicted(dt);
-        let watched = self.near.watched.iter().filter(|corners| !self.lies_flat(corners));
-        let faces: Vec<Footing> = watched.filter_map(|c| self.footing(*c, nodes, body, &pose, dt)).collect();
+        let watched = self.near.watched.iter().filter(|element| !self.lies_flat(element));
+        let faces: Vec<Footing> =
+            watched.filter_map(|element| self.footing(element.corners, nodes, body, &pose, dt)).collect();
         if faces.is_empty() {
             return;
         }
@@ -102,10 +104,13 @@ impl Contact {
         self.impulses.extend(footings.into_iter().filter(|f| f.pushed > 0.0).flat_map(Footing::impulses));
     }
 
-    /// Whether the surface has the same normal at all corners of an element.
-    fn lies_flat(&self, corners: &[u32; 4]) -> bool {
-        let normals = corners.map(|n| self.normals[n as usize]);
-        normals[1..].iter().all(|normal| normals[0].dot(normal) > FLAT)
+    /// Whether the surface turns so little between the corners of an element that its sagitta, (longest line) times
+    /// angle over 8, stays far from the bound.
+    fn lies_flat(&self, element: &NearElement) -> bool {
+        let normals = element.corners.map(|n| self.normals[n as usize]);
+        let straightest = normals[1..].iter().map(|n| normals[0].dot(n)).fold(normals[1].dot(&normals[3]), f64::min);
+        let sagitta = 8.0 * WATCHED_FROM * FACE_BOUND * self.surface.size();
+        2.0 * (1.0 - straightest) * element.longest_squared < sagitta * sagitta
     }
 
     /// A node that was met before the faces are looked at, with what it got.
@@ -126,7 +131,7 @@ impl Contact {
         footing
     }
 
-    /// The deepest point of an element, if it is near the bound. An element at the clamped edge has none: it cannot
+    /// The deepest point of an element, if it would come beyond the bound. An element at the clamped edge has none: it cannot
     /// give way, and the frame behind it is not modelled.
     fn footing(
         &self,
@@ -142,7 +147,7 @@ impl Contact {
         }
         let places = corners.map(|n| Point3::from(nodes.position[n]) + nodes.velocity_of(n) * dt);
         let bound = self.offset[corners[0]] - FACE_BOUND * self.surface.size();
-        let found = self.surface.deepest(pose, &places, self.offset[corners[0]])?;
+        let found = self.surface.deepest(pose, &places, bound)?;
         let place: Vector3<f64> = (0..4).map(|a| places[a].coords * found.weights[a]).sum();
         let arm = place - pose.translation.vector;
         let normal = found.touch.normal;

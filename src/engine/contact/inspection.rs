@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Point3};
 
 use super::Contact;
+use super::near::NearElement;
 use crate::engine::nodes::Nodes;
 
 /// What a look at the present touch found.
@@ -21,7 +22,7 @@ impl Contact {
     pub fn inspect(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> Inspection {
         let mut out = Inspection::default();
         let tolerance = 1e-4 * self.surface.size();
-        for corners in &self.near.elements {
+        for NearElement { corners, .. } in &self.near.elements {
             let places = corners.map(|n| Point3::from(nodes.position[n as usize]));
             let offset = self.offset[corners[0] as usize];
             let Some(found) = self.surface.deepest(pose, &places, offset + tolerance) else { continue };

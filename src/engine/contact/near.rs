@@ -3,12 +3,9 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::Contact;
-use super::faces::FACE_BOUND;
+use super::faces::{FACE_BOUND, WATCHED_FROM};
 use crate::engine::film::Film;
 use crate::engine::nodes::Nodes;
-
-/// Share of [`FACE_BOUND`] from which the sagitta of an element on a sphere, (longest line)²/(8 R), has it listed.
-const LISTED_FROM: f64 = 0.7;
 
 /// Skin of the neighbour list over the impactor's size.
 const SKIN: f64 = 0.04;
@@ -17,12 +14,20 @@ const SKIN: f64 = 0.04;
 #[derive(Default)]
 pub(super) struct NearList {
     pub(super) nodes: Vec<u32>,
-    /// Corners of elements; a triangle repeats its last.
-    pub(super) elements: Vec<[u32; 4]>,
+    pub(super) elements: Vec<NearElement>,
     /// Those whose deepest point has to be watched between the nodes.
-    pub(super) watched: Vec<[u32; 4]>,
+    pub(super) watched: Vec<NearElement>,
     /// Relative motion that is left until then, m.
     pub(super) margin: f64,
+}
+
+/// An element near the impactor.
+#[derive(Clone, Copy)]
+pub(super) struct NearElement {
+    /// A triangle repeats its last.
+    pub(super) corners: [u32; 4],
+    /// Square of the longest line between two corners when it was listed, m².
+    pub(super) longest_squared: f64,
 }
 
 impl Contact {
@@ -30,7 +35,7 @@ impl Contact {
     pub(super) fn list_neighbours(&mut self, films: &[Film], nodes: &Nodes, pose: &Isometry3<f64>) {
         let size = self.surface.size();
         let skin = SKIN * size;
-        let fine = 8.0 * LISTED_FROM * FACE_BOUND * size * size;
+        let fine = 8.0 * WATCHED_FROM * FACE_BOUND * size * size;
         let centre = Point3::from(pose.translation.vector);
         let distance_squared = |n: u32| nalgebra::distance_squared(&Point3::from(nodes.position[n as usize]), &centre);
         let surface = &self.surface;
@@ -53,7 +58,8 @@ impl Contact {
                 if !corners.iter().any(|n| within(*n, skin + longest)) {
                     return;
                 }
-                let element = [corners[0], corners[1], corners[2], corners[corners.len() - 1]];
+                let corners = [corners[0], corners[1], corners[2], corners[corners.len() - 1]];
+                let element = NearElement { corners, longest_squared: squared };
                 near.elements.push(element);
                 if !surface.is_sphere() || squared > fine {
                     near.watched.push(element);
