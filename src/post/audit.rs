@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::mesh::Quality;
 use crate::simulate::{Outcome, RateHistogram};
 
 /// Size, cost and trust of a run; fields of `summary.json`.
@@ -19,7 +20,33 @@ pub struct Audit {
     pub kinetic_share: Option<f64>,
     /// Largest penetration over the impactor's radius.
     pub penetration: Option<f64>,
+    /// The mesh of each face.
+    pub meshes: Vec<MeshFigures>,
     pub strain_rates: Histogram,
+}
+
+/// Shape of the elements of one face, the worst of them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeshFigures {
+    pub elements: usize,
+    pub shortest_edge_m: f64,
+    pub longest_edge_m: f64,
+    pub aspect_ratio: f64,
+    pub scaled_jacobian: f64,
+    pub skew: f64,
+}
+
+impl MeshFigures {
+    fn of(quality: &Quality) -> MeshFigures {
+        MeshFigures {
+            elements: quality.elements,
+            shortest_edge_m: quality.edges[0],
+            longest_edge_m: quality.edges[1],
+            aspect_ratio: quality.aspect,
+            scaled_jacobian: quality.jacobian,
+            skew: quality.skew,
+        }
+    }
 }
 
 /// Share of the film's straining by strain rate.
@@ -50,6 +77,7 @@ impl Audit {
             mass_scaling: outcome.mass_scaling,
             kinetic_share: outcome.kinetic_share,
             penetration: outcome.penetration,
+            meshes: outcome.films.iter().map(|film| MeshFigures::of(&film.quality)).collect(),
             strain_rates: Histogram::of(&outcome.rates),
         }
     }

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::{Film as FilmTopology, RunError};
 use crate::engine::{Contact, Drive, Engine, Film, Impact, Jaw, Nodes, RigidBody, Surface};
-use crate::mesh::{self, Mesh};
+use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model, Shape, Side, Symmetry};
 
 /// An engine and what has to be remembered of how it was set up.
@@ -85,6 +85,7 @@ fn topology(mesh: &Mesh, symmetry: Symmetry) -> FilmTopology {
         quads: mesh.quads.clone(),
         tris: mesh.tris.clone(),
         mirrored: symmetry.mirrors(),
+        quality: Quality::of(mesh),
     }
 }
 

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use crate::engine::{Engine, UprightElement};
-use crate::mesh::MeshError;
+use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
 use crate::signal::Recording;
 use probe::Probe;
@@ -56,6 +56,8 @@ pub struct Film {
     pub tris: Vec<[u32; 3]>,
     /// Mirror planes that complete the picture: x, y.
     pub mirrored: [bool; 2],
+    /// How well its elements are shaped.
+    pub quality: Quality,
 }
 
 /// State of the whole scene at one time.

@@ -1,5 +1,6 @@
 //! What a run should tell its user although it went on.
 
+use super::Film;
 use crate::engine::{ElementStrain, Inspection, View};
 
 /// Edge of an element in touch over the impactor's size above which a sphere is no longer round to the film.
@@ -14,6 +15,9 @@ const BALANCE: f64 = 0.01;
 const OUTSIDE: f64 = 0.05;
 /// Kinetic share above which a slow test is not quasi-static.
 const KINETIC: f64 = 0.01;
+
+/// Scaled Jacobian of an element that is told.
+const MISSHAPEN: f64 = 0.3;
 
 /// Each kind of warning, told once, with the time at which it first held.
 #[derive(Default)]
@@ -63,9 +67,12 @@ impl Warnings {
     }
 
     /// All warnings, with those that only the whole run can tell.
-    pub(super) fn finish(self, balance: f64, outside: f64, kinetic: Option<f64>) -> Vec<String> {
+    pub(super) fn finish(self, balance: f64, outside: f64, kinetic: Option<f64>, films: &[Film]) -> Vec<String> {
         let ms = |t: f64| 1e3 * t;
         let mut out = vec![];
+        for (face, film) in films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < MISSHAPEN) {
+            out.push(format!("misshapen elements in face {}: {}", face + 1, film.quality));
+        }
         if let Some((time, edge)) = self.coarse {
             out.push(format!(
                 "coarse contact: from {:.1} ms edges in touch are up to {edge:.2} of the impactor's radius (bound {COARSE}); use a smaller specimen.mesh.size",

@@ -72,10 +72,17 @@ fn nodal_strains(film: &Film, state: &FilmState) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::{Mesh, Quality};
 
     #[test]
     fn nodes_take_the_mean_of_the_elements_that_hold() {
-        let film = Film { nodes: 6, quads: vec![[0, 1, 2, 3]], tris: vec![[1, 4, 2], [4, 5, 2]], mirrored: [false; 2] };
+        let film = Film {
+            nodes: 6,
+            quads: vec![[0, 1, 2, 3]],
+            tris: vec![[1, 4, 2], [4, 5, 2]],
+            mirrored: [false; 2],
+            quality: Quality::of(&Mesh::default()),
+        };
         let state = FilmState {
             positions: vec![[0.0; 3]; 6],
             strains: vec![[0.1, 0.4, 9.0], [0.2, 0.0, 9.0], [7.0, 0.0, 0.0]],
