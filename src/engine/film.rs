@@ -155,7 +155,7 @@ impl Film {
         let mut largest = 0.0_f64;
         each_kind!(self, law, blocks, {
             let squared = element::frequency_bound(blocks, law, self.density, position);
-            largest = if squared <= largest { largest } else { squared };
+            largest = if squared <= largest || largest.is_nan() { largest } else { squared };
         });
         largest
     }

@@ -13,6 +13,7 @@ mod observer;
 mod rigid_body;
 mod time_step;
 
+use contact::Kicked;
 pub use contact::{Contact, Inspection, Surface, SurfaceError};
 pub use element::UprightElement;
 pub use energy::Energies;
@@ -36,6 +37,8 @@ pub struct Engine {
     steps: u64,
     gone: Gone,
     before: Before,
+    /// Elements that broke and were not told yet.
+    broken: usize,
 }
 
 /// The impactor and its contact.
@@ -92,6 +95,8 @@ struct Before {
 /// Why a run cannot go on.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
+    #[error("the motion of the impactor is not a number any more at {time:.6} s")]
+    ImpactorLost { time: f64 },
     #[error("element {element} of face {face} is not a number any more at {time:.6} s")]
     NotANumber { time: f64, face: usize, element: usize },
     #[error("the time step fell from {first:.3e} s to {now:.3e} s at {time:.6} s, limited by face {face}")]
@@ -113,6 +118,7 @@ impl Engine {
             steps: 0,
             gone: Gone::default(),
             before: Before::default(),
+            broken: 0,
         };
         // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
         engine.forces();
@@ -145,7 +151,7 @@ impl Engine {
         let (last, dt) = self.time_step.next(&self.films, &self.nodes, self.time)?;
         let kick = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
         let wanted = observer.wants(self.time, last);
-        let broken = self.forces();
+        self.forces();
         if wanted {
             self.before.velocity.clone_from(&self.nodes.velocity);
             self.before.body = self.impact.as_ref().map(|i| i.body.clone());
@@ -157,11 +163,11 @@ impl Engine {
             observer.see(&self.view())?;
         }
         self.drift(dt, observer);
-        Ok(broken)
+        Ok(std::mem::take(&mut self.broken))
     }
 
     /// Forces at the full step; elements past their break strain lose theirs from the next step on.
-    fn forces(&mut self) -> usize {
+    fn forces(&mut self) {
         self.nodes.start_forces(self.drive.gravity);
         let past = self.add_forces();
         let mut broken = 0;
@@ -175,7 +181,7 @@ impl Engine {
             self.time_step.tear();
             self.impact.iter_mut().for_each(|impact| impact.contact.forget());
         }
-        broken
+        self.broken += broken;
     }
 
     /// Adds the films' forces; tells which of them have a fibre past its break strain. Faces share no node, so they are
@@ -227,7 +233,8 @@ impl Engine {
         if let Some(Impact { body, contact }) = &mut self.impact {
             let before = body.clone();
             body.kick(kick, self.drive.gravity);
-            contact.meet(&self.films, &mut self.nodes, body, &before, [dt, kick]);
+            let (keep, gain) = Nodes::damped(kick, self.drive.damping);
+            contact.meet(&self.films, &mut self.nodes, body, &Kicked { before: &before, keep, gain }, dt);
         }
     }
 
@@ -238,6 +245,7 @@ impl Engine {
             track.z = body.centre().z;
             track.velocity = body.velocity.z;
             track.work = contact.work.given;
+            track.impulse = contact.work.impulse;
             let turning = body.spin.norm() * contact.surface().reach();
             contact.moved((fastest + body.velocity.norm() + turning) * dt);
             body.drift(dt);

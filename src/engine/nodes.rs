@@ -35,6 +35,12 @@ impl Nodes {
         }
     }
 
+    /// Factors on velocity and acceleration of a kick over `dt` (s) with mass-proportional `damping` (1/s).
+    pub fn damped(dt: f64, damping: f64) -> (f64, f64) {
+        let half = 0.5 * damping * dt;
+        ((1.0 - half) / (1.0 + half), dt / (1.0 + half))
+    }
+
     /// v := ((1 − αΔt/2) v + a Δt)/(1 + αΔt/2) with mass-proportional damping α (1/s) (theory.md, equation 15).
     pub fn kick(&mut self, dt: f64, damping: f64) {
         if damping == 0.0 {
@@ -45,8 +51,7 @@ impl Nodes {
             }
             return;
         }
-        let keep = (1.0 - 0.5 * damping * dt) / (1.0 + 0.5 * damping * dt);
-        let gain = dt / (1.0 + 0.5 * damping * dt);
+        let (keep, gain) = Nodes::damped(dt, damping);
         for ((v, f), w) in self.velocity.iter_mut().zip(&self.force).zip(&self.inverse_mass) {
             for axis in 0..3 {
                 let held = if w[axis] == 0.0 { 1.0 } else { keep };

@@ -25,6 +25,8 @@ pub struct Track {
     pub velocity: f64,
     /// Work given to the film so far, J.
     pub work: f64,
+    /// Momentum that the film gave the impactor along z so far, N s.
+    pub impulse: f64,
     /// Pull of the film on the jaws, mean of all of them, N.
     pub jaw_force: f64,
 }

@@ -191,7 +191,7 @@ impl MembraneLaw for Fabric {
             along[0][l] = larger(along[0][l] - across[0][l], 0.0);
             along[1][l] = larger(along[1][l] - across[1][l], 0.0);
             let secant = fibres.secant[l];
-            shear[l] = shear[l] * secant * secant + 4.0 * stress[l] * secant;
+            shear[l] = shear[l] * secant * secant + stress[l] * secant * (secant * secant + 3.0);
         }
         Stiffness { along, across, shear, alignment: fibres.sine }
     }

@@ -14,6 +14,11 @@ impl<const K: usize> Grid<K> {
         Grid { start, step, last: None, rows: vec![] }
     }
 
+    /// Whether the next row is wanted by `time`.
+    pub(super) fn is_due(&self, time: f64) -> bool {
+        self.start + self.rows.len() as f64 * self.step <= time
+    }
+
     /// Takes in the values at `time`, later than all before.
     pub(super) fn push(&mut self, time: f64, values: [f64; K]) {
         let (before, from) = self.last.unwrap_or((time, values));

@@ -81,7 +81,7 @@ pub struct FilmState {
     pub broken: Vec<bool>,
 }
 
-/// Share of the film's straining (area × time, loading only) by strain rate.
+/// Share of the film's straining (volume × strain beyond the largest so far, loading only) by strain rate.
 #[derive(Clone, Debug, Default)]
 pub struct RateHistogram {
     /// Edges of the bins, 1/s, logarithmic.

@@ -25,16 +25,17 @@ pub(super) struct Probe<'a> {
     frame: f64,
     audit: f64,
     audits: usize,
-    strains: Vec<[f64; 2]>,
+    strains: Grid<2>,
     frames: Vec<Frame>,
     at_steps: Grid<3>,
-    at_half_steps: Grid<1>,
+    at_half_steps: Grid<2>,
     energy: EnergyCheck,
     rates: RateAudit,
     warnings: Warnings,
     rupture_time: Option<f64>,
     penetration: Option<f64>,
-    rising: bool,
+    lowest: f64,
+    first_contact: Option<f64>,
 }
 
 impl<'a> Probe<'a> {
@@ -45,11 +46,11 @@ impl<'a> Probe<'a> {
             Loading::Stretch { velocity, until, .. } => (until * mounting.gauge / velocity, 0.0, 0.0),
         };
         let mass = model.impactor.as_ref().map_or(0.0, |i| i.mass);
-        let measured = model.faces.first().and_then(|f| f.material.measured_rates);
+        let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
         let mut at_half_steps = Grid::new(-0.5 * sample, 0.5 * sample);
         // Free fall before first contact, so that the first sample is a mean like every other.
-        at_half_steps.push(-sample, [gravity * sample - speed]);
-        at_half_steps.push(0.0, [-speed]);
+        at_half_steps.push(-sample, [gravity * sample - speed, 0.0]);
+        at_half_steps.push(0.0, [-speed, 0.0]);
         Probe {
             model,
             progress,
@@ -59,7 +60,7 @@ impl<'a> Probe<'a> {
             frame: duration / model.output.frames.saturating_sub(1).max(1) as f64,
             audit: (duration / AUDITS).max(sample),
             audits: 0,
-            strains: vec![],
+            strains: Grid::new(0.0, sample),
             frames: vec![],
             at_steps: Grid::new(0.0, sample),
             at_half_steps,
@@ -68,7 +69,8 @@ impl<'a> Probe<'a> {
             warnings: Warnings::default(),
             rupture_time: None,
             penetration: None,
-            rising: false,
+            lowest: f64::INFINITY,
+            first_contact: None,
         }
     }
 
@@ -85,7 +87,7 @@ impl<'a> Probe<'a> {
     }
 
     fn sample_due(&self, time: f64) -> bool {
-        self.strains.len() < self.samples && self.strains.len() as f64 * self.sample <= time
+        self.strains.rows.len() < self.samples && self.strains.is_due(time)
     }
 
     fn frame_due(&self, time: f64) -> bool {
@@ -99,9 +101,12 @@ impl<'a> Probe<'a> {
     fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) {
         let intact = || faces.iter().flatten().filter(|s| s.volume > 0.0);
         let largest = |fibre: usize| intact().map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
-        self.strains.push([largest(0), largest(1)]);
-        if !self.rising {
-            self.rates.sample(view.time, faces);
+        self.strains.push(view.time, [largest(0), largest(1)]);
+        self.rates.sample(view.time, faces);
+        let z = view.body.map_or(f64::NEG_INFINITY, |body| body.centre().z);
+        if z <= self.lowest {
+            self.lowest = z;
+            self.rates.commit();
         }
         (self.progress)(Progress { done: view.time / self.duration, time: view.time, steps: view.steps });
     }
@@ -153,18 +158,19 @@ impl<'a> Probe<'a> {
             Loading::Impact { gravity, .. } => gravity,
             Loading::Stretch { .. } => 0.0,
         };
+        let start = self.first_contact.unwrap_or(mounting.start);
         let half = &self.at_half_steps.rows;
         let complete = self.samples.min(self.at_steps.rows.len()).min(half.len().saturating_sub(1) / 2);
-        let count = complete.min(self.strains.len());
+        let count = complete.min(self.strains.rows.len());
         let row = |k: usize| {
             let [z, work, _] = self.at_steps.rows[k];
             let velocity = half[2 * k + 1][0];
             let acceleration = (half[2 * k + 2][0] - half[2 * k][0]) / self.sample;
-            let displacement = z - mounting.start;
+            let displacement = z - start;
             let kinetic = 0.5 * mass * velocity * velocity;
             let potential = mass * gravity * displacement;
-            let force = mass * (acceleration + gravity);
-            let [md, td] = self.strains[k];
+            let force = (half[2 * k + 2][1] - half[2 * k][1]) / self.sample;
+            let [md, td] = self.strains.rows[k];
             [displacement, velocity, acceleration, force, kinetic, potential, work, kinetic + potential + work, md, td]
         };
         let rows: Vec<_> = (0..count).map(row).collect();
@@ -209,8 +215,10 @@ fn table<const K: usize>(sample: f64, names: &[&str; K], rows: &[[f64; K]]) -> R
 fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> Fault {
     let lost = |s: &ElementStrain| !s.strain.iter().all(|e| e.is_finite());
     let found = faces.iter().enumerate().find_map(|(face, s)| s.iter().position(lost).map(|element| (face, element)));
-    let (face, element) = found.unwrap_or((0, 0));
-    Fault::NotANumber { time, face: face + 1, element }
+    match found {
+        Some((face, element)) => Fault::NotANumber { time, face: face + 1, element },
+        None => Fault::ImpactorLost { time },
+    }
 }
 
 impl Observer for Probe<'_> {
@@ -230,8 +238,10 @@ impl Observer for Probe<'_> {
     }
 
     fn follow(&mut self, track: &Track) {
-        self.rising |= track.velocity > 0.0;
+        if track.impulse != 0.0 {
+            self.first_contact.get_or_insert(track.z);
+        }
         self.at_steps.push(track.time, [track.z, track.work, track.jaw_force]);
-        self.at_half_steps.push(track.time + 0.5 * track.dt, [track.velocity]);
+        self.at_half_steps.push(track.time + 0.5 * track.dt, [track.velocity, track.impulse]);
     }
 }

@@ -13,53 +13,81 @@ const EDGE: f64 = 0.01;
 
 /// Straining of virgin film by rate, weighted with volume and strain.
 pub(super) struct RateAudit {
-    measured: Option<[f64; 2]>,
-    weights: Vec<f64>,
+    /// Range in which the curves of each face were measured.
+    measured: Vec<Option<[f64; 2]>>,
+    loading: Weights,
+    /// What was seen since the last commit.
+    pending: Weights,
+    /// Time of the last sample and the largest strains of each face's elements until then.
+    last: Option<(f64, Vec<Vec<[f64; 2]>>)>,
+}
+
+#[derive(Clone)]
+struct Weights {
+    bins: Vec<f64>,
     outside: f64,
-    last: Option<(f64, Vec<Vec<ElementStrain>>)>,
 }
 
 impl RateAudit {
-    pub(super) fn new(measured: Option<[f64; 2]>) -> RateAudit {
-        let bins = (DECADES.1 - DECADES.0) as usize * PER_DECADE;
-        RateAudit { measured, weights: vec![0.0; bins], outside: 0.0, last: None }
+    pub(super) fn new(measured: Vec<Option<[f64; 2]>>) -> RateAudit {
+        let bins = vec![0.0; (DECADES.1 - DECADES.0) as usize * PER_DECADE];
+        let none = Weights { bins, outside: 0.0 };
+        RateAudit { measured, loading: none.clone(), pending: none, last: None }
     }
 
     /// Takes in the strains of all faces at `time` (s); only strain beyond the largest so far counts.
     pub(super) fn sample(&mut self, time: f64, faces: &[Vec<ElementStrain>]) {
-        if let Some((before, last)) = &self.last {
-            let dt = time - before;
-            for (now, then) in faces.iter().flatten().zip(last.iter().flatten()) {
-                for fibre in 0..2 {
-                    let gained = now.peak[fibre] - then.peak[fibre];
-                    if gained > 0.0 && now.volume > 0.0 {
-                        count(&mut self.weights, &mut self.outside, self.measured, gained / dt, gained * now.volume);
+        let now = |s: &ElementStrain| [s.strain[0].max(0.0), s.strain[1].max(0.0)];
+        let Some((before, largest)) = &mut self.last else {
+            self.last = Some((time, faces.iter().map(|face| face.iter().map(now).collect()).collect()));
+            return;
+        };
+        let dt = time - *before;
+        *before = time;
+        for ((face, largest), measured) in faces.iter().zip(largest).zip(&self.measured) {
+            for (element, largest) in face.iter().zip(largest).filter(|(element, _)| element.volume > 0.0) {
+                for (strain, largest) in now(element).into_iter().zip(largest) {
+                    let gained = strain - *largest;
+                    if gained > 0.0 {
+                        self.pending.count(*measured, gained / dt, gained * element.volume);
+                        *largest = strain;
                     }
                 }
             }
         }
-        self.last = Some((time, faces.to_vec()));
     }
 
+    /// What was seen until now belongs to the loading.
+    pub(super) fn commit(&mut self) {
+        for (bin, pending) in self.loading.bins.iter_mut().zip(&mut self.pending.bins) {
+            *bin += std::mem::take(pending);
+        }
+        self.loading.outside += std::mem::take(&mut self.pending.outside);
+    }
+
+    /// The histogram of the loading; its range is what the ranges of all faces share.
     pub(super) fn finish(self) -> RateHistogram {
-        let total: f64 = self.weights.iter().sum();
+        let total: f64 = self.loading.bins.iter().sum();
         let share = |w: f64| if total > 0.0 { w / total } else { 0.0 };
         let edge = |k: usize| 10.0_f64.powf(f64::from(DECADES.0) + k as f64 / PER_DECADE as f64);
+        let ranges = self.measured.iter().flatten();
         RateHistogram {
-            edges: (0..=self.weights.len()).map(edge).collect(),
-            shares: self.weights.iter().map(|w| share(*w)).collect(),
-            measured: self.measured,
-            outside: share(self.outside),
+            edges: (0..=self.loading.bins.len()).map(edge).collect(),
+            shares: self.loading.bins.iter().map(|w| share(*w)).collect(),
+            measured: ranges.copied().reduce(|[a, b], [c, d]| [a.max(c), b.min(d)]),
+            outside: share(self.loading.outside),
         }
     }
 }
 
-fn count(weights: &mut [f64], outside: &mut f64, measured: Option<[f64; 2]>, rate: f64, weight: f64) {
-    let place = ((rate.log10() - f64::from(DECADES.0)) * PER_DECADE as f64).floor();
-    let bin = (place.max(0.0) as usize).min(weights.len() - 1);
-    weights[bin] += weight;
-    if measured.is_some_and(|[low, high]| rate < (1.0 - EDGE) * low || rate > (1.0 + EDGE) * high) {
-        *outside += weight;
+impl Weights {
+    fn count(&mut self, measured: Option<[f64; 2]>, rate: f64, weight: f64) {
+        let place = ((rate.log10() - f64::from(DECADES.0)) * PER_DECADE as f64).floor();
+        let bin = (place.max(0.0) as usize).min(self.bins.len() - 1);
+        self.bins[bin] += weight;
+        if measured.is_some_and(|[low, high]| rate < (1.0 - EDGE) * low || rate > (1.0 + EDGE) * high) {
+            self.outside += weight;
+        }
     }
 }
 
@@ -73,10 +101,11 @@ mod tests {
 
     #[test]
     fn counts_virgin_strain_by_rate() {
-        let mut audit = RateAudit::new(Some([1.0, 40.0]));
+        let mut audit = RateAudit::new(vec![Some([1.0, 40.0])]);
         for (time, peak) in [(0.0, 0.0), (0.1, 0.5), (0.2, 0.5), (0.201, 1.0)] {
             audit.sample(time, &strained(peak));
         }
+        audit.commit();
         let histogram = audit.finish();
         let at = |rate: f64| histogram.edges.partition_point(|e| *e <= rate) - 1;
         assert!((histogram.shares[at(5.0)] - 0.5).abs() < 1e-12);

@@ -44,7 +44,7 @@ pub struct Contact {
     pub work: Work,
 }
 
-/// Work done through contact since the start, J.
+/// What went through contact since the start, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Work {
     /// Given by the impactor.
@@ -53,6 +53,18 @@ pub struct Work {
     pub impact_loss: f64,
     /// Lost by sliding.
     pub friction_loss: f64,
+    /// Momentum given to the impactor along z, N s.
+    pub impulse: f64,
+}
+
+/// How the velocities before contact came about.
+pub struct Kicked<'a> {
+    /// The body half a step earlier.
+    pub before: &'a RigidBody,
+    /// Factor on the nodes' earlier velocities.
+    pub keep: f64,
+    /// Factor on their accelerations, s.
+    pub gain: f64,
 }
 
 /// A node that would be inside.
@@ -101,6 +113,7 @@ impl Contact {
     /// Tells that film and impactor moved towards each other by at most `distance` (m).
     pub fn moved(&mut self, distance: f64) {
         self.near.margin -= distance;
+        self.near.pace = distance;
     }
 
     /// Forgets the neighbour list, as after elements have broken.
@@ -109,16 +122,10 @@ impl Contact {
     }
 
     /// Corrects the velocities of nodes and body so that no node is inside at the end of the step of `dt` s.
-    /// `before` is the body half a step earlier, `kick` the time over which forces have just acted, s.
-    pub fn meet(
-        &mut self,
-        films: &[Film],
-        nodes: &mut Nodes,
-        body: &mut RigidBody,
-        before: &RigidBody,
-        [dt, kick]: [f64; 2],
-    ) {
-        if self.near.margin <= 0.0 {
+    /// `kicked` tells what forces have just done.
+    pub fn meet(&mut self, films: &[Film], nodes: &mut Nodes, body: &mut RigidBody, kicked: &Kicked, dt: f64) {
+        // Nodes are looked at where they will be at the end of the step, so one more step has to fit in the skin.
+        if self.near.margin.is_nan() || self.near.margin <= self.near.pace {
             self.list_neighbours(films, nodes, &body.pose);
         }
         self.impulses.clear();
@@ -133,7 +140,7 @@ impl Contact {
             body.push(&(-self.multiplicity * (impulse.normal + impulse.tangential)), &impulse.arm);
         }
         self.meet_faces(nodes, body, dt);
-        self.account(nodes, body, before, kick);
+        self.account(nodes, body, kicked);
     }
 
     /// Nodes whose position at the end of the step lies inside.
@@ -176,7 +183,7 @@ impl Contact {
     }
 
     /// Work of this step's impulses with the mean of the velocities before and after it (theory.md, equation 22).
-    fn account(&mut self, nodes: &Nodes, body: &RigidBody, before: &RigidBody, kick: f64) {
+    fn account(&mut self, nodes: &Nodes, body: &RigidBody, kicked: &Kicked) {
         for impulse in &self.impulses {
             self.received[impulse.node] = [0.0; 3];
         }
@@ -188,10 +195,12 @@ impl Contact {
             let after = nodes.velocity_of(impulse.node);
             let acceleration =
                 Vector3::from_fn(|i, _| nodes.force[impulse.node][i] * nodes.inverse_mass[impulse.node][i]);
-            let earlier = after - Vector3::from(self.received[impulse.node]) - acceleration * kick;
+            let unmet = after - Vector3::from(self.received[impulse.node]);
+            let earlier = (unmet - acceleration * kicked.gain) / kicked.keep;
             let film = 0.5 * (after + earlier);
-            let surface = 0.5 * (body.velocity_at(&impulse.arm) + before.velocity_at(&impulse.arm));
+            let surface = 0.5 * (body.velocity_at(&impulse.arm) + kicked.before.velocity_at(&impulse.arm));
             let relative = film - surface;
+            self.work.impulse -= self.multiplicity * (impulse.normal.z + impulse.tangential.z);
             self.work.given += self.multiplicity * (impulse.normal + impulse.tangential).dot(&surface);
             self.work.impact_loss -= self.multiplicity * impulse.normal.dot(&relative);
             self.work.friction_loss -= self.multiplicity * impulse.tangential.dot(&relative);

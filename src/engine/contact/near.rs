@@ -19,6 +19,8 @@ pub(super) struct NearList {
     pub(super) watched: Vec<NearElement>,
     /// Relative motion that is left until then, m.
     pub(super) margin: f64,
+    /// Relative motion in the last step, m.
+    pub(super) pace: f64,
 }
 
 /// An element near the impactor.

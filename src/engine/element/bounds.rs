@@ -49,11 +49,13 @@ fn frequency_bound_lanewise<L: MembraneLaw, const NODES: usize, const POINTS: us
             let d = deformation(&x, point, hourglass.spread(&q));
             let k = law.stiffness(&d, &point.peaks);
             let mut g = [splat(0.0); 2];
-            for fibre in 0..2 {
-                for a in 0..NODES {
-                    for l in 0..LANES {
-                        g[fibre][l] += point.gradient[a][fibre][l] * point.gradient[a][fibre][l];
-                    }
+            let mut mixed = splat(0.0);
+            for a in 0..NODES {
+                for l in 0..LANES {
+                    let [b1, b2] = [point.gradient[a][0][l], point.gradient[a][1][l]];
+                    g[0][l] += b1 * b1;
+                    g[1][l] += b2 * b2;
+                    mixed[l] += b1 * b2;
                 }
             }
             let stabilised = hourglass.stiffness(&q, &d, stabilisation, &g);
@@ -63,7 +65,7 @@ fn frequency_bound_lanewise<L: MembraneLaw, const NODES: usize, const POINTS: us
                 let both = first * second * k.alignment[l] * k.alignment[l];
                 let fibres = 0.5 * (first + second) + (apart * apart + both).sqrt();
                 let tension = k.across[0][l] * g[0][l] + k.across[1][l] * g[1][l];
-                let sheared = k.shear[l] * (g[0][l] + g[1][l]);
+                let sheared = k.shear[l] * (g[0][l] + g[1][l] + 2.0 * mixed[l].abs());
                 bound[l] += point.volume[l] * (fibres + tension + sheared + stabilised[l]);
                 volume[l] += point.volume[l];
             }
@@ -71,7 +73,8 @@ fn frequency_bound_lanewise<L: MembraneLaw, const NODES: usize, const POINTS: us
         for l in 0..LANES {
             let squared = bound[l] * NODES as f64 / (density * volume[l]);
             // Broken elements and the fill of the last block have no volume; a NaN has to get through.
-            largest = if volume[l] == 0.0 || squared <= largest { largest } else { squared };
+            let settled = volume[l] == 0.0 || squared <= largest || largest.is_nan();
+            largest = if settled { largest } else { squared };
         }
     }
     largest
