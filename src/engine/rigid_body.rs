@@ -16,7 +16,9 @@ pub struct RigidBody {
     /// kg.
     pub mass: f64,
     /// kg m², in body axes.
-    pub inertia: Matrix3<f64>,
+    inertia: Matrix3<f64>,
+    /// Inverse of the inertia in space axes at the present pose, 1/(kg m²).
+    softness: Matrix3<f64>,
     /// What its guide lets it do.
     pub guide: Guide,
 }
@@ -36,6 +38,27 @@ impl Default for Gathered {
 }
 
 impl RigidBody {
+    /// A body at `pose` with `velocity` (m/s), not spinning; `inertia` (kg m²) about its centre of mass in body axes.
+    pub fn new(
+        pose: Isometry3<f64>,
+        velocity: Vector3<f64>,
+        mass: f64,
+        inertia: Matrix3<f64>,
+        guide: Guide,
+    ) -> RigidBody {
+        let spin = Vector3::zeros();
+        let mut body = RigidBody { pose, velocity, spin, mass, inertia, softness: Matrix3::zeros(), guide };
+        body.turn();
+        body
+    }
+
+    /// Brings the inverse inertia to the present pose; a body that resists no rotation about some axis is kept from it.
+    fn turn(&mut self) {
+        if self.guide == Guide::Free {
+            self.softness = self.space_inertia().try_inverse().unwrap_or_else(Matrix3::zeros);
+        }
+    }
+
     /// Velocity of its material point at `arm` (m) from the centre of mass.
     #[inline]
     pub fn velocity_at(&self, arm: &Vector3<f64>) -> Vector3<f64> {
@@ -61,17 +84,15 @@ impl RigidBody {
     pub fn drift(&mut self, dt: f64) {
         self.pose = self.predicted(dt);
         self.pose.rotation.renormalize();
+        self.turn();
     }
 
     /// Gravity `g` (m/s², downward) and the gyroscopic moment over `dt`.
     pub fn kick(&mut self, dt: f64, g: f64) {
         self.velocity.z -= g * dt;
         if self.guide == Guide::Free {
-            let inertia = self.space_inertia();
-            let moment = self.spin.cross(&(inertia * self.spin));
-            if let Some(inverse) = inertia.try_inverse() {
-                self.spin -= inverse * moment * dt;
-            }
+            let moment = self.spin.cross(&(self.space_inertia() * self.spin));
+            self.spin -= self.softness * moment * dt;
         }
     }
 
@@ -81,9 +102,7 @@ impl RigidBody {
             Guide::Z => self.velocity.z += impulse.z / self.mass,
             Guide::Free => {
                 self.velocity += impulse / self.mass;
-                if let Some(inverse) = self.space_inertia().try_inverse() {
-                    self.spin += inverse * arm.cross(impulse);
-                }
+                self.spin += self.softness * arm.cross(impulse);
             }
         }
     }
@@ -94,8 +113,7 @@ impl RigidBody {
             Guide::Z => direction.z * direction.z / self.mass,
             Guide::Free => {
                 let lever = arm.cross(direction);
-                let turning = self.space_inertia().try_inverse().map_or(0.0, |i| lever.dot(&(i * lever)));
-                1.0 / self.mass + turning
+                1.0 / self.mass + lever.dot(&(self.softness * lever))
             }
         }
     }
@@ -166,14 +184,11 @@ mod tests {
     use super::*;
 
     fn body(guide: Guide) -> RigidBody {
-        RigidBody {
-            pose: Isometry3::translation(0.0, 0.0, 1.0),
-            velocity: Vector3::new(0.3, -0.2, -4.0),
-            spin: Vector3::new(1.0, -2.0, 0.5),
-            mass: 2.0,
-            inertia: Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3)),
-            guide,
-        }
+        let inertia = Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3));
+        let velocity = Vector3::new(0.3, -0.2, -4.0);
+        let mut body = RigidBody::new(Isometry3::translation(0.0, 0.0, 1.0), velocity, 2.0, inertia, guide);
+        body.spin = Vector3::new(1.0, -2.0, 0.5);
+        body
     }
 
     /// One contact, solved implicitly, is the inelastic collision of two masses at a point.

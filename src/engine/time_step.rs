@@ -59,7 +59,7 @@ impl TimeStep {
                 return Err(Fault::TimeStepCollapsed { time, first: self.first, now: stable, face: face + 1 });
             }
             self.target = stable.min(CEILING * self.first);
-            let within = (INTERVAL.1 / self.target).clamp(1.0, f64::from(INTERVAL.0));
+            let within = (INTERVAL.1 / self.target).min(f64::from(INTERVAL.0)).max(1.0);
             self.until_look = within as u32;
         }
         self.until_look -= 1;

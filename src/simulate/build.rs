@@ -130,14 +130,10 @@ fn placed(
         heights.fold(f64::NEG_INFINITY, f64::max) + 0.5 * film.thickness
     });
     let [x, y] = impactor.position;
-    let body = RigidBody {
-        pose: Isometry3::translation(x, y, top - surface.lowest()),
-        velocity: Vector3::new(0.0, 0.0, -velocity),
-        spin: Vector3::zeros(),
-        mass: impactor.mass,
-        inertia: surface.inertia_per_mass() * impactor.mass,
-        guide: impactor.guide,
-    };
+    let pose = Isometry3::translation(x, y, top - surface.lowest());
+    let velocity = Vector3::new(0.0, 0.0, -velocity);
+    let inertia = surface.inertia_per_mass() * impactor.mass;
+    let body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
     let contact = Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset);
     Ok(Impact { body, contact })
 }

@@ -6,7 +6,7 @@ use super::build::Mounting;
 use super::energy_check::EnergyCheck;
 use super::grid::Grid;
 use super::rates::RateAudit;
-use super::warnings::Warnings;
+use super::warnings::{Figures, Warnings};
 use super::{Frame, Outcome, Progress, frames};
 use crate::engine::{ElementStrain, Engine, Fault, Observer, Track, View};
 use crate::model::{Loading, Model};
@@ -133,11 +133,13 @@ impl<'a> Probe<'a> {
         let signals = if slow { self.stretch_signals(&mounting) } else { self.impact_signals(&mounting) };
         let energies = self.energy.recording();
         let rates = self.rates.finish();
+        let unfinished = signals.channel("contact_force_N").is_some_and(ends_loaded);
+        let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, unfinished };
         Outcome {
             signals,
             energies,
             frames: self.frames,
-            warnings: self.warnings.finish(balance, rates.outside, kinetic_share, &mounting.films),
+            warnings: self.warnings.finish(&figures, &mounting.films),
             films: mounting.films,
             rates,
             rupture_time: self.rupture_time,
@@ -201,6 +203,14 @@ impl<'a> Probe<'a> {
         let rows: Vec<_> = (0..count).map(row).collect();
         table(self.sample, &["displacement_m", "force_N", "strain", "stress_Pa"], &rows)
     }
+}
+
+/// Whether a force is still more than a hundredth of its peak over the last hundredth of its samples.
+fn ends_loaded(force: &[f64]) -> bool {
+    let peak = force.iter().copied().fold(0.0, f64::max);
+    let last = &force[force.len() - force.len().div_ceil(100)..];
+    let mean = last.iter().sum::<f64>() / last.len().max(1) as f64;
+    mean > 0.01 * peak
 }
 
 fn table<const K: usize>(sample: f64, names: &[&str; K], rows: &[[f64; K]]) -> Recording {

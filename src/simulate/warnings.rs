@@ -19,6 +19,18 @@ const KINETIC: f64 = 0.01;
 /// Scaled Jacobian of an element that is told.
 const MISSHAPEN: f64 = 0.3;
 
+/// What only the whole run can tell.
+pub(super) struct Figures {
+    /// Balance error of the energies.
+    pub(super) balance: f64,
+    /// Share of the straining outside the measured rates.
+    pub(super) outside: f64,
+    /// Kinetic share of a slow test.
+    pub(super) kinetic: Option<f64>,
+    /// Whether the impactor still felt the film at the end.
+    pub(super) unfinished: bool,
+}
+
 /// Each kind of warning, told once, with the time at which it first held.
 #[derive(Default)]
 pub(super) struct Warnings {
@@ -66,8 +78,9 @@ impl Warnings {
         }
     }
 
-    /// All warnings, with those that only the whole run can tell.
-    pub(super) fn finish(self, balance: f64, outside: f64, kinetic: Option<f64>, films: &[Film]) -> Vec<String> {
+    /// All warnings.
+    pub(super) fn finish(self, figures: &Figures, films: &[Film]) -> Vec<String> {
+        let Figures { balance, outside, kinetic, unfinished } = *figures;
         let ms = |t: f64| 1e3 * t;
         let mut out = vec![];
         for (face, film) in films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < MISSHAPEN) {
@@ -96,6 +109,13 @@ impl Warnings {
                 "strain localisation: at {:.1} ms one element of face {face} is strained to {strain:.2}, over {} times its neighbours; the result depends on the mesh from there on",
                 ms(time), LOCALISED.0
             ));
+        }
+        if unfinished {
+            out.push(
+                "the run ends while the impactor is still in touch: rebound and energy absorption are not final; \
+                 use a longer loading.impact.duration"
+                    .into(),
+            );
         }
         if balance > BALANCE {
             out.push(format!("energy balance error {:.1} % of the energy exchanged", 100.0 * balance));

@@ -18,6 +18,9 @@ const RECOVERY: f64 = 0.02;
 /// Sweeps over all contacts in a step.
 const SWEEPS: usize = 10;
 
+/// Change in a sweep over the largest impulse below which the contacts have settled.
+const SETTLED: f64 = 1e-3;
+
 /// Share of [`FACE_BOUND`] from which the sagitta of an element is watched.
 pub(super) const WATCHED_FROM: f64 = 0.7;
 
@@ -39,13 +42,14 @@ struct Footing {
 
 impl Footing {
     fn slip(&self, nodes: &Nodes, body: &RigidBody) -> Vector3<f64> {
-        let film: Vector3<f64> = (0..4).map(|a| nodes.velocity_of(self.nodes[a]) * self.weights[a]).sum();
+        let film = (0..4).filter(|a| self.weights[*a] > 0.0);
+        let film: Vector3<f64> = film.map(|a| nodes.velocity_of(self.nodes[a]) * self.weights[a]).sum();
         film - body.velocity_at(&self.arm)
     }
 
     /// Gives `impulse` (N s) to the film and takes it from the body.
     fn spread(&self, impulse: Vector3<f64>, nodes: &mut Nodes, body: &mut RigidBody, multiplicity: f64) {
-        for (n, weight) in self.nodes.iter().zip(self.weights) {
+        for (n, weight) in self.nodes.iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0) {
             for axis in 0..3 {
                 nodes.velocity[*n][axis] += weight * impulse[axis] * nodes.inverse_mass[*n][axis];
             }
@@ -54,11 +58,12 @@ impl Footing {
     }
 
     /// Brings the point to its least velocity and stops its slip, as far as impulses that only push and the cone of
-    /// friction allow. What an earlier sweep gave may shrink again.
-    fn settle(&mut self, nodes: &mut Nodes, body: &mut RigidBody, multiplicity: f64, friction: f64) {
+    /// friction allow. What an earlier sweep gave may shrink again. Returns the size of the change, N s.
+    fn settle(&mut self, nodes: &mut Nodes, body: &mut RigidBody, multiplicity: f64, friction: f64) -> f64 {
         let lack = self.target - self.slip(nodes, body).dot(&self.normal);
         let pushed = (self.pushed + lack / self.compliance).max(0.0);
-        self.spread(self.normal * (pushed - self.pushed), nodes, body, multiplicity);
+        let change = pushed - self.pushed;
+        self.spread(self.normal * change, nodes, body, multiplicity);
         self.pushed = pushed;
 
         let slip = self.slip(nodes, body);
@@ -66,8 +71,10 @@ impl Footing {
         let wanted = self.dragged - along / self.compliance;
         let bound = friction * pushed;
         let dragged = if wanted.norm() <= bound { wanted } else { wanted * (bound / wanted.norm()) };
-        self.spread(dragged - self.dragged, nodes, body, multiplicity);
+        let turned = dragged - self.dragged;
+        self.spread(turned, nodes, body, multiplicity);
         self.dragged = dragged;
+        change.abs().max(turned.norm())
     }
 
     fn impulses(self) -> impl Iterator<Item = Impulse> {
@@ -97,8 +104,13 @@ impl Contact {
         let met = std::mem::take(&mut self.impulses);
         let mut footings: Vec<Footing> = met.iter().map(|met| self.met_node(met, nodes, body)).chain(faces).collect();
         for _ in 0..SWEEPS {
+            let (mut moved, mut largest) = (0.0_f64, 0.0_f64);
             for footing in &mut footings {
-                footing.settle(nodes, body, self.multiplicity, self.friction);
+                moved = moved.max(footing.settle(nodes, body, self.multiplicity, self.friction));
+                largest = largest.max(footing.pushed);
+            }
+            if moved <= SETTLED * largest {
+                break;
             }
         }
         self.impulses.extend(footings.into_iter().filter(|f| f.pushed > 0.0).flat_map(Footing::impulses));

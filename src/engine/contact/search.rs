@@ -190,7 +190,11 @@ impl Surface {
     }
 
     fn local(&self, pose: &Isometry3<f64>, corners: [&Point3<f64>; 3]) -> Triangle {
-        let [a, b, c] = corners.map(|c| vector(&pose.inverse_transform_point(c).coords));
+        let arms = corners.map(|c| c.coords - pose.translation.vector);
+        let [a, b, c] = match &self.shape {
+            Kind::Ball(_) => arms.map(|arm| vector(&arm)),
+            Kind::Other(_) => arms.map(|arm| vector(&pose.rotation.inverse_transform_vector(&arm))),
+        };
         Triangle::new(a, b, c)
     }
 }
@@ -285,8 +289,8 @@ fn barycentric(triangle: &Triangle, point: Vector) -> [f64; 3] {
     if determinant <= 0.0 {
         return [1.0, 0.0, 0.0];
     }
-    let b = ((vv * wu - uv * wv) / determinant).clamp(0.0, 1.0);
-    let c = ((uu * wv - uv * wu) / determinant).clamp(0.0, 1.0 - b);
+    let b = ((vv * wu - uv * wv) / determinant).max(0.0).min(1.0);
+    let c = ((uu * wv - uv * wu) / determinant).max(0.0).min(1.0 - b);
     [1.0 - b - c, b, c]
 }
 

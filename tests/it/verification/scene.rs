@@ -36,14 +36,10 @@ impl Scene {
         let impactor = model.impactor.as_ref().expect("an impactor");
         let surface = Surface::new(&impactor.shape, None).expect("a surface");
         let [x, y] = impactor.position;
-        let body = RigidBody {
-            pose: Isometry3::translation(x, y, model.faces[0].height + offset[0] - surface.lowest()),
-            velocity: Vector3::new(0.0, 0.0, -velocity),
-            spin: Vector3::zeros(),
-            mass: impactor.mass,
-            inertia: surface.inertia_per_mass() * impactor.mass,
-            guide: impactor.guide,
-        };
+        let pose = Isometry3::translation(x, y, model.faces[0].height + offset[0] - surface.lowest());
+        let velocity = Vector3::new(0.0, 0.0, -velocity);
+        let inertia = surface.inertia_per_mass() * impactor.mass;
+        let body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
         let copies = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
         let contact = Contact::new(surface, impactor.friction, copies, offset);
         let drive = Drive { gravity, multiplicity: copies, ..Drive::default() };
