@@ -39,6 +39,8 @@ pub enum StoreError {
     Twice { path: PathBuf },
     #[error("cannot write {}: {source}", path.display())]
     Write { path: PathBuf, source: io::Error },
+    #[error("cannot write {}: {source}; the run that stood there is in {}", path.display(), former.display())]
+    Stranded { path: PathBuf, former: PathBuf, source: io::Error },
 }
 
 impl StoreError {
@@ -101,49 +103,62 @@ impl Draft {
     /// Puts the whole draft in its place, in one step, and removes what it replaces.
     pub fn publish(self) -> Result<PathBuf, StoreError> {
         let target = self.target.clone();
-        self.publish_at(&target)?;
+        self.publish_at(&target, fs::rename)?;
         discard(&failed(&target));
         Ok(target)
     }
 
-    /// Puts what a failed run left beside its place, under the name `<target>.failed`.
+    /// Puts what a failed run left beside its place, under the name `<target>.failed`, or `<target>.failed-2`
+    /// and so on where something of the user's has that name.
     ///
     /// A whole run that stands at `target` stays.
     pub fn publish_failed(self) -> Result<PathBuf, StoreError> {
         let target = failed(&self.target);
-        check_replaceable(&target)?;
-        self.publish_at(&target)?;
+        self.publish_at(&target, fs::rename)?;
         Ok(target)
     }
 
-    fn publish_at(self, target: &Path) -> Result<(), StoreError> {
+    /// Moves the draft to `target` and what stood there out of the way, by `rename`.
+    fn publish_at(self, target: &Path, rename: impl Fn(PathBuf, PathBuf) -> io::Result<()>) -> Result<(), StoreError> {
         let write = |error| StoreError::write(target, error);
         let former = sibling(target)?;
         let former_run = former.path().join("former");
         let replaced = target.exists();
         if replaced {
-            fs::rename(target, &former_run).map_err(write)?;
+            rename(target.into(), former_run.clone()).map_err(write)?;
         }
-        let renamed = fs::rename(self.folder.path(), target);
-        if let (Err(_), true) = (&renamed, replaced) {
-            fs::rename(&former_run, target).map_err(write)?;
+        if let Err(source) = rename(self.path().into(), target.into()) {
+            if replaced && rename(former_run, target.into()).is_err() {
+                // Dropped, the folder would take the former run with it.
+                let former = former.keep().join("former");
+                return Err(StoreError::Stranded { path: target.into(), former, source });
+            }
+            return Err(write(source));
         }
-        renamed.map_err(write)?;
         // The draft's folder has moved: there is nothing left to remove under its old name.
         let _ = self.folder.keep();
         Ok(())
     }
 }
 
+/// Where a failed run is stored: the first of the names that is free or a run folder of ours.
 fn failed(target: &Path) -> PathBuf {
-    let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
-    name.push(".failed");
-    target.with_file_name(name)
+    let name = target.file_name().map_or_else(OsString::new, OsString::from);
+    let numbered = |number: usize| {
+        let mut name = name.clone();
+        name.push(if number == 1 { ".failed".to_owned() } else { format!(".failed-{number}") });
+        target.with_file_name(name)
+    };
+    let mut number = 1;
+    while check_replaceable(&numbered(number)).is_err() {
+        number += 1;
+    }
+    numbered(number)
 }
 
 /// What an earlier failure left is out of date once a run went through.
 fn discard(folder: &Path) {
-    if folder.is_dir() && check_replaceable(folder).is_ok() {
+    if folder.is_dir() {
         let _ = fs::remove_dir_all(folder);
     }
 }
@@ -233,6 +248,44 @@ mod tests {
         assert_eq!(names(root.path()), ["1008.failed"]);
         stored(&target, "1").unwrap();
         assert_eq!(names(root.path()), ["1008"]);
+    }
+
+    #[test]
+    fn a_failed_run_gives_way_to_what_is_not_ours() {
+        let root = tempfile::tempdir().unwrap();
+        let target = root.path().join("1008");
+        fs::write(root.path().join("1008.failed"), "mine").unwrap();
+        for text in ["at 3 ms", "at 4 ms"] {
+            let draft = Draft::begin(&target).unwrap();
+            draft.write("failure.txt", text).unwrap();
+            let place = draft.publish_failed().unwrap();
+            assert_eq!(place, root.path().join("1008.failed-2"));
+            assert_eq!(fs::read_to_string(place.join("failure.txt")).unwrap(), text);
+        }
+        stored(&target, "1").unwrap();
+        assert_eq!(names(root.path()), ["1008", "1008.failed"]);
+    }
+
+    #[test]
+    fn a_former_run_outlives_renames_that_fail() {
+        for (renames_that_work, stays) in [(1, false), (0, true)] {
+            let root = tempfile::tempdir().unwrap();
+            let target = root.path().join("1008");
+            stored(&target, "1").unwrap();
+            let draft = Draft::begin(&target).unwrap();
+            draft.write("summary.json", "2").unwrap();
+            let done = std::cell::Cell::new(0);
+            let error = draft.publish_at(&target, |from, to| {
+                done.set(done.get() + 1);
+                if done.get() > renames_that_work { Err(io::Error::other("no")) } else { fs::rename(from, to) }
+            });
+            let place = match error {
+                Err(StoreError::Stranded { former, .. }) => former,
+                Err(StoreError::Write { path, .. }) if stays => path,
+                other => panic!("{other:?}"),
+            };
+            assert_eq!(fs::read_to_string(place.join("summary.json")).unwrap(), "1");
+        }
     }
 
     #[test]

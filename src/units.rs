@@ -124,12 +124,19 @@ fn parse_unit(unit: &str) -> Result<(f64, Powers), UnknownFactor> {
             let (size, powers) = look_up(symbol).ok_or_else(|| UnknownFactor(symbol.to_owned()))?;
             let power = power * sign;
             total.0 *= size.powi(i32::from(power));
-            for (sum, own) in total.1.iter_mut().zip(powers) {
-                *sum += own * power;
-            }
+            let own = powers.map(|own| own * power);
+            total.1 = sum(total.1, own).ok_or_else(|| UnknownFactor(unit.to_owned()))?;
         }
     }
     Ok(total)
+}
+
+/// Powers of a product; none where no unit has as many.
+fn sum(mut powers: Powers, others: Powers) -> Option<Powers> {
+    for (power, other) in powers.iter_mut().zip(others) {
+        *power = power.checked_add(other)?;
+    }
+    Some(powers)
 }
 
 /// `s2`, `s^2`, `s²`, `s^-1` → symbol and power.
@@ -337,6 +344,17 @@ mod tests {
             let error = dimension.parse(text).expect_err("not a quantity");
             assert_eq!(error.to_string(), message);
         }
+    }
+
+    #[test]
+    fn absurd_powers_are_no_unit() {
+        for (factors, sign) in [(31, "m4"), (32, "m4"), (33, "m4"), (33, "m-4"), (17, "J4")] {
+            let unit = vec![sign; factors].join("*");
+            assert!(Length::DIMENSION.parse(&format!("1 {unit}")).is_err(), "{factors} of {sign}");
+        }
+        let unit = ["m4"; 33].join("*");
+        let error = Length::DIMENSION.parse(&format!("1 {unit}")).expect_err("not a length");
+        assert!(matches!(error, UnitError::UnknownUnit { unit: found, .. } if found == unit));
     }
 
     proptest! {

@@ -18,17 +18,16 @@ const CELLS: f64 = 0.58;
 
 /// A circle centred on the origin, `radius` in m; outer nodes stand on the circle.
 pub fn disc(radius: f64, mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
-    grid::check([2.0 * radius; 2], meshing.size, count(radius, [false; 2], meshing))?;
+    grid::check([2.0 * radius; 2], meshing.size, count(radius, meshing))?;
     let pattern = Pattern::new(radius, meshing.size);
     Ok(pattern.whole(radius, meshing.element).mesh(mirrored, meshing.element))
 }
 
-/// Elements in the computed part of the circle.
-pub fn count(radius: f64, mirrored: [bool; 2], meshing: &Meshing) -> usize {
+/// Elements in the whole circle.
+fn count(radius: f64, meshing: &Meshing) -> usize {
     let Pattern { block, rings } = Pattern::new(radius, meshing.size);
-    let whole = block.saturating_add(rings.saturating_mul(4)).saturating_mul(block);
-    let parts = mirrored.into_iter().filter(|m| *m).count();
-    (whole >> parts).saturating_mul(elements_per_cell(meshing.element))
+    let cells = block.saturating_add(rings.saturating_mul(4)).saturating_mul(block);
+    cells.saturating_mul(elements_per_cell(meshing.element))
 }
 
 /// Block of `block` × `block` cells (even, so that both axes are lines of the mesh) inside `rings`

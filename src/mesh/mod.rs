@@ -9,11 +9,9 @@ mod grid;
 mod structured;
 mod topology;
 
-use std::path::Path;
-
 use nalgebra::Point3;
 
-use crate::model::{Element, Face, Meshing, Shape, Specimen};
+use crate::model::{Element, Face, Shape, Specimen};
 
 pub use error::MeshError;
 pub use quality::Quality;
@@ -46,27 +44,6 @@ pub fn build(specimen: &Specimen, face: &Face) -> Result<Mesh, MeshError> {
         Shape::Circle { radius } => disc::disc(*radius, mirrored, &face.meshing),
         Shape::Mesh(path) => import::film(path, mirrored, face.meshing.element),
     }
-}
-
-/// Number of elements that [`build`] will make, without making any.
-///
-/// Exact for rectangles and circles, saturating where the number is absurd; for imported meshes a
-/// guess from the length of the file, zero if it cannot be read.
-pub fn estimate(specimen: &Specimen, meshing: &Meshing) -> usize {
-    let mirrored = specimen.symmetry.mirrors();
-    match &specimen.shape {
-        Shape::Rectangle { x, y } => structured::count([*x, *y], mirrored, meshing),
-        Shape::Circle { radius } => disc::count(*radius, mirrored, meshing),
-        Shape::Mesh(path) => imported(path),
-    }
-}
-
-/// Bytes that one element and its share of the nodes take in the usual STL, OBJ and VTU files.
-const BYTES_PER_ELEMENT: u64 = 50;
-
-fn imported(path: &Path) -> usize {
-    let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
-    usize::try_from(bytes / BYTES_PER_ELEMENT).unwrap_or(usize::MAX)
 }
 
 /// Elements that one quadrilateral cell becomes.

@@ -8,18 +8,15 @@ use crate::model::{Element, Meshing};
 
 /// A rectangle centred on the origin, `lengths` along x and y in m.
 pub fn rectangle(lengths: [f64; 2], mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
-    grid::check(lengths, meshing.size, count(lengths, [false; 2], meshing))?;
+    grid::check(lengths, meshing.size, count(lengths, meshing))?;
     let cells = divisions(lengths, mirrored, meshing);
     Ok(whole(lengths, cells, meshing.element).mesh(mirrored, meshing.element))
 }
 
-/// Elements in the computed part of the rectangle.
-pub fn count(lengths: [f64; 2], mirrored: [bool; 2], meshing: &Meshing) -> usize {
-    let [columns, rows] = divisions(lengths, mirrored, meshing);
-    let computed = |cells: usize, mirrored: bool| if mirrored { cells / 2 } else { cells };
-    computed(columns, mirrored[0])
-        .saturating_mul(computed(rows, mirrored[1]))
-        .saturating_mul(elements_per_cell(meshing.element))
+/// Elements in the whole rectangle.
+fn count(lengths: [f64; 2], meshing: &Meshing) -> usize {
+    let [columns, rows] = divisions(lengths, [false; 2], meshing);
+    columns.saturating_mul(rows).saturating_mul(elements_per_cell(meshing.element))
 }
 
 /// Columns and rows of the whole rectangle.

@@ -2,7 +2,7 @@
 
 use super::specimen::{is_along_axes, symmetry};
 use super::{Element, Face, Findings, Loading, Meshing, Symmetry, material};
-use crate::material::Material;
+use crate::material::{Law, Material};
 use crate::scenario::{self, Layer, Layers, Scenario};
 
 /// The faces; none where a material is missing or no material.
@@ -24,6 +24,7 @@ pub fn check(scenario: &Scenario, loading: &Loading, findings: &mut Findings<'_>
         }
     }
     mirrored(&faces, scenario, findings);
+    prestrained(&faces, scenario, findings);
     Some(faces)
 }
 
@@ -138,6 +139,23 @@ fn heights(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
                 "the faces do not stand from the highest to the lowest",
                 "the impactor comes from above and meets the first face first",
             );
+        }
+    }
+}
+
+/// A film must outlast its own mounting.
+fn prestrained(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
+    for (place, face) in faces.iter().enumerate() {
+        let Law::Fabric(fabric) = &face.material.law else { continue };
+        let path = if scenario.layer.is_empty() { "layers".to_owned() } else { format!("layer.{place}") };
+        let fibres = [("md", "MD", fabric.md()), ("td", "TD", fabric.td())];
+        for ((key, name, curve), prestrain) in fibres.into_iter().zip(face.prestrain) {
+            if prestrain < curve.end() {
+                continue;
+            }
+            let end = (1e3 * curve.end()).round() / 1e3;
+            let message = format!("pre-strain {prestrain} breaks the film: {name} breaks at {end}");
+            findings.report(&format!("{path}.prestrain.{key}"), message);
         }
     }
 }

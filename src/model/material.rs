@@ -31,7 +31,9 @@ fn fabric(written: &scenario::Fabric, path: &str, findings: &mut Findings<'_>) -
     let shear_path = format!("{path}.shear.curve");
     let place = |index: usize| format!("{shear_path}.{index}");
     let shear = curve(&written.shear.curve, &shear_path, place, findings);
-    Some(Fabric::new(md?, td?, shear?, written.absorption))
+    // Outside, there is no law; the mistake was named when the range was checked.
+    let absorption = Some(written.absorption).filter(|share| (0.0..1.0).contains(share));
+    Some(Fabric::new(md?, td?, shear?, absorption?))
 }
 
 /// The curve of one fibre set, moved by the multipliers.

@@ -1,8 +1,10 @@
 //! What a run will need of the machine, before anything is allocated.
 
 use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
 
-use super::{Element, Face, Findings, Model, Shape};
+use super::{Element, Face, Findings, ImpactorShape, Loading, Model, Shape};
 
 /// Memory that one run may take for its film, bytes. A bound that is the same on every machine: a film
 /// finer than this is a mistake in the unit of `specimen.mesh.size`.
@@ -11,15 +13,22 @@ const MOST_MEMORY: f64 = 4e9;
 const PER_ELEMENT: f64 = 700.0;
 /// Position, velocity, force and mass of one node, bytes.
 const PER_NODE: f64 = 150.0;
+/// One sample: about 20 channels as numbers, as text of a CSV, and once more while that is written; bytes.
+const PER_SAMPLE: f64 = 20.0 * 8.0 * 3.0;
+/// Bytes that one element and its share of the nodes take in a file, as a binary STL has them. Files of text take
+/// more, so that the guess is on the safe side.
+const FILE_PER_ELEMENT: f64 = 50.0;
+/// Longest mesh file that is read, bytes.
+const LONGEST_FILE: f64 = 1e9;
 /// One kept state: positions of a node, strains of an element, bytes.
 const PER_FRAME: f64 = 12.0 + 13.0;
 
-/// Refuses meshes that do not fit into memory and elements larger than the film.
+/// Refuses runs that do not fit into memory and elements larger than the film.
 pub fn check(model: &Model, findings: &mut Findings<'_>) {
-    let mut total = 0.0;
+    files(model, findings);
+    let (mut total, mut memory) = (0.0, 0.0);
     for (place, face) in model.faces.iter().enumerate() {
-        let own = format!("layer.{place}.mesh.size");
-        let path = if findings.is_written(&own) { own } else { "specimen.mesh.size".to_owned() };
+        let path = mesh_path(model, place, findings);
         if face.meshing.size > largest_side(&model.specimen.shape) {
             let message = "an element is larger than the film";
             findings.report_with(&path, message, "a bare number is in m");
@@ -27,7 +36,7 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
         }
         total += elements(model, face);
         let frames = PER_FRAME * model.output.frames as f64;
-        let memory = total * (PER_ELEMENT + PER_NODE + frames);
+        memory = total * (PER_ELEMENT + PER_NODE + frames);
         if memory > MOST_MEMORY {
             let message =
                 format!("the mesh is too large for memory: {total:.2e} elements need about {:.0} GB", memory / 1e9);
@@ -36,6 +45,62 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
             return;
         }
     }
+    if findings.mistakes.is_empty() {
+        samples(model, memory, findings);
+    }
+}
+
+/// Refuses files of meshes that are too long to be read at all.
+fn files(model: &Model, findings: &mut Findings<'_>) {
+    let film = match &model.specimen.shape {
+        Shape::Mesh(path) => Some(("specimen.shape.mesh", path)),
+        _ => None,
+    };
+    let impactor = match model.impactor.as_ref().map(|impactor| &impactor.shape) {
+        Some(ImpactorShape::Mesh(path)) => Some(("impactor.shape.mesh", path)),
+        _ => None,
+    };
+    for (key, path) in [film, impactor].into_iter().flatten() {
+        let length = length(path);
+        if length > LONGEST_FILE {
+            let message = format!("the mesh file is too long: {:.1} GB", length / 1e9);
+            findings.report_with(key, message, format!("at most {} GB are read", LONGEST_FILE / 1e9));
+        }
+    }
+}
+
+/// Refuses recordings that do not fit into memory beside the `film`, bytes.
+fn samples(model: &Model, film: f64, findings: &mut Findings<'_>) {
+    let samples = run_time(model) * model.output.sample_rate;
+    let memory = film + samples * PER_SAMPLE;
+    if memory > MOST_MEMORY {
+        let message = format!("{samples:.2e} samples and the film need about {:.1} GB of memory", memory / 1e9);
+        findings.report_with("output.sample_rate", message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
+    }
+}
+
+/// Simulated time, s; zero for a stretch of a shape that jaws cannot hold, which is a mistake of its own.
+fn run_time(model: &Model) -> f64 {
+    match (&model.loading, &model.specimen.shape) {
+        (Loading::Impact { duration, .. }, _) => *duration,
+        (Loading::Stretch { velocity, until, .. }, Shape::Rectangle { x, .. }) => until * x / velocity,
+        (Loading::Stretch { .. }, _) => 0.0,
+    }
+}
+
+/// Key path of what makes the mesh of a face fine.
+fn mesh_path(model: &Model, place: usize, findings: &Findings<'_>) -> String {
+    let own = format!("layer.{place}.mesh.size");
+    match model.specimen.shape {
+        Shape::Mesh(_) => "specimen.shape.mesh".to_owned(),
+        _ if findings.is_written(&own) => own,
+        _ => "specimen.mesh.size".to_owned(),
+    }
+}
+
+/// Bytes of a file; none of one that cannot be read, which reading it will tell.
+fn length(path: &Path) -> f64 {
+    fs::metadata(path).map_or(0.0, |file| file.len() as f64)
 }
 
 fn largest_side(shape: &Shape) -> f64 {
@@ -46,16 +111,14 @@ fn largest_side(shape: &Shape) -> f64 {
     }
 }
 
-/// Elements of one face; an imported mesh has as many as its file.
+/// Elements of one face; those of an imported mesh are guessed from the length of its file.
 fn elements(model: &Model, face: &Face) -> f64 {
     let size = face.meshing.size;
-    if size <= 0.0 {
-        return 0.0;
-    }
-    let whole = match model.specimen.shape {
+    let whole = match &model.specimen.shape {
+        Shape::Mesh(path) => return length(path) / FILE_PER_ELEMENT,
+        _ if size <= 0.0 => return 0.0, // out of range, and said so already
         Shape::Rectangle { x, y } => (x / size).ceil() * (y / size).ceil(),
         Shape::Circle { radius } => PI * (radius / size).powi(2),
-        Shape::Mesh(_) => 0.0,
     };
     let triangles = if face.meshing.element == Element::Tri3 { 2.0 } else { 1.0 };
     whole * triangles / model.specimen.symmetry.copies()

@@ -193,6 +193,33 @@ fn a_resolved_scenario_is_the_same_from_anywhere() {
 }
 
 #[test]
+fn mesh_files_are_bounded_before_they_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("film.stl");
+    let file = fs::File::create(&path).expect("writable");
+    let film = format!("{{ mesh = '{}' }}", path.display());
+    let square = r#"{ rectangle = ["1 m", "1 m"] }, mesh = { size = "10 mm" }"#;
+    let sphere = r#"{ sphere = { radius = "0.1 m" } }"#;
+    for (length, specimen, impactor, expected) in [
+        (200_000_000, film.as_str(), sphere, "the mesh is too large for memory: 4.00e6 elements need about 27 GB"),
+        (2_000_000_000, square, film.as_str(), "the mesh file is too long: 2.0 GB"),
+    ] {
+        file.set_len(length).expect("room");
+        let text = format!(
+            "specimen = {{ shape = {specimen}, material = {{ density = 1e3, thickness = 1e-5, \
+             elastic = {{ young = 1e8, poisson = 0.4 }} }} }}\n\
+             impactor = {{ shape = {impactor}, mass = 1, friction = 0 }}\n\
+             loading.impact = {{ velocity = 1, duration = \"10 ms\" }}\n"
+        );
+        let scenario = folder.path().join("scenario.toml");
+        fs::write(&scenario, text).expect("writable");
+        let mistakes = check(&scenario).expect_err("too long");
+        let messages: Vec<&str> = mistakes.iter().map(|mistake| mistake.message.as_str()).collect();
+        assert_eq!(messages, [expected]);
+    }
+}
+
+#[test]
 fn a_chain_of_files_has_an_end() {
     let folder = tempfile::tempdir().expect("a folder");
     for link in 0..40 {
