@@ -10,11 +10,12 @@ use tempfile::TempDir;
 use thiserror::Error;
 
 /// What a run folder of ours may hold; anything else in one belongs to the user.
-const OURS: [&str; 8] = [
+const OURS: [&str; 9] = [
     "signals.csv",
     "energies.csv",
     "summary.json",
     "scenario.toml",
+    "post.rhai",
     "recording.rrd",
     "report.html",
     "failure.txt",

@@ -4,16 +4,14 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::diagnostic::shown_path;
-use crate::model::{Impactor, ImpactorShape, Loading, Model};
+use crate::model::Model;
 use crate::post::{Audit, Impact, Measures, Results, Stretch};
+use crate::report::{G, duration, subject};
 use crate::simulate::Outcome;
-
-/// Standard gravity, m/s²: decelerations are shown in multiples of it.
-const G: f64 = 9.806_65;
 
 /// Title, cost, figures and warnings of a run; ends with a line break.
 pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
-    let mut text = format!("{}  {}\n", model.name, what(model));
+    let mut text = format!("{}  {}\n", model.name, subject(model));
     match &results.measures {
         Measures::Impact(measures) => {
             text += &cost(&measures.audit);
@@ -26,7 +24,7 @@ pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
         }
     }
     if let Some(time) = outcome.rupture_time {
-        let _ = writeln!(text, "  the film ruptured at {:.1} ms", time * 1e3);
+        let _ = writeln!(text, "  the film ruptured at {}", duration(time));
     }
     for warning in results.measures.warnings() {
         let _ = writeln!(text, "  warning: {warning}");
@@ -40,47 +38,6 @@ pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
 /// Where the files are; ends with a line break.
 pub fn folder(place: &Path, files: &[String]) -> String {
     format!("  {}: {}\n", shown_path(place), files.join("  "))
-}
-
-fn what(model: &Model) -> String {
-    let layers = layers(model);
-    match (&model.loading, &model.impactor) {
-        (Loading::Impact { velocity, .. }, Some(impactor)) => {
-            format!("{} at {velocity:.2} m/s on {layers}", body(impactor))
-        }
-        (Loading::Impact { velocity, .. }, None) => format!("{velocity:.2} m/s on {layers}"),
-        (Loading::Stretch { angle, velocity, until, .. }, _) => {
-            let (angle, until) = (angle.to_degrees(), until * 100.0);
-            format!("{layers} stretched at {velocity} m/s to {until:.0} %, {angle:.0}° from MD")
-        }
-    }
-}
-
-fn body(impactor: &Impactor) -> String {
-    let shape = match impactor.shape {
-        ImpactorShape::Sphere { .. } => "sphere",
-        ImpactorShape::Hemisphere { .. } => "hemisphere",
-        ImpactorShape::Cylinder { .. } => "cylinder",
-        ImpactorShape::Mesh(_) => "body",
-    };
-    format!("{shape} {} kg", impactor.mass)
-}
-
-/// `2 x 8 layers` where all faces are alike, else `8 + 9 layers`.
-fn layers(model: &Model) -> String {
-    let counts: Vec<u32> = model.faces.iter().map(|face| face.layers).collect();
-    let layers = match counts.as_slice() {
-        [1] => "1 layer".into(),
-        [count] => format!("{count} layers"),
-        [first, rest @ ..] if rest.iter().all(|count| count == first) => {
-            format!("{} x {first} layers", counts.len())
-        }
-        _ => {
-            let counts: Vec<String> = counts.iter().map(u32::to_string).collect();
-            format!("{} layers", counts.join(" + "))
-        }
-    };
-    format!("{layers} of {}", model.film())
 }
 
 fn cost(audit: &Audit) -> String {
@@ -136,7 +93,7 @@ fn stretch(measures: &Stretch) -> String {
 
 fn at(value: Option<String>, time: Option<f64>) -> String {
     match (value, time) {
-        (Some(value), Some(time)) => format!("{value} at {:.1} ms", time * 1e3),
+        (Some(value), Some(time)) => format!("{value} at {}", duration(time)),
         _ => "-".into(),
     }
 }

@@ -53,8 +53,11 @@ pub fn run(args: &ExplainArgs, shared: &Shared) -> ExitCode {
 
 /// The tables of a scenario, without what is in them.
 fn top() -> Vec<Explanation> {
-    let keys = grammar::scenario().table().map(|table| table.keys.iter());
-    keys.into_iter().flatten().map(|key| explanation(&key.name, key)).collect()
+    top_keys().map(|key| explanation(&key.name, key)).collect()
+}
+
+fn top_keys() -> impl Iterator<Item = &'static Key> {
+    grammar::scenario().table().into_iter().flat_map(|table| &table.keys)
 }
 
 /// The key at `path` and its name; a number in the path (an item of a list) is passed over.
@@ -64,12 +67,32 @@ fn find(path: &str) -> Result<(String, &'static Key), Diagnostic> {
     let mut found = None;
     for step in path.split('.').filter(|step| step.parse::<usize>().is_err()) {
         let keys = keys_under(rule).ok_or_else(|| nothing_under(&name))?;
-        let key = keys.key(step).ok_or_else(|| unknown(step, &name, keys))?;
+        let key = keys.key(step).ok_or_else(|| {
+            let mistake = unknown(step, &name, keys);
+            match ending(path) {
+                Some(whole) => mistake.hint(format!("did you mean `{whole}`?")),
+                None => mistake,
+            }
+        })?;
         name = if name.is_empty() { key.name.clone() } else { format!("{name}.{}", key.name) };
         rule = &key.rule;
         found = Some(key);
     }
     found.map(|key| (name, key)).ok_or_else(|| Diagnostic::new(format!("`{path}` is not a key")))
+}
+
+/// The one key whose path ends with `path`.
+fn ending(path: &str) -> Option<String> {
+    let suffix = format!(".{path}");
+    let mut found = top_keys().flat_map(|key| paths(&key.name, key)).filter(|whole| whole.ends_with(&suffix));
+    found.next().filter(|_| found.next().is_none())
+}
+
+/// The path of the key and of everything under it.
+fn paths(name: &str, key: &Key) -> Vec<String> {
+    let children = keys_under(&key.rule).into_iter().flat_map(|table| &table.keys);
+    let below = children.flat_map(|child| paths(&format!("{name}.{}", child.name), child));
+    std::iter::once(name.to_owned()).chain(below).collect()
 }
 
 fn nothing_under(name: &str) -> Diagnostic {

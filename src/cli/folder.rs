@@ -12,6 +12,9 @@ use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
 use crate::store::{Draft, StoreError};
 
+/// The run's own copy of its post script.
+pub const SCRIPT: &str = "post.rhai";
+
 /// A run, finished or broken off.
 pub struct Contents<'a> {
     pub model: &'a Model,
@@ -19,12 +22,14 @@ pub struct Contents<'a> {
     /// `None` where a run that broke off cannot be measured.
     pub results: Option<&'a Results>,
     pub scenario: &'a str,
+    /// Text of the post script that `scenario` reads as [`SCRIPT`].
+    pub script: Option<&'a str>,
     pub failure: Option<&'a str>,
 }
 
 /// Writes all files of a run into the draft and gives their names.
 pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreError> {
-    let Contents { model, outcome, results, scenario, failure } = contents;
+    let Contents { model, outcome, results, scenario, script, failure } = contents;
     let mut files = Files { draft, names: Vec::new() };
     let signals = results.map_or(&outcome.signals, |results| &results.signals);
     files.write("signals.csv", recording(signals)?)?;
@@ -39,6 +44,9 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
         files.write("report.html", page.into_bytes())?;
     }
     files.write("scenario.toml", scenario.as_bytes().to_vec())?;
+    if let Some(text) = script {
+        files.write(SCRIPT, text.as_bytes().to_vec())?;
+    }
     if let Some(cause) = failure {
         files.write("failure.txt", format!("{cause}\n").into_bytes())?;
     }

@@ -1,45 +1,92 @@
 //! A bar over all runs with the time to go, on a terminal only.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::report::duration;
 use crate::simulate::Progress;
 
 /// Steps of the bar that one run has.
 const PER_RUN: f64 = 1000.0;
 
+/// Between two looks of the bar.
+const REFRESH: Duration = Duration::from_millis(100);
+
 /// One bar for all runs.
 pub struct Bar {
     bar: ProgressBar,
     done: Vec<AtomicU64>,
+    start: Instant,
+    drawn: Mutex<Instant>,
 }
 
 impl Bar {
     /// A bar for so many runs on standard error; invisible where that is no terminal or quiet is asked for.
     pub fn new(runs: usize, quiet: bool) -> Bar {
-        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new((runs as f64 * PER_RUN) as u64) };
-        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {eta} to go  {msg}") {
+        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
+        let bar = ProgressBar::with_draw_target(Some((runs as f64 * PER_RUN) as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}") {
             bar.set_style(style);
         }
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Bar { bar, done: (0..runs).map(|_| AtomicU64::new(0)).collect() }
+        let start = Instant::now();
+        Bar { bar, done: (0..runs).map(|_| AtomicU64::new(0)).collect(), start, drawn: Mutex::new(start) }
     }
 
-    /// Shows how far the run at `index` is.
+    /// Shows how far the run at `index` is; a bar that was drawn just now stays as it is.
     pub fn show(&self, index: usize, progress: Progress) {
         let share = progress.done.clamp(0.0, 1.0);
         self.done[index].store((share * PER_RUN) as u64, Ordering::Relaxed);
-        let total = self.done.iter().map(|done| done.load(Ordering::Relaxed)).sum();
-        self.bar.set_position(total);
-        if self.done.len() == 1 {
-            self.bar.set_message(format!("{:.1} ms, {} steps", progress.time * 1e3, progress.steps));
+        // Another run that is drawing the bar draws this one's progress too.
+        let Ok(mut drawn) = self.drawn.try_lock() else {
+            return;
+        };
+        if drawn.elapsed() < REFRESH {
+            return;
         }
+        *drawn = Instant::now();
+        let total: u64 = self.done.iter().map(|done| done.load(Ordering::Relaxed)).sum();
+        let state = if self.done.len() == 1 {
+            format!("{}, {} steps", duration(progress.time), progress.steps)
+        } else {
+            String::new()
+        };
+        let whole = total as f64 / (self.done.len() as f64 * PER_RUN);
+        let to_go = to_go(self.start.elapsed(), whole).map(|time| format!("{time} to go  ")).unwrap_or_default();
+        self.bar.set_message(format!("{to_go}{state}"));
+        self.bar.set_position(total);
     }
 
     /// Takes the bar away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// What is left of the wall time, once enough is done to tell.
+fn to_go(elapsed: Duration, share: f64) -> Option<String> {
+    let telling = share >= 0.02 || (share > 0.0 && elapsed >= Duration::from_millis(500));
+    let left = telling.then(|| elapsed.as_secs_f64() * (1.0 - share) / share)?;
+    Some(match left {
+        seconds if seconds < 90.0 => format!("{} s", seconds.ceil()),
+        seconds if seconds < 5400.0 => format!("{:.0} min", seconds / 60.0),
+        seconds => format!("{:.1} h", seconds / 3600.0),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_to_go_waits_until_it_can_be_told() {
+        let after = |millis, share| to_go(Duration::from_millis(millis), share);
+        assert_eq!(after(100, 0.0), None);
+        assert_eq!(after(100, 0.01), None);
+        assert_eq!(after(900, 0.0), None);
+        assert_eq!(after(1000, 0.1).as_deref(), Some("9 s"));
+        assert_eq!(after(60_000, 0.2).as_deref(), Some("4 min"));
     }
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use super::faults::{WRITE_FAILURE, evaluating, storing};
-use super::folder::{self, Contents};
+use super::folder::{self, Contents, SCRIPT};
 use super::progress::Bar;
 use super::scenarios::{Checked, Selection};
 use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report};
@@ -89,7 +89,14 @@ impl Job {
         let model = &self.checked.model;
         let results =
             self.checked.plan.evaluate(model, outcome, |_| {}).map_err(|error| (BAD_INPUT, evaluating(&error)))?;
-        let contents = Contents { model, outcome, results: Some(&results), scenario: &self.resolved(), failure: None };
+        let contents = Contents {
+            model,
+            outcome,
+            results: Some(&results),
+            scenario: &self.resolved(),
+            script: self.checked.plan.script(),
+            failure: None,
+        };
         let stored = Draft::begin(&self.place).and_then(|draft| {
             let files = folder::fill(&draft, &contents)?;
             Ok((draft.publish()?, files))
@@ -105,8 +112,9 @@ impl Job {
         let results = self.checked.plan.measure(model, outcome).ok();
         let scenario = self.resolved();
         let cause = failure.cause.to_string();
+        let script = self.checked.plan.script();
         let contents =
-            Contents { model, outcome, results: results.as_ref(), scenario: &scenario, failure: Some(&cause) };
+            Contents { model, outcome, results: results.as_ref(), scenario: &scenario, script, failure: Some(&cause) };
         let stored = Draft::begin(&self.place).and_then(|draft| {
             folder::fill(&draft, &contents)?;
             draft.publish_failed()
@@ -130,7 +138,7 @@ impl Job {
     }
 
     fn resolved(&self) -> String {
-        format!("# droptower {}\n{}", env!("CARGO_PKG_VERSION"), self.checked.document.resolved())
+        format!("# droptower {}\n{}", env!("CARGO_PKG_VERSION"), self.checked.document.resolved_beside_script(SCRIPT))
     }
 }
 

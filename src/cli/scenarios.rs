@@ -64,10 +64,20 @@ pub type Verdict = Result<Checked, Vec<Diagnostic>>;
 
 /// The scenario at `path` with changes laid over it.
 pub fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
-    let document = Document::read(path)?.with(assignments);
+    let document = Document::read(path)?;
+    if document.is_material() {
+        return Err(vec![material(path)]);
+    }
+    let document = document.with(assignments);
     let model = model::check(&document)?;
     let plan = Plan::prepare(&model).map_err(|error| preparing(&error))?;
     Ok(Checked { document, model, plan })
+}
+
+fn material(path: &Path) -> Diagnostic {
+    let shown = shown_path(path);
+    let mistake = Diagnostic::new(format!("{shown} is a material, not a scenario"));
+    mistake.hint(format!("name it in a scenario under [specimen]: material = \"{shown}\""))
 }
 
 /// The changes that `--set` asks for.

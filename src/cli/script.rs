@@ -1,20 +1,19 @@
 //! `droptower script`: a Rhai script over scenarios.
 
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use rhai::{Dynamic, Map, Scope};
-use serde_json::{Value, json};
+use rhai::{Dynamic, Scope};
+use serde_json::{Map, Value, json};
 
 use super::faults::{WRITE_FAILURE, reading, script, storing};
 use super::{Shared, digest, folder, print, print_json, report, scenarios, table};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post;
 use crate::report::{StudyPage, study_page};
-use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine};
+use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine, to_json};
 use crate::store::{self, Draft, StoreError};
 
 #[derive(Debug, Args)]
@@ -36,7 +35,18 @@ pub struct ScriptArgs {
 }
 
 /// Names that belong to a study's summary.
-const RESERVED: [&str; 3] = ["script", "droptower", "tables"];
+const RESERVED: [&str; 4] = ["script", "droptower", "study", "tables"];
+
+/// A script that was run, and what it found.
+struct Studied {
+    /// The script's name.
+    name: String,
+    /// What runs the study again.
+    call: Map<String, Value>,
+    /// The text that was run.
+    text: String,
+    findings: Findings,
+}
 
 pub fn run(args: &ScriptArgs, shared: &Shared) -> ExitCode {
     match study(args, shared) {
@@ -52,18 +62,18 @@ fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>
     }
     let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| vec![storing(&error)])?;
-    let findings = findings(args, shared.quiet)?;
-    Ok(keep(args, &name, &place, &findings).map_or_else(
+    let studied = studied(args, name, shared.quiet)?;
+    Ok(keep(&studied, &place).map_or_else(
         |error| {
             report(&[storing(&error)]);
             ExitCode::from(WRITE_FAILURE)
         },
-        |files| show(&place, &files, &findings, &name, shared),
+        |files| show(&place, &files, &studied, shared),
     ))
 }
 
 /// Runs the script; what it logs is heard at once.
-fn findings(args: &ScriptArgs, quiet: bool) -> Result<Findings, Vec<Diagnostic>> {
+fn studied(args: &ScriptArgs, name: String, quiet: bool) -> Result<Studied, Vec<Diagnostic>> {
     let changes = scenarios::assignments(&args.set)?;
     let ledger = Ledger::new(RESERVED.map(String::from).into(), move |line| {
         if !quiet {
@@ -76,10 +86,40 @@ fn findings(args: &ScriptArgs, quiet: bool) -> Result<Findings, Vec<Diagnostic>>
     post::register_studies(&mut engine, changes);
     Arguments::register(&mut engine);
     let mut scope = Scope::new();
-    scope.push_constant("args", arguments(args)?);
+    let given = arguments(args)?;
+    let call = call(args, &given)?;
+    scope.push_constant("args", Arguments::new(given.clone()));
     let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
+    check_read(&program, &given)?;
     program.run(&engine, scope).map_err(|fault| vec![script(&fault)])?;
-    Ok(ledger.findings())
+    Ok(Studied { name, call, text: program.text().into(), findings: ledger.findings() })
+}
+
+/// Every argument has its place in the script: one that is misspelt would change nothing.
+fn check_read(script: &Script, given: &rhai::Map) -> Result<(), Vec<Diagnostic>> {
+    let unread = given.keys().filter(|name| !script.mentions_argument(name));
+    let mistake = |name: &rhai::Identifier| {
+        let how = if name == "scenario" { "--scenario".into() } else { format!("--arg {name}") };
+        Diagnostic::new(format!("the script reads no `args.{name}`")).hint(format!("leave {how} out, or correct it"))
+    };
+    let mistakes: Vec<Diagnostic> = unread.map(mistake).collect();
+    if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
+}
+
+/// Script, scenario, changes and arguments as they were given.
+fn call(args: &ScriptArgs, given: &rhai::Map) -> Result<Map<String, Value>, Vec<Diagnostic>> {
+    let mut own = Map::new();
+    for (name, value) in given.iter().filter(|(name, _)| *name != "scenario") {
+        let value = to_json(value).map_err(|error| vec![Diagnostic::new(format!("--arg {name}: {error}"))])?;
+        own.insert(name.to_string(), value);
+    }
+    let call = [
+        ("script", json!(shown_path(&args.path))),
+        ("scenario", json!(args.scenario)),
+        ("set", json!(args.set)),
+        ("args", Value::Object(own)),
+    ];
+    Ok(call.map(|(name, value)| (name.into(), value)).into_iter().collect())
 }
 
 fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
@@ -92,8 +132,8 @@ fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
 }
 
 /// What the script finds as `args`; numbers and truths are such, the rest is text.
-fn arguments(args: &ScriptArgs) -> Result<Arguments, Vec<Diagnostic>> {
-    let mut map = Map::new();
+fn arguments(args: &ScriptArgs) -> Result<rhai::Map, Vec<Diagnostic>> {
+    let mut map = rhai::Map::new();
     let mut mistakes = Vec::new();
     for argument in &args.arg {
         match argument.split_once('=') {
@@ -104,7 +144,7 @@ fn arguments(args: &ScriptArgs) -> Result<Arguments, Vec<Diagnostic>> {
     if let Some(scenario) = &args.scenario {
         map.insert("scenario".into(), scenario.clone().into());
     }
-    if mistakes.is_empty() { Ok(Arguments::new(map)) } else { Err(mistakes) }
+    if mistakes.is_empty() { Ok(map) } else { Err(mistakes) }
 }
 
 fn value_of(text: &str) -> Dynamic {
@@ -114,31 +154,34 @@ fn value_of(text: &str) -> Dynamic {
     integer.or_else(|_| float()).or_else(|_| truth()).unwrap_or_else(|_| text.to_owned().into())
 }
 
-fn summary(name: &str, findings: &Findings) -> serde_json::Map<String, Value> {
-    let mut summary = serde_json::Map::new();
+fn summary(studied: &Studied) -> Map<String, Value> {
+    let Studied { name, call, findings, .. } = studied;
+    let mut summary = Map::new();
     summary.insert("script".into(), json!(name));
     summary.insert("droptower".into(), json!(env!("CARGO_PKG_VERSION")));
+    summary.insert("study".into(), Value::Object(call.clone()));
     summary.extend(findings.measures.clone());
     let tables = findings.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
     summary.insert("tables".into(), Value::Object(tables.collect()));
     summary
 }
 
-fn keep(args: &ScriptArgs, name: &str, place: &Path, findings: &Findings) -> Result<Vec<String>, StoreError> {
-    let text = fs::read_to_string(&args.path).map_err(|error| StoreError::write(&args.path, error))?;
-    let page = study_page(&StudyPage { name, findings, script: &text });
+fn keep(studied: &Studied, place: &Path) -> Result<Vec<String>, StoreError> {
+    let Studied { name, call, text, findings } = studied;
+    let page = study_page(&StudyPage { name, call, findings, script: text });
     let draft = Draft::begin(place)?;
-    let files = folder::fill_study(&draft, findings, &summary(name, findings), &page)?;
+    let files = folder::fill_study(&draft, findings, &summary(studied), &page)?;
     draft.publish()?;
     Ok(files)
 }
 
-fn show(place: &Path, files: &[String], findings: &Findings, name: &str, shared: &Shared) -> ExitCode {
+fn show(place: &Path, files: &[String], studied: &Studied, shared: &Shared) -> ExitCode {
     if shared.json {
-        return print_json(&summary(name, findings));
+        return print_json(&summary(studied));
     }
     if shared.quiet {
         return ExitCode::SUCCESS;
     }
+    let Studied { name, findings, .. } = studied;
     print(&format!("{name}\n{}{}", table::findings(findings), digest::folder(place, files).trim_end()))
 }

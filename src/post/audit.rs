@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::mesh::Quality;
+use crate::signal::csv::clean_time;
 use crate::simulate::{Outcome, RateHistogram};
 
 /// Size, cost and trust of a run; fields of `summary.json`.
@@ -68,7 +69,7 @@ impl Audit {
         Audit {
             energy_balance_error: outcome.energy_balance_error,
             ruptured: outcome.rupture_time.is_some(),
-            rupture_time_s: outcome.rupture_time,
+            rupture_time_s: outcome.rupture_time.map(clean_time),
             elements: outcome.elements,
             steps: outcome.steps,
             time_step_s: outcome.time_step,

@@ -6,6 +6,7 @@ use super::{Audit, Comparison};
 use crate::experiment::absorption::{Body, energy_absorption};
 use crate::material::{Law, MembraneLaw};
 use crate::model::{Impactor, Loading, Model};
+use crate::signal::csv::clean_time;
 use crate::signal::norm::NormError;
 use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
@@ -62,9 +63,9 @@ impl Impact {
         let [break_strain_md, break_strain_td] = break_strains(model);
         Impact {
             peak_acceleration_m_s2: peak.map(|[_, value]| value),
-            time_of_peak_acceleration_s: peak.map(|[time, _]| time),
+            time_of_peak_acceleration_s: peak.map(|[time, _]| clean_time(time)),
             peak_displacement_m: deepest.map(|[_, value]| value),
-            time_of_peak_displacement_s: deepest.map(|[time, _]| time),
+            time_of_peak_displacement_s: deepest.map(|[time, _]| clean_time(time)),
             rebound_velocity_m_s: rebound.map(|[_, value]| value),
             energy_absorption: absorption(model, signals),
             break_strain_md,

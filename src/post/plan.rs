@@ -64,6 +64,11 @@ impl Plan {
         Results::measure(model, outcome, self.comparison.clone())
     }
 
+    /// The text of the post script, as it is run.
+    pub fn script(&self) -> Option<&str> {
+        self.script.as_ref().map(Script::text)
+    }
+
     /// What the run is compared with.
     pub fn comparison(&self) -> Option<&Comparison> {
         self.comparison.as_ref()

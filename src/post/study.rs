@@ -87,9 +87,12 @@ fn assignment(key: &str, value: &Dynamic) -> Answer<Assignment> {
 }
 
 fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
-    let line = |mistake: &Diagnostic| match &mistake.span {
-        Some(span) => format!("{span:?}: {}", mistake.message),
-        None => mistake.message.clone(),
+    let line = |mistake: &Diagnostic| {
+        let hint = mistake.hint.as_ref().map(|hint| format!(" ({hint})")).unwrap_or_default();
+        match &mistake.span {
+            Some(span) => format!("{span:?}: {}{hint}", mistake.message),
+            None => format!("{}{hint}", mistake.message),
+        }
     };
     refuse(mistakes.iter().map(line).collect::<Vec<_>>().join("; "))
 }

@@ -2,6 +2,9 @@
 
 use serde_json::{Map, Value};
 
+/// Standard gravity, m/s²: decelerations are shown in multiples of it.
+pub const G: f64 = 9.806_65;
+
 /// Suffixes of names, longest first, and the units they stand for.
 const UNITS: [(&str, &str); 10] = [
     ("_1_s", "1/s"),
@@ -67,6 +70,17 @@ pub fn rounded(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
+/// The number with at most so many significant digits, none of them a zero at the end.
+pub fn significant(value: f64, digits: usize) -> String {
+    let text = format!("{value:.*e}", digits.saturating_sub(1));
+    text.parse::<f64>().map_or(text, |rounded| rounded.to_string())
+}
+
+/// A time in ms, from 10 s on in s.
+pub fn duration(seconds: f64) -> String {
+    if seconds < 10.0 { format!("{:.1} ms", seconds * 1e3) } else { format!("{seconds:.1} s") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,5 +97,15 @@ mod tests {
             assert_eq!(Figure::of(name, &value).unwrap().cells().join(" "), expected);
         }
         assert_eq!(Figure::of("rupture_time_s", &Value::Null), None);
+    }
+
+    #[test]
+    fn digits_and_times_are_short() {
+        for (value, expected) in [(3.598_499_687, "3.6"), (4.16, "4.16"), (0.0002, "0.0002"), (60.0, "60"), (0.0, "0")]
+        {
+            assert_eq!(significant(value, 3), expected);
+        }
+        assert_eq!(duration(0.0573), "57.3 ms");
+        assert_eq!(duration(2000.04), "2000.0 s");
     }
 }

@@ -7,8 +7,10 @@ mod plot;
 pub mod recording;
 mod run_page;
 mod study_page;
+mod subject;
 
-pub use figure::{Figure, markdown, rounded};
+pub use figure::{Figure, G, duration, markdown, rounded, significant};
 pub use plot::PlotError;
 pub use run_page::{RunPage, run_page};
 pub use study_page::{StudyPage, cell, columns, study_page};
+pub use subject::subject;

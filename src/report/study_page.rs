@@ -1,6 +1,6 @@
 //! The page of a script over scenarios.
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::html::{self, escape};
 use super::{Figure, rounded};
@@ -11,6 +11,8 @@ use crate::script::{Findings, Row};
 pub struct StudyPage<'a> {
     /// The script's name.
     pub name: &'a str,
+    /// Script, scenario, changes and arguments, as `summary.json` has them.
+    pub call: &'a Map<String, Value>,
     pub findings: &'a Findings,
     /// The script's text.
     pub script: &'a str,
@@ -25,10 +27,24 @@ pub fn study_page(study: &StudyPage) -> String {
         html::section("Figures", &html::table("figures", &[], &figures)),
         tables(study.findings),
         html::section("Log", &html::list(&study.findings.log)),
+        html::section("What was run", &html::table("rows", &[], &call(study.call))),
         html::section("Script", &html::verbatim(study.script)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     html::page(study.name, &body.concat())
+}
+
+fn call(call: &Map<String, Value>) -> Vec<Vec<String>> {
+    let written = |value: &Value| match value {
+        Value::Array(items) => items.iter().map(cell).collect::<Vec<_>>().join("  "),
+        Value::Object(args) => {
+            let args = args.iter().map(|(name, value)| format!("{name}={}", cell(value)));
+            args.collect::<Vec<_>>().join("  ")
+        }
+        other => cell(other),
+    };
+    let rows = call.iter().map(|(name, value)| vec![name.clone(), written(value)]);
+    rows.filter(|row| !row[1].is_empty()).collect()
 }
 
 /// A section for every table that a script left.

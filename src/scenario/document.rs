@@ -97,18 +97,29 @@ impl Document {
         resolved::text(&self.root, self.rule)
     }
 
+    /// The same text with the post script read from a copy called `name` beside it.
+    pub fn resolved_beside_script(&self, name: &str) -> String {
+        resolved::text_with(&self.root, self.rule, &[("post.script", name)])
+    }
+
     /// The file that was read.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// Path below the last folder called `scenarios`, without extension, e.g. `drop/1008`; the name of the
-    /// file where there is no such folder.
+    /// file where there is no such folder. What a run has kept, `runs/drop/1008/scenario.toml`, has the name of its folder.
     pub fn name(&self) -> String {
         let absolute = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
         let bare = tidy_path(&absolute).with_extension("");
         let parts: Vec<_> = bare.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
         let folders = parts.len().saturating_sub(1);
+        let runs = parts[..folders].iter().rposition(|part| part == "runs");
+        if let (Some(place), Some("scenario")) = (runs, parts.last().map(String::as_str))
+            && place + 1 < folders
+        {
+            return parts[place + 1..folders].join("/");
+        }
         let start = parts[..folders].iter().rposition(|part| part == "scenarios").map_or(folders, |place| place + 1);
         parts[start..].join("/")
     }

@@ -6,7 +6,18 @@ use crate::diagnostic::tidy_path;
 
 /// The tree as TOML, with the paths in it made absolute.
 pub fn text(root: &Node, rule: &Rule) -> String {
-    match anchored(root, Some(rule)).value {
+    text_with(root, rule, &[])
+}
+
+/// Likewise, with the paths at some key paths given as they shall stand.
+pub fn text_with(root: &Node, rule: &Rule, paths: &[(&str, &str)]) -> String {
+    let mut root = anchored(root, Some(rule));
+    for (place, path) in paths {
+        if let Some(node) = root.find_mut(place) {
+            node.value = Value::Text((*path).to_owned());
+        }
+    }
+    match root.value {
         Value::Table(table) => table.to_toml().to_string(),
         // A file is always a table.
         _ => String::new(),

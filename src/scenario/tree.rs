@@ -128,6 +128,18 @@ impl Node {
         Some(node)
     }
 
+    /// What stands at the path of keys, to be changed.
+    pub fn find_mut(&mut self, path: &str) -> Option<&mut Node> {
+        let mut node = self;
+        for step in path.split('.') {
+            node = match &mut node.value {
+                Value::Table(table) => &mut table.entries.iter_mut().find(|entry| entry.key == step)?.node,
+                _ => return None,
+            };
+        }
+        Some(node)
+    }
+
     fn child(&self, step: &str) -> Option<&Node> {
         match &self.value {
             Value::Table(table) => table.get(step).map(|entry| &entry.node),

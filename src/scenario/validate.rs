@@ -3,7 +3,10 @@
 use super::grammar::{Key, Range, Rule, TableRule};
 use super::tree::{Entry, Node, Table, Value};
 use crate::diagnostic::{Diagnostic, Span, closest};
-use crate::units::Dimension;
+use crate::units::{Angle, Dimension};
+
+/// Largest angle of either sense that is meant as one, rad: 360 deg, and what rounding adds to it.
+const FULL_TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
 
 /// The mistakes in `root` against `rule`.
 pub fn validate(root: &Node, rule: &Rule) -> Vec<Diagnostic> {
@@ -154,6 +157,9 @@ impl Walk {
                 .hint(format!("write it like \"{}\"", dimension.example))),
         };
         match number {
+            Ok(angle) if dimension == Angle::DIMENSION && angle.is_finite() && angle.abs() > FULL_TURN => {
+                self.report(beyond_a_turn(node));
+            }
             Ok(number) => self.range(number, range, node, |bound| dimension.show(bound)),
             Err(mistake) => self.report(mistake.at(&node.span)),
         }
@@ -198,6 +204,16 @@ impl Walk {
             let rule = Rule::Either(rules.to_vec());
             self.report(wrong_kind(node, &rule));
         }
+    }
+}
+
+/// Degrees written as a bare number would pass for radians.
+fn beyond_a_turn(node: &Node) -> Diagnostic {
+    let message = format!("out of range: expected an angle within ±360 deg, found {}", node.found());
+    let mistake = Diagnostic::new(message).at(&node.span);
+    match node.value {
+        Value::Text(_) => mistake.hint("write it like \"45 deg\""),
+        _ => mistake.hint(format!("write it like \"{} deg\"; a bare number is in rad", node.found())),
     }
 }
 

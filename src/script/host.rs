@@ -111,6 +111,7 @@ fn register_packages(engine: &mut Engine) {
 #[derive(Clone, Debug)]
 pub struct Script {
     path: PathBuf,
+    text: String,
     program: AST,
 }
 
@@ -132,7 +133,18 @@ impl Script {
     pub fn compile(engine: &Engine, scope: &Scope, path: &Path, text: &str) -> Result<Script, Vec<Fault>> {
         let program = engine.compile_with_scope(scope, text).map_err(|error| vec![Fault::parsing(path, &error)])?;
         let undefined = calls::undefined(engine, &program, path);
-        if undefined.is_empty() { Ok(Script { path: path.into(), program }) } else { Err(undefined) }
+        if undefined.is_empty() { Ok(Script { path: path.into(), text: text.into(), program }) } else { Err(undefined) }
+    }
+
+    /// The text that was compiled.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Whether the script could read what it finds as `args.<name>`: the name stands in it, or it takes all there are.
+    pub fn mentions_argument(&self, name: &str) -> bool {
+        let mut words = self.text.split(|letter: char| !letter.is_alphanumeric() && letter != '_');
+        words.any(|word| word == name) || self.text.contains("args.keys(")
     }
 
     /// Runs the script with the constants in `scope`; its last value is dropped.

@@ -131,16 +131,22 @@ fn first_repeated(names: &[String]) -> Option<String> {
     names.iter().enumerate().find(repeated).map(|(_, name)| name.clone())
 }
 
-/// Writes `recording`, numbers in the shortest form that reads back to the same bits.
+/// Writes `recording`, numbers in the shortest form that reads back to the same bits; times without the noise of their
+/// last digits (see [`clean_time`]).
 pub fn write(recording: &Recording, out: impl Write) -> io::Result<()> {
     let mut rows = WriterBuilder::new().from_writer(out);
     let names = recording.channels.iter().map(|channel| channel.name.as_str());
     rows.write_record(std::iter::once(TIME).chain(names))?;
     for (index, time) in recording.time.iter().enumerate() {
         let values = recording.channels.iter().map(|channel| channel.values[index]);
-        rows.write_record(std::iter::once(*time).chain(values).map(cell))?;
+        rows.write_record(std::iter::once(clean_time(*time)).chain(values).map(cell))?;
     }
     rows.flush()
+}
+
+/// The time with twelve significant digits: 0.0573 where sums of steps give 0.057300000000000004.
+pub fn clean_time(time: f64) -> f64 {
+    format!("{time:.11e}").parse().unwrap_or(time)
 }
 
 fn cell(value: f64) -> String {
@@ -172,6 +178,13 @@ mod tests {
         let text = String::from_utf8(text).unwrap();
         assert!(text.starts_with("time_s,acceleration_m_s2,displacement_m\n0.0,-9.81,-0.0\n"), "{text}");
         assert_eq!(read_text(&text).unwrap(), recording);
+    }
+
+    #[test]
+    fn times_have_no_noise() {
+        for (time, expected) in [(0.057_300_000_000_000_004, 0.0573), (-0.0, 0.0), (1.0 / 3.0, 0.333_333_333_333)] {
+            assert_eq!(clean_time(time), expected);
+        }
     }
 
     #[test]

@@ -66,6 +66,27 @@ fn materials_are_checked_alone() {
 }
 
 #[test]
+fn a_material_is_not_run() {
+    let output = droptower(&["run", "tests/it/broken/parts/film.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    let mistakes = String::from_utf8_lossy(&output.stderr);
+    assert!(mistakes.contains("film.toml is a material, not a scenario"), "{mistakes}");
+    assert_eq!(mistakes.matches("error").count(), 1, "{mistakes}");
+}
+
+#[test]
+fn angles_lie_within_a_turn() {
+    let tower = "tests/it/broken/parts/tower.toml";
+    for (angle, fits) in [("45", false), ("400 deg", false), ("-360 deg", true), ("0.7", true)] {
+        let set = format!("specimen.md_angle={angle}");
+        let output = droptower(&["check", tower, "--set", &set]);
+        assert_eq!(output.status.success(), fits, "{angle}");
+        let hinted = String::from_utf8_lossy(&output.stderr).contains("write it like \"45 deg\"");
+        assert!(fits || hinted, "{angle}");
+    }
+}
+
+#[test]
 fn explain_gives_unit_range_default_and_sentence() {
     let text = standard_output(&["explain", "output.sample_rate"]);
     for part in ["Samples per second", "a bare number is in Hz", "more than 0", "default \"10 kHz\""] {
@@ -74,6 +95,9 @@ fn explain_gives_unit_range_default_and_sentence() {
     let keys: Json = serde_json::from_str(&standard_output(&["explain", "specimen.mesh", "--json"])).expect("JSON");
     assert_eq!(keys[2]["key"], "specimen.mesh.size");
     assert_eq!(keys[2]["unit"], "m");
+    let ending = droptower(&["explain", "mesh.size"]);
+    assert_eq!(ending.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&ending.stderr).contains("did you mean `specimen.mesh.size`?"));
     let unknown = droptower(&["explain", "specimen.mehs"]);
     assert_eq!(unknown.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&unknown.stderr).contains("did you mean `mesh`?"));

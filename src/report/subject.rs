@@ -1,0 +1,65 @@
+//! What was run, in one phrase.
+
+use super::figure::significant;
+use crate::model::{Impactor, ImpactorShape, Loading, Model};
+
+/// What hits or pulls what, and how fast: `sphere 10.72 kg at 4.16 m/s on 2 x 8 layers of LLDPE`.
+pub fn subject(model: &Model) -> String {
+    let layers = layers(model);
+    match (&model.loading, &model.impactor) {
+        (Loading::Impact { velocity, .. }, Some(impactor)) => {
+            format!("{} at {} m/s on {layers}", body(impactor), significant(*velocity, 3))
+        }
+        (Loading::Impact { velocity, .. }, None) => format!("{} m/s on {layers}", significant(*velocity, 3)),
+        (Loading::Stretch { angle, velocity, until, .. }, _) => {
+            let (velocity, until) = (significant(*velocity, 3), significant(until * 100.0, 3));
+            format!("{layers} stretched at {velocity} m/s to {until} %, {:.0}° from MD", degrees(*angle))
+        }
+    }
+}
+
+/// A direction has no sense: within 0 to 180 degrees.
+fn degrees(angle: f64) -> f64 {
+    // The sum has no negative zero.
+    angle.to_degrees().rem_euclid(180.0) + 0.0
+}
+
+fn body(impactor: &Impactor) -> String {
+    let shape = match impactor.shape {
+        ImpactorShape::Sphere { .. } => "sphere",
+        ImpactorShape::Hemisphere { .. } => "hemisphere",
+        ImpactorShape::Cylinder { .. } => "cylinder",
+        ImpactorShape::Mesh(_) => "body",
+    };
+    format!("{shape} {} kg", significant(impactor.mass, 4))
+}
+
+/// `2 x 8 layers` where all faces are alike, else `8 + 9 layers`.
+fn layers(model: &Model) -> String {
+    let counts: Vec<u32> = model.faces.iter().map(|face| face.layers).collect();
+    let layers = match counts.as_slice() {
+        [1] => "1 layer".into(),
+        [count] => format!("{count} layers"),
+        [first, rest @ ..] if rest.iter().all(|count| count == first) => {
+            format!("{} x {first} layer{}", counts.len(), if *first == 1 { "" } else { "s" })
+        }
+        _ => {
+            let counts: Vec<String> = counts.iter().map(u32::to_string).collect();
+            format!("{} layers", counts.join(" + "))
+        }
+    };
+    format!("{layers} of {}", model.film())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_lie_within_half_a_turn() {
+        for (angle, expected) in [("0", 0.0), ("-45", 135.0), ("225", 45.0), ("-0", 0.0)] {
+            let degrees = degrees(angle.parse::<f64>().unwrap().to_radians());
+            assert!((degrees - expected).abs() < 1e-9 && degrees.is_sign_positive(), "{angle}");
+        }
+    }
+}
