@@ -70,7 +70,7 @@ fn find(path: &str) -> Result<(String, &'static Key), Diagnostic> {
         let key = keys.key(step).ok_or_else(|| {
             let mistake = unknown(step, &name, keys);
             match ending(path) {
-                Some(whole) => mistake.hint(format!("did you mean `{whole}`?")),
+                Some(whole) => mistake.hint(format!("did you mean {whole}?")),
                 None => mistake,
             }
         })?;
@@ -81,11 +81,12 @@ fn find(path: &str) -> Result<(String, &'static Key), Diagnostic> {
     found.map(|key| (name, key)).ok_or_else(|| Diagnostic::new(format!("`{path}` is not a key")))
 }
 
-/// The one key whose path ends with `path`.
+/// The keys whose paths end with `path`, where they are few.
 fn ending(path: &str) -> Option<String> {
     let suffix = format!(".{path}");
-    let mut found = top_keys().flat_map(|key| paths(&key.name, key)).filter(|whole| whole.ends_with(&suffix));
-    found.next().filter(|_| found.next().is_none())
+    let all = top_keys().flat_map(|key| paths(&key.name, key));
+    let found: Vec<String> = all.filter(|whole| whole.ends_with(&suffix)).map(|whole| format!("`{whole}`")).collect();
+    (1..=3).contains(&found.len()).then(|| found.join(" or "))
 }
 
 /// The path of the key and of everything under it.

@@ -24,7 +24,8 @@ const UNITS: [(&str, &str); 10] = [
 pub struct Figure {
     pub words: String,
     pub value: String,
-    pub unit: &'static str,
+    /// Accelerations in multiples of g besides.
+    pub unit: String,
 }
 
 impl Figure {
@@ -32,6 +33,11 @@ impl Figure {
     pub fn of(name: &str, value: &Value) -> Option<Figure> {
         let unit = UNITS.iter().find(|(suffix, _)| name.ends_with(suffix));
         let (stem, unit) = unit.map_or((name, ""), |(suffix, unit)| (&name[..name.len() - suffix.len()], *unit));
+        let unit = match (unit, value.as_f64()) {
+            ("m/s²", Some(acceleration)) => format!("m/s² ({} g)", rounded(acceleration / G)),
+            _ if name == "penetration" => "of the radius".into(),
+            (unit, _) => unit.into(),
+        };
         let value = match value {
             Value::Number(number) if number.is_f64() => rounded(number.as_f64()?),
             Value::Number(number) => number.to_string(),
@@ -44,7 +50,7 @@ impl Figure {
 
     /// Words, value, unit.
     pub fn cells(&self) -> [String; 3] {
-        [self.words.clone(), self.value.clone(), self.unit.into()]
+        [self.words.clone(), self.value.clone(), self.unit.clone()]
     }
 }
 
@@ -88,9 +94,10 @@ mod tests {
     #[test]
     fn names_become_words_and_units() {
         for (name, value, expected) in [
-            ("peak_acceleration_m_s2", Value::from(153.04321), "peak acceleration 153.0 m/s²"),
+            ("peak_acceleration_m_s2", Value::from(153.04321), "peak acceleration 153.0 m/s² (15.61 g)"),
             ("rupture_time_s", Value::from(0.0312345), "rupture time 0.03123 s"),
             ("ruptured", Value::from(true), "ruptured yes "),
+            ("penetration", Value::from(0.01), "penetration 0.01000 of the radius"),
             ("steps", Value::from(11_240), "steps 11240 "),
             ("energy_balance_error", Value::from(4.0e-6), "energy balance error 4.000e-6 "),
         ] {

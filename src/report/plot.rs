@@ -7,11 +7,12 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use thiserror::Error;
 
+use super::figure::significant;
 use super::html::escape;
 use crate::post::Histogram;
 
 /// Readable on white and on black.
-const COLOURS: [RGBColor; 8] = [
+const COLOURS: [RGBColor; 14] = [
     RGBColor(0x2f, 0x80, 0xc8),
     RGBColor(0xd9, 0x77, 0x06),
     RGBColor(0x2f, 0x9e, 0x62),
@@ -20,6 +21,12 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(0x1b, 0x9a, 0xaa),
     RGBColor(0xb0, 0x85, 0x2c),
     RGBColor(0xc0, 0x5a, 0x9e),
+    RGBColor(0x6b, 0x9a, 0x1f),
+    RGBColor(0x5a, 0x5f, 0xd6),
+    RGBColor(0x8f, 0x5a, 0x3a),
+    RGBColor(0xe0, 0x7a, 0x6a),
+    RGBColor(0x5f, 0x7f, 0x95),
+    RGBColor(0x00, 0x8f, 0x7a),
 ];
 const GREY: RGBColor = RGBColor(0x80, 0x88, 0x90);
 /// Small, so that the labels stay readable where the page scales it down to a phone.
@@ -141,10 +148,9 @@ fn tick(value: f64) -> String {
         return "0".into();
     }
     if !(1e-3..1e5).contains(&value.abs()) {
-        return format!("{value:.0e}");
+        return format!("{value:.1e}").replace(".0e", "e");
     }
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').into()
+    significant(value, 5)
 }
 
 /// At most about [`MOST_POINTS`] of the points: the lowest and the highest of every stretch.
@@ -228,6 +234,11 @@ mod tests {
         assert_eq!(html.matches("#2F80C8").count(), 2, "a gap interrupts the curve");
         assert!(html.contains("&lt;film&gt;") && html.contains("A &amp; B") && html.contains("travel (mm)"));
         assert!(!html.contains("NaN"));
+    }
+
+    #[test]
+    fn neighbouring_ticks_differ() {
+        assert_eq!([0.0015, 0.002, 0.0025, 1e-4, 1.5e5].map(tick), ["0.0015", "0.002", "0.0025", "1e-4", "1.5e5"]);
     }
 
     #[test]

@@ -1,9 +1,11 @@
 //! The page of one run.
 
+use serde_json::Value;
+
 use super::html::{self, escape};
 use super::plot::{self, Curve, Plot, PlotError};
-use super::{Figure, study_page};
-use crate::model::{Loading, Model};
+use super::{Figure, duration, study_page, subject};
+use crate::model::Model;
 use crate::post::{Measures, Results};
 use crate::signal::{Channel, Recording, Series};
 use crate::simulate::Outcome;
@@ -20,19 +22,29 @@ pub struct RunPage<'a> {
     pub failure: Option<&'a str>,
 }
 
+/// Figures of the machine and the mesh, not of the film.
+const COST: [&str; 5] = ["elements", "steps", "time_step_s", "wall_s", "ns_per_element_step"];
+
 /// `report.html` of a run.
 pub fn run_page(run: &RunPage) -> Result<String, PlotError> {
     let RunPage { model, results, .. } = run;
     let summary = results.summary(model);
-    let figures = summary.iter().filter(|(name, _)| !["scenario", "title", "droptower"].contains(&name.as_str()));
-    let figures = figures.filter_map(|(name, value)| Figure::of(name, value)).map(|figure| figure.cells().into());
-    let figures = html::table("figures", &[], &figures.collect::<Vec<Vec<String>>>());
+    let is_one_of = |names: &[&str], name: &String| names.contains(&name.as_str());
+    let (cost, figures): (Vec<_>, Vec<_>) = summary
+        .iter()
+        .filter(|(name, _)| !is_one_of(&["scenario", "title", "droptower"], name))
+        .partition(|(name, _)| is_one_of(&COST, name));
     let body = [
-        format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(&model.title), escape(&what_was_run(model))),
+        format!(
+            "<h1>{}</h1>\n<p class=\"lead\">{}</p>\n",
+            escape(&model.title),
+            escape(&format!("{}: {}", model.name, subject(model)))
+        ),
         warnings(run),
-        html::section("Figures", &figures),
+        html::section("Figures", &table(&figures)),
         html::section("Signals", &plots(run)?),
         study_page::tables(&results.findings),
+        html::section("Cost", &table(&cost)),
         html::section("Log", &html::list(&results.findings.log)),
         html::section("Scenario", &html::verbatim(run.scenario)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
@@ -40,23 +52,16 @@ pub fn run_page(run: &RunPage) -> Result<String, PlotError> {
     Ok(html::page(&model.title, &body.concat()))
 }
 
-fn what_was_run(model: &Model) -> String {
-    let faces: Vec<String> = model.faces.iter().map(|face| face.layers.to_string()).collect();
-    let film = format!("{} layers of {}", faces.join(" + "), model.film());
-    match (&model.loading, &model.impactor) {
-        (Loading::Impact { velocity, .. }, Some(impactor)) => {
-            format!("{}: {} kg at {velocity} m/s on {film}", model.name, impactor.mass)
-        }
-        (Loading::Impact { velocity, .. }, None) => format!("{}: {velocity} m/s on {film}", model.name),
-        (Loading::Stretch { angle, velocity, .. }, _) => {
-            format!("{}: {film} stretched at {velocity} m/s, {:.0}° from MD", model.name, angle.to_degrees())
-        }
-    }
+fn table(figures: &[(&String, &Value)]) -> String {
+    let figures = figures.iter().filter_map(|(name, value)| Figure::of(name, value));
+    html::table("figures", &[], &figures.map(|figure| figure.cells().into()).collect::<Vec<_>>())
 }
 
 fn warnings(run: &RunPage) -> String {
     let failure = run.failure.map(|cause| format!("The run broke off: {cause}"));
-    let lines: Vec<String> = failure.into_iter().chain(run.results.measures.warnings().iter().cloned()).collect();
+    let rupture = run.outcome.rupture_time.map(|time| format!("The film ruptured at {}", duration(time)));
+    let warnings = run.results.measures.warnings().iter().cloned();
+    let lines: Vec<String> = failure.into_iter().chain(rupture).chain(warnings).collect();
     if lines.is_empty() {
         return String::new();
     }
@@ -108,26 +113,34 @@ fn impact_plots(run: &RunPage) -> Vec<Plot> {
 
 fn stretch_plots(run: &RunPage) -> Vec<Plot> {
     let signals = &run.results.signals;
-    let against = |title: &str, [x, y]: [&str; 2], columns: [&str; 2], factor: f64| {
+    let against = |title: &str, [x, y]: [&str; 2], columns: [&str; 2], factors: [f64; 2]| {
         let [xs, ys] = columns.map(|column| signals.channel(column).unwrap_or_default());
-        let points = xs.iter().zip(ys).map(|(x, y)| (*x, y * factor)).collect();
+        let points = xs.iter().zip(ys).map(|(x, y)| (x * factors[0], y * factors[1])).collect();
         let curves = vec![Curve { name: "simulated".into(), points }];
         Plot { title: title.into(), x: x.into(), y: y.into(), curves }
     };
     vec![
-        against("Stress and strain", ["engineering strain", "stress (MPa)"], ["strain", "stress_Pa"], 1e-6),
-        against("Force and travel", ["travel of the jaws (m)", "force (N)"], ["displacement_m", "force_N"], 1.0),
+        against("Stress and strain", ["engineering strain", "stress (MPa)"], ["strain", "stress_Pa"], [1.0, 1e-6]),
+        against(
+            "Force and travel",
+            ["travel of the jaws (mm)", "force (N)"],
+            ["displacement_m", "force_N"],
+            [1e3, 1.0],
+        ),
     ]
 }
 
-/// Share of the largest energy below which a term is named and not drawn.
+/// Share of the largest energy below which a term is named and not drawn; one that is zero throughout does not exist.
 const NEGLIGIBLE: f64 = 1e-3;
 
 fn audit(energies: &Recording) -> Result<String, PlotError> {
     let magnitude = |channel: &Channel| channel.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let largest = energies.channels.iter().map(magnitude).fold(0.0, f64::max);
-    let (small, drawn): (Vec<&Channel>, Vec<&Channel>) =
-        energies.channels.iter().partition(|channel| magnitude(channel) < NEGLIGIBLE * largest);
+    let (small, drawn): (Vec<&Channel>, Vec<&Channel>) = energies
+        .channels
+        .iter()
+        .filter(|channel| magnitude(channel) > 0.0)
+        .partition(|channel| magnitude(channel) < NEGLIGIBLE * largest);
     let words = |channel: &Channel| channel.name.trim_end_matches("_J").replace('_', " ");
     let curve = |channel: &Channel| {
         let series = Series::new(energies.time.as_slice(), channel.values.as_slice());

@@ -97,13 +97,25 @@ fn a_run_leaves_its_folder() {
 }
 
 #[test]
-fn the_kept_scenario_gives_the_same_signals() {
-    let bench = bench();
+fn the_kept_scenario_gives_the_same_signals_elsewhere() {
+    let (bench, elsewhere) = (bench(), tempfile::tempdir().expect("a folder"));
+    let scenario = fs::read_to_string(bench.path().join("drop.toml")).expect("the template");
+    fs::write(bench.path().join("drop.toml"), scenario + "\n[post]\nscript = \"own.rhai\"\n").expect("a scenario");
+    fs::write(bench.path().join("own.rhai"), "measure(\"twice\", 2 * run.summary.steps);").expect("a script");
     assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0));
-    let again = droptower(bench.path(), &["run", "runs/drop/scenario.toml", "--out", "again"]);
+    assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0), "a run replaces its former self");
+    let mailed = elsewhere.path().join("runs/a/drop");
+    fs::create_dir_all(mailed.parent().expect("a parent")).expect("a folder");
+    fs::rename(bench.path().join("runs/drop"), &mailed).expect("a move");
+    drop(bench);
+    let again = droptower(elsewhere.path(), &["run", "runs/a/drop/scenario.toml", "--out", "again"]);
     assert_eq!(code(&again), Some(0), "{}", error(&again));
-    let signals = |folder: &str| fs::read(bench.path().join(folder).join("signals.csv")).expect("signals");
-    assert!(signals("runs/drop") == signals("again"), "the signals differ");
+    let again = elsewhere.path().join("again");
+    let signals = |folder: &Path| fs::read(folder.join("signals.csv")).expect("signals");
+    assert!(signals(&mailed) == signals(&again), "the signals differ");
+    let summary = json(&again.join("summary.json"));
+    assert_eq!(summary["scenario"], "a/drop");
+    assert_eq!(summary["twice"], json(&mailed.join("summary.json"))["twice"]);
 }
 
 #[test]
@@ -149,7 +161,8 @@ fn a_run_that_goes_wrong_numerically_keeps_what_it_had() {
     let bench = bench();
     // A film that turns into diamond at 30 % makes the stable step collapse when the sphere gets there.
     let wall = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
-    let output = run(bench.path(), &["drop.toml", "--json", "--set", wall]);
+    let measured = "specimen.material.fabric.scale={k1=1,ke=1,ky=1}";
+    let output = run(bench.path(), &["drop.toml", "--json", "--set", wall, "--set", measured]);
     assert_eq!(code(&output), Some(3), "{}", error(&output));
     assert!(output.stdout.is_empty());
     assert!(error(&output).contains("drop.failed"), "{}", error(&output));
@@ -229,6 +242,10 @@ fn a_script_leaves_its_tables() {
     let folder = bench.path().join("runs/study");
     let summary = json(&folder.join("summary.json"));
     assert_eq!(summary["tables"]["travel"][1]["layers"], 16);
+    assert_eq!(summary["study"]["script"], "study.rhai");
+    assert_eq!(summary["study"]["scenario"], "drop.toml");
+    assert_eq!(summary["study"]["set"][0], QUICK[1]);
+    assert_eq!(summary["study"]["args"]["layers"], 16);
     assert!(summary["difference"].as_f64().is_some_and(|difference| difference > 0.001));
     let table = fs::read_to_string(folder.join("tables/travel.csv")).expect("a table");
     assert!(table.starts_with("layers,mm\n8,"), "{table}");
@@ -251,16 +268,28 @@ fn the_shipped_study_counts_layers() {
 }
 
 #[test]
+fn an_argument_that_no_script_reads_is_a_mistake() {
+    let bench = bench();
+    fs::write(bench.path().join("study.rhai"), STUDY).expect("a script");
+    let arguments = ["script", "study.rhai", "--scenario", "drop.toml", "--arg", "layers=16", "--arg", "layer=9"];
+    let output = droptower(bench.path(), &arguments);
+    assert_eq!(code(&output), Some(2));
+    assert!(error(&output).contains("the script reads no `args.layer`"), "{}", error(&output));
+    assert!(!bench.path().join("runs").exists());
+}
+
+#[test]
 fn mistakes_in_a_script_have_their_place() {
     let bench = bench();
     for (text, expected) in [
-        ("\nlet t = scenario(\"nosuch.toml\");", "study.rhai:2:9"),
+        ("\nlet t = scenario(\"nosuch.toml\"); args.scenario", "study.rhai:2:9"),
         ("let t = scenario(args.scenario).with(#{ \"layers.cuont\": 9 });", "unknown key `cuont`"),
-        ("scenario(args.nosuch)", "study.rhai:1:14"),
-        ("scenario(args.nosuch)", "the script needs `nosuch`: give --arg nosuch=…"),
+        ("let t = scenario(args.scenario).with(#{ \"layers.cont\": 9 });", "did you mean `count`?"),
+        ("scenario(args.nosuch); args.scenario", "study.rhai:1:14"),
+        ("scenario(args.nosuch); args.scenario", "the script needs `nosuch`: give --arg nosuch=…"),
         ("let t = scenario(args.scenario);\nt.simulat()", "study.rhai:2:3"),
         ("let t = scenario(args.scenario);\nt.simulat()", "did you mean `simulate`?"),
-        ("simulate_all([1])", "expected a list of scenarios"),
+        ("simulate_all([1]); args.scenario", "expected a list of scenarios"),
     ] {
         fs::write(bench.path().join("study.rhai"), text).expect("a script");
         let output = droptower(bench.path(), &["script", "study.rhai", "--scenario", "drop.toml"]);
