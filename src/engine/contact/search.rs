@@ -6,6 +6,7 @@ use parry3d_f64::query::{self, PointProjection, PointQuery};
 use parry3d_f64::shape::{Ball, Capsule, Cylinder, Shape, SharedShape, TriMesh, TriMeshFlags, Triangle};
 use thiserror::Error;
 
+use crate::lane::{larger, smaller};
 use crate::model::ImpactorShape;
 
 /// The impactor's surface about its centre of mass, body axes.
@@ -289,8 +290,8 @@ fn barycentric(triangle: &Triangle, point: Vector) -> [f64; 3] {
     if determinant <= 0.0 {
         return [1.0, 0.0, 0.0];
     }
-    let b = ((vv * wu - uv * wv) / determinant).max(0.0).min(1.0);
-    let c = ((uu * wv - uv * wu) / determinant).max(0.0).min(1.0 - b);
+    let b = smaller(larger((vv * wu - uv * wv) / determinant, 0.0), 1.0);
+    let c = smaller(larger((uu * wv - uv * wu) / determinant, 0.0), 1.0 - b);
     [1.0 - b - c, b, c]
 }
 
