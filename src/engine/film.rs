@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::element::{self, Blocks, ElementEnergy, StressFree, UprightElement};
 use super::nodes::Nodes;
 use crate::lane::{LANES, splat};
-use crate::material::{Law, MembraneLaw, strains};
+use crate::material::{Law, strains};
 use crate::mesh::Mesh;
 use crate::model::{self, Face};
 
@@ -171,14 +171,6 @@ impl Film {
             }
         });
         out
-    }
-
-    /// Strains at which the MD and TD fibres break.
-    pub fn break_strains(&self) -> [f64; 2] {
-        match &self.law {
-            Law::Fabric(law) => law.break_strains(),
-            Law::Elastic(law) => law.break_strains(),
-        }
     }
 }
 

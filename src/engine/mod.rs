@@ -150,7 +150,7 @@ impl Engine {
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<usize, Fault> {
         let (last, dt) = self.time_step.next(&self.films, &self.nodes, self.time)?;
         let kick = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
-        let wanted = observer.wants(self.time, last);
+        let wanted = observer.wants(self.time);
         self.forces();
         if wanted {
             self.before.velocity.clone_from(&self.nodes.velocity);

@@ -4,8 +4,8 @@ use super::{Before, Contact, Drive, Energies, Fault, Film, Gone, Inspection, Nod
 
 /// Something that looks on.
 pub trait Observer {
-    /// Whether it wants to see the full step at `time` (s), of which the last was `dt` s ago.
-    fn wants(&self, time: f64, dt: f64) -> bool;
+    /// Whether it wants to see the full step at `time` (s).
+    fn wants(&self, time: f64) -> bool;
     /// Sees it.
     fn see(&mut self, view: &View<'_>) -> Result<(), Fault>;
     /// Follows impactor and jaws through every step.

@@ -232,7 +232,7 @@ fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> Fault {
 }
 
 impl Observer for Probe<'_> {
-    fn wants(&self, time: f64, _dt: f64) -> bool {
+    fn wants(&self, time: f64) -> bool {
         self.sample_due(time) || self.frame_due(time) || self.audit_due(time)
     }
 

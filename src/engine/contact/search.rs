@@ -17,7 +17,6 @@ pub struct Surface {
     reach: f64,
     lowest: f64,
     inertia_per_mass: Matrix3<f64>,
-    moved: Vector3<f64>,
 }
 
 /// Vertices (m) and triangles of a surface.
@@ -100,7 +99,6 @@ impl Surface {
             reach: sphere.center().length() + sphere.radius(),
             lowest: bounds.mins.z,
             inertia_per_mass: inertia,
-            moved: Vector3::new(centre.x, centre.y, centre.z),
             shape,
         })
     }
@@ -118,11 +116,6 @@ impl Surface {
     /// z of the lowest point below the centre of mass, m.
     pub fn lowest(&self) -> f64 {
         self.lowest
-    }
-
-    /// Where the centre of mass lies in the coordinates that the shape was given in, m.
-    pub fn centre(&self) -> Vector3<f64> {
-        self.moved
     }
 
     /// Inertia of a homogeneous body over its mass, m², body axes.

@@ -71,7 +71,7 @@ impl Scene {
 struct Blind;
 
 impl Observer for Blind {
-    fn wants(&self, _time: f64, _dt: f64) -> bool {
+    fn wants(&self, _time: f64) -> bool {
         false
     }
 
@@ -87,7 +87,7 @@ struct Glance<F, T> {
 }
 
 impl<T, F: FnMut(&View<'_>) -> T> Observer for Glance<F, T> {
-    fn wants(&self, _time: f64, _dt: f64) -> bool {
+    fn wants(&self, _time: f64) -> bool {
         true
     }
 
