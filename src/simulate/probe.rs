@@ -30,6 +30,8 @@ pub(super) struct Probe<'a> {
     at_steps: Grid<3>,
     at_half_steps: Grid<2>,
     energy: EnergyCheck,
+    /// Strains of all elements, as last looked at.
+    faces: Vec<Vec<ElementStrain>>,
     rates: RateAudit,
     warnings: Warnings,
     rupture_time: Option<f64>,
@@ -65,6 +67,7 @@ impl<'a> Probe<'a> {
             at_steps: Grid::new(0.0, sample),
             at_half_steps,
             energy: EnergyCheck::new(0.5 * mass * speed * speed),
+            faces: vec![],
             rates: RateAudit::new(measured),
             warnings: Warnings::default(),
             rupture_time: None,
@@ -96,6 +99,16 @@ impl<'a> Probe<'a> {
 
     fn audit_due(&self, time: f64) -> bool {
         self.audits as f64 * self.audit <= time
+    }
+
+    fn look(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
+        if self.frame_due(view.time) {
+            self.frames.push(frames::frame(view, faces));
+        }
+        if self.sample_due(view.time) {
+            self.take_sample(view, faces);
+        }
+        if self.audit_due(view.time) { self.take_audit(view, faces) } else { Ok(()) }
     }
 
     fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) {
@@ -237,14 +250,11 @@ impl Observer for Probe<'_> {
     }
 
     fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
-        let faces = view.strains();
-        if self.frame_due(view.time) {
-            self.frames.push(frames::frame(view, &faces));
-        }
-        if self.sample_due(view.time) {
-            self.take_sample(view, &faces);
-        }
-        if self.audit_due(view.time) { self.take_audit(view, &faces) } else { Ok(()) }
+        let mut faces = std::mem::take(&mut self.faces);
+        view.strains(&mut faces);
+        let seen = self.look(view, &faces);
+        self.faces = faces;
+        seen
     }
 
     fn follow(&mut self, track: &Track) {
