@@ -21,7 +21,7 @@ pub use search::{Surface, SurfaceError};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::film::Film;
-use super::nodes::Nodes;
+use super::nodes::{Nodes, Remembered};
 use super::rigid_body::{Gathered, RigidBody};
 use super::team::{Disjoint, Team};
 use near::NearList;
@@ -53,6 +53,7 @@ const PIECE: usize = 256;
 #[derive(Default)]
 struct Piece {
     touching: Vec<Constraint>,
+    gathered: Gathered,
     impulses: Vec<Impulse>,
     tally: Tally,
     /// Square of the largest speed after contact, m²/s².
@@ -131,26 +132,23 @@ impl Contact {
         self.near.margin = -1.0;
     }
 
-    /// Looks around before the nodes move: lists neighbours where that is due and remembers their velocities.
-    pub fn prepare(&mut self, films: &[Film], nodes: &Nodes, body: &RigidBody) {
+    /// Looks around before the nodes move: lists neighbours where that is due. What comes back takes their velocities.
+    pub(super) fn prepare(&mut self, films: &[Film], nodes: &Nodes, body: &RigidBody) -> Remembered<'_> {
         // Nodes are looked at where they will be at the end of the step, so one more step has to fit in the skin.
         if self.near.margin.is_nan() || self.near.margin <= self.near.pace {
             self.list_neighbours(films, nodes, &body.pose);
         }
-        let corners = self.near.watched.iter().flat_map(|element| &element.corners);
-        for n in self.near.nodes.iter().chain(corners).map(|n| *n as usize) {
-            self.earlier[n] = nodes.velocity_of(n);
-        }
+        Remembered { nodes: &self.near.remembered, velocity: Disjoint::new(&mut self.earlier) }
     }
 
     /// Corrects the velocities of nodes and body, and the places of nodes, so that no node is inside at the end of the step
     /// of `dt` s. The nodes stand there already, the body stands where it was; `before` is its motion before the forces of
     /// this step. Returns the largest speed of a node that was met, m/s.
     pub fn meet(&mut self, nodes: &mut Nodes, body: &mut RigidBody, before: &RigidBody, dt: f64, team: &Team) -> f64 {
-        self.pieces.resize_with(self.near.nodes.len().div_ceil(PIECE), Piece::default);
+        self.pieces.resize_with(self.near.pieces.len(), Piece::default);
         let pose = body.predicted(dt);
         self.find_touching(nodes, body, &pose, dt, team);
-        let ahead = self.body_ahead(nodes, body);
+        let ahead = self.body_ahead(body);
         self.give(nodes, body, &ahead, dt, team);
         let mut given = self.total();
         body.push_about(&(-self.multiplicity * given.impulse()), &(-self.multiplicity * given.moment()));
@@ -169,13 +167,15 @@ impl Contact {
     /// Nodes that lie inside.
     fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, pose: &Isometry3<f64>, dt: f64, team: &Team) {
         let centre = Point3::from(pose.translation.vector);
-        let (surface, offset, near) = (&self.surface, &self.offset, &self.near.nodes);
+        let (surface, offset, near) = (&self.surface, &self.offset, &self.near);
+        let (friction, multiplicity) = (self.friction, self.multiplicity);
         let (pieces, normals) = (Disjoint::new(&mut self.pieces), Disjoint::new(&mut self.normals));
-        team.each(near.len().div_ceil(PIECE), |part| {
+        team.each(near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
             let piece = unsafe { pieces.at(part) };
             piece.touching.clear();
-            for &n in &near[part * PIECE..near.len().min((part + 1) * PIECE)] {
+            piece.gathered = Gathered::default();
+            for &n in &near.nodes[near.pieces[part].clone()] {
                 let n = n as usize;
                 let point = nodes.place(n);
                 let reach = surface.reach() + offset[n];
@@ -190,25 +190,23 @@ impl Contact {
                     let arm = point - centre;
                     let relative = nodes.velocity_of(n) - body.velocity_at(&arm);
                     let slip = relative - normal * relative.dot(&normal);
-                    piece.touching.push(Constraint { node: n, normal, lack: -gap / dt, arm, slip });
+                    let lack = -gap / dt;
+                    let (tangential, sticks) = stopping(&slip, friction * lack);
+                    let along = if sticks { None } else { Some(&normal) };
+                    let mass = multiplicity * nodes.mass[n];
+                    body.gather(&mut piece.gathered, &arm, mass, along, &((normal * lack + tangential) * mass));
+                    piece.touching.push(Constraint { node: n, normal, lack, arm, slip });
                 }
             }
         });
     }
 
     /// The body as it will move once all touching nodes have taken their momentum.
-    fn body_ahead(&self, nodes: &Nodes, body: &RigidBody) -> RigidBody {
-        if self.pieces.iter().all(|piece| piece.touching.is_empty()) {
-            return body.clone();
-        }
-        let mut gathered = Gathered::default();
-        for c in self.pieces.iter().flat_map(|piece| &piece.touching) {
-            let mass = self.multiplicity * nodes.mass[c.node];
-            let (tangential, sticks) = stopping(&c.slip, self.friction * c.lack);
-            let along = if sticks { None } else { Some(&c.normal) };
-            body.gather(&mut gathered, &c.arm, mass, along, &((c.normal * c.lack + tangential) * mass));
-        }
-        body.after(&gathered)
+    fn body_ahead(&self, body: &RigidBody) -> RigidBody {
+        let mut touching = self.pieces.iter().filter(|piece| !piece.touching.is_empty());
+        let Some(first) = touching.next() else { return body.clone() };
+        let all = touching.fold(first.gathered.clone(), |all, piece| all.and(&piece.gathered));
+        body.after(&all)
     }
 
     /// Gives the touching nodes the momentum with which they follow the body as it will move `ahead`, moves them on, and adds up
@@ -217,9 +215,9 @@ impl Contact {
         let friction = self.friction;
         let (pieces, earlier) = (Disjoint::new(&mut self.pieces), &self.earlier);
         let nodes = nodes.met();
-        team.each(self.near.nodes.len().div_ceil(PIECE), |part| {
+        team.each(self.near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
-            let Piece { touching, impulses, tally, fastest } = unsafe { pieces.at(part) };
+            let Piece { touching, impulses, tally, fastest, .. } = unsafe { pieces.at(part) };
             impulses.clear();
             (*tally, *fastest) = (Tally::default(), 0.0);
             for constraint in &*touching {
