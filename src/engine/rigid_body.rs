@@ -38,6 +38,12 @@ impl Default for Gathered {
 }
 
 impl Gathered {
+    /// Adds film of `mass` (kg) and `momentum` (kg m/s) along z, all that a guided body feels.
+    pub fn add_along_z(&mut self, mass: f64, momentum: f64) {
+        self.mass[(2, 2)] += mass;
+        self.momentum[2] += momentum;
+    }
+
     /// These contacts and others.
     pub fn and(&self, others: &Gathered) -> Gathered {
         Gathered { mass: self.mass + others.mass, momentum: self.momentum + others.momentum }
@@ -141,26 +147,16 @@ impl RigidBody {
         }
     }
 
-    /// Adds to `gathered` film of `mass` (kg) that a contact at `arm` drags along, in every direction or only along one,
-    /// and the momentum `change` (kg m/s) that this film needs if the body keeps its velocity.
+    /// Whether it only moves along z.
     #[inline(always)]
-    pub fn gather(
-        &self,
-        gathered: &mut Gathered,
-        arm: &Vector3<f64>,
-        mass: f64,
-        along: Option<&Vector3<f64>>,
-        change: &Vector3<f64>,
-    ) {
-        if self.guide == Guide::Z {
-            gathered.mass[(2, 2)] += mass * along.map_or(1.0, |n| n.z * n.z);
-            gathered.momentum[2] += change.z;
-        } else {
-            RigidBody::gather_free(gathered, arm, mass, along, change);
-        }
+    pub fn is_guided(&self) -> bool {
+        self.guide == Guide::Z
     }
 
-    fn gather_free(
+    /// Adds to `gathered` film of `mass` (kg) that a contact at `arm` drags along, in every direction or only along one,
+    /// and the momentum `change` (kg m/s) that this film needs if the free body keeps its velocity.
+    pub fn gather(
+        &self,
         gathered: &mut Gathered,
         arm: &Vector3<f64>,
         mass: f64,
