@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::element::{self, Blocks, ElementEnergy, StressFree, UprightElement};
+use super::memory::Memory;
 use super::nodes::Nodes;
 use crate::lane::{LANES, splat};
 use crate::material::{Law, strains};
@@ -89,6 +90,28 @@ impl Film {
     /// Number of elements.
     pub fn elements(&self) -> usize {
         self.quads.count + self.full_quads.count + self.tris.count
+    }
+
+    /// Number of integration points.
+    pub fn points(&self) -> usize {
+        self.quads.count + 4 * self.full_quads.count + self.tris.count
+    }
+
+    /// What its elements remember.
+    pub fn memory(&self) -> Memory {
+        let mut memory = Memory::default();
+        memory.note(&self.quads);
+        memory.note(&self.full_quads);
+        memory.note(&self.tris);
+        memory
+    }
+
+    /// Lets its elements remember what they did when `memory`, of as many integration points, was taken.
+    pub fn recall(&mut self, memory: &Memory) {
+        let mut next = 0;
+        memory.recall(&mut next, &mut self.quads);
+        memory.recall(&mut next, &mut self.full_quads);
+        memory.recall(&mut next, &mut self.tris);
     }
 
     /// Shows the corners of every element that has not broken, counted among all nodes.

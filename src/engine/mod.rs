@@ -8,9 +8,11 @@ mod element;
 mod energy;
 mod failure;
 mod film;
+mod memory;
 mod nodes;
 mod observer;
 mod rigid_body;
+mod state;
 mod time_step;
 
 use contact::Kicked;
@@ -21,9 +23,11 @@ pub use film::{ElementStrain, Film};
 pub use nodes::Nodes;
 pub use observer::{Observer, Track, View};
 pub use rigid_body::RigidBody;
+pub use state::{Misfit, State};
 pub use time_step::TimeStep;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Everything that moves, and how it is driven.
@@ -75,7 +79,7 @@ pub struct Jaw {
 const PARALLEL_FROM: usize = 5_000;
 
 /// Energy that left the elements for good, J.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Gone {
     rupture: f64,
     absorbed: f64,

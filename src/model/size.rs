@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use super::{Element, Face, Findings, ImpactorShape, Loading, Model, Shape};
+use super::{Element, Face, Findings, ImpactorShape, Model, Shape};
 
 /// Memory that one run may take for its film, bytes. A bound that is the same on every machine: a film
 /// finer than this is a mistake in the unit of `specimen.mesh.size`.
@@ -20,8 +20,10 @@ const PER_SAMPLE: f64 = 20.0 * 8.0 * 3.0;
 const FILE_PER_ELEMENT: f64 = 50.0;
 /// Longest mesh file that is read, bytes.
 const LONGEST_FILE: f64 = 1e9;
-/// One kept state: positions of a node, strains of an element, bytes.
-const PER_FRAME: f64 = 12.0 + 13.0;
+/// One kept state: positions of a node, strains of an element, bytes an element.
+pub const PER_FRAME: f64 = 12.0 + 13.0;
+/// Memory that the kept states of a run may take, bytes: of a film so fine that they would take more, fewer are kept.
+pub const MOST_IN_FRAMES: f64 = 4e8;
 
 /// Refuses runs that do not fit into memory and elements larger than the film.
 pub fn check(model: &Model, findings: &mut Findings<'_>) {
@@ -35,8 +37,8 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
             return;
         }
         total += elements(model, face);
-        let frames = PER_FRAME * model.output.frames as f64;
-        memory = total * (PER_ELEMENT + PER_NODE + frames);
+        let frames = (total * PER_FRAME * model.output.frames as f64).min(MOST_IN_FRAMES);
+        memory = total * (PER_ELEMENT + PER_NODE) + frames;
         if memory > MOST_MEMORY {
             let message =
                 format!("the mesh is too large for memory: {total:.2e} elements need about {:.0} GB", memory / 1e9);
@@ -71,20 +73,11 @@ fn files(model: &Model, findings: &mut Findings<'_>) {
 
 /// Refuses recordings that do not fit into memory beside the `film`, bytes.
 fn samples(model: &Model, film: f64, findings: &mut Findings<'_>) {
-    let samples = run_time(model) * model.output.sample_rate;
+    let samples = model.run_time() * model.output.sample_rate;
     let memory = film + samples * PER_SAMPLE;
     if memory > MOST_MEMORY {
         let message = format!("{samples:.2e} samples and the film need about {:.1} GB of memory", memory / 1e9);
         findings.report_with("output.sample_rate", message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
-    }
-}
-
-/// Simulated time, s; zero for a stretch of a shape that jaws cannot hold, which is a mistake of its own.
-fn run_time(model: &Model) -> f64 {
-    match (&model.loading, &model.specimen.shape) {
-        (Loading::Impact { duration, .. }, _) => *duration,
-        (Loading::Stretch { velocity, until, .. }, Shape::Rectangle { x, .. }) => until * x / velocity,
-        (Loading::Stretch { .. }, _) => 0.0,
     }
 }
 

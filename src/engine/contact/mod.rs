@@ -18,6 +18,7 @@ pub use inspection::Inspection;
 pub use search::{Surface, SurfaceError};
 
 use nalgebra::{Isometry3, Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::film::Film;
 use super::nodes::Nodes;
@@ -45,7 +46,7 @@ pub struct Contact {
 }
 
 /// What went through contact since the start, J.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Work {
     /// Given by the impactor.
     pub given: f64,
@@ -55,6 +56,24 @@ pub struct Work {
     pub friction_loss: f64,
     /// Momentum given to the impactor along z, N s.
     pub impulse: f64,
+}
+
+/// What contact carries from step to step, as plain numbers. The neighbour list is in it, because when it was made
+/// decides which faces are watched until the next one.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Touching {
+    near: NearList,
+    /// At the nodes of the list, in its order; all others are zero.
+    normals: Vec<[f64; 3]>,
+    work: Work,
+}
+
+impl Touching {
+    /// One more than the largest number of a node that it names.
+    pub(super) fn listed(&self) -> usize {
+        let corners = self.near.elements.iter().chain(&self.near.watched).flat_map(|element| element.corners);
+        corners.chain(self.near.nodes.iter().copied()).max().map_or(0, |node| node as usize + 1)
+    }
 }
 
 /// How the velocities before contact came about.
@@ -108,6 +127,22 @@ impl Contact {
     /// The impactor's surface.
     pub fn surface(&self) -> &Surface {
         &self.surface
+    }
+
+    /// What it carries to the next step.
+    pub(super) fn state(&self) -> Touching {
+        let normals = self.near.nodes.iter().map(|n| self.normals[*n as usize].into()).collect();
+        Touching { near: self.near.clone(), normals, work: self.work }
+    }
+
+    /// Puts back what was carried.
+    pub(super) fn restore(&mut self, carried: Touching) {
+        self.normals.fill(Vector3::zeros());
+        for (node, normal) in carried.near.nodes.iter().zip(&carried.normals) {
+            self.normals[*node as usize] = Vector3::from(*normal);
+        }
+        self.near = carried.near;
+        self.work = carried.work;
     }
 
     /// Tells that film and impactor moved towards each other by at most `distance` (m).

@@ -1,6 +1,7 @@
 //! The neighbour list.
 
 use nalgebra::{Isometry3, Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::Contact;
 use super::faces::{FACE_BOUND, WATCHED_FROM};
@@ -11,7 +12,7 @@ use crate::engine::nodes::Nodes;
 const SKIN: f64 = 0.04;
 
 /// Nodes and elements that could touch before the list is made again.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct NearList {
     pub(super) nodes: Vec<u32>,
     pub(super) elements: Vec<NearElement>,
@@ -24,7 +25,7 @@ pub(super) struct NearList {
 }
 
 /// An element near the impactor.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct NearElement {
     /// A triangle repeats its last.
     pub(super) corners: [u32; 4],

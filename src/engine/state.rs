@@ -1,0 +1,90 @@
+//! All that one step leaves to the next, as plain numbers: with it a run goes on later as if it had never stopped.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::contact::Touching;
+use super::memory::Memory;
+use super::rigid_body::Motion;
+use super::{Engine, Film, Gone, TimeStep};
+
+/// State of an engine between two steps. Forces are not in it: they follow from the rest.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct State {
+    /// s.
+    pub time: f64,
+    /// Steps so far.
+    pub steps: u64,
+    time_step: TimeStep,
+    gone: Gone,
+    position: Vec<[f64; 3]>,
+    velocity: Vec<[f64; 3]>,
+    films: Vec<Memory>,
+    impact: Option<(Motion, Touching)>,
+}
+
+/// A state that is of another scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("the state is of another scene: {found} {what} where there are {expected}")]
+pub struct Misfit {
+    /// What there is another number of.
+    pub what: &'static str,
+    /// In the state.
+    pub found: usize,
+    /// In the engine.
+    pub expected: usize,
+}
+
+impl Engine {
+    /// The state after the last step.
+    pub fn state(&self) -> State {
+        State {
+            time: self.time,
+            steps: self.steps,
+            time_step: self.time_step.clone(),
+            gone: self.gone,
+            position: self.nodes.position.clone(),
+            velocity: self.nodes.velocity.clone(),
+            films: self.films.iter().map(Film::memory).collect(),
+            impact: self.impact.as_ref().map(|impact| (impact.body.motion(), impact.contact.state())),
+        }
+    }
+
+    /// Puts a state of the same scene back: from here on every step gives the same bits as it would have there.
+    ///
+    /// # Errors
+    /// [`Misfit`] where the state has other numbers of nodes, faces, integration points or impactors; the engine is
+    /// unchanged then.
+    pub fn restore(&mut self, state: State) -> Result<(), Misfit> {
+        self.check(&state)?;
+        self.time = state.time;
+        self.steps = state.steps;
+        self.time_step = state.time_step;
+        self.gone = state.gone;
+        self.broken = 0;
+        self.nodes.position = state.position;
+        self.nodes.velocity = state.velocity;
+        self.films.iter_mut().zip(&state.films).for_each(|(film, memory)| film.recall(memory));
+        if let (Some(impact), Some((motion, touching))) = (&mut self.impact, state.impact) {
+            impact.body.resume(&motion);
+            impact.contact.restore(touching);
+        }
+        Ok(())
+    }
+
+    fn check(&self, state: &State) -> Result<(), Misfit> {
+        let nodes = self.nodes.mass.len();
+        same("nodes", state.position.len().min(state.velocity.len()), nodes)?;
+        same("faces", state.films.len(), self.films.len())?;
+        for (memory, film) in state.films.iter().zip(&self.films) {
+            same("integration points", memory.points(), film.points())?;
+        }
+        same("impactors", usize::from(state.impact.is_some()), usize::from(self.impact.is_some()))?;
+        let listed = state.impact.as_ref().map_or(0, |(_, touching)| touching.listed());
+        if listed > nodes { Err(Misfit { what: "nodes in touch", found: listed, expected: nodes }) } else { Ok(()) }
+    }
+}
+
+fn same(what: &'static str, found: usize, expected: usize) -> Result<(), Misfit> {
+    if found == expected { Ok(()) } else { Err(Misfit { what, found, expected }) }
+}
