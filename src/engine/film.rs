@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::element::{self, Blocks, ElementEnergy, StressFree, UprightElement};
+use super::footprint;
 use super::memory::Memory;
 use super::nodes::Nodes;
 use crate::lane::{LANES, splat};
@@ -95,6 +96,11 @@ impl Film {
     /// Number of integration points.
     pub fn points(&self) -> usize {
         self.quads.count + 4 * self.full_quads.count + self.tris.count
+    }
+
+    /// Bytes of its elements.
+    pub fn bytes(&self) -> usize {
+        footprint::blocks(&self.quads) + footprint::blocks(&self.full_quads) + footprint::blocks(&self.tris)
     }
 
     /// What its elements remember.

@@ -8,6 +8,7 @@ mod element;
 mod energy;
 mod failure;
 mod film;
+mod footprint;
 mod memory;
 mod nodes;
 mod observer;

@@ -46,6 +46,8 @@ pub struct Outcome {
     /// Largest penetration over the impactor's radius.
     pub penetration: Option<f64>,
     pub elements: usize,
+    /// What the engine's own arrays take, bytes.
+    pub bytes: usize,
     pub steps: u64,
     /// Mean time step, s.
     pub time_step: f64,

@@ -176,6 +176,7 @@ impl<'a> Probe<'a> {
             mass_scaling: mounting.mass_scaling,
             penetration: self.record.penetration,
             elements: engine.elements(),
+            bytes: engine.bytes(),
             steps: engine.steps(),
             time_step: engine.time() / engine.steps().max(1) as f64,
             wall,

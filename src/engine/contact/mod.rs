@@ -21,6 +21,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::film::Film;
+use super::footprint::bytes;
 use super::nodes::Nodes;
 use super::rigid_body::{Gathered, RigidBody};
 use near::NearList;
@@ -127,6 +128,14 @@ impl Contact {
     /// The impactor's surface.
     pub fn surface(&self) -> &Surface {
         &self.surface
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        let NearList { nodes, elements, watched, .. } = &self.near;
+        let listed = bytes(nodes) + bytes(elements) + bytes(watched);
+        let step = bytes(&self.touching) + bytes(&self.impulses);
+        bytes(&self.offset) + bytes(&self.normals) + bytes(&self.received) + listed + step
     }
 
     /// What it carries to the next step.
