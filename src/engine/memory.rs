@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::element::Blocks;
-use crate::lane::LANES;
+use super::element::{Block, Blocks};
 
 /// Memory of the elements of one face, an entry an integration point: element by element, quads first, whatever the
 /// blocks in which they are worked on.
@@ -16,38 +15,46 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Integration points.
-    pub(super) fn points(&self) -> usize {
+    /// Number of integration points.
+    pub(super) fn len(&self) -> usize {
         self.peaks.len().min(self.volume.len())
     }
 
-    /// Appends the memory of `blocks`.
-    pub(super) fn note<const NODES: usize, const POINTS: usize>(&mut self, blocks: &Blocks<NODES, POINTS>) {
-        for (block, lane) in blocks.places() {
-            for point in &blocks.points[block] {
-                self.peaks.push(point.peaks.map(|peak| peak[lane]));
-                self.volume.push(point.volume[lane]);
+    /// Largest strains and volume of every point, in order.
+    pub(super) fn points(&self) -> impl Iterator<Item = ([f64; 3], f64)> + '_ {
+        self.peaks.iter().copied().zip(self.volume.iter().copied())
+    }
+
+    /// Appends the memory of some elements.
+    pub(super) fn note<B, const NODES: usize, const L: usize>(&mut self, elements: &Blocks<B, NODES, L>)
+    where
+        B: Block<NODES, L>,
+    {
+        for (block, lane) in elements.places() {
+            for (peaks, volume) in elements.blocks[block].memory() {
+                self.peaks.push(peaks.map(|peak| peak[lane]));
+                self.volume.push(volume[lane]);
             }
         }
     }
+}
 
-    /// Puts the memory from entry `next` on back into `blocks` and moves `next` past it. The copies of the last element
-    /// that fill up its block go through what it goes through.
-    pub(super) fn recall<const NODES: usize, const POINTS: usize>(
-        &self,
-        next: &mut usize,
-        blocks: &mut Blocks<NODES, POINTS>,
-    ) {
-        let count = blocks.count;
-        for (block, lane) in blocks.places() {
-            let last = block * LANES + lane + 1 == count;
-            let same = if last { lane..LANES } else { lane..lane + 1 };
-            for point in &mut blocks.points[block] {
-                point.volume[lane] = self.volume[*next];
-                for (peak, value) in point.peaks.iter_mut().zip(self.peaks[*next]) {
-                    peak[same.clone()].fill(value);
-                }
-                *next += 1;
+/// Puts the memory of the next `points` back into elements. The copies of the last element that fill up its block go through
+/// what it goes through.
+pub(super) fn recall<B, const NODES: usize, const L: usize>(
+    points: &mut impl Iterator<Item = ([f64; 3], f64)>,
+    elements: &mut Blocks<B, NODES, L>,
+) where
+    B: Block<NODES, L>,
+{
+    let last = elements.count - 1;
+    for (number, (block, lane)) in elements.places().enumerate() {
+        let copies = lane + 1..if number == last { L } else { lane + 1 };
+        for ((peaks, volume), (largest, held)) in elements.blocks[block].memory_mut().zip(&mut *points) {
+            volume[lane] = held;
+            for (peak, largest) in peaks.iter_mut().zip(largest) {
+                peak[lane] = largest;
+                peak[copies.clone()].fill(largest);
             }
         }
     }

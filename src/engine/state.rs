@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::contact::Touching;
 use super::memory::Memory;
 use super::rigid_body::Motion;
-use super::{Engine, Film, Gone, TimeStep};
+use super::{Engine, Film, Gone, TimeStep, Vectors};
 
 /// State of an engine between two steps. Forces are not in it: they follow from the rest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -17,8 +17,8 @@ pub struct State {
     pub steps: u64,
     time_step: TimeStep,
     gone: Gone,
-    position: Vec<[f64; 3]>,
-    velocity: Vec<[f64; 3]>,
+    position: Vectors,
+    velocity: Vectors,
     films: Vec<Memory>,
     impact: Option<(Motion, Touching)>,
 }
@@ -74,10 +74,12 @@ impl Engine {
 
     fn check(&self, state: &State) -> Result<(), Misfit> {
         let nodes = self.nodes.mass.len();
-        same("nodes", state.position.len().min(state.velocity.len()), nodes)?;
+        for vectors in [&state.position, &state.velocity] {
+            same("nodes", if vectors.is_whole() { vectors.len() } else { 0 }, nodes)?;
+        }
         same("faces", state.films.len(), self.films.len())?;
         for (memory, film) in state.films.iter().zip(&self.films) {
-            same("integration points", memory.points(), film.points())?;
+            same("integration points", memory.len(), film.points())?;
         }
         same("impactors", usize::from(state.impact.is_some()), usize::from(self.impact.is_some()))?;
         let listed = state.impact.as_ref().map_or(0, |(_, touching)| touching.listed());
