@@ -281,6 +281,19 @@ mod tests {
     }
 
     #[test]
+    fn a_mesh_counts_with_what_its_file_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, moved) = (folder.path().join("a.stl"), folder.path().join("b.stl"));
+        fs::write(&path, "solid film").unwrap();
+        let before = content(&path).unwrap();
+        fs::rename(&path, &moved).unwrap();
+        assert_eq!(content(&moved).unwrap(), before);
+        fs::write(&moved, "solid Film").unwrap();
+        assert_ne!(content(&moved).unwrap(), before);
+        assert!(content(&path).is_err());
+    }
+
+    #[test]
     fn a_stamp_tells_what_is_different() {
         let stamp = |version: &str, scenario: &str, run: &str| Stamp {
             version: version.into(),
