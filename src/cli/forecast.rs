@@ -74,7 +74,7 @@ impl Left {
             model.name,
             spoken(*wall),
             grouped(progress.elements as u64),
-            significant(*steps, 2),
+            grouped(significant(*steps, 2).parse::<f64>().unwrap_or(*steps) as u64),
             short(1e6 * progress.time_step),
         )
     }

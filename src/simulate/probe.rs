@@ -27,6 +27,8 @@ pub(super) struct Probe<'a> {
     frames: usize,
     frame: f64,
     audit: f64,
+    /// Strains of all elements, as last looked at.
+    faces: Vec<Vec<ElementStrain>>,
     record: Record,
 }
 
@@ -83,6 +85,7 @@ impl<'a> Probe<'a> {
             frames,
             frame: duration / frames.saturating_sub(1).max(1) as f64,
             audit: (duration / AUDITS).max(sample),
+            faces: vec![],
             record,
         }
     }
@@ -124,6 +127,16 @@ impl<'a> Probe<'a> {
 
     fn audit_due(&self, time: f64) -> bool {
         self.record.audits as f64 * self.audit <= time
+    }
+
+    fn look(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
+        if self.frame_due(view.time) {
+            self.record.frames.push(frames::frame(view, faces));
+        }
+        if self.sample_due(view.time) {
+            self.take_sample(view, faces);
+        }
+        if self.audit_due(view.time) { self.take_audit(view, faces) } else { Ok(()) }
     }
 
     fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) {
@@ -266,14 +279,11 @@ impl Observer for Probe<'_> {
     }
 
     fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
-        let faces = view.strains();
-        if self.frame_due(view.time) {
-            self.record.frames.push(frames::frame(view, &faces));
-        }
-        if self.sample_due(view.time) {
-            self.take_sample(view, &faces);
-        }
-        if self.audit_due(view.time) { self.take_audit(view, &faces) } else { Ok(()) }
+        let mut faces = std::mem::take(&mut self.faces);
+        view.strains(&mut faces);
+        let seen = self.look(view, &faces);
+        self.faces = faces;
+        seen
     }
 
     fn follow(&mut self, track: &Track) {

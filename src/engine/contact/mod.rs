@@ -43,8 +43,6 @@ pub struct Contact {
     normals: Vec<Vector3<f64>>,
     /// Velocity of the nodes near it half a step earlier, m/s.
     earlier: Vec<Vector3<f64>>,
-    /// Velocity that each node got from contact in this step, m/s.
-    received: Vec<Vector3<f64>>,
     pieces: Vec<Piece>,
     /// Sums since the start, J.
     pub work: Work,
@@ -114,6 +112,12 @@ struct Impulse {
     tangential: Vector3<f64>,
 }
 
+impl Impulse {
+    fn total(&self) -> Vector3<f64> {
+        self.normal + self.tangential
+    }
+}
+
 impl Contact {
     /// Contact of `surface` with film whose nodes keep `offset` (m) from it; `multiplicity` mirror images count.
     pub fn new(surface: Surface, friction: f64, multiplicity: f64, offset: Vec<f64>) -> Contact {
@@ -125,8 +129,7 @@ impl Contact {
             offset,
             near: NearList::default(),
             normals: zero.clone(),
-            earlier: zero.clone(),
-            received: zero,
+            earlier: zero,
             pieces: vec![],
             work: Work::default(),
         }
@@ -141,7 +144,7 @@ impl Contact {
     pub(super) fn bytes(&self) -> usize {
         let NearList { nodes, elements, watched, .. } = &self.near;
         let listed = bytes(nodes) + bytes(elements) + bytes(watched);
-        let nodal = bytes(&self.offset) + bytes(&self.normals) + bytes(&self.earlier) + bytes(&self.received);
+        let nodal = bytes(&self.offset) + bytes(&self.normals) + bytes(&self.earlier);
         let pieces = self.pieces.iter().map(|piece| bytes(&piece.touching) + bytes(&piece.impulses));
         nodal + listed + pieces.sum::<usize>()
     }
@@ -193,12 +196,19 @@ impl Contact {
         let pose = body.predicted(dt);
         self.find_touching(nodes, body, &pose, dt, team);
         let ahead = self.body_ahead(nodes, body);
-        self.give(nodes, body, &ahead, team);
-        self.meet_faces(nodes, body, dt);
-        self.settle(nodes, dt, team);
-        let total = self.pieces.iter().fold(Tally::default(), |sum, piece| sum + piece.tally);
-        self.work.add(&total, self.multiplicity, body, before);
+        self.give(nodes, body, &ahead, dt, team);
+        let mut given = self.total();
+        body.push_about(&(-self.multiplicity * given.impulse()), &(-self.multiplicity * given.moment()));
+        if self.meet_faces(nodes, body, dt) {
+            given = self.total();
+        }
+        self.work.add(&given, self.multiplicity, body, before);
         self.pieces.iter().map(|piece| piece.fastest).fold(0.0, f64::max).sqrt()
+    }
+
+    /// What all pieces gave.
+    fn total(&self) -> Tally {
+        self.pieces.iter().fold(Tally::default(), |sum, piece| sum + piece.tally)
     }
 
     /// Nodes that lie inside.
@@ -246,48 +256,25 @@ impl Contact {
         body.after(&gathered)
     }
 
-    /// Gives the touching nodes their momentum and takes it from the body.
-    fn give(&mut self, nodes: &mut Nodes, body: &mut RigidBody, ahead: &RigidBody, team: &Team) {
+    /// Gives the touching nodes the momentum with which they follow the body as it will move `ahead`, moves them on, and adds up
+    /// what went through them.
+    fn give(&mut self, nodes: &mut Nodes, body: &RigidBody, ahead: &RigidBody, dt: f64, team: &Team) {
         let friction = self.friction;
-        let (pieces, received) = (Disjoint::new(&mut self.pieces), Disjoint::new(&mut self.received));
-        let still = &*nodes;
+        let (pieces, earlier) = (Disjoint::new(&mut self.pieces), &self.earlier);
+        let nodes = nodes.met();
         team.each(self.near.nodes.len().div_ceil(PIECE), |part| {
             // SAFETY: every piece comes up once.
-            let Piece { touching, impulses, .. } = unsafe { pieces.at(part) };
+            let Piece { touching, impulses, tally, fastest } = unsafe { pieces.at(part) };
             impulses.clear();
-            impulses.extend(touching.iter().filter_map(|c| node_impulse(c, still, ahead, body, friction)));
-            for impulse in impulses {
-                // SAFETY: a node is listed once.
-                unsafe { *received.at(impulse.node) = velocity_change(still, impulse) };
-            }
-        });
-        for impulse in self.pieces.iter().flat_map(|piece| &piece.impulses) {
-            nodes.velocity.add(impulse.node, self.received[impulse.node].into());
-            body.push(&(-self.multiplicity * (impulse.normal + impulse.tangential)), &impulse.arm);
-        }
-    }
-
-    /// Moves the nodes that were met on from where they stood without contact, and adds up what went through them.
-    fn settle(&mut self, nodes: &mut Nodes, dt: f64, team: &Team) {
-        let (received, earlier) = (Disjoint::new(&mut self.received), &self.earlier);
-        let pieces = Disjoint::new(&mut self.pieces);
-        let count = self.near.nodes.len().div_ceil(PIECE);
-        let (mut places, velocity) = nodes.places_and_velocities();
-        let places = places.each_mut().map(|axis| Disjoint::new(axis));
-        team.each(count, |part| {
-            // SAFETY: every piece comes up once.
-            let Piece { impulses, tally, fastest, .. } = unsafe { pieces.at(part) };
             (*tally, *fastest) = (Tally::default(), 0.0);
-            for impulse in &*impulses {
-                let after = Vector3::from(velocity.at(impulse.node));
+            for constraint in &*touching {
+                let mass = nodes.mass(constraint.node);
+                let Some(impulse) = node_impulse(constraint, mass, ahead, body, friction) else { continue };
+                // SAFETY: a node is listed once.
+                let after = unsafe { nodes.push(impulse.node, &impulse.total(), dt) };
                 *fastest = fastest.max(after.norm_squared());
-                tally.add(impulse, &(0.5 * (after + earlier[impulse.node])));
-                // SAFETY: a node is in one piece only, or all are in the first.
-                let change = std::mem::take(unsafe { received.at(impulse.node) });
-                for axis in 0..3 {
-                    // SAFETY: as above.
-                    unsafe { *places[axis].at(impulse.node) += change[axis] * dt };
-                }
+                tally.add(&impulse, &(0.5 * (after + earlier[impulse.node])));
+                impulses.push(impulse);
             }
         });
     }
@@ -305,18 +292,13 @@ fn stopping(slip: &Vector3<f64>, bound: f64) -> (Vector3<f64>, bool) {
 }
 
 /// What a touching node gets when the body moves on as `ahead`; `None` where the body leaves it.
-fn node_impulse(c: &Constraint, nodes: &Nodes, ahead: &RigidBody, body: &RigidBody, friction: f64) -> Option<Impulse> {
+fn node_impulse(c: &Constraint, mass: f64, ahead: &RigidBody, body: &RigidBody, friction: f64) -> Option<Impulse> {
     let change = ahead.velocity_at(&c.arm) - body.velocity_at(&c.arm);
     let away = c.normal.dot(&change);
     let lack = c.lack + away;
     if lack <= 0.0 {
         return None;
     }
-    let mass = nodes.mass[c.node];
     let (tangential, _) = stopping(&(c.slip - change + c.normal * away), friction * lack);
     Some(Impulse { node: c.node, arm: c.arm, normal: c.normal * (lack * mass), tangential: tangential * mass })
-}
-
-fn velocity_change(nodes: &Nodes, impulse: &Impulse) -> Vector3<f64> {
-    (impulse.normal + impulse.tangential).component_mul(&Vector3::from(nodes.mobility(impulse.node)))
 }
