@@ -68,7 +68,7 @@ impl Left {
             let every = rounded(progress.duration * BETWEEN_CHECKPOINTS / wall);
             cheaper.push(format!("--checkpoint-every \"{}\" lets it go on after an interruption", Time(every)));
         }
-        let hint = if cheaper.is_empty() { String::new() } else { format!("\n  {}", cheaper.join("; ")) };
+        let hint: String = cheaper.iter().map(|way| format!("\n  {way}")).collect();
         format!(
             "{} will take about {}: {} elements, {} steps of {} us to go, {per_element_step:.0} ns per element step{hint}",
             model.name,
