@@ -53,6 +53,13 @@ impl Default for Gathered {
     }
 }
 
+impl Gathered {
+    /// These contacts and others.
+    pub fn and(&self, others: &Gathered) -> Gathered {
+        Gathered { mass: self.mass + others.mass, momentum: self.momentum + others.momentum }
+    }
+}
+
 impl RigidBody {
     /// A body at `pose` with `velocity` (m/s), not spinning; `inertia` (kg m²) about its centre of mass in body axes.
     pub fn new(

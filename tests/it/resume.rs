@@ -192,7 +192,7 @@ fn a_run_of_hours_says_so_at_its_start() {
     let mut command = command(bench.path(), &[&["run", "drop.toml"], &slow[..]].concat());
     let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().expect("the binary starts");
     let lines = BufReader::new(child.stderr.take().expect("its standard error")).lines();
-    let told: Vec<String> = lines.map_while(Result::ok).take(2).collect();
+    let told: Vec<String> = lines.map_while(Result::ok).take(4).collect();
     child.kill().expect("killed");
     child.wait().expect("gone");
     let told = told.join("\n");

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use super::film::Film;
 use super::footprint::bytes;
-use super::nodes::Nodes;
+use super::nodes::{Nodes, Remembered};
 use super::rigid_body::{Gathered, RigidBody};
 use super::team::{Disjoint, Team};
 use near::NearList;
@@ -55,6 +55,7 @@ const PIECE: usize = 256;
 #[derive(Default)]
 struct Piece {
     touching: Vec<Constraint>,
+    gathered: Gathered,
     impulses: Vec<Impulse>,
     tally: Tally,
     /// Square of the largest speed after contact, m²/s².
@@ -85,10 +86,9 @@ pub struct Touching {
 }
 
 impl Touching {
-    /// One more than the largest number of a node that it names.
-    pub(super) fn listed(&self) -> usize {
-        let corners = self.near.elements.iter().chain(&self.near.watched).flat_map(|element| element.corners);
-        corners.chain(self.near.nodes.iter().copied()).max().map_or(0, |node| node as usize + 1)
+    /// Whether it can be of a scene with so many nodes.
+    pub(super) fn is_of(&self, nodes: usize) -> bool {
+        self.near.is_of(nodes) && self.normals.len() == self.near.nodes.len()
     }
 }
 
@@ -142,11 +142,11 @@ impl Contact {
 
     /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
-        let NearList { nodes, elements, watched, .. } = &self.near;
-        let listed = bytes(nodes) + bytes(elements) + bytes(watched);
+        let NearList { nodes, pieces, remembered, elements, watched, margin: _, pace: _ } = &self.near;
+        let listed = bytes(nodes) + bytes(pieces) + bytes(remembered) + bytes(elements) + bytes(watched);
         let nodal = bytes(&self.offset) + bytes(&self.normals) + bytes(&self.earlier);
-        let pieces = self.pieces.iter().map(|piece| bytes(&piece.touching) + bytes(&piece.impulses));
-        nodal + listed + pieces.sum::<usize>()
+        let step = self.pieces.iter().map(|piece| bytes(&piece.touching) + bytes(&piece.impulses));
+        nodal + listed + step.sum::<usize>()
     }
 
     /// What it carries to the next step.
@@ -156,12 +156,13 @@ impl Contact {
     }
 
     /// Puts back what was carried.
-    pub(super) fn restore(&mut self, carried: Touching) {
+    pub(super) fn restore(&mut self, carried: Touching, films: &[Film]) {
         self.normals.fill(Vector3::zeros());
         for (node, normal) in carried.near.nodes.iter().zip(&carried.normals) {
             self.normals[*node as usize] = Vector3::from(*normal);
         }
         self.near = carried.near;
+        self.near.divide(films);
         self.work = carried.work;
     }
 
@@ -176,26 +177,23 @@ impl Contact {
         self.near.margin = -1.0;
     }
 
-    /// Looks around before the nodes move: lists neighbours where that is due and remembers their velocities.
-    pub fn prepare(&mut self, films: &[Film], nodes: &Nodes, body: &RigidBody) {
+    /// Looks around before the nodes move: lists neighbours where that is due. What comes back takes their velocities.
+    pub(super) fn prepare(&mut self, films: &[Film], nodes: &Nodes, body: &RigidBody) -> Remembered<'_> {
         // Nodes are looked at where they will be at the end of the step, so one more step has to fit in the skin.
         if self.near.margin.is_nan() || self.near.margin <= self.near.pace {
             self.list_neighbours(films, nodes, &body.pose);
         }
-        let corners = self.near.watched.iter().flat_map(|element| &element.corners);
-        for n in self.near.nodes.iter().chain(corners).map(|n| *n as usize) {
-            self.earlier[n] = nodes.velocity_of(n);
-        }
+        Remembered { nodes: &self.near.remembered, velocity: Disjoint::new(&mut self.earlier) }
     }
 
     /// Corrects the velocities of nodes and body, and the places of nodes, so that no node is inside at the end of the step
     /// of `dt` s. The nodes stand there already, the body stands where it was; `before` is its motion before the forces of
     /// this step. Returns the largest speed of a node that was met, m/s.
     pub fn meet(&mut self, nodes: &mut Nodes, body: &mut RigidBody, before: &RigidBody, dt: f64, team: &Team) -> f64 {
-        self.pieces.resize_with(self.near.nodes.len().div_ceil(PIECE), Piece::default);
+        self.pieces.resize_with(self.near.pieces.len(), Piece::default);
         let pose = body.predicted(dt);
         self.find_touching(nodes, body, &pose, dt, team);
-        let ahead = self.body_ahead(nodes, body);
+        let ahead = self.body_ahead(body);
         self.give(nodes, body, &ahead, dt, team);
         let mut given = self.total();
         body.push_about(&(-self.multiplicity * given.impulse()), &(-self.multiplicity * given.moment()));
@@ -214,13 +212,15 @@ impl Contact {
     /// Nodes that lie inside.
     fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, pose: &Isometry3<f64>, dt: f64, team: &Team) {
         let centre = Point3::from(pose.translation.vector);
-        let (surface, offset, near) = (&self.surface, &self.offset, &self.near.nodes);
+        let (surface, offset, near) = (&self.surface, &self.offset, &self.near);
+        let (friction, multiplicity) = (self.friction, self.multiplicity);
         let (pieces, normals) = (Disjoint::new(&mut self.pieces), Disjoint::new(&mut self.normals));
-        team.each(near.len().div_ceil(PIECE), |part| {
+        team.each(near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
             let piece = unsafe { pieces.at(part) };
             piece.touching.clear();
-            for &n in &near[part * PIECE..near.len().min((part + 1) * PIECE)] {
+            piece.gathered = Gathered::default();
+            for &n in &near.nodes[near.pieces[part].clone()] {
                 let n = n as usize;
                 let point = nodes.place(n);
                 let reach = surface.reach() + offset[n];
@@ -235,25 +235,23 @@ impl Contact {
                     let arm = point - centre;
                     let relative = nodes.velocity_of(n) - body.velocity_at(&arm);
                     let slip = relative - normal * relative.dot(&normal);
-                    piece.touching.push(Constraint { node: n, normal, lack: -gap / dt, arm, slip });
+                    let lack = -gap / dt;
+                    let (tangential, sticks) = stopping(&slip, friction * lack);
+                    let along = if sticks { None } else { Some(&normal) };
+                    let mass = multiplicity * nodes.mass[n];
+                    body.gather(&mut piece.gathered, &arm, mass, along, &((normal * lack + tangential) * mass));
+                    piece.touching.push(Constraint { node: n, normal, lack, arm, slip });
                 }
             }
         });
     }
 
     /// The body as it will move once all touching nodes have taken their momentum.
-    fn body_ahead(&self, nodes: &Nodes, body: &RigidBody) -> RigidBody {
-        if self.pieces.iter().all(|piece| piece.touching.is_empty()) {
-            return body.clone();
-        }
-        let mut gathered = Gathered::default();
-        for c in self.pieces.iter().flat_map(|piece| &piece.touching) {
-            let mass = self.multiplicity * nodes.mass[c.node];
-            let (tangential, sticks) = stopping(&c.slip, self.friction * c.lack);
-            let along = if sticks { None } else { Some(&c.normal) };
-            body.gather(&mut gathered, &c.arm, mass, along, &((c.normal * c.lack + tangential) * mass));
-        }
-        body.after(&gathered)
+    fn body_ahead(&self, body: &RigidBody) -> RigidBody {
+        let mut touching = self.pieces.iter().filter(|piece| !piece.touching.is_empty());
+        let Some(first) = touching.next() else { return body.clone() };
+        let all = touching.fold(first.gathered.clone(), |all, piece| all.and(&piece.gathered));
+        body.after(&all)
     }
 
     /// Gives the touching nodes the momentum with which they follow the body as it will move `ahead`, moves them on, and adds up
@@ -262,9 +260,9 @@ impl Contact {
         let friction = self.friction;
         let (pieces, earlier) = (Disjoint::new(&mut self.pieces), &self.earlier);
         let nodes = nodes.met();
-        team.each(self.near.nodes.len().div_ceil(PIECE), |part| {
+        team.each(self.near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
-            let Piece { touching, impulses, tally, fastest } = unsafe { pieces.at(part) };
+            let Piece { touching, impulses, tally, fastest, .. } = unsafe { pieces.at(part) };
             impulses.clear();
             (*tally, *fastest) = (Tally::default(), 0.0);
             for constraint in &*touching {
