@@ -179,6 +179,7 @@ impl RigidBody {
 
     /// Adds to `gathered` film of `mass` (kg) that a contact at `arm` drags along, in every direction or only along one,
     /// and the momentum `change` (kg m/s) that this film needs if the body keeps its velocity.
+    #[inline(always)]
     pub fn gather(
         &self,
         gathered: &mut Gathered,
@@ -190,8 +191,18 @@ impl RigidBody {
         if self.guide == Guide::Z {
             gathered.mass[(2, 2)] += mass * along.map_or(1.0, |n| n.z * n.z);
             gathered.momentum[2] += change.z;
-            return;
+        } else {
+            RigidBody::gather_free(gathered, arm, mass, along, change);
         }
+    }
+
+    fn gather_free(
+        gathered: &mut Gathered,
+        arm: &Vector3<f64>,
+        mass: f64,
+        along: Option<&Vector3<f64>>,
+        change: &Vector3<f64>,
+    ) {
         let mass = along.map_or(Matrix3::identity(), |n| n * n.transpose()) * mass;
         let lever = arm.cross_matrix();
         let turned = lever * mass;

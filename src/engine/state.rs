@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::contact::Touching;
+use super::contact::Carried;
 use super::memory::Memory;
 use super::rigid_body::Motion;
 use super::{Engine, Film, Gone, TimeStep, Vectors};
@@ -20,7 +20,7 @@ pub struct State {
     position: Vectors,
     velocity: Vectors,
     films: Vec<Memory>,
-    impact: Option<(Motion, Touching)>,
+    impact: Option<(Motion, Carried)>,
 }
 
 /// A state that is of another scene.
@@ -47,7 +47,7 @@ impl Engine {
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
             films: films.iter().map(Film::memory).collect(),
-            impact: impact.as_ref().map(|impact| (impact.body.motion(), impact.contact.state())),
+            impact: impact.as_ref().map(|impact| (impact.body.motion(), impact.contact.carried())),
         }
     }
 
@@ -66,9 +66,9 @@ impl Engine {
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;
         self.films.iter_mut().zip(&state.films).for_each(|(film, memory)| film.recall(memory));
-        if let (Some(impact), Some((motion, touching))) = (&mut self.impact, state.impact) {
+        if let (Some(impact), Some((motion, carried))) = (&mut self.impact, state.impact) {
             impact.body.resume(&motion);
-            impact.contact.restore(touching, &self.films);
+            impact.contact.restore(carried, &self.films);
         }
         Ok(())
     }
@@ -83,7 +83,7 @@ impl Engine {
             same("integration points", memory.len(), film.points())?;
         }
         same("impactors", usize::from(state.impact.is_some()), usize::from(self.impact.is_some()))?;
-        let listed = state.impact.as_ref().is_none_or(|(_, touching)| touching.is_of(nodes));
+        let listed = state.impact.as_ref().is_none_or(|(_, carried)| carried.is_of(nodes));
         same("lists of neighbours", usize::from(listed), 1)
     }
 }

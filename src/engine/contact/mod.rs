@@ -9,26 +9,28 @@
 //! Faces between nodes penetrate by the sagitta of their edges. Where that may exceed `FACE_BOUND` of the
 //! impactor's size, or the impactor has edges of its own, the deepest point of each triangle is met in the same way.
 
+mod carried;
 mod faces;
 mod inspection;
 mod near;
 mod search;
 mod tally;
+mod touching;
 
+pub(super) use carried::Carried;
 pub use inspection::Inspection;
 pub use search::{Surface, SurfaceError};
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::film::Film;
-use super::footprint::bytes;
 use super::nodes::{Nodes, Remembered};
-use super::rigid_body::{Gathered, RigidBody};
+use super::rigid_body::RigidBody;
 use super::team::{Disjoint, Team};
 use near::NearList;
-use search::Touch;
 use tally::Tally;
+use touching::{Giving, Looking, Piece};
 
 /// Contact of one impactor with all faces of film.
 pub struct Contact {
@@ -51,17 +53,6 @@ pub struct Contact {
 /// Nodes near the impactor that one thread looks at together.
 const PIECE: usize = 256;
 
-/// What was found at the nodes of one piece of the neighbour list.
-#[derive(Default)]
-struct Piece {
-    touching: Vec<Constraint>,
-    gathered: Gathered,
-    impulses: Vec<Impulse>,
-    tally: Tally,
-    /// Square of the largest speed after contact, m²/s².
-    fastest: f64,
-}
-
 /// What went through contact since the start, J.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Work {
@@ -73,35 +64,6 @@ pub struct Work {
     pub friction_loss: f64,
     /// Momentum given to the impactor along z, N s.
     pub impulse: f64,
-}
-
-/// What contact carries from step to step, as plain numbers. The neighbour list is in it, because when it was made
-/// decides which faces are watched until the next one.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Touching {
-    near: NearList,
-    /// At the nodes of the list, in its order; all others are zero.
-    normals: Vec<[f64; 3]>,
-    work: Work,
-}
-
-impl Touching {
-    /// Whether it can be of a scene with so many nodes.
-    pub(super) fn is_of(&self, nodes: usize) -> bool {
-        self.near.is_of(nodes) && self.normals.len() == self.near.nodes.len()
-    }
-}
-
-/// A node that would be inside.
-struct Constraint {
-    node: usize,
-    normal: Vector3<f64>,
-    /// Normal velocity that it lacks, m/s.
-    lack: f64,
-    /// From the body's centre of mass, m.
-    arm: Vector3<f64>,
-    /// Tangential velocity over the surface, m/s.
-    slip: Vector3<f64>,
 }
 
 /// What one node got from the impactor in this step, N s.
@@ -140,32 +102,6 @@ impl Contact {
         &self.surface
     }
 
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        let NearList { nodes, pieces, remembered, elements, watched, margin: _, pace: _ } = &self.near;
-        let listed = bytes(nodes) + bytes(pieces) + bytes(remembered) + bytes(elements) + bytes(watched);
-        let nodal = bytes(&self.offset) + bytes(&self.normals) + bytes(&self.earlier);
-        let step = self.pieces.iter().map(|piece| bytes(&piece.touching) + bytes(&piece.impulses));
-        nodal + listed + step.sum::<usize>()
-    }
-
-    /// What it carries to the next step.
-    pub(super) fn state(&self) -> Touching {
-        let normals = self.near.nodes.iter().map(|n| self.normals[*n as usize].into()).collect();
-        Touching { near: self.near.clone(), normals, work: self.work }
-    }
-
-    /// Puts back what was carried.
-    pub(super) fn restore(&mut self, carried: Touching, films: &[Film]) {
-        self.normals.fill(Vector3::zeros());
-        for (node, normal) in carried.near.nodes.iter().zip(&carried.normals) {
-            self.normals[*node as usize] = Vector3::from(*normal);
-        }
-        self.near = carried.near;
-        self.near.divide(films);
-        self.work = carried.work;
-    }
-
     /// Tells that film and impactor moved towards each other by at most `distance` (m).
     pub fn moved(&mut self, distance: f64) {
         self.near.margin -= distance;
@@ -191,8 +127,7 @@ impl Contact {
     /// this step. Returns the largest speed of a node that was met, m/s.
     pub fn meet(&mut self, nodes: &mut Nodes, body: &mut RigidBody, before: &RigidBody, dt: f64, team: &Team) -> f64 {
         self.pieces.resize_with(self.near.pieces.len(), Piece::default);
-        let pose = body.predicted(dt);
-        self.find_touching(nodes, body, &pose, dt, team);
+        self.find_touching(nodes, body, dt, team);
         let ahead = self.body_ahead(body);
         self.give(nodes, body, &ahead, dt, team);
         let mut given = self.total();
@@ -210,70 +145,44 @@ impl Contact {
     }
 
     /// Nodes that lie inside.
-    fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, pose: &Isometry3<f64>, dt: f64, team: &Team) {
-        let centre = Point3::from(pose.translation.vector);
-        let (surface, offset, near) = (&self.surface, &self.offset, &self.near);
-        let (friction, multiplicity) = (self.friction, self.multiplicity);
-        let (pieces, normals) = (Disjoint::new(&mut self.pieces), Disjoint::new(&mut self.normals));
+    fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, dt: f64, team: &Team) {
+        let near = &self.near;
+        let looking = Looking {
+            surface: &self.surface,
+            friction: self.friction,
+            multiplicity: self.multiplicity,
+            offset: &self.offset,
+            normals: (!near.watched.is_empty()).then(|| Disjoint::new(&mut self.normals)),
+            nodes,
+            body,
+            pose: body.predicted(dt),
+            per_second: 1.0 / dt,
+        };
+        let pieces = Disjoint::new(&mut self.pieces);
         team.each(near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
             let piece = unsafe { pieces.at(part) };
-            piece.touching.clear();
-            piece.gathered = Gathered::default();
-            for &n in &near.nodes[near.pieces[part].clone()] {
-                let n = n as usize;
-                let point = nodes.place(n);
-                let reach = surface.reach() + offset[n];
-                if nalgebra::distance_squared(&point, &centre) > reach * reach {
-                    continue;
-                }
-                let Touch { gap, normal } = surface.touch(pose, &point);
-                // SAFETY: a node is listed once.
-                unsafe { *normals.at(n) = normal };
-                let gap = gap - offset[n];
-                if gap < 0.0 && !nodes.is_held(n) {
-                    let arm = point - centre;
-                    let relative = nodes.velocity_of(n) - body.velocity_at(&arm);
-                    let slip = relative - normal * relative.dot(&normal);
-                    let lack = -gap / dt;
-                    let (tangential, sticks) = stopping(&slip, friction * lack);
-                    let along = if sticks { None } else { Some(&normal) };
-                    let mass = multiplicity * nodes.mass[n];
-                    body.gather(&mut piece.gathered, &arm, mass, along, &((normal * lack + tangential) * mass));
-                    piece.touching.push(Constraint { node: n, normal, lack, arm, slip });
-                }
-            }
+            touching::find(team.width(), &looking, &near.nodes[near.pieces[part].clone()], piece);
         });
     }
 
     /// The body as it will move once all touching nodes have taken their momentum.
     fn body_ahead(&self, body: &RigidBody) -> RigidBody {
-        let mut touching = self.pieces.iter().filter(|piece| !piece.touching.is_empty());
+        let mut touching = self.pieces.iter().filter(|piece| piece.is_touched());
         let Some(first) = touching.next() else { return body.clone() };
-        let all = touching.fold(first.gathered.clone(), |all, piece| all.and(&piece.gathered));
+        let all = touching.fold(first.gathered().clone(), |all, piece| all.and(piece.gathered()));
         body.after(&all)
     }
 
     /// Gives the touching nodes the momentum with which they follow the body as it will move `ahead`, moves them on, and adds up
     /// what went through them.
     fn give(&mut self, nodes: &mut Nodes, body: &RigidBody, ahead: &RigidBody, dt: f64, team: &Team) {
-        let friction = self.friction;
-        let (pieces, earlier) = (Disjoint::new(&mut self.pieces), &self.earlier);
-        let nodes = nodes.met();
+        let pieces = Disjoint::new(&mut self.pieces);
+        let (friction, earlier, nodes) = (self.friction, self.earlier.as_slice(), nodes.met());
+        let giving = Giving { friction, earlier, nodes, body, ahead, dt };
         team.each(self.near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
-            let Piece { touching, impulses, tally, fastest, .. } = unsafe { pieces.at(part) };
-            impulses.clear();
-            (*tally, *fastest) = (Tally::default(), 0.0);
-            for constraint in &*touching {
-                let mass = nodes.mass(constraint.node);
-                let Some(impulse) = node_impulse(constraint, mass, ahead, body, friction) else { continue };
-                // SAFETY: a node is listed once.
-                let after = unsafe { nodes.push(impulse.node, &impulse.total(), dt) };
-                *fastest = fastest.max(after.norm_squared());
-                tally.add(&impulse, &(0.5 * (after + earlier[impulse.node])));
-                impulses.push(impulse);
-            }
+            touching::give(team.width(), &giving, unsafe { pieces.at(part) });
         });
     }
 
@@ -281,22 +190,4 @@ impl Contact {
     pub fn touched(&self) -> impl Iterator<Item = usize> + '_ {
         self.pieces.iter().flat_map(|piece| &piece.impulses).map(|impulse| impulse.node)
     }
-}
-
-/// The change of tangential velocity by which friction stops `slip`, as far as `bound` (m/s) allows, and whether it does.
-fn stopping(slip: &Vector3<f64>, bound: f64) -> (Vector3<f64>, bool) {
-    let speed = slip.norm();
-    if speed <= bound { (-slip, true) } else { (-slip * (bound / speed), false) }
-}
-
-/// What a touching node gets when the body moves on as `ahead`; `None` where the body leaves it.
-fn node_impulse(c: &Constraint, mass: f64, ahead: &RigidBody, body: &RigidBody, friction: f64) -> Option<Impulse> {
-    let change = ahead.velocity_at(&c.arm) - body.velocity_at(&c.arm);
-    let away = c.normal.dot(&change);
-    let lack = c.lack + away;
-    if lack <= 0.0 {
-        return None;
-    }
-    let (tangential, _) = stopping(&(c.slip - change + c.normal * away), friction * lack);
-    Some(Impulse { node: c.node, arm: c.arm, normal: c.normal * (lack * mass), tangential: tangential * mass })
 }
