@@ -9,6 +9,8 @@ use super::element::{
     self, Block, Blocks, ElementEnergy, ElementStrain, Forces, FullQuads, OwnForces, Quads, Shaped, StressFree, Tris,
     UprightElement,
 };
+use super::footprint;
+use super::memory::{self, Memory};
 use super::nodes::{Nodes, Vectors};
 use super::team::{Disjoint, Team};
 use crate::lane::{LANES, Width};
@@ -105,6 +107,33 @@ impl Film {
     /// Number of colours of its chunks.
     pub(super) fn colours(&self) -> usize {
         self.colours
+    }
+
+    /// Number of integration points.
+    pub(super) fn points(&self) -> usize {
+        let of = |chunk: &Chunk| concretely!(&chunk.elements, |blocks| blocks.count * blocks.points());
+        self.chunks.iter().map(of).sum()
+    }
+
+    /// Bytes of its elements.
+    pub(super) fn bytes(&self) -> usize {
+        let of = |chunk: &Chunk| concretely!(&chunk.elements, |blocks| footprint::blocks(blocks));
+        self.chunks.iter().map(of).sum()
+    }
+
+    /// What its elements remember.
+    pub(super) fn memory(&self) -> Memory {
+        let mut memory = Memory::default();
+        self.chunks.iter().for_each(|chunk| concretely!(&chunk.elements, |blocks| memory.note(blocks)));
+        memory
+    }
+
+    /// Lets its elements remember what they did when `memory`, of as many integration points, was taken.
+    pub(super) fn recall(&mut self, memory: &Memory) {
+        let mut points = memory.points();
+        for chunk in &mut self.chunks {
+            concretely!(&mut chunk.elements, |blocks| memory::recall(&mut points, blocks));
+        }
     }
 
     /// Shows the corners of every element that has not broken, counted among all nodes.

@@ -8,9 +8,12 @@ mod element;
 mod energy;
 mod failure;
 mod film;
+mod footprint;
+mod memory;
 mod nodes;
 mod observer;
 mod rigid_body;
+mod state;
 mod team;
 mod time_step;
 
@@ -21,6 +24,7 @@ pub use film::Film;
 pub use nodes::{Kick, Nodes, Vectors};
 pub use observer::{Observer, Track, View};
 pub use rigid_body::RigidBody;
+pub use state::{Misfit, State};
 pub use team::Team;
 pub use time_step::TimeStep;
 
@@ -28,6 +32,7 @@ use std::ops::Range;
 
 use element::Forces;
 use nodes::Moved;
+use serde::{Deserialize, Serialize};
 use team::Disjoint;
 use thiserror::Error;
 
@@ -85,7 +90,7 @@ pub struct Jaw {
 const NODES_AT_ONCE: usize = 1024;
 
 /// Energy that left the elements for good, J.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Gone {
     rupture: f64,
     absorbed: f64,

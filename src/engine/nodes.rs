@@ -3,12 +3,14 @@
 use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
+use super::footprint::bytes;
 use super::team::Disjoint;
 use crate::lane::{LANES, Lane, Lane3, Width, at_width, larger, splat};
 
 /// A vector at every node, one array an axis.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Vectors {
     axes: [Vec<f64>; 3],
 }
@@ -50,6 +52,11 @@ impl Vectors {
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.axes[0].len()
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        self.axes.iter().map(|axis| bytes(axis)).sum()
     }
 
     /// Whether there is no node.
@@ -103,6 +110,11 @@ impl Vectors {
     /// The same, to be written.
     pub fn axes_mut(&mut self) -> [&mut [f64]; 3] {
         self.axes.each_mut().map(Vec::as_mut_slice)
+    }
+
+    /// Whether no axis has a number of nodes of its own, as it may have after reading.
+    pub(super) fn is_whole(&self) -> bool {
+        self.axes.iter().all(|axis| axis.len() == self.len())
     }
 
     fn resize(&mut self, count: usize) {
@@ -175,6 +187,13 @@ impl Nodes {
     pub(super) fn push(&mut self, node: usize, impulse: &Vector3<f64>, dt: f64) {
         // SAFETY: there is one thread.
         unsafe { self.met().push(node, &(*impulse).into(), dt) };
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        let Nodes { position, velocity, force, mass, inverse_mass, held, constrained } = self;
+        let vectors = position.bytes() + velocity.bytes() + force.bytes();
+        vectors + bytes(mass) + bytes(inverse_mass) + bytes(held) + bytes(constrained)
     }
 
     /// Sum of the forces along x on some nodes, N.

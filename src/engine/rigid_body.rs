@@ -1,6 +1,9 @@
 //! The impactor as a rigid body.
 
-use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, Translation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{
+    Isometry3, Matrix3, Matrix6, Point3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector4, Vector6,
+};
+use serde::{Deserialize, Serialize};
 
 use crate::model::Guide;
 
@@ -21,6 +24,19 @@ pub struct RigidBody {
     softness: Matrix3<f64>,
     /// What its guide lets it do.
     pub guide: Guide,
+}
+
+/// How a body moves, as plain numbers.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Motion {
+    /// Of the centre of mass, m.
+    place: [f64; 3],
+    /// Unit quaternion i, j, k, w.
+    rotation: [f64; 4],
+    velocity: [f64; 3],
+    spin: [f64; 3],
+    /// Column by column.
+    softness: [[f64; 3]; 3],
 }
 
 /// Contacts gathered into the body's own equations of motion: how much film mass follows each of its motions, and
@@ -63,6 +79,26 @@ impl RigidBody {
         let mut body = RigidBody { pose, velocity, spin, mass, inertia, softness: Matrix3::zeros(), guide };
         body.turn();
         body
+    }
+
+    /// How it moves.
+    pub fn motion(&self) -> Motion {
+        Motion {
+            place: self.pose.translation.vector.into(),
+            rotation: self.pose.rotation.coords.into(),
+            velocity: self.velocity.into(),
+            spin: self.spin.into(),
+            softness: self.softness.into(),
+        }
+    }
+
+    /// Moves as `motion` tells, to the bit: nothing is normalised or worked out again.
+    pub fn resume(&mut self, motion: &Motion) {
+        let turn = UnitQuaternion::new_unchecked(Quaternion::from_vector(Vector4::from(motion.rotation)));
+        self.pose = Isometry3::from_parts(Translation3::from(motion.place), turn);
+        self.velocity = motion.velocity.into();
+        self.spin = motion.spin.into();
+        self.softness = motion.softness.into();
     }
 
     /// Brings the inverse inertia to the present pose; a body that resists no rotation about some axis is kept from it.

@@ -1,5 +1,7 @@
 //! The stable time step.
 
+use serde::{Deserialize, Serialize};
+
 use super::Fault;
 use super::film::{self, Film};
 use super::nodes::Nodes;
@@ -27,7 +29,7 @@ const COLLAPSE: f64 = 1e-3;
 
 /// The stable step of central differences, Δt = s·2/ω (√(1 + ξ²) − ξ), with ω bounded element by element from the
 /// present tangent stiffness and shape (theory.md, equations 16 and 17). Kinematic contact adds nothing to ω.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct TimeStep {
     damping: f64,
     safety: f64,

@@ -91,6 +91,7 @@ fn outcome() -> Outcome {
         mass_scaling: None,
         penetration: Some(f64::NAN),
         elements: 400,
+        bytes: 160_000,
         steps: 1000,
         time_step: 1.2e-4,
         wall: Duration::from_millis(40),

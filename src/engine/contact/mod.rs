@@ -9,6 +9,7 @@
 //! Faces between nodes penetrate by the sagitta of their edges. Where that may exceed `FACE_BOUND` of the
 //! impactor's size, or the impactor has edges of its own, the deepest point of each triangle is met in the same way.
 
+mod carried;
 mod faces;
 mod inspection;
 mod near;
@@ -16,10 +17,12 @@ mod search;
 mod tally;
 mod touching;
 
+pub(super) use carried::Carried;
 pub use inspection::Inspection;
 pub use search::{Surface, SurfaceError};
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::film::Film;
 use super::nodes::{Nodes, Remembered, Vectors};
@@ -51,7 +54,7 @@ pub struct Contact {
 const PIECE: usize = 256;
 
 /// What went through contact since the start, J.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Work {
     /// Given by the impactor.
     pub given: f64,
