@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::near::NearList;
+use super::touching::Piece;
 use super::{Contact, Work};
 use crate::engine::film::Film;
 use crate::engine::footprint::bytes;
@@ -47,6 +48,6 @@ impl Contact {
     pub(in crate::engine) fn bytes(&self) -> usize {
         let NearList { nodes, pieces, remembered, elements, watched, margin: _, pace: _ } = &self.near;
         let listed = bytes(nodes) + bytes(pieces) + bytes(remembered) + bytes(elements) + bytes(watched);
-        listed + bytes(&self.offset) + bytes(&self.normals) + bytes(&self.earlier) + bytes(&self.pieces)
+        listed + bytes(&self.offset) + bytes(&self.normals) + self.earlier.bytes() + self.pieces.iter().map(Piece::bytes).sum::<usize>()
     }
 }

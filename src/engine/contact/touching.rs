@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::Impulse;
 use super::search::Surface;
 use super::tally::{LaneTally, Tally};
+use crate::engine::footprint::bytes;
 use crate::engine::nodes::{Met, Nodes, Vectors};
 use crate::engine::rigid_body::{Gathered, RigidBody};
 use crate::engine::team::Disjoint;
@@ -78,6 +79,11 @@ impl Piece {
     /// Whether a node touches.
     pub(super) fn is_touched(&self) -> bool {
         self.count > 0
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        bytes(&self.touching) + bytes(&self.impulses)
     }
 
     /// Nodes that were given momentum.
