@@ -2,8 +2,19 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Findings, Loading};
-use crate::scenario::{self, Axis, Direction, Scenario, Shape};
+use super::{Findings, Loading, Model, Shape};
+use crate::scenario::{self, Axis, Direction, Scenario};
+
+impl Model {
+    /// Simulated time, s; zero for a stretch of a shape that jaws cannot hold, which is a mistake of its own.
+    pub fn run_time(&self) -> f64 {
+        match (&self.loading, &self.specimen.shape) {
+            (Loading::Impact { duration, .. }, _) => *duration,
+            (Loading::Stretch { velocity, until, .. }, Shape::Rectangle { x, .. }) => until * x / velocity,
+            (Loading::Stretch { .. }, _) => 0.0,
+        }
+    }
+}
 
 /// The loading in SI values.
 pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Loading {
@@ -49,7 +60,7 @@ fn direction(written: Direction) -> f64 {
 
 /// Jaws pull one flat, unstrained, straight-edged film in a direction that the loading alone names.
 fn stretched_specimen(scenario: &Scenario, findings: &mut Findings<'_>) {
-    if !matches!(scenario.specimen.shape, Shape::Rectangle(_)) {
+    if !matches!(scenario.specimen.shape, scenario::Shape::Rectangle(_)) {
         findings.report_with("specimen.shape", "`loading.stretch` needs a rectangle", "jaws hold straight edges");
     }
     let turned = "`loading.stretch.direction` says how the film lies between the jaws";

@@ -2,10 +2,11 @@
 
 use nalgebra::{Isometry3, Vector3};
 
+use super::stretch::{self, Coupon};
 use super::{Film as FilmTopology, RunError};
-use crate::engine::{Contact, Drive, Engine, Film, Impact, Jaw, Nodes, RigidBody, Surface};
+use crate::engine::{Contact, Drive, Engine, Film, Impact, Nodes, RigidBody, Surface};
 use crate::mesh::{self, Mesh, Quality};
-use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model, Shape, Side, Symmetry};
+use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model, Symmetry};
 
 /// An engine and what has to be remembered of how it was set up.
 pub(super) struct Scene {
@@ -19,9 +20,7 @@ pub(super) struct Mounting {
     /// Height of the impactor's centre of mass at the start, m.
     pub(super) start: f64,
     pub(super) mass_scaling: Option<f64>,
-    /// Distance of the jaws, m, and stress-free cross-section between them, m².
-    pub(super) gauge: f64,
-    pub(super) section: f64,
+    pub(super) coupon: Coupon,
 }
 
 /// Steps of a slow test above which its film is made heavier.
@@ -29,14 +28,14 @@ const STEPS_OF_A_SLOW_TEST: f64 = 200_000.0;
 
 /// Sets up the scene; a slow stretch is set up twice, first to learn its time step.
 pub(super) fn scene(model: &Model) -> Result<Scene, RunError> {
-    let Loading::Stretch { velocity, until, mass_scaling, .. } = model.loading else {
+    let Loading::Stretch { mass_scaling, .. } = model.loading else {
         return mounted(model, 1.0);
     };
     if let Some(scaling) = mass_scaling {
         return mounted(model, scaling);
     }
     let scene = mounted(model, 1.0)?;
-    let steps = until * scene.mounting.gauge / velocity / scene.engine.time_step();
+    let steps = model.run_time() / scene.engine.time_step();
     if steps <= STEPS_OF_A_SLOW_TEST { Ok(scene) } else { mounted(model, (steps / STEPS_OF_A_SLOW_TEST).powi(2)) }
 }
 
@@ -44,22 +43,23 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     let mut nodes = Nodes::default();
     let mut films = vec![];
     let mut topologies = vec![];
-    let mut jaws = [vec![], vec![]];
-    let mut meshes = vec![];
-    for face in &model.faces {
-        let mesh = mesh::build(&model.specimen, face)?;
-        let first = nodes.position.len() as u32;
-        films.push(Film::mount(&mesh, face, mass_scaling, &mut nodes)?);
-        constrain(&mut nodes, &mesh, first, model);
-        for (jaw, side) in jaws.iter_mut().zip([Side::XMinus, Side::XPlus]) {
-            jaw.extend(mesh.sides[side as usize].iter().map(|n| first + n));
-        }
-        topologies.push(topology(&mesh, model.specimen.symmetry));
-        meshes.push(mesh);
-    }
     let multiplicity = model.specimen.symmetry.copies();
     let mut drive = Drive { multiplicity, damping: model.specimen.damping, ..Drive::default() };
-    let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: None, gauge: 0.0, section: 0.0 };
+    let coupon = Coupon::of(model);
+    for face in &model.faces {
+        let mesh = mesh::build(&model.specimen, face)?;
+        let first = nodes.position.len();
+        films.push(Film::mount(&mesh, face, mass_scaling, &mut nodes)?);
+        mirror(&mut nodes, &mesh, first);
+        match model.loading {
+            Loading::Stretch { velocity, .. } => {
+                drive.jaws.extend(stretch::grip(&mut nodes, &mesh, first, velocity, coupon.gauge));
+            }
+            Loading::Impact { .. } => clamp(&mut nodes, &mesh, first, &model.frame.hold),
+        }
+        topologies.push(topology(&mesh, model.specimen.symmetry));
+    }
+    let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: None, coupon };
     let mut impact = None;
     match model.loading {
         Loading::Impact { velocity, gravity, .. } => {
@@ -70,11 +70,7 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
                 impact = Some(impactor);
             }
         }
-        Loading::Stretch { velocity, .. } => {
-            mounting.mass_scaling = Some(mass_scaling);
-            (mounting.gauge, mounting.section) = gauge_and_section(model, &meshes);
-            drive.jaws = grip(&mut nodes, jaws, velocity, mounting.gauge);
-        }
+        Loading::Stretch { .. } => mounting.mass_scaling = Some(mass_scaling),
     }
     Ok(Scene { engine: Engine::new(films, nodes, impact, drive), mounting })
 }
@@ -89,19 +85,19 @@ fn topology(mesh: &Mesh, symmetry: Symmetry) -> FilmTopology {
     }
 }
 
-/// Mirror planes, and for an impact the clamped edges.
-fn constrain(nodes: &mut Nodes, mesh: &Mesh, first: u32, model: &Model) {
-    let of_all = |list: &[u32]| list.iter().map(|n| (first + n) as usize).collect::<Vec<_>>();
-    nodes.hold(of_all(&mesh.mirrors[0]), [true, false, false]);
-    nodes.hold(of_all(&mesh.mirrors[1]), [false, true, false]);
-    if matches!(model.loading, Loading::Stretch { .. }) {
-        return;
+/// Keeps the nodes on mirror planes on them. `first` is the first of all nodes that belongs to `mesh`.
+fn mirror(nodes: &mut Nodes, mesh: &Mesh, first: usize) {
+    for (plane, axes) in mesh.mirrors.iter().zip([[true, false, false], [false, true, false]]) {
+        nodes.hold(plane.iter().map(|n| first + *n as usize), axes);
     }
-    match &model.frame.hold {
-        Hold::All => nodes.hold(of_all(&mesh.rim), [true; 3]),
-        Hold::Sides(sides) => {
-            sides.iter().for_each(|side| nodes.hold(of_all(&mesh.sides[*side as usize]), [true; 3]));
-        }
+}
+
+/// Clamps the held edges.
+fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
+    let mut clamp = |edge: &[u32]| nodes.hold(edge.iter().map(|n| first + *n as usize), [true; 3]);
+    match hold {
+        Hold::All => clamp(&mesh.rim),
+        Hold::Sides(sides) => sides.iter().for_each(|side| clamp(&mesh.sides[*side as usize])),
         Hold::None => {}
     }
 }
@@ -136,39 +132,4 @@ fn placed(
     let body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
     let contact = Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset);
     Ok(Impact { body, contact })
-}
-
-/// Distance of the jaws and stress-free cross-section of all faces, symmetry completed.
-fn gauge_and_section(model: &Model, meshes: &[Mesh]) -> (f64, f64) {
-    let (gauge, width) = match model.specimen.shape {
-        Shape::Rectangle { x, y } => (x, y),
-        _ => meshes.first().map_or((0.0, 0.0), |mesh| {
-            let extent = |axis: usize| {
-                let values = || mesh.nodes.iter().map(|p| p[axis]);
-                values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
-            };
-            let [x, y] = model.specimen.symmetry.mirrors().map(|m| if m { 2.0 } else { 1.0 });
-            (x * extent(0), y * extent(1))
-        }),
-    };
-    let section = model
-        .faces
-        .iter()
-        .map(|face| width * face.material.thickness * f64::from(face.layers) / (1.0 + face.prestrain[1]))
-        .sum();
-    (gauge, section)
-}
-
-/// Clamps the jaws' nodes and gives the film between them the velocity of a uniform stretch, so that no wave runs.
-fn grip(nodes: &mut Nodes, jaws: [Vec<u32>; 2], velocity: f64, gauge: f64) -> Vec<Jaw> {
-    for (v, x) in nodes.velocity.iter_mut().zip(&nodes.position) {
-        v[0] = velocity * x[0] / gauge;
-    }
-    let speeds = [-0.5 * velocity, 0.5 * velocity];
-    let grip = |(list, speed): (Vec<u32>, f64)| {
-        nodes.hold(list.iter().map(|n| *n as usize), [true; 3]);
-        list.iter().for_each(|n| nodes.velocity[*n as usize] = [speed, 0.0, 0.0]);
-        Jaw { nodes: list, velocity: speed }
-    };
-    jaws.into_iter().zip(speeds).map(grip).filter(|jaw| !jaw.nodes.is_empty()).collect()
 }

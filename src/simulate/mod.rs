@@ -4,8 +4,11 @@ mod build;
 mod energy_check;
 mod frames;
 mod grid;
+mod impact;
 mod probe;
 mod rates;
+mod stretch;
+mod tracks;
 mod warnings;
 
 use std::time::{Duration, Instant};
@@ -135,7 +138,7 @@ pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome,
     let begin = Instant::now();
     let scene = build::scene(model)?;
     let mut engine = scene.engine;
-    let mut probe = Probe::new(model, &scene.mounting, progress);
+    let mut probe = Probe::new(model, progress);
     let fault = advance(&mut engine, &mut probe).err();
     let outcome = probe.finish(&engine, scene.mounting, begin.elapsed());
     match fault {
