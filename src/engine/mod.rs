@@ -10,6 +10,7 @@ mod failure;
 mod film;
 mod nodes;
 mod observer;
+mod pressure;
 mod rigid_body;
 mod time_step;
 
@@ -20,6 +21,8 @@ pub use energy::Energies;
 pub use film::{ElementStrain, Film};
 pub use nodes::Nodes;
 pub use observer::{Observer, Track, View};
+use pressure::Inflated;
+pub use pressure::Inflation;
 pub use rigid_body::RigidBody;
 pub use time_step::TimeStep;
 
@@ -37,6 +40,8 @@ pub struct Engine {
     steps: u64,
     gone: Gone,
     before: Before,
+    /// What pressure did last.
+    inflated: Option<Inflated>,
     /// Elements that broke and were not told yet.
     broken: usize,
 }
@@ -58,6 +63,8 @@ pub struct Drive {
     pub damping: f64,
     /// Nodes moved at a prescribed velocity along x.
     pub jaws: Vec<Jaw>,
+    /// Pressure on the lower side of the film, whose edge is held.
+    pub inflation: Option<Inflation>,
     /// Mirror images that one computed part of film stands for.
     pub multiplicity: f64,
 }
@@ -101,6 +108,12 @@ pub enum Fault {
     NotANumber { time: f64, face: usize, element: usize },
     #[error("the time step fell from {first:.3e} s to {now:.3e} s at {time:.6} s, limited by face {face}")]
     TimeStepCollapsed { time: f64, first: f64, now: f64, face: usize },
+    #[error(
+        "not quasi-static: at {time:.6} s the film's kinetic energy is {:.1} % of the energy it took up; \
+         load it more slowly",
+        100.0 * .share
+    )]
+    NotQuasiStatic { time: f64, share: f64 },
     #[error("the energy balance is off by {:.1} % of the energy exchanged at {time:.6} s", 100.0 * .error)]
     EnergyLost { time: f64, error: f64 },
 }
@@ -118,6 +131,7 @@ impl Engine {
             steps: 0,
             gone: Gone::default(),
             before: Before::default(),
+            inflated: None,
             broken: 0,
         };
         // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
@@ -169,6 +183,7 @@ impl Engine {
     /// Forces at the full step; elements past their break strain lose theirs from the next step on.
     fn forces(&mut self) {
         self.nodes.start_forces(self.drive.gravity);
+        self.inflate();
         let past = self.add_forces();
         let mut broken = 0;
         for (film, _) in self.films.iter_mut().zip(past).filter(|(_, past)| *past) {
@@ -182,6 +197,14 @@ impl Engine {
             self.impact.iter_mut().for_each(|impact| impact.contact.forget());
         }
         self.broken += broken;
+    }
+
+    /// Adds the load of the pressure, if there is one, and books its work.
+    fn inflate(&mut self) {
+        let Some(inflation) = &self.drive.inflation else { return };
+        let now = pressure::inflate(&self.films, &mut self.nodes, inflation.at(self.time));
+        self.gone.external -= self.drive.multiplicity * now.work_since(self.inflated);
+        self.inflated = Some(now);
     }
 
     /// Adds the films' forces; tells which of them have a fibre past its break strain. Faces share no node, so they are

@@ -2,9 +2,9 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::stretch::{self, Coupon};
-use super::{Film as FilmTopology, RunError};
-use crate::engine::{Contact, Drive, Engine, Film, Impact, Nodes, RigidBody, Surface};
+use super::stretch::Coupon;
+use super::{Film as FilmTopology, RunError, indent, slow, stretch};
+use crate::engine::{Contact, Drive, Engine, Film, Impact, Inflation, Nodes, RigidBody, Surface};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model, Symmetry};
 
@@ -23,20 +23,21 @@ pub(super) struct Mounting {
     pub(super) coupon: Coupon,
 }
 
-/// Steps of a slow test above which its film is made heavier.
-const STEPS_OF_A_SLOW_TEST: f64 = 200_000.0;
-
-/// Sets up the scene; a slow stretch is set up twice, first to learn its time step.
+/// Sets up the scene; a slow test may be set up twice, first to learn its time step.
 pub(super) fn scene(model: &Model) -> Result<Scene, RunError> {
-    let Loading::Stretch { mass_scaling, .. } = model.loading else {
-        return mounted(model, 1.0);
+    let asked_for = match model.loading {
+        Loading::Impact { .. } => None,
+        Loading::Stretch { mass_scaling, .. }
+        | Loading::Indent { mass_scaling, .. }
+        | Loading::Pressure { mass_scaling, .. } => mass_scaling,
     };
-    if let Some(scaling) = mass_scaling {
+    if let Some(scaling) = asked_for {
         return mounted(model, scaling);
     }
     let scene = mounted(model, 1.0)?;
     let steps = model.run_time() / scene.engine.time_step();
-    if steps <= STEPS_OF_A_SLOW_TEST { Ok(scene) } else { mounted(model, (steps / STEPS_OF_A_SLOW_TEST).powi(2)) }
+    let scaling = slow::mass_scaling(model, steps);
+    if scaling == 1.0 { Ok(scene) } else { mounted(model, scaling) }
 }
 
 fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
@@ -44,8 +45,9 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     let mut films = vec![];
     let mut topologies = vec![];
     let multiplicity = model.specimen.symmetry.copies();
-    let mut drive = Drive { multiplicity, damping: model.specimen.damping, ..Drive::default() };
+    let mut drive = Drive { multiplicity, damping: slow::damping(model), ..Drive::default() };
     let coupon = Coupon::of(model);
+    let scaled = (!matches!(model.loading, Loading::Impact { .. })).then_some(mass_scaling);
     for face in &model.faces {
         let mesh = mesh::build(&model.specimen, face)?;
         let first = nodes.position.len();
@@ -55,22 +57,35 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
             Loading::Stretch { velocity, .. } => {
                 drive.jaws.extend(stretch::grip(&mut nodes, &mesh, first, velocity, coupon.gauge));
             }
-            Loading::Impact { .. } => clamp(&mut nodes, &mesh, first, &model.frame.hold),
+            Loading::Impact { .. } | Loading::Indent { .. } | Loading::Pressure { .. } => {
+                clamp(&mut nodes, &mesh, first, &model.frame.hold);
+            }
         }
         topologies.push(topology(&mesh, model.specimen.symmetry));
     }
-    let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: None, coupon };
+    let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: scaled, coupon };
     let mut impact = None;
     match model.loading {
         Loading::Impact { velocity, gravity, .. } => {
             drive.gravity = gravity;
             if let Some(impactor) = &model.impactor {
-                let impactor = placed(impactor, model, &films, &nodes, velocity)?;
-                mounting.start = impactor.body.centre().z;
-                impact = Some(impactor);
+                let (contact, pose) = over_film(impactor, model, &films, &nodes)?;
+                let inertia = contact.surface().inertia_per_mass() * impactor.mass;
+                let velocity = Vector3::new(0.0, 0.0, -velocity);
+                let body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
+                mounting.start = body.centre().z;
+                impact = Some(Impact { body, contact });
             }
         }
-        Loading::Stretch { .. } => mounting.mass_scaling = Some(mass_scaling),
+        Loading::Stretch { .. } => {}
+        Loading::Indent { velocity, .. } => {
+            if let Some(impactor) = &model.impactor {
+                let (contact, mut pose) = over_film(impactor, model, &films, &nodes)?;
+                pose.translation.vector.z -= indent::way_to_touch(&contact, &pose, &nodes).ok_or(RunError::Missed)?;
+                impact = Some(Impact { body: RigidBody::driven(pose, -velocity), contact });
+            }
+        }
+        Loading::Pressure { pressure, ramp, .. } => drive.inflation = Some(Inflation { pressure, ramp }),
     }
     Ok(Scene { engine: Engine::new(films, nodes, impact, drive), mounting })
 }
@@ -102,14 +117,13 @@ fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
     }
 }
 
-/// The impactor in touch with the first face, moving down at `velocity`.
-fn placed(
+/// The impactor with its lowest point on the highest of the first face.
+fn over_film(
     impactor: &Impactor,
     model: &Model,
     films: &[Film],
     nodes: &Nodes,
-    velocity: f64,
-) -> Result<Impact, RunError> {
+) -> Result<(Contact, Isometry3<f64>), RunError> {
     let triangles = match &impactor.shape {
         ImpactorShape::Mesh(path) => Some(mesh::import::surface(path)?),
         _ => None,
@@ -127,9 +141,5 @@ fn placed(
     });
     let [x, y] = impactor.position;
     let pose = Isometry3::translation(x, y, top - surface.lowest());
-    let velocity = Vector3::new(0.0, 0.0, -velocity);
-    let inertia = surface.inertia_per_mass() * impactor.mass;
-    let body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
-    let contact = Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset);
-    Ok(Impact { body, contact })
+    Ok((Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset), pose))
 }

@@ -4,16 +4,20 @@ use std::time::Duration;
 
 use super::build::Mounting;
 use super::energy_check::EnergyCheck;
+use super::pressure::Rise;
 use super::rates::RateAudit;
 use super::tracks::Tracks;
 use super::warnings::{Figures, Warnings};
-use super::{Frame, Outcome, Progress, frames, impact, stretch};
-use crate::engine::{ElementStrain, Engine, Fault, Observer, Track, View};
+use super::{Frame, Outcome, Progress, frames, impact, indent, pressure, stretch};
+use crate::engine::{ElementStrain, Engine, Fault, Inflation, Observer, Track, View};
 use crate::model::{Loading, Model};
 use crate::signal::Recording;
 
 /// Looks at the energies, the contact and the strain around it in a run, unless there are fewer samples.
 const AUDITS: f64 = 400.0;
+
+/// Kinetic share above which a test is not quasi-static.
+pub(super) const KINETIC: f64 = 0.01;
 
 /// Gathers the outcome of a run while it goes.
 pub(super) struct Probe<'a> {
@@ -24,6 +28,7 @@ pub(super) struct Probe<'a> {
     audit: f64,
     audits: usize,
     tracks: Tracks,
+    rise: Rise,
     frames: Vec<Frame>,
     energy: EnergyCheck,
     rates: RateAudit,
@@ -39,9 +44,13 @@ impl<'a> Probe<'a> {
         let duration = model.run_time();
         let (speed, gravity) = match model.loading {
             Loading::Impact { velocity, gravity, .. } => (velocity, gravity),
-            Loading::Stretch { .. } => (0.0, 0.0),
+            Loading::Indent { velocity, .. } => (velocity, 0.0),
+            Loading::Stretch { .. } | Loading::Pressure { .. } => (0.0, 0.0),
         };
-        let mass = model.impactor.as_ref().map_or(0.0, |i| i.mass);
+        let scale = match (&model.loading, &model.impactor) {
+            (Loading::Impact { velocity, .. }, Some(impactor)) => 0.5 * impactor.mass * velocity * velocity,
+            _ => 0.0,
+        };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
         Probe {
             model,
@@ -51,8 +60,9 @@ impl<'a> Probe<'a> {
             audit: (duration / AUDITS).max(sample),
             audits: 0,
             tracks: Tracks::new(duration, sample, speed, gravity),
+            rise: Rise::default(),
             frames: vec![],
-            energy: EnergyCheck::new(0.5 * mass * speed * speed),
+            energy: EnergyCheck::new(scale),
             rates: RateAudit::new(measured),
             warnings: Warnings::default(),
             rupture_time: None,
@@ -63,7 +73,19 @@ impl<'a> Probe<'a> {
 
     /// Whether everything that was asked for has been seen by `time` (s).
     pub(super) fn is_done(&self, time: f64) -> bool {
-        time > self.duration && self.tracks.are_complete()
+        let broke = self.rupture_time.is_some() && self.is_quasi_static();
+        broke || (time > self.duration && self.tracks.are_complete())
+    }
+
+    /// Whether the film is in equilibrium all the time; then its breaking is the end of the test.
+    fn is_quasi_static(&self) -> bool {
+        matches!(self.model.loading, Loading::Indent { .. } | Loading::Pressure { .. })
+    }
+
+    /// The fault of a test that should have been quasi-static and was not.
+    pub(super) fn unsteady(&self) -> Option<Fault> {
+        let (time, share) = self.energy.kinetic_share();
+        (self.is_quasi_static() && share > KINETIC).then_some(Fault::NotQuasiStatic { time, share })
     }
 
     /// Elements broke in the step from `time` (s).
@@ -83,6 +105,9 @@ impl<'a> Probe<'a> {
         let intact = || faces.iter().flatten().filter(|s| s.volume > 0.0);
         let largest = |fibre: usize| intact().map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
         self.tracks.strains.push(view.time, [largest(0), largest(1)]);
+        if matches!(self.model.loading, Loading::Pressure { .. }) {
+            self.tracks.rise.push(view.time, [self.rise.largest(view)]);
+        }
         self.rates.sample(view.time, faces);
         let z = view.body.map_or(f64::NEG_INFINITY, |body| body.centre().z);
         if z <= self.lowest {
@@ -108,8 +133,9 @@ impl<'a> Probe<'a> {
 
     /// The outcome after the last step of `engine`.
     pub(super) fn finish(self, engine: &Engine, mounting: Mounting, wall: Duration) -> Outcome {
-        let slow = matches!(self.model.loading, Loading::Stretch { .. });
-        let kinetic_share = slow.then(|| self.energy.kinetic_share());
+        let slow = !matches!(self.model.loading, Loading::Impact { .. });
+        let kinetic_share = slow.then(|| self.energy.kinetic_share().1);
+        let damping_share = slow.then(|| self.energy.damping_share());
         let balance = self.energy.balance_error();
         let signals = self.signals(&mounting);
         let energies = self.energy.recording();
@@ -126,6 +152,7 @@ impl<'a> Probe<'a> {
             rupture_time: self.rupture_time,
             energy_balance_error: balance,
             kinetic_share,
+            damping_share,
             mass_scaling: mounting.mass_scaling,
             penetration: self.penetration,
             elements: engine.elements(),
@@ -142,6 +169,8 @@ impl<'a> Probe<'a> {
                 impact::signals(&self.tracks, mounting, mass, gravity)
             }
             Loading::Stretch { velocity, .. } => stretch::signals(&self.tracks, mounting, velocity),
+            Loading::Indent { velocity, .. } => indent::signals(&self.tracks, velocity),
+            Loading::Pressure { pressure, ramp, .. } => pressure::signals(&self.tracks, &Inflation { pressure, ramp }),
         }
     }
 }

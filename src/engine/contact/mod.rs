@@ -55,6 +55,8 @@ pub struct Work {
     pub friction_loss: f64,
     /// Momentum given to the impactor along z, N s.
     pub impulse: f64,
+    /// Half of what was given in the last step: it belongs to the half step after the full one.
+    pub ahead: f64,
 }
 
 /// How the velocities before contact came about.
@@ -187,6 +189,7 @@ impl Contact {
         for impulse in &self.impulses {
             self.received[impulse.node] = [0.0; 3];
         }
+        let before = self.work.given;
         for impulse in &self.impulses {
             let gained = velocity_change(nodes, impulse);
             (0..3).for_each(|i| self.received[impulse.node][i] += gained[i]);
@@ -205,6 +208,7 @@ impl Contact {
             self.work.impact_loss -= self.multiplicity * impulse.normal.dot(&relative);
             self.work.friction_loss -= self.multiplicity * impulse.tangential.dot(&relative);
         }
+        self.work.ahead = 0.5 * (self.work.given - before);
     }
 
     /// Nodes that the impactor touched in the last step.
