@@ -92,11 +92,14 @@ struct Gone {
     external_ahead: f64,
 }
 
-/// Velocities half a step ago, kept where an observer wants energies.
+/// Velocities half a step ago.
 #[derive(Default)]
 struct Before {
+    /// Kept where an observer wants energies.
     velocity: Vec<[f64; 3]>,
     body: Option<RigidBody>,
+    /// Kept where there is damping.
+    kick: Vec<[f64; 3]>,
 }
 
 /// Why a run cannot go on.
@@ -173,6 +176,7 @@ impl Engine {
         self.pull(dt, kick);
         self.kick(kick);
         self.meet(dt, kick);
+        self.book_damping(kick);
         if wanted {
             observer.see(&self.view())?;
         }
@@ -232,21 +236,30 @@ impl Engine {
         self.gone.external_ahead = -0.5 * power * dt;
     }
 
-    /// Accelerates the nodes; books what damping takes.
+    /// Accelerates the nodes.
     fn kick(&mut self, kick: f64) {
+        if self.drive.damping > 0.0 {
+            self.before.kick.clone_from(&self.nodes.velocity);
+        }
+        self.nodes.kick(kick, self.drive.damping);
+    }
+
+    /// Books what damping took over `kick` (s): its force, which knows nothing of contact, along the way that the nodes
+    /// went, which does.
+    fn book_damping(&mut self, kick: f64) {
         let damping = self.drive.damping;
         if damping == 0.0 {
-            return self.nodes.kick(kick, 0.0);
+            return;
         }
-        let earlier = self.nodes.velocity.clone();
-        self.nodes.kick(kick, damping);
+        let (keep, gain) = Nodes::damped(kick, damping);
+        let nodes = &self.nodes;
         let mut lost = 0.0;
-        for n in 0..earlier.len() {
-            for axis in 0..3 {
-                if self.nodes.inverse_mass[n][axis] > 0.0 {
-                    let mean = 0.5 * (earlier[n][axis] + self.nodes.velocity[n][axis]);
-                    lost += damping * self.nodes.mass[n] * mean * mean * kick;
-                }
+        for (n, earlier) in self.before.kick.iter().enumerate() {
+            for axis in (0..3).filter(|axis| nodes.inverse_mass[n][*axis] > 0.0) {
+                let acceleration = nodes.force[n][axis] * nodes.inverse_mass[n][axis];
+                let alone = 0.5 * (earlier[axis] + keep * earlier[axis] + gain * acceleration);
+                let mean = 0.5 * (earlier[axis] + nodes.velocity[n][axis]);
+                lost += damping * nodes.mass[n] * alone * mean * kick;
             }
         }
         self.gone.damping += self.drive.multiplicity * lost;

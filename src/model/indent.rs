@@ -30,8 +30,11 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
     }
 }
 
+/// A depth as it may be written, rounded down to four digits.
 fn millimetres(length: f64) -> String {
-    format!("{:.3} mm", 1e3 * length).replace(".000", "")
+    let millimetres = 1e3 * length.max(1e-9);
+    let digits = 10.0_f64.powf(3.0 - millimetres.log10().floor());
+    format!("{} mm", (millimetres * digits).floor() / digits)
 }
 
 /// Straight ways over the film from under the impactor to what is held.
