@@ -45,7 +45,7 @@ pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Infla
     let mut volume = 0.0;
     for film in films {
         film.for_each_intact(|corners| {
-            let place = |a: usize| Vector3::from(nodes.position[corners[a] as usize]);
+            let place = |a: usize| Vector3::from(nodes.position.at(corners[a] as usize));
             volume += match corners.len() {
                 3 => spread(nodes, corners, pressure, triangle([place(0), place(1), place(2)])),
                 _ => spread(nodes, corners, pressure, quad([place(0), place(1), place(2), place(3)])),
@@ -58,7 +58,7 @@ pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Infla
 /// Adds an element's load to its nodes and returns its part of the volume.
 fn spread<const N: usize>(nodes: &mut Nodes, corners: &[u32], pressure: f64, patch: Patch<N>) -> f64 {
     for (n, area) in corners.iter().zip(patch.areas) {
-        (0..3).for_each(|axis| nodes.force[*n as usize][axis] += pressure * area[axis]);
+        nodes.force.add(*n as usize, (pressure * area).into());
     }
     patch.volume
 }

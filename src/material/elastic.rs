@@ -8,7 +8,7 @@
 //! ```
 
 use super::{Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
-use crate::lane::{LANES, Lane, dot, larger, splat};
+use crate::lane::{Lane, dot, larger, splat};
 
 /// Isotropic linear elasticity for small strain and any rotation; it carries compression.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Elastic {
 }
 
 /// Components 11, 22 and 12 of a symmetric tensor in the film.
-pub(super) type Plane = [Lane; 3];
+pub(super) type Plane<const L: usize> = [Lane<L>; 3];
 
 impl Elastic {
     /// Ȳ = Y/(1 − ν²), Pa.
@@ -34,11 +34,11 @@ impl Elastic {
 
     /// Green–Lagrange strain.
     #[inline(always)]
-    pub(super) fn strain(d: &Deformation) -> Plane {
+    pub(super) fn strain<const L: usize>(d: &Deformation<L>) -> Plane<L> {
         let [f1, f2] = &d.f;
         let (c11, c22, c12) = (dot(f1, f1), dot(f2, f2), dot(f1, f2));
         let mut strain = [splat(0.0); 3];
-        for l in 0..LANES {
+        for l in 0..L {
             strain[0][l] = 0.5 * (c11[l] + d.spread[0][l] - 1.0);
             strain[1][l] = 0.5 * (c22[l] + d.spread[1][l] - 1.0);
             strain[2][l] = 0.5 * c12[l];
@@ -48,10 +48,10 @@ impl Elastic {
 
     /// Second Piola–Kirchhoff stress at strain `e`.
     #[inline(always)]
-    fn response(&self, e: &Plane) -> Plane {
+    fn response<const L: usize>(&self, e: &Plane<L>) -> Plane<L> {
         let (plane, twice_shear) = (self.plane(), 2.0 * self.shear());
         let mut stress = [splat(0.0); 3];
-        for l in 0..LANES {
+        for l in 0..L {
             stress[0][l] = plane * (e[0][l] + self.poisson * e[1][l]);
             stress[1][l] = plane * (e[1][l] + self.poisson * e[0][l]);
             stress[2][l] = twice_shear * e[2][l];
@@ -61,11 +61,11 @@ impl Elastic {
 
     /// First Piola–Kirchhoff stress and tension of the second, `s`.
     #[inline(always)]
-    pub(super) fn first_piola(d: &Deformation, s: Plane) -> Stress {
+    pub(super) fn first_piola<const L: usize>(d: &Deformation<L>, s: Plane<L>) -> Stress<L> {
         let mut p = [[splat(0.0); 3]; 2];
         let [f1, f2] = &d.f;
         for axis in 0..3 {
-            for l in 0..LANES {
+            for l in 0..L {
                 p[0][axis][l] = s[0][l] * f1[axis][l] + s[2][l] * f2[axis][l];
                 p[1][axis][l] = s[1][l] * f2[axis][l] + s[2][l] * f1[axis][l];
             }
@@ -75,11 +75,11 @@ impl Elastic {
 
     /// Bound on the tangent stiffness at deformation `d` under the second Piola–Kirchhoff stress `s`.
     #[inline(always)]
-    pub(super) fn bound(&self, d: &Deformation, s: Plane) -> Stiffness {
+    pub(super) fn bound<const L: usize>(&self, d: &Deformation<L>, s: Plane<L>) -> Stiffness<L> {
         let (c11, c22) = (dot(&d.f[0], &d.f[0]), dot(&d.f[1], &d.f[1]));
         let nothing = splat(0.0);
         let mut bound = Stiffness { along: [nothing; 2], across: [nothing; 2], shear: nothing, alignment: splat(1.0) };
-        for l in 0..LANES {
+        for l in 0..L {
             let square = [c11[l] + d.spread[0][l], c22[l] + d.spread[1][l]];
             for fibre in 0..2 {
                 bound.along[fibre][l] = self.plane() * (1.0 + self.poisson.abs()) * square[fibre];
@@ -91,30 +91,25 @@ impl Elastic {
     }
 }
 
-/// ⟨x⟩, as one instruction; zero where `x` is NaN.
-#[inline(always)]
-pub(super) fn larger_than_zero(x: f64) -> f64 {
-    larger(x, 0.0)
-}
-
 impl MembraneLaw for Elastic {
     #[inline(always)]
-    fn stress(&self, d: &Deformation, _peaks: &mut Peaks) -> Stress {
+    fn stress<const L: usize>(&self, d: &Deformation<L>, _peaks: &mut Peaks<L>) -> Stress<L> {
         Elastic::first_piola(d, self.response(&Elastic::strain(d)))
     }
 
-    fn energy(&self, d: &Deformation, _peaks: &Peaks) -> Energy {
+    #[inline(always)]
+    fn energy<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Energy<L> {
         let e = Elastic::strain(d);
         let s = self.response(&e);
         let mut stored = splat(0.0);
-        for l in 0..LANES {
+        for l in 0..L {
             stored[l] = 0.5 * (s[0][l] * e[0][l] + s[1][l] * e[1][l]) + s[2][l] * e[2][l];
         }
         Energy { stored, absorbed: splat(0.0) }
     }
 
     #[inline(always)]
-    fn stiffness(&self, d: &Deformation, _peaks: &Peaks) -> Stiffness {
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Stiffness<L> {
         self.bound(d, self.response(&Elastic::strain(d)))
     }
 

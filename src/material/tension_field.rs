@@ -12,9 +12,9 @@
 //! Taut film (both brackets positive) follows St. Venant–Kirchhoff itself, wrinkled film (the second is zero) carries
 //! tension along `E₁` alone, ½ Y E₁², and slack film nothing. Stress is continuous from one to the other.
 
-use super::elastic::{Elastic, Plane, larger_than_zero};
+use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
-use crate::lane::{LANES, Lane, larger, splat};
+use crate::lane::{Lane, larger, splat};
 
 /// An elastic film without stiffness against compression.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,29 +24,35 @@ pub struct TensionField(pub Elastic);
 const POINT: f64 = 1e-100;
 
 /// Principal strains and stresses of wrinkling film.
-struct Principal {
+struct Principal<const L: usize> {
     /// E₁ ≥ E₂.
-    strain: [Lane; 2],
+    strain: [Lane<L>; 2],
     /// S₁ ≥ S₂ ≥ 0, Pa.
-    stress: [Lane; 2],
+    stress: [Lane<L>; 2],
     /// cos 2θ and sin 2θ of the first principal direction; zero where all directions are alike.
-    direction: [Lane; 2],
+    direction: [Lane<L>; 2],
+}
+
+/// ⟨x⟩, as one instruction. A strain that is not a number is told by its direction.
+#[inline(always)]
+fn positive(x: f64) -> f64 {
+    larger(x, 0.0)
 }
 
 impl TensionField {
     #[inline(always)]
-    fn principal(&self, e: &Plane) -> Principal {
+    fn principal<const L: usize>(&self, e: &Plane<L>) -> Principal<L> {
         let Elastic { young, poisson } = self.0;
         let plane = self.0.plane();
         let mut p = Principal { strain: [splat(0.0); 2], stress: [splat(0.0); 2], direction: [splat(0.0); 2] };
-        for l in 0..LANES {
+        for l in 0..L {
             let (mean, apart) = (0.5 * (e[0][l] + e[1][l]), 0.5 * (e[0][l] - e[1][l]));
             let radius = (apart * apart + e[2][l] * e[2][l]).sqrt();
             let (first, second) = (mean + radius, mean - radius);
-            let across = plane * larger_than_zero(second + poisson * first);
+            let across = plane * positive(second + poisson * first);
             p.strain[0][l] = first;
             p.strain[1][l] = second;
-            p.stress[0][l] = young * larger_than_zero(first) + poisson * across;
+            p.stress[0][l] = young * positive(first) + poisson * across;
             p.stress[1][l] = across;
             let inverse = 1.0 / larger(radius, POINT);
             p.direction[0][l] = apart * inverse;
@@ -57,10 +63,10 @@ impl TensionField {
 
     /// Second Piola–Kirchhoff stress S₁₁, S₂₂, S₁₂.
     #[inline(always)]
-    fn response(&self, d: &Deformation) -> Plane {
+    fn response<const L: usize>(&self, d: &Deformation<L>) -> Plane<L> {
         let p = self.principal(&Elastic::strain(d));
         let mut s = [splat(0.0); 3];
-        for l in 0..LANES {
+        for l in 0..L {
             let (mean, apart) = (0.5 * (p.stress[0][l] + p.stress[1][l]), 0.5 * (p.stress[0][l] - p.stress[1][l]));
             s[0][l] = mean + apart * p.direction[0][l];
             s[1][l] = mean - apart * p.direction[0][l];
@@ -72,17 +78,18 @@ impl TensionField {
 
 impl MembraneLaw for TensionField {
     #[inline(always)]
-    fn stress(&self, d: &Deformation, _peaks: &mut Peaks) -> Stress {
+    fn stress<const L: usize>(&self, d: &Deformation<L>, _peaks: &mut Peaks<L>) -> Stress<L> {
         Elastic::first_piola(d, self.response(d))
     }
 
-    fn energy(&self, d: &Deformation, _peaks: &Peaks) -> Energy {
+    #[inline(always)]
+    fn energy<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Energy<L> {
         let Elastic { young, poisson } = self.0;
         let p = self.principal(&Elastic::strain(d));
         let mut stored = splat(0.0);
-        for l in 0..LANES {
-            let along = larger_than_zero(p.strain[0][l]);
-            let across = larger_than_zero(p.strain[1][l] + poisson * p.strain[0][l]);
+        for l in 0..L {
+            let along = positive(p.strain[0][l]);
+            let across = positive(p.strain[1][l] + poisson * p.strain[0][l]);
             stored[l] = 0.5 * (young * along * along + self.0.plane() * across * across);
         }
         Energy { stored, absorbed: splat(0.0) }
@@ -91,7 +98,7 @@ impl MembraneLaw for TensionField {
     /// The bound of the elastic film with the tension of this one: relaxing takes stiffness away, since wrinkled film turns
     /// its tension with `S₁/(E₁ − E₂) ≤ 2G`.
     #[inline(always)]
-    fn stiffness(&self, d: &Deformation, _peaks: &Peaks) -> Stiffness {
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Stiffness<L> {
         self.0.bound(d, self.response(d))
     }
 
@@ -111,7 +118,7 @@ mod tests {
     const LAW: TensionField = TensionField(Elastic { young: 5e7, poisson: 0.4 });
 
     /// Principal stretches in the plane, turned by 0.3 in the film and lifted out of its plane.
-    fn turned([first, second]: [f64; 2]) -> Deformation {
+    fn turned([first, second]: [f64; 2]) -> Deformation<1> {
         let (s, c) = 0.3_f64.sin_cos();
         let [u, v] = [[0.8, 0.0, 0.6], [0.0, 1.0, 0.0]];
         let f = |a: f64, b: f64| [0, 1, 2].map(|i| splat(first * a * u[i] + second * b * v[i]));

@@ -3,7 +3,6 @@
 use std::f64::consts::PI;
 
 use super::{Face, Findings, Hold, Impactor, ImpactorShape, Loading, Model, Shape, Side};
-use crate::material::{Law, MembraneLaw};
 
 const DEPTH: &str = "loading.indent.depth";
 
@@ -96,10 +95,7 @@ fn frame_depth(impactor: &Impactor, spans: &Spans<'_>) -> Option<f64> {
 /// Depth at which a fibre set, straight from edge to edge over the impactor's lowest point and strained evenly, is at its
 /// break strain, m. Every other shape of the film strains it more somewhere.
 fn breaking_depth(face: &Face, fibre: usize, spans: &Spans<'_>) -> Option<f64> {
-    let limit = match &face.material.law {
-        Law::Fabric(law) => law.break_strains()[fibre],
-        Law::Elastic(law) => law.break_strains()[fibre],
-    };
+    let limit = face.material.law.break_strains()[fibre];
     let angle = face.md_angle + [0.0, 0.5 * PI][fibre];
     let ways = [spans.length(angle)?, spans.length(angle + PI)?];
     let own = ways.iter().sum::<f64>() / (1.0 + face.prestrain[fibre]);

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::stretch::Coupon;
 use super::{Film as FilmTopology, RunError, indent, slow, stretch};
-use crate::engine::{Contact, Drive, Engine, Film, Impact, Inflation, Nodes, RigidBody, Surface};
+use crate::engine::{Contact, Drive, Engine, Film, Impact, Inflation, Nodes, RigidBody, Surface, Team};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model, Symmetry};
 
@@ -22,6 +22,9 @@ pub(super) struct Mounting {
     pub(super) mass_scaling: Option<f64>,
     pub(super) coupon: Coupon,
 }
+
+/// Elements for which another thread is worth its part of waiting.
+const WORTH_A_THREAD: usize = 400;
 
 /// Sets up the scene; a slow test may be set up twice, first to learn its time step.
 pub(super) fn scene(model: &Model) -> Result<Scene, RunError> {
@@ -87,7 +90,15 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
         }
         Loading::Pressure { pressure, ramp, .. } => drive.inflation = Some(Inflation { pressure, ramp }),
     }
-    Ok(Scene { engine: Engine::new(films, nodes, impact, drive), mounting })
+    let team = team(films.iter().map(Film::elements).sum());
+    Ok(Scene { engine: Engine::new(films, nodes, impact, drive).worked_on_by(team), mounting })
+}
+
+/// Threads for a run of so many elements: all that there are, unless the run is one of several that share them.
+fn team(elements: usize) -> Team {
+    let shared = rayon::current_thread_index().is_some();
+    let worth = elements.div_ceil(WORTH_A_THREAD);
+    Team::new(if shared { 1 } else { worth.min(rayon::current_num_threads()) })
 }
 
 fn topology(mesh: &Mesh, symmetry: Symmetry) -> FilmTopology {
@@ -136,7 +147,7 @@ fn over_film(
         between += film.thickness;
     }
     let top = films.first().map_or(0.0, |film| {
-        let heights = nodes.position[film.nodes.clone()].iter().map(|p| p[2]);
+        let heights = nodes.position.range(film.nodes.clone())[2].iter().copied();
         heights.fold(f64::NEG_INFINITY, f64::max) + 0.5 * film.thickness
     });
     let [x, y] = impactor.position;

@@ -27,13 +27,13 @@ impl Coupon {
 /// Clamps the nodes on x- and x+ and gives the film between them the velocity of a uniform stretch, so that no wave runs.
 /// There is no jaw on a mirror plane. `first` is the first of all nodes that belongs to `mesh`.
 pub(super) fn grip(nodes: &mut Nodes, mesh: &Mesh, first: usize, velocity: f64, gauge: f64) -> Vec<Jaw> {
-    for (v, x) in nodes.velocity[first..].iter_mut().zip(&nodes.position[first..]) {
-        v[0] = velocity * x[0] / gauge;
+    for n in first..nodes.position.len() {
+        nodes.velocity.set(n, [velocity * nodes.position.at(n)[0] / gauge, 0.0, 0.0]);
     }
     let jaw = |(side, speed): (Side, f64)| {
         let held: Vec<u32> = mesh.sides[side as usize].iter().map(|n| first as u32 + n).collect();
         nodes.hold(held.iter().map(|n| *n as usize), [true; 3]);
-        held.iter().for_each(|n| nodes.velocity[*n as usize] = [speed, 0.0, 0.0]);
+        held.iter().for_each(|n| nodes.velocity.set(*n as usize, [speed, 0.0, 0.0]));
         Jaw { nodes: held, velocity: speed }
     };
     let jaws = [(Side::XMinus, -0.5 * velocity), (Side::XPlus, 0.5 * velocity)].map(jaw);

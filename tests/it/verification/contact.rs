@@ -32,8 +32,8 @@ fn momentum_is_exchanged_and_never_made() {
         while scene.engine.time() < 0.01 {
             let [total, film] = watch(&mut scene.engine, |view| {
                 let body = view.body.expect("a body");
-                let masses = view.nodes.mass.iter().zip(&view.nodes.velocity);
-                let film: Vector3<f64> = masses.map(|(m, v)| Vector3::from(*v) * *m).sum();
+                let masses = view.nodes.mass.iter().zip(view.nodes.velocity.iter());
+                let film: Vector3<f64> = masses.map(|(m, v)| Vector3::from(v) * *m).sum();
                 [film + body.velocity * body.mass, film]
             });
             let change = total + Vector3::new(0.0, 0.0, start);
@@ -86,7 +86,7 @@ fn creep(friction: &str, enough: f64) -> f64 {
     loop {
         let (falling, arms) = watch(&mut scene.engine, |view| {
             let body = view.body.expect("a body");
-            let arm = |n: &usize| Vector3::from(view.nodes.position[*n]) - body.pose.translation.vector;
+            let arm = |n: &usize| Vector3::from(view.nodes.position.at(*n)) - body.pose.translation.vector;
             let arms: BTreeMap<usize, Vector3<f64>> =
                 view.touched().iter().map(|n| (*n, arm(n))).filter(|(_, arm)| arm.norm() < RADIUS + TOUCH).collect();
             (body.velocity.z < 0.0, arms)

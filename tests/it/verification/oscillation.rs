@@ -76,16 +76,17 @@ impl Film {
             Film::Strip => ends,
             Film::Square => mesh.rim.clone(),
         };
-        for x in &mut nodes.position {
+        for n in 0..nodes.position.len() {
+            let x = nodes.position.at(n);
             let along = |at: f64| (PI * at / SPAN).cos();
             let mode = match self {
                 Film::Strip => along(x[0]),
                 Film::Square => along(x[0]) * along(x[1]),
             };
-            x[2] = HEIGHT * SPAN * mode;
+            nodes.position.set(n, [x[0], x[1], HEIGHT * SPAN * mode]);
         }
         nodes.hold(held.iter().map(|n| *n as usize), [true; 3]);
-        let highest = |a: &usize, b: &usize| nodes.position[*a][2].total_cmp(&nodes.position[*b][2]);
+        let highest = |a: &usize, b: &usize| nodes.position.at(*a)[2].total_cmp(&nodes.position.at(*b)[2]);
         let middle = (0..nodes.position.len()).max_by(highest).expect("nodes");
         let drive = Drive { damping, multiplicity: 1.0, ..Drive::default() };
         (Engine::new(vec![film], nodes, None, drive), middle)
@@ -97,7 +98,7 @@ fn swing(engine: &mut Engine, middle: usize, crossings: usize) -> (Vec<f64>, Vec
     let (mut times, mut extremes) = (vec![], vec![]);
     let (mut last, mut extreme) = ([0.0, 0.0], 0.0_f64);
     while times.len() < crossings {
-        let [time, z] = watch(engine, |view| [view.time, view.nodes.position[middle][2]]);
+        let [time, z] = watch(engine, |view| [view.time, view.nodes.position.at(middle)[2]]);
         if last[1] * z < 0.0 {
             times.push(last[0] + (time - last[0]) * last[1] / (last[1] - z));
             extremes.push(extreme);

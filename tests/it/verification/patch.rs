@@ -59,9 +59,14 @@ fn image(f: &[[f64; 3]; 2], at: &[f64; 3]) -> [f64; 3] {
 }
 
 fn forces(film: &mut Film, nodes: &Nodes) -> Vec<Vector3<f64>> {
-    let mut force = vec![[0.0; 3]; nodes.position.len()];
-    film.add_forces(&nodes.position, &mut force);
-    force.into_iter().map(Vector3::from).collect()
+    let mut nodes = nodes.clone();
+    film.add_forces(&mut nodes);
+    nodes.force.iter().map(Vector3::from).collect()
+}
+
+/// Moves every node to the image of its place.
+fn deform(nodes: &mut Nodes, image: impl Fn(&[f64; 3]) -> [f64; 3]) {
+    (0..nodes.position.len()).for_each(|n| nodes.position.set(n, image(&nodes.position.at(n))));
 }
 
 /// −Σ f ⊗ X over the volume: the first Piola–Kirchhoff stress along x and y that the nodal forces stand for, Pa.
@@ -91,8 +96,8 @@ fn a_uniform_stretch_is_uniform_in_distorted_elements() {
         for element in ELEMENTS {
             let what = |claim: &str| format!("{name} {element:?}, {claim}");
             let (mut film, mut nodes) = mounted(&patch(element), &face(material.clone(), element));
-            let places = nodes.position.clone();
-            nodes.position.iter_mut().for_each(|x| *x = image(&UNIFORM, x));
+            let places: Vec<_> = nodes.position.iter().collect();
+            deform(&mut nodes, |x| image(&UNIFORM, x));
             let force = forces(&mut film, &nodes);
             let strains = film.strains(&nodes.position);
             let spread = strains.iter().flat_map(|s| (0..3).map(|i| (s.strain[i] - strains[0].strain[i]).abs()));
@@ -124,10 +129,10 @@ fn inner_nodes_find_the_uniform_stretch() {
     let mut claims = Claims::of("patch, relaxed");
     for element in ELEMENTS {
         let (film, mut nodes) = mounted(&patch(element), &face(elastic(), element));
-        let uniform: Vec<[f64; 3]> = nodes.position.iter().map(|x| image(&UNIFORM, x)).collect();
-        nodes.position.clone_from(&uniform);
+        let uniform: Vec<[f64; 3]> = nodes.position.iter().map(|x| image(&UNIFORM, &x)).collect();
+        deform(&mut nodes, |x| image(&UNIFORM, x));
         for n in INNER {
-            (0..3).for_each(|axis| nodes.position[n][axis] += 0.05 * SIDE * [1.0, -0.6, 0.8][axis]);
+            nodes.position.add(n, [1.0, -0.6, 0.8].map(|off| 0.05 * SIDE * off));
         }
         nodes.hold((0..16).filter(|n| !INNER.contains(n)), [true; 3]);
         let drive = Drive { damping: 2e4, multiplicity: 1.0, ..Drive::default() };
@@ -135,7 +140,7 @@ fn inner_nodes_find_the_uniform_stretch() {
         let mut off = f64::INFINITY;
         for _ in 0..4000 {
             off = watch(&mut engine, |view| {
-                let apart = |n: usize| Vector3::from(view.nodes.position[n]) - Vector3::from(uniform[n]);
+                let apart = |n: usize| Vector3::from(view.nodes.position.at(n)) - Vector3::from(uniform[n]);
                 largest(INNER.map(apart)) / SIDE
             });
         }
@@ -151,9 +156,7 @@ fn motion_as_a_whole_costs_no_force() {
     for (name, material) in [("elastic", elastic()), ("fabric", fabric())] {
         for element in ELEMENTS {
             let (mut film, mut nodes) = mounted(&patch(element), &face(material.clone(), element));
-            for x in &mut nodes.position {
-                *x = (turn * Vector3::from(*x) + Vector3::new(0.3, -0.2, 0.5)).into();
-            }
+            deform(&mut nodes, |x| (turn * Vector3::from(*x) + Vector3::new(0.3, -0.2, 0.5)).into());
             let scale = YOUNG * THICKNESS * SIDE;
             let force = largest(forces(&mut film, &nodes));
             claims.at_most(&format!("{name} {element:?}, force over E h L"), force / scale, 1e-13);

@@ -54,7 +54,7 @@ impl Scene {
         let jaws = [(Side::XMinus, -0.5), (Side::XPlus, 0.5)].map(|(side, share)| {
             let jaw = Jaw { nodes: mesh.sides[side as usize].clone(), velocity: share * velocity };
             nodes.hold(jaw.nodes.iter().map(|n| *n as usize), [true; 3]);
-            jaw.nodes.iter().for_each(|n| nodes.velocity[*n as usize] = [jaw.velocity, 0.0, 0.0]);
+            jaw.nodes.iter().for_each(|n| nodes.velocity.set(*n as usize, [jaw.velocity, 0.0, 0.0]));
             jaw
         });
         let drive = Drive { jaws: jaws.into(), multiplicity: 1.0, ..Drive::default() };
