@@ -283,13 +283,21 @@ impl Engine {
             unsafe { *answers.at(part) = moving.advance(width, range) };
         });
         let mut moved = parts.iter().fold(Moved::default(), |all, part| all.and(part));
+        let mut fastest = moved.fastest.sqrt();
         if let Some(Impact { body, contact }) = &mut self.impact {
             let before = body.clone();
             body.kick(over, self.drive.gravity);
-            moved = moved.and(&contact.meet(&mut self.nodes, body, &before, dt, &self.team));
+            let damped = self.drive.damping > 0.0;
+            if damped {
+                contact.let_be(&self.nodes);
+            }
+            fastest = fastest.max(contact.meet(&mut self.nodes, body, &before, dt, &self.team));
+            if damped {
+                moved.damped += contact.damped_on_the_way(&self.nodes);
+            }
         }
         self.gone.damping += self.drive.multiplicity * self.drive.damping * over * moved.damped;
-        moved.fastest.sqrt()
+        fastest
     }
 
     /// Shows the full step that was kept, with the velocities that follow it.

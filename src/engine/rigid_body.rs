@@ -108,11 +108,17 @@ impl RigidBody {
 
     /// Takes up `impulse` (N s) at `arm` from the centre of mass, as far as the guide lets it.
     pub fn push(&mut self, impulse: &Vector3<f64>, arm: &Vector3<f64>) {
+        self.push_about(impulse, &arm.cross(impulse));
+    }
+
+    /// Takes up impulses of the sum `impulse` (N s) and their `moment` about the centre of mass (N m s), as far as the guide
+    /// lets it.
+    pub fn push_about(&mut self, impulse: &Vector3<f64>, moment: &Vector3<f64>) {
         match self.guide {
             Guide::Z => self.velocity.z += impulse.z / self.mass,
             Guide::Free => {
                 self.velocity += impulse / self.mass;
-                self.spin += self.softness * arm.cross(impulse);
+                self.spin += self.softness * moment;
             }
         }
     }

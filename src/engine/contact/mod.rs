@@ -9,6 +9,7 @@
 //! Faces between nodes penetrate by the sagitta of their edges. Where that may exceed `FACE_BOUND` of the
 //! impactor's size, or the impactor has edges of its own, the deepest point of each triangle is met in the same way.
 
+mod damped;
 mod faces;
 mod inspection;
 mod near;
@@ -21,7 +22,7 @@ pub use search::{Surface, SurfaceError};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::film::Film;
-use super::nodes::{Moved, Nodes};
+use super::nodes::Nodes;
 use super::rigid_body::{Gathered, RigidBody};
 use super::team::{Disjoint, Team};
 use near::NearList;
@@ -41,8 +42,8 @@ pub struct Contact {
     normals: Vec<Vector3<f64>>,
     /// Velocity of the nodes near it half a step earlier, m/s.
     earlier: Vec<Vector3<f64>>,
-    /// Velocity that each node got from contact in this step, m/s.
-    received: Vec<Vector3<f64>>,
+    /// Velocity of the same nodes after this step if they were not met, m/s; only with damping.
+    unmet: Vec<Vector3<f64>>,
     pieces: Vec<Piece>,
     /// Sums since the start, J.
     pub work: Work,
@@ -57,7 +58,8 @@ struct Piece {
     touching: Vec<Constraint>,
     impulses: Vec<Impulse>,
     tally: Tally,
-    moved: Moved,
+    /// Square of the largest speed after contact, m²/s².
+    fastest: f64,
 }
 
 /// What went through contact since the start, J.
@@ -95,6 +97,12 @@ struct Impulse {
     tangential: Vector3<f64>,
 }
 
+impl Impulse {
+    fn total(&self) -> Vector3<f64> {
+        self.normal + self.tangential
+    }
+}
+
 impl Contact {
     /// Contact of `surface` with film whose nodes keep `offset` (m) from it; `multiplicity` mirror images count.
     pub fn new(surface: Surface, friction: f64, multiplicity: f64, offset: Vec<f64>) -> Contact {
@@ -106,8 +114,8 @@ impl Contact {
             offset,
             near: NearList::default(),
             normals: zero.clone(),
-            earlier: zero.clone(),
-            received: zero,
+            earlier: zero,
+            unmet: vec![],
             pieces: vec![],
             work: Work::default(),
         }
@@ -143,25 +151,25 @@ impl Contact {
 
     /// Corrects the velocities of nodes and body, and the places of nodes, so that no node is inside at the end of the step
     /// of `dt` s. The nodes stand there already, the body stands where it was; `before` is its motion before the forces of
-    /// this step. Returns what is to be known of the nodes that were met, on top of what was known.
-    pub(super) fn meet(
-        &mut self,
-        nodes: &mut Nodes,
-        body: &mut RigidBody,
-        before: &RigidBody,
-        dt: f64,
-        team: &Team,
-    ) -> Moved {
+    /// this step. Returns the largest speed of a node that was met, m/s.
+    pub fn meet(&mut self, nodes: &mut Nodes, body: &mut RigidBody, before: &RigidBody, dt: f64, team: &Team) -> f64 {
         self.pieces.resize_with(self.near.nodes.len().div_ceil(PIECE), Piece::default);
         let pose = body.predicted(dt);
         self.find_touching(nodes, body, &pose, dt, team);
         let ahead = self.body_ahead(nodes, body);
-        self.give(nodes, body, &ahead, team);
-        self.meet_faces(nodes, body, dt);
-        self.settle(nodes, dt, team);
-        let total = self.pieces.iter().fold(Tally::default(), |sum, piece| sum + piece.tally);
-        self.work.add(&total, self.multiplicity, body, before);
-        self.pieces.iter().fold(Moved::default(), |all, piece| all.and(&piece.moved))
+        self.give(nodes, body, &ahead, dt, team);
+        let mut given = self.total();
+        body.push_about(&(-self.multiplicity * given.impulse()), &(-self.multiplicity * given.moment()));
+        if self.meet_faces(nodes, body, dt) {
+            given = self.total();
+        }
+        self.work.add(&given, self.multiplicity, body, before);
+        self.pieces.iter().map(|piece| piece.fastest).fold(0.0, f64::max).sqrt()
+    }
+
+    /// What all pieces gave.
+    fn total(&self) -> Tally {
+        self.pieces.iter().fold(Tally::default(), |sum, piece| sum + piece.tally)
     }
 
     /// Nodes that lie inside.
@@ -209,51 +217,25 @@ impl Contact {
         body.after(&gathered)
     }
 
-    /// Gives the touching nodes their momentum and takes it from the body.
-    fn give(&mut self, nodes: &mut Nodes, body: &mut RigidBody, ahead: &RigidBody, team: &Team) {
+    /// Gives the touching nodes the momentum with which they follow the body as it will move `ahead`, moves them on, and adds up
+    /// what went through them.
+    fn give(&mut self, nodes: &mut Nodes, body: &RigidBody, ahead: &RigidBody, dt: f64, team: &Team) {
         let friction = self.friction;
-        let (pieces, received) = (Disjoint::new(&mut self.pieces), Disjoint::new(&mut self.received));
-        let still = &*nodes;
+        let (pieces, earlier) = (Disjoint::new(&mut self.pieces), &self.earlier);
+        let nodes = nodes.met();
         team.each(self.near.nodes.len().div_ceil(PIECE), |part| {
             // SAFETY: every piece comes up once.
-            let Piece { touching, impulses, .. } = unsafe { pieces.at(part) };
+            let Piece { touching, impulses, tally, fastest } = unsafe { pieces.at(part) };
             impulses.clear();
-            impulses.extend(touching.iter().filter_map(|c| node_impulse(c, still, ahead, body, friction)));
-            for impulse in impulses {
+            (*tally, *fastest) = (Tally::default(), 0.0);
+            for constraint in &*touching {
+                let mass = nodes.mass(constraint.node);
+                let Some(impulse) = node_impulse(constraint, mass, ahead, body, friction) else { continue };
                 // SAFETY: a node is listed once.
-                unsafe { *received.at(impulse.node) = velocity_change(still, impulse) };
-            }
-        });
-        for impulse in self.pieces.iter().flat_map(|piece| &piece.impulses) {
-            nodes.velocity.add(impulse.node, self.received[impulse.node].into());
-            body.push(&(-self.multiplicity * (impulse.normal + impulse.tangential)), &impulse.arm);
-        }
-    }
-
-    /// Moves the nodes that were met on from where they stood without contact, and adds up what went through them.
-    fn settle(&mut self, nodes: &mut Nodes, dt: f64, team: &Team) {
-        let (received, earlier) = (Disjoint::new(&mut self.received), &self.earlier);
-        let pieces = Disjoint::new(&mut self.pieces);
-        let count = self.near.nodes.len().div_ceil(PIECE);
-        let (mut places, velocity, masses) = nodes.in_motion();
-        let places = places.each_mut().map(|axis| Disjoint::new(axis));
-        team.each(count, |part| {
-            // SAFETY: every piece comes up once.
-            let Piece { impulses, tally, moved, .. } = unsafe { pieces.at(part) };
-            (*tally, *moved) = (Tally::default(), Moved::default());
-            for impulse in &*impulses {
-                let after = Vector3::from(velocity.at(impulse.node));
-                tally.add(impulse, &(0.5 * (after + earlier[impulse.node])));
-                // SAFETY: a node is in one piece only, or all are in the first.
-                let change = std::mem::take(unsafe { received.at(impulse.node) });
-                // Damping acted as if there were no contact, over the way that the node goes with it.
-                let alone = 0.5 * (after - change + earlier[impulse.node]);
-                let damped = 0.5 * masses[impulse.node] * change.dot(&alone);
-                *moved = moved.and(&Moved { fastest: after.norm_squared(), damped });
-                for axis in 0..3 {
-                    // SAFETY: as above.
-                    unsafe { *places[axis].at(impulse.node) += change[axis] * dt };
-                }
+                let after = unsafe { nodes.push(impulse.node, &impulse.total(), dt) };
+                *fastest = fastest.max(after.norm_squared());
+                tally.add(&impulse, &(0.5 * (after + earlier[impulse.node])));
+                impulses.push(impulse);
             }
         });
     }
@@ -271,18 +253,13 @@ fn stopping(slip: &Vector3<f64>, bound: f64) -> (Vector3<f64>, bool) {
 }
 
 /// What a touching node gets when the body moves on as `ahead`; `None` where the body leaves it.
-fn node_impulse(c: &Constraint, nodes: &Nodes, ahead: &RigidBody, body: &RigidBody, friction: f64) -> Option<Impulse> {
+fn node_impulse(c: &Constraint, mass: f64, ahead: &RigidBody, body: &RigidBody, friction: f64) -> Option<Impulse> {
     let change = ahead.velocity_at(&c.arm) - body.velocity_at(&c.arm);
     let away = c.normal.dot(&change);
     let lack = c.lack + away;
     if lack <= 0.0 {
         return None;
     }
-    let mass = nodes.mass[c.node];
     let (tangential, _) = stopping(&(c.slip - change + c.normal * away), friction * lack);
     Some(Impulse { node: c.node, arm: c.arm, normal: c.normal * (lack * mass), tangential: tangential * mass })
-}
-
-fn velocity_change(nodes: &Nodes, impulse: &Impulse) -> Vector3<f64> {
-    (impulse.normal + impulse.tangential).component_mul(&Vector3::from(nodes.mobility(impulse.node)))
 }

@@ -139,6 +139,20 @@ impl Surface {
         }
     }
 
+    /// Bound on the depth (m, negative outside) of any point of an element: on a sphere, a point of a triangle is not farther than
+    /// 1/√3 of the longest line from its nearest corner. No bound on other shapes.
+    pub fn deepest_at_most(&self, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4]) -> f64 {
+        if !self.is_sphere() {
+            return f64::INFINITY;
+        }
+        let centre = Point3::from(pose.translation.vector);
+        let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+        let nearest = corners.iter().chain([&mean]).map(|c| nalgebra::distance_squared(c, &centre));
+        let lines = (0..4).flat_map(|a| [(corners[a], corners[(a + 1) % 4]), (corners[a], mean)]);
+        let longest = lines.map(|(a, b)| nalgebra::distance_squared(&a, &b)).fold(0.0, f64::max);
+        self.size - larger(nearest.fold(f64::INFINITY, f64::min) - longest / 3.0, 0.0).sqrt()
+    }
+
     /// The point of an element of film that is nearest to, or deepest in, the body at `pose`; `None` where it is farther than
     /// `within` (m). The element is the four triangles between its edges and the mean of its corners.
     ///
