@@ -184,7 +184,8 @@ const ALL: u8 = 0b111;
 /// Velocity per impulse along each axis, 1/kg; zero where a node is held.
 #[inline(always)]
 fn mobility(free: f64, held: u8) -> [f64; 3] {
-    [0, 1, 2].map(|axis| if held & (1 << axis) == 0 { free } else { 0.0 })
+    let along = |axis: u8| if held & (1 << axis) == 0 { free } else { 0.0 };
+    [along(0), along(1), along(2)]
 }
 
 /// The nodes as several threads push them after they were moved, each its own.
@@ -210,14 +211,16 @@ impl Met<'_> {
     #[inline(always)]
     pub(super) unsafe fn push(&self, node: usize, impulse: &Vector3<f64>, dt: f64) -> Vector3<f64> {
         let mobility = mobility(self.inverse_mass[node], self.held[node]);
-        Vector3::from([0, 1, 2].map(|axis| {
+        let mut after = Vector3::zeros();
+        for axis in 0..3 {
             let change = impulse[axis] * mobility[axis];
             // SAFETY: the caller keeps other threads from this node.
             let (x, v) = unsafe { (self.position[axis].at(node), self.velocity[axis].at(node)) };
             *x += change * dt;
             *v += change;
-            *v
-        }))
+            after[axis] = *v;
+        }
+        after
     }
 }
 
@@ -261,11 +264,27 @@ pub(super) struct Moving<'a> {
     kick: Kick,
     dt: f64,
     gravity: f64,
+    remembered: Option<Remembered<'a>>,
+}
+
+/// Nodes whose velocities are taken before they are kicked.
+pub(super) struct Remembered<'a> {
+    /// In order.
+    pub(super) nodes: &'a [u32],
+    /// Where the velocities go, an entry for every node there is, m/s.
+    pub(super) velocity: Disjoint<'a, Vector3<f64>>,
 }
 
 impl Nodes {
-    /// Gets the nodes ready for a step: `kick`, then a drift over `dt` (s), with `gravity` (m/s², downward).
-    pub(super) fn moving(&mut self, kick: Kick, dt: f64, gravity: f64) -> Moving<'_> {
+    /// Gets the nodes ready for a step: `kick`, then a drift over `dt` (s), with `gravity` (m/s², downward); what is to be
+    /// `remembered` is taken first.
+    pub(super) fn moving<'a>(
+        &'a mut self,
+        kick: Kick,
+        dt: f64,
+        gravity: f64,
+        remembered: Option<Remembered<'a>>,
+    ) -> Moving<'a> {
         Moving {
             position: self.position.axes.each_mut().map(|axis| Disjoint::new(axis)),
             velocity: self.velocity.axes.each_mut().map(|axis| Disjoint::new(axis)),
@@ -277,6 +296,7 @@ impl Nodes {
             kick,
             dt,
             gravity,
+            remembered,
         }
     }
 }
@@ -288,6 +308,7 @@ impl Moving<'_> {
     /// No other thread may be at work on these nodes.
     pub(super) unsafe fn advance(&self, width: Width, nodes: Range<usize>) -> Moved {
         let mut moved = Moved::default();
+        self.remember(nodes.clone());
         for start in nodes.clone().step_by(AT_ONCE) {
             let some = start..nodes.end.min(start + AT_ONCE);
             // SAFETY: the caller keeps other threads away from these nodes.
@@ -306,9 +327,16 @@ impl Moving<'_> {
         moved
     }
 
-    /// Number of nodes.
-    pub(super) fn count(&self) -> usize {
-        self.inverse_mass.len()
+    fn remember(&self, range: Range<usize>) {
+        let Some(Remembered { nodes, velocity }) = &self.remembered else { return };
+        let from = nodes.partition_point(|n| (*n as usize) < range.start);
+        for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
+            // SAFETY: the caller keeps other threads away from these nodes.
+            unsafe {
+                let [x, y, z] = &self.velocity;
+                *velocity.at(n) = Vector3::new(*x.at(n), *y.at(n), *z.at(n));
+            }
+        }
     }
 
     /// Gives held nodes the force under which they keep their velocity; with damping, returns their Σ m v², kg m²/s².

@@ -15,7 +15,7 @@ use std::thread::{JoinHandle, Thread};
 use crate::lane::Width;
 
 /// Looks for work before a member lets others have its processor, and before it sleeps.
-const PATIENCE: (u32, u32) = (64, 2_000);
+const PATIENCE: (u32, u32) = (200, 2_000);
 
 /// Threads that share the parts of one task after the other. Which thread does which part is left to chance; parts must
 /// not depend on it.

@@ -15,19 +15,20 @@ mod inspection;
 mod near;
 mod search;
 mod tally;
+mod touching;
 
 pub use inspection::Inspection;
 pub use search::{Surface, SurfaceError};
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::Vector3;
 
 use super::film::Film;
-use super::nodes::Nodes;
-use super::rigid_body::{Gathered, RigidBody};
+use super::nodes::{Nodes, Remembered};
+use super::rigid_body::RigidBody;
 use super::team::{Disjoint, Team};
 use near::NearList;
-use search::Touch;
 use tally::Tally;
+use touching::{Giving, Looking, Piece};
 
 /// Contact of one impactor with all faces of film.
 pub struct Contact {
@@ -52,16 +53,6 @@ pub struct Contact {
 /// Nodes near the impactor that one thread looks at together.
 const PIECE: usize = 256;
 
-/// What was found at the nodes of one piece of the neighbour list.
-#[derive(Default)]
-struct Piece {
-    touching: Vec<Constraint>,
-    impulses: Vec<Impulse>,
-    tally: Tally,
-    /// Square of the largest speed after contact, m²/s².
-    fastest: f64,
-}
-
 /// What went through contact since the start, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Work {
@@ -75,18 +66,6 @@ pub struct Work {
     pub impulse: f64,
     /// Half of what was given in the last step: it belongs to the half step after the full one.
     pub ahead: f64,
-}
-
-/// A node that would be inside.
-struct Constraint {
-    node: usize,
-    normal: Vector3<f64>,
-    /// Normal velocity that it lacks, m/s.
-    lack: f64,
-    /// From the body's centre of mass, m.
-    arm: Vector3<f64>,
-    /// Tangential velocity over the surface, m/s.
-    slip: Vector3<f64>,
 }
 
 /// What one node got from the impactor in this step, N s.
@@ -137,26 +116,22 @@ impl Contact {
         self.near.margin = -1.0;
     }
 
-    /// Looks around before the nodes move: lists neighbours where that is due and remembers their velocities.
-    pub fn prepare(&mut self, films: &[Film], nodes: &Nodes, body: &RigidBody) {
+    /// Looks around before the nodes move: lists neighbours where that is due. What comes back takes their velocities.
+    pub(super) fn prepare(&mut self, films: &[Film], nodes: &Nodes, body: &RigidBody) -> Remembered<'_> {
         // Nodes are looked at where they will be at the end of the step, so one more step has to fit in the skin.
         if self.near.margin.is_nan() || self.near.margin <= self.near.pace {
             self.list_neighbours(films, nodes, &body.pose);
         }
-        let corners = self.near.watched.iter().flat_map(|element| &element.corners);
-        for n in self.near.nodes.iter().chain(corners).map(|n| *n as usize) {
-            self.earlier[n] = nodes.velocity_of(n);
-        }
+        Remembered { nodes: &self.near.remembered, velocity: Disjoint::new(&mut self.earlier) }
     }
 
     /// Corrects the velocities of nodes and body, and the places of nodes, so that no node is inside at the end of the step
     /// of `dt` s. The nodes stand there already, the body stands where it was; `before` is its motion before the forces of
     /// this step. Returns the largest speed of a node that was met, m/s.
     pub fn meet(&mut self, nodes: &mut Nodes, body: &mut RigidBody, before: &RigidBody, dt: f64, team: &Team) -> f64 {
-        self.pieces.resize_with(self.near.nodes.len().div_ceil(PIECE), Piece::default);
-        let pose = body.predicted(dt);
-        self.find_touching(nodes, body, &pose, dt, team);
-        let ahead = self.body_ahead(nodes, body);
+        self.pieces.resize_with(self.near.pieces.len(), Piece::default);
+        self.find_touching(nodes, body, dt, team);
+        let ahead = self.body_ahead(body);
         self.give(nodes, body, &ahead, dt, team);
         let mut given = self.total();
         body.push_about(&(-self.multiplicity * given.impulse()), &(-self.multiplicity * given.moment()));
@@ -173,70 +148,44 @@ impl Contact {
     }
 
     /// Nodes that lie inside.
-    fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, pose: &Isometry3<f64>, dt: f64, team: &Team) {
-        let centre = Point3::from(pose.translation.vector);
-        let (surface, offset, near) = (&self.surface, &self.offset, &self.near.nodes);
-        let (pieces, normals) = (Disjoint::new(&mut self.pieces), Disjoint::new(&mut self.normals));
-        team.each(near.len().div_ceil(PIECE), |part| {
+    fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, dt: f64, team: &Team) {
+        let near = &self.near;
+        let looking = Looking {
+            surface: &self.surface,
+            friction: self.friction,
+            multiplicity: self.multiplicity,
+            offset: &self.offset,
+            normals: (!near.watched.is_empty()).then(|| Disjoint::new(&mut self.normals)),
+            nodes,
+            body,
+            pose: body.predicted(dt),
+            per_second: 1.0 / dt,
+        };
+        let pieces = Disjoint::new(&mut self.pieces);
+        team.each(near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
             let piece = unsafe { pieces.at(part) };
-            piece.touching.clear();
-            for &n in &near[part * PIECE..near.len().min((part + 1) * PIECE)] {
-                let n = n as usize;
-                let point = nodes.place(n);
-                let reach = surface.reach() + offset[n];
-                if nalgebra::distance_squared(&point, &centre) > reach * reach {
-                    continue;
-                }
-                let Touch { gap, normal } = surface.touch(pose, &point);
-                // SAFETY: a node is listed once.
-                unsafe { *normals.at(n) = normal };
-                let gap = gap - offset[n];
-                if gap < 0.0 && !nodes.is_held(n) {
-                    let arm = point - centre;
-                    let relative = nodes.velocity_of(n) - body.velocity_at(&arm);
-                    let slip = relative - normal * relative.dot(&normal);
-                    piece.touching.push(Constraint { node: n, normal, lack: -gap / dt, arm, slip });
-                }
-            }
+            touching::find(team.width(), &looking, &near.nodes[near.pieces[part].clone()], piece);
         });
     }
 
     /// The body as it will move once all touching nodes have taken their momentum.
-    fn body_ahead(&self, nodes: &Nodes, body: &RigidBody) -> RigidBody {
-        if self.pieces.iter().all(|piece| piece.touching.is_empty()) {
-            return body.clone();
-        }
-        let mut gathered = Gathered::default();
-        for c in self.pieces.iter().flat_map(|piece| &piece.touching) {
-            let mass = self.multiplicity * nodes.mass[c.node];
-            let (tangential, sticks) = stopping(&c.slip, self.friction * c.lack);
-            let along = if sticks { None } else { Some(&c.normal) };
-            body.gather(&mut gathered, &c.arm, mass, along, &((c.normal * c.lack + tangential) * mass));
-        }
-        body.after(&gathered)
+    fn body_ahead(&self, body: &RigidBody) -> RigidBody {
+        let mut touching = self.pieces.iter().filter(|piece| piece.is_touched());
+        let Some(first) = touching.next() else { return body.clone() };
+        let all = touching.fold(first.gathered().clone(), |all, piece| all.and(piece.gathered()));
+        body.after(&all)
     }
 
     /// Gives the touching nodes the momentum with which they follow the body as it will move `ahead`, moves them on, and adds up
     /// what went through them.
     fn give(&mut self, nodes: &mut Nodes, body: &RigidBody, ahead: &RigidBody, dt: f64, team: &Team) {
-        let friction = self.friction;
-        let (pieces, earlier) = (Disjoint::new(&mut self.pieces), &self.earlier);
-        let nodes = nodes.met();
-        team.each(self.near.nodes.len().div_ceil(PIECE), |part| {
+        let pieces = Disjoint::new(&mut self.pieces);
+        let (friction, earlier, nodes) = (self.friction, self.earlier.as_slice(), nodes.met());
+        let giving = Giving { friction, earlier, nodes, body, ahead, dt };
+        team.each(self.near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
-            let Piece { touching, impulses, tally, fastest } = unsafe { pieces.at(part) };
-            impulses.clear();
-            (*tally, *fastest) = (Tally::default(), 0.0);
-            for constraint in &*touching {
-                let mass = nodes.mass(constraint.node);
-                let Some(impulse) = node_impulse(constraint, mass, ahead, body, friction) else { continue };
-                // SAFETY: a node is listed once.
-                let after = unsafe { nodes.push(impulse.node, &impulse.total(), dt) };
-                *fastest = fastest.max(after.norm_squared());
-                tally.add(&impulse, &(0.5 * (after + earlier[impulse.node])));
-                impulses.push(impulse);
-            }
+            touching::give(team.width(), &giving, unsafe { pieces.at(part) });
         });
     }
 
@@ -244,22 +193,4 @@ impl Contact {
     pub fn touched(&self) -> impl Iterator<Item = usize> + '_ {
         self.pieces.iter().flat_map(|piece| &piece.impulses).map(|impulse| impulse.node)
     }
-}
-
-/// The change of tangential velocity by which friction stops `slip`, as far as `bound` (m/s) allows, and whether it does.
-fn stopping(slip: &Vector3<f64>, bound: f64) -> (Vector3<f64>, bool) {
-    let speed = slip.norm();
-    if speed <= bound { (-slip, true) } else { (-slip * (bound / speed), false) }
-}
-
-/// What a touching node gets when the body moves on as `ahead`; `None` where the body leaves it.
-fn node_impulse(c: &Constraint, mass: f64, ahead: &RigidBody, body: &RigidBody, friction: f64) -> Option<Impulse> {
-    let change = ahead.velocity_at(&c.arm) - body.velocity_at(&c.arm);
-    let away = c.normal.dot(&change);
-    let lack = c.lack + away;
-    if lack <= 0.0 {
-        return None;
-    }
-    let (tangential, _) = stopping(&(c.slip - change + c.normal * away), friction * lack);
-    Some(Impulse { node: c.node, arm: c.arm, normal: c.normal * (lack * mass), tangential: tangential * mass })
 }

@@ -17,6 +17,8 @@ pub struct Surface {
     reach: f64,
     lowest: f64,
     inertia_per_mass: Matrix3<f64>,
+    /// One over `size`: the curvature of a sphere, 1/m.
+    curvature: f64,
 }
 
 /// Vertices (m) and triangles of a surface.
@@ -96,6 +98,7 @@ impl Surface {
         });
         Ok(Surface {
             size: half.x.min(half.y).min(half.z),
+            curvature: 1.0 / half.x.min(half.y).min(half.z),
             reach: sphere.center().length() + sphere.radius(),
             lowest: bounds.mins.z,
             inertia_per_mass: inertia,
@@ -133,8 +136,12 @@ impl Surface {
     pub fn touch(&self, pose: &Isometry3<f64>, point: &Point3<f64>) -> Touch {
         let arm = point.coords - pose.translation.vector;
         match &self.shape {
-            // A ball looks the same however it is turned.
-            Kind::Ball(ball) => outward(&arm, ball.project_local_point(vector(&arm), false)),
+            // A ball looks the same however it is turned, and a point's projection on it is the normal itself.
+            Kind::Ball(ball) => {
+                let normal = ball.project_local_point(vector(&arm), false).point * self.curvature;
+                let normal = Vector3::new(normal.x, normal.y, normal.z);
+                Touch { gap: arm.dot(&normal) - ball.radius, normal }
+            }
             Kind::Other(shape) => turned_touch(shape, pose, &arm),
         }
     }
