@@ -89,10 +89,8 @@ fn neither_symmetry_nor_pace_is_felt() {
         last(&run(bench.path(), &all).1, "force_N")
     };
     let quarter = force(&[]);
-    let pairs = [
-        force(&["specimen.symmetry=none"]),
-        force(&["loading.indent.velocity=0.02 m/s", "output.sample_rate=100Hz"]),
-    ];
+    let pairs =
+        [force(&["specimen.symmetry=none"]), force(&["loading.indent.velocity=0.02 m/s", "output.sample_rate=100Hz"])];
     for other in pairs {
         assert!((other / quarter - 1.0).abs() < 5e-3, "{other} for {quarter}");
     }
