@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::contact::Carried;
 use super::memory::Memory;
+use super::pressure::Inflated;
 use super::rigid_body::Motion;
 use super::{Engine, Film, Gone, TimeStep, Vectors};
 
@@ -17,6 +18,7 @@ pub struct State {
     pub steps: u64,
     time_step: TimeStep,
     gone: Gone,
+    inflated: Option<Inflated>,
     position: Vectors,
     velocity: Vectors,
     films: Vec<Memory>,
@@ -38,12 +40,13 @@ pub struct Misfit {
 impl Engine {
     /// The state after the last step.
     pub fn state(&self) -> State {
-        let Engine { films, nodes, impact, time_step, time, steps, gone, .. } = self;
+        let Engine { films, nodes, impact, time_step, time, steps, gone, inflated, .. } = self;
         State {
             time: *time,
             steps: *steps,
             time_step: time_step.clone(),
             gone: *gone,
+            inflated: *inflated,
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
             films: films.iter().map(Film::memory).collect(),
@@ -62,6 +65,7 @@ impl Engine {
         self.steps = state.steps;
         self.time_step = state.time_step;
         self.gone = state.gone;
+        self.inflated = state.inflated;
         self.broken = 0;
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;

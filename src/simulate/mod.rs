@@ -5,9 +5,15 @@ mod checkpoint;
 mod energy_check;
 mod frames;
 mod grid;
+mod impact;
+mod indent;
+mod pressure;
 mod probe;
 mod rates;
 mod rows;
+mod slow;
+mod stretch;
+mod tracks;
 mod warnings;
 
 use std::time::{Duration, Instant};
@@ -39,8 +45,10 @@ pub struct Outcome {
     pub rupture_time: Option<f64>,
     /// Largest |ΣE − E₀| over the energy exchanged.
     pub energy_balance_error: f64,
-    /// Largest share of kinetic energy in the film's energy (only quasi-static loadings).
+    /// Largest share of kinetic energy in the film's energy, once a tenth of it is there (only quasi-static loadings).
     pub kinetic_share: Option<f64>,
+    /// Energy lost to damping over the film's (only quasi-static loadings).
+    pub damping_share: Option<f64>,
     /// Factor on the film's mass that the run used (only quasi-static loadings).
     pub mass_scaling: Option<f64>,
     /// Largest penetration over the impactor's radius.
@@ -130,6 +138,9 @@ pub enum RunError {
     /// What was to be taken up is of another scene.
     #[error("the checkpoint does not fit: {0}")]
     Misfit(#[from] Misfit),
+    /// The impactor has no film under it.
+    #[error("the impactor goes down beside the film and never touches it")]
+    Missed,
     /// The run went wrong numerically.
     #[error("{0}")]
     Failure(Box<Failure>),
@@ -172,6 +183,7 @@ pub fn take_up(
     }
     let wall = || before + begin.elapsed();
     let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall).err();
+    let fault = fault.or_else(|| probe.unsteady());
     let outcome = probe.finish(&engine, scene.mounting, wall());
     match fault {
         None => Ok(outcome),

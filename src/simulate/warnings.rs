@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Film;
+use super::probe::KINETIC;
 use crate::engine::{ElementStrain, Inspection, View};
 use crate::model::MOST_IN_FRAMES;
 
@@ -16,8 +17,8 @@ const LOCALISED: (f64, f64) = (2.0, 0.5);
 const BALANCE: f64 = 0.01;
 /// Share of straining outside the measured rates that is told.
 const OUTSIDE: f64 = 0.05;
-/// Kinetic share above which a slow test is not quasi-static.
-const KINETIC: f64 = 0.01;
+/// Part of the bound on the kinetic share from which it is told.
+const ALMOST: f64 = 0.5;
 
 /// Scaled Jacobian of an element that is told.
 const MISSHAPEN: f64 = 0.3;
@@ -158,6 +159,12 @@ impl Warnings {
             out.push(format!(
                 "not quasi-static: kinetic energy is up to {:.1} % of the film's; use a smaller mass_scaling",
                 100.0 * share
+            ));
+        } else if let Some(share) = kinetic.filter(|k| *k > ALMOST * KINETIC) {
+            out.push(format!(
+                "hardly quasi-static: kinetic energy is up to {:.1} % of the film's (bound {:.0} %); load it more slowly",
+                100.0 * share,
+                100.0 * KINETIC
             ));
         }
         out

@@ -9,4 +9,5 @@ mod mesh;
 mod resume;
 mod runs;
 mod shipped;
+mod slow;
 mod verification;

@@ -48,6 +48,10 @@ impl Contact {
     pub(in crate::engine) fn bytes(&self) -> usize {
         let NearList { nodes, pieces, remembered, elements, watched, margin: _, pace: _ } = &self.near;
         let listed = bytes(nodes) + bytes(pieces) + bytes(remembered) + bytes(elements) + bytes(watched);
-        listed + bytes(&self.offset) + bytes(&self.normals) + self.earlier.bytes() + self.pieces.iter().map(Piece::bytes).sum::<usize>()
+        listed
+            + bytes(&self.offset)
+            + bytes(&self.normals)
+            + self.earlier.bytes()
+            + self.pieces.iter().map(Piece::bytes).sum::<usize>()
     }
 }

@@ -10,6 +10,7 @@
 //! impactor's size, or the impactor has edges of its own, the deepest point of each triangle is met in the same way.
 
 mod carried;
+mod damped;
 mod faces;
 mod inspection;
 mod near;
@@ -45,6 +46,8 @@ pub struct Contact {
     normals: Vec<Vector3<f64>>,
     /// Velocity of the nodes near it half a step earlier, m/s.
     earlier: Vectors,
+    /// Velocity of each remembered node after this step if it were not met, m/s; only with damping.
+    unmet: Vec<Vector3<f64>>,
     pieces: Vec<Piece>,
     /// Sums since the start, J.
     pub work: Work,
@@ -64,6 +67,8 @@ pub struct Work {
     pub friction_loss: f64,
     /// Momentum given to the impactor along z, N s.
     pub impulse: f64,
+    /// Half of what was given in the last step: it belongs to the half step after the full one.
+    pub ahead: f64,
 }
 
 /// What one node got from the impactor in this step, N s.
@@ -86,6 +91,7 @@ impl Contact {
             near: NearList::default(),
             normals: vec![Vector3::zeros(); nodes],
             earlier: Vectors::zero(nodes),
+            unmet: vec![],
             pieces: vec![],
             work: Work::default(),
         }

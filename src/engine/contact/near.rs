@@ -63,6 +63,10 @@ impl Contact {
         for film in films {
             near.nodes.extend((film.nodes.start as u32..film.nodes.end as u32).filter(|n| within(*n, skin)));
         }
+        if near.pieces.is_empty() {
+            // Elements may be met where no node is near; what goes through them needs a place.
+            near.pieces.push(0..0);
+        }
         self.normals.fill(Vector3::zeros());
         for film in films {
             film.for_each_intact(|corners| {
