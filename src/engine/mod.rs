@@ -50,7 +50,7 @@ pub struct Impact {
 }
 
 /// What acts besides contact.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Drive {
     /// m/s², downward.
     pub gravity: f64,
@@ -60,6 +60,15 @@ pub struct Drive {
     pub jaws: Vec<Jaw>,
     /// Mirror images that one computed part of film stands for.
     pub multiplicity: f64,
+    /// Factor on the stable time step, 0 < factor ≤ 1.
+    pub step_factor: f64,
+}
+
+impl Default for Drive {
+    /// Nothing acts on a film that is computed whole.
+    fn default() -> Drive {
+        Drive { gravity: 0.0, damping: 0.0, jaws: vec![], multiplicity: 1.0, step_factor: 1.0 }
+    }
 }
 
 /// Nodes that are moved together at their initial velocity, held across it.
@@ -122,7 +131,7 @@ impl Engine {
         };
         // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
         engine.forces();
-        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, engine.drive.damping);
+        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.drive);
         engine
     }
 

@@ -10,6 +10,7 @@ mod output;
 mod post;
 mod reference;
 mod size;
+mod solver;
 mod specimen;
 
 use std::path::PathBuf;
@@ -55,6 +56,7 @@ fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
     let faces = layers::check(scenario, &loading, findings);
     let frame = frame::check(scenario, findings);
     let impactor = impactor::check(scenario, findings);
+    let solver = solver::check(scenario);
     let output = output::check(scenario, findings);
     let reference = reference::check(scenario, findings);
     let post = post::check(scenario, findings);
@@ -66,6 +68,7 @@ fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
         frame,
         impactor,
         loading,
+        solver,
         output,
         reference,
         post,
@@ -87,6 +90,7 @@ pub struct Model {
     /// Present exactly where the loading needs one.
     pub impactor: Option<Impactor>,
     pub loading: Loading,
+    pub solver: Solver,
     pub output: Output,
     pub reference: Option<Reference>,
     /// The Rhai script that adds to the summary.
@@ -252,6 +256,13 @@ pub enum Loading {
         /// Factor on the film's mass; `None` chooses it from the number of steps.
         mass_scaling: Option<f64>,
     },
+}
+
+/// How time is stepped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solver {
+    /// Factor on the stable time step, 0 < factor ≤ 1.
+    pub step_factor: f64,
 }
 
 /// What is kept of a run.

@@ -36,7 +36,9 @@ pub(super) fn scene(model: &Model) -> Result<Scene, RunError> {
         return mounted(model, scaling);
     }
     let scene = mounted(model, 1.0)?;
-    let steps = until * scene.mounting.gauge / velocity / scene.engine.time_step();
+    // A factor on the step is to change the step alone, not the mass.
+    let stable = scene.engine.time_step() / model.solver.step_factor;
+    let steps = until * scene.mounting.gauge / velocity / stable;
     if steps <= STEPS_OF_A_SLOW_TEST { Ok(scene) } else { mounted(model, (steps / STEPS_OF_A_SLOW_TEST).powi(2)) }
 }
 
@@ -58,7 +60,8 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
         meshes.push(mesh);
     }
     let multiplicity = model.specimen.symmetry.copies();
-    let mut drive = Drive { multiplicity, damping: model.specimen.damping, ..Drive::default() };
+    let (damping, step_factor) = (model.specimen.damping, model.solver.step_factor);
+    let mut drive = Drive { multiplicity, damping, step_factor, ..Drive::default() };
     let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: None, gauge: 0.0, section: 0.0 };
     let mut impact = None;
     match model.loading {
