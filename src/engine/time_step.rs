@@ -1,8 +1,8 @@
 //! The stable time step.
 
-use super::{Drive, Fault};
 use super::film::Film;
 use super::nodes::Nodes;
+use super::{Drive, Fault};
 
 /// Share of the stability limit that is used.
 const SAFETY: f64 = 0.9;

@@ -1,6 +1,8 @@
 //! Engines set up by hand, and a look at every step.
 
-use droptower::engine::{Contact, Drive, Engine, Fault, Film, Impact, Jaw, Nodes, Observer, RigidBody, Surface, View};
+use droptower::engine::{
+    Contact, Drive, Energies, Engine, Fault, Film, Impact, Jaw, Nodes, Observer, RigidBody, Surface, View,
+};
 use droptower::mesh::{self, Mesh};
 use droptower::model::{Hold, Loading, Model, Side, Symmetry};
 use nalgebra::{Isometry3, Vector3};
@@ -102,6 +104,35 @@ pub fn watch<T>(engine: &mut Engine, look: impl FnMut(&View<'_>) -> T) -> T {
     let mut glance = Glance { look, seen: None };
     engine.step(&mut glance).expect("a step");
     glance.seen.expect("every step is seen")
+}
+
+/// Where the nodes are.
+pub fn places(nodes: &Nodes) -> Vec<[f64; 3]> {
+    nodes.position.clone()
+}
+
+/// Puts every node where `to` says, from its number and place.
+pub fn put(nodes: &mut Nodes, mut to: impl FnMut(usize, [f64; 3]) -> [f64; 3]) {
+    for (n, x) in nodes.position.iter_mut().enumerate() {
+        *x = to(n, *x);
+    }
+}
+
+/// The film's forces on its nodes.
+pub fn forces(film: &mut Film, nodes: &Nodes) -> Vec<Vector3<f64>> {
+    let mut force = vec![[0.0; 3]; nodes.position.len()];
+    film.add_forces(&nodes.position, &mut force);
+    force.into_iter().map(Vector3::from).collect()
+}
+
+/// Where the nodes come to rest under `damping` (1/s) within `time` (s), and the energies then.
+pub fn relaxed(film: Film, nodes: Nodes, damping: f64, time: f64) -> (Vec<[f64; 3]>, Energies) {
+    let drive = Drive { damping, ..Drive::default() };
+    let mut engine = Engine::new(vec![film], nodes, None, drive);
+    while engine.time() < time {
+        engine.step(&mut Blind).expect("a step");
+    }
+    watch(&mut engine, |view| (places(view.nodes), view.energies()))
 }
 
 /// A mesh and the nodes and film that stand on it, before anything moves.

@@ -1,0 +1,125 @@
+//! The bound that limits the time step against the fastest motion of an element itself.
+
+use droptower::engine::{Film, Nodes};
+use droptower::material::Material;
+use droptower::mesh::Mesh;
+use droptower::model::Element;
+use nalgebra::{DMatrix, Matrix3, Point3, Rotation3, Vector3};
+
+use super::claims::Claims;
+use super::random::Random;
+use super::scene::{mounted, places, put};
+use super::sheet::{ELEMENTS, elastic, face};
+use super::tower::{impact, loading_of_1008, peaks, shipped};
+
+/// Elements looked at of each kind and law.
+const COUNT: usize = 400;
+/// Edge, m.
+const EDGE: f64 = 0.01;
+
+/// One element of no particular shape.
+fn element(kind: Element, random: &mut Random) -> Mesh {
+    let corners: &[[f64; 2]] = match kind {
+        Element::Tri3 => &[[0.0, 0.0], [1.0, 0.0], [0.4, 0.9]],
+        Element::Quad4 | Element::Quad4Full => &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+    };
+    let mut off = || random.between(-0.2, 0.2);
+    let nodes = corners.iter().map(|[x, y]| Point3::new(EDGE * (x + off()), EDGE * (y + off()), 0.0)).collect();
+    match kind {
+        Element::Tri3 => Mesh { nodes, tris: vec![[0, 1, 2]], ..Mesh::default() },
+        Element::Quad4 | Element::Quad4Full => Mesh { nodes, quads: vec![[0, 1, 2, 3]], ..Mesh::default() },
+    }
+}
+
+/// Stretched or slack, sheared, turned and warped.
+fn deform(nodes: &mut Nodes, random: &mut Random) {
+    let mut number = |from: f64, to: f64| random.between(from, to);
+    let gradient =
+        Matrix3::new(number(0.8, 1.8), number(-0.4, 0.4), 0.0, number(-0.4, 0.4), number(0.8, 1.8), 0.0, 0.0, 0.0, 1.0);
+    let turn = Rotation3::from_euler_angles(number(-3.0, 3.0), number(-1.5, 1.5), number(-3.0, 3.0));
+    put(nodes, |_, x| {
+        let warp = Vector3::from_fn(|_, _| EDGE * number(-0.1, 0.1));
+        (turn * (gradient * Vector3::from(x)) + warp).into()
+    });
+}
+
+/// −∂F/∂x by differences, on the side of `sign`, from the state that the film remembers; over the square roots of the masses.
+fn hessian(film: &Film, nodes: &Nodes, sign: f64) -> DMatrix<f64> {
+    let step = sign * 1e-7 * EDGE;
+    let count = 3 * nodes.mass.len();
+    let forces = |nodes: &Nodes| super::scene::forces(&mut film.clone(), nodes);
+    let rest = forces(nodes);
+    let at = places(nodes);
+    let mut matrix = DMatrix::zeros(count, count);
+    for column in 0..count {
+        let mut moved = nodes.clone();
+        put(&mut moved, |n, x| std::array::from_fn(|i| x[i] + if 3 * n + i == column { step } else { 0.0 }));
+        let gone = forces(&moved);
+        for row in 0..count {
+            let change = -(gone[row / 3][row % 3] - rest[row / 3][row % 3]) / step;
+            matrix[(row, column)] = change / (nodes.mass[row / 3] * nodes.mass[column / 3]).sqrt();
+        }
+    }
+    debug_assert_eq!(at.len() * 3, count);
+    0.5 * (&matrix + matrix.transpose())
+}
+
+/// What was done to the film before the look.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum History {
+    Loading,
+    Unloading,
+}
+
+/// ω² of the fastest motion over its bound, for one random element.
+fn share(material: &Material, kind: Element, history: History, random: &mut Random) -> f64 {
+    let (mut film, mut nodes) = mounted(&element(kind, random), &face(material.clone(), kind, [0.0; 2]));
+    deform(&mut nodes, random);
+    if history == History::Unloading {
+        let further = 1.0 + random.between(0.005, 0.05);
+        let mut loaded = nodes.clone();
+        put(&mut loaded, |_, x| x.map(|x| further * x));
+        super::scene::forces(&mut film, &loaded);
+    }
+    super::scene::forces(&mut film, &nodes);
+    let bound = film.frequency_bound(&nodes.position);
+    let fastest = [1.0, -1.0].map(|sign| hessian(&film, &nodes, sign).symmetric_eigenvalues().max());
+    fastest[0].max(fastest[1]) / bound
+}
+
+#[test]
+fn no_element_swings_faster_than_its_bound() {
+    let mut claims = Claims::of("bound of the time step");
+    let fabric = |absorption: f64| {
+        let set = format!("specimen.material.fabric.absorption={absorption}");
+        shipped("stretch/md-0.02.toml", &[&set]).faces[0].material.clone()
+    };
+    let laws = [
+        ("elastic", elastic(50e6, 0.44), History::Loading),
+        ("elastic, ν −0.3", elastic(50e6, -0.3), History::Loading),
+        ("fabric without absorption", fabric(0.0), History::Loading),
+        ("fabric, D 0.89, unloading", fabric(0.8896), History::Unloading),
+    ];
+    for (name, material, history) in laws {
+        for kind in ELEMENTS {
+            let mut random = Random::new(7);
+            let mut shares: Vec<f64> = (0..COUNT).map(|_| share(&material, kind, history, &mut random)).collect();
+            shares.sort_by(f64::total_cmp);
+            let [middle, most] = [shares[COUNT / 2], shares[COUNT - 1]];
+            claims.at_most(&format!("{name}, {kind:?}, ω² over its bound, median {middle:.2}"), most, 1.0);
+        }
+    }
+    claims.judge();
+}
+
+#[test]
+fn steps_half_as_long_change_nothing() {
+    let mut claims = Claims::of("step halved");
+    for test in [&[][..], &["layers.count=10", "loading.impact.velocity=5.01m/s"]] {
+        let [whole, half] = ["1", "0.5"]
+            .map(|f| peaks(&impact(&loading_of_1008(&[test, &[&format!("solver.step_factor={f}")]].concat()))));
+        claims.near(&format!("1008 {test:?}, peak displacement"), half[0], whole[0], 1e-3);
+        claims.near(&format!("1008 {test:?}, peak acceleration"), half[1], whole[1], 1e-3);
+    }
+    claims.judge();
+}
