@@ -39,7 +39,7 @@ pub struct Shape {
 }
 
 /// Steps of the integration.
-const STEPS: usize = 800;
+const STEPS: usize = 400;
 
 impl Sheet {
     /// Second Piola–Kirchhoff stress along one direction, Pa.
@@ -152,13 +152,10 @@ impl Sheet {
 
     /// The same with the ball's tip `depth` (m) below the clamp.
     pub fn indented(&self, radius: f64, clamp: f64, ball: f64, depth: f64) -> Shape {
-        let (mut low, mut high) = (0.0, radius);
-        for _ in 0..40 {
-            let touch = 0.5 * (low + high);
-            let shape = self.touched(radius, clamp, ball, touch);
-            if shape.depth() < depth { low = touch } else { high = touch }
-        }
-        self.touched(radius, clamp, ball, 0.5 * (low + high))
+        // A quarter of the ball's circumference, of film that is not shorter than it was.
+        let most = radius.min(1.5 * ball);
+        let touch = between(|touch| self.touched(radius, clamp, ball, touch).depth() - depth, 1e-3 * most, most);
+        self.touched(radius, clamp, ball, touch)
     }
 
     /// A ring from the material radius `inner` to `outer` (m) whose edges are put at `[r, z]` each.
@@ -237,7 +234,7 @@ fn runge_kutta<const N: usize>(
     std::array::from_fn(|i| y[i] + step / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
 }
 
-/// Where `f`, positive at `high`, becomes negative on the way to zero: bracketed by a geometric scan, then bisected.
+/// Where `f`, positive at `high`, becomes negative on the way to zero: bracketed by a geometric scan.
 pub fn root(f: impl Fn(f64) -> f64, high: f64) -> f64 {
     let mut high = high;
     let mut low = 0.9 * high;
@@ -245,9 +242,32 @@ pub fn root(f: impl Fn(f64) -> f64, high: f64) -> f64 {
         (high, low) = (low, 0.9 * low);
         assert!(low > 1e-12, "no root");
     }
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if f(middle) > 0.0 { high = middle } else { low = middle }
+    between(f, low, high)
+}
+
+/// Where `f` becomes positive between `low` and `high`, by false position (Illinois), or by halves where that leaves the
+/// interval or `f` is no number.
+fn between(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    let [mut low, mut high] = [low, high].map(|x| (x, f(x)));
+    let (mut last, mut rose) = (f64::NAN, None);
+    loop {
+        let secant = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        let inside = secant > low.0 && secant < high.0;
+        let x = if inside { secant } else { 0.5 * (low.0 + high.0) };
+        if (x - last).abs() < 1e-13 * x || high.0 - low.0 < 1e-13 * high.0 {
+            return x;
+        }
+        last = x;
+        let y = f(x);
+        let positive = y > 0.0;
+        let again = rose == Some(positive);
+        rose = Some(positive);
+        if positive {
+            high = (x, y);
+            low.1 *= if again { 0.5 } else { 1.0 };
+        } else {
+            low = (x, y);
+            high.1 *= if again { 0.5 } else { 1.0 };
+        }
     }
-    0.5 * (low + high)
 }

@@ -16,6 +16,11 @@ impl Scene {
     /// The faces of an impact, whole or a quarter, held at the rim or not at all, under a body in touch with the
     /// first of them.
     pub fn struck(model: &Model) -> Scene {
+        Scene::spinning(model, Vector3::zeros())
+    }
+
+    /// The same with the body turning at `spin` (rad/s).
+    pub fn spinning(model: &Model, spin: Vector3<f64>) -> Scene {
         let Loading::Impact { velocity, gravity, .. } = model.loading else { panic!("{} is no impact", model.name) };
         let mut nodes = Nodes::default();
         let mut films = vec![];
@@ -41,7 +46,8 @@ impl Scene {
         let pose = Isometry3::translation(x, y, model.faces[0].height + offset[0] - surface.lowest());
         let velocity = Vector3::new(0.0, 0.0, -velocity);
         let inertia = surface.inertia_per_mass() * impactor.mass;
-        let body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
+        let mut body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
+        body.spin = spin;
         let copies = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
         let contact = Contact::new(surface, impactor.friction, copies, offset);
         let drive = Drive { gravity, multiplicity: copies, ..Drive::default() };
