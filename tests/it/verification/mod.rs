@@ -12,6 +12,7 @@ mod absorption;
 mod contact;
 mod convergence;
 mod drop;
+mod gradient;
 mod indentation;
 mod inflation;
 mod oscillation;

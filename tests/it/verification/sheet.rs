@@ -1,11 +1,13 @@
-//! Sheets of elements in rows, even or not, and the elastic film that they are made of.
+//! Sheets of elements in rows, even or not, single elements of no particular shape, and the elastic film that they are made of.
 
+use droptower::engine::Nodes;
 use droptower::material::{Elastic, Law, Material};
 use droptower::mesh::Mesh;
 use droptower::model::{Element, Face, Meshing};
-use nalgebra::Point3;
+use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
 use super::random::Random;
+use super::scene::put;
 
 /// Every kind of element.
 pub const ELEMENTS: [Element; 3] = [Element::Quad4, Element::Quad4Full, Element::Tri3];
@@ -47,6 +49,35 @@ pub fn sheet(cells: [usize; 2], element: Element, uneven: f64, place: impl Fn([f
 pub fn nodes_where([columns, rows]: [usize; 2], which: impl Fn(usize, usize) -> bool) -> Vec<usize> {
     let all = (0..=rows).flat_map(|row| (0..=columns).map(move |column| (column, row)));
     all.enumerate().filter(|(_, (column, row))| which(*column, *row)).map(|(n, _)| n).collect()
+}
+
+/// About the edge of an odd element, m.
+pub const EDGE: f64 = 0.01;
+
+/// One element of no particular shape.
+pub fn odd_element(kind: Element, random: &mut Random) -> Mesh {
+    let corners: &[[f64; 2]] = match kind {
+        Element::Tri3 => &[[0.0, 0.0], [1.0, 0.0], [0.4, 0.9]],
+        Element::Quad4 | Element::Quad4Full => &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+    };
+    let mut off = || random.between(-0.2, 0.2);
+    let nodes = corners.iter().map(|[x, y]| Point3::new(EDGE * (x + off()), EDGE * (y + off()), 0.0)).collect();
+    match kind {
+        Element::Tri3 => Mesh { nodes, tris: vec![[0, 1, 2]], ..Mesh::default() },
+        Element::Quad4 | Element::Quad4Full => Mesh { nodes, quads: vec![[0, 1, 2, 3]], ..Mesh::default() },
+    }
+}
+
+/// Stretched or slack, sheared, turned and warped.
+pub fn deform(nodes: &mut Nodes, random: &mut Random) {
+    let mut number = |from: f64, to: f64| random.between(from, to);
+    let gradient =
+        Matrix3::new(number(0.8, 1.8), number(-0.4, 0.4), 0.0, number(-0.4, 0.4), number(0.8, 1.8), 0.0, 0.0, 0.0, 1.0);
+    let turn = Rotation3::from_euler_angles(number(-3.0, 3.0), number(-1.5, 1.5), number(-3.0, 3.0));
+    put(nodes, |_, x| {
+        let warp = Vector3::from_fn(|_, _| EDGE * number(-0.1, 0.1));
+        (turn * (gradient * Vector3::from(x)) + warp).into()
+    });
 }
 
 /// A film of one material and kind of element, MD along x, as mounted with `prestrain`.

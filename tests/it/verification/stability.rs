@@ -2,65 +2,32 @@
 
 use droptower::engine::{Film, Nodes};
 use droptower::material::Material;
-use droptower::mesh::Mesh;
 use droptower::model::Element;
-use nalgebra::{DMatrix, Matrix3, Point3, Rotation3, Vector3};
+use nalgebra::DMatrix;
 
 use super::claims::Claims;
 use super::random::Random;
-use super::scene::{mounted, places, put};
-use super::sheet::{ELEMENTS, elastic, face};
+use super::scene::{forces, mounted, put};
+use super::sheet::{EDGE, ELEMENTS, deform, elastic, face, odd_element};
 use super::tower::{impact, loading_of_1008, peaks, shipped};
 
 /// Elements looked at of each kind and law.
 const COUNT: usize = 400;
-/// Edge, m.
-const EDGE: f64 = 0.01;
-
-/// One element of no particular shape.
-fn element(kind: Element, random: &mut Random) -> Mesh {
-    let corners: &[[f64; 2]] = match kind {
-        Element::Tri3 => &[[0.0, 0.0], [1.0, 0.0], [0.4, 0.9]],
-        Element::Quad4 | Element::Quad4Full => &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
-    };
-    let mut off = || random.between(-0.2, 0.2);
-    let nodes = corners.iter().map(|[x, y]| Point3::new(EDGE * (x + off()), EDGE * (y + off()), 0.0)).collect();
-    match kind {
-        Element::Tri3 => Mesh { nodes, tris: vec![[0, 1, 2]], ..Mesh::default() },
-        Element::Quad4 | Element::Quad4Full => Mesh { nodes, quads: vec![[0, 1, 2, 3]], ..Mesh::default() },
-    }
-}
-
-/// Stretched or slack, sheared, turned and warped.
-fn deform(nodes: &mut Nodes, random: &mut Random) {
-    let mut number = |from: f64, to: f64| random.between(from, to);
-    let gradient =
-        Matrix3::new(number(0.8, 1.8), number(-0.4, 0.4), 0.0, number(-0.4, 0.4), number(0.8, 1.8), 0.0, 0.0, 0.0, 1.0);
-    let turn = Rotation3::from_euler_angles(number(-3.0, 3.0), number(-1.5, 1.5), number(-3.0, 3.0));
-    put(nodes, |_, x| {
-        let warp = Vector3::from_fn(|_, _| EDGE * number(-0.1, 0.1));
-        (turn * (gradient * Vector3::from(x)) + warp).into()
-    });
-}
-
 /// −∂F/∂x by differences, on the side of `sign`, from the state that the film remembers; over the square roots of the masses.
 fn hessian(film: &Film, nodes: &Nodes, sign: f64) -> DMatrix<f64> {
     let step = sign * 1e-7 * EDGE;
     let count = 3 * nodes.mass.len();
-    let forces = |nodes: &Nodes| super::scene::forces(&mut film.clone(), nodes);
-    let rest = forces(nodes);
-    let at = places(nodes);
+    let rest = forces(&mut film.clone(), nodes);
     let mut matrix = DMatrix::zeros(count, count);
     for column in 0..count {
         let mut moved = nodes.clone();
         put(&mut moved, |n, x| std::array::from_fn(|i| x[i] + if 3 * n + i == column { step } else { 0.0 }));
-        let gone = forces(&moved);
+        let gone = forces(&mut film.clone(), &moved);
         for row in 0..count {
             let change = -(gone[row / 3][row % 3] - rest[row / 3][row % 3]) / step;
             matrix[(row, column)] = change / (nodes.mass[row / 3] * nodes.mass[column / 3]).sqrt();
         }
     }
-    debug_assert_eq!(at.len() * 3, count);
     0.5 * (&matrix + matrix.transpose())
 }
 
@@ -73,15 +40,15 @@ enum History {
 
 /// ω² of the fastest motion over its bound, for one random element.
 fn share(material: &Material, kind: Element, history: History, random: &mut Random) -> f64 {
-    let (mut film, mut nodes) = mounted(&element(kind, random), &face(material.clone(), kind, [0.0; 2]));
+    let (mut film, mut nodes) = mounted(&odd_element(kind, random), &face(material.clone(), kind, [0.0; 2]));
     deform(&mut nodes, random);
     if history == History::Unloading {
         let further = 1.0 + random.between(0.005, 0.05);
         let mut loaded = nodes.clone();
         put(&mut loaded, |_, x| x.map(|x| further * x));
-        super::scene::forces(&mut film, &loaded);
+        forces(&mut film, &loaded);
     }
-    super::scene::forces(&mut film, &nodes);
+    forces(&mut film, &nodes);
     let bound = film.frequency_bound(&nodes.position);
     let fastest = [1.0, -1.0].map(|sign| hessian(&film, &nodes, sign).symmetric_eigenvalues().max());
     fastest[0].max(fastest[1]) / bound
