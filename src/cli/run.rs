@@ -45,8 +45,12 @@ pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
         Err(mistakes) => return report(&mistakes),
     };
     let bar = Bar::new(jobs.len(), shared.quiet);
-    let done: Vec<Done> =
-        jobs.par_iter().enumerate().map(|(index, job)| job.run(&mut |progress| bar.show(index, progress))).collect();
+    let run = |(index, job): (usize, &Job)| job.run(&mut |progress| bar.show(index, progress));
+    // One run has all threads to itself; several share them.
+    let done: Vec<Done> = match jobs.as_slice() {
+        [job] => vec![run((0, job))],
+        jobs => jobs.par_iter().enumerate().map(run).collect(),
+    };
     bar.finish();
     show(&done, shared);
     ExitCode::from(done.iter().map(|done| done.status).max().unwrap_or(0))

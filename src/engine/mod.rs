@@ -11,19 +11,22 @@ mod film;
 mod nodes;
 mod observer;
 mod rigid_body;
+mod team;
 mod time_step;
 
-use contact::Kicked;
 pub use contact::{Contact, Inspection, Surface, SurfaceError};
-pub use element::UprightElement;
+pub use element::{ElementEnergy, ElementStrain, UprightElement};
 pub use energy::Energies;
-pub use film::{ElementStrain, Film};
-pub use nodes::Nodes;
+pub use film::Film;
+pub use nodes::{Kick, Nodes, Vectors};
 pub use observer::{Observer, Track, View};
 pub use rigid_body::RigidBody;
+pub use team::Team;
 pub use time_step::TimeStep;
 
-use rayon::prelude::*;
+use element::Forces;
+use nodes::Moved;
+use team::Disjoint;
 use thiserror::Error;
 
 /// Everything that moves, and how it is driven.
@@ -37,6 +40,9 @@ pub struct Engine {
     steps: u64,
     gone: Gone,
     before: Before,
+    team: Team,
+    /// Chunks of film whose forces may be added at the same time, film and chunk, colour by colour.
+    phases: Vec<Vec<(usize, usize)>>,
     /// Elements that broke and were not told yet.
     broken: usize,
 }
@@ -80,8 +86,8 @@ pub struct Jaw {
     pub velocity: f64,
 }
 
-/// Elements from which faces are worked on in parallel: below, waking a thread costs what it saves.
-const PARALLEL_FROM: usize = 5_000;
+/// Nodes that one thread moves together.
+const NODES_AT_ONCE: usize = 1024;
 
 /// Energy that left the elements for good, J.
 #[derive(Clone, Copy, Debug, Default)]
@@ -94,10 +100,13 @@ struct Gone {
     external_ahead: f64,
 }
 
-/// Velocities half a step ago, kept where an observer wants energies.
+/// The full step that an observer wants to see, kept while the nodes move on.
 #[derive(Default)]
 struct Before {
-    velocity: Vec<[f64; 3]>,
+    position: Vectors,
+    force: Vectors,
+    /// Half a step before it.
+    velocity: Vectors,
     body: Option<RigidBody>,
 }
 
@@ -115,8 +124,15 @@ pub enum Fault {
 }
 
 impl Engine {
-    /// An engine at rest at time zero; `impact` is the impactor, if any.
+    /// An engine at rest at time zero, worked on by one thread; `impact` is the impactor, if any.
     pub fn new(films: Vec<Film>, nodes: Nodes, impact: Option<Impact>, drive: Drive) -> Engine {
+        let colours = films.iter().map(Film::colours).max().unwrap_or(0);
+        let of_colour = |colour: usize| {
+            let of_film =
+                |(f, film): (usize, &Film)| film.chunks_of(colour).map(|chunk| (f, chunk)).collect::<Vec<_>>();
+            films.iter().enumerate().flat_map(of_film).collect()
+        };
+        let phases = (0..colours).map(of_colour).collect();
         let mut engine = Engine {
             films,
             nodes,
@@ -127,12 +143,20 @@ impl Engine {
             steps: 0,
             gone: Gone::default(),
             before: Before::default(),
+            team: Team::new(1),
+            phases,
             broken: 0,
         };
         // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
         engine.forces();
-        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.drive);
+        engine.nodes.forget_forces();
+        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.team, &engine.drive);
         engine
+    }
+
+    /// The same engine worked on by `team`: the bits of what comes out stay the same.
+    pub fn worked_on_by(self, team: Team) -> Engine {
+        Engine { team, ..self }
     }
 
     /// s.
@@ -157,31 +181,29 @@ impl Engine {
 
     /// Advances by one step. Returns the number of elements that broke in it.
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<usize, Fault> {
-        let (last, dt) = self.time_step.next(&self.films, &self.nodes, self.time)?;
-        let kick = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
+        let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.team, self.time)?;
+        let over = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
         let wanted = observer.wants(self.time);
         self.forces();
+        self.pull(dt, over);
+        let jaw_force = self.jaw_force();
         if wanted {
-            self.before.velocity.clone_from(&self.nodes.velocity);
-            self.before.body = self.impact.as_ref().map(|i| i.body.clone());
+            self.before.keep(&self.nodes, self.impact.as_ref());
         }
-        self.pull(dt, kick);
-        self.kick(kick);
-        self.meet(dt, kick);
+        let fastest = self.advance(over, dt);
         if wanted {
-            observer.see(&self.view())?;
+            self.show(observer)?;
         }
-        self.drift(dt, observer);
+        self.finish(dt, fastest, jaw_force, observer);
         Ok(std::mem::take(&mut self.broken))
     }
 
     /// Forces at the full step; elements past their break strain lose theirs from the next step on.
     fn forces(&mut self) {
-        self.nodes.start_forces(self.drive.gravity);
-        let past = self.add_forces();
+        self.add_forces();
         let mut broken = 0;
-        for (film, _) in self.films.iter_mut().zip(past).filter(|(_, past)| *past) {
-            let (count, held) = film.break_elements(&self.nodes.position);
+        for film in &mut self.films {
+            let (count, held) = film.break_elements(self.nodes.position.axes());
             self.gone.rupture += self.drive.multiplicity * (held.stored + held.hourglass);
             self.gone.absorbed += self.drive.multiplicity * held.absorbed;
             broken += count;
@@ -193,21 +215,32 @@ impl Engine {
         self.broken += broken;
     }
 
-    /// Adds the films' forces; tells which of them have a fibre past its break strain. Faces share no node, so they are
-    /// worked on at the same time where they are large enough to be worth it.
-    fn add_forces(&mut self) -> Vec<bool> {
-        let elements = self.elements();
-        let (position, mut rest) = (&self.nodes.position, self.nodes.force.as_mut_slice());
-        let mut own = |film: &Film| {
-            let (own, others) = std::mem::take(&mut rest).split_at_mut(film.nodes.len());
-            rest = others;
-            own
-        };
-        if elements < PARALLEL_FROM {
-            return self.films.iter_mut().map(|film| film.add_forces(position, own(film))).collect();
+    /// Adds the films' forces to those of their nodes, which are zero.
+    fn add_forces(&mut self) {
+        let position = self.nodes.position.axes();
+        let mut rest = self.nodes.force.axes_mut();
+        let films: Vec<_> = self
+            .films
+            .iter_mut()
+            .map(|film| {
+                let pulling = film.pulling();
+                let own = rest.each_mut().map(|axis| {
+                    let (own, others) = std::mem::take(axis).split_at_mut(pulling.nodes().len());
+                    *axis = others;
+                    own
+                });
+                (pulling, Forces::new(own))
+            })
+            .collect();
+        let (team, width) = (&self.team, self.team.width());
+        for chunks in &self.phases {
+            team.each(chunks.len(), |part| {
+                let (film, chunk) = chunks[part];
+                let (pulling, forces) = &films[film];
+                // SAFETY: chunks of one colour share no node, films neither, and each chunk comes up once.
+                unsafe { pulling.add_forces(width, chunk, position, forces.own()) };
+            });
         }
-        let faces: Vec<_> = self.films.iter_mut().map(|film| (own(film), film)).collect();
-        faces.into_par_iter().map(|(force, film)| film.add_forces(position, force)).collect()
     }
 
     /// Work of the jaws against the film's forces; these act over the halves of the steps on both sides.
@@ -218,38 +251,51 @@ impl Engine {
         self.gone.external_ahead = -0.5 * power * dt;
     }
 
-    /// Accelerates the nodes; books what damping takes.
-    fn kick(&mut self, kick: f64) {
-        let damping = self.drive.damping;
-        if damping == 0.0 {
-            return self.nodes.kick(kick, 0.0);
+    /// Accelerates nodes and body over `over` (s), moves the nodes on by `dt` (s) and lets them meet the body. Returns the
+    /// largest speed of a node, m/s.
+    fn advance(&mut self, over: f64, dt: f64) -> f64 {
+        if let Some(Impact { body, contact }) = &mut self.impact {
+            contact.prepare(&self.films, &self.nodes, body);
         }
-        let earlier = self.nodes.velocity.clone();
-        self.nodes.kick(kick, damping);
-        let mut lost = 0.0;
-        for n in 0..earlier.len() {
-            for axis in 0..3 {
-                if self.nodes.inverse_mass[n][axis] > 0.0 {
-                    let mean = 0.5 * (earlier[n][axis] + self.nodes.velocity[n][axis]);
-                    lost += damping * self.nodes.mass[n] * mean * mean * kick;
-                }
-            }
-        }
-        self.gone.damping += self.drive.multiplicity * lost;
-    }
-
-    fn meet(&mut self, dt: f64, kick: f64) {
+        let kick = Kick::over(over, self.drive.damping);
+        let moving = self.nodes.moving(kick, dt, self.drive.gravity);
+        let count = moving.count();
+        let mut parts = vec![Moved::default(); count.div_ceil(NODES_AT_ONCE)];
+        let answers = Disjoint::new(&mut parts);
+        let width = self.team.width();
+        self.team.each(count.div_ceil(NODES_AT_ONCE), |part| {
+            let range = part * NODES_AT_ONCE..count.min((part + 1) * NODES_AT_ONCE);
+            // SAFETY: every range comes up once.
+            unsafe { *answers.at(part) = moving.advance(width, range) };
+        });
+        let moved = parts.iter().fold(Moved::default(), |all, part| all.and(part));
+        self.gone.damping += self.drive.multiplicity * self.drive.damping * over * moved.damped;
+        let mut fastest = moved.fastest.sqrt();
         if let Some(Impact { body, contact }) = &mut self.impact {
             let before = body.clone();
-            body.kick(kick, self.drive.gravity);
-            let (keep, gain) = Nodes::damped(kick, self.drive.damping);
-            contact.meet(&self.films, &mut self.nodes, body, &Kicked { before: &before, keep, gain }, dt);
+            body.kick(over, self.drive.gravity);
+            fastest = fastest.max(contact.meet(&mut self.nodes, body, &before, dt, &self.team));
         }
+        fastest
     }
 
-    fn drift(&mut self, dt: f64, observer: &mut dyn Observer) {
-        let mut track = Track { time: self.time, dt, jaw_force: self.jaw_force(), ..Track::default() };
-        let fastest = self.nodes.drift(dt);
+    /// Shows the full step that was kept, with the velocities that follow it.
+    fn show(&mut self, observer: &mut dyn Observer) -> Result<(), Fault> {
+        self.exchange();
+        let seen = observer.see(&self.view());
+        self.exchange();
+        seen
+    }
+
+    /// Exchanges places and forces of the nodes with those kept.
+    fn exchange(&mut self) {
+        std::mem::swap(&mut self.nodes.position, &mut self.before.position);
+        std::mem::swap(&mut self.nodes.force, &mut self.before.force);
+    }
+
+    /// Moves the body on and tells where it is.
+    fn finish(&mut self, dt: f64, fastest: f64, jaw_force: f64, observer: &mut dyn Observer) {
+        let mut track = Track { time: self.time, dt, jaw_force, ..Track::default() };
         if let Some(Impact { body, contact }) = &mut self.impact {
             track.z = body.centre().z;
             track.velocity = body.velocity.z;
@@ -284,6 +330,16 @@ impl Engine {
             drive: &self.drive,
             gone: self.gone,
             before: &self.before,
+            team: &self.team,
         }
+    }
+}
+
+impl Before {
+    fn keep(&mut self, nodes: &Nodes, impact: Option<&Impact>) {
+        self.position.clone_from(&nodes.position);
+        self.force.clone_from(&nodes.force);
+        self.velocity.clone_from(&nodes.velocity);
+        self.body = impact.map(|impact| impact.body.clone());
     }
 }

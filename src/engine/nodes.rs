@@ -1,20 +1,115 @@
 //! The nodes of all faces and the explicit central-difference step that moves them.
 
-use nalgebra::Vector3;
+use std::ops::Range;
+
+use nalgebra::{Point3, Vector3};
+
+use super::team::Disjoint;
+use crate::lane::{LANES, Width, at_width, larger, splat};
+
+/// A vector at every node, one array an axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Vectors {
+    axes: [Vec<f64>; 3],
+}
 
 /// Nodal quantities, one entry a node.
 #[derive(Clone, Debug, Default)]
 pub struct Nodes {
     /// m, at the full step.
-    pub position: Vec<[f64; 3]>,
+    pub position: Vectors,
     /// m/s, at the half step.
-    pub velocity: Vec<[f64; 3]>,
+    pub velocity: Vectors,
     /// N, at the full step.
-    pub force: Vec<[f64; 3]>,
+    pub force: Vectors,
     /// kg.
     pub mass: Vec<f64>,
-    /// 1/kg, zero along directions that are held or prescribed.
-    pub inverse_mass: Vec<[f64; 3]>,
+    /// 1/kg.
+    inverse_mass: Vec<f64>,
+    /// Directions of each node that are held or prescribed, a bit an axis.
+    held: Vec<u8>,
+    /// Nodes that are held along an axis or more, in order.
+    constrained: Vec<u32>,
+}
+
+/// How velocities follow from the forces of a full step: v := keep·v + gain·F/m (theory.md, equation 15).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kick {
+    /// Factor on the earlier velocities.
+    pub keep: f64,
+    /// Factor on the accelerations, s.
+    pub gain: f64,
+}
+
+impl Vectors {
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.axes[0].len()
+    }
+
+    /// Whether there is no node.
+    pub fn is_empty(&self) -> bool {
+        self.axes[0].is_empty()
+    }
+
+    /// The vector at one node.
+    #[inline(always)]
+    pub fn at(&self, node: usize) -> [f64; 3] {
+        [self.axes[0][node], self.axes[1][node], self.axes[2][node]]
+    }
+
+    /// Replaces the vector at one node.
+    #[inline(always)]
+    pub fn set(&mut self, node: usize, vector: [f64; 3]) {
+        (0..3).for_each(|axis| self.axes[axis][node] = vector[axis]);
+    }
+
+    /// Adds to the vector at one node.
+    #[inline(always)]
+    pub fn add(&mut self, node: usize, vector: [f64; 3]) {
+        (0..3).for_each(|axis| self.axes[axis][node] += vector[axis]);
+    }
+
+    /// The vectors of all nodes.
+    pub fn iter(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        (0..self.len()).map(|node| self.at(node))
+    }
+
+    /// The vectors of some nodes, an array an axis.
+    #[inline(always)]
+    pub fn range(&self, nodes: Range<usize>) -> [&[f64]; 3] {
+        [0, 1, 2].map(|axis| &self.axes[axis][nodes.clone()])
+    }
+
+    /// The vectors of all nodes, an array an axis.
+    pub fn axes(&self) -> [&[f64]; 3] {
+        self.range(0..self.len())
+    }
+
+    /// The same, to be written.
+    pub fn axes_mut(&mut self) -> [&mut [f64]; 3] {
+        self.axes.each_mut().map(Vec::as_mut_slice)
+    }
+
+    fn resize(&mut self, count: usize) {
+        self.axes.iter_mut().for_each(|axis| axis.resize(count, 0.0));
+    }
+}
+
+impl Extend<[f64; 3]> for Vectors {
+    fn extend<I: IntoIterator<Item = [f64; 3]>>(&mut self, vectors: I) {
+        for vector in vectors {
+            (0..3).for_each(|axis| self.axes[axis].push(vector[axis]));
+        }
+    }
+}
+
+impl Kick {
+    /// A kick over `dt` (s) with mass-proportional `damping` (1/s).
+    pub fn over(dt: f64, damping: f64) -> Kick {
+        let half = 0.5 * damping * dt;
+        Kick { keep: (1.0 - half) / (1.0 + half), gain: dt / (1.0 + half) }
+    }
 }
 
 impl Nodes {
@@ -22,82 +117,235 @@ impl Nodes {
     pub fn extend(&mut self, positions: impl IntoIterator<Item = [f64; 3]>, masses: &[f64]) {
         self.position.extend(positions);
         let count = self.position.len();
-        self.velocity.resize(count, [0.0; 3]);
-        self.force.resize(count, [0.0; 3]);
+        self.velocity.resize(count);
+        self.force.resize(count);
         self.mass.extend_from_slice(masses);
-        self.inverse_mass.extend(masses.iter().map(|m| if *m > 0.0 { [1.0 / m; 3] } else { [0.0; 3] }));
+        self.inverse_mass.extend(masses.iter().map(|mass| 1.0 / mass));
+        self.held.resize(count, 0);
     }
 
-    /// Sets the forces to the weight under gravity `g` (m/s², downward).
-    pub fn start_forces(&mut self, g: f64) {
-        for (force, mass) in self.force.iter_mut().zip(&self.mass) {
-            *force = [0.0, 0.0, -g * mass];
-        }
-    }
-
-    /// Factors on velocity and acceleration of a kick over `dt` (s) with mass-proportional `damping` (1/s).
-    pub fn damped(dt: f64, damping: f64) -> (f64, f64) {
-        let half = 0.5 * damping * dt;
-        ((1.0 - half) / (1.0 + half), dt / (1.0 + half))
-    }
-
-    /// v := ((1 − αΔt/2) v + a Δt)/(1 + αΔt/2) with mass-proportional damping α (1/s) (theory.md, equation 15).
-    pub fn kick(&mut self, dt: f64, damping: f64) {
-        if damping == 0.0 {
-            for ((v, f), w) in self.velocity.iter_mut().zip(&self.force).zip(&self.inverse_mass) {
-                for axis in 0..3 {
-                    v[axis] += dt * f[axis] * w[axis];
-                }
-            }
-            return;
-        }
-        let (keep, gain) = Nodes::damped(dt, damping);
-        for ((v, f), w) in self.velocity.iter_mut().zip(&self.force).zip(&self.inverse_mass) {
-            for axis in 0..3 {
-                let held = if w[axis] == 0.0 { 1.0 } else { keep };
-                v[axis] = held * v[axis] + gain * f[axis] * w[axis];
-            }
-        }
-    }
-
-    /// x := x + v Δt; returns the largest speed, m/s.
-    pub fn drift(&mut self, dt: f64) -> f64 {
-        let mut fastest = 0.0;
-        for (x, v) in self.position.iter_mut().zip(&self.velocity) {
-            let squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-            if squared > fastest {
-                fastest = squared;
-            }
-            for axis in 0..3 {
-                x[axis] += v[axis] * dt;
-            }
-        }
-        f64::sqrt(fastest)
+    /// Position of one node.
+    #[inline]
+    pub fn place(&self, node: usize) -> Point3<f64> {
+        Point3::from(self.position.at(node))
     }
 
     /// Velocity of one node.
     #[inline]
     pub fn velocity_of(&self, node: usize) -> Vector3<f64> {
-        Vector3::from(self.velocity[node])
+        Vector3::from(self.velocity.at(node))
+    }
+
+    /// Velocity per impulse along each axis, 1/kg; zero where a node is held.
+    #[inline]
+    pub fn mobility(&self, node: usize) -> [f64; 3] {
+        let free = self.inverse_mass[node];
+        [0, 1, 2].map(|axis| if self.held[node] & (1 << axis) == 0 { free } else { 0.0 })
     }
 
     /// Whether a node is held in every direction.
     #[inline]
     pub fn is_held(&self, node: usize) -> bool {
-        self.inverse_mass[node] == [0.0; 3]
+        self.held[node] == ALL
+    }
+
+    /// Sets all forces to zero, as a step finds them.
+    pub(super) fn forget_forces(&mut self) {
+        self.force.axes.iter_mut().for_each(|axis| axis.fill(0.0));
+    }
+
+    /// Places to be moved, an array an axis, and the velocities.
+    pub(super) fn places_and_velocities(&mut self) -> ([&mut [f64]; 3], &Vectors) {
+        (self.position.axes_mut(), &self.velocity)
     }
 
     /// Sum of the forces along x on some nodes, N.
     pub fn pull(&self, nodes: &[u32]) -> f64 {
-        nodes.iter().map(|n| self.force[*n as usize][0]).sum()
+        nodes.iter().map(|n| self.force.at(*n as usize)[0]).sum()
     }
 
     /// Holds some nodes along the marked axes: they keep the velocity they have.
     pub fn hold(&mut self, nodes: impl IntoIterator<Item = usize>, axes: [bool; 3]) {
-        for n in nodes {
-            for axis in (0..3).filter(|a| axes[*a]) {
-                self.inverse_mass[n][axis] = 0.0;
-            }
+        let mask = (0..3).filter(|axis| axes[*axis]).fold(0, |mask, axis| mask | 1 << axis);
+        nodes.into_iter().for_each(|n| self.held[n] |= mask);
+        let constrained = (0..self.held.len()).filter(|n| self.held[*n] != 0);
+        self.constrained = constrained.map(|n| n as u32).collect();
+    }
+}
+
+/// All three axes held.
+const ALL: u8 = 0b111;
+
+/// What is to be known of nodes that were moved.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Moved {
+    /// Square of the largest speed, m²/s².
+    pub(super) fastest: f64,
+    /// Σ m v̄² with the mean v̄ of the velocities before and after, of what is not held, kg m²/s²; zero without damping.
+    pub(super) damped: f64,
+}
+
+impl Moved {
+    /// Of these nodes and others.
+    pub(super) fn and(&self, others: &Moved) -> Moved {
+        Moved { fastest: larger(self.fastest, others.fastest), damped: self.damped + others.damped }
+    }
+}
+
+/// One axis of some nodes, as the step moves it.
+struct Axis<'a> {
+    position: &'a mut [f64],
+    velocity: &'a mut [f64],
+    force: &'a mut [f64],
+    /// Acceleration besides that of the forces, m/s².
+    field: f64,
+}
+
+/// Nodes that stay in the fastest cache while all axes are moved.
+const AT_ONCE: usize = 256;
+
+/// The nodes as several threads move them, each its own range.
+pub(super) struct Moving<'a> {
+    position: [Disjoint<'a, f64>; 3],
+    velocity: [Disjoint<'a, f64>; 3],
+    force: [Disjoint<'a, f64>; 3],
+    inverse_mass: &'a [f64],
+    held: &'a [u8],
+    constrained: &'a [u32],
+    kick: Kick,
+    dt: f64,
+    gravity: f64,
+}
+
+impl Nodes {
+    /// Gets the nodes ready for a step: `kick`, then a drift over `dt` (s), with `gravity` (m/s², downward).
+    pub(super) fn moving(&mut self, kick: Kick, dt: f64, gravity: f64) -> Moving<'_> {
+        Moving {
+            position: self.position.axes.each_mut().map(|axis| Disjoint::new(axis)),
+            velocity: self.velocity.axes.each_mut().map(|axis| Disjoint::new(axis)),
+            force: self.force.axes.each_mut().map(|axis| Disjoint::new(axis)),
+            inverse_mass: &self.inverse_mass,
+            held: &self.held,
+            constrained: &self.constrained,
+            kick,
+            dt,
+            gravity,
         }
     }
+}
+
+impl Moving<'_> {
+    /// v := keep·v + gain·(F/m + g), x := x + v Δt, F := 0 for a range of nodes; returns the square of the largest speed, m²/s².
+    ///
+    /// # Safety
+    /// No other thread may be at work on these nodes.
+    pub(super) unsafe fn advance(&self, width: Width, nodes: Range<usize>) -> Moved {
+        let mut moved = Moved::default();
+        for start in nodes.clone().step_by(AT_ONCE) {
+            let some = start..nodes.end.min(start + AT_ONCE);
+            // SAFETY: the caller keeps other threads away from these nodes.
+            let [x, y, z] = [0, 1, 2].map(|axis| unsafe {
+                Axis {
+                    position: self.position[axis].range(some.clone()),
+                    velocity: self.velocity[axis].range(some.clone()),
+                    force: self.force[axis].range(some.clone()),
+                    field: if axis == 2 { -self.gravity } else { 0.0 },
+                }
+            });
+            let mut axes = [x, y, z];
+            let held = self.hold_back(some.clone(), &mut axes);
+            moved.damped -= if self.kick.keep == 1.0 { 0.0 } else { held };
+            moved = moved.and(&advance(width, self.kick, self.dt, &self.inverse_mass[some], &mut axes));
+        }
+        moved
+    }
+
+    /// Number of nodes.
+    pub(super) fn count(&self) -> usize {
+        self.inverse_mass.len()
+    }
+
+    /// Gives held nodes the force under which they keep their velocity; returns their Σ m v², kg m²/s².
+    fn hold_back(&self, some: Range<usize>, axes: &mut [Axis<'_>; 3]) -> f64 {
+        let mut squares = 0.0;
+        let first = self.constrained.partition_point(|n| (*n as usize) < some.start);
+        for &n in self.constrained[first..].iter().take_while(|n| (**n as usize) < some.end) {
+            let n = n as usize;
+            let held = axes.iter_mut().enumerate().filter(|(axis, _)| self.held[n] & (1 << axis) != 0);
+            for (_, of) in held {
+                let v = of.velocity[n - some.start];
+                let kept = (1.0 - self.kick.keep) * v / self.kick.gain;
+                of.force[n - some.start] = (kept - of.field) / self.inverse_mass[n];
+                squares += v * v / self.inverse_mass[n];
+            }
+        }
+        squares
+    }
+}
+
+at_width! {
+    fn advance[](kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<'_>; 3]) -> Moved = advance_lanewise
+}
+
+#[inline(always)]
+fn advance_lanewise(kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<'_>; 3]) -> Moved {
+    let mut damped = 0.0;
+    for Axis { position, velocity, force, field } in axes.iter_mut() {
+        if kick.keep == 1.0 {
+            move_axis(kick, dt, *field, inverse_mass, position, velocity, force);
+        } else {
+            damped += damp_axis(kick, dt, *field, inverse_mass, position, velocity, force);
+        }
+    }
+    let [x, y, z] = axes.each_ref().map(|axis| &*axis.velocity);
+    let mut squared = splat::<LANES>(0.0);
+    for ((x, y), z) in x.chunks(LANES).zip(y.chunks(LANES)).zip(z.chunks(LANES)) {
+        for l in 0..x.len() {
+            squared[l] = larger(x[l] * x[l] + y[l] * y[l] + z[l] * z[l], squared[l]);
+        }
+    }
+    Moved { fastest: squared.into_iter().fold(0.0, larger), damped }
+}
+
+#[inline(always)]
+fn move_axis(
+    kick: Kick,
+    dt: f64,
+    field: f64,
+    inverse_mass: &[f64],
+    position: &mut [f64],
+    velocity: &mut [f64],
+    force: &mut [f64],
+) {
+    let count = inverse_mass.len();
+    let (position, velocity, force) = (&mut position[..count], &mut velocity[..count], &mut force[..count]);
+    for n in 0..count {
+        let v = velocity[n] + kick.gain * (force[n] * inverse_mass[n] + field);
+        velocity[n] = v;
+        position[n] += v * dt;
+        force[n] = 0.0;
+    }
+}
+
+/// The same with damping; returns Σ m v̄² with the mean v̄ of the velocities before and after.
+#[inline(always)]
+fn damp_axis(
+    kick: Kick,
+    dt: f64,
+    field: f64,
+    inverse_mass: &[f64],
+    position: &mut [f64],
+    velocity: &mut [f64],
+    force: &mut [f64],
+) -> f64 {
+    let mut sum = 0.0;
+    for n in 0..inverse_mass.len() {
+        let v = kick.keep * velocity[n] + kick.gain * (force[n] * inverse_mass[n] + field);
+        let mean = 0.5 * (velocity[n] + v);
+        sum += mean * mean / inverse_mass[n];
+        velocity[n] = v;
+        position[n] += v * dt;
+        force[n] = 0.0;
+    }
+    sum
 }

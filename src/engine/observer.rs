@@ -1,6 +1,7 @@
 //! What an observer may see of a run.
 
-use super::{Before, Contact, Drive, Energies, Fault, Film, Gone, Inspection, Nodes, RigidBody};
+use super::team::Team;
+use super::{Before, Contact, Drive, ElementStrain, Energies, Fault, Film, Gone, Inspection, Nodes, RigidBody, film};
 
 /// Something that looks on.
 pub trait Observer {
@@ -47,6 +48,7 @@ pub struct View<'a> {
     pub(super) drive: &'a Drive,
     pub(super) gone: Gone,
     pub(super) before: &'a Before,
+    pub(super) team: &'a Team,
 }
 
 impl View<'_> {
@@ -61,16 +63,15 @@ impl View<'_> {
             external: self.gone.external - self.gone.external_ahead,
             ..Energies::default()
         };
-        for film in self.films {
-            let energy = film.energy(&self.nodes.position);
+        for energy in film::energies(self.films, self.team, self.nodes.position.axes()) {
             out.stored += copies * energy.stored;
             out.absorbed += copies * energy.absorbed;
             out.hourglass += copies * energy.hourglass;
         }
         for (n, mass) in self.nodes.mass.iter().enumerate() {
-            let (v, u) = (self.nodes.velocity[n], self.before.velocity[n]);
+            let (v, u) = (self.nodes.velocity.at(n), self.before.velocity.at(n));
             out.kinetic_film += copies * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
-            out.potential += copies * mass * g * self.nodes.position[n][2];
+            out.potential += copies * mass * g * self.nodes.position.at(n)[2];
         }
         if let (Some(body), Some(before)) = (self.body, &self.before.body) {
             out.kinetic_impactor = body.kinetic_energy(before);
@@ -81,6 +82,11 @@ impl View<'_> {
             out.friction = contact.work.friction_loss;
         }
         out
+    }
+
+    /// Strains of every element of each face, quads first.
+    pub fn strains(&self) -> Vec<Vec<ElementStrain>> {
+        film::strains(self.films, self.team, self.nodes.position.axes())
     }
 
     /// The touch between impactor and film, if there is an impactor.

@@ -107,6 +107,16 @@ impl RigidBody {
         }
     }
 
+    /// Work of impulses at its surface, their sum `impulse` (N s) and `moment` about the centre of mass (N m s), at the mean of
+    /// its motion `before` and now, J.
+    pub fn work_of(&self, impulse: &Vector3<f64>, moment: &Vector3<f64>, before: &RigidBody) -> f64 {
+        let turned = match self.guide {
+            Guide::Z => 0.0,
+            Guide::Free => moment.dot(&(self.spin + before.spin)),
+        };
+        0.5 * (impulse.dot(&(self.velocity + before.velocity)) + turned)
+    }
+
     /// Velocity per impulse along `direction` at `arm` from the centre of mass, 1/kg.
     pub fn mobility(&self, direction: &Vector3<f64>, arm: &Vector3<f64>) -> f64 {
         match self.guide {

@@ -1,7 +1,8 @@
 //! The stable time step.
 
-use super::film::Film;
+use super::film::{self, Film};
 use super::nodes::Nodes;
+use super::team::Team;
 use super::{Drive, Fault};
 
 /// Share of the stability limit that is used.
@@ -39,10 +40,10 @@ pub struct TimeStep {
 
 impl TimeStep {
     /// The step of film at rest, with the damping and the step factor of `drive`.
-    pub fn new(films: &[Film], nodes: &Nodes, drive: &Drive) -> TimeStep {
+    pub fn new(films: &[Film], nodes: &Nodes, team: &Team, drive: &Drive) -> TimeStep {
         let (damping, factor) = (drive.damping, drive.step_factor);
         let mut step = TimeStep { damping, factor, safety: SAFETY, ..TimeStep::default() };
-        (step.first, _) = step.stable(films, nodes);
+        (step.first, _) = step.stable(films, nodes, team);
         (step.now, step.target) = (step.first, step.first);
         step
     }
@@ -53,10 +54,10 @@ impl TimeStep {
     }
 
     /// The last and the next step, s; looks at the film again where it is due.
-    pub fn next(&mut self, films: &[Film], nodes: &Nodes, time: f64) -> Result<(f64, f64), Fault> {
+    pub fn next(&mut self, films: &[Film], nodes: &Nodes, team: &Team, time: f64) -> Result<(f64, f64), Fault> {
         let last = self.now;
         if self.until_look == 0 {
-            let (stable, face) = self.stable(films, nodes);
+            let (stable, face) = self.stable(films, nodes, team);
             if stable.is_nan() || stable < COLLAPSE * self.first {
                 return Err(Fault::TimeStepCollapsed { time, first: self.first, now: stable, face: face + 1 });
             }
@@ -76,10 +77,12 @@ impl TimeStep {
     }
 
     /// The stable step and the face that limits it.
-    fn stable(&self, films: &[Film], nodes: &Nodes) -> (f64, usize) {
-        let bounds = films.iter().map(|f| f.frequency_bound(&nodes.position)).enumerate();
-        let (face, squared) =
-            bounds.fold((0, 0.0), |most, (face, w)| if w <= most.1 || most.1.is_nan() { most } else { (face, w) });
+    fn stable(&self, films: &[Film], nodes: &Nodes, team: &Team) -> (f64, usize) {
+        let bounds = film::frequency_bounds(films, team, nodes.position.axes());
+        let (face, squared) = bounds
+            .into_iter()
+            .enumerate()
+            .fold((0, 0.0), |most, (face, w)| if w <= most.1 || most.1.is_nan() { most } else { (face, w) });
         if squared == 0.0 {
             return (f64::INFINITY, face);
         }

@@ -12,7 +12,7 @@
 //! the same path to (ε_m, σ(ε_m)) and on along the curve.
 
 use super::curve::Curve;
-use crate::lane::{LANES, Lane, larger, splat};
+use crate::lane::{Lane, larger, splat};
 
 /// Share D of the stored energy that is lost on unloading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,9 +41,9 @@ impl Absorption {
 
     /// Stress at `strain`; raises `peak` to it.
     #[inline(always)]
-    pub fn stress(&self, curve: &Curve, strain: &Lane, peak: &mut Lane) -> Lane {
+    pub fn stress<const L: usize>(&self, curve: &Curve, strain: &Lane<L>, peak: &mut Lane<L>) -> Lane<L> {
         let mut place = splat(0.0);
-        for l in 0..LANES {
+        for l in 0..L {
             peak[l] = larger(strain[l], peak[l]);
             place[l] = self.place(strain[l], peak[l]);
         }
@@ -51,9 +51,10 @@ impl Absorption {
     }
 
     /// Energy density at `strain` with largest strain `peak`: what would come back, and what is lost for good.
-    pub fn energy(&self, curve: &Curve, strain: &Lane, peak: &Lane) -> (Lane, Lane) {
+    #[inline(always)]
+    pub fn energy<const L: usize>(&self, curve: &Curve, strain: &Lane<L>, peak: &Lane<L>) -> (Lane<L>, Lane<L>) {
         let mut place = splat(0.0);
-        for l in 0..LANES {
+        for l in 0..L {
             place[l] = self.place(strain[l], peak[l]);
         }
         let stored = curve.read(&place).energy.map(|w| (1.0 - self.share) * w);
@@ -63,16 +64,16 @@ impl Absorption {
 
     /// Largest slope within `reach` of `strain` on either path, Pa; zero where the fibre stays slack.
     #[inline(always)]
-    pub fn steepest(&self, curve: &Curve, strain: &Lane, peak: &Lane, reach: f64) -> Lane {
+    pub fn steepest<const L: usize>(&self, curve: &Curve, strain: &Lane<L>, peak: &Lane<L>, reach: f64) -> Lane<L> {
         let reach = reach * self.steepening;
         let (mut from, mut to) = (splat(0.0), splat(0.0));
-        for l in 0..LANES {
+        for l in 0..L {
             let place = self.place(strain[l], peak[l]);
             from[l] = place - reach;
             to[l] = place + reach;
         }
         let mut steepest = curve.steepest(&from, &to);
-        for l in 0..LANES {
+        for l in 0..L {
             steepest[l] = if to[l] < 0.0 { 0.0 } else { self.steepening * steepest[l] };
         }
         steepest
@@ -92,7 +93,7 @@ mod tests {
     }
 
     /// Work by the trapezoid rule along `strains`, from the stresses alone.
-    fn work(absorption: Absorption, curve: &Curve, peak: &mut Lane, from: f64, to: f64) -> f64 {
+    fn work(absorption: Absorption, curve: &Curve, peak: &mut Lane<1>, from: f64, to: f64) -> f64 {
         let steps = 20_000;
         let at = |i: usize| from + (to - from) * i as f64 / steps as f64;
         let mut total = 0.0;
@@ -132,7 +133,7 @@ mod tests {
         for curve in curves() {
             let absorption = Absorption::new(0.8896);
             let largest = 0.8 * curve.end();
-            let mut peak = splat(largest);
+            let mut peak = [largest];
             let path: Vec<f64> = (0..=200)
                 .map(|i| absorption.stress(&curve, &splat(largest * f64::from(i) / 200.0), &mut peak)[0])
                 .collect();

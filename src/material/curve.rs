@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::lane::{LANES, Lane, larger, smaller, splat};
+use crate::lane::{Lane, larger, smaller, splat};
 
 /// A piecewise linear stress–strain curve that starts at the origin.
 ///
@@ -38,11 +38,11 @@ pub enum CurveError {
 
 /// Stress and energy density of a curve in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Reading {
+pub struct Reading<const L: usize> {
     /// Pa.
-    pub stress: Lane,
+    pub stress: Lane<L>,
     /// Area under the curve up to the strain, J/m³.
-    pub energy: Lane,
+    pub energy: Lane<L>,
 }
 
 impl Curve {
@@ -96,20 +96,20 @@ impl Curve {
 
     /// Stress at one strain, Pa.
     pub fn stress(&self, strain: f64) -> f64 {
-        self.stress_lanes(&splat(strain))[0]
+        self.stress_lanes(&[strain])[0]
     }
 
     /// Area under the curve up to one strain, J/m³.
     pub fn energy(&self, strain: f64) -> f64 {
-        self.read(&splat(strain)).energy[0]
+        self.read(&[strain]).energy[0]
     }
 
     /// Stress in each lane: a sum of clamped segments, so without a branch on the strain.
     #[inline(always)]
-    pub fn stress_lanes(&self, strain: &Lane) -> Lane {
+    pub fn stress_lanes<const L: usize>(&self, strain: &Lane<L>) -> Lane<L> {
         let mut stress = splat(0.0);
         for s in &self.segments {
-            for l in 0..LANES {
+            for l in 0..L {
                 stress[l] += s.slope * smaller(larger(strain[l] - s.start, 0.0), s.length);
             }
         }
@@ -117,10 +117,11 @@ impl Curve {
     }
 
     /// Stress and energy in each lane.
-    pub fn read(&self, strain: &Lane) -> Reading {
+    #[inline(always)]
+    pub fn read<const L: usize>(&self, strain: &Lane<L>) -> Reading<L> {
         let mut energy = splat(0.0);
         for s in &self.segments {
-            for l in 0..LANES {
+            for l in 0..L {
                 let d = smaller(larger(strain[l] - s.start, 0.0), s.length);
                 energy[l] += (s.stress + 0.5 * s.slope * d) * d;
             }
@@ -130,11 +131,11 @@ impl Curve {
 
     /// Largest slope between two strains in each lane, Pa.
     #[inline(always)]
-    pub fn steepest(&self, from: &Lane, to: &Lane) -> Lane {
+    pub fn steepest<const L: usize>(&self, from: &Lane<L>, to: &Lane<L>) -> Lane<L> {
         let mut most = splat(0.0);
         for s in &self.segments {
             let end = s.start + s.length;
-            for l in 0..LANES {
+            for l in 0..L {
                 let touched = (s.start <= larger(to[l], 0.0)) & (end >= from[l]);
                 most[l] = if touched { larger(s.slope, most[l]) } else { most[l] };
             }
@@ -170,7 +171,7 @@ mod tests {
         for (from, to, slope) in
             [(0.0, 0.05, 20.0), (0.05, 0.2, 20.0), (0.2, 0.3, 5.0), (0.6, 0.9, 5.0), (-0.2, -0.1, 20.0)]
         {
-            assert!((bilinear().steepest(&splat(from), &splat(to))[0] - slope).abs() < 1e-9, "{from}..{to}");
+            assert!((bilinear().steepest(&[from], &[to])[0] - slope).abs() < 1e-9, "{from}..{to}");
         }
     }
 

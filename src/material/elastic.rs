@@ -8,7 +8,7 @@
 //! ```
 
 use super::{Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
-use crate::lane::{LANES, Lane, dot, larger, splat};
+use crate::lane::{Lane, dot, larger, splat};
 
 /// Isotropic linear elasticity for small strain and any rotation; it carries compression.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,13 +30,13 @@ impl Elastic {
 
     /// Second Piola–Kirchhoff stress S₁₁, S₂₂, S₁₂ and the strains E₁₁, E₂₂, E₁₂.
     #[inline(always)]
-    fn response(&self, d: &Deformation) -> ([Lane; 3], [Lane; 3]) {
+    fn response<const L: usize>(&self, d: &Deformation<L>) -> ([Lane<L>; 3], [Lane<L>; 3]) {
         let [f1, f2] = &d.f;
         let (c11, c22, c12) = (dot(f1, f1), dot(f2, f2), dot(f1, f2));
         let (plane, twice_shear) = (self.plane(), 2.0 * self.shear());
         let mut stress = [splat(0.0); 3];
         let mut strain = [splat(0.0); 3];
-        for l in 0..LANES {
+        for l in 0..L {
             let (e11, e22, e12) =
                 (0.5 * (c11[l] + d.spread[0][l] - 1.0), 0.5 * (c22[l] + d.spread[1][l] - 1.0), 0.5 * c12[l]);
             strain[0][l] = e11;
@@ -52,12 +52,12 @@ impl Elastic {
 
 impl MembraneLaw for Elastic {
     #[inline(always)]
-    fn stress(&self, d: &Deformation, _peaks: &mut Peaks) -> Stress {
+    fn stress<const L: usize>(&self, d: &Deformation<L>, _peaks: &mut Peaks<L>) -> Stress<L> {
         let (s, _) = self.response(d);
         let mut p = [[splat(0.0); 3]; 2];
         let [f1, f2] = &d.f;
         for axis in 0..3 {
-            for l in 0..LANES {
+            for l in 0..L {
                 p[0][axis][l] = s[0][l] * f1[axis][l] + s[2][l] * f2[axis][l];
                 p[1][axis][l] = s[1][l] * f2[axis][l] + s[2][l] * f1[axis][l];
             }
@@ -65,22 +65,23 @@ impl MembraneLaw for Elastic {
         Stress { p, tension: [s[0], s[1]] }
     }
 
-    fn energy(&self, d: &Deformation, _peaks: &Peaks) -> Energy {
+    #[inline(always)]
+    fn energy<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Energy<L> {
         let (s, e) = self.response(d);
         let mut stored = splat(0.0);
-        for l in 0..LANES {
+        for l in 0..L {
             stored[l] = 0.5 * (s[0][l] * e[0][l] + s[1][l] * e[1][l]) + s[2][l] * e[2][l];
         }
         Energy { stored, absorbed: splat(0.0) }
     }
 
     #[inline(always)]
-    fn stiffness(&self, d: &Deformation, _peaks: &Peaks) -> Stiffness {
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Stiffness<L> {
         let (s, _) = self.response(d);
         let (c11, c22) = (dot(&d.f[0], &d.f[0]), dot(&d.f[1], &d.f[1]));
         let nothing = splat(0.0);
         let mut bound = Stiffness { along: [nothing; 2], across: [nothing; 2], shear: nothing, alignment: splat(1.0) };
-        for l in 0..LANES {
+        for l in 0..L {
             let square = [c11[l] + d.spread[0][l], c22[l] + d.spread[1][l]];
             for fibre in 0..2 {
                 bound.along[fibre][l] = self.plane() * (1.0 + self.poisson.abs()) * square[fibre];

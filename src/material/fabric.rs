@@ -12,7 +12,7 @@
 //! Beyond |sin γ| = 0.95 the angle goes on along its tangent, so that the force stays bounded as fibres close up.
 
 use super::{Absorption, Curve, Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
-use crate::lane::{LANES, Lane, Lane3, dot, larger, smaller, splat};
+use crate::lane::{Lane, Lane3, dot, larger, smaller, splat};
 
 /// Two fibre sets at 90° in the stress-free film and a shear curve, with energy absorption on unloading.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,21 +73,21 @@ const ARCSINE: [f64; 14] = [
 ];
 
 /// The fibres of a deformation.
-pub(super) struct Fibres {
-    stretch: [Lane; 2],
+pub(super) struct Fibres<const L: usize> {
+    stretch: [Lane<L>; 2],
     /// 1/m_i.
-    inverse: [Lane; 2],
+    inverse: [Lane<L>; 2],
     /// f₁·f₂/(m₁ m₂).
-    sine: Lane,
+    sine: Lane<L>,
     /// dγ/d(sin γ).
-    secant: Lane,
+    secant: Lane<L>,
     /// Shear angle γ, rad.
-    pub(super) angle: Lane,
+    pub(super) angle: Lane<L>,
 }
 
-impl Fibres {
+impl<const L: usize> Fibres<L> {
     #[inline(always)]
-    pub(super) fn of(d: &Deformation) -> Fibres {
+    pub(super) fn of(d: &Deformation<L>) -> Fibres<L> {
         let (c11, c22, c12) = (dot(&d.f[0], &d.f[0]), dot(&d.f[1], &d.f[1]), dot(&d.f[0], &d.f[1]));
         let mut out = Fibres {
             stretch: [splat(0.0); 2],
@@ -96,7 +96,7 @@ impl Fibres {
             secant: splat(0.0),
             angle: splat(0.0),
         };
-        for l in 0..LANES {
+        for l in 0..L {
             out.stretch[0][l] = (c11[l] + d.spread[0][l]).sqrt();
             out.stretch[1][l] = (c22[l] + d.spread[1][l]).sqrt();
             let (m1, m2) = (larger(out.stretch[0][l], 1.0), larger(out.stretch[1][l], 1.0));
@@ -104,7 +104,7 @@ impl Fibres {
             out.inverse[0][l] = m2 * both;
             out.inverse[1][l] = m1 * both;
         }
-        for l in 0..LANES {
+        for l in 0..L {
             let sine = c12[l] * out.inverse[0][l] * out.inverse[1][l];
             let bounded = smaller(larger(sine, -SINE_BOUND), SINE_BOUND);
             let cosine = (1.0 - bounded * bounded).sqrt();
@@ -124,14 +124,14 @@ impl Fibres {
     }
 
     #[inline(always)]
-    pub(super) fn strain(&self, fibre: usize) -> Lane {
+    pub(super) fn strain(&self, fibre: usize) -> Lane<L> {
         self.stretch[fibre].map(|stretch| stretch - 1.0)
     }
 }
 
 impl MembraneLaw for Fabric {
     #[inline(always)]
-    fn stress(&self, d: &Deformation, peaks: &mut Peaks) -> Stress {
+    fn stress<const L: usize>(&self, d: &Deformation<L>, peaks: &mut Peaks<L>) -> Stress<L> {
         let fibres = Fibres::of(d);
         let [peak_md, peak_td, peak_shear] = peaks;
         let md = self.absorption.stress(&self.md, &fibres.strain(0), peak_md);
@@ -140,7 +140,7 @@ impl MembraneLaw for Fabric {
 
         let mut tension = [splat(0.0); 2];
         let mut cross = splat(0.0);
-        for l in 0..LANES {
+        for l in 0..L {
             let [r1, r2] = [fibres.inverse[0][l], fibres.inverse[1][l]];
             let turn = shear[l].copysign(fibres.angle[l]) * fibres.secant[l];
             cross[l] = turn * r1 * r2;
@@ -153,7 +153,8 @@ impl MembraneLaw for Fabric {
         Stress { p: [combine(&tension[0], f1, &cross, f2), combine(&tension[1], f2, &cross, f1)], tension }
     }
 
-    fn energy(&self, d: &Deformation, peaks: &Peaks) -> Energy {
+    #[inline(always)]
+    fn energy<const L: usize>(&self, d: &Deformation<L>, peaks: &Peaks<L>) -> Energy<L> {
         let fibres = Fibres::of(d);
         let parts = [
             self.absorption.energy(&self.md, &fibres.strain(0), &peaks[0]),
@@ -162,7 +163,7 @@ impl MembraneLaw for Fabric {
         ];
         let mut total = Energy { stored: splat(0.0), absorbed: splat(0.0) };
         for (stored, absorbed) in &parts {
-            for l in 0..LANES {
+            for l in 0..L {
                 total.stored[l] += stored[l];
                 total.absorbed[l] += absorbed[l];
             }
@@ -171,7 +172,7 @@ impl MembraneLaw for Fabric {
     }
 
     #[inline(always)]
-    fn stiffness(&self, d: &Deformation, peaks: &Peaks) -> Stiffness {
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, peaks: &Peaks<L>) -> Stiffness<L> {
         /// Strain that a fibre may move before the bound is asked for again.
         const REACH: f64 = 0.005;
         let fibres = Fibres::of(d);
@@ -183,11 +184,11 @@ impl MembraneLaw for Fabric {
         let angle = fibres.angle.map(f64::abs);
         let mut shear = self.absorption.steepest(&self.shear, &angle, &peaks[2], REACH);
         let mut largest = angle;
-        for l in 0..LANES {
+        for l in 0..L {
             largest[l] = larger(angle[l], peaks[2][l]);
         }
         let stress = self.shear.stress_lanes(&largest);
-        for l in 0..LANES {
+        for l in 0..L {
             along[0][l] = larger(along[0][l] - across[0][l], 0.0);
             along[1][l] = larger(along[1][l] - across[1][l], 0.0);
             let secant = fibres.secant[l];
@@ -207,10 +208,10 @@ impl MembraneLaw for Fabric {
 
 /// a·u + b·v in each lane.
 #[inline(always)]
-fn combine(a: &Lane, u: &Lane3, b: &Lane, v: &Lane3) -> Lane3 {
+fn combine<const L: usize>(a: &Lane<L>, u: &Lane3<L>, b: &Lane<L>, v: &Lane3<L>) -> Lane3<L> {
     let mut out = [splat(0.0); 3];
     for axis in 0..3 {
-        for l in 0..LANES {
+        for l in 0..L {
             out[axis][l] = a[l] * u[axis][l] + b[l] * v[axis][l];
         }
     }
@@ -225,14 +226,14 @@ mod tests {
     fn the_angle_is_the_arcsine_and_goes_on_along_its_tangent() {
         for i in -99..=99 {
             let sine = f64::from(i) / 100.0;
-            let f = [[1.0, 0.0, 0.0].map(splat), [sine, (1.0 - sine * sine).sqrt(), 0.0].map(splat)];
+            let f = [[1.0, 0.0, 0.0], [sine, (1.0 - sine * sine).sqrt(), 0.0]].map(|v| v.map(|x| [x]));
             let expected = if sine.abs() <= SINE_BOUND {
                 sine.asin()
             } else {
                 let tangent = 1.0 / (1.0 - SINE_BOUND * SINE_BOUND).sqrt();
                 sine.signum() * (SINE_BOUND.asin() + tangent * (sine.abs() - SINE_BOUND))
             };
-            assert!((Fibres::of(&f.into()).angle[0] - expected).abs() < 2e-15, "at {sine}");
+            assert!((Fibres::<1>::of(&f.into()).angle[0] - expected).abs() < 2e-15, "at {sine}");
         }
     }
 
@@ -243,9 +244,9 @@ mod tests {
         let td = Curve::new(vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]).unwrap();
         let film = Fabric::new(md.clone(), td.clone(), Curve::new(vec![[1.0, 1e7]]).unwrap(), 0.9);
         for strain in [0.1, 0.26, 0.5, 1.0, 1.39] {
-            let f = [[1.0 + strain, 0.0, 0.0].map(splat), [0.0, 1.0, 0.0].map(splat)];
+            let f = [[1.0 + strain, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|v| v.map(|x| [x]));
             assert!((film.stress(&f.into(), &mut [splat(0.0); 3]).p[0][0][0] / md.stress(strain) - 1.0).abs() < 1e-14);
-            let f = [[1.0, 0.0, 0.0].map(splat), [0.0, 1.0 + strain, 0.0].map(splat)];
+            let f = [[1.0, 0.0, 0.0], [0.0, 1.0 + strain, 0.0]].map(|v| v.map(|x| [x]));
             assert!((film.stress(&f.into(), &mut [splat(0.0); 3]).p[1][1][0] / td.stress(strain) - 1.0).abs() < 1e-14);
         }
     }

@@ -15,81 +15,100 @@ pub use elastic::Elastic;
 pub use fabric::Fabric;
 pub use multipliers::Multipliers;
 
-use crate::lane::{Lane, Lane3};
+use crate::lane::{LANES, Lane, Lane3, splat};
 
 /// Deformation gradient of a membrane: the images f₁ = F a₁ and f₂ = F a₂ of the unit vectors along MD and TD
 /// of the stress-free film.
-pub type Gradient = [Lane3; 2];
+pub type Gradient<const L: usize = LANES> = [Lane3<L>; 2];
 
 /// Deformation of a membrane element at one integration point.
 #[derive(Clone, Copy, Debug)]
-pub struct Deformation {
+pub struct Deformation<const L: usize = LANES> {
     /// The gradient at the point.
-    pub f: Gradient,
+    pub f: Gradient<L>,
     /// Mean square by which f₁ and f₂ vary over the part of the element that the point stands for; the stretch that a
     /// law sees is the root mean square √(|f_I|² + s_I) (theory.md, equation 13).
-    pub spread: [Lane; 2],
+    pub spread: [Lane<L>; 2],
 }
 
-impl From<Gradient> for Deformation {
+impl<const L: usize> From<Gradient<L>> for Deformation<L> {
     /// The same gradient everywhere.
-    fn from(f: Gradient) -> Deformation {
-        Deformation { f, spread: [[0.0; crate::lane::LANES]; 2] }
+    fn from(f: Gradient<L>) -> Deformation<L> {
+        Deformation { f, spread: [splat(0.0); 2] }
     }
 }
 
 /// Largest strains so far of the MD fibres, the TD fibres and in shear.
-pub type Peaks = [Lane; 3];
+pub type Peaks<const L: usize = LANES> = [Lane<L>; 3];
 
 /// Answer of a law to a deformation.
-pub struct Stress {
+pub struct Stress<const L: usize> {
     /// First Piola–Kirchhoff stress ∂W/∂f₁, ∂W/∂f₂, Pa of one layer.
-    pub p: Gradient,
+    pub p: Gradient<L>,
     /// 2 ∂W/∂|f_I|², Pa of one layer: tension over stretch, with which a stretched fibre resists motion in any direction.
-    pub tension: [Lane; 2],
+    pub tension: [Lane<L>; 2],
 }
 
 /// Energy density of a film, J/m³.
 #[derive(Clone, Copy, Debug)]
-pub struct Energy {
+pub struct Energy<const L: usize> {
     /// Comes back on unloading.
-    pub stored: Lane,
+    pub stored: Lane<L>,
     /// Turned into heat and damage.
-    pub absorbed: Lane,
+    pub absorbed: Lane<L>,
 }
 
 /// Strains of a film in the measures of its law.
 #[derive(Clone, Copy, Debug)]
-pub struct Strains {
+pub struct Strains<const L: usize> {
     /// Engineering strain |f₁| − 1 along MD.
-    pub md: Lane,
+    pub md: Lane<L>,
     /// Engineering strain |f₂| − 1 along TD.
-    pub td: Lane,
+    pub td: Lane<L>,
     /// Angle by which MD and TD left their right angle, rad.
-    pub shear: Lane,
+    pub shear: Lane<L>,
 }
 
 /// Bounds on the tangent stiffness of a film, Pa, for the stable time step.
 #[derive(Clone, Copy, Debug)]
-pub struct Stiffness {
+pub struct Stiffness<const L: usize> {
     /// Against motion along the fibres, over that across them: MD, TD.
-    pub along: [Lane; 2],
+    pub along: [Lane<L>; 2],
     /// Against motion in any direction (tension): MD, TD.
-    pub across: [Lane; 2],
+    pub across: [Lane<L>; 2],
     /// In shear, on top of both directions.
-    pub shear: Lane,
+    pub shear: Lane<L>,
     /// Cosine of the angle between the fibres: how much of both acts in one direction.
-    pub alignment: Lane,
+    pub alignment: Lane<L>,
+}
+
+impl<const L: usize> Stiffness<L> {
+    /// Bound on the resistance of an integration point against motion of its nodes, Pa/m², with G_IJ = Σ_a ∂N_a/∂X_I ∂N_a/∂X_J
+    /// (theory.md, equation 17).
+    #[inline(always)]
+    pub fn resistance(&self, g: &[[Lane<L>; 2]; 2]) -> Lane<L> {
+        let mut out = splat(0.0);
+        for l in 0..L {
+            let (first, second) = (self.along[0][l] * g[0][0][l], self.along[1][l] * g[1][1][l]);
+            let apart = 0.5 * (first - second);
+            let both = first * second * self.alignment[l] * self.alignment[l];
+            let fibres = 0.5 * (first + second) + (apart * apart + both).sqrt();
+            let tension = self.across[0][l] * g[0][0][l] + self.across[1][l] * g[1][1][l];
+            let sheared = self.shear[l] * (g[0][0][l] + g[1][1][l] + 2.0 * g[0][1][l].abs());
+            out[l] = fibres + tension + sheared;
+        }
+        out
+    }
 }
 
 /// What an element asks of a law.
 pub trait MembraneLaw {
     /// Stress at deformation `d`; raises `peaks` to the strains reached.
-    fn stress(&self, d: &Deformation, peaks: &mut Peaks) -> Stress;
+    fn stress<const L: usize>(&self, d: &Deformation<L>, peaks: &mut Peaks<L>) -> Stress<L>;
     /// Energy at deformation `d` and largest strains `peaks`.
-    fn energy(&self, d: &Deformation, peaks: &Peaks) -> Energy;
+    fn energy<const L: usize>(&self, d: &Deformation<L>, peaks: &Peaks<L>) -> Energy<L>;
     /// Largest tangent stiffness at and near deformation `d`, whichever way it goes on.
-    fn stiffness(&self, d: &Deformation, peaks: &Peaks) -> Stiffness;
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, peaks: &Peaks<L>) -> Stiffness<L>;
     /// Slopes of the law at rest along MD and TD, Pa.
     fn moduli(&self) -> [f64; 2];
     /// Strains at which the MD and TD fibres break.
@@ -119,7 +138,8 @@ pub struct Material {
 }
 
 /// Strains of a deformation; measures that every law shares.
-pub fn strains(d: &Deformation) -> Strains {
+#[inline(always)]
+pub fn strains<const L: usize>(d: &Deformation<L>) -> Strains<L> {
     let fibres = fabric::Fibres::of(d);
     Strains { md: fibres.strain(0), td: fibres.strain(1), shear: fibres.angle }
 }
@@ -127,7 +147,6 @@ pub fn strains(d: &Deformation) -> Strains {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::{LANES, splat};
 
     fn film(absorption: f64) -> Fabric {
         let md = Curve::new(vec![[0.03, 8.4e6], [0.2, 20e6], [0.75, 29e6]]).unwrap();
@@ -137,7 +156,7 @@ mod tests {
     }
 
     /// Deformations in general position: stretched, sheared, turned out of the plane, one direction slack, uneven.
-    fn deformations() -> Vec<Deformation> {
+    fn deformations() -> Vec<Deformation<1>> {
         let rows: [([[f64; 3]; 2], [f64; 2]); 6] = [
             ([[1.13, 0.05, 0.2], [0.1, 1.3, -0.3]], [0.0, 0.0]),
             ([[1.5, 0.7, 0.1], [0.6, 1.4, 0.5]], [0.0, 0.0]),
@@ -158,10 +177,10 @@ mod tests {
             law.stress(&d, &mut peaks);
             let raised = peaks.map(|p| p.map(|p| p + above));
             let stress = law.stress(&d, &mut raised.clone());
-            let energy = |d: &Deformation| {
+            let energy = |d: &Deformation<1>| {
                 let mut peaks = if above > 0.0 { raised } else { [splat(0.0); 3] };
                 law.stress(d, &mut peaks);
-                law.energy(d, &peaks).stored[LANES - 1]
+                law.energy(d, &peaks).stored[0]
             };
             let scale = stress.p.iter().flatten().fold(1.0, |m: f64, v| m.max(v[0].abs()));
             for fibre in 0..2 {
@@ -205,10 +224,10 @@ mod tests {
     fn rotation_alone_gives_no_stress() {
         let (s, c) = 0.7_f64.sin_cos();
         let d = Deformation::from([[c, s * 0.6, s * 0.8].map(splat), [-s, c * 0.6, c * 0.8].map(splat)]);
-        let laws: [&dyn MembraneLaw; 2] = [&film(0.9), &Elastic { young: 5e7, poisson: 0.4 }];
-        for law in laws {
-            let p = law.stress(&d, &mut [splat(0.0); 3]).p;
-            assert!(p.iter().flatten().all(|v| v[0].abs() < 1e-6), "{p:?}");
+        let of_fabric = film(0.9).stress(&d, &mut [splat(0.0); 3]).p;
+        let of_elastic = Elastic { young: 5e7, poisson: 0.4 }.stress(&d, &mut [splat(0.0); 3]).p;
+        for p in [of_fabric, of_elastic] {
+            assert!(p.iter().flatten().all(|v: &Lane<1>| v[0].abs() < 1e-6), "{p:?}");
         }
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::{Film as FilmTopology, RunError};
-use crate::engine::{Contact, Drive, Engine, Film, Impact, Jaw, Nodes, RigidBody, Surface};
+use crate::engine::{Contact, Drive, Engine, Film, Impact, Jaw, Nodes, RigidBody, Surface, Team};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model, Shape, Side, Symmetry};
 
@@ -23,6 +23,9 @@ pub(super) struct Mounting {
     pub(super) gauge: f64,
     pub(super) section: f64,
 }
+
+/// Elements for which another thread is worth its part of waiting.
+const WORTH_A_THREAD: usize = 400;
 
 /// Steps of a slow test above which its film is made heavier.
 const STEPS_OF_A_SLOW_TEST: f64 = 200_000.0;
@@ -79,7 +82,15 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
             drive.jaws = grip(&mut nodes, jaws, velocity, mounting.gauge);
         }
     }
-    Ok(Scene { engine: Engine::new(films, nodes, impact, drive), mounting })
+    let team = team(films.iter().map(Film::elements).sum());
+    Ok(Scene { engine: Engine::new(films, nodes, impact, drive).worked_on_by(team), mounting })
+}
+
+/// Threads for a run of so many elements: all that there are, unless the run is one of several that share them.
+fn team(elements: usize) -> Team {
+    let shared = rayon::current_thread_index().is_some();
+    let worth = elements.div_ceil(WORTH_A_THREAD);
+    Team::new(if shared { 1 } else { worth.min(rayon::current_num_threads()) })
 }
 
 fn topology(mesh: &Mesh, symmetry: Symmetry) -> FilmTopology {
@@ -129,7 +140,7 @@ fn placed(
         between += film.thickness;
     }
     let top = films.first().map_or(0.0, |film| {
-        let heights = nodes.position[film.nodes.clone()].iter().map(|p| p[2]);
+        let heights = nodes.position.range(film.nodes.clone())[2].iter().copied();
         heights.fold(f64::NEG_INFINITY, f64::max) + 0.5 * film.thickness
     });
     let [x, y] = impactor.position;
@@ -164,13 +175,13 @@ fn gauge_and_section(model: &Model, meshes: &[Mesh]) -> (f64, f64) {
 
 /// Clamps the jaws' nodes and gives the film between them the velocity of a uniform stretch, so that no wave runs.
 fn grip(nodes: &mut Nodes, jaws: [Vec<u32>; 2], velocity: f64, gauge: f64) -> Vec<Jaw> {
-    for (v, x) in nodes.velocity.iter_mut().zip(&nodes.position) {
-        v[0] = velocity * x[0] / gauge;
+    for n in 0..nodes.position.len() {
+        nodes.velocity.add(n, [velocity * nodes.position.at(n)[0] / gauge, 0.0, 0.0]);
     }
     let speeds = [-0.5 * velocity, 0.5 * velocity];
     let grip = |(list, speed): (Vec<u32>, f64)| {
         nodes.hold(list.iter().map(|n| *n as usize), [true; 3]);
-        list.iter().for_each(|n| nodes.velocity[*n as usize] = [speed, 0.0, 0.0]);
+        list.iter().for_each(|n| nodes.velocity.set(*n as usize, [speed, 0.0, 0.0]));
         Jaw { nodes: list, velocity: speed }
     };
     jaws.into_iter().zip(speeds).map(grip).filter(|jaw| !jaw.nodes.is_empty()).collect()

@@ -6,7 +6,7 @@ use crate::engine::{ElementStrain, View};
 /// The scene as `view` shows it; `strains` are those of its faces.
 pub(super) fn frame(view: &View<'_>, strains: &[Vec<ElementStrain>]) -> Frame {
     let film = |(film, strains): (&crate::engine::Film, &Vec<ElementStrain>)| FilmState {
-        positions: view.nodes.position[film.nodes.clone()].iter().map(|p| p.map(|x| x as f32)).collect(),
+        positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
         strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),
         broken: strains.iter().map(|s| s.volume == 0.0).collect(),
     };

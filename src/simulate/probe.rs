@@ -237,7 +237,7 @@ impl Observer for Probe<'_> {
     }
 
     fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
-        let faces: Vec<_> = view.films.iter().map(|film| film.strains(&view.nodes.position)).collect();
+        let faces = view.strains();
         if self.frame_due(view.time) {
             self.frames.push(frames::frame(view, &faces));
         }

@@ -1,9 +1,9 @@
 //! Faces that reach into the impactor between their nodes.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Vector3};
 
 use super::near::NearElement;
-use super::{Contact, Impulse};
+use super::{Contact, Impulse, velocity_change};
 use crate::engine::nodes::Nodes;
 use crate::engine::rigid_body::RigidBody;
 
@@ -50,9 +50,8 @@ impl Footing {
     /// Gives `impulse` (N s) to the film and takes it from the body.
     fn spread(&self, impulse: Vector3<f64>, nodes: &mut Nodes, body: &mut RigidBody, multiplicity: f64) {
         for (n, weight) in self.nodes.iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0) {
-            for axis in 0..3 {
-                nodes.velocity[*n][axis] += weight * impulse[axis] * nodes.inverse_mass[*n][axis];
-            }
+            let mobility = nodes.mobility(*n);
+            nodes.velocity.add(*n, [0, 1, 2].map(|axis| weight * impulse[axis] * mobility[axis]));
         }
         body.push(&(-multiplicity * impulse), &self.arm);
     }
@@ -101,8 +100,8 @@ impl Contact {
         if faces.is_empty() {
             return;
         }
-        let met = std::mem::take(&mut self.impulses);
-        let mut footings: Vec<Footing> = met.iter().map(|met| self.met_node(met, nodes, body)).chain(faces).collect();
+        let met = self.pieces.iter().flat_map(|piece| &piece.impulses);
+        let mut footings: Vec<Footing> = met.map(|met| self.met_node(met, nodes, body)).chain(faces).collect();
         for _ in 0..SWEEPS {
             let (mut moved, mut largest) = (0.0_f64, 0.0_f64);
             for footing in &mut footings {
@@ -113,7 +112,21 @@ impl Contact {
                 break;
             }
         }
-        self.impulses.extend(footings.into_iter().filter(|f| f.pushed > 0.0).flat_map(Footing::impulses));
+        self.replace_impulses(nodes, footings.into_iter().filter(|f| f.pushed > 0.0).flat_map(Footing::impulses));
+    }
+
+    /// Puts other impulses in place of those that nodes were given, several of them perhaps at one node.
+    fn replace_impulses(&mut self, nodes: &Nodes, impulses: impl Iterator<Item = Impulse>) {
+        for piece in &mut self.pieces {
+            for impulse in piece.impulses.drain(..) {
+                self.received[impulse.node] = Vector3::zeros();
+            }
+        }
+        let Some(first) = self.pieces.first_mut() else { return };
+        first.impulses.extend(impulses);
+        for impulse in &first.impulses {
+            self.received[impulse.node] += velocity_change(nodes, impulse);
+        }
     }
 
     /// Whether the surface turns so little between the corners of an element that its sagitta, (longest line) times
@@ -157,7 +170,7 @@ impl Contact {
         if corners.iter().any(|n| nodes.is_held(*n)) {
             return None;
         }
-        let places = corners.map(|n| Point3::from(nodes.position[n]) + nodes.velocity_of(n) * dt);
+        let places = corners.map(|n| nodes.place(n) + self.received[n] * dt);
         let bound = self.offset[corners[0]] - FACE_BOUND * self.surface.size();
         let found = self.surface.deepest(pose, &places, bound)?;
         let place: Vector3<f64> = (0..4).map(|a| places[a].coords * found.weights[a]).sum();

@@ -23,7 +23,7 @@ impl Contact {
         let mut out = Inspection::default();
         let tolerance = 1e-4 * self.surface.size();
         for NearElement { corners, .. } in &self.near.elements {
-            let places = corners.map(|n| Point3::from(nodes.position[n as usize]));
+            let places = corners.map(|n| nodes.place(n as usize));
             let offset = self.offset[corners[0] as usize];
             let Some(found) = self.surface.deepest(pose, &places, offset + tolerance) else { continue };
             out.penetration = out.penetration.max(offset - found.touch.gap);
@@ -31,7 +31,7 @@ impl Contact {
         }
         let held = |n: &&u32| nodes.is_held(**n as usize);
         out.frame_hit = self.near.nodes.iter().filter(held).any(|n| {
-            let gap = self.surface.touch(pose, &Point3::from(nodes.position[*n as usize])).gap;
+            let gap = self.surface.touch(pose, &nodes.place(*n as usize)).gap;
             gap < self.offset[*n as usize] - tolerance
         });
         out

@@ -13,6 +13,7 @@ mod faces;
 mod inspection;
 mod near;
 mod search;
+mod tally;
 
 pub use inspection::Inspection;
 pub use search::{Surface, SurfaceError};
@@ -22,8 +23,10 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::film::Film;
 use super::nodes::Nodes;
 use super::rigid_body::{Gathered, RigidBody};
+use super::team::{Disjoint, Team};
 use near::NearList;
 use search::Touch;
+use tally::Tally;
 
 /// Contact of one impactor with all faces of film.
 pub struct Contact {
@@ -36,12 +39,26 @@ pub struct Contact {
     near: NearList,
     /// The surface's normal at each node near it, zero elsewhere.
     normals: Vec<Vector3<f64>>,
-    touching: Vec<Constraint>,
-    impulses: Vec<Impulse>,
+    /// Velocity of the nodes near it half a step earlier, m/s.
+    earlier: Vec<Vector3<f64>>,
     /// Velocity that each node got from contact in this step, m/s.
-    received: Vec<[f64; 3]>,
+    received: Vec<Vector3<f64>>,
+    pieces: Vec<Piece>,
     /// Sums since the start, J.
     pub work: Work,
+}
+
+/// Nodes near the impactor that one thread looks at together.
+const PIECE: usize = 256;
+
+/// What was found at the nodes of one piece of the neighbour list.
+#[derive(Default)]
+struct Piece {
+    touching: Vec<Constraint>,
+    impulses: Vec<Impulse>,
+    tally: Tally,
+    /// Square of the largest speed after contact, m²/s².
+    fastest: f64,
 }
 
 /// What went through contact since the start, J.
@@ -55,16 +72,6 @@ pub struct Work {
     pub friction_loss: f64,
     /// Momentum given to the impactor along z, N s.
     pub impulse: f64,
-}
-
-/// How the velocities before contact came about.
-pub struct Kicked<'a> {
-    /// The body half a step earlier.
-    pub before: &'a RigidBody,
-    /// Factor on the nodes' earlier velocities.
-    pub keep: f64,
-    /// Factor on their accelerations, s.
-    pub gain: f64,
 }
 
 /// A node that would be inside.
@@ -90,17 +97,17 @@ struct Impulse {
 impl Contact {
     /// Contact of `surface` with film whose nodes keep `offset` (m) from it; `multiplicity` mirror images count.
     pub fn new(surface: Surface, friction: f64, multiplicity: f64, offset: Vec<f64>) -> Contact {
-        let normals = vec![Vector3::zeros(); offset.len()];
+        let zero = vec![Vector3::zeros(); offset.len()];
         Contact {
             surface,
             friction,
             multiplicity,
-            received: vec![[0.0; 3]; offset.len()],
             offset,
             near: NearList::default(),
-            normals,
-            touching: vec![],
-            impulses: vec![],
+            normals: zero.clone(),
+            earlier: zero.clone(),
+            received: zero,
+            pieces: vec![],
             work: Work::default(),
         }
     }
@@ -121,59 +128,71 @@ impl Contact {
         self.near.margin = -1.0;
     }
 
-    /// Corrects the velocities of nodes and body so that no node is inside at the end of the step of `dt` s.
-    /// `kicked` tells what forces have just done.
-    pub fn meet(&mut self, films: &[Film], nodes: &mut Nodes, body: &mut RigidBody, kicked: &Kicked, dt: f64) {
+    /// Looks around before the nodes move: lists neighbours where that is due and remembers their velocities.
+    pub fn prepare(&mut self, films: &[Film], nodes: &Nodes, body: &RigidBody) {
         // Nodes are looked at where they will be at the end of the step, so one more step has to fit in the skin.
         if self.near.margin.is_nan() || self.near.margin <= self.near.pace {
             self.list_neighbours(films, nodes, &body.pose);
         }
-        self.impulses.clear();
-        let pose = body.predicted(dt);
-        self.find_touching(nodes, body, &pose, dt);
-        let ahead = self.body_ahead(nodes, body);
-        let friction = self.friction;
-        let met = self.touching.iter().filter_map(|c| node_impulse(c, nodes, &ahead, body, friction));
-        self.impulses.extend(met);
-        for impulse in &self.impulses {
-            give(nodes, impulse);
-            body.push(&(-self.multiplicity * (impulse.normal + impulse.tangential)), &impulse.arm);
+        let corners = self.near.watched.iter().flat_map(|element| &element.corners);
+        for n in self.near.nodes.iter().chain(corners).map(|n| *n as usize) {
+            self.earlier[n] = nodes.velocity_of(n);
         }
-        self.meet_faces(nodes, body, dt);
-        self.account(nodes, body, kicked);
     }
 
-    /// Nodes whose position at the end of the step lies inside.
-    fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, pose: &Isometry3<f64>, dt: f64) {
-        self.touching.clear();
+    /// Corrects the velocities of nodes and body, and the places of nodes, so that no node is inside at the end of the step
+    /// of `dt` s. The nodes stand there already, the body stands where it was; `before` is its motion before the forces of
+    /// this step. Returns the largest speed of a node that was met, m/s.
+    pub fn meet(&mut self, nodes: &mut Nodes, body: &mut RigidBody, before: &RigidBody, dt: f64, team: &Team) -> f64 {
+        self.pieces.resize_with(self.near.nodes.len().div_ceil(PIECE), Piece::default);
+        let pose = body.predicted(dt);
+        self.find_touching(nodes, body, &pose, dt, team);
+        let ahead = self.body_ahead(nodes, body);
+        self.give(nodes, body, &ahead, team);
+        self.meet_faces(nodes, body, dt);
+        self.settle(nodes, dt, team);
+        let total = self.pieces.iter().fold(Tally::default(), |sum, piece| sum + piece.tally);
+        self.work.add(&total, self.multiplicity, body, before);
+        self.pieces.iter().map(|piece| piece.fastest).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Nodes that lie inside.
+    fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, pose: &Isometry3<f64>, dt: f64, team: &Team) {
         let centre = Point3::from(pose.translation.vector);
-        for &n in &self.near.nodes {
-            let n = n as usize;
-            let (x, v) = (nodes.position[n], nodes.velocity[n]);
-            let point = Point3::new(x[0] + v[0] * dt, x[1] + v[1] * dt, x[2] + v[2] * dt);
-            let reach = self.surface.reach() + self.offset[n];
-            if nalgebra::distance_squared(&point, &centre) > reach * reach {
-                continue;
+        let (surface, offset, near) = (&self.surface, &self.offset, &self.near.nodes);
+        let (pieces, normals) = (Disjoint::new(&mut self.pieces), Disjoint::new(&mut self.normals));
+        team.each(near.len().div_ceil(PIECE), |part| {
+            // SAFETY: every piece comes up once.
+            let piece = unsafe { pieces.at(part) };
+            piece.touching.clear();
+            for &n in &near[part * PIECE..near.len().min((part + 1) * PIECE)] {
+                let n = n as usize;
+                let point = nodes.place(n);
+                let reach = surface.reach() + offset[n];
+                if nalgebra::distance_squared(&point, &centre) > reach * reach {
+                    continue;
+                }
+                let Touch { gap, normal } = surface.touch(pose, &point);
+                // SAFETY: a node is listed once.
+                unsafe { *normals.at(n) = normal };
+                let gap = gap - offset[n];
+                if gap < 0.0 && !nodes.is_held(n) {
+                    let arm = point - centre;
+                    let relative = nodes.velocity_of(n) - body.velocity_at(&arm);
+                    let slip = relative - normal * relative.dot(&normal);
+                    piece.touching.push(Constraint { node: n, normal, lack: -gap / dt, arm, slip });
+                }
             }
-            let Touch { gap, normal } = self.surface.touch(pose, &point);
-            self.normals[n] = normal;
-            let gap = gap - self.offset[n];
-            if gap < 0.0 && !nodes.is_held(n) {
-                let arm = point - centre;
-                let relative = nodes.velocity_of(n) - body.velocity_at(&arm);
-                let slip = relative - normal * relative.dot(&normal);
-                self.touching.push(Constraint { node: n, normal, lack: -gap / dt, arm, slip });
-            }
-        }
+        });
     }
 
     /// The body as it will move once all touching nodes have taken their momentum.
     fn body_ahead(&self, nodes: &Nodes, body: &RigidBody) -> RigidBody {
-        if self.touching.is_empty() {
+        if self.pieces.iter().all(|piece| piece.touching.is_empty()) {
             return body.clone();
         }
         let mut gathered = Gathered::default();
-        for c in &self.touching {
+        for c in self.pieces.iter().flat_map(|piece| &piece.touching) {
             let mass = self.multiplicity * nodes.mass[c.node];
             let (tangential, sticks) = stopping(&c.slip, self.friction * c.lack);
             let along = if sticks { None } else { Some(&c.normal) };
@@ -182,34 +201,55 @@ impl Contact {
         body.after(&gathered)
     }
 
-    /// Work of this step's impulses with the mean of the velocities before and after it (theory.md, equation 22).
-    fn account(&mut self, nodes: &Nodes, body: &RigidBody, kicked: &Kicked) {
-        for impulse in &self.impulses {
-            self.received[impulse.node] = [0.0; 3];
+    /// Gives the touching nodes their momentum and takes it from the body.
+    fn give(&mut self, nodes: &mut Nodes, body: &mut RigidBody, ahead: &RigidBody, team: &Team) {
+        let friction = self.friction;
+        let (pieces, received) = (Disjoint::new(&mut self.pieces), Disjoint::new(&mut self.received));
+        let still = &*nodes;
+        team.each(self.near.nodes.len().div_ceil(PIECE), |part| {
+            // SAFETY: every piece comes up once.
+            let Piece { touching, impulses, .. } = unsafe { pieces.at(part) };
+            impulses.clear();
+            impulses.extend(touching.iter().filter_map(|c| node_impulse(c, still, ahead, body, friction)));
+            for impulse in impulses {
+                // SAFETY: a node is listed once.
+                unsafe { *received.at(impulse.node) = velocity_change(still, impulse) };
+            }
+        });
+        for impulse in self.pieces.iter().flat_map(|piece| &piece.impulses) {
+            nodes.velocity.add(impulse.node, self.received[impulse.node].into());
+            body.push(&(-self.multiplicity * (impulse.normal + impulse.tangential)), &impulse.arm);
         }
-        for impulse in &self.impulses {
-            let gained = velocity_change(nodes, impulse);
-            (0..3).for_each(|i| self.received[impulse.node][i] += gained[i]);
-        }
-        for impulse in &self.impulses {
-            let after = nodes.velocity_of(impulse.node);
-            let acceleration =
-                Vector3::from_fn(|i, _| nodes.force[impulse.node][i] * nodes.inverse_mass[impulse.node][i]);
-            let unmet = after - Vector3::from(self.received[impulse.node]);
-            let earlier = (unmet - acceleration * kicked.gain) / kicked.keep;
-            let film = 0.5 * (after + earlier);
-            let surface = 0.5 * (body.velocity_at(&impulse.arm) + kicked.before.velocity_at(&impulse.arm));
-            let relative = film - surface;
-            self.work.impulse -= self.multiplicity * (impulse.normal.z + impulse.tangential.z);
-            self.work.given += self.multiplicity * (impulse.normal + impulse.tangential).dot(&surface);
-            self.work.impact_loss -= self.multiplicity * impulse.normal.dot(&relative);
-            self.work.friction_loss -= self.multiplicity * impulse.tangential.dot(&relative);
-        }
+    }
+
+    /// Moves the nodes that were met on from where they stood without contact, and adds up what went through them.
+    fn settle(&mut self, nodes: &mut Nodes, dt: f64, team: &Team) {
+        let (received, earlier) = (Disjoint::new(&mut self.received), &self.earlier);
+        let pieces = Disjoint::new(&mut self.pieces);
+        let count = self.near.nodes.len().div_ceil(PIECE);
+        let (mut places, velocity) = nodes.places_and_velocities();
+        let places = places.each_mut().map(|axis| Disjoint::new(axis));
+        team.each(count, |part| {
+            // SAFETY: every piece comes up once.
+            let Piece { impulses, tally, fastest, .. } = unsafe { pieces.at(part) };
+            (*tally, *fastest) = (Tally::default(), 0.0);
+            for impulse in &*impulses {
+                let after = Vector3::from(velocity.at(impulse.node));
+                *fastest = fastest.max(after.norm_squared());
+                tally.add(impulse, &(0.5 * (after + earlier[impulse.node])));
+                // SAFETY: a node is in one piece only, or all are in the first.
+                let change = std::mem::take(unsafe { received.at(impulse.node) });
+                for axis in 0..3 {
+                    // SAFETY: as above.
+                    unsafe { *places[axis].at(impulse.node) += change[axis] * dt };
+                }
+            }
+        });
     }
 
     /// Nodes that the impactor touched in the last step.
     pub fn touched(&self) -> impl Iterator<Item = usize> + '_ {
-        self.impulses.iter().map(|i| i.node)
+        self.pieces.iter().flat_map(|piece| &piece.impulses).map(|impulse| impulse.node)
     }
 }
 
@@ -232,12 +272,6 @@ fn node_impulse(c: &Constraint, nodes: &Nodes, ahead: &RigidBody, body: &RigidBo
     Some(Impulse { node: c.node, arm: c.arm, normal: c.normal * (lack * mass), tangential: tangential * mass })
 }
 
-fn velocity_change(nodes: &Nodes, impulse: &Impulse) -> [f64; 3] {
-    let w = nodes.inverse_mass[impulse.node];
-    std::array::from_fn(|i| (impulse.normal[i] + impulse.tangential[i]) * w[i])
-}
-
-fn give(nodes: &mut Nodes, impulse: &Impulse) {
-    let change = velocity_change(nodes, impulse);
-    (0..3).for_each(|i| nodes.velocity[impulse.node][i] += change[i]);
+fn velocity_change(nodes: &Nodes, impulse: &Impulse) -> Vector3<f64> {
+    (impulse.normal + impulse.tangential).component_mul(&Vector3::from(nodes.mobility(impulse.node)))
 }

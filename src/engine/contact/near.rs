@@ -39,13 +39,12 @@ impl Contact {
         let skin = SKIN * size;
         let fine = 8.0 * WATCHED_FROM * FACE_BOUND * size * size;
         let centre = Point3::from(pose.translation.vector);
-        let distance_squared = |n: u32| nalgebra::distance_squared(&Point3::from(nodes.position[n as usize]), &centre);
+        let distance_squared = |n: u32| nalgebra::distance_squared(&nodes.place(n as usize), &centre);
         let surface = &self.surface;
         let within = |n: u32, margin: f64| {
             let margin = margin + self.offset[n as usize];
             let reach = surface.reach() + margin;
-            distance_squared(n) < reach * reach
-                && surface.touch(pose, &Point3::from(nodes.position[n as usize])).gap < margin
+            distance_squared(n) < reach * reach && surface.touch(pose, &nodes.place(n as usize)).gap < margin
         };
         let near = &mut self.near;
         near.nodes.clear();
@@ -74,7 +73,7 @@ impl Contact {
 
 /// Square of the longest line between any two corners, m².
 fn longest_line_squared(corners: &[u32], nodes: &Nodes) -> f64 {
-    let at = |n: u32| Point3::from(nodes.position[n as usize]);
+    let at = |n: u32| nodes.place(n as usize);
     let mut longest = 0.0_f64;
     for (k, a) in corners.iter().enumerate() {
         for b in &corners[k + 1..] {

@@ -1,85 +1,125 @@
 //! Elements side by side, in blocks of lanes.
 
-use super::hourglass::Hourglass;
-use crate::lane::{LANES, Lane, splat};
-use crate::material::Peaks;
+use crate::lane::{LANES, Lane, Lane3, splat};
+use crate::material::MembraneLaw;
 
-/// Elements with `NODES` nodes and `POINTS` integration points.
+/// `L` elements of one kind with `NODES` nodes each: what the passes over a film ask of them.
+pub trait Block<const NODES: usize, const L: usize> {
+    /// One element before it is put into a block.
+    type Element;
+
+    /// The elements that `lane` gives, each with the thickness (m, all layers) it counts with.
+    fn new<'a>(lane: impl Fn(usize) -> (&'a Self::Element, f64)) -> Self
+    where
+        Self::Element: 'a;
+
+    /// Forces on nodes at `x`, into `out` (theory.md, equations 2 and 14); raises the largest strains. Whether a fibre
+    /// somewhere is past its break strain.
+    fn forces<M: MembraneLaw>(&mut self, law: &M, x: &[Lane3<L>; NODES], out: &mut [Lane3<L>; NODES]) -> bool;
+
+    /// Energies of the elements with nodes at `x`.
+    fn energies<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>;
+
+    /// Bound on density × squared angular frequency × volume / nodes, summed over the points (theory.md, equation 17).
+    fn stiffness<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; NODES]) -> Lane<L>;
+
+    /// Strains, averaged over the points.
+    fn strains(&self, x: &[Lane3<L>; NODES]) -> BlockStrains<L>;
+
+    /// Volume of stress-free film, m³; zero once broken.
+    fn volume(&self) -> Lane<L>;
+
+    /// Whether a fibre of the element in a lane is past its break strain.
+    fn is_past(&self, lane: usize, limits: [f64; 2]) -> bool;
+
+    /// Takes the force from the element in a lane.
+    fn take_out(&mut self, lane: usize);
+}
+
+/// Energies of the elements of one block, J.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockEnergies<const L: usize> {
+    /// Comes back on unloading.
+    pub stored: Lane<L>,
+    /// Lost in the law.
+    pub absorbed: Lane<L>,
+    /// In the stabilisation.
+    pub hourglass: Lane<L>,
+}
+
+/// Strains of the elements of one block.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockStrains<const L: usize> {
+    /// Engineering strain along MD and TD, shear angle (rad).
+    pub strain: [Lane<L>; 3],
+    /// Largest MD and TD strain so far.
+    pub peak: [Lane<L>; 2],
+}
+
+impl<const L: usize> BlockEnergies<L> {
+    pub(super) const NONE: Self = BlockEnergies { stored: splat(0.0), absorbed: splat(0.0), hourglass: splat(0.0) };
+}
+
+/// Nodes of the elements of a block.
 #[derive(Clone, Debug)]
-pub struct Blocks<const NODES: usize, const POINTS: usize> {
+pub enum Corners<const NODES: usize, const L: usize = LANES> {
+    /// The nodes of neighbouring elements follow each other; those of the first one.
+    Row([u32; NODES]),
+    /// Any nodes, a row a corner.
+    Listed([[u32; L]; NODES]),
+}
+
+impl<const NODES: usize, const L: usize> Corners<NODES, L> {
+    fn new(lane: impl Fn(usize) -> [u32; NODES]) -> Self {
+        let first = lane(0);
+        let follows = |l: usize| (0..NODES).all(|a| lane(l)[a] == first[a] + l as u32);
+        if (0..L).all(follows) {
+            return Corners::Row(first);
+        }
+        Corners::Listed(std::array::from_fn(|a| std::array::from_fn(|l| lane(l)[a])))
+    }
+
+    /// Nodes of the element in a lane.
+    pub fn of(&self, lane: usize) -> [u32; NODES] {
+        match self {
+            Corners::Row(first) => first.map(|n| n + lane as u32),
+            Corners::Listed(rows) => rows.map(|row| row[lane]),
+        }
+    }
+}
+
+/// Elements of one kind, in order.
+#[derive(Clone, Debug)]
+pub struct Blocks<B, const NODES: usize, const L: usize = LANES> {
     /// Elements; the last block is filled up with weightless copies of the last one.
     pub count: usize,
-    /// Nodes of each element in each lane.
-    pub nodes: Vec<[[u32; LANES]; NODES]>,
-    /// Integration points, block by block.
-    pub points: Vec<[Point<NODES>; POINTS]>,
-    /// Stabilisation against hourglass modes, block by block.
-    pub hourglass: Vec<Hourglass<NODES>>,
+    /// Nodes of each block's elements.
+    pub corners: Vec<Corners<NODES, L>>,
+    /// Geometry and history of each block's elements.
+    pub blocks: Vec<B>,
 }
 
-/// An integration point of the elements of a block.
-#[derive(Clone, Debug)]
-pub struct Point<const NODES: usize> {
-    /// ∂N_a/∂X_I along MD and TD of the stress-free film, 1/m.
-    pub gradient: [[Lane; 2]; NODES],
-    /// Volume of stress-free film (all layers), m³; zero once broken.
-    pub volume: Lane,
-    /// Largest strains so far.
-    pub peaks: Peaks,
-}
-
-/// One element as it is put into a block.
-pub(crate) struct Element<const NODES: usize, const POINTS: usize> {
-    pub(super) nodes: [u32; NODES],
-    pub(super) gradient: [[[f64; 2]; NODES]; POINTS],
-    /// Area of stress-free film at each point, m².
-    pub(super) area: [f64; POINTS],
-    /// γ_a and H_I.
-    pub(super) hourglass: ([f64; NODES], [f64; 2]),
-}
-
-impl<const NODES: usize, const POINTS: usize> Blocks<NODES, POINTS> {
-    /// Blocks of `elements` of a film `thickness` (m, all layers) thick.
-    pub(crate) fn new(elements: &[Element<NODES, POINTS>], thickness: f64) -> Self {
-        let mut out = Blocks { count: elements.len(), nodes: vec![], points: vec![], hourglass: vec![] };
-        for chunk in elements.chunks(LANES) {
-            let lane = |l: usize| &chunk[l.min(chunk.len() - 1)];
-            let weight = |l: usize| if l < chunk.len() { thickness } else { 0.0 };
-            out.nodes.push(std::array::from_fn(|a| std::array::from_fn(|l| lane(l).nodes[a])));
-            out.points.push(std::array::from_fn(|p| Point {
-                gradient: std::array::from_fn(|a| {
-                    std::array::from_fn(|i| std::array::from_fn(|l| lane(l).gradient[p][a][i]))
-                }),
-                volume: std::array::from_fn(|l| weight(l) * lane(l).area[p]),
-                peaks: [splat(0.0); 3],
-            }));
-            out.hourglass.push(Hourglass {
-                shape: std::array::from_fn(|a| std::array::from_fn(|l| lane(l).hourglass.0[a])),
-                mean_square: std::array::from_fn(|i| std::array::from_fn(|l| lane(l).hourglass.1[i])),
-            });
+impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L> {
+    /// Blocks of elements and their nodes, of a film `thickness` (m, all layers) thick.
+    pub(crate) fn new(nodes: &[[u32; NODES]], elements: &[B::Element], thickness: f64) -> Self {
+        let count = nodes.len();
+        let mut out = Blocks { count, corners: vec![], blocks: vec![] };
+        for first in (0..count).step_by(L) {
+            let at = |l: usize| (first + l).min(count - 1);
+            let weight = |l: usize| if first + l < count { thickness } else { 0.0 };
+            out.corners.push(Corners::new(|l| nodes[at(l)]));
+            out.blocks.push(B::new(|l| (&elements[at(l)], weight(l))));
         }
         out
     }
 
     /// Block and lane of each element, in order.
-    pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<NODES, POINTS> {
-        (0..self.count).map(|i| (i / LANES, i % LANES))
-    }
-
-    /// Nodes of the element at `block`, `lane`.
-    pub fn nodes_at(&self, block: usize, lane: usize) -> [u32; NODES] {
-        std::array::from_fn(|a| self.nodes[block][a][lane])
+    pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<B, NODES, L> {
+        (0..self.count).map(|i| (i / L, i % L))
     }
 
     /// Whether the element at `block`, `lane` has broken.
     pub fn is_broken(&self, block: usize, lane: usize) -> bool {
-        self.points[block][0].volume[lane] == 0.0
-    }
-}
-
-impl<const NODES: usize, const POINTS: usize> Element<NODES, POINTS> {
-    /// Area of stress-free film, m².
-    pub(crate) fn area(&self) -> f64 {
-        self.area.iter().sum()
+        self.blocks[block].volume()[lane] == 0.0
     }
 }

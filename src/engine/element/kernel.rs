@@ -1,186 +1,120 @@
-//! From positions to forces and energies, a block at a time.
+//! Passes over the blocks of a film, for the vector instructions that the processor has: gather → kernel → scatter.
 
-use super::block::{Blocks, Point};
-use super::hourglass::{self, Hourglass};
-use crate::lane::{LANES, Lane, Lane3, splat};
-use crate::material::{Deformation, MembraneLaw};
+use super::block::{Block, BlockStrains, Blocks, Corners};
+use crate::engine::team::Disjoint;
+use crate::lane::{LANES, Lane3, at_width, splat};
+use crate::material::MembraneLaw;
+
+/// Nodal forces that several threads add to, each to those of its own nodes.
+pub struct Forces<'a>([Disjoint<'a, f64>; 3]);
+
+/// Forces on nodes that one thread alone adds to.
+#[derive(Clone, Copy)]
+pub struct OwnForces<'a>(&'a [Disjoint<'a, f64>; 3]);
+
+impl<'a> Forces<'a> {
+    /// Forces to add to, an array an axis.
+    pub fn new(axes: [&'a mut [f64]; 3]) -> Forces<'a> {
+        Forces(axes.map(Disjoint::new))
+    }
+
+    /// The forces for one thread.
+    ///
+    /// # Safety
+    /// While it is in use, no other thread may be at work on the nodes of the elements that it is used for.
+    pub unsafe fn own(&self) -> OwnForces<'_> {
+        OwnForces(&self.0)
+    }
+}
 
 /// Positions of a block's nodes.
 #[inline(always)]
-pub(super) fn gather<const NODES: usize>(nodes: &[[u32; LANES]; NODES], position: &[[f64; 3]], x: &mut [Lane3; NODES]) {
-    for a in 0..NODES {
-        for l in 0..LANES {
-            let p = position[nodes[a][l] as usize];
-            for axis in 0..3 {
-                x[a][axis][l] = p[axis];
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn scatter<const NODES: usize>(nodes: &[[u32; LANES]; NODES], f: &[Lane3; NODES], force: &mut [[f64; 3]]) {
-    for a in 0..NODES {
-        for l in 0..LANES {
-            let to = &mut force[nodes[a][l] as usize];
-            for axis in 0..3 {
-                to[axis] += f[a][axis][l];
-            }
-        }
-    }
-}
-
-/// f_I = Σ_a ∂N_a/∂X_I x_a (theory.md, equation 1), and how far f_I varies around it.
-#[inline(always)]
-pub(super) fn deformation<const NODES: usize>(
-    x: &[Lane3; NODES],
-    point: &Point<NODES>,
-    spread: [Lane; 2],
-) -> Deformation {
-    let mut f = [[splat(0.0); 3]; 2];
-    for fibre in 0..2 {
-        for axis in 0..3 {
+fn gather<const NODES: usize, const L: usize>(
+    corners: &Corners<NODES, L>,
+    position: &[&[f64]; 3],
+    x: &mut [Lane3<L>; NODES],
+) {
+    match corners {
+        Corners::Row(first) => {
             for a in 0..NODES {
-                for l in 0..LANES {
-                    f[fibre][axis][l] += point.gradient[a][fibre][l] * x[a][axis][l];
+                for axis in 0..3 {
+                    x[a][axis].copy_from_slice(&position[axis][first[a] as usize..][..L]);
+                }
+            }
+        }
+        Corners::Listed(rows) => {
+            for a in 0..NODES {
+                for l in 0..L {
+                    let n = rows[a][l] as usize;
+                    for axis in 0..3 {
+                        x[a][axis][l] = position[axis][n];
+                    }
                 }
             }
         }
     }
-    Deformation { f, spread }
 }
 
-/// The same at the centre of a four-node element, where the gradients of opposite nodes are equal and opposite.
+/// Adds the forces on a block's nodes to those of the film.
 #[inline(always)]
-fn deformation_at_centre<const NODES: usize>(
-    x: &[Lane3; NODES],
-    point: &Point<NODES>,
-    spread: [Lane; 2],
-) -> Deformation {
-    let mut f = [[splat(0.0); 3]; 2];
-    for axis in 0..3 {
-        for l in 0..LANES {
-            let (first, second) = (x[0][axis][l] - x[2][axis][l], x[1][axis][l] - x[3][axis][l]);
-            for fibre in 0..2 {
-                f[fibre][axis][l] = point.gradient[0][fibre][l] * first + point.gradient[1][fibre][l] * second;
+fn scatter<const NODES: usize, const L: usize>(
+    corners: &Corners<NODES, L>,
+    out: &[Lane3<L>; NODES],
+    OwnForces(force): OwnForces<'_>,
+) {
+    match corners {
+        Corners::Row(first) => {
+            for a in 0..NODES {
+                let first = first[a] as usize;
+                for axis in 0..3 {
+                    // SAFETY: no other thread is at work on these nodes.
+                    let to = unsafe { force[axis].range(first..first + L) };
+                    for l in 0..L {
+                        to[l] += out[a][axis][l];
+                    }
+                }
+            }
+        }
+        Corners::Listed(rows) => {
+            for a in 0..NODES {
+                for l in 0..L {
+                    for axis in 0..3 {
+                        // SAFETY: as above.
+                        unsafe { *force[axis].at(rows[a][l] as usize) += out[a][axis][l] };
+                    }
+                }
             }
         }
     }
-    Deformation { f, spread }
 }
 
-/// Adds the forces of all elements to `force` and raises the largest strains.
-/// True if a fibre somewhere is past its break strain.
-pub(crate) fn add_forces<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
-    blocks: &mut Blocks<NODES, POINTS>,
-    law: &L,
-    position: &[[f64; 3]],
-    force: &mut [[f64; 3]],
-) -> bool {
-    #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx2") {
-        #[target_feature(enable = "avx2")]
-        fn avx2<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
-            blocks: &mut Blocks<NODES, POINTS>,
-            law: &L,
-            position: &[[f64; 3]],
-            force: &mut [[f64; 3]],
-        ) -> bool {
-            add_forces_lanewise(blocks, law, position, force)
-        }
-        // SAFETY: the machine was just seen to have AVX2.
-        return unsafe { avx2(blocks, law, position, force) };
-    }
-    add_forces_lanewise(blocks, law, position, force)
+at_width! {
+    /// Adds the forces of all elements to `force` and raises the largest strains.
+    /// True if a fibre somewhere is past its break strain.
+    pub(crate) fn add_forces[B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize](
+        elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], force: OwnForces<'_>,
+    ) -> bool = add_forces_lanewise
 }
 
-/// [`add_forces`], to be compiled for vectors of each width: the operations are the same, so the bits are.
 #[inline(always)]
-fn add_forces_lanewise<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
-    blocks: &mut Blocks<NODES, POINTS>,
-    law: &L,
-    position: &[[f64; 3]],
-    force: &mut [[f64; 3]],
+fn add_forces_lanewise<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize>(
+    elements: &mut Blocks<B, NODES, L>,
+    law: &M,
+    position: &[&[f64]; 3],
+    force: OwnForces<'_>,
 ) -> bool {
-    let limits = law.break_strains();
-    let stabilisation = hourglass::stabilisation(law);
     let mut past = false;
     let mut x = [[splat(0.0); 3]; NODES];
     let mut out = [[splat(0.0); 3]; NODES];
-    for ((nodes, points), hourglass) in blocks.nodes.iter().zip(&mut blocks.points).zip(&blocks.hourglass) {
-        gather(nodes, position, &mut x);
-        if NODES == 4 && POINTS == 1 {
-            let point = &mut points[0];
-            let q = hourglass.amplitude(&x);
-            let d = deformation_at_centre(&x, point, hourglass.spread(&q));
-            let mut stress = law.stress(&d, &mut point.peaks);
-            let h = hourglass.force(&q, &d, &point.volume, &mut stress, stabilisation);
-            set_forces_at_centre(&mut out, point, &stress.p, hourglass, &h);
-            past |= beyond(point, limits);
-        } else {
-            out = [[splat(0.0); 3]; NODES];
-            for point in points.iter_mut() {
-                let d = deformation(&x, point, [splat(0.0); 2]);
-                let stress = law.stress(&d, &mut point.peaks);
-                subtract_stress(&mut out, point, &stress.p);
-                past |= beyond(point, limits);
-            }
-        }
-        scatter(nodes, &out, force);
+    for (corners, block) in elements.corners.iter().zip(&mut elements.blocks) {
+        gather(corners, position, &mut x);
+        past |= block.forces(law, &x, &mut out);
+        scatter(corners, &out, force);
     }
     past
 }
 
-/// −V Σ_I ∂N_a/∂X_I p_I (theory.md, equation 2).
-#[inline(always)]
-fn subtract_stress<const NODES: usize>(out: &mut [Lane3; NODES], point: &Point<NODES>, p: &[Lane3; 2]) {
-    for fibre in 0..2 {
-        for axis in 0..3 {
-            let mut vp = splat(0.0);
-            for l in 0..LANES {
-                vp[l] = point.volume[l] * p[fibre][axis][l];
-            }
-            for a in 0..NODES {
-                for l in 0..LANES {
-                    out[a][axis][l] -= point.gradient[a][fibre][l] * vp[l];
-                }
-            }
-        }
-    }
-}
-
-/// Forces from the stress at the centre of a four-node element, with the hourglass force −γ_a h (theory.md, equation 14).
-#[inline(always)]
-fn set_forces_at_centre<const NODES: usize>(
-    out: &mut [Lane3; NODES],
-    point: &Point<NODES>,
-    p: &[Lane3; 2],
-    hourglass: &Hourglass<NODES>,
-    h: &Lane3,
-) {
-    for axis in 0..3 {
-        for l in 0..LANES {
-            let (vp, vq) = (point.volume[l] * p[0][axis][l], point.volume[l] * p[1][axis][l]);
-            let first = point.gradient[0][0][l] * vp + point.gradient[0][1][l] * vq;
-            let second = point.gradient[1][0][l] * vp + point.gradient[1][1][l] * vq;
-            out[0][axis][l] = -first - hourglass.shape[0][l] * h[axis][l];
-            out[1][axis][l] = -second - hourglass.shape[1][l] * h[axis][l];
-            out[2][axis][l] = first - hourglass.shape[2][l] * h[axis][l];
-            out[3][axis][l] = second - hourglass.shape[3][l] * h[axis][l];
-        }
-    }
-}
-
-#[inline(always)]
-fn beyond<const NODES: usize>(point: &Point<NODES>, limits: [f64; 2]) -> bool {
-    let mut any = false;
-    for l in 0..LANES {
-        any |= (point.volume[l] > 0.0) & ((point.peaks[0][l] > limits[0]) | (point.peaks[1][l] > limits[1]));
-    }
-    any
-}
-
-/// Energies of one element, J.
+/// Energies of elements, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ElementEnergy {
     /// Comes back on unloading.
@@ -191,42 +125,121 @@ pub struct ElementEnergy {
     pub hourglass: f64,
 }
 
-/// Energies of the elements of one block, lane by lane.
-pub(crate) fn energies<L: MembraneLaw, const NODES: usize, const POINTS: usize>(
-    blocks: &Blocks<NODES, POINTS>,
-    block: usize,
-    law: &L,
-    position: &[[f64; 3]],
-) -> [ElementEnergy; LANES] {
-    let mut x = [[splat(0.0); 3]; NODES];
-    gather(&blocks.nodes[block], position, &mut x);
-    let stabilisation = hourglass::stabilisation(law);
-    let hourglass = &blocks.hourglass[block];
-    let q = hourglass.amplitude(&x);
-    let mut out = [ElementEnergy::default(); LANES];
-    for point in &blocks.points[block] {
-        let d = deformation(&x, point, hourglass.spread(&q));
-        let energy = law.energy(&d, &point.peaks);
-        let stabilised = hourglass.energy(&q, &d, stabilisation);
-        for l in 0..LANES {
-            out[l].stored += point.volume[l] * energy.stored[l];
-            out[l].absorbed += point.volume[l] * energy.absorbed[l];
-            out[l].hourglass += point.volume[l] * stabilised[l];
-        }
+impl ElementEnergy {
+    /// Adds those of other elements.
+    pub fn add(&mut self, other: &ElementEnergy) {
+        self.stored += other.stored;
+        self.absorbed += other.absorbed;
+        self.hourglass += other.hourglass;
     }
-    out
 }
 
-/// Deformation at every integration point of a block.
+at_width! {
+    /// Energies of all elements.
+    pub(crate) fn energy[B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize](
+        elements: &Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3],
+    ) -> ElementEnergy = energy_lanewise
+}
+
 #[inline(always)]
-pub(crate) fn deformations<const NODES: usize, const POINTS: usize>(
-    blocks: &Blocks<NODES, POINTS>,
-    block: usize,
-    position: &[[f64; 3]],
-) -> [Deformation; POINTS] {
+fn energy_lanewise<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize>(
+    elements: &Blocks<B, NODES, L>,
+    law: &M,
+    position: &[&[f64]; 3],
+) -> ElementEnergy {
     let mut x = [[splat(0.0); 3]; NODES];
-    gather(&blocks.nodes[block], position, &mut x);
-    let hourglass = &blocks.hourglass[block];
-    let spread = hourglass.spread(&hourglass.amplitude(&x));
-    std::array::from_fn(|p| deformation(&x, &blocks.points[block][p], spread))
+    let mut sums = [splat::<L>(0.0); 3];
+    for (corners, block) in elements.corners.iter().zip(&elements.blocks) {
+        gather(corners, position, &mut x);
+        let energies = block.energies(law, &x);
+        for (sum, part) in sums.iter_mut().zip([energies.stored, energies.absorbed, energies.hourglass]) {
+            for l in 0..L {
+                sum[l] += part[l];
+            }
+        }
+    }
+    let [stored, absorbed, hourglass] = sums.map(|lanes| lanes.iter().sum());
+    ElementEnergy { stored, absorbed, hourglass }
+}
+
+/// Energies of the element at `block`, `lane`.
+pub(crate) fn energy_at<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize>(
+    elements: &Blocks<B, NODES, L>,
+    [block, lane]: [usize; 2],
+    law: &M,
+    position: &[&[f64]; 3],
+) -> ElementEnergy {
+    let mut x = [[splat(0.0); 3]; NODES];
+    gather(&elements.corners[block], position, &mut x);
+    let energies = elements.blocks[block].energies(law, &x);
+    ElementEnergy {
+        stored: energies.stored[lane],
+        absorbed: energies.absorbed[lane],
+        hourglass: energies.hourglass[lane],
+    }
+}
+
+at_width! {
+    /// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
+    pub(crate) fn frequency_bound[B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize](
+        elements: &Blocks<B, NODES, L>, law: &M, density: f64, position: &[&[f64]; 3],
+    ) -> f64 = frequency_bound_lanewise
+}
+
+#[inline(always)]
+fn frequency_bound_lanewise<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize>(
+    elements: &Blocks<B, NODES, L>,
+    law: &M,
+    density: f64,
+    position: &[&[f64]; 3],
+) -> f64 {
+    let mut x = [[splat(0.0); 3]; NODES];
+    let mut largest = splat::<L>(0.0);
+    for (corners, block) in elements.corners.iter().zip(&elements.blocks) {
+        gather(corners, position, &mut x);
+        let bound = block.stiffness(law, &x);
+        let volume = block.volume();
+        for l in 0..L {
+            let squared = bound[l] * NODES as f64 / (density * volume[l]);
+            // Broken elements and the fill of the last block have no volume; a NaN has to get through.
+            let settled = (volume[l] == 0.0) | (squared <= largest[l]) | largest[l].is_nan();
+            largest[l] = if settled { largest[l] } else { squared };
+        }
+    }
+    largest.into_iter().fold(0.0, |most, squared| if squared <= most || most.is_nan() { most } else { squared })
+}
+
+/// Strains of one element, averaged over its integration points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ElementStrain {
+    /// Engineering strain along MD and TD, shear angle (rad).
+    pub strain: [f64; 3],
+    /// Largest MD and TD strain so far.
+    pub peak: [f64; 2],
+    /// Volume of stress-free film, m³; zero once broken.
+    pub volume: f64,
+}
+
+at_width! {
+    /// Strains of all elements, in order.
+    pub(crate) fn strains[B: Block<NODES, LANES>, const NODES: usize](
+        elements: &Blocks<B, NODES>, position: &[&[f64]; 3], out: &mut [ElementStrain],
+    ) = strains_lanewise
+}
+
+#[inline(always)]
+fn strains_lanewise<B: Block<NODES, LANES>, const NODES: usize>(
+    elements: &Blocks<B, NODES>,
+    position: &[&[f64]; 3],
+    out: &mut [ElementStrain],
+) {
+    let mut x = [[splat(0.0); 3]; NODES];
+    for ((corners, block), out) in elements.corners.iter().zip(&elements.blocks).zip(out.chunks_mut(LANES)) {
+        gather(corners, position, &mut x);
+        let BlockStrains { strain, peak } = block.strains(&x);
+        let volume = block.volume();
+        for (l, out) in out.iter_mut().enumerate() {
+            *out = ElementStrain { strain: strain.map(|s| s[l]), peak: peak.map(|p| p[l]), volume: volume[l] };
+        }
+    }
 }

@@ -3,47 +3,76 @@
 //! Elements of one kind stand in blocks of [`crate::lane::LANES`]. A step runs over the blocks as gather → kernel → scatter.
 
 mod block;
-mod bounds;
-mod hourglass;
+mod gauss;
 mod kernel;
+mod one_point;
 mod quad4;
 mod reference;
 mod tri3;
 
-pub use block::{Blocks, Point};
-pub use kernel::ElementEnergy;
+pub use block::{Block, Blocks};
+pub use gauss::Gauss;
+pub use kernel::{ElementEnergy, ElementStrain, Forces, OwnForces};
+pub use one_point::OnePoint;
 pub use reference::{StressFree, UprightElement};
 
-pub(super) use bounds::frequency_bound;
-pub(super) use kernel::{add_forces, deformations, energies};
+pub(super) use kernel::{add_forces, energy, energy_at, frequency_bound, strains};
 
 use nalgebra::Point3;
 
-use block::Element;
+use crate::lane::LANES;
+use gauss::GaussElement;
+use one_point::OnePointElement;
 
-/// Elements of a mesh's quads with one integration point.
-pub(crate) fn quads(
-    quads: &[[u32; 4]],
-    nodes: &[Point3<f64>],
-    film: &StressFree,
-) -> Result<Vec<Element<4, 1>>, UprightElement> {
-    quads.iter().map(|&q| Ok(quad4::one_point(q, film.reference(q, nodes)?))).collect()
+/// Quadrilaterals with one integration point.
+pub type Quads<const L: usize = LANES> = Blocks<OnePoint<L>, 4, L>;
+/// Quadrilaterals with 2×2 integration points.
+pub type FullQuads<const L: usize = LANES> = Blocks<Gauss<4, 4, L>, 4, L>;
+/// Triangles.
+pub type Tris<const L: usize = LANES> = Blocks<Gauss<3, 1, L>, 3, L>;
+
+/// A kind of element that can be made of stress-free coordinates (m, along MD and TD) of its nodes.
+pub(super) trait Shaped<const NODES: usize>: Sized {
+    fn shaped(x: &[[f64; 2]; NODES]) -> Self;
+    /// Area of stress-free film, m².
+    fn area(&self) -> f64;
 }
 
-/// Elements of a mesh's quads with 2×2 integration points.
-pub(crate) fn full_quads(
-    quads: &[[u32; 4]],
-    nodes: &[Point3<f64>],
-    film: &StressFree,
-) -> Result<Vec<Element<4, 4>>, UprightElement> {
-    quads.iter().map(|&q| Ok(quad4::four_points(q, film.reference(q, nodes)?))).collect()
+impl Shaped<4> for OnePointElement {
+    fn shaped(x: &[[f64; 2]; 4]) -> Self {
+        quad4::one_point(x)
+    }
+
+    fn area(&self) -> f64 {
+        self.area
+    }
 }
 
-/// Elements of a mesh's triangles.
-pub(crate) fn tris(
-    tris: &[[u32; 3]],
+impl Shaped<4> for GaussElement<4, 4> {
+    fn shaped(x: &[[f64; 2]; 4]) -> Self {
+        quad4::four_points(x)
+    }
+
+    fn area(&self) -> f64 {
+        self.area.iter().sum()
+    }
+}
+
+impl Shaped<3> for GaussElement<3, 1> {
+    fn shaped(x: &[[f64; 2]; 3]) -> Self {
+        tri3::constant_strain(x)
+    }
+
+    fn area(&self) -> f64 {
+        self.area[0]
+    }
+}
+
+/// Elements at the given nodes of a mesh, made of stress-free `film`.
+pub(super) fn shaped<E: Shaped<NODES>, const NODES: usize>(
+    elements: &[[u32; NODES]],
     nodes: &[Point3<f64>],
     film: &StressFree,
-) -> Result<Vec<Element<3, 1>>, UprightElement> {
-    tris.iter().map(|&t| Ok(tri3::constant_strain(t, film.reference(t, nodes)?))).collect()
+) -> Result<Vec<E>, UprightElement> {
+    elements.iter().map(|&element| Ok(E::shaped(&film.reference(element, nodes)?))).collect()
 }

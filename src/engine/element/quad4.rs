@@ -1,6 +1,7 @@
 //! The four-node membrane element (theory.md, equation 10), with nodes counter-clockwise.
 
-use super::block::Element;
+use super::gauss::GaussElement;
+use super::one_point::OnePointElement;
 
 /// Natural coordinates of the nodes.
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -12,8 +13,6 @@ const MODE: [f64; 4] = [1.0, -1.0, 1.0, -1.0];
 struct Map {
     /// ∂N_a/∂X_I.
     gradient: [[f64; 2]; 4],
-    /// ∂ξ_J/∂X_I.
-    inverse: [[f64; 2]; 2],
     /// Area of reference film per area of natural square.
     determinant: f64,
 }
@@ -30,34 +29,30 @@ fn map(x: &[[f64; 2]; 4], [xi, eta]: [f64; 2]) -> Map {
     let determinant = j[0][0] * j[1][1] - j[0][1] * j[1][0];
     let inverse = [[j[1][1] / determinant, -j[0][1] / determinant], [-j[1][0] / determinant, j[0][0] / determinant]];
     let gradient = natural.map(|n| [0, 1].map(|i| n[0] * inverse[0][i] + n[1] * inverse[1][i]));
-    Map { gradient, inverse, determinant }
+    Map { gradient, determinant }
 }
 
-/// One point at the centre; the hourglass mode is stabilised with the exact mean squares of its gradient
-/// for a parallelogram (Flanagan and Belytschko 1981 for γ; theory.md, equations 11–14).
-pub(super) fn one_point(nodes: [u32; 4], x: [[f64; 2]; 4]) -> Element<4, 1> {
-    let centre = map(&x, [0.0, 0.0]);
+/// One point at the centre (Flanagan and Belytschko 1981 for the shape of the hourglass mode; theory.md, equation 11).
+pub(super) fn one_point(x: &[[f64; 2]; 4]) -> OnePointElement {
+    let centre = map(x, [0.0, 0.0]);
     let mut lever = [0.0; 2];
     for a in 0..4 {
         for i in 0..2 {
             lever[i] += MODE[a] * x[a][i];
         }
     }
-    let shape =
-        std::array::from_fn(|a| 0.25 * (MODE[a] - lever[0] * centre.gradient[a][0] - lever[1] * centre.gradient[a][1]));
-    let weight = [0, 1].map(|i| (centre.inverse[0][i].powi(2) + centre.inverse[1][i].powi(2)) / 3.0);
-    Element { nodes, gradient: [centre.gradient], area: [4.0 * centre.determinant], hourglass: (shape, weight) }
+    let [first, second, ..] = centre.gradient;
+    let skew = [first, second].map(|b| 0.25 * (lever[0] * b[0] + lever[1] * b[1]));
+    OnePointElement { gradient: [first, second], skew, area: 4.0 * centre.determinant }
 }
 
 /// 2×2 Gauss points.
-pub(super) fn four_points(nodes: [u32; 4], x: [[f64; 2]; 4]) -> Element<4, 4> {
+pub(super) fn four_points(x: &[[f64; 2]; 4]) -> GaussElement<4, 4> {
     let g = 1.0 / 3.0_f64.sqrt();
-    let maps = CORNERS.map(|[a, b]| map(&x, [a * g, b * g]));
-    Element {
-        nodes,
+    let maps = CORNERS.map(|[a, b]| map(x, [a * g, b * g]));
+    GaussElement {
         gradient: std::array::from_fn(|p| maps[p].gradient),
         area: std::array::from_fn(|p| maps[p].determinant),
-        hourglass: ([0.0; 4], [0.0; 2]),
     }
 }
 
@@ -76,9 +71,13 @@ mod tests {
         for x in SHAPES {
             let shoelace: f64 =
                 (0..4).map(|a| x[a][0] * x[(a + 1) % 4][1] - x[(a + 1) % 4][0] * x[a][1]).sum::<f64>() / 2.0;
-            assert!((one_point([0; 4], x).area() - shoelace).abs() < 1e-14);
-            assert!((four_points([0; 4], x).area() - shoelace).abs() < 1e-14);
-            for point in four_points([0; 4], x).gradient.into_iter().chain(one_point([0; 4], x).gradient) {
+            let centre = one_point(&x);
+            let full = four_points(&x);
+            assert!((centre.area - shoelace).abs() < 1e-14);
+            assert!((full.area.iter().sum::<f64>() - shoelace).abs() < 1e-14);
+            let [first, second] = centre.gradient;
+            let opposite = [first, second, first.map(|b| -b), second.map(|b| -b)];
+            for point in full.gradient.into_iter().chain([opposite]) {
                 for i in 0..2 {
                     for j in 0..2 {
                         let sum: f64 = (0..4).map(|a| point[a][i] * x[a][j]).sum();
@@ -92,7 +91,8 @@ mod tests {
     #[test]
     fn the_hourglass_shape_is_orthogonal_to_linear_fields() {
         for x in SHAPES {
-            let (shape, _) = one_point([0; 4], x).hourglass;
+            let [first, second] = one_point(&x).skew;
+            let shape = [0.25 - first, -0.25 - second, 0.25 + first, -0.25 + second];
             let along = |field: &dyn Fn(usize) -> f64| (0..4).map(|a| shape[a] * field(a)).sum::<f64>();
             assert!(along(&|_| 1.0).abs() < 1e-14);
             assert!(along(&|a| x[a][0]).abs() < 1e-14);

@@ -49,7 +49,7 @@ fn cycle(element: Element, absorption: f64, fibre: usize) -> [f64; 3] {
     nodes.hold(0..mesh.nodes.len(), [fibre == 1, fibre == 0, true]);
     nodes.hold((0..mesh.nodes.len()).filter(|n| !free(n)), [true; 3]);
     for n in (0..mesh.nodes.len()).filter(free) {
-        nodes.velocity[n][fibre] = SPEED;
+        nodes.velocity.set(n, [0, 1, 2].map(|axis| if axis == fibre { SPEED } else { 0.0 }));
     }
     let drive = Drive { step_factor: STEP, ..Drive::default() };
     let mut engine = Engine::new(vec![film], nodes, None, drive);

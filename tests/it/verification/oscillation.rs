@@ -8,7 +8,7 @@ use droptower::mesh;
 use droptower::model::{Element, Face, Meshing, Shape, Side, Specimen, Symmetry};
 
 use super::claims::Claims;
-use super::scene::{mounted, places, watch};
+use super::scene::{mounted, places, put, watch};
 
 const DENSITY: f64 = 915.0;
 const YOUNG: f64 = 50e6;
@@ -78,14 +78,14 @@ impl Film {
             Film::Strip => ends,
             Film::Square => mesh.rim.clone(),
         };
-        for x in &mut nodes.position {
+        put(&mut nodes, |_, x| {
             let along = |axis: usize| (PI * f64::from(mode[axis]) * (x[axis] / SPAN + 0.5)).sin();
             let shape = match self {
                 Film::Strip => along(0),
                 Film::Square => along(0) * along(1),
             };
-            x[2] = HEIGHT * SPAN * shape;
-        }
+            [x[0], x[1], HEIGHT * SPAN * shape]
+        });
         nodes.hold(held.iter().map(|n| *n as usize), [true; 3]);
         let shape: Vec<f64> = places(&nodes).iter().map(|x| x[2] / (HEIGHT * SPAN)).collect();
         let whole: f64 = shape.iter().zip(&nodes.mass).map(|(s, m)| m * s * s).sum();

@@ -62,7 +62,7 @@ impl Scene {
         let jaws = [(Side::XMinus, -0.5), (Side::XPlus, 0.5)].map(|(side, share)| {
             let jaw = Jaw { nodes: mesh.sides[side as usize].clone(), velocity: share * velocity };
             nodes.hold(jaw.nodes.iter().map(|n| *n as usize), [true; 3]);
-            jaw.nodes.iter().for_each(|n| nodes.velocity[*n as usize] = [jaw.velocity, 0.0, 0.0]);
+            jaw.nodes.iter().for_each(|n| nodes.velocity.set(*n as usize, [jaw.velocity, 0.0, 0.0]));
             jaw
         });
         let drive = Drive { jaws: jaws.into(), multiplicity: 1.0, ..Drive::default() };
@@ -114,21 +114,19 @@ pub fn watch<T>(engine: &mut Engine, look: impl FnMut(&View<'_>) -> T) -> T {
 
 /// Where the nodes are.
 pub fn places(nodes: &Nodes) -> Vec<[f64; 3]> {
-    nodes.position.clone()
+    nodes.position.iter().collect()
 }
 
 /// Puts every node where `to` says, from its number and place.
 pub fn put(nodes: &mut Nodes, mut to: impl FnMut(usize, [f64; 3]) -> [f64; 3]) {
-    for (n, x) in nodes.position.iter_mut().enumerate() {
-        *x = to(n, *x);
-    }
+    (0..nodes.position.len()).for_each(|n| nodes.position.set(n, to(n, nodes.position.at(n))));
 }
 
 /// The film's forces on its nodes.
 pub fn forces(film: &mut Film, nodes: &Nodes) -> Vec<Vector3<f64>> {
-    let mut force = vec![[0.0; 3]; nodes.position.len()];
-    film.add_forces(&nodes.position, &mut force);
-    force.into_iter().map(Vector3::from).collect()
+    let mut nodes = nodes.clone();
+    film.add_forces(&mut nodes);
+    nodes.force.iter().map(Vector3::from).collect()
 }
 
 /// Where the nodes come to rest under `damping` (1/s) within `time` (s), and the energies then.

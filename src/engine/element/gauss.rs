@@ -1,0 +1,174 @@
+//! Elements that are integrated in full: gradients of the shape functions at every integration point.
+
+use super::block::{Block, BlockEnergies, BlockStrains};
+use crate::lane::{Lane, Lane3, splat};
+use crate::material::{Deformation, MembraneLaw, Peaks, strains};
+
+/// Elements with `NODES` nodes and `POINTS` integration points each.
+#[derive(Clone, Debug)]
+pub struct Gauss<const NODES: usize, const POINTS: usize, const L: usize> {
+    points: [Point<NODES, L>; POINTS],
+}
+
+/// An integration point of the elements of a block.
+#[derive(Clone, Debug)]
+struct Point<const NODES: usize, const L: usize> {
+    /// ∂N_a/∂X_I along MD and TD of the stress-free film, 1/m.
+    gradient: [[Lane<L>; 2]; NODES],
+    /// Volume of stress-free film (all layers), m³; zero once broken.
+    volume: Lane<L>,
+    /// Largest strains so far.
+    peaks: Peaks<L>,
+}
+
+/// One such element.
+#[derive(Clone, Copy, Debug)]
+pub struct GaussElement<const NODES: usize, const POINTS: usize> {
+    pub(super) gradient: [[[f64; 2]; NODES]; POINTS],
+    /// Area of stress-free film at each point, m².
+    pub(super) area: [f64; POINTS],
+}
+
+impl<const NODES: usize, const L: usize> Point<NODES, L> {
+    /// f_I = Σ_a ∂N_a/∂X_I x_a (theory.md, equation 1).
+    #[inline(always)]
+    fn deformation(&self, x: &[Lane3<L>; NODES]) -> Deformation<L> {
+        let mut f = [[splat(0.0); 3]; 2];
+        for fibre in 0..2 {
+            for axis in 0..3 {
+                for a in 0..NODES {
+                    for l in 0..L {
+                        f[fibre][axis][l] += self.gradient[a][fibre][l] * x[a][axis][l];
+                    }
+                }
+            }
+        }
+        Deformation::from(f)
+    }
+
+    /// Takes V Σ_I ∂N_a/∂X_I p_I from the forces (theory.md, equation 2).
+    #[inline(always)]
+    fn subtract_stress(&self, p: &[Lane3<L>; 2], out: &mut [Lane3<L>; NODES]) {
+        for fibre in 0..2 {
+            for axis in 0..3 {
+                let mut vp = splat::<L>(0.0);
+                for l in 0..L {
+                    vp[l] = self.volume[l] * p[fibre][axis][l];
+                }
+                for a in 0..NODES {
+                    for l in 0..L {
+                        out[a][axis][l] -= self.gradient[a][fibre][l] * vp[l];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Σ_a ∂N_a/∂X_I ∂N_a/∂X_J, 1/m².
+    #[inline(always)]
+    fn metric(&self) -> [[Lane<L>; 2]; 2] {
+        let row = |fibre: usize| self.gradient.each_ref().map(|of| of[fibre]);
+        let mut g = [[splat(0.0); 2]; 2];
+        for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+            for a in 0..NODES {
+                for l in 0..L {
+                    g[i][j][l] += row(i)[a][l] * row(j)[a][l];
+                }
+            }
+        }
+        g
+    }
+}
+
+impl<const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L> for Gauss<NODES, POINTS, L> {
+    type Element = GaussElement<NODES, POINTS>;
+
+    fn new<'a>(lane: impl Fn(usize) -> (&'a Self::Element, f64)) -> Self {
+        let point = |p: usize| Point {
+            gradient: std::array::from_fn(|a| [0, 1].map(|i| std::array::from_fn(|l| lane(l).0.gradient[p][a][i]))),
+            volume: std::array::from_fn(|l| lane(l).1 * lane(l).0.area[p]),
+            peaks: [splat(0.0); 3],
+        };
+        Gauss { points: std::array::from_fn(point) }
+    }
+
+    #[inline(always)]
+    fn forces<M: MembraneLaw>(&mut self, law: &M, x: &[Lane3<L>; NODES], out: &mut [Lane3<L>; NODES]) -> bool {
+        let limits = law.break_strains();
+        let mut past = false;
+        *out = [[splat(0.0); 3]; NODES];
+        for point in &mut self.points {
+            let d = point.deformation(x);
+            let stress = law.stress(&d, &mut point.peaks);
+            point.subtract_stress(&stress.p, out);
+            for l in 0..L {
+                let beyond = (point.peaks[0][l] > limits[0]) | (point.peaks[1][l] > limits[1]);
+                past |= (point.volume[l] > 0.0) & beyond;
+            }
+        }
+        past
+    }
+
+    #[inline(always)]
+    fn energies<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockEnergies<L> {
+        let mut out = BlockEnergies::NONE;
+        for point in &self.points {
+            let energy = law.energy(&point.deformation(x), &point.peaks);
+            for l in 0..L {
+                out.stored[l] += point.volume[l] * energy.stored[l];
+                out.absorbed[l] += point.volume[l] * energy.absorbed[l];
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn stiffness<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; NODES]) -> Lane<L> {
+        let mut bound = splat(0.0);
+        for point in &self.points {
+            let resistance = law.stiffness(&point.deformation(x), &point.peaks).resistance(&point.metric());
+            for l in 0..L {
+                bound[l] += point.volume[l] * resistance[l];
+            }
+        }
+        bound
+    }
+
+    #[inline(always)]
+    fn strains(&self, x: &[Lane3<L>; NODES]) -> BlockStrains<L> {
+        let mut out = BlockStrains { strain: [splat(0.0); 3], peak: [splat(0.0); 2] };
+        for point in &self.points {
+            let s = strains(&point.deformation(x));
+            for (mean, value) in out.strain.iter_mut().zip([s.md, s.td, s.shear]) {
+                for l in 0..L {
+                    mean[l] += value[l] / POINTS as f64;
+                }
+            }
+            for fibre in 0..2 {
+                for l in 0..L {
+                    out.peak[fibre][l] = out.peak[fibre][l].max(point.peaks[fibre][l]);
+                }
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn volume(&self) -> Lane<L> {
+        let mut volume = splat(0.0);
+        for point in &self.points {
+            for l in 0..L {
+                volume[l] += point.volume[l];
+            }
+        }
+        volume
+    }
+
+    fn is_past(&self, lane: usize, limits: [f64; 2]) -> bool {
+        self.points.iter().any(|p| p.peaks[0][lane] > limits[0] || p.peaks[1][lane] > limits[1])
+    }
+
+    fn take_out(&mut self, lane: usize) {
+        self.points.iter_mut().for_each(|p| p.volume[lane] = 0.0);
+    }
+}

@@ -1,0 +1,219 @@
+//! The four-node element with one integration point and the motion that this point does not see.
+//!
+//! The mode ξη has the amplitude q = Σ γ_a x_a (theory.md, equations 11–14). Across the element f_I varies by q times the
+//! mode's gradient, with mean square H_I |q|². The law sees it as [`Deformation::spread`], so tension resists the mode as
+//! full integration would, from the same energy. Along the fibres a small stiffness κ_I is added, ½ κ_I H_I (f_I·q)²,
+//! because strains that cancel in the mean leave no trace in it.
+//!
+//! At the centre, gradients of opposite nodes are equal and opposite, so those of the first two nodes say all:
+//! with the diagonals d₀ = x₀ − x₂ and d₁ = x₁ − x₃,
+//!
+//! ```text
+//! f_I = b₀I d₀ + b₁I d₁ ,   q = ¼(x₀ − x₁ + x₂ − x₃) − s₀ d₀ − s₁ d₁ ,   H_I = 8/3 (b₀I² + b₁I²) ,
+//! b_aI = ∂N_a/∂X_I ,   s_a = ¼ Σ_I (h·X_I) b_aI
+//! ```
+
+use super::block::{Block, BlockEnergies, BlockStrains};
+use crate::lane::{Lane, Lane3, dot, splat};
+use crate::material::{Deformation, MembraneLaw, Peaks, Stress, strains};
+
+/// Elements with one point each.
+#[derive(Clone, Debug)]
+pub struct OnePoint<const L: usize> {
+    /// b_aI of the first two nodes, along MD and TD of the stress-free film, 1/m.
+    gradient: [[Lane<L>; 2]; 2],
+    /// s₀ and s₁; zero in a parallelogram.
+    skew: [Lane<L>; 2],
+    /// Volume of stress-free film (all layers), m³; zero once broken.
+    volume: Lane<L>,
+    /// Largest strains so far.
+    peaks: Peaks<L>,
+}
+
+/// One such element.
+#[derive(Clone, Copy, Debug)]
+pub struct OnePointElement {
+    pub(super) gradient: [[f64; 2]; 2],
+    pub(super) skew: [f64; 2],
+    /// Area of stress-free film, m².
+    pub(super) area: f64,
+}
+
+/// Share of the initial modulus with which hourglass motion along the fibres is resisted.
+const IN_PLANE_STABILISATION: f64 = 0.05;
+
+/// Where the nodes of a block stand, as far as it matters.
+struct Shape<const L: usize> {
+    deformation: Deformation<L>,
+    /// Amplitude q of the mode, m.
+    q: Lane3<L>,
+    /// H_I, 1/m².
+    mean_square: [Lane<L>; 2],
+}
+
+impl<const L: usize> OnePoint<L> {
+    #[inline(always)]
+    fn shape(&self, x: &[Lane3<L>; 4]) -> Shape<L> {
+        let mut f = [[splat(0.0); 3]; 2];
+        let mut q = [splat(0.0); 3];
+        for axis in 0..3 {
+            for l in 0..L {
+                let (first, second) = (x[0][axis][l] - x[2][axis][l], x[1][axis][l] - x[3][axis][l]);
+                let mode = 0.25 * ((x[0][axis][l] + x[2][axis][l]) - (x[1][axis][l] + x[3][axis][l]));
+                q[axis][l] = mode - (self.skew[0][l] * first + self.skew[1][l] * second);
+                for fibre in 0..2 {
+                    f[fibre][axis][l] = self.gradient[0][fibre][l] * first + self.gradient[1][fibre][l] * second;
+                }
+            }
+        }
+        let squared = dot(&q, &q);
+        let mut mean_square = [splat(0.0); 2];
+        let mut spread = [splat(0.0); 2];
+        for fibre in 0..2 {
+            for l in 0..L {
+                let [first, second] = [self.gradient[0][fibre][l], self.gradient[1][fibre][l]];
+                mean_square[fibre][l] = (8.0 / 3.0) * (first * first + second * second);
+                spread[fibre][l] = mean_square[fibre][l] * squared[l];
+            }
+        }
+        Shape { deformation: Deformation { f, spread }, q, mean_square }
+    }
+}
+
+impl<const L: usize> Shape<L> {
+    /// h = V Σ_I H_I [ 2∂W/∂|f_I|² q + κ_I (f_I·q) f_I ], of which node a gets −γ_a h; adds what the stabilisation
+    /// gives to ∂W/∂f_I, κ_I H_I (f_I·q) q, to the stress (theory.md, equation 14).
+    #[inline(always)]
+    fn resist(&self, volume: &Lane<L>, stress: &mut Stress<L>, stabilisation: [f64; 2]) -> Lane3<L> {
+        let f = &self.deformation.f;
+        let mut resisted = [dot(&f[0], &self.q), dot(&f[1], &self.q)];
+        let mut followed = splat::<L>(0.0);
+        for fibre in 0..2 {
+            for l in 0..L {
+                resisted[fibre][l] *= stabilisation[fibre] * self.mean_square[fibre][l];
+                followed[l] += self.mean_square[fibre][l] * stress.tension[fibre][l];
+            }
+        }
+        let mut h = [splat(0.0); 3];
+        for axis in 0..3 {
+            for l in 0..L {
+                let along = resisted[0][l] * f[0][axis][l] + resisted[1][l] * f[1][axis][l];
+                h[axis][l] = volume[l] * (followed[l] * self.q[axis][l] + along);
+                stress.p[0][axis][l] += resisted[0][l] * self.q[axis][l];
+                stress.p[1][axis][l] += resisted[1][l] * self.q[axis][l];
+            }
+        }
+        h
+    }
+}
+
+/// Stiffness κ_I with which hourglass motion along the fibres is resisted, Pa.
+#[inline(always)]
+fn stabilisation(law: &impl MembraneLaw) -> [f64; 2] {
+    law.moduli().map(|modulus| IN_PLANE_STABILISATION * modulus)
+}
+
+impl<const L: usize> Block<4, L> for OnePoint<L> {
+    type Element = OnePointElement;
+
+    fn new<'a>(lane: impl Fn(usize) -> (&'a OnePointElement, f64)) -> Self {
+        let all = |value: &dyn Fn(&OnePointElement) -> f64| std::array::from_fn(|l| value(lane(l).0));
+        OnePoint {
+            gradient: [0, 1].map(|a| [0, 1].map(|i| all(&|e| e.gradient[a][i]))),
+            skew: [0, 1].map(|a| all(&|e| e.skew[a])),
+            volume: std::array::from_fn(|l| lane(l).1 * lane(l).0.area),
+            peaks: [splat(0.0); 3],
+        }
+    }
+
+    #[inline(always)]
+    fn forces<M: MembraneLaw>(&mut self, law: &M, x: &[Lane3<L>; 4], out: &mut [Lane3<L>; 4]) -> bool {
+        let shape = self.shape(x);
+        let mut stress = law.stress(&shape.deformation, &mut self.peaks);
+        let h = shape.resist(&self.volume, &mut stress, stabilisation(law));
+        for axis in 0..3 {
+            for l in 0..L {
+                let (vp, vq) = (self.volume[l] * stress.p[0][axis][l], self.volume[l] * stress.p[1][axis][l]);
+                let mode = h[axis][l];
+                let first = self.gradient[0][0][l] * vp + self.gradient[0][1][l] * vq - self.skew[0][l] * mode;
+                let second = self.gradient[1][0][l] * vp + self.gradient[1][1][l] * vq - self.skew[1][l] * mode;
+                let quarter = 0.25 * mode;
+                out[0][axis][l] = -first - quarter;
+                out[1][axis][l] = quarter - second;
+                out[2][axis][l] = first - quarter;
+                out[3][axis][l] = quarter + second;
+            }
+        }
+        let limits = law.break_strains();
+        let mut past = false;
+        for l in 0..L {
+            let beyond = (self.peaks[0][l] > limits[0]) | (self.peaks[1][l] > limits[1]);
+            past |= (self.volume[l] > 0.0) & beyond;
+        }
+        past
+    }
+
+    #[inline(always)]
+    fn energies<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; 4]) -> BlockEnergies<L> {
+        let shape = self.shape(x);
+        let energy = law.energy(&shape.deformation, &self.peaks);
+        let stabilisation = stabilisation(law);
+        let f = &shape.deformation.f;
+        let along = [dot(&f[0], &shape.q), dot(&f[1], &shape.q)];
+        let mut out = BlockEnergies::NONE;
+        for l in 0..L {
+            let resisted = |i: usize| 0.5 * stabilisation[i] * shape.mean_square[i][l] * along[i][l] * along[i][l];
+            out.stored[l] = self.volume[l] * energy.stored[l];
+            out.absorbed[l] = self.volume[l] * energy.absorbed[l];
+            out.hourglass[l] = self.volume[l] * (resisted(0) + resisted(1));
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn stiffness<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; 4]) -> Lane<L> {
+        let shape = self.shape(x);
+        let f = &shape.deformation.f;
+        let mut g = [[splat(0.0); 2]; 2];
+        let mut modes = splat::<L>(0.0);
+        for l in 0..L {
+            let b = |a: usize, i: usize| self.gradient[a][i][l];
+            for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+                g[i][j][l] = 2.0 * (b(0, i) * b(0, j) + b(1, i) * b(1, j));
+            }
+            let skewed = self.skew[0][l] * self.skew[0][l] + self.skew[1][l] * self.skew[1][l];
+            modes[l] = 0.25 + 2.0 * skewed;
+        }
+        let mut bound = law.stiffness(&shape.deformation, &self.peaks).resistance(&g);
+        let stabilisation = stabilisation(law);
+        let (squares, amplitude) = ([dot(&f[0], &f[0]), dot(&f[1], &f[1])], dot(&shape.q, &shape.q));
+        for l in 0..L {
+            for i in 0..2 {
+                // The two parts of the gradient of f_I·q, each doubled for the product of both.
+                let moved = squares[i][l] * modes[l] + amplitude[l] * g[i][i][l];
+                bound[l] += 2.0 * stabilisation[i] * shape.mean_square[i][l] * moved;
+            }
+            bound[l] *= self.volume[l];
+        }
+        bound
+    }
+
+    #[inline(always)]
+    fn strains(&self, x: &[Lane3<L>; 4]) -> BlockStrains<L> {
+        let s = strains(&self.shape(x).deformation);
+        BlockStrains { strain: [s.md, s.td, s.shear], peak: [self.peaks[0], self.peaks[1]] }
+    }
+
+    #[inline(always)]
+    fn volume(&self) -> Lane<L> {
+        self.volume
+    }
+
+    fn is_past(&self, lane: usize, limits: [f64; 2]) -> bool {
+        self.peaks[0][lane] > limits[0] || self.peaks[1][lane] > limits[1]
+    }
+
+    fn take_out(&mut self, lane: usize) {
+        self.volume[lane] = 0.0;
+    }
+}
