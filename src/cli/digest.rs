@@ -5,24 +5,21 @@ use std::path::Path;
 
 use crate::diagnostic::shown_path;
 use crate::model::Model;
-use crate::post::{Audit, Impact, Measures, Results, Stretch};
+use crate::post::{Audit, Impact, Indent, Inflation, Measures, Results, Stretch};
 use crate::report::{G, duration, subject};
 use crate::simulate::Outcome;
 
 /// Title, cost, figures and warnings of a run; ends with a line break.
 pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
     let mut text = format!("{}  {}\n", model.name, subject(model));
-    match &results.measures {
-        Measures::Impact(measures) => {
-            text += &cost(&measures.audit);
-            text += &impact(measures);
-            text += &errors(model, measures);
-        }
-        Measures::Stretch(measures) => {
-            text += &cost(&measures.audit);
-            text += &stretch(measures);
-        }
-    }
+    text += &cost(results.measures.audit());
+    text += &match &results.measures {
+        Measures::Impact(measures) => [impact(measures), errors(model, measures)].concat(),
+        Measures::Stretch(measures) => stretch(measures),
+        Measures::Indent(measures) => indent(measures),
+        Measures::Inflation(measures) => inflation(measures),
+    };
+    text += &steadiness(results.measures.audit());
     if let Some(time) = outcome.rupture_time {
         let _ = writeln!(text, "  the film ruptured at {}", duration(time));
     }
@@ -81,14 +78,53 @@ fn stretch(measures: &Stretch) -> String {
         Some(at) => format!("at {}, {}", percent(at), stress(measures.stress_at_break)),
         None => "none".into(),
     };
-    let mut text = format!(
+    format!(
         "  peak stress         {peak:<22} peak force    {force}\n  break               {broke:<22} energy balance error {}\n",
         balance(&measures.audit),
-    );
-    if let (Some(scaling), Some(share)) = (measures.audit.mass_scaling, measures.audit.kinetic_share) {
-        let _ = writeln!(text, "  mass scaled by {}, kinetic share {}", short(scaling), percent(share));
+    )
+}
+
+fn indent(measures: &Indent) -> String {
+    let depth = |value| shown(value, 1e3, "mm");
+    let peak = format!("{} at {}", shown(measures.peak_force, 1.0, "N"), depth(measures.depth_at_peak_force));
+    let end = match measures.depth_at_break {
+        Some(_) => format!("break at {}", depth(measures.depth_at_break)),
+        None => depth(measures.final_depth),
+    };
+    format!(
+        "  peak force          {peak:<22} depth         {end}\n  work                {:<22} energy balance error {}\n",
+        shown(Some(measures.work), 1.0, "J"),
+        balance(&measures.audit),
+    )
+}
+
+fn inflation(measures: &Inflation) -> String {
+    let pressure = |value| shown(value, 1e-3, "kPa");
+    let end = match measures.burst_pressure {
+        Some(_) => format!("burst at {}", pressure(measures.burst_pressure)),
+        None => pressure(measures.peak_pressure),
+    };
+    format!(
+        "  deflection          {:<22} pressure      {end}\n  settled within      {:<22} energy balance error {}\n",
+        shown(measures.final_deflection, 1e3, "mm"),
+        measures.settling.map_or("-".into(), |share| format!("{:.3} %", share * 100.0)),
+        balance(&measures.audit),
+    )
+}
+
+/// How far a slow test was from equilibrium, and what it took to be as near.
+fn steadiness(audit: &Audit) -> String {
+    match (audit.mass_scaling, audit.kinetic_share) {
+        (Some(scaling), Some(share)) => {
+            format!("  mass scaled by {}, kinetic share {}\n", short(scaling), percent(share))
+        }
+        _ => String::new(),
     }
-    text
+}
+
+/// The value times a factor, with its unit.
+fn shown(value: Option<f64>, factor: f64, unit: &str) -> String {
+    value.map_or("-".into(), |value| format!("{} {unit}", short(value * factor)))
 }
 
 fn at(value: Option<String>, time: Option<f64>) -> String {

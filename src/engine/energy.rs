@@ -23,7 +23,7 @@ pub struct Energies {
     pub friction: f64,
     /// Lost to mass-proportional damping.
     pub damping: f64,
-    /// Given by jaws, counted negative.
+    /// Given by jaws, pressure or a driven impactor, counted negative.
     pub external: f64,
 }
 

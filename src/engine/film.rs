@@ -62,6 +62,7 @@ macro_rules! concretely {
         match $of {
             Law::Fabric($law) => concretely!($elements, |$blocks| $body),
             Law::Elastic($law) => concretely!($elements, |$blocks| $body),
+            Law::TensionField($law) => concretely!($elements, |$blocks| $body),
         }
     };
     ($elements:expr, |$blocks:ident| $body:expr) => {

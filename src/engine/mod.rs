@@ -10,6 +10,7 @@ mod failure;
 mod film;
 mod nodes;
 mod observer;
+mod pressure;
 mod rigid_body;
 mod team;
 mod time_step;
@@ -20,12 +21,14 @@ pub use energy::Energies;
 pub use film::Film;
 pub use nodes::{Kick, Nodes, Vectors};
 pub use observer::{Observer, Track, View};
+pub use pressure::Inflation;
 pub use rigid_body::RigidBody;
 pub use team::Team;
 pub use time_step::TimeStep;
 
 use element::Forces;
 use nodes::Moved;
+use pressure::Inflated;
 use team::Disjoint;
 use thiserror::Error;
 
@@ -40,6 +43,8 @@ pub struct Engine {
     steps: u64,
     gone: Gone,
     before: Before,
+    /// What pressure did last.
+    inflated: Option<Inflated>,
     team: Team,
     /// Chunks of film whose forces may be added at the same time, film and chunk, colour by colour.
     phases: Vec<Vec<(usize, usize)>>,
@@ -64,6 +69,8 @@ pub struct Drive {
     pub damping: f64,
     /// Nodes moved at a prescribed velocity along x.
     pub jaws: Vec<Jaw>,
+    /// Pressure on the lower side of the film, whose edge is held.
+    pub inflation: Option<Inflation>,
     /// Mirror images that one computed part of film stands for.
     pub multiplicity: f64,
     /// Factor on the stable time step, 0 < factor ≤ 1.
@@ -73,7 +80,7 @@ pub struct Drive {
 impl Default for Drive {
     /// Nothing acts on a film that is computed whole.
     fn default() -> Drive {
-        Drive { gravity: 0.0, damping: 0.0, jaws: vec![], multiplicity: 1.0, step_factor: 1.0 }
+        Drive { gravity: 0.0, damping: 0.0, jaws: vec![], inflation: None, multiplicity: 1.0, step_factor: 1.0 }
     }
 }
 
@@ -119,6 +126,12 @@ pub enum Fault {
     NotANumber { time: f64, face: usize, element: usize },
     #[error("the time step fell from {first:.3e} s to {now:.3e} s at {time:.6} s, limited by face {face}")]
     TimeStepCollapsed { time: f64, first: f64, now: f64, face: usize },
+    #[error(
+        "not quasi-static: at {time:.6} s the film's kinetic energy is {:.1} % of the energy it took up; \
+         load it more slowly",
+        100.0 * .share
+    )]
+    NotQuasiStatic { time: f64, share: f64 },
     #[error("the energy balance is off by {:.1} % of the energy exchanged at {time:.6} s", 100.0 * .error)]
     EnergyLost { time: f64, error: f64 },
 }
@@ -143,6 +156,7 @@ impl Engine {
             steps: 0,
             gone: Gone::default(),
             before: Before::default(),
+            inflated: None,
             team: Team::new(1),
             phases,
             broken: 0,
@@ -200,6 +214,7 @@ impl Engine {
 
     /// Forces at the full step; elements past their break strain lose theirs from the next step on.
     fn forces(&mut self) {
+        self.inflate();
         self.add_forces();
         let mut broken = 0;
         for film in &mut self.films {
@@ -215,7 +230,15 @@ impl Engine {
         self.broken += broken;
     }
 
-    /// Adds the films' forces to those of their nodes, which are zero.
+    /// Adds the load of the pressure, if there is one, and books its work.
+    fn inflate(&mut self) {
+        let Some(inflation) = &self.drive.inflation else { return };
+        let now = pressure::inflate(&self.films, &mut self.nodes, inflation.at(self.time));
+        self.gone.external -= self.drive.multiplicity * now.work_since(self.inflated);
+        self.inflated = Some(now);
+    }
+
+    /// Adds the films' forces to those of their nodes, which hold the load alone.
     fn add_forces(&mut self) {
         let position = self.nodes.position.axes();
         let mut rest = self.nodes.force.axes_mut();
@@ -268,15 +291,14 @@ impl Engine {
             // SAFETY: every range comes up once.
             unsafe { *answers.at(part) = moving.advance(width, range) };
         });
-        let moved = parts.iter().fold(Moved::default(), |all, part| all.and(part));
-        self.gone.damping += self.drive.multiplicity * self.drive.damping * over * moved.damped;
-        let mut fastest = moved.fastest.sqrt();
+        let mut moved = parts.iter().fold(Moved::default(), |all, part| all.and(part));
         if let Some(Impact { body, contact }) = &mut self.impact {
             let before = body.clone();
             body.kick(over, self.drive.gravity);
-            fastest = fastest.max(contact.meet(&mut self.nodes, body, &before, dt, &self.team));
+            moved = moved.and(&contact.meet(&mut self.nodes, body, &before, dt, &self.team));
         }
-        fastest
+        self.gone.damping += self.drive.multiplicity * self.drive.damping * over * moved.damped;
+        moved.fastest.sqrt()
     }
 
     /// Shows the full step that was kept, with the velocities that follow it.

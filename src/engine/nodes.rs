@@ -154,9 +154,9 @@ impl Nodes {
         self.force.axes.iter_mut().for_each(|axis| axis.fill(0.0));
     }
 
-    /// Places to be moved, an array an axis, and the velocities.
-    pub(super) fn places_and_velocities(&mut self) -> ([&mut [f64]; 3], &Vectors) {
-        (self.position.axes_mut(), &self.velocity)
+    /// Places to be moved, an array an axis, the velocities and the masses.
+    pub(super) fn in_motion(&mut self) -> ([&mut [f64]; 3], &Vectors, &[f64]) {
+        (self.position.axes_mut(), &self.velocity, &self.mass)
     }
 
     /// Sum of the forces along x on some nodes, N.
@@ -181,7 +181,7 @@ const ALL: u8 = 0b111;
 pub(super) struct Moved {
     /// Square of the largest speed, m²/s².
     pub(super) fastest: f64,
-    /// Σ m v̄² with the mean v̄ of the velocities before and after, of what is not held, kg m²/s²; zero without damping.
+    /// Σ m v̄² with the mean v̄ of the velocities before and after, of what is not held, kg m²/s²; without damping of no use.
     pub(super) damped: f64,
 }
 

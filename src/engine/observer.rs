@@ -75,11 +75,14 @@ impl View<'_> {
         }
         if let (Some(body), Some(before)) = (self.body, &self.before.body) {
             out.kinetic_impactor = body.kinetic_energy(before);
-            out.potential += body.mass * g * body.centre().z;
+            out.potential += body.potential_energy(g);
         }
         if let Some(contact) = &self.contact {
             out.contact = contact.work.impact_loss;
             out.friction = contact.work.friction_loss;
+            if self.body.is_some_and(RigidBody::is_driven) {
+                out.external -= contact.work.given - contact.work.ahead;
+            }
         }
         out
     }

@@ -13,7 +13,7 @@ pub struct RigidBody {
     pub velocity: Vector3<f64>,
     /// rad/s, at the half step, in space axes.
     pub spin: Vector3<f64>,
-    /// kg.
+    /// kg; infinite where the motion is prescribed.
     pub mass: f64,
     /// kg m², in body axes.
     inertia: Matrix3<f64>,
@@ -50,6 +50,16 @@ impl RigidBody {
         let mut body = RigidBody { pose, velocity, spin, mass, inertia, softness: Matrix3::zeros(), guide };
         body.turn();
         body
+    }
+
+    /// A body that moves along z at `velocity` (m/s, upward) whatever it meets.
+    pub fn driven(pose: Isometry3<f64>, velocity: f64) -> RigidBody {
+        RigidBody::new(pose, Vector3::new(0.0, 0.0, velocity), f64::INFINITY, Matrix3::zeros(), Guide::Z)
+    }
+
+    /// Whether its motion is prescribed: then it has no energy of its own, and what it gives comes from outside.
+    pub fn is_driven(&self) -> bool {
+        self.mass.is_infinite()
     }
 
     /// Brings the inverse inertia to the present pose; a body that resists no rotation about some axis is kept from it.
@@ -179,8 +189,16 @@ impl RigidBody {
 
     /// Kinetic energy with velocities half a step before and after, J (theory.md, equation 23).
     pub fn kinetic_energy(&self, before: &RigidBody) -> f64 {
+        if self.is_driven() {
+            return 0.0;
+        }
         let turning = self.spin.dot(&(self.space_inertia() * before.spin));
         0.5 * (self.mass * self.velocity.dot(&before.velocity) + turning)
+    }
+
+    /// Potential energy under gravity `g` (m/s², downward), J.
+    pub fn potential_energy(&self, g: f64) -> f64 {
+        if self.is_driven() { 0.0 } else { self.mass * g * self.centre().z }
     }
 
     fn space_inertia(&self) -> Matrix3<f64> {
@@ -215,6 +233,20 @@ mod tests {
         pushed.push(&(-film * after.velocity_at(&at)), &at);
         assert!((pushed.velocity - after.velocity).norm() < 1e-13);
         assert!((pushed.spin - after.spin).norm() < 1e-13);
+    }
+
+    /// Contact neither slows a driven body down nor turns up in its energy.
+    #[test]
+    fn a_driven_body_keeps_its_velocity() {
+        let mut driven = RigidBody::driven(Isometry3::translation(0.0, 0.0, 1.0), -0.5);
+        let at = Vector3::new(0.1, 0.0, -0.2);
+        let mut gathered = Gathered::default();
+        driven.gather(&mut gathered, &at, 3.0, None, &Vector3::new(1.0, 2.0, 3.0));
+        assert_eq!(driven.after(&gathered).velocity.z, -0.5);
+        driven.push(&Vector3::new(0.0, 0.0, 7.0), &at);
+        driven.kick(1e-3, 0.0);
+        assert_eq!((driven.velocity.z, driven.mobility(&Vector3::z(), &at)), (-0.5, 0.0));
+        assert_eq!((driven.kinetic_energy(&driven.clone()), driven.potential_energy(9.81)), (0.0, 0.0));
     }
 
     /// Spinning freely about a general axis: energy and angular momentum stay.

@@ -19,8 +19,12 @@ pub struct Elastic {
     pub poisson: f64,
 }
 
+/// Components 11, 22 and 12 of a symmetric tensor in the film.
+pub(super) type Plane<const L: usize> = [Lane<L>; 3];
+
 impl Elastic {
-    fn plane(&self) -> f64 {
+    /// Ȳ = Y/(1 − ν²), Pa.
+    pub(super) fn plane(&self) -> f64 {
         self.young / (1.0 - self.poisson * self.poisson)
     }
 
@@ -28,32 +32,36 @@ impl Elastic {
         self.young / (2.0 * (1.0 + self.poisson))
     }
 
-    /// Second Piola–Kirchhoff stress S₁₁, S₂₂, S₁₂ and the strains E₁₁, E₂₂, E₁₂.
+    /// Green–Lagrange strain.
     #[inline(always)]
-    fn response<const L: usize>(&self, d: &Deformation<L>) -> ([Lane<L>; 3], [Lane<L>; 3]) {
+    pub(super) fn strain<const L: usize>(d: &Deformation<L>) -> Plane<L> {
         let [f1, f2] = &d.f;
         let (c11, c22, c12) = (dot(f1, f1), dot(f2, f2), dot(f1, f2));
-        let (plane, twice_shear) = (self.plane(), 2.0 * self.shear());
-        let mut stress = [splat(0.0); 3];
         let mut strain = [splat(0.0); 3];
         for l in 0..L {
-            let (e11, e22, e12) =
-                (0.5 * (c11[l] + d.spread[0][l] - 1.0), 0.5 * (c22[l] + d.spread[1][l] - 1.0), 0.5 * c12[l]);
-            strain[0][l] = e11;
-            strain[1][l] = e22;
-            strain[2][l] = e12;
-            stress[0][l] = plane * (e11 + self.poisson * e22);
-            stress[1][l] = plane * (e22 + self.poisson * e11);
-            stress[2][l] = twice_shear * e12;
+            strain[0][l] = 0.5 * (c11[l] + d.spread[0][l] - 1.0);
+            strain[1][l] = 0.5 * (c22[l] + d.spread[1][l] - 1.0);
+            strain[2][l] = 0.5 * c12[l];
         }
-        (stress, strain)
+        strain
     }
-}
 
-impl MembraneLaw for Elastic {
+    /// Second Piola–Kirchhoff stress at strain `e`.
     #[inline(always)]
-    fn stress<const L: usize>(&self, d: &Deformation<L>, _peaks: &mut Peaks<L>) -> Stress<L> {
-        let (s, _) = self.response(d);
+    fn response<const L: usize>(&self, e: &Plane<L>) -> Plane<L> {
+        let (plane, twice_shear) = (self.plane(), 2.0 * self.shear());
+        let mut stress = [splat(0.0); 3];
+        for l in 0..L {
+            stress[0][l] = plane * (e[0][l] + self.poisson * e[1][l]);
+            stress[1][l] = plane * (e[1][l] + self.poisson * e[0][l]);
+            stress[2][l] = twice_shear * e[2][l];
+        }
+        stress
+    }
+
+    /// First Piola–Kirchhoff stress and tension of the second, `s`.
+    #[inline(always)]
+    pub(super) fn first_piola<const L: usize>(d: &Deformation<L>, s: Plane<L>) -> Stress<L> {
         let mut p = [[splat(0.0); 3]; 2];
         let [f1, f2] = &d.f;
         for axis in 0..3 {
@@ -65,19 +73,9 @@ impl MembraneLaw for Elastic {
         Stress { p, tension: [s[0], s[1]] }
     }
 
+    /// Bound on the tangent stiffness at deformation `d` under the second Piola–Kirchhoff stress `s`.
     #[inline(always)]
-    fn energy<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Energy<L> {
-        let (s, e) = self.response(d);
-        let mut stored = splat(0.0);
-        for l in 0..L {
-            stored[l] = 0.5 * (s[0][l] * e[0][l] + s[1][l] * e[1][l]) + s[2][l] * e[2][l];
-        }
-        Energy { stored, absorbed: splat(0.0) }
-    }
-
-    #[inline(always)]
-    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Stiffness<L> {
-        let (s, _) = self.response(d);
+    pub(super) fn bound<const L: usize>(&self, d: &Deformation<L>, s: Plane<L>) -> Stiffness<L> {
         let (c11, c22) = (dot(&d.f[0], &d.f[0]), dot(&d.f[1], &d.f[1]));
         let nothing = splat(0.0);
         let mut bound = Stiffness { along: [nothing; 2], across: [nothing; 2], shear: nothing, alignment: splat(1.0) };
@@ -90,6 +88,29 @@ impl MembraneLaw for Elastic {
             bound.shear[l] = self.shear() * larger(square[0], square[1]);
         }
         bound
+    }
+}
+
+impl MembraneLaw for Elastic {
+    #[inline(always)]
+    fn stress<const L: usize>(&self, d: &Deformation<L>, _peaks: &mut Peaks<L>) -> Stress<L> {
+        Elastic::first_piola(d, self.response(&Elastic::strain(d)))
+    }
+
+    #[inline(always)]
+    fn energy<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Energy<L> {
+        let e = Elastic::strain(d);
+        let s = self.response(&e);
+        let mut stored = splat(0.0);
+        for l in 0..L {
+            stored[l] = 0.5 * (s[0][l] * e[0][l] + s[1][l] * e[1][l]) + s[2][l] * e[2][l];
+        }
+        Energy { stored, absorbed: splat(0.0) }
+    }
+
+    #[inline(always)]
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Stiffness<L> {
+        self.bound(d, self.response(&Elastic::strain(d)))
     }
 
     fn moduli(&self) -> [f64; 2] {

@@ -8,12 +8,14 @@ mod curve;
 mod elastic;
 mod fabric;
 mod multipliers;
+mod tension_field;
 
 pub use absorption::Absorption;
 pub use curve::{Curve, CurveError, Reading};
 pub use elastic::Elastic;
 pub use fabric::Fabric;
 pub use multipliers::Multipliers;
+pub use tension_field::TensionField;
 
 use crate::lane::{LANES, Lane, Lane3, splat};
 
@@ -122,6 +124,29 @@ pub enum Law {
     Fabric(Fabric),
     /// St. Venant–Kirchhoff plane stress.
     Elastic(Elastic),
+    /// The same without compression.
+    TensionField(TensionField),
+}
+
+impl Law {
+    /// Strains at which the MD and TD fibres break.
+    pub fn break_strains(&self) -> [f64; 2] {
+        match self {
+            Law::Fabric(law) => law.break_strains(),
+            Law::Elastic(law) => law.break_strains(),
+            Law::TensionField(law) => law.break_strains(),
+        }
+    }
+
+    /// First Piola–Kirchhoff stress of film that goes straight to the gradient `f`, Pa of one layer.
+    pub fn virgin_stress(&self, f: Gradient<1>) -> Gradient<1> {
+        let (d, mut peaks) = (Deformation::from(f), [splat(0.0); 3]);
+        match self {
+            Law::Fabric(law) => law.stress(&d, &mut peaks).p,
+            Law::Elastic(law) => law.stress(&d, &mut peaks).p,
+            Law::TensionField(law) => law.stress(&d, &mut peaks).p,
+        }
+    }
 }
 
 /// What one layer of film is made of.
@@ -218,6 +243,12 @@ mod tests {
     #[test]
     fn elastic_stress_is_the_derivative_of_its_energy() {
         check_derivative(&Elastic { young: 5e7, poisson: 0.44 }, 0.0);
+    }
+
+    #[test]
+    fn tension_field_stress_is_the_derivative_of_its_energy() {
+        check_derivative(&TensionField(Elastic { young: 5e7, poisson: 0.44 }), 0.0);
+        check_derivative(&TensionField(Elastic { young: 5e7, poisson: -0.3 }), 0.0);
     }
 
     #[test]

@@ -18,7 +18,39 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Frame {
     if is_stretch(scenario) && !is_jaws(&hold) {
         findings.report_with(PATH, "a stretch test holds the sides x- and x+, its jaws", "leave the key out");
     }
+    unheld(&hold, scenario, findings);
     Frame { hold }
+}
+
+/// Slow loadings ask for film that can answer them.
+fn unheld(hold: &Hold, scenario: &Scenario, findings: &mut Findings<'_>) {
+    match scenario.loading {
+        Loading::Indent(_) if !is_spanned(hold) => {
+            let hint = "hold \"all\", or at least two opposite sides";
+            findings.report_with(
+                PATH,
+                "the film is not held on both sides of the impactor, which pushes it away",
+                hint,
+            );
+        }
+        Loading::Pressure(_) if *hold != Hold::All => {
+            let hint = "leave the key out, or hold \"all\"";
+            findings.report_with(PATH, "pressure escapes past an edge that is not held", hint);
+        }
+        _ => {}
+    }
+}
+
+/// Whether two opposite sides are held.
+fn is_spanned(hold: &Hold) -> bool {
+    match hold {
+        Hold::All => true,
+        Hold::Sides(sides) => {
+            let both = |a, b| sides.contains(&a) && sides.contains(&b);
+            both(Side::XMinus, Side::XPlus) || both(Side::YMinus, Side::YPlus)
+        }
+        Hold::None => false,
+    }
 }
 
 fn is_stretch(scenario: &Scenario) -> bool {

@@ -9,17 +9,20 @@ const SHAFT: f64 = 4.0;
 
 /// The impactor, where the loading needs one.
 pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Impactor> {
-    if matches!(scenario.loading, Loading::Stretch(_)) {
-        return None;
-    }
+    let why = match scenario.loading {
+        Loading::Impact(_) => "`loading.impact` needs a body that falls",
+        Loading::Indent(_) => "`loading.indent` needs a body that goes down",
+        Loading::Stretch(_) | Loading::Pressure(_) => return None,
+    };
     let Some(written) = &scenario.impactor else {
-        findings.missing("impactor", "`loading.impact` needs a body that falls");
+        findings.missing("impactor", why);
         return None;
     };
     mirrored(written, symmetry(&scenario.specimen), findings);
+    let (shape, mass) = (shape(&written.shape, findings), mass(written, &scenario.loading, findings));
     Some(Impactor {
-        shape: shape(&written.shape, findings)?,
-        mass: written.mass.0,
+        shape: shape?,
+        mass: mass?,
         guide: match written.guide {
             scenario::Guide::Z => Guide::Z,
             scenario::Guide::Free => Guide::Free,
@@ -27,6 +30,20 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Impacto
         friction: written.friction,
         position: written.position.map(|length| length.0),
     })
+}
+
+/// Mass of a body that falls; one that is driven takes none, and cannot be free either.
+fn mass(written: &scenario::Impactor, loading: &Loading, findings: &mut Findings<'_>) -> Option<f64> {
+    if matches!(loading, Loading::Indent(_)) {
+        if written.guide == scenario::Guide::Free {
+            findings.report_with("impactor.guide", "an indentation drives the impactor along z", "leave the key out");
+        }
+        return Some(f64::INFINITY);
+    }
+    if written.mass.is_none() {
+        findings.missing("impactor.mass", "`loading.impact` needs the mass of what falls");
+    }
+    written.mass.map(|mass| mass.0)
 }
 
 fn shape(written: &scenario::ImpactorShape, findings: &mut Findings<'_>) -> Option<ImpactorShape> {

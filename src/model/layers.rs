@@ -25,6 +25,7 @@ pub fn check(scenario: &Scenario, loading: &Loading, findings: &mut Findings<'_>
     }
     mirrored(&faces, scenario, findings);
     prestrained(&faces, scenario, findings);
+    taut(&faces, scenario, findings);
     Some(faces)
 }
 
@@ -125,9 +126,19 @@ fn height_path(scenario: &Scenario, place: usize) -> String {
     if scenario.layer.is_empty() { format!("layers.faces.{place}") } else { format!("layer.{place}.height") }
 }
 
+/// Key path of what a face has of its own.
+fn face_path(scenario: &Scenario, place: usize) -> String {
+    if scenario.layer.is_empty() { "layers".to_owned() } else { format!("layer.{place}") }
+}
+
 fn heights(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
-    if matches!(scenario.loading, scenario::Loading::Stretch(_)) && faces.len() > 1 {
-        findings.report(&height_path(scenario, 1), "a stretch test has one face");
+    let single = match scenario.loading {
+        scenario::Loading::Stretch(_) => Some("a stretch test has one face"),
+        scenario::Loading::Pressure(_) => Some("pressure acts on one face"),
+        scenario::Loading::Impact(_) | scenario::Loading::Indent(_) => None,
+    };
+    if let Some(message) = single.filter(|_| faces.len() > 1) {
+        findings.report(&height_path(scenario, 1), message);
     }
     for (place, pair) in faces.windows(2).enumerate() {
         let path = height_path(scenario, place + 1);
@@ -143,11 +154,27 @@ fn heights(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
     }
 }
 
+/// Film that hangs slack or is pressed together has no shape that a little pressure would give it.
+fn taut(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
+    if !matches!(scenario.loading, scenario::Loading::Pressure(_)) {
+        return;
+    }
+    for (place, face) in faces.iter().enumerate() {
+        for (key, prestrain) in ["md", "td"].into_iter().zip(face.prestrain) {
+            if prestrain < 0.0 {
+                let path = format!("{}.prestrain.{key}", face_path(scenario, place));
+                let hint = "nothing resists the pressure until the film is taut; use a pre-strain of at least 0";
+                findings.report_with(&path, "pressure on film that is wrinkled at the start", hint);
+            }
+        }
+    }
+}
+
 /// A film must outlast its own mounting.
 fn prestrained(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
     for (place, face) in faces.iter().enumerate() {
         let Law::Fabric(fabric) = &face.material.law else { continue };
-        let path = if scenario.layer.is_empty() { "layers".to_owned() } else { format!("layer.{place}") };
+        let path = face_path(scenario, place);
         let fibres = [("md", "MD", fabric.md()), ("td", "TD", fabric.td())];
         for ((key, name, curve), prestrain) in fibres.into_iter().zip(face.prestrain) {
             if prestrain < curve.end() {

@@ -2,8 +2,41 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Findings, Loading};
-use crate::scenario::{self, Axis, Direction, Scenario, Shape};
+use super::{Findings, Loading, Model, Shape};
+use crate::scenario::{self, Axis, Direction, Scenario};
+
+/// Time for which the pressure is held, over that in which it rises.
+const HOLD: f64 = 0.5;
+
+impl Loading {
+    /// Simulated time, s; not a number for a stretch of a shape that jaws cannot hold, which is a mistake of its own.
+    pub fn run_time(&self, shape: &Shape) -> f64 {
+        match (self, shape) {
+            (Loading::Impact { duration, .. }, _) => *duration,
+            (Loading::Stretch { velocity, until, .. }, Shape::Rectangle { x, .. }) => until * x / velocity,
+            (Loading::Stretch { .. }, _) => f64::NAN,
+            (Loading::Indent { depth, velocity, .. }, _) => depth / velocity,
+            (Loading::Pressure { ramp, .. }, _) => (1.0 + HOLD) * ramp,
+        }
+    }
+}
+
+impl Model {
+    /// Simulated time, s.
+    pub fn run_time(&self) -> f64 {
+        self.loading.run_time(&self.specimen.shape)
+    }
+}
+
+const NOT_COMPARED: (&str, &str) = ("reference", "only an impact is compared with a recording");
+const NOT_FILTERED: (&str, &str) = ("output.filter", "only an impact has a filtered channel");
+const DAMPED: (&str, &str) = ("specimen.damping", "a quasi-static test is damped as its duration asks for");
+
+/// Keys that have no meaning under an indentation, and why.
+const INDENT: [(&str, &str); 3] = [NOT_COMPARED, NOT_FILTERED, DAMPED];
+/// The same under pressure.
+const PRESSURE: [(&str, &str); 4] =
+    [("impactor", "`loading.pressure` has no impactor"), NOT_COMPARED, NOT_FILTERED, DAMPED];
 
 /// The loading in SI values.
 pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Loading {
@@ -12,6 +45,14 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Loading {
         scenario::Loading::Stretch(written) => {
             stretched_specimen(scenario, findings);
             stretch(written)
+        }
+        scenario::Loading::Indent(written) => {
+            out_of_place(&INDENT, findings);
+            Loading::Indent { depth: written.depth.0, velocity: written.velocity.0, mass_scaling: written.mass_scaling }
+        }
+        scenario::Loading::Pressure(written) => {
+            out_of_place(&PRESSURE, findings);
+            Loading::Pressure { pressure: written.pressure.0, ramp: written.ramp.0, mass_scaling: written.mass_scaling }
         }
     }
 }
@@ -49,28 +90,30 @@ fn direction(written: Direction) -> f64 {
 
 /// Jaws pull one flat, unstrained, straight-edged film in a direction that the loading alone names.
 fn stretched_specimen(scenario: &Scenario, findings: &mut Findings<'_>) {
-    if !matches!(scenario.specimen.shape, Shape::Rectangle(_)) {
+    if !matches!(scenario.specimen.shape, scenario::Shape::Rectangle(_)) {
         findings.report_with("specimen.shape", "`loading.stretch` needs a rectangle", "jaws hold straight edges");
     }
     let turned = "`loading.stretch.direction` says how the film lies between the jaws";
     let pulled = "a stretch test pulls an unstrained film between two jaws";
-    for (path, why) in [
+    let keys = [
         ("specimen.md_angle", turned),
         ("impactor", "`loading.stretch` has no impactor"),
-        ("reference", "only an impact is compared with a recording"),
-        ("output.filter", "only an impact has a filtered channel"),
+        NOT_COMPARED,
+        NOT_FILTERED,
         ("layers.prestrain", pulled),
-    ] {
-        if findings.is_written(path) {
-            findings.out_of_place(path, why);
-        }
-    }
+    ];
+    out_of_place(&keys, findings);
     for place in 0..scenario.layer.len() {
         for (key, why) in [("md_angle", turned), ("prestrain", pulled)] {
-            let path = format!("layer.{place}.{key}");
-            if findings.is_written(&path) {
-                findings.out_of_place(&path, why);
-            }
+            out_of_place(&[(&format!("layer.{place}.{key}"), why)], findings);
+        }
+    }
+}
+
+fn out_of_place(keys: &[(&str, &str)], findings: &mut Findings<'_>) {
+    for (path, why) in keys {
+        if findings.is_written(path) {
+            findings.out_of_place(path, *why);
         }
     }
 }

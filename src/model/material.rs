@@ -1,27 +1,31 @@
 //! What a layer is made of: curves that are curves, moved by their multipliers.
 
 use super::Findings;
-use crate::material::{Curve, CurveError, Elastic, Fabric, Law, Material, Multipliers};
+use crate::material::{Curve, CurveError, Elastic, Fabric, Law, Material, Multipliers, TensionField};
 use crate::scenario::{self, Fibre, Point, Scale};
 
 /// The material written at `path`, which is empty for that of a material file; none where it is no material.
 pub fn check(written: &scenario::Material, path: &str, findings: &mut Findings<'_>) -> Option<Material> {
-    let fabric_path = if path.is_empty() { "fabric".to_owned() } else { format!("{path}.fabric") };
-    let law = match (&written.fabric, &written.elastic) {
-        (Some(fabric), _) => Law::Fabric(self::fabric(fabric, &fabric_path, findings)?),
-        (None, Some(elastic)) => Law::Elastic(Elastic { young: elastic.young.0, poisson: elastic.poisson }),
+    let of = |table: &str| if path.is_empty() { table.to_owned() } else { format!("{path}.{table}") };
+    let (law, rates, place) = match (&written.fabric, &written.elastic) {
+        (Some(fabric), _) => {
+            let place = of("fabric");
+            (Law::Fabric(self::fabric(fabric, &place, findings)?), fabric.measured_rates, place)
+        }
+        (None, Some(written)) => (elastic(written), written.measured_rates, of("elastic")),
         (None, None) => return None,
     };
-    let rates = written.fabric.as_ref().and_then(|f| f.measured_rates);
     let measured_rates = rates.map(|[from, to]| [from.0, to.0]);
     if measured_rates.is_some_and(|[from, to]| to < from) {
-        findings.report_with(
-            &format!("{fabric_path}.measured_rates"),
-            "the highest rate is below the lowest",
-            "the lowest first",
-        );
+        let path = format!("{place}.measured_rates");
+        findings.report_with(&path, "the highest rate is below the lowest", "the lowest first");
     }
     Some(Material { density: written.density.0, thickness: written.thickness.0, law, measured_rates })
+}
+
+fn elastic(written: &scenario::Elastic) -> Law {
+    let elastic = Elastic { young: written.young.0, poisson: written.poisson };
+    if written.wrinkling { Law::TensionField(TensionField(elastic)) } else { Law::Elastic(elastic) }
 }
 
 fn fabric(written: &scenario::Fabric, path: &str, findings: &mut Findings<'_>) -> Option<Fabric> {

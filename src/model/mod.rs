@@ -3,6 +3,7 @@
 mod findings;
 mod frame;
 mod impactor;
+mod indent;
 mod layers;
 mod loading;
 mod material;
@@ -57,7 +58,7 @@ fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
     let frame = frame::check(scenario, findings);
     let impactor = impactor::check(scenario, findings);
     let solver = solver::check(scenario);
-    let output = output::check(scenario, findings);
+    let output = output::check(scenario, &loading, specimen.as_ref(), findings);
     let reference = reference::check(scenario, findings);
     let post = post::check(scenario, findings);
     let model = Model {
@@ -74,6 +75,7 @@ fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
         post,
     };
     size::check(&model, findings);
+    indent::check(&model, findings);
     Some(model)
 }
 
@@ -203,7 +205,7 @@ pub enum Side {
 #[derive(Clone, Debug)]
 pub struct Impactor {
     pub shape: ImpactorShape,
-    /// kg.
+    /// kg; infinite where its motion is prescribed.
     pub mass: f64,
     pub guide: Guide,
     /// Coulomb coefficient between impactor and film.
@@ -256,6 +258,10 @@ pub enum Loading {
         /// Factor on the film's mass; `None` chooses it from the number of steps.
         mass_scaling: Option<f64>,
     },
+    /// The impactor starts in touch with the film and goes `depth` (m) down at `velocity` (m/s).
+    Indent { depth: f64, velocity: f64, mass_scaling: Option<f64> },
+    /// `pressure` (Pa) on the lower side of the film rises over `ramp` (s) and stays for half as long.
+    Pressure { pressure: f64, ramp: f64, mass_scaling: Option<f64> },
 }
 
 /// How time is stepped.

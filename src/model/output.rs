@@ -1,7 +1,7 @@
 //! What is kept of a run.
 
-use super::{Findings, Output};
-use crate::scenario::{Filter, Loading, Scenario, Shape};
+use super::{Findings, Loading, Output, Specimen};
+use crate::scenario::{Filter, Scenario};
 use crate::units::Time;
 
 /// Samples per second and hertz of the class below which a recording cannot be filtered. ISO 6487 asks for
@@ -17,11 +17,16 @@ const FEWEST_SAMPLES: f64 = 10.0;
 const PATH: &str = "output.sample_rate";
 
 /// What is kept, with the class as a number.
-pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Output {
+pub fn check(
+    scenario: &Scenario,
+    loading: &Loading,
+    specimen: Option<&Specimen>,
+    findings: &mut Findings<'_>,
+) -> Output {
     let written = &scenario.output;
-    let filter = match scenario.loading {
-        Loading::Impact(_) => class(written.filter.unwrap_or(Filter::Cfc1000)),
-        Loading::Stretch(_) => None,
+    let filter = match loading {
+        Loading::Impact { .. } => class(written.filter.unwrap_or(Filter::Cfc1000)),
+        Loading::Stretch { .. } | Loading::Indent { .. } | Loading::Pressure { .. } => None,
     };
     let sample_rate = written.sample_rate.0;
     if let Some(class) = filter
@@ -32,15 +37,16 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Output {
         let hint = format!("at least {least} kHz (ISO 6487), better {} kHz (SAE J211-1)", class / 100.0);
         findings.report_with(PATH, message, hint);
     }
-    samples(scenario, sample_rate, findings);
+    if let Some(specimen) = specimen {
+        samples(loading, loading.run_time(&specimen.shape), sample_rate, findings);
+    }
     Output { sample_rate, frames: usize::try_from(written.frames).unwrap_or(usize::MAX), filter }
 }
 
 /// A run is neither shorter than a few samples nor longer than memory.
-fn samples(scenario: &Scenario, sample_rate: f64, findings: &mut Findings<'_>) {
-    let time = run_time(scenario);
+fn samples(loading: &Loading, time: f64, sample_rate: f64, findings: &mut Findings<'_>) {
     let samples = time * sample_rate;
-    let path = if findings.is_written(PATH) { PATH } else { pace(&scenario.loading) };
+    let path = if findings.is_written(PATH) { PATH } else { pace(loading) };
     let hint = format!("the run takes {}", Time(time));
     if samples > MOST_SAMPLES {
         let message = format!("{samples:.1e} samples are more than can be kept");
@@ -54,17 +60,10 @@ fn samples(scenario: &Scenario, sample_rate: f64, findings: &mut Findings<'_>) {
 /// Key path of what makes a run long or short.
 fn pace(loading: &Loading) -> &'static str {
     match loading {
-        Loading::Impact(_) => "loading.impact.duration",
-        Loading::Stretch(_) => "loading.stretch.velocity",
-    }
-}
-
-/// Simulated time, s; not a number for a stretch of a shape that jaws cannot hold.
-fn run_time(scenario: &Scenario) -> f64 {
-    match (&scenario.loading, &scenario.specimen.shape) {
-        (Loading::Impact(impact), _) => impact.duration.0,
-        (Loading::Stretch(stretch), Shape::Rectangle([gauge, _])) => stretch.until * gauge.0 / stretch.velocity.0,
-        (Loading::Stretch(_), _) => f64::NAN,
+        Loading::Impact { .. } => "loading.impact.duration",
+        Loading::Stretch { .. } => "loading.stretch.velocity",
+        Loading::Indent { .. } => "loading.indent.velocity",
+        Loading::Pressure { .. } => "loading.pressure.ramp",
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use super::{Element, Face, Findings, ImpactorShape, Loading, Model, Shape};
+use super::{Element, Face, Findings, ImpactorShape, Model, Shape};
 
 /// Memory that one run may take for its film, bytes. A bound that is the same on every machine: a film
 /// finer than this is a mistake in the unit of `specimen.mesh.size`.
@@ -71,20 +71,11 @@ fn files(model: &Model, findings: &mut Findings<'_>) {
 
 /// Refuses recordings that do not fit into memory beside the `film`, bytes.
 fn samples(model: &Model, film: f64, findings: &mut Findings<'_>) {
-    let samples = run_time(model) * model.output.sample_rate;
+    let samples = model.run_time() * model.output.sample_rate;
     let memory = film + samples * PER_SAMPLE;
     if memory > MOST_MEMORY {
         let message = format!("{samples:.2e} samples and the film need about {:.1} GB of memory", memory / 1e9);
         findings.report_with("output.sample_rate", message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
-    }
-}
-
-/// Simulated time, s; zero for a stretch of a shape that jaws cannot hold, which is a mistake of its own.
-fn run_time(model: &Model) -> f64 {
-    match (&model.loading, &model.specimen.shape) {
-        (Loading::Impact { duration, .. }, _) => *duration,
-        (Loading::Stretch { velocity, until, .. }, Shape::Rectangle { x, .. }) => until * x / velocity,
-        (Loading::Stretch { .. }, _) => 0.0,
     }
 }
 

@@ -19,6 +19,7 @@ pub struct Audit {
     pub ns_per_element_step: f64,
     pub mass_scaling: Option<f64>,
     pub kinetic_share: Option<f64>,
+    pub damping_share: Option<f64>,
     /// Largest penetration over the impactor's radius.
     pub penetration: Option<f64>,
     /// The mesh of each face.
@@ -77,6 +78,7 @@ impl Audit {
             ns_per_element_step: wall_s * 1e9 / element_steps,
             mass_scaling: outcome.mass_scaling,
             kinetic_share: outcome.kinetic_share,
+            damping_share: outcome.damping_share,
             penetration: outcome.penetration,
             meshes: outcome.films.iter().map(|film| MeshFigures::of(&film.quality)).collect(),
             strain_rates: Histogram::of(&outcome.rates),

@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use super::{Audit, Comparison};
 use crate::experiment::absorption::{Body, energy_absorption};
-use crate::material::{Law, MembraneLaw};
 use crate::model::{Impactor, Loading, Model};
 use crate::signal::csv::clean_time;
 use crate::signal::norm::NormError;
@@ -80,12 +79,7 @@ impl Impact {
 
 /// The smallest over the faces, along MD and TD.
 fn break_strains(model: &Model) -> [Option<f64>; 2] {
-    let strains = || {
-        model.faces.iter().map(|face| match &face.material.law {
-            Law::Fabric(fabric) => fabric.break_strains(),
-            Law::Elastic(elastic) => elastic.break_strains(),
-        })
-    };
+    let strains = || model.faces.iter().map(|face| face.material.law.break_strains());
     [0, 1].map(|fibre| {
         let smallest = strains().map(|strains| strains[fibre]).fold(f64::INFINITY, f64::min);
         Some(smallest).filter(|strain| strain.is_finite())

@@ -2,6 +2,8 @@
 
 mod audit;
 mod impact;
+mod indent;
+mod inflation;
 mod plan;
 mod reference;
 mod results;
@@ -13,6 +15,8 @@ mod tests;
 
 pub use audit::{Audit, Histogram};
 pub use impact::Impact;
+pub use indent::Indent;
+pub use inflation::Inflation;
 pub use plan::{Plan, PrepareError};
 pub use reference::{Comparison, ReferenceError};
 pub use results::{EvaluateError, Measures, Results};

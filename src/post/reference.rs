@@ -55,7 +55,7 @@ impl Comparison {
         }
         let window = match reference.window {
             Window::Range(range) => range,
-            Window::All => [0.0, duration(model).unwrap_or(f64::INFINITY)],
+            Window::All => [0.0, model.run_time()],
             Window::Loading => {
                 let motion = raw.as_ref().or(acceleration.as_ref());
                 let turn = turn(motion, displacement.as_ref(), model);
@@ -75,13 +75,6 @@ impl Comparison {
     pub fn displacement_error(&self, displacement: &Series) -> Option<Result<f64, NormError>> {
         let reference = self.displacement.as_ref()?;
         Some(relative_error(displacement, reference, self.window))
-    }
-}
-
-fn duration(model: &Model) -> Option<f64> {
-    match model.loading {
-        Loading::Impact { duration, .. } => Some(duration),
-        Loading::Stretch { .. } => None,
     }
 }
 

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use thiserror::Error;
 
-use super::{Comparison, Impact, Stretch};
+use super::{Audit, Comparison, Impact, Indent, Inflation, Stretch};
 use crate::model::{Loading, Model};
 use crate::script::{Fault, Findings};
 use crate::signal::filter::{self, FilterError, Standard};
@@ -17,6 +17,8 @@ use crate::simulate::Outcome;
 pub enum Measures {
     Impact(Impact),
     Stretch(Stretch),
+    Indent(Indent),
+    Inflation(Inflation),
 }
 
 /// A measured run.
@@ -52,6 +54,8 @@ impl Results {
         let measures = match model.loading {
             Loading::Impact { .. } => Measures::Impact(Impact::measure(model, outcome, &signals, comparison.as_ref())),
             Loading::Stretch { .. } => Measures::Stretch(Stretch::measure(outcome, &signals)),
+            Loading::Indent { velocity, .. } => Measures::Indent(Indent::measure(velocity, outcome, &signals)),
+            Loading::Pressure { .. } => Measures::Inflation(Inflation::measure(outcome, &signals)),
         };
         Ok(Results { signals, measures, comparison, findings: Findings::default() })
     }
@@ -85,6 +89,8 @@ impl Measures {
         let value = match self {
             Measures::Impact(impact) => json!(impact),
             Measures::Stretch(stretch) => json!(stretch),
+            Measures::Indent(indent) => json!(indent),
+            Measures::Inflation(inflation) => json!(inflation),
         };
         match value {
             Value::Object(figures) => figures,
@@ -97,6 +103,18 @@ impl Measures {
         match self {
             Measures::Impact(impact) => &impact.warnings,
             Measures::Stretch(stretch) => &stretch.warnings,
+            Measures::Indent(indent) => &indent.warnings,
+            Measures::Inflation(inflation) => &inflation.warnings,
+        }
+    }
+
+    /// Size, cost and trust of the run.
+    pub fn audit(&self) -> &Audit {
+        match self {
+            Measures::Impact(impact) => &impact.audit,
+            Measures::Stretch(stretch) => &stretch.audit,
+            Measures::Indent(indent) => &indent.audit,
+            Measures::Inflation(inflation) => &inflation.audit,
         }
     }
 

@@ -12,7 +12,7 @@ use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
 
 /// Short names of channels: what a script writes, and the column it means.
-const CHANNELS: [(&str, &str); 14] = [
+const CHANNELS: [(&str, &str); 17] = [
     ("displacement", "displacement_m"),
     ("velocity", "velocity_m_s"),
     ("acceleration", "acceleration_filtered_m_s2"),
@@ -27,6 +27,9 @@ const CHANNELS: [(&str, &str); 14] = [
     ("force", "force_N"),
     ("strain", "strain"),
     ("stress", "stress_Pa"),
+    ("depth", "depth_m"),
+    ("pressure", "pressure_Pa"),
+    ("deflection", "deflection_m"),
 ];
 
 /// A finished run: signals, energies, figures and what was run. Cheap to clone.
@@ -134,7 +137,7 @@ fn facts(model: &Model) -> serde_json::Map<String, Value> {
     facts.insert("title".into(), json!(model.title));
     let layers: Vec<u32> = model.faces.iter().map(|face| face.layers).collect();
     facts.insert("layers".into(), json!(layers));
-    if let Some(impactor) = &model.impactor {
+    if let Some(impactor) = model.impactor.as_ref().filter(|impactor| impactor.mass.is_finite()) {
         facts.insert("mass".into(), json!(impactor.mass));
     }
     match &model.loading {
@@ -147,6 +150,14 @@ fn facts(model: &Model) -> serde_json::Map<String, Value> {
             facts.insert("angle".into(), json!(angle));
             facts.insert("velocity".into(), json!(velocity));
             facts.insert("until".into(), json!(until));
+        }
+        Loading::Indent { depth, velocity, .. } => {
+            facts.insert("depth".into(), json!(depth));
+            facts.insert("velocity".into(), json!(velocity));
+        }
+        Loading::Pressure { pressure, ramp, .. } => {
+            facts.insert("pressure".into(), json!(pressure));
+            facts.insert("ramp".into(), json!(ramp));
         }
     }
     facts
@@ -195,7 +206,8 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "run.model.<fact>",
-        gives: "what was run: name, title, layers (a list, one a face), mass (kg), velocity (m/s), gravity (m/s²), duration (s)",
+        gives: "what was run: name, title, layers (a list, one a face), and of its loading mass (kg), velocity (m/s), gravity (m/s²), duration (s), \
+                angle (rad), until, depth (m), pressure (Pa), ramp (s)",
         example: "run.model.layers[0] == 8 && run.model.mass > 10",
     },
 ];

@@ -69,10 +69,14 @@ fn warnings(run: &RunPage) -> String {
 }
 
 fn plots(run: &RunPage) -> Result<String, PlotError> {
-    let (histogram, own) = match &run.results.measures {
-        Measures::Impact(impact) => (&impact.audit.strain_rates, impact_plots(run)),
-        Measures::Stretch(stretch) => (&stretch.audit.strain_rates, stretch_plots(run)),
+    let signals = &run.results.signals;
+    let own = match &run.results.measures {
+        Measures::Impact(_) => impact_plots(run),
+        Measures::Stretch(_) => stretch_plots(signals),
+        Measures::Indent(_) => indent_plots(signals),
+        Measures::Inflation(_) => inflation_plots(signals),
     };
+    let histogram = &run.results.measures.audit().strain_rates;
     let mut figures = own.iter().map(Plot::draw).collect::<Result<Vec<_>, _>>()?;
     figures.push(audit(&run.outcome.energies)?);
     figures.push(plot::rates("Strain rates while loading", histogram)?);
@@ -111,23 +115,43 @@ fn impact_plots(run: &RunPage) -> Vec<Plot> {
     ]
 }
 
-fn stretch_plots(run: &RunPage) -> Vec<Plot> {
-    let signals = &run.results.signals;
-    let against = |title: &str, [x, y]: [&str; 2], columns: [&str; 2], factors: [f64; 2]| {
-        let [xs, ys] = columns.map(|column| signals.channel(column).unwrap_or_default());
-        let points = xs.iter().zip(ys).map(|(x, y)| (x * factors[0], y * factors[1])).collect();
-        let curves = vec![Curve { name: "simulated".into(), points }];
-        Plot { title: title.into(), x: x.into(), y: y.into(), curves }
-    };
+fn stretch_plots(signals: &Recording) -> Vec<Plot> {
+    let strain = Axis { words: "engineering strain", column: "strain", factor: 1.0 };
+    let stress = Axis { words: "stress (MPa)", column: "stress_Pa", factor: 1e-6 };
+    let travel = Axis { words: "travel of the jaws (mm)", column: "displacement_m", factor: 1e3 };
+    let force = Axis { words: "force (N)", column: "force_N", factor: 1.0 };
+    vec![against(signals, "Stress and strain", [strain, stress]), against(signals, "Force and travel", [travel, force])]
+}
+
+fn indent_plots(signals: &Recording) -> Vec<Plot> {
+    let depth = Axis { words: "depth (mm)", column: "depth_m", factor: 1e3 };
+    let force = Axis { words: "force (N)", column: "force_N", factor: 1.0 };
+    vec![against(signals, "Force and depth", [depth, force])]
+}
+
+fn inflation_plots(signals: &Recording) -> Vec<Plot> {
+    let deflection = Axis { words: "deflection (mm)", column: "deflection_m", factor: 1e3 };
+    let pressure = Axis { words: "pressure (kPa)", column: "pressure_Pa", factor: 1e-3 };
+    let over_time = signals.series("deflection_m").map(|series| over_time("simulated", &series, 1e3));
     vec![
-        against("Stress and strain", ["engineering strain", "stress (MPa)"], ["strain", "stress_Pa"], [1.0, 1e-6]),
-        against(
-            "Force and travel",
-            ["travel of the jaws (mm)", "force (N)"],
-            ["displacement_m", "force_N"],
-            [1e3, 1.0],
-        ),
+        against(signals, "Pressure and deflection", [deflection, pressure]),
+        time_plot("Deflection of the highest point", "deflection (mm)", [over_time]),
     ]
+}
+
+/// One axis of a plot: what it says, and the column that it shows times a factor.
+struct Axis {
+    words: &'static str,
+    column: &'static str,
+    factor: f64,
+}
+
+/// One column over another.
+fn against(signals: &Recording, title: &str, [x, y]: [Axis; 2]) -> Plot {
+    let column = |axis: &Axis| signals.channel(axis.column).unwrap_or_default();
+    let points = column(&x).iter().zip(column(&y)).map(|(a, b)| (a * x.factor, b * y.factor)).collect();
+    let curves = vec![Curve { name: "simulated".into(), points }];
+    Plot { title: title.into(), x: x.words.into(), y: y.words.into(), curves }
 }
 
 /// Share of the largest energy below which a term is named and not drawn; one that is zero throughout does not exist.

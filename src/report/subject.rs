@@ -6,15 +6,21 @@ use crate::model::{Impactor, ImpactorShape, Loading, Model};
 /// What hits or pulls what, and how fast: `sphere 10.72 kg at 4.16 m/s on 2 x 8 layers of LLDPE`.
 pub fn subject(model: &Model) -> String {
     let layers = layers(model);
+    let figure = |value: f64| significant(value, 3);
     match (&model.loading, &model.impactor) {
         (Loading::Impact { velocity, .. }, Some(impactor)) => {
-            format!("{} at {} m/s on {layers}", body(impactor), significant(*velocity, 3))
+            format!("{} {} kg at {} m/s on {layers}", body(impactor), significant(impactor.mass, 4), figure(*velocity))
         }
-        (Loading::Impact { velocity, .. }, None) => format!("{} m/s on {layers}", significant(*velocity, 3)),
+        (Loading::Impact { velocity, .. }, None) => format!("{} m/s on {layers}", figure(*velocity)),
         (Loading::Stretch { angle, velocity, until, .. }, _) => {
-            let (velocity, until) = (significant(*velocity, 3), significant(until * 100.0, 3));
+            let (velocity, until) = (figure(*velocity), figure(until * 100.0));
             format!("{layers} stretched at {velocity} m/s to {until} %, {:.0}° from MD", degrees(*angle))
         }
+        (Loading::Indent { depth, velocity, .. }, impactor) => {
+            let body = impactor.as_ref().map_or("body", body);
+            format!("{body} {} mm into {layers} at {} m/s", figure(depth * 1e3), figure(*velocity))
+        }
+        (Loading::Pressure { pressure, .. }, _) => format!("{} kPa under {layers}", figure(pressure * 1e-3)),
     }
 }
 
@@ -24,14 +30,13 @@ fn degrees(angle: f64) -> f64 {
     angle.to_degrees().rem_euclid(180.0) + 0.0
 }
 
-fn body(impactor: &Impactor) -> String {
-    let shape = match impactor.shape {
+fn body(impactor: &Impactor) -> &'static str {
+    match impactor.shape {
         ImpactorShape::Sphere { .. } => "sphere",
         ImpactorShape::Hemisphere { .. } => "hemisphere",
         ImpactorShape::Cylinder { .. } => "cylinder",
         ImpactorShape::Mesh(_) => "body",
-    };
-    format!("{shape} {} kg", significant(impactor.mass, 4))
+    }
 }
 
 /// `2 x 8 layers` where all faces are alike, else `8 + 9 layers`.

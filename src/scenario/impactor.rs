@@ -12,9 +12,9 @@ use crate::units::{Length, Mass};
 pub struct Impactor {
     /// Shape of the body; its axis is z, its tip points down.
     pub shape: ImpactorShape,
-    /// All that moves with it.
+    /// All that moves with it; needed where it falls.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub mass: Mass,
+    pub mass: Option<Mass>,
     /// What the guide lets it do.
     #[serde(default)]
     pub guide: Guide,

@@ -3,17 +3,20 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::units::{Acceleration, Angle, Length, Time, Velocity};
+use crate::units::{Acceleration, Angle, Length, Pressure, Time, Velocity};
 
 /// What is done to the specimen.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-#[schemars(extend("x-future" = ["indent", "pressure"]))]
 pub enum Loading {
     /// The impactor starts in touch with the first face and flies.
     Impact(Impact),
     /// Two jaws, the edges x- and x+, part along x.
     Stretch(Stretch),
+    /// The impactor goes slowly down into the film at a prescribed speed.
+    Indent(Indent),
+    /// Pressure on the lower side of the film, held all around, blows it up.
+    Pressure(Inflation),
 }
 
 /// A free fall that ends on the film.
@@ -50,6 +53,36 @@ pub struct Stretch {
     /// Engineering strain at which the test ends.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 100))]
     pub until: f64,
+    /// Factor on the film's mass that lengthens the time step; chosen from the number of steps where it
+    /// is left out.
+    #[schemars(range(min = 1))]
+    pub mass_scaling: Option<f64>,
+}
+
+/// A slow indentation: the film is in equilibrium all the time.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Indent {
+    /// Travel of the impactor from first touch, downward, at which the test ends.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub depth: Length,
+    /// Speed of the impactor.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub velocity: Velocity,
+    /// Factor on the film's mass that lengthens the time step; chosen from the number of steps where it
+    /// is left out.
+    #[schemars(range(min = 1))]
+    pub mass_scaling: Option<f64>,
+}
+
+/// A slow inflation: the film is in equilibrium all the time.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Inflation {
+    /// Pressure over that above the film at which it is held.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub pressure: Pressure,
+    /// Time in which the pressure rises, smoothly at both ends; it is then held for half as long.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ramp: Time,
     /// Factor on the film's mass that lengthens the time step; chosen from the number of steps where it
     /// is left out.
     #[schemars(range(min = 1))]

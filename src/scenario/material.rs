@@ -120,7 +120,6 @@ fn unchanged() -> f64 {
 
 /// St. Venant–Kirchhoff, plane stress.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("x-future" = ["wrinkling"]))]
 pub struct Elastic {
     /// Young's modulus.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -128,4 +127,10 @@ pub struct Elastic {
     /// Poisson's ratio.
     #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson: f64,
+    /// Whether it wrinkles instead of being pressed: then it carries tension only.
+    #[serde(default)]
+    pub wrinkling: bool,
+    /// Lowest and highest strain rate at which the modulus was measured.
+    #[schemars(transform = schema::positive_items)]
+    pub measured_rates: Option<[Rate; 2]>,
 }

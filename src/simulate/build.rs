@@ -2,10 +2,11 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::{Film as FilmTopology, RunError};
-use crate::engine::{Contact, Drive, Engine, Film, Impact, Jaw, Nodes, RigidBody, Surface, Team};
+use super::stretch::Coupon;
+use super::{Film as FilmTopology, RunError, indent, slow, stretch};
+use crate::engine::{Contact, Drive, Engine, Film, Impact, Inflation, Nodes, RigidBody, Surface, Team};
 use crate::mesh::{self, Mesh, Quality};
-use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model, Shape, Side, Symmetry};
+use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model, Symmetry};
 
 /// An engine and what has to be remembered of how it was set up.
 pub(super) struct Scene {
@@ -19,68 +20,77 @@ pub(super) struct Mounting {
     /// Height of the impactor's centre of mass at the start, m.
     pub(super) start: f64,
     pub(super) mass_scaling: Option<f64>,
-    /// Distance of the jaws, m, and stress-free cross-section between them, m².
-    pub(super) gauge: f64,
-    pub(super) section: f64,
+    pub(super) coupon: Coupon,
 }
 
 /// Elements for which another thread is worth its part of waiting.
 const WORTH_A_THREAD: usize = 400;
 
-/// Steps of a slow test above which its film is made heavier.
-const STEPS_OF_A_SLOW_TEST: f64 = 200_000.0;
-
-/// Sets up the scene; a slow stretch is set up twice, first to learn its time step.
+/// Sets up the scene; a slow test may be set up twice, first to learn its time step.
 pub(super) fn scene(model: &Model) -> Result<Scene, RunError> {
-    let Loading::Stretch { velocity, until, mass_scaling, .. } = model.loading else {
-        return mounted(model, 1.0);
+    let asked_for = match model.loading {
+        Loading::Impact { .. } => None,
+        Loading::Stretch { mass_scaling, .. }
+        | Loading::Indent { mass_scaling, .. }
+        | Loading::Pressure { mass_scaling, .. } => mass_scaling,
     };
-    if let Some(scaling) = mass_scaling {
+    if let Some(scaling) = asked_for {
         return mounted(model, scaling);
     }
     let scene = mounted(model, 1.0)?;
     // A factor on the step is to change the step alone, not the mass.
     let stable = scene.engine.time_step() / model.solver.step_factor;
-    let steps = until * scene.mounting.gauge / velocity / stable;
-    if steps <= STEPS_OF_A_SLOW_TEST { Ok(scene) } else { mounted(model, (steps / STEPS_OF_A_SLOW_TEST).powi(2)) }
+    let scaling = slow::mass_scaling(model, model.run_time() / stable);
+    if scaling == 1.0 { Ok(scene) } else { mounted(model, scaling) }
 }
 
 fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     let mut nodes = Nodes::default();
     let mut films = vec![];
     let mut topologies = vec![];
-    let mut jaws = [vec![], vec![]];
-    let mut meshes = vec![];
+    let multiplicity = model.specimen.symmetry.copies();
+    let (damping, step_factor) = (slow::damping(model), model.solver.step_factor);
+    let mut drive = Drive { multiplicity, damping, step_factor, ..Drive::default() };
+    let coupon = Coupon::of(model);
+    let scaled = (!matches!(model.loading, Loading::Impact { .. })).then_some(mass_scaling);
     for face in &model.faces {
         let mesh = mesh::build(&model.specimen, face)?;
-        let first = nodes.position.len() as u32;
+        let first = nodes.position.len();
         films.push(Film::mount(&mesh, face, mass_scaling, &mut nodes)?);
-        constrain(&mut nodes, &mesh, first, model);
-        for (jaw, side) in jaws.iter_mut().zip([Side::XMinus, Side::XPlus]) {
-            jaw.extend(mesh.sides[side as usize].iter().map(|n| first + n));
+        mirror(&mut nodes, &mesh, first);
+        match model.loading {
+            Loading::Stretch { velocity, .. } => {
+                drive.jaws.extend(stretch::grip(&mut nodes, &mesh, first, velocity, coupon.gauge));
+            }
+            Loading::Impact { .. } | Loading::Indent { .. } | Loading::Pressure { .. } => {
+                clamp(&mut nodes, &mesh, first, &model.frame.hold);
+            }
         }
         topologies.push(topology(&mesh, model.specimen.symmetry));
-        meshes.push(mesh);
     }
-    let multiplicity = model.specimen.symmetry.copies();
-    let (damping, step_factor) = (model.specimen.damping, model.solver.step_factor);
-    let mut drive = Drive { multiplicity, damping, step_factor, ..Drive::default() };
-    let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: None, gauge: 0.0, section: 0.0 };
+    let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: scaled, coupon };
     let mut impact = None;
     match model.loading {
         Loading::Impact { velocity, gravity, .. } => {
             drive.gravity = gravity;
             if let Some(impactor) = &model.impactor {
-                let impactor = placed(impactor, model, &films, &nodes, velocity)?;
-                mounting.start = impactor.body.centre().z;
-                impact = Some(impactor);
+                let (contact, pose) = over_film(impactor, model, &films, &nodes)?;
+                let inertia = contact.surface().inertia_per_mass() * impactor.mass;
+                let velocity = Vector3::new(0.0, 0.0, -velocity);
+                let body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
+                mounting.start = body.centre().z;
+                impact = Some(Impact { body, contact });
             }
         }
-        Loading::Stretch { velocity, .. } => {
-            mounting.mass_scaling = Some(mass_scaling);
-            (mounting.gauge, mounting.section) = gauge_and_section(model, &meshes);
-            drive.jaws = grip(&mut nodes, jaws, velocity, mounting.gauge);
+        Loading::Stretch { .. } => {}
+        Loading::Indent { velocity, .. } => {
+            if let Some(impactor) = &model.impactor {
+                let (contact, mut pose) = over_film(impactor, model, &films, &nodes)?;
+                pose.translation.vector.z -= indent::way_to_touch(&contact, &pose, &nodes).ok_or(RunError::Missed)?;
+                impact = Some(Impact { body: RigidBody::driven(pose, -velocity), contact });
+            }
         }
+        Loading::Pressure { pressure, ramp, .. } => drive.inflation = Some(Inflation { pressure, ramp }),
     }
     let team = team(films.iter().map(Film::elements).sum());
     Ok(Scene { engine: Engine::new(films, nodes, impact, drive).worked_on_by(team), mounting })
@@ -103,31 +113,30 @@ fn topology(mesh: &Mesh, symmetry: Symmetry) -> FilmTopology {
     }
 }
 
-/// Mirror planes, and for an impact the clamped edges.
-fn constrain(nodes: &mut Nodes, mesh: &Mesh, first: u32, model: &Model) {
-    let of_all = |list: &[u32]| list.iter().map(|n| (first + n) as usize).collect::<Vec<_>>();
-    nodes.hold(of_all(&mesh.mirrors[0]), [true, false, false]);
-    nodes.hold(of_all(&mesh.mirrors[1]), [false, true, false]);
-    if matches!(model.loading, Loading::Stretch { .. }) {
-        return;
+/// Keeps the nodes on mirror planes on them. `first` is the first of all nodes that belongs to `mesh`.
+fn mirror(nodes: &mut Nodes, mesh: &Mesh, first: usize) {
+    for (plane, axes) in mesh.mirrors.iter().zip([[true, false, false], [false, true, false]]) {
+        nodes.hold(plane.iter().map(|n| first + *n as usize), axes);
     }
-    match &model.frame.hold {
-        Hold::All => nodes.hold(of_all(&mesh.rim), [true; 3]),
-        Hold::Sides(sides) => {
-            sides.iter().for_each(|side| nodes.hold(of_all(&mesh.sides[*side as usize]), [true; 3]));
-        }
+}
+
+/// Clamps the held edges.
+fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
+    let mut clamp = |edge: &[u32]| nodes.hold(edge.iter().map(|n| first + *n as usize), [true; 3]);
+    match hold {
+        Hold::All => clamp(&mesh.rim),
+        Hold::Sides(sides) => sides.iter().for_each(|side| clamp(&mesh.sides[*side as usize])),
         Hold::None => {}
     }
 }
 
-/// The impactor in touch with the first face, moving down at `velocity`.
-fn placed(
+/// The impactor with its lowest point on the highest of the first face.
+fn over_film(
     impactor: &Impactor,
     model: &Model,
     films: &[Film],
     nodes: &Nodes,
-    velocity: f64,
-) -> Result<Impact, RunError> {
+) -> Result<(Contact, Isometry3<f64>), RunError> {
     let triangles = match &impactor.shape {
         ImpactorShape::Mesh(path) => Some(mesh::import::surface(path)?),
         _ => None,
@@ -145,44 +154,5 @@ fn placed(
     });
     let [x, y] = impactor.position;
     let pose = Isometry3::translation(x, y, top - surface.lowest());
-    let velocity = Vector3::new(0.0, 0.0, -velocity);
-    let inertia = surface.inertia_per_mass() * impactor.mass;
-    let body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
-    let contact = Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset);
-    Ok(Impact { body, contact })
-}
-
-/// Distance of the jaws and stress-free cross-section of all faces, symmetry completed.
-fn gauge_and_section(model: &Model, meshes: &[Mesh]) -> (f64, f64) {
-    let (gauge, width) = match model.specimen.shape {
-        Shape::Rectangle { x, y } => (x, y),
-        _ => meshes.first().map_or((0.0, 0.0), |mesh| {
-            let extent = |axis: usize| {
-                let values = || mesh.nodes.iter().map(|p| p[axis]);
-                values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
-            };
-            let [x, y] = model.specimen.symmetry.mirrors().map(|m| if m { 2.0 } else { 1.0 });
-            (x * extent(0), y * extent(1))
-        }),
-    };
-    let section = model
-        .faces
-        .iter()
-        .map(|face| width * face.material.thickness * f64::from(face.layers) / (1.0 + face.prestrain[1]))
-        .sum();
-    (gauge, section)
-}
-
-/// Clamps the jaws' nodes and gives the film between them the velocity of a uniform stretch, so that no wave runs.
-fn grip(nodes: &mut Nodes, jaws: [Vec<u32>; 2], velocity: f64, gauge: f64) -> Vec<Jaw> {
-    for n in 0..nodes.position.len() {
-        nodes.velocity.add(n, [velocity * nodes.position.at(n)[0] / gauge, 0.0, 0.0]);
-    }
-    let speeds = [-0.5 * velocity, 0.5 * velocity];
-    let grip = |(list, speed): (Vec<u32>, f64)| {
-        nodes.hold(list.iter().map(|n| *n as usize), [true; 3]);
-        list.iter().for_each(|n| nodes.velocity.set(*n as usize, [speed, 0.0, 0.0]));
-        Jaw { nodes: list, velocity: speed }
-    };
-    jaws.into_iter().zip(speeds).map(grip).filter(|jaw| !jaw.nodes.is_empty()).collect()
+    Ok((Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset), pose))
 }

@@ -65,12 +65,29 @@ impl EnergyCheck {
         if exchanged > 0.0 { self.largest_gap / exchanged } else { 0.0 }
     }
 
-    /// Largest share of kinetic energy in the film's energy once a tenth of the work is done.
-    pub(super) fn kinetic_share(&self) -> f64 {
+    /// Energy that the film took up since the start, J.
+    fn taken_up(&self, energies: &Energies) -> f64 {
         let inner = |e: &Energies| e.stored + e.absorbed + e.rupture;
-        let all = self.rows.iter().map(inner).fold(0.0, f64::max);
-        let shares = self.rows.iter().filter(|e| inner(e) > 0.1 * all).map(|e| e.kinetic_film / inner(e));
-        shares.fold(0.0, f64::max)
+        inner(energies) - self.start.as_ref().map_or(0.0, inner)
+    }
+
+    fn most_taken_up(&self) -> f64 {
+        self.rows.iter().map(|e| self.taken_up(e)).fold(0.0, f64::max)
+    }
+
+    /// Time (s) and size of the largest share of kinetic energy in what the film took up, from a tenth of the most on:
+    /// before, there is nothing to be a share of.
+    pub(super) fn kinetic_share(&self) -> (f64, f64) {
+        let least = 0.1 * self.most_taken_up();
+        let rows = self.time.iter().zip(&self.rows).filter(|(_, e)| self.taken_up(e) > least);
+        let shares = rows.map(|(time, e)| (*time, e.kinetic_film / self.taken_up(e)));
+        shares.fold((0.0, 0.0), |most, now| if now.1 > most.1 { now } else { most })
+    }
+
+    /// What damping took over the most that the film took up.
+    pub(super) fn damping_share(&self) -> f64 {
+        let most = self.most_taken_up();
+        self.rows.last().map_or(0.0, |e| if most > 0.0 { e.damping / most } else { 0.0 })
     }
 
     /// One channel a term, and their sum.

@@ -4,8 +4,14 @@ mod build;
 mod energy_check;
 mod frames;
 mod grid;
+mod impact;
+mod indent;
+mod pressure;
 mod probe;
 mod rates;
+mod slow;
+mod stretch;
+mod tracks;
 mod warnings;
 
 use std::time::{Duration, Instant};
@@ -35,8 +41,10 @@ pub struct Outcome {
     pub rupture_time: Option<f64>,
     /// Largest |ΣE − E₀| over the energy exchanged.
     pub energy_balance_error: f64,
-    /// Largest share of kinetic energy in the film's energy (only quasi-static loadings).
+    /// Largest share of kinetic energy in the film's energy, once a tenth of it is there (only quasi-static loadings).
     pub kinetic_share: Option<f64>,
+    /// Energy lost to damping over the film's (only quasi-static loadings).
+    pub damping_share: Option<f64>,
     /// Factor on the film's mass that the run used (only quasi-static loadings).
     pub mass_scaling: Option<f64>,
     /// Largest penetration over the impactor's radius.
@@ -115,6 +123,9 @@ pub enum RunError {
     /// A fibre has no direction in an element.
     #[error(transparent)]
     Upright(#[from] UprightElement),
+    /// The impactor has no film under it.
+    #[error("the impactor goes down beside the film and never touches it")]
+    Missed,
     /// The run went wrong numerically.
     #[error("{0}")]
     Failure(Box<Failure>),
@@ -135,8 +146,9 @@ pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome,
     let begin = Instant::now();
     let scene = build::scene(model)?;
     let mut engine = scene.engine;
-    let mut probe = Probe::new(model, &scene.mounting, progress);
+    let mut probe = Probe::new(model, progress);
     let fault = advance(&mut engine, &mut probe).err();
+    let fault = fault.or_else(|| probe.unsteady());
     let outcome = probe.finish(&engine, scene.mounting, begin.elapsed());
     match fault {
         None => Ok(outcome),

@@ -4,90 +4,93 @@ use std::time::Duration;
 
 use super::build::Mounting;
 use super::energy_check::EnergyCheck;
-use super::grid::Grid;
+use super::pressure::Rise;
 use super::rates::RateAudit;
+use super::tracks::Tracks;
 use super::warnings::{Figures, Warnings};
-use super::{Frame, Outcome, Progress, frames};
-use crate::engine::{ElementStrain, Engine, Fault, Observer, Track, View};
+use super::{Frame, Outcome, Progress, frames, impact, indent, pressure, stretch};
+use crate::engine::{ElementStrain, Engine, Fault, Inflation, Observer, Track, View};
 use crate::model::{Loading, Model};
-use crate::signal::{Channel, Recording};
+use crate::signal::Recording;
 
 /// Looks at the energies, the contact and the strain around it in a run, unless there are fewer samples.
 const AUDITS: f64 = 400.0;
+
+/// Kinetic share above which a test is not quasi-static.
+pub(super) const KINETIC: f64 = 0.01;
 
 /// Gathers the outcome of a run while it goes.
 pub(super) struct Probe<'a> {
     model: &'a Model,
     progress: &'a mut dyn FnMut(Progress),
     duration: f64,
-    sample: f64,
-    samples: usize,
     frame: f64,
     audit: f64,
     audits: usize,
-    strains: Grid<2>,
+    tracks: Tracks,
+    rise: Rise,
     frames: Vec<Frame>,
-    at_steps: Grid<3>,
-    at_half_steps: Grid<2>,
     energy: EnergyCheck,
     rates: RateAudit,
     warnings: Warnings,
     rupture_time: Option<f64>,
     penetration: Option<f64>,
     lowest: f64,
-    first_contact: Option<f64>,
 }
 
 impl<'a> Probe<'a> {
-    pub(super) fn new(model: &'a Model, mounting: &Mounting, progress: &'a mut dyn FnMut(Progress)) -> Probe<'a> {
+    pub(super) fn new(model: &'a Model, progress: &'a mut dyn FnMut(Progress)) -> Probe<'a> {
         let sample = 1.0 / model.output.sample_rate;
-        let (duration, speed, gravity) = match model.loading {
-            Loading::Impact { velocity, duration, gravity } => (duration, velocity, gravity),
-            Loading::Stretch { velocity, until, .. } => (until * mounting.gauge / velocity, 0.0, 0.0),
+        let duration = model.run_time();
+        let (speed, gravity) = match model.loading {
+            Loading::Impact { velocity, gravity, .. } => (velocity, gravity),
+            Loading::Indent { velocity, .. } => (velocity, 0.0),
+            Loading::Stretch { .. } | Loading::Pressure { .. } => (0.0, 0.0),
         };
-        let mass = model.impactor.as_ref().map_or(0.0, |i| i.mass);
+        let scale = match (&model.loading, &model.impactor) {
+            (Loading::Impact { velocity, .. }, Some(impactor)) => 0.5 * impactor.mass * velocity * velocity,
+            _ => 0.0,
+        };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
-        let mut at_half_steps = Grid::new(-0.5 * sample, 0.5 * sample);
-        // Free fall before first contact, so that the first sample is a mean like every other.
-        at_half_steps.push(-sample, [gravity * sample - speed, 0.0]);
-        at_half_steps.push(0.0, [-speed, 0.0]);
         Probe {
             model,
             progress,
             duration,
-            sample,
-            samples: (duration / sample * (1.0 + 1e-12)).floor() as usize + 1,
             frame: duration / model.output.frames.saturating_sub(1).max(1) as f64,
             audit: (duration / AUDITS).max(sample),
             audits: 0,
-            strains: Grid::new(0.0, sample),
+            tracks: Tracks::new(duration, sample, speed, gravity),
+            rise: Rise::default(),
             frames: vec![],
-            at_steps: Grid::new(0.0, sample),
-            at_half_steps,
-            energy: EnergyCheck::new(0.5 * mass * speed * speed),
+            energy: EnergyCheck::new(scale),
             rates: RateAudit::new(measured),
             warnings: Warnings::default(),
             rupture_time: None,
             penetration: None,
             lowest: f64::INFINITY,
-            first_contact: None,
         }
     }
 
     /// Whether everything that was asked for has been seen by `time` (s).
     pub(super) fn is_done(&self, time: f64) -> bool {
-        time > self.duration
-            && self.at_steps.rows.len() >= self.samples
-            && self.at_half_steps.rows.len() > 2 * self.samples
+        let broke = self.rupture_time.is_some() && self.is_quasi_static();
+        broke || (time > self.duration && self.tracks.are_complete())
+    }
+
+    /// Whether the film is in equilibrium all the time; then its breaking is the end of the test.
+    fn is_quasi_static(&self) -> bool {
+        matches!(self.model.loading, Loading::Indent { .. } | Loading::Pressure { .. })
+    }
+
+    /// The fault of a test that should have been quasi-static and was not.
+    pub(super) fn unsteady(&self) -> Option<Fault> {
+        let (time, share) = self.energy.kinetic_share();
+        (self.is_quasi_static() && share > KINETIC).then_some(Fault::NotQuasiStatic { time, share })
     }
 
     /// Elements broke in the step from `time` (s).
     pub(super) fn broke(&mut self, time: f64) {
         self.rupture_time.get_or_insert(time);
-    }
-
-    fn sample_due(&self, time: f64) -> bool {
-        self.strains.rows.len() < self.samples && self.strains.is_due(time)
     }
 
     fn frame_due(&self, time: f64) -> bool {
@@ -101,7 +104,10 @@ impl<'a> Probe<'a> {
     fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) {
         let intact = || faces.iter().flatten().filter(|s| s.volume > 0.0);
         let largest = |fibre: usize| intact().map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
-        self.strains.push(view.time, [largest(0), largest(1)]);
+        self.tracks.strains.push(view.time, [largest(0), largest(1)]);
+        if matches!(self.model.loading, Loading::Pressure { .. }) {
+            self.tracks.rise.push(view.time, [self.rise.largest(view)]);
+        }
         self.rates.sample(view.time, faces);
         let z = view.body.map_or(f64::NEG_INFINITY, |body| body.centre().z);
         if z <= self.lowest {
@@ -127,13 +133,14 @@ impl<'a> Probe<'a> {
 
     /// The outcome after the last step of `engine`.
     pub(super) fn finish(self, engine: &Engine, mounting: Mounting, wall: Duration) -> Outcome {
-        let slow = matches!(self.model.loading, Loading::Stretch { .. });
-        let kinetic_share = slow.then(|| self.energy.kinetic_share());
+        let slow = !matches!(self.model.loading, Loading::Impact { .. });
+        let kinetic_share = slow.then(|| self.energy.kinetic_share().1);
+        let damping_share = slow.then(|| self.energy.damping_share());
         let balance = self.energy.balance_error();
-        let signals = if slow { self.stretch_signals(&mounting) } else { self.impact_signals(&mounting) };
+        let signals = self.signals(&mounting);
         let energies = self.energy.recording();
         let rates = self.rates.finish();
-        let unfinished = signals.channel("contact_force_N").is_some_and(ends_loaded);
+        let unfinished = signals.channel("contact_force_N").is_some_and(impact::ends_loaded);
         let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, unfinished };
         Outcome {
             signals,
@@ -145,6 +152,7 @@ impl<'a> Probe<'a> {
             rupture_time: self.rupture_time,
             energy_balance_error: balance,
             kinetic_share,
+            damping_share,
             mass_scaling: mounting.mass_scaling,
             penetration: self.penetration,
             elements: engine.elements(),
@@ -154,71 +162,16 @@ impl<'a> Probe<'a> {
         }
     }
 
-    fn impact_signals(&self, mounting: &Mounting) -> Recording {
-        let mass = self.model.impactor.as_ref().map_or(0.0, |i| i.mass);
-        let gravity = match self.model.loading {
-            Loading::Impact { gravity, .. } => gravity,
-            Loading::Stretch { .. } => 0.0,
-        };
-        let start = self.first_contact.unwrap_or(mounting.start);
-        let half = &self.at_half_steps.rows;
-        let complete = self.samples.min(self.at_steps.rows.len()).min(half.len().saturating_sub(1) / 2);
-        let count = complete.min(self.strains.rows.len());
-        let row = |k: usize| {
-            let [z, work, _] = self.at_steps.rows[k];
-            let velocity = half[2 * k + 1][0];
-            let acceleration = (half[2 * k + 2][0] - half[2 * k][0]) / self.sample;
-            let displacement = z - start;
-            let kinetic = 0.5 * mass * velocity * velocity;
-            let potential = mass * gravity * displacement;
-            let force = (half[2 * k + 2][1] - half[2 * k][1]) / self.sample;
-            let [md, td] = self.strains.rows[k];
-            [displacement, velocity, acceleration, force, kinetic, potential, work, kinetic + potential + work, md, td]
-        };
-        let rows: Vec<_> = (0..count).map(row).collect();
-        const NAMES: [&str; 10] = [
-            "displacement_m",
-            "velocity_m_s",
-            "acceleration_m_s2",
-            "contact_force_N",
-            "kinetic_energy_J",
-            "potential_energy_J",
-            "absorbed_energy_J",
-            "total_energy_J",
-            "max_strain_md",
-            "max_strain_td",
-        ];
-        table(self.sample, &NAMES, &rows)
-    }
-
-    fn stretch_signals(&self, mounting: &Mounting) -> Recording {
-        let Loading::Stretch { velocity, .. } = self.model.loading else { return Recording::default() };
-        let copies = mounting.films.first().map_or(1.0, |f| if f.mirrored[1] { 2.0 } else { 1.0 });
-        let count = self.samples.min(self.at_steps.rows.len());
-        let row = |k: usize| {
-            let displacement = velocity * k as f64 * self.sample;
-            let force = copies * self.at_steps.rows[k][2];
-            [displacement, force, displacement / mounting.gauge, force / mounting.section]
-        };
-        let rows: Vec<_> = (0..count).map(row).collect();
-        table(self.sample, &["displacement_m", "force_N", "strain", "stress_Pa"], &rows)
-    }
-}
-
-/// Whether a force is still more than a hundredth of its peak over the last hundredth of its samples.
-fn ends_loaded(force: &[f64]) -> bool {
-    let peak = force.iter().copied().fold(0.0, f64::max);
-    let last = &force[force.len() - force.len().div_ceil(100)..];
-    let mean = last.iter().sum::<f64>() / last.len().max(1) as f64;
-    mean > 0.01 * peak
-}
-
-fn table<const K: usize>(sample: f64, names: &[&str; K], rows: &[[f64; K]]) -> Recording {
-    Recording {
-        time: (0..rows.len()).map(|k| k as f64 * sample).collect(),
-        channels: (0..K)
-            .map(|c| Channel { name: names[c].to_string(), values: rows.iter().map(|r| r[c]).collect() })
-            .collect(),
+    fn signals(&self, mounting: &Mounting) -> Recording {
+        match self.model.loading {
+            Loading::Impact { gravity, .. } => {
+                let mass = self.model.impactor.as_ref().map_or(0.0, |i| i.mass);
+                impact::signals(&self.tracks, mounting, mass, gravity)
+            }
+            Loading::Stretch { velocity, .. } => stretch::signals(&self.tracks, mounting, velocity),
+            Loading::Indent { velocity, .. } => indent::signals(&self.tracks, velocity),
+            Loading::Pressure { pressure, ramp, .. } => pressure::signals(&self.tracks, &Inflation { pressure, ramp }),
+        }
     }
 }
 
@@ -233,7 +186,7 @@ fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> Fault {
 
 impl Observer for Probe<'_> {
     fn wants(&self, time: f64) -> bool {
-        self.sample_due(time) || self.frame_due(time) || self.audit_due(time)
+        self.tracks.is_due(time) || self.frame_due(time) || self.audit_due(time)
     }
 
     fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
@@ -241,17 +194,13 @@ impl Observer for Probe<'_> {
         if self.frame_due(view.time) {
             self.frames.push(frames::frame(view, &faces));
         }
-        if self.sample_due(view.time) {
+        if self.tracks.is_due(view.time) {
             self.take_sample(view, &faces);
         }
         if self.audit_due(view.time) { self.take_audit(view, &faces) } else { Ok(()) }
     }
 
     fn follow(&mut self, track: &Track) {
-        if track.impulse != 0.0 {
-            self.first_contact.get_or_insert(track.z);
-        }
-        self.at_steps.push(track.time, [track.z, track.work, track.jaw_force]);
-        self.at_half_steps.push(track.time + 0.5 * track.dt, [track.velocity, track.impulse]);
+        self.tracks.follow(track);
     }
 }

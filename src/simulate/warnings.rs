@@ -1,6 +1,7 @@
 //! What a run should tell its user although it went on.
 
 use super::Film;
+use super::probe::KINETIC;
 use crate::engine::{ElementStrain, Inspection, View};
 
 /// Edge of an element in touch over the impactor's size above which a sphere is no longer round to the film.
@@ -13,9 +14,6 @@ const LOCALISED: (f64, f64) = (2.0, 0.5);
 const BALANCE: f64 = 0.01;
 /// Share of straining outside the measured rates that is told.
 const OUTSIDE: f64 = 0.05;
-/// Kinetic share above which a slow test is not quasi-static.
-const KINETIC: f64 = 0.01;
-
 /// Scaled Jacobian of an element that is told.
 const MISSHAPEN: f64 = 0.3;
 

@@ -18,6 +18,12 @@ pub struct Inspection {
 }
 
 impl Contact {
+    /// Smallest distance from any node, within its film, to the impactor at `pose`, m; negative inside.
+    pub fn smallest_gap(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> f64 {
+        let gap = |n: usize| self.surface.touch(pose, &nodes.place(n)).gap - self.offset[n];
+        (0..nodes.position.len()).map(gap).fold(f64::INFINITY, f64::min)
+    }
+
     /// Looks at the whole touch as it is now.
     pub fn inspect(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> Inspection {
         let mut out = Inspection::default();

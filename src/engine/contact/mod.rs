@@ -21,7 +21,7 @@ pub use search::{Surface, SurfaceError};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::film::Film;
-use super::nodes::Nodes;
+use super::nodes::{Moved, Nodes};
 use super::rigid_body::{Gathered, RigidBody};
 use super::team::{Disjoint, Team};
 use near::NearList;
@@ -57,8 +57,7 @@ struct Piece {
     touching: Vec<Constraint>,
     impulses: Vec<Impulse>,
     tally: Tally,
-    /// Square of the largest speed after contact, m²/s².
-    fastest: f64,
+    moved: Moved,
 }
 
 /// What went through contact since the start, J.
@@ -72,6 +71,8 @@ pub struct Work {
     pub friction_loss: f64,
     /// Momentum given to the impactor along z, N s.
     pub impulse: f64,
+    /// Half of what was given in the last step: it belongs to the half step after the full one.
+    pub ahead: f64,
 }
 
 /// A node that would be inside.
@@ -142,8 +143,15 @@ impl Contact {
 
     /// Corrects the velocities of nodes and body, and the places of nodes, so that no node is inside at the end of the step
     /// of `dt` s. The nodes stand there already, the body stands where it was; `before` is its motion before the forces of
-    /// this step. Returns the largest speed of a node that was met, m/s.
-    pub fn meet(&mut self, nodes: &mut Nodes, body: &mut RigidBody, before: &RigidBody, dt: f64, team: &Team) -> f64 {
+    /// this step. Returns what is to be known of the nodes that were met, on top of what was known.
+    pub(super) fn meet(
+        &mut self,
+        nodes: &mut Nodes,
+        body: &mut RigidBody,
+        before: &RigidBody,
+        dt: f64,
+        team: &Team,
+    ) -> Moved {
         self.pieces.resize_with(self.near.nodes.len().div_ceil(PIECE), Piece::default);
         let pose = body.predicted(dt);
         self.find_touching(nodes, body, &pose, dt, team);
@@ -153,7 +161,7 @@ impl Contact {
         self.settle(nodes, dt, team);
         let total = self.pieces.iter().fold(Tally::default(), |sum, piece| sum + piece.tally);
         self.work.add(&total, self.multiplicity, body, before);
-        self.pieces.iter().map(|piece| piece.fastest).fold(0.0, f64::max).sqrt()
+        self.pieces.iter().fold(Moved::default(), |all, piece| all.and(&piece.moved))
     }
 
     /// Nodes that lie inside.
@@ -227,18 +235,21 @@ impl Contact {
         let (received, earlier) = (Disjoint::new(&mut self.received), &self.earlier);
         let pieces = Disjoint::new(&mut self.pieces);
         let count = self.near.nodes.len().div_ceil(PIECE);
-        let (mut places, velocity) = nodes.places_and_velocities();
+        let (mut places, velocity, masses) = nodes.in_motion();
         let places = places.each_mut().map(|axis| Disjoint::new(axis));
         team.each(count, |part| {
             // SAFETY: every piece comes up once.
-            let Piece { impulses, tally, fastest, .. } = unsafe { pieces.at(part) };
-            (*tally, *fastest) = (Tally::default(), 0.0);
+            let Piece { impulses, tally, moved, .. } = unsafe { pieces.at(part) };
+            (*tally, *moved) = (Tally::default(), Moved::default());
             for impulse in &*impulses {
                 let after = Vector3::from(velocity.at(impulse.node));
-                *fastest = fastest.max(after.norm_squared());
                 tally.add(impulse, &(0.5 * (after + earlier[impulse.node])));
                 // SAFETY: a node is in one piece only, or all are in the first.
                 let change = std::mem::take(unsafe { received.at(impulse.node) });
+                // Damping acted as if there were no contact, over the way that the node goes with it.
+                let alone = 0.5 * (after - change + earlier[impulse.node]);
+                let damped = 0.5 * masses[impulse.node] * change.dot(&alone);
+                *moved = moved.and(&Moved { fastest: after.norm_squared(), damped });
                 for axis in 0..3 {
                     // SAFETY: as above.
                     unsafe { *places[axis].at(impulse.node) += change[axis] * dt };

@@ -55,6 +55,7 @@ impl Work {
         let (normal, tangential) = (surface(&tally.normal), surface(&tally.tangential));
         self.impulse -= multiplicity * (tally.normal.impulse.z + tally.tangential.impulse.z);
         self.given += multiplicity * (normal + tangential);
+        self.ahead = 0.5 * multiplicity * (normal + tangential);
         self.impact_loss += multiplicity * (normal - tally.normal.film);
         self.friction_loss += multiplicity * (tangential - tally.tangential.film);
     }

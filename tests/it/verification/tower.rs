@@ -43,7 +43,7 @@ pub fn measured(model: &Model, outcome: &Outcome) -> Impact {
     let plan = Plan::prepare(model).expect("a plan");
     match plan.measure(model, outcome).expect("measures").measures {
         Measures::Impact(impact) => impact,
-        Measures::Stretch(_) => panic!("{} is no impact", model.name),
+        _ => panic!("{} is no impact", model.name),
     }
 }
 

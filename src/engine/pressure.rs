@@ -1,0 +1,155 @@
+//! Pressure on film: a follower load on its present area, along its present normal.
+//!
+//! With the volume `V` between the film and any fixed surface through its edge, the load is the gradient `F_a = p ∂V/∂x_a`,
+//! so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equations 28 and 29).
+
+use nalgebra::Vector3;
+
+use super::film::Film;
+use super::nodes::Nodes;
+
+/// A pressure that rises smoothly and then stays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inflation {
+    /// Pa, once risen.
+    pub pressure: f64,
+    /// Time in which it rises, s.
+    pub ramp: f64,
+}
+
+impl Inflation {
+    /// Pressure at `time` (s), Pa: `s³(10 − 15s + 6s²)` of the whole at the share `s` of the ramp. Flat film rises with the
+    /// cube root of the pressure, so that it starts evenly, and it comes to its end without a jolt.
+    pub fn at(&self, time: f64) -> f64 {
+        let s = (time / self.ramp).clamp(0.0, 1.0);
+        self.pressure * s * s * s * (10.0 + s * (6.0 * s - 15.0))
+    }
+}
+
+/// The pressure that acted last and the volume under the film then.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inflated {
+    pressure: f64,
+    volume: f64,
+}
+
+impl Inflated {
+    /// Work of the pressure since `before`, J, by the trapezoidal rule.
+    pub(super) fn work_since(&self, before: Option<Inflated>) -> f64 {
+        before.map_or(0.0, |before| 0.5 * (before.pressure + self.pressure) * (self.volume - before.volume))
+    }
+}
+
+/// Adds the load of `pressure` (Pa) on the lower side of all films to the forces of their nodes.
+pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Inflated {
+    let mut volume = 0.0;
+    for film in films {
+        film.for_each_intact(|corners| {
+            let place = |a: usize| Vector3::from(nodes.position.at(corners[a] as usize));
+            volume += match corners.len() {
+                3 => spread(nodes, corners, pressure, triangle([place(0), place(1), place(2)])),
+                _ => spread(nodes, corners, pressure, quad([place(0), place(1), place(2), place(3)])),
+            };
+        });
+    }
+    Inflated { pressure, volume }
+}
+
+/// Adds an element's load to its nodes and returns its part of the volume.
+fn spread<const N: usize>(nodes: &mut Nodes, corners: &[u32], pressure: f64, patch: Patch<N>) -> f64 {
+    for (n, area) in corners.iter().zip(patch.areas) {
+        nodes.force.add(*n as usize, (pressure * area).into());
+    }
+    patch.volume
+}
+
+/// An element as pressure sees it.
+struct Patch<const N: usize> {
+    /// Vector area that belongs to each node, m².
+    areas: [Vector3<f64>; N],
+    /// Volume of the cone from the origin to the element, m³.
+    volume: f64,
+}
+
+fn triangle(x: [Vector3<f64>; 3]) -> Patch<3> {
+    let area = (x[1] - x[0]).cross(&(x[2] - x[0])) / 2.0;
+    Patch { areas: [area / 3.0; 3], volume: x[0].dot(&area) / 3.0 }
+}
+
+/// ∫ N_a ∂x/∂ξ × ∂x/∂η dξdη over the bilinear surface x = c + ξ a + η b + ξη h, in closed form.
+fn quad(x: [Vector3<f64>; 4]) -> Patch<4> {
+    const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let a = (x[1] + x[2] - x[0] - x[3]) / 4.0;
+    let b = (x[2] + x[3] - x[0] - x[1]) / 4.0;
+    let h = (x[0] + x[2] - x[1] - x[3]) / 4.0;
+    let (flat, along, across) = (a.cross(&b), a.cross(&h) / 3.0, h.cross(&b) / 3.0);
+    let areas = CORNERS.map(|[xi, eta]| flat + along * xi + across * eta);
+    Patch { areas, volume: (x[0] + x[1] + x[2] + x[3]).dot(&flat) / 3.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cube's surface of warped quads whose corners are shared, in general position.
+    fn box_corners() -> [Vector3<f64>; 8] {
+        std::array::from_fn(|k| {
+            let [i, j, l] = [k & 1, (k >> 1) & 1, (k >> 2) & 1].map(|bit| bit as f64);
+            let warp = 0.2 * ((3 * k) as f64).sin();
+            Vector3::new(i + warp, j - 0.5 * warp, l + 0.3 * warp * warp + 5.0)
+        })
+    }
+
+    const SIDES: [[usize; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+
+    fn volume(x: &[Vector3<f64>; 8]) -> f64 {
+        SIDES.iter().map(|side| quad(side.map(|n| x[n])).volume).sum()
+    }
+
+    /// Around a closed surface, the load of unit pressure is the gradient of the volume, wherever the origin lies.
+    #[test]
+    fn the_load_on_quads_is_the_gradient_of_the_volume() {
+        let x = box_corners();
+        let mut load = [Vector3::zeros(); 8];
+        for side in SIDES {
+            let patch = quad(side.map(|n| x[n]));
+            side.iter().zip(patch.areas).for_each(|(n, area)| load[*n] += area);
+        }
+        let step = 1e-5;
+        for node in 0..8 {
+            for axis in 0..3 {
+                let moved = |sign: f64| {
+                    let mut x = x;
+                    x[node][axis] += sign * step;
+                    volume(&x)
+                };
+                let difference = (moved(1.0) - moved(-1.0)) / (2.0 * step);
+                assert!(
+                    (difference - load[node][axis]).abs() < 1e-9,
+                    "{node} {axis}: {difference} {}",
+                    load[node][axis]
+                );
+            }
+        }
+        assert!(load.iter().sum::<Vector3<f64>>().norm() < 1e-14, "a closed surface is not pushed");
+    }
+
+    #[test]
+    fn a_flat_quad_and_its_two_triangles_carry_the_same() {
+        let x = [[0.0, 0.0, 2.0], [1.0, 0.2, 2.0], [1.3, 1.1, 2.0], [-0.1, 0.8, 2.0]].map(Vector3::from);
+        let whole = quad(x);
+        let halves = [triangle([x[0], x[1], x[2]]), triangle([x[0], x[2], x[3]])];
+        let area: Vector3<f64> = halves.iter().flat_map(|half| half.areas).sum();
+        assert!((whole.areas.iter().sum::<Vector3<f64>>() - area).norm() < 1e-15);
+        assert!((whole.volume - halves[0].volume - halves[1].volume).abs() < 1e-15);
+        assert!(area.z > 0.0, "counter-clockwise from above is pushed up");
+    }
+
+    #[test]
+    fn pressure_rises_and_stays() {
+        let inflation = Inflation { pressure: 10e3, ramp: 0.05 };
+        assert_eq!([0.0, 0.025, 0.05, 0.08].map(|time| inflation.at(time)), [0.0, 5e3, 10e3, 10e3]);
+        let early = inflation.at(1e-3 * inflation.ramp) / inflation.pressure;
+        assert!((early / 1e-8 - 1.0).abs() < 2e-3, "{early}");
+    }
+}

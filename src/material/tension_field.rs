@@ -1,0 +1,170 @@
+//! Tension field: an isotropic elastic film that wrinkles instead of being pressed.
+//!
+//! The relaxed energy (Pipkin 1986; Steigmann 1990) of St. Venant–Kirchhoff in plane stress is the least energy that film with
+//! the same tangent vectors can have once fine wrinkles may take up length. In the principal strains `E₁ ≥ E₂` of
+//! `E = ½(FᵀF − I)`, with `Ȳ = Y/(1 − ν²)` and `⟨x⟩ = max(x, 0)` (theory.md, equation 9b):
+//!
+//! ```text
+//! W  = ½ Y ⟨E₁⟩² + ½ Ȳ ⟨E₂ + νE₁⟩²
+//! S₁ = Y ⟨E₁⟩ + ν Ȳ ⟨E₂ + νE₁⟩ ,   S₂ = Ȳ ⟨E₂ + νE₁⟩
+//! ```
+//!
+//! Taut film (both brackets positive) follows St. Venant–Kirchhoff itself, wrinkled film (the second is zero) carries
+//! tension along `E₁` alone, ½ Y E₁², and slack film nothing. Stress is continuous from one to the other.
+
+use super::elastic::{Elastic, Plane};
+use super::{Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
+use crate::lane::{Lane, larger, splat};
+
+/// An elastic film without stiffness against compression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TensionField(pub Elastic);
+
+/// Radius of Mohr's circle below which strain has no direction: far below round-off of a strain.
+const POINT: f64 = 1e-100;
+
+/// Principal strains and stresses of wrinkling film.
+struct Principal<const L: usize> {
+    /// E₁ ≥ E₂.
+    strain: [Lane<L>; 2],
+    /// S₁ ≥ S₂ ≥ 0, Pa.
+    stress: [Lane<L>; 2],
+    /// cos 2θ and sin 2θ of the first principal direction; zero where all directions are alike.
+    direction: [Lane<L>; 2],
+}
+
+/// ⟨x⟩, as one instruction. A strain that is not a number is told by its direction.
+#[inline(always)]
+fn positive(x: f64) -> f64 {
+    larger(x, 0.0)
+}
+
+impl TensionField {
+    #[inline(always)]
+    fn principal<const L: usize>(&self, e: &Plane<L>) -> Principal<L> {
+        let Elastic { young, poisson } = self.0;
+        let plane = self.0.plane();
+        let mut p = Principal { strain: [splat(0.0); 2], stress: [splat(0.0); 2], direction: [splat(0.0); 2] };
+        for l in 0..L {
+            let (mean, apart) = (0.5 * (e[0][l] + e[1][l]), 0.5 * (e[0][l] - e[1][l]));
+            let radius = (apart * apart + e[2][l] * e[2][l]).sqrt();
+            let (first, second) = (mean + radius, mean - radius);
+            let across = plane * positive(second + poisson * first);
+            p.strain[0][l] = first;
+            p.strain[1][l] = second;
+            p.stress[0][l] = young * positive(first) + poisson * across;
+            p.stress[1][l] = across;
+            let inverse = 1.0 / larger(radius, POINT);
+            p.direction[0][l] = apart * inverse;
+            p.direction[1][l] = e[2][l] * inverse;
+        }
+        p
+    }
+
+    /// Second Piola–Kirchhoff stress S₁₁, S₂₂, S₁₂.
+    #[inline(always)]
+    fn response<const L: usize>(&self, d: &Deformation<L>) -> Plane<L> {
+        let p = self.principal(&Elastic::strain(d));
+        let mut s = [splat(0.0); 3];
+        for l in 0..L {
+            let (mean, apart) = (0.5 * (p.stress[0][l] + p.stress[1][l]), 0.5 * (p.stress[0][l] - p.stress[1][l]));
+            s[0][l] = mean + apart * p.direction[0][l];
+            s[1][l] = mean - apart * p.direction[0][l];
+            s[2][l] = apart * p.direction[1][l];
+        }
+        s
+    }
+}
+
+impl MembraneLaw for TensionField {
+    #[inline(always)]
+    fn stress<const L: usize>(&self, d: &Deformation<L>, _peaks: &mut Peaks<L>) -> Stress<L> {
+        Elastic::first_piola(d, self.response(d))
+    }
+
+    #[inline(always)]
+    fn energy<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Energy<L> {
+        let Elastic { young, poisson } = self.0;
+        let p = self.principal(&Elastic::strain(d));
+        let mut stored = splat(0.0);
+        for l in 0..L {
+            let along = positive(p.strain[0][l]);
+            let across = positive(p.strain[1][l] + poisson * p.strain[0][l]);
+            stored[l] = 0.5 * (young * along * along + self.0.plane() * across * across);
+        }
+        Energy { stored, absorbed: splat(0.0) }
+    }
+
+    /// The bound of the elastic film with the tension of this one: relaxing takes stiffness away, since wrinkled film turns
+    /// its tension with `S₁/(E₁ − E₂) ≤ 2G`.
+    #[inline(always)]
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Stiffness<L> {
+        self.0.bound(d, self.response(d))
+    }
+
+    fn moduli(&self) -> [f64; 2] {
+        [self.0.plane(); 2]
+    }
+
+    fn break_strains(&self) -> [f64; 2] {
+        [f64::INFINITY; 2]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAW: TensionField = TensionField(Elastic { young: 5e7, poisson: 0.4 });
+
+    /// Principal stretches in the plane, turned by 0.3 in the film and lifted out of its plane.
+    fn turned([first, second]: [f64; 2]) -> Deformation<1> {
+        let (s, c) = 0.3_f64.sin_cos();
+        let [u, v] = [[0.8, 0.0, 0.6], [0.0, 1.0, 0.0]];
+        let f = |a: f64, b: f64| [0, 1, 2].map(|i| splat(first * a * u[i] + second * b * v[i]));
+        Deformation::from([f(c, -s), f(s, c)])
+    }
+
+    fn energy(law: &impl MembraneLaw, stretches: [f64; 2]) -> f64 {
+        law.energy(&turned(stretches), &[splat(0.0); 3]).stored[0]
+    }
+
+    #[test]
+    fn slack_wrinkled_and_taut_film_have_their_energies() {
+        let strain = |stretch: f64| 0.5 * (stretch * stretch - 1.0);
+        assert_eq!(energy(&LAW, [0.99, 0.9]), 0.0);
+        let wrinkled = 0.5 * LAW.0.young * strain(1.2) * strain(1.2);
+        for across in [0.9, 0.5, 0.1] {
+            assert!((energy(&LAW, [1.2, across]) / wrinkled - 1.0).abs() < 1e-12, "{across}");
+        }
+        for taut in [[1.2, 0.95], [1.2, 1.2], [1.0, 1.1]] {
+            assert!((energy(&LAW, taut) / energy(&LAW.0, taut) - 1.0).abs() < 1e-12, "{taut:?}");
+        }
+    }
+
+    /// It is the least energy over all widths that wrinkles may hide.
+    #[test]
+    fn the_energy_is_relaxed() {
+        for (stretches, wider) in [([1.2, 0.7], 1), ([0.8, 0.9], 2)] {
+            let steps = || (0..2000).map(|k| 5e-4 * f64::from(k));
+            let least = match wider {
+                1 => steps().map(|h| energy(&LAW.0, [stretches[0], stretches[1] + h])).fold(f64::INFINITY, f64::min),
+                _ => steps().map(|h| energy(&LAW.0, stretches.map(|s| (s + h).min(1.0)))).fold(f64::INFINITY, f64::min),
+            };
+            assert!((energy(&LAW, stretches) - least).abs() < 1e-6 * LAW.0.young, "{stretches:?}");
+        }
+    }
+
+    #[test]
+    fn wrinkled_film_is_pulled_one_way_only() {
+        let d = turned([1.2, 0.7]);
+        let stress = LAW.stress(&d, &mut [splat(0.0); 3]);
+        // Along the second principal direction of the film, (−sin, cos) of 0.3, there is no traction.
+        let (s, c) = 0.3_f64.sin_cos();
+        for axis in 0..3 {
+            let across = s * stress.p[0][axis][0] - c * stress.p[1][axis][0];
+            let along = c * stress.p[0][axis][0] - s * stress.p[1][axis][0];
+            assert!(across.abs().min(along.abs()) < 1e-7 * LAW.0.young);
+        }
+    }
+}

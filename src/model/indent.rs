@@ -1,0 +1,114 @@
+//! How deep an impactor can go into a film, by geometry alone, before anything is computed.
+
+use std::f64::consts::PI;
+
+use super::{Face, Findings, Hold, Impactor, ImpactorShape, Loading, Model, Shape, Side};
+
+const DEPTH: &str = "loading.indent.depth";
+
+/// Refuses a depth that no film of its kind can follow: where it would have to break though all of it were strained
+/// alike, and where the impactor would have come down on the frame.
+pub fn check(model: &Model, findings: &mut Findings<'_>) {
+    let (Loading::Indent { depth, .. }, Some(impactor)) = (&model.loading, &model.impactor) else { return };
+    let spans = Spans { shape: &model.specimen.shape, hold: &model.frame.hold, from: impactor.position };
+    if let Some(limit) = frame_depth(impactor, &spans).filter(|limit| depth > limit) {
+        let hint = format!("it does at {}", millimetres(limit));
+        findings.report_with(DEPTH, "the impactor comes down on the frame before it is as deep", hint);
+    }
+    for face in &model.faces {
+        // The first face is met first; the others lie deeper by then.
+        let before = model.faces[0].height - face.height;
+        for (fibre, name) in ["MD", "TD"].into_iter().enumerate() {
+            let Some(limit) = breaking_depth(face, fibre, &spans).filter(|limit| *depth > before + limit) else {
+                continue;
+            };
+            let hint = format!("strained evenly from edge to edge, {name} breaks at {}", millimetres(before + limit));
+            findings.report_with(DEPTH, "deeper than the film can follow", hint);
+            return;
+        }
+    }
+}
+
+/// A depth as it may be written, rounded down to four digits.
+fn millimetres(length: f64) -> String {
+    let millimetres = 1e3 * length.max(1e-9);
+    let digits = 10.0_f64.powf(3.0 - millimetres.log10().floor());
+    format!("{} mm", (millimetres * digits).floor() / digits)
+}
+
+/// Straight ways over the film from under the impactor to what is held.
+struct Spans<'a> {
+    shape: &'a Shape,
+    hold: &'a Hold,
+    from: [f64; 2],
+}
+
+impl Spans<'_> {
+    /// Length of the way at `angle` (rad), m; none where it ends at a free edge, or the outline is not known.
+    fn length(&self, angle: f64) -> Option<f64> {
+        let ([x, y], [dx, dy]) = (self.from, [angle.cos(), angle.sin()]);
+        match self.shape {
+            Shape::Circle { radius } => {
+                let along = x * dx + y * dy;
+                Some((along * along + radius * radius - x * x - y * y).sqrt() - along)
+            }
+            Shape::Rectangle { x: width, y: height } => {
+                let to = |half: f64, from: f64, step: f64, sides: [Side; 2]| match step {
+                    0.0 => (f64::INFINITY, sides[0]),
+                    step if step > 0.0 => ((half - from) / step, sides[1]),
+                    step => ((-half - from) / step, sides[0]),
+                };
+                let across = to(0.5 * width, x, dx, [Side::XMinus, Side::XPlus]);
+                let along = to(0.5 * height, y, dy, [Side::YMinus, Side::YPlus]);
+                let (length, side) = if across.0 < along.0 { across } else { along };
+                let held = match self.hold {
+                    Hold::All => true,
+                    Hold::Sides(sides) => sides.contains(&side),
+                    Hold::None => false,
+                };
+                held.then_some(length)
+            }
+            Shape::Mesh(_) => None,
+        }
+        .filter(|length| *length > 0.0)
+    }
+
+    /// The shortest way to a held edge, m; looked for in steps of a degree.
+    fn shortest(&self) -> Option<f64> {
+        let lengths = (0..360).filter_map(|degree| self.length(f64::from(degree) * PI / 180.0));
+        lengths.min_by(f64::total_cmp)
+    }
+}
+
+/// Depth at which the impactor, wider than the way to the nearest held edge, stands on it, m.
+fn frame_depth(impactor: &Impactor, spans: &Spans<'_>) -> Option<f64> {
+    let nearest = spans.shortest()?;
+    match impactor.shape {
+        ImpactorShape::Sphere { radius } | ImpactorShape::Hemisphere { radius, .. } => {
+            (radius > nearest).then(|| radius - (radius * radius - nearest * nearest).sqrt())
+        }
+        ImpactorShape::Cylinder { radius, .. } => (radius >= nearest).then_some(0.0),
+        ImpactorShape::Mesh(_) => None,
+    }
+}
+
+/// Depth at which a fibre set, straight from edge to edge over the impactor's lowest point and strained evenly, is at its
+/// break strain, m. Every other shape of the film strains it more somewhere.
+fn breaking_depth(face: &Face, fibre: usize, spans: &Spans<'_>) -> Option<f64> {
+    let limit = face.material.law.break_strains()[fibre];
+    let angle = face.md_angle + [0.0, 0.5 * PI][fibre];
+    let ways = [spans.length(angle)?, spans.length(angle + PI)?];
+    let own = ways.iter().sum::<f64>() / (1.0 + face.prestrain[fibre]);
+    let longest = own * (1.0 + limit);
+    if longest.is_infinite() {
+        return None;
+    }
+    // Halving: the length of both ways grows with the depth.
+    let length = |depth: f64| ways.iter().map(|way| way.hypot(depth)).sum::<f64>();
+    let (mut low, mut high) = (0.0, longest);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if length(middle) < longest { low = middle } else { high = middle }
+    }
+    Some(low)
+}

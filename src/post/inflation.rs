@@ -1,0 +1,51 @@
+//! Measures of a slow inflation.
+
+use serde::Serialize;
+
+use super::Audit;
+use crate::signal::{Recording, Series};
+use crate::simulate::Outcome;
+
+/// What an inflation comes down to; fields of `summary.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Inflation {
+    /// Largest pressure that acted.
+    #[serde(rename = "peak_pressure_Pa")]
+    pub peak_pressure: Option<f64>,
+    /// Rise of the highest point over its place before the test, largest of all samples.
+    #[serde(rename = "peak_deflection_m")]
+    pub peak_deflection: Option<f64>,
+    /// The same at the end of the test, where the pressure was held.
+    #[serde(rename = "final_deflection_m")]
+    pub final_deflection: Option<f64>,
+    /// Change of the deflection over the last tenth of the test, over the deflection: how far it is at rest.
+    pub settling: Option<f64>,
+    /// Pressure at the last sample before the film broke; none where it held.
+    #[serde(rename = "burst_pressure_Pa")]
+    pub burst_pressure: Option<f64>,
+    #[serde(flatten)]
+    pub audit: Audit,
+    pub warnings: Vec<String>,
+}
+
+impl Inflation {
+    /// Measures of `signals`.
+    pub fn measure(outcome: &Outcome, signals: &Recording) -> Inflation {
+        let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
+        let (pressure, deflection) = (channel("pressure_Pa"), channel("deflection_m"));
+        let held = &deflection.values()[deflection.len() - deflection.len().div_ceil(10)..];
+        let extremes =
+            || held.iter().copied().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        let last = deflection.values().last().copied();
+        let last_pressure = pressure.values().last().copied();
+        Inflation {
+            peak_pressure: pressure.largest().map(|[_, pressure]| pressure),
+            peak_deflection: deflection.largest().map(|[_, rise]| rise),
+            final_deflection: last,
+            settling: last.filter(|_| outcome.rupture_time.is_none()).map(|last| (extremes().1 - extremes().0) / last),
+            burst_pressure: outcome.rupture_time.and(last_pressure),
+            audit: Audit::of(outcome),
+            warnings: outcome.warnings.clone(),
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! What is followed through every step of a run and read off at its samples.
+
+use super::grid::Grid;
+use crate::engine::Track;
+use crate::signal::{Channel, Recording};
+
+/// Impactor, jaws and strains at the samples of a run. Each loading makes its signals of them.
+pub(super) struct Tracks {
+    /// Between two samples, s.
+    pub(super) sample: f64,
+    /// Samples wanted.
+    pub(super) samples: usize,
+    /// Height of the impactor (m), its work on the film (J), pull on the jaws (N).
+    pub(super) at_steps: Grid<3>,
+    /// Velocity of the impactor (m/s) and its momentum from the film (N s), twice a sample.
+    pub(super) at_half_steps: Grid<2>,
+    /// Largest MD and TD strain.
+    pub(super) strains: Grid<2>,
+    /// Rise of the node that rose most, m; only under pressure.
+    pub(super) rise: Grid<1>,
+    /// Height of the impactor when it first got momentum, m.
+    pub(super) first_contact: Option<f64>,
+}
+
+impl Tracks {
+    /// Tracks of a run of `duration` (s) with `sample` (s) between samples; an impactor comes down at `speed` (m/s) in free
+    /// fall under `gravity` (m/s²).
+    pub(super) fn new(duration: f64, sample: f64, speed: f64, gravity: f64) -> Tracks {
+        let mut at_half_steps = Grid::new(-0.5 * sample, 0.5 * sample);
+        // Free fall before first contact, so that the first sample is a mean like every other.
+        at_half_steps.push(-sample, [gravity * sample - speed, 0.0]);
+        at_half_steps.push(0.0, [-speed, 0.0]);
+        Tracks {
+            sample,
+            samples: (duration / sample * (1.0 + 1e-12)).floor() as usize + 1,
+            at_steps: Grid::new(0.0, sample),
+            at_half_steps,
+            strains: Grid::new(0.0, sample),
+            rise: Grid::new(0.0, sample),
+            first_contact: None,
+        }
+    }
+
+    /// Takes in one step.
+    pub(super) fn follow(&mut self, track: &Track) {
+        if track.impulse != 0.0 {
+            self.first_contact.get_or_insert(track.z);
+        }
+        self.at_steps.push(track.time, [track.z, track.work, track.jaw_force]);
+        self.at_half_steps.push(track.time + 0.5 * track.dt, [track.velocity, track.impulse]);
+    }
+
+    /// Whether the strains of the next sample are wanted by `time` (s).
+    pub(super) fn is_due(&self, time: f64) -> bool {
+        self.strains.rows.len() < self.samples && self.strains.is_due(time)
+    }
+
+    /// Whether every sample has been followed.
+    pub(super) fn are_complete(&self) -> bool {
+        self.at_steps.rows.len() >= self.samples && self.at_half_steps.rows.len() > 2 * self.samples
+    }
+
+    /// Samples whose half steps on both sides are known.
+    pub(super) fn whole(&self) -> usize {
+        let halves = self.at_half_steps.rows.len().saturating_sub(1) / 2;
+        self.samples.min(self.at_steps.rows.len()).min(halves)
+    }
+
+    /// Momentum that the impactor got from the film around sample `k`, over the time between samples, N.
+    pub(super) fn contact_force(&self, k: usize) -> f64 {
+        let half = &self.at_half_steps.rows;
+        (half[2 * k + 2][1] - half[2 * k][1]) / self.sample
+    }
+
+    /// Channels of one row a sample.
+    pub(super) fn table<const K: usize>(&self, names: &[&str; K], rows: &[[f64; K]]) -> Recording {
+        Recording {
+            time: (0..rows.len()).map(|k| k as f64 * self.sample).collect(),
+            channels: (0..K)
+                .map(|c| Channel { name: names[c].to_string(), values: rows.iter().map(|r| r[c]).collect() })
+                .collect(),
+        }
+    }
+}
