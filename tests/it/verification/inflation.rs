@@ -1,7 +1,10 @@
 //! Inflation of a clamped circular membrane.
 
+use droptower::simulate::Outcome;
+
 use super::axisymmetric::{Sheet, root};
 use super::claims::Claims;
+use super::tower::{channel, run, written};
 
 /// Hencky's coefficients: Poisson's ratio and W of w0 = W a (q a/(E h))^(1/3) (Z. Math. Phys. 63, 1915).
 const HENCKY: [[f64; 2]; 3] = [[0.2, 0.67744], [0.3, 0.65344], [0.4, 0.62626]];
@@ -36,6 +39,60 @@ fn coefficient(poisson: f64) -> f64 {
         2.0,
     );
     integrate(pole)[2]
+}
+
+const RADIUS: f64 = 0.05;
+const YOUNG: f64 = 50e6;
+const FILM: f64 = 50e-6;
+
+/// What comes of a disc under `load` = q a/(E h).
+fn inflated(poisson: f64, load: f64, ramp: f64, element: &str) -> Outcome {
+    let pressure = load * YOUNG * FILM / RADIUS;
+    run(&written(&format!(
+        "specimen.shape = {{ circle = {{ radius = {RADIUS} }} }}
+         specimen.material = {{ density = 915, thickness = {FILM}, elastic = {{ young = {YOUNG}, poisson = {poisson} }} }}
+         specimen.mesh = {{ element = \"{element}\", size = \"4 mm\" }}
+         specimen.symmetry = \"quarter\"
+         loading.pressure = {{ pressure = {pressure}, ramp = {ramp} }}
+         output.frames = 2"
+    )))
+}
+
+/// Height of the middle at the end, over the radius.
+fn height(outcome: &Outcome) -> f64 {
+    let deflection = channel(&outcome.signals, "deflection_m");
+    deflection[deflection.len() - 1] / RADIUS
+}
+
+/// At a height of a twentieth of the radius strains are some 1e-3 and Hencky's equations hold within 0.3 %.
+#[test]
+fn a_clamped_disc_rises_as_hencky_says() {
+    let mut claims = Claims::of("inflation");
+    for [poisson, coefficient] in HENCKY {
+        let load = (0.05 / coefficient).powi(3);
+        let outcome = inflated(poisson, load, 0.5, "quad4");
+        let what = |claim: &str| format!("ν {poisson}, {claim}");
+        claims.near(&what("W of w0 = W a (q a/(E h))^(1/3)"), height(&outcome) / load.cbrt(), coefficient, 1e-2);
+        claims.at_most(&what("kinetic share"), outcome.kinetic_share.expect("a share"), 1e-2);
+        claims.at_most(&what("energy balance error"), outcome.energy_balance_error, 1e-3);
+    }
+    claims.judge();
+}
+
+/// Far above small strains: the membrane of revolution, integrated.
+#[test]
+fn a_clamped_disc_rises_as_the_membrane_of_revolution() {
+    let mut claims = Claims::of("inflation, finite strain");
+    let load = 0.3;
+    for (element, poisson) in [("quad4", 0.44), ("quad4-full", 0.44), ("tri3", 0.2)] {
+        let sheet = Sheet { young: YOUNG, poisson, thickness: FILM };
+        let exact = sheet.inflated(RADIUS, RADIUS, load * YOUNG * FILM / RADIUS);
+        let what = |claim: &str| format!("{element}, ν {poisson}, pole stretched {:.3}, {claim}", exact.stretch[0][0]);
+        let outcome = inflated(poisson, load, 0.1, element);
+        claims.near(&what("height over radius"), height(&outcome), exact.depth() / RADIUS, 1e-2);
+        claims.at_most(&what("kinetic share"), outcome.kinetic_share.expect("a share"), 1e-2);
+    }
+    claims.judge();
 }
 
 #[test]
