@@ -19,6 +19,8 @@ pub struct Sheet {
     pub poisson: f64,
     /// m.
     pub thickness: f64,
+    /// Whether it carries tension only: where S₂ would be negative, it is zero and S₁ = Y E₁.
+    pub wrinkling: bool,
 }
 
 /// A deformed film at radii R from the pole or inner edge to the outer one.
@@ -34,7 +36,7 @@ pub struct Shape {
     pub shear: f64,
     /// Elastic energy, J, of the whole circle.
     pub energy: f64,
-    /// Least hoop stress S₂, Pa.
+    /// Least hoop stress S₂ of film that does not wrinkle at these stretches, Pa.
     pub least_hoop: f64,
 }
 
@@ -42,21 +44,26 @@ pub struct Shape {
 const STEPS: usize = 400;
 
 impl Sheet {
-    /// Second Piola–Kirchhoff stress along one direction, Pa.
-    fn second(&self, own: f64, other: f64) -> f64 {
-        let green = |stretch: f64| 0.5 * (stretch * stretch - 1.0);
-        self.young / (1.0 - self.poisson * self.poisson) * (green(own) + self.poisson * green(other))
+    /// Second Piola–Kirchhoff stress along a direction of stretch `own` beside the other, and its slope by `own`, Pa.
+    fn second(&self, own: f64, other: f64) -> [f64; 2] {
+        let [e, across] = [own, other].map(|stretch| 0.5 * (stretch * stretch - 1.0));
+        let plane = self.young / (1.0 - self.poisson * self.poisson);
+        let [least, most] = [e.min(across), e.max(across)];
+        if self.wrinkling && least + self.poisson * most < 0.0 {
+            return if own > other && own > 1.0 { [self.young * e, self.young * own] } else { [0.0; 2] };
+        }
+        [plane * (e + self.poisson * across), plane * own]
     }
 
     /// First Piola–Kirchhoff stress along one direction, Pa.
     pub fn first(&self, own: f64, other: f64) -> f64 {
-        own * self.second(own, other)
+        own * self.second(own, other)[0]
     }
 
     /// Energy per stress-free volume, J/m³.
     fn energy(&self, stretch: [f64; 2]) -> f64 {
         let [a, b] = stretch.map(|s| 0.5 * (s * s - 1.0));
-        0.5 * self.young / (1.0 - self.poisson * self.poisson) * (a * a + b * b + 2.0 * self.poisson * a * b)
+        0.5 * (a * self.second(stretch[0], stretch[1])[0] + b * self.second(stretch[1], stretch[0])[0])
     }
 
     /// The stretch that belongs to the first Piola–Kirchhoff stress `stress` (Pa) beside the stretch `other`.
@@ -64,9 +71,8 @@ impl Sheet {
         // Newton from above on a convex function.
         let mut stretch = 2.0 + (2.0 * stress / self.young).abs().cbrt() + other;
         for _ in 0..60 {
-            let plane = self.young / (1.0 - self.poisson * self.poisson);
-            let slope = self.second(stretch, other) + plane * stretch * stretch;
-            let change = (self.first(stretch, other) - stress) / slope;
+            let [second, slope] = self.second(stretch, other);
+            let change = (stretch * second - stress) / (second + stretch * slope);
             stretch -= change;
             if change.abs() < 1e-15 * stretch {
                 break;
@@ -155,7 +161,9 @@ impl Sheet {
         // A quarter of the ball's circumference, of film that is not shorter than it was.
         let most = radius.min(1.5 * ball);
         let touch = between(|touch| self.touched(radius, clamp, ball, touch).depth() - depth, 1e-3 * most, most);
-        self.touched(radius, clamp, ball, touch)
+        let shape = self.touched(radius, clamp, ball, touch);
+        assert!((shape.depth() - depth).abs() < 1e-6 * depth, "the film is slack at {depth} m");
+        shape
     }
 
     /// A ring from the material radius `inner` to `outer` (m) whose edges are put at `[r, z]` each.
@@ -187,7 +195,7 @@ impl Sheet {
 
 impl Shape {
     fn add(&mut self, sheet: &Sheet, at: f64, place: [f64; 2], stretch: [f64; 2]) {
-        let hoop = sheet.second(stretch[1], stretch[0]);
+        let hoop = Sheet { wrinkling: false, ..*sheet }.second(stretch[1], stretch[0])[0];
         self.least_hoop = if self.material.is_empty() { hoop } else { self.least_hoop.min(hoop) };
         if let (Some(before), Some(last)) = (self.material.last(), self.stretch.last()) {
             let density = |stretch: [f64; 2], at: f64| sheet.energy(stretch) * at;

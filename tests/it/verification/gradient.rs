@@ -7,7 +7,7 @@ use droptower::model::Element;
 use super::claims::Claims;
 use super::random::Random;
 use super::scene::{forces, mounted, put};
-use super::sheet::{EDGE, ELEMENTS, deform, elastic, face, odd_element};
+use super::sheet::{EDGE, ELEMENTS, deform, elastic, face, odd_element, wrinkling};
 use super::tower::shipped;
 
 /// Elements looked at of each kind and law.
@@ -57,6 +57,7 @@ fn forces_are_the_gradient_of_the_energy() {
     };
     let laws = [
         ("elastic", elastic(50e6, 0.44), false),
+        ("wrinkling", wrinkling(50e6, 0.44), false),
         ("fabric without absorption", fabric(0.0), false),
         ("fabric on unloading, D 0.89", fabric(0.8896), true),
     ];

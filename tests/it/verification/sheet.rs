@@ -1,7 +1,7 @@
 //! Sheets of elements in rows, even or not, single elements of no particular shape, and the elastic film that they are made of.
 
 use droptower::engine::Nodes;
-use droptower::material::{Elastic, Law, Material};
+use droptower::material::{Elastic, Law, Material, TensionField};
 use droptower::mesh::Mesh;
 use droptower::model::{Element, Face, Meshing};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
@@ -90,6 +90,12 @@ pub fn face(material: Material, element: Element, prestrain: [f64; 2]) -> Face {
 pub fn elastic(young: f64, poisson: f64) -> Material {
     let law = Law::Elastic(Elastic { young, poisson });
     Material { density: DENSITY, thickness: THICKNESS, law, measured_rates: None }
+}
+
+/// The same without compression.
+pub fn wrinkling(young: f64, poisson: f64) -> Material {
+    let law = Law::TensionField(TensionField(Elastic { young, poisson }));
+    Material { law, ..elastic(young, poisson) }
 }
 
 /// kg/m³.

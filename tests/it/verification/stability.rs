@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use super::claims::Claims;
 use super::random::Random;
 use super::scene::{forces, mounted, put};
-use super::sheet::{EDGE, ELEMENTS, deform, elastic, face, odd_element, sheet};
+use super::sheet::{EDGE, ELEMENTS, deform, elastic, face, odd_element, sheet, wrinkling};
 use super::tower::{impact, peaks, shipped};
 
 /// Elements looked at of each kind and law.
@@ -64,6 +64,8 @@ fn no_element_swings_faster_than_its_bound() {
     let laws = [
         ("elastic", elastic(50e6, 0.44), History::Loading),
         ("elastic, ν −0.3", elastic(50e6, -0.3), History::Loading),
+        ("wrinkling", wrinkling(50e6, 0.44), History::Loading),
+        ("wrinkling, ν −0.3", wrinkling(50e6, -0.3), History::Loading),
         ("fabric without absorption", fabric(0.0), History::Loading),
         ("fabric, D 0.89, unloading", fabric(0.8896), History::Unloading),
     ];
