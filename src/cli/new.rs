@@ -27,6 +27,10 @@ pub enum Kind {
     Dart,
     /// A tensile coupon between two jaws
     Coupon,
+    /// A slow probe into a clamped disc
+    Indent,
+    /// A clamped disc blown up
+    Pressure,
 }
 
 impl Kind {
@@ -35,6 +39,8 @@ impl Kind {
             Kind::Drop => include_str!("templates/drop.toml"),
             Kind::Dart => include_str!("templates/dart.toml"),
             Kind::Coupon => include_str!("templates/coupon.toml"),
+            Kind::Indent => include_str!("templates/indent.toml"),
+            Kind::Pressure => include_str!("templates/pressure.toml"),
         }
     }
 }

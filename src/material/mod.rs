@@ -180,15 +180,17 @@ mod tests {
         Fabric::new(md, td, shear, absorption)
     }
 
-    /// Deformations in general position: stretched, sheared, turned out of the plane, one direction slack, uneven.
+    /// Deformations in general position: stretched, sheared, turned out of the plane, one direction slack or both, uneven.
     fn deformations() -> Vec<Deformation<1>> {
-        let rows: [([[f64; 3]; 2], [f64; 2]); 6] = [
+        let rows: [([[f64; 3]; 2], [f64; 2]); 8] = [
             ([[1.13, 0.05, 0.2], [0.1, 1.3, -0.3]], [0.0, 0.0]),
             ([[1.5, 0.7, 0.1], [0.6, 1.4, 0.5]], [0.0, 0.0]),
             ([[0.3, 0.2, 1.1], [-0.9, 0.4, 0.6]], [0.0, 0.0]),
             ([[0.7, 0.1, 0.2], [0.2, 1.2, 0.1]], [0.0, 0.0]),
             ([[1.05, 0.95, 0.0], [0.98, 1.05, 0.02]], [0.0, 0.0]),
             ([[1.13, 0.05, 0.2], [0.1, 1.3, -0.3]], [0.2, 0.1]),
+            ([[0.7, 0.1, 0.2], [0.2, 1.2, 0.1]], [0.05, 0.02]),
+            ([[0.8, 0.1, 0.0], [0.05, 0.9, 0.1]], [0.01, 0.02]),
         ];
         rows.map(|(f, spread)| Deformation { f: f.map(|v| v.map(splat)), spread: spread.map(splat) }).to_vec()
     }
@@ -249,6 +251,40 @@ mod tests {
     fn tension_field_stress_is_the_derivative_of_its_energy() {
         check_derivative(&TensionField(Elastic { young: 5e7, poisson: 0.44 }), 0.0);
         check_derivative(&TensionField(Elastic { young: 5e7, poisson: -0.3 }), 0.0);
+    }
+
+    /// Second differences of the energy along motions b ⊗ n of unit size, in the film along b and in space along n, against
+    /// the resistance that the law's stiffness claims.
+    fn check_bound(law: &impl MembraneLaw) {
+        let (step, turn) = (1e-4, std::f64::consts::PI / 8.0);
+        for d in deformations() {
+            for b in (0..8).map(|k| (turn * f64::from(k)).sin_cos()) {
+                let (first, second) = b;
+                let g = [[first * first, first * second], [first * second, second * second]];
+                let bound = law.stiffness(&d, &[splat(0.0); 3]).resistance(&g.map(|row| row.map(splat)))[0];
+                for n in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.8, 0.0], [0.6, -0.48, 0.64]] {
+                    let energy = |t: f64| {
+                        let mut moved = d;
+                        for axis in 0..3 {
+                            moved.f[0][axis][0] += t * first * n[axis];
+                            moved.f[1][axis][0] += t * second * n[axis];
+                        }
+                        law.energy(&moved, &[splat(0.0); 3]).stored[0]
+                    };
+                    let stiffness = (energy(step) - 2.0 * energy(0.0) + energy(-step)) / (step * step);
+                    assert!(stiffness <= bound * (1.0 + 1e-6) + 1.0, "{stiffness} over {bound} at {d:?}, {b:?}, {n:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn stiffness_of_elastic_film_is_bounded() {
+        for poisson in [0.0, 0.44, -0.3] {
+            let elastic = Elastic { young: 5e7, poisson };
+            check_bound(&elastic);
+            check_bound(&TensionField(elastic));
+        }
     }
 
     #[test]

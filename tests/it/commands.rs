@@ -20,7 +20,7 @@ fn standard_output(arguments: &[&str]) -> String {
 #[test]
 fn templates_are_sound_and_not_overwritten() {
     let folder = tempfile::tempdir().expect("a folder");
-    for kind in ["drop", "dart", "coupon"] {
+    for kind in ["drop", "dart", "coupon", "indent", "pressure"] {
         let path = folder.path().join(format!("{kind}.toml"));
         let path = path.to_str().expect("UTF-8");
         standard_output(&["new", kind, path]);

@@ -8,4 +8,5 @@ mod golden;
 mod mesh;
 mod runs;
 mod shipped;
+mod slow;
 mod verification;

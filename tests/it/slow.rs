@@ -1,0 +1,127 @@
+//! Slow indentation and inflation through the built binary: what they leave, and how they end.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value as Json;
+use tempfile::TempDir;
+
+use droptower::signal::{Recording, csv};
+
+/// A folder with the template of a slow test in it, made coarse and quick.
+fn bench(kind: &str) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    assert!(droptower(folder.path(), &["new", kind, "slow.toml"]).status.success());
+    folder
+}
+
+fn droptower(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
+    command.current_dir(folder).args(arguments).output().expect("the binary starts")
+}
+
+/// Runs the scenario with changes; its exit status, signals and summary.
+fn run(folder: &Path, changes: &[&str]) -> (Output, Recording, Json) {
+    let changes = ["specimen.mesh.size=5mm"].iter().chain(changes).flat_map(|change| ["--set", change]);
+    let arguments: Vec<&str> = ["run", "slow.toml"].into_iter().chain(changes).collect();
+    let output = droptower(folder, &arguments);
+    let place = if output.status.success() { "runs/slow" } else { "runs/slow.failed" };
+    let place = folder.join(place);
+    let signals = csv::read(&place.join("signals.csv")).unwrap_or_else(|error| panic!("{error}: {}", told(&output)));
+    let summary = fs::read(place.join("summary.json")).expect("a summary");
+    (output, signals, serde_json::from_slice(&summary).expect("JSON"))
+}
+
+fn told(output: &Output) -> String {
+    [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned()).concat()
+}
+
+fn header(folder: &Path) -> String {
+    let text = fs::read_to_string(folder.join("runs/slow/signals.csv")).expect("signals");
+    text.lines().next().expect("a header").to_owned()
+}
+
+fn last(signals: &Recording, name: &str) -> f64 {
+    *signals.channel(name).and_then(<[f64]>::last).expect("a sample")
+}
+
+fn figure(summary: &Json, name: &str) -> f64 {
+    summary[name].as_f64().unwrap_or_else(|| panic!("{name}: {}", summary[name]))
+}
+
+#[test]
+fn an_indentation_leaves_depth_and_force() {
+    let bench = bench("indent");
+    let (output, signals, summary) = run(bench.path(), &["loading.indent.depth=15mm"]);
+    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+    assert_eq!(header(bench.path()), "time_s,depth_m,force_N");
+    assert_eq!(signals.channel("depth_m").map(|depth| depth[0]), Some(0.0), "the depth starts at first touch");
+    assert!((last(&signals, "depth_m") - 0.015).abs() < 1e-12);
+    assert_eq!(figure(&summary, "final_force_N"), last(&signals, "force_N"));
+    assert!(figure(&summary, "kinetic_share") < 1e-3);
+    assert!(figure(&summary, "energy_balance_error") < 1e-3);
+    // What the impactor gave is the integral of its force, and what the film and damping took.
+    let energies = csv::read(&bench.path().join("runs/slow/energies.csv")).expect("energies");
+    let given = -last(&energies, "external_J");
+    assert!((figure(&summary, "work_J") / given - 1.0).abs() < 0.02, "{} of {given}", summary["work_J"]);
+    assert!(told(&output).contains("kinetic share 0.0 %"));
+}
+
+#[test]
+fn an_inflation_comes_to_rest() {
+    let bench = bench("pressure");
+    let (output, signals, summary) = run(bench.path(), &[]);
+    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+    assert_eq!(header(bench.path()), "time_s,pressure_Pa,deflection_m");
+    assert_eq!(last(&signals, "pressure_Pa"), 5e3);
+    assert_eq!(figure(&summary, "final_deflection_m"), last(&signals, "deflection_m"));
+    assert!(figure(&summary, "settling") < 1e-6);
+    assert!(figure(&summary, "energy_balance_error") < 1e-4);
+}
+
+/// Quarter and whole film; slow and slower, each with a mass of its own.
+#[test]
+fn neither_symmetry_nor_pace_is_felt() {
+    let bench = bench("indent");
+    let force = |changes: &[&str]| {
+        let all = [&["loading.indent.depth=15mm", "output.sample_rate=50Hz"], changes].concat();
+        last(&run(bench.path(), &all).1, "force_N")
+    };
+    let quarter = force(&[]);
+    let pairs = [force(&["specimen.symmetry=none"]), force(&["loading.indent.velocity=0.02 m/s"])];
+    for other in pairs {
+        assert!((other / quarter - 1.0).abs() < 3e-3, "{other} for {quarter}");
+    }
+}
+
+#[test]
+fn what_is_not_quasi_static_is_refused_and_kept() {
+    let bench = bench("indent");
+    let fast = ["loading.indent.velocity=10 m/s", "output.sample_rate=20 kHz"];
+    let (output, signals, summary) = run(bench.path(), &fast);
+    assert_eq!(output.status.code(), Some(3), "{}", told(&output));
+    assert!(told(&output).contains("not quasi-static: at 0.00"), "{}", told(&output));
+    assert!(signals.time.len() > 10 && figure(&summary, "kinetic_share") > 0.01);
+    let cause = fs::read_to_string(bench.path().join("runs/slow.failed/failure.txt")).expect("a cause");
+    assert!(cause.contains("load it more slowly"), "{cause}");
+}
+
+/// A film that breaks ends the test: its last sample is the last that held.
+#[test]
+fn a_break_is_the_end() {
+    let brittle = "specimen.material.fabric.md={curve=[[0.05,'5 MPa'],[0.1,'6 MPa']]}";
+    let (burst, puncture) = (bench("pressure"), bench("indent"));
+    let (output, signals, summary) = run(burst.path(), &[brittle]);
+    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+    assert_eq!(summary["ruptured"], true);
+    assert_eq!(figure(&summary, "burst_pressure_Pa"), last(&signals, "pressure_Pa"));
+    assert!(last(&signals, "pressure_Pa") < 5e3 && told(&output).contains("burst at"), "{}", told(&output));
+
+    let film = "specimen.material.fabric={md={curve=[[0.05,'5 MPa'],[0.1,'6 MPa']]},td={curve=[[0.05,'5 MPa'],[2,'6 MPa']]},\
+                shear={curve=[[1,'5 MPa']]}}";
+    let (output, signals, summary) = run(puncture.path(), &[film, "loading.indent.depth=15mm"]);
+    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+    let depth = figure(&summary, "depth_at_break_m");
+    assert!(depth < 0.015 && (last(&signals, "depth_m") - depth).abs() < 4e-3 / 20.0, "{depth}");
+}
