@@ -140,7 +140,9 @@ impl Film {
 
     /// Strains of every element, quads first.
     pub fn strains(&self, position: &Vectors) -> Vec<ElementStrain> {
-        strains(std::slice::from_ref(self), &Team::new(1), position.axes()).concat()
+        let mut out = vec![];
+        strains(std::slice::from_ref(self), &Team::new(1), position.axes(), &mut out);
+        out.concat()
     }
 
     /// Energies of the film alone, J.
@@ -230,9 +232,12 @@ pub(super) fn frequency_bounds(films: &[Film], team: &Team, position: [&[f64]; 3
     largest
 }
 
-/// Strains of every element of each film, quads first.
-pub(super) fn strains(films: &[Film], team: &Team, position: [&[f64]; 3]) -> Vec<Vec<ElementStrain>> {
-    let mut out: Vec<Vec<_>> = films.iter().map(|film| vec![ElementStrain::default(); film.elements()]).collect();
+/// Strains of every element of each film, quads first, into `out`.
+pub(super) fn strains(films: &[Film], team: &Team, position: [&[f64]; 3], out: &mut Vec<Vec<ElementStrain>>) {
+    out.resize_with(films.len(), Vec::new);
+    for (face, film) in out.iter_mut().zip(films) {
+        face.resize(film.elements(), ElementStrain::default());
+    }
     let faces: Vec<Disjoint<'_, ElementStrain>> = out.iter_mut().map(|face| Disjoint::new(face)).collect();
     survey(films, team, |film, chunk| {
         let position = position.map(|axis| &axis[films[film].nodes.clone()]);
@@ -240,7 +245,6 @@ pub(super) fn strains(films: &[Film], team: &Team, position: [&[f64]; 3]) -> Vec
         let own = unsafe { faces[film].range(chunk.first..chunk.first + chunk.count()) };
         concretely!(&chunk.elements, |blocks| element::strains(team.width(), blocks, &position, own))
     });
-    out
 }
 
 /// What `work` says of every chunk, with the number of its film, in order.

@@ -26,6 +26,8 @@ pub use rigid_body::RigidBody;
 pub use team::Team;
 pub use time_step::TimeStep;
 
+use std::ops::Range;
+
 use element::Forces;
 use nodes::Moved;
 use pressure::Inflated;
@@ -48,6 +50,8 @@ pub struct Engine {
     team: Team,
     /// Chunks of film whose forces may be added at the same time, film and chunk, colour by colour.
     phases: Vec<Vec<(usize, usize)>>,
+    /// Nodes that are moved together, none of them on two faces.
+    node_ranges: Vec<Range<usize>>,
     /// Elements that broke and were not told yet.
     broken: usize,
 }
@@ -146,6 +150,10 @@ impl Engine {
             films.iter().enumerate().flat_map(of_film).collect()
         };
         let phases = (0..colours).map(of_colour).collect();
+        let cut = |Range { start, end }: Range<usize>| {
+            (start..end).step_by(NODES_AT_ONCE).map(move |from| from..end.min(from + NODES_AT_ONCE))
+        };
+        let node_ranges = films.iter().flat_map(|film| cut(film.nodes.clone())).collect();
         let mut engine = Engine {
             films,
             nodes,
@@ -159,6 +167,7 @@ impl Engine {
             inflated: None,
             team: Team::new(1),
             phases,
+            node_ranges,
             broken: 0,
         };
         // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
@@ -277,28 +286,33 @@ impl Engine {
     /// Accelerates nodes and body over `over` (s), moves the nodes on by `dt` (s) and lets them meet the body. Returns the
     /// largest speed of a node, m/s.
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
-        if let Some(Impact { body, contact }) = &mut self.impact {
-            contact.prepare(&self.films, &self.nodes, body);
-        }
+        let Engine { films, nodes, impact, .. } = self;
+        let remembered = impact.as_mut().map(|Impact { body, contact }| contact.prepare(films, nodes, body));
         let kick = Kick::over(over, self.drive.damping);
-        let moving = self.nodes.moving(kick, dt, self.drive.gravity);
-        let count = moving.count();
-        let mut parts = vec![Moved::default(); count.div_ceil(NODES_AT_ONCE)];
+        let moving = nodes.moving(kick, dt, self.drive.gravity, remembered);
+        let (width, ranges) = (self.team.width(), &self.node_ranges);
+        let mut parts = vec![Moved::default(); ranges.len()];
         let answers = Disjoint::new(&mut parts);
-        let width = self.team.width();
-        self.team.each(count.div_ceil(NODES_AT_ONCE), |part| {
-            let range = part * NODES_AT_ONCE..count.min((part + 1) * NODES_AT_ONCE);
+        self.team.each(ranges.len(), |part| {
             // SAFETY: every range comes up once.
-            unsafe { *answers.at(part) = moving.advance(width, range) };
+            unsafe { *answers.at(part) = moving.advance(width, ranges[part].clone()) };
         });
         let mut moved = parts.iter().fold(Moved::default(), |all, part| all.and(part));
+        let mut fastest = moved.fastest.sqrt();
         if let Some(Impact { body, contact }) = &mut self.impact {
             let before = body.clone();
             body.kick(over, self.drive.gravity);
-            moved = moved.and(&contact.meet(&mut self.nodes, body, &before, dt, &self.team));
+            let damped = self.drive.damping > 0.0;
+            if damped {
+                contact.let_be(&self.nodes);
+            }
+            fastest = fastest.max(contact.meet(&mut self.nodes, body, &before, dt, &self.team));
+            if damped {
+                moved.damped += contact.damped_on_the_way(&self.nodes);
+            }
         }
         self.gone.damping += self.drive.multiplicity * self.drive.damping * over * moved.damped;
-        moved.fastest.sqrt()
+        fastest
     }
 
     /// Shows the full step that was kept, with the velocities that follow it.

@@ -136,13 +136,6 @@ impl Nodes {
         Vector3::from(self.velocity.at(node))
     }
 
-    /// Velocity per impulse along each axis, 1/kg; zero where a node is held.
-    #[inline]
-    pub fn mobility(&self, node: usize) -> [f64; 3] {
-        let free = self.inverse_mass[node];
-        [0, 1, 2].map(|axis| if self.held[node] & (1 << axis) == 0 { free } else { 0.0 })
-    }
-
     /// Whether a node is held in every direction.
     #[inline]
     pub fn is_held(&self, node: usize) -> bool {
@@ -154,9 +147,21 @@ impl Nodes {
         self.force.axes.iter_mut().for_each(|axis| axis.fill(0.0));
     }
 
-    /// Places to be moved, an array an axis, the velocities and the masses.
-    pub(super) fn in_motion(&mut self) -> ([&mut [f64]; 3], &Vectors, &[f64]) {
-        (self.position.axes_mut(), &self.velocity, &self.mass)
+    /// Gets the nodes ready to be met by several threads.
+    pub(super) fn met(&mut self) -> Met<'_> {
+        Met {
+            position: self.position.axes.each_mut().map(|axis| Disjoint::new(axis)),
+            velocity: self.velocity.axes.each_mut().map(|axis| Disjoint::new(axis)),
+            mass: &self.mass,
+            inverse_mass: &self.inverse_mass,
+            held: &self.held,
+        }
+    }
+
+    /// Gives a node `impulse` (N s) and moves it on by what that changes in `dt` (s).
+    pub(super) fn push(&mut self, node: usize, impulse: &Vector3<f64>, dt: f64) {
+        // SAFETY: there is one thread.
+        unsafe { self.met().push(node, impulse, dt) };
     }
 
     /// Sum of the forces along x on some nodes, N.
@@ -176,12 +181,55 @@ impl Nodes {
 /// All three axes held.
 const ALL: u8 = 0b111;
 
+/// Velocity per impulse along each axis, 1/kg; zero where a node is held.
+#[inline(always)]
+fn mobility(free: f64, held: u8) -> [f64; 3] {
+    let along = |axis: u8| if held & (1 << axis) == 0 { free } else { 0.0 };
+    [along(0), along(1), along(2)]
+}
+
+/// The nodes as several threads push them after they were moved, each its own.
+pub(super) struct Met<'a> {
+    position: [Disjoint<'a, f64>; 3],
+    velocity: [Disjoint<'a, f64>; 3],
+    mass: &'a [f64],
+    inverse_mass: &'a [f64],
+    held: &'a [u8],
+}
+
+impl Met<'_> {
+    /// kg.
+    #[inline(always)]
+    pub(super) fn mass(&self, node: usize) -> f64 {
+        self.mass[node]
+    }
+
+    /// Gives a node `impulse` (N s) and moves it on by what that changes in `dt` (s); returns its velocity.
+    ///
+    /// # Safety
+    /// No other thread may be at work on this node.
+    #[inline(always)]
+    pub(super) unsafe fn push(&self, node: usize, impulse: &Vector3<f64>, dt: f64) -> Vector3<f64> {
+        let mobility = mobility(self.inverse_mass[node], self.held[node]);
+        let mut after = Vector3::zeros();
+        for axis in 0..3 {
+            let change = impulse[axis] * mobility[axis];
+            // SAFETY: the caller keeps other threads from this node.
+            let (x, v) = unsafe { (self.position[axis].at(node), self.velocity[axis].at(node)) };
+            *x += change * dt;
+            *v += change;
+            after[axis] = *v;
+        }
+        after
+    }
+}
+
 /// What is to be known of nodes that were moved.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moved {
     /// Square of the largest speed, m²/s².
     pub(super) fastest: f64,
-    /// Σ m v̄² with the mean v̄ of the velocities before and after, of what is not held, kg m²/s²; without damping of no use.
+    /// Σ m v̄² with the mean v̄ of the velocities before and after, of what is not held, kg m²/s²; zero without damping.
     pub(super) damped: f64,
 }
 
@@ -209,27 +257,46 @@ pub(super) struct Moving<'a> {
     position: [Disjoint<'a, f64>; 3],
     velocity: [Disjoint<'a, f64>; 3],
     force: [Disjoint<'a, f64>; 3],
+    mass: &'a [f64],
     inverse_mass: &'a [f64],
     held: &'a [u8],
     constrained: &'a [u32],
     kick: Kick,
     dt: f64,
     gravity: f64,
+    remembered: Option<Remembered<'a>>,
+}
+
+/// Nodes whose velocities are taken before they are kicked.
+pub(super) struct Remembered<'a> {
+    /// In order.
+    pub(super) nodes: &'a [u32],
+    /// Where the velocities go, an entry for every node there is, m/s.
+    pub(super) velocity: Disjoint<'a, Vector3<f64>>,
 }
 
 impl Nodes {
-    /// Gets the nodes ready for a step: `kick`, then a drift over `dt` (s), with `gravity` (m/s², downward).
-    pub(super) fn moving(&mut self, kick: Kick, dt: f64, gravity: f64) -> Moving<'_> {
+    /// Gets the nodes ready for a step: `kick`, then a drift over `dt` (s), with `gravity` (m/s², downward); what is to be
+    /// `remembered` is taken first.
+    pub(super) fn moving<'a>(
+        &'a mut self,
+        kick: Kick,
+        dt: f64,
+        gravity: f64,
+        remembered: Option<Remembered<'a>>,
+    ) -> Moving<'a> {
         Moving {
             position: self.position.axes.each_mut().map(|axis| Disjoint::new(axis)),
             velocity: self.velocity.axes.each_mut().map(|axis| Disjoint::new(axis)),
             force: self.force.axes.each_mut().map(|axis| Disjoint::new(axis)),
+            mass: &self.mass,
             inverse_mass: &self.inverse_mass,
             held: &self.held,
             constrained: &self.constrained,
             kick,
             dt,
             gravity,
+            remembered,
         }
     }
 }
@@ -241,6 +308,7 @@ impl Moving<'_> {
     /// No other thread may be at work on these nodes.
     pub(super) unsafe fn advance(&self, width: Width, nodes: Range<usize>) -> Moved {
         let mut moved = Moved::default();
+        self.remember(nodes.clone());
         for start in nodes.clone().step_by(AT_ONCE) {
             let some = start..nodes.end.min(start + AT_ONCE);
             // SAFETY: the caller keeps other threads away from these nodes.
@@ -253,30 +321,38 @@ impl Moving<'_> {
                 }
             });
             let mut axes = [x, y, z];
-            let held = self.hold_back(some.clone(), &mut axes);
-            moved.damped -= if self.kick.keep == 1.0 { 0.0 } else { held };
+            moved.damped -= self.hold_back(some.clone(), &mut axes);
             moved = moved.and(&advance(width, self.kick, self.dt, &self.inverse_mass[some], &mut axes));
         }
         moved
     }
 
-    /// Number of nodes.
-    pub(super) fn count(&self) -> usize {
-        self.inverse_mass.len()
+    fn remember(&self, range: Range<usize>) {
+        let Some(Remembered { nodes, velocity }) = &self.remembered else { return };
+        let from = nodes.partition_point(|n| (*n as usize) < range.start);
+        for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
+            // SAFETY: the caller keeps other threads away from these nodes.
+            unsafe {
+                let [x, y, z] = &self.velocity;
+                *velocity.at(n) = Vector3::new(*x.at(n), *y.at(n), *z.at(n));
+            }
+        }
     }
 
-    /// Gives held nodes the force under which they keep their velocity; returns their Σ m v², kg m²/s².
+    /// Gives held nodes the force under which they keep their velocity; with damping, returns their Σ m v², kg m²/s².
     fn hold_back(&self, some: Range<usize>, axes: &mut [Axis<'_>; 3]) -> f64 {
         let mut squares = 0.0;
-        let first = self.constrained.partition_point(|n| (*n as usize) < some.start);
-        for &n in self.constrained[first..].iter().take_while(|n| (**n as usize) < some.end) {
-            let n = n as usize;
-            let held = axes.iter_mut().enumerate().filter(|(axis, _)| self.held[n] & (1 << axis) != 0);
-            for (_, of) in held {
-                let v = of.velocity[n - some.start];
-                let kept = (1.0 - self.kick.keep) * v / self.kick.gain;
-                of.force[n - some.start] = (kept - of.field) / self.inverse_mass[n];
-                squares += v * v / self.inverse_mass[n];
+        let from = self.constrained.partition_point(|n| (*n as usize) < some.start);
+        for &n in self.constrained[from..].iter().take_while(|n| (**n as usize) < some.end) {
+            let (n, at) = (n as usize, n as usize - some.start);
+            for axis in (0..3).filter(|axis| self.held[n] & (1 << axis) != 0) {
+                let of = &mut axes[axis];
+                of.force[at] = -of.field * self.mass[n];
+                if self.kick.keep != 1.0 {
+                    let v = of.velocity[at];
+                    of.force[at] += (1.0 - self.kick.keep) * v * self.mass[n] / self.kick.gain;
+                    squares += v * v * self.mass[n];
+                }
             }
         }
         squares

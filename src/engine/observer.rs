@@ -87,9 +87,9 @@ impl View<'_> {
         out
     }
 
-    /// Strains of every element of each face, quads first.
-    pub fn strains(&self) -> Vec<Vec<ElementStrain>> {
-        film::strains(self.films, self.team, self.nodes.position.axes())
+    /// Strains of every element of each face, quads first, in place of what `out` held.
+    pub fn strains(&self, out: &mut Vec<Vec<ElementStrain>>) {
+        film::strains(self.films, self.team, self.nodes.position.axes(), out);
     }
 
     /// The touch between impactor and film, if there is an impactor.

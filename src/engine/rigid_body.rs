@@ -37,6 +37,13 @@ impl Default for Gathered {
     }
 }
 
+impl Gathered {
+    /// These contacts and others.
+    pub fn and(&self, others: &Gathered) -> Gathered {
+        Gathered { mass: self.mass + others.mass, momentum: self.momentum + others.momentum }
+    }
+}
+
 impl RigidBody {
     /// A body at `pose` with `velocity` (m/s), not spinning; `inertia` (kg m²) about its centre of mass in body axes.
     pub fn new(
@@ -108,11 +115,17 @@ impl RigidBody {
 
     /// Takes up `impulse` (N s) at `arm` from the centre of mass, as far as the guide lets it.
     pub fn push(&mut self, impulse: &Vector3<f64>, arm: &Vector3<f64>) {
+        self.push_about(impulse, &arm.cross(impulse));
+    }
+
+    /// Takes up impulses of the sum `impulse` (N s) and their `moment` about the centre of mass (N m s), as far as the guide
+    /// lets it.
+    pub fn push_about(&mut self, impulse: &Vector3<f64>, moment: &Vector3<f64>) {
         match self.guide {
             Guide::Z => self.velocity.z += impulse.z / self.mass,
             Guide::Free => {
                 self.velocity += impulse / self.mass;
-                self.spin += self.softness * arm.cross(impulse);
+                self.spin += self.softness * moment;
             }
         }
     }
@@ -140,6 +153,7 @@ impl RigidBody {
 
     /// Adds to `gathered` film of `mass` (kg) that a contact at `arm` drags along, in every direction or only along one,
     /// and the momentum `change` (kg m/s) that this film needs if the body keeps its velocity.
+    #[inline(always)]
     pub fn gather(
         &self,
         gathered: &mut Gathered,
@@ -151,8 +165,18 @@ impl RigidBody {
         if self.guide == Guide::Z {
             gathered.mass[(2, 2)] += mass * along.map_or(1.0, |n| n.z * n.z);
             gathered.momentum[2] += change.z;
-            return;
+        } else {
+            RigidBody::gather_free(gathered, arm, mass, along, change);
         }
+    }
+
+    fn gather_free(
+        gathered: &mut Gathered,
+        arm: &Vector3<f64>,
+        mass: f64,
+        along: Option<&Vector3<f64>>,
+        change: &Vector3<f64>,
+    ) {
         let mass = along.map_or(Matrix3::identity(), |n| n * n.transpose()) * mass;
         let lever = arm.cross_matrix();
         let turned = lever * mass;

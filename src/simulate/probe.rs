@@ -31,6 +31,8 @@ pub(super) struct Probe<'a> {
     rise: Rise,
     frames: Vec<Frame>,
     energy: EnergyCheck,
+    /// Strains of all elements, as last looked at.
+    faces: Vec<Vec<ElementStrain>>,
     rates: RateAudit,
     warnings: Warnings,
     rupture_time: Option<f64>,
@@ -63,6 +65,7 @@ impl<'a> Probe<'a> {
             rise: Rise::default(),
             frames: vec![],
             energy: EnergyCheck::new(scale),
+            faces: vec![],
             rates: RateAudit::new(measured),
             warnings: Warnings::default(),
             rupture_time: None,
@@ -99,6 +102,16 @@ impl<'a> Probe<'a> {
 
     fn audit_due(&self, time: f64) -> bool {
         self.audits as f64 * self.audit <= time
+    }
+
+    fn look(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
+        if self.frame_due(view.time) {
+            self.frames.push(frames::frame(view, faces));
+        }
+        if self.tracks.is_due(view.time) {
+            self.take_sample(view, faces);
+        }
+        if self.audit_due(view.time) { self.take_audit(view, faces) } else { Ok(()) }
     }
 
     fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) {
@@ -190,14 +203,11 @@ impl Observer for Probe<'_> {
     }
 
     fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
-        let faces = view.strains();
-        if self.frame_due(view.time) {
-            self.frames.push(frames::frame(view, &faces));
-        }
-        if self.tracks.is_due(view.time) {
-            self.take_sample(view, &faces);
-        }
-        if self.audit_due(view.time) { self.take_audit(view, &faces) } else { Ok(()) }
+        let mut faces = std::mem::take(&mut self.faces);
+        view.strains(&mut faces);
+        let seen = self.look(view, &faces);
+        self.faces = faces;
+        seen
     }
 
     fn follow(&mut self, track: &Track) {

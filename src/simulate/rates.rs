@@ -15,6 +15,8 @@ const EDGE: f64 = 0.01;
 pub(super) struct RateAudit {
     /// Range in which the curves of each face were measured.
     measured: Vec<Option<[f64; 2]>>,
+    /// Of the bins, 1/s.
+    edges: Vec<f64>,
     loading: Weights,
     /// What was seen since the last commit.
     pending: Weights,
@@ -28,11 +30,17 @@ struct Weights {
     outside: f64,
 }
 
+/// Edges of the bins, 1/s.
+fn edges() -> Vec<f64> {
+    let bins = (DECADES.1 - DECADES.0) as usize * PER_DECADE;
+    (0..=bins).map(|k| 10.0_f64.powf(f64::from(DECADES.0) + k as f64 / PER_DECADE as f64)).collect()
+}
+
 impl RateAudit {
     pub(super) fn new(measured: Vec<Option<[f64; 2]>>) -> RateAudit {
-        let bins = vec![0.0; (DECADES.1 - DECADES.0) as usize * PER_DECADE];
-        let none = Weights { bins, outside: 0.0 };
-        RateAudit { measured, loading: none.clone(), pending: none, last: None }
+        let edges = edges();
+        let none = Weights { bins: vec![0.0; edges.len() - 1], outside: 0.0 };
+        RateAudit { measured, edges, loading: none.clone(), pending: none, last: None }
     }
 
     /// Takes in the strains of all faces at `time` (s); only strain beyond the largest so far counts.
@@ -49,7 +57,9 @@ impl RateAudit {
                 for (strain, largest) in now(element).into_iter().zip(largest) {
                     let gained = strain - *largest;
                     if gained > 0.0 {
-                        self.pending.count(*measured, gained / dt, gained * element.volume);
+                        let rate = gained / dt;
+                        let bin = self.edges.partition_point(|edge| *edge <= rate).saturating_sub(1);
+                        self.pending.count(*measured, bin, rate, gained * element.volume);
                         *largest = strain;
                     }
                 }
@@ -69,10 +79,9 @@ impl RateAudit {
     pub(super) fn finish(self) -> RateHistogram {
         let total: f64 = self.loading.bins.iter().sum();
         let share = |w: f64| if total > 0.0 { w / total } else { 0.0 };
-        let edge = |k: usize| 10.0_f64.powf(f64::from(DECADES.0) + k as f64 / PER_DECADE as f64);
         let ranges = self.measured.iter().flatten();
         RateHistogram {
-            edges: (0..=self.loading.bins.len()).map(edge).collect(),
+            edges: self.edges,
             shares: self.loading.bins.iter().map(|w| share(*w)).collect(),
             measured: ranges.copied().reduce(|[a, b], [c, d]| [a.max(c), b.min(d)]),
             outside: share(self.loading.outside),
@@ -81,10 +90,9 @@ impl RateAudit {
 }
 
 impl Weights {
-    fn count(&mut self, measured: Option<[f64; 2]>, rate: f64, weight: f64) {
-        let place = ((rate.log10() - f64::from(DECADES.0)) * PER_DECADE as f64).floor();
-        let bin = (place.max(0.0) as usize).min(self.bins.len() - 1);
-        self.bins[bin] += weight;
+    fn count(&mut self, measured: Option<[f64; 2]>, bin: usize, rate: f64, weight: f64) {
+        let last = self.bins.len() - 1;
+        self.bins[bin.min(last)] += weight;
         if measured.is_some_and(|[low, high]| rate < (1.0 - EDGE) * low || rate > (1.0 + EDGE) * high) {
             self.outside += weight;
         }

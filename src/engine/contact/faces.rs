@@ -3,7 +3,8 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::near::NearElement;
-use super::{Contact, Impulse, velocity_change};
+use super::tally::Tally;
+use super::{Contact, Impulse};
 use crate::engine::nodes::Nodes;
 use crate::engine::rigid_body::RigidBody;
 
@@ -40,6 +41,14 @@ struct Footing {
     dragged: Vector3<f64>,
 }
 
+/// What all footings have in common.
+struct Sweep {
+    multiplicity: f64,
+    friction: f64,
+    /// s.
+    dt: f64,
+}
+
 impl Footing {
     fn slip(&self, nodes: &Nodes, body: &RigidBody) -> Vector3<f64> {
         let film = (0..4).filter(|a| self.weights[*a] > 0.0);
@@ -47,31 +56,30 @@ impl Footing {
         film - body.velocity_at(&self.arm)
     }
 
-    /// Gives `impulse` (N s) to the film and takes it from the body.
-    fn spread(&self, impulse: Vector3<f64>, nodes: &mut Nodes, body: &mut RigidBody, multiplicity: f64) {
+    /// Gives `impulse` (N s) to the film, which moves on by it, and takes it from the body.
+    fn spread(&self, impulse: Vector3<f64>, nodes: &mut Nodes, body: &mut RigidBody, sweep: &Sweep) {
         for (n, weight) in self.nodes.iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0) {
-            let mobility = nodes.mobility(*n);
-            nodes.velocity.add(*n, [0, 1, 2].map(|axis| weight * impulse[axis] * mobility[axis]));
+            nodes.push(*n, &(impulse * weight), sweep.dt);
         }
-        body.push(&(-multiplicity * impulse), &self.arm);
+        body.push(&(-sweep.multiplicity * impulse), &self.arm);
     }
 
     /// Brings the point to its least velocity and stops its slip, as far as impulses that only push and the cone of
     /// friction allow. What an earlier sweep gave may shrink again. Returns the size of the change, N s.
-    fn settle(&mut self, nodes: &mut Nodes, body: &mut RigidBody, multiplicity: f64, friction: f64) -> f64 {
+    fn settle(&mut self, nodes: &mut Nodes, body: &mut RigidBody, sweep: &Sweep) -> f64 {
         let lack = self.target - self.slip(nodes, body).dot(&self.normal);
         let pushed = (self.pushed + lack / self.compliance).max(0.0);
         let change = pushed - self.pushed;
-        self.spread(self.normal * change, nodes, body, multiplicity);
+        self.spread(self.normal * change, nodes, body, sweep);
         self.pushed = pushed;
 
         let slip = self.slip(nodes, body);
         let along = slip - self.normal * slip.dot(&self.normal);
         let wanted = self.dragged - along / self.compliance;
-        let bound = friction * pushed;
+        let bound = sweep.friction * pushed;
         let dragged = if wanted.norm() <= bound { wanted } else { wanted * (bound / wanted.norm()) };
         let turned = dragged - self.dragged;
-        self.spread(turned, nodes, body, multiplicity);
+        self.spread(turned, nodes, body, sweep);
         self.dragged = dragged;
         change.abs().max(turned.norm())
     }
@@ -89,23 +97,25 @@ impl Footing {
 impl Contact {
     /// Lets no listed element reach deeper than [`FACE_BOUND`]: Gauss–Seidel sweeps over the deepest point of each together
     /// with the nodes that were met (theory.md, section 6).
-    pub(super) fn meet_faces(&mut self, nodes: &mut Nodes, body: &mut RigidBody, dt: f64) {
+    /// Whether there was an element to be kept back, so that impulses are others than before.
+    pub(super) fn meet_faces(&mut self, nodes: &mut Nodes, body: &mut RigidBody, dt: f64) -> bool {
         if self.near.watched.is_empty() {
-            return;
+            return false;
         }
         let pose = body.predicted(dt);
         let watched = self.near.watched.iter().filter(|element| !self.lies_flat(element));
         let faces: Vec<Footing> =
             watched.filter_map(|element| self.footing(element.corners, nodes, body, &pose, dt)).collect();
         if faces.is_empty() {
-            return;
+            return false;
         }
         let met = self.pieces.iter().flat_map(|piece| &piece.impulses);
         let mut footings: Vec<Footing> = met.map(|met| self.met_node(met, nodes, body)).chain(faces).collect();
+        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
         for _ in 0..SWEEPS {
             let (mut moved, mut largest) = (0.0_f64, 0.0_f64);
             for footing in &mut footings {
-                moved = moved.max(footing.settle(nodes, body, self.multiplicity, self.friction));
+                moved = moved.max(footing.settle(nodes, body, &sweep));
                 largest = largest.max(footing.pushed);
             }
             if moved <= SETTLED * largest {
@@ -113,19 +123,21 @@ impl Contact {
             }
         }
         self.replace_impulses(nodes, footings.into_iter().filter(|f| f.pushed > 0.0).flat_map(Footing::impulses));
+        true
     }
 
     /// Puts other impulses in place of those that nodes were given, several of them perhaps at one node.
     fn replace_impulses(&mut self, nodes: &Nodes, impulses: impl Iterator<Item = Impulse>) {
         for piece in &mut self.pieces {
-            for impulse in piece.impulses.drain(..) {
-                self.received[impulse.node] = Vector3::zeros();
-            }
+            piece.impulses.clear();
+            (piece.tally, piece.fastest) = (Tally::default(), 0.0);
         }
         let Some(first) = self.pieces.first_mut() else { return };
-        first.impulses.extend(impulses);
-        for impulse in &first.impulses {
-            self.received[impulse.node] += velocity_change(nodes, impulse);
+        for impulse in impulses {
+            let after = nodes.velocity_of(impulse.node);
+            first.fastest = first.fastest.max(after.norm_squared());
+            first.tally.add(&impulse, &(0.5 * (after + self.earlier[impulse.node])));
+            first.impulses.push(impulse);
         }
     }
 
@@ -170,7 +182,7 @@ impl Contact {
         if corners.iter().any(|n| nodes.is_held(*n)) {
             return None;
         }
-        let places = corners.map(|n| nodes.place(n) + self.received[n] * dt);
+        let places = corners.map(|n| nodes.place(n));
         let bound = self.offset[corners[0]] - FACE_BOUND * self.surface.size();
         let found = self.surface.deepest(pose, &places, bound)?;
         let place: Vector3<f64> = (0..4).map(|a| places[a].coords * found.weights[a]).sum();

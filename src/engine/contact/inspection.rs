@@ -31,9 +31,13 @@ impl Contact {
         for NearElement { corners, .. } in &self.near.elements {
             let places = corners.map(|n| nodes.place(n as usize));
             let offset = self.offset[corners[0] as usize];
+            let edge = longest_edge(&places);
+            if edge <= out.longest_edge && self.surface.deepest_at_most(pose, &places) <= out.penetration - offset {
+                continue;
+            }
             let Some(found) = self.surface.deepest(pose, &places, offset + tolerance) else { continue };
             out.penetration = out.penetration.max(offset - found.touch.gap);
-            out.longest_edge = out.longest_edge.max(longest_edge(&places));
+            out.longest_edge = out.longest_edge.max(edge);
         }
         let held = |n: &&u32| nodes.is_held(**n as usize);
         out.frame_hit = self.near.nodes.iter().filter(held).any(|n| {

@@ -1,9 +1,11 @@
 //! The neighbour list.
 
+use std::ops::Range;
+
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::Contact;
 use super::faces::{FACE_BOUND, WATCHED_FROM};
+use super::{Contact, PIECE};
 use crate::engine::film::Film;
 use crate::engine::nodes::Nodes;
 
@@ -14,6 +16,10 @@ const SKIN: f64 = 0.04;
 #[derive(Default)]
 pub(super) struct NearList {
     pub(super) nodes: Vec<u32>,
+    /// Parts of `nodes` that one thread looks at together, none of them on two faces.
+    pub(super) pieces: Vec<Range<usize>>,
+    /// All nodes that may get momentum, in order.
+    pub(super) remembered: Vec<u32>,
     pub(super) elements: Vec<NearElement>,
     /// Those whose deepest point has to be watched between the nodes.
     pub(super) watched: Vec<NearElement>,
@@ -48,9 +54,15 @@ impl Contact {
         };
         let near = &mut self.near;
         near.nodes.clear();
-        near.nodes.extend((0..nodes.position.len() as u32).filter(|n| within(*n, skin)));
+        near.pieces.clear();
         near.elements.clear();
         near.watched.clear();
+        for film in films {
+            let first = near.nodes.len();
+            near.nodes.extend((film.nodes.start as u32..film.nodes.end as u32).filter(|n| within(*n, skin)));
+            let cut = |from: usize| from..near.nodes.len().min(from + PIECE);
+            near.pieces.extend((first..near.nodes.len()).step_by(PIECE).map(cut));
+        }
         self.normals.fill(Vector3::zeros());
         for film in films {
             film.for_each_intact(|corners| {
@@ -67,6 +79,13 @@ impl Contact {
                 }
             });
         }
+        // Corners of watched elements may lie outside the skin; what they get is accounted for like that of all others.
+        let mut extra: Vec<u32> = near.watched.iter().flat_map(|element| element.corners).collect();
+        extra.sort_unstable();
+        extra.dedup();
+        near.remembered.clone_from(&near.nodes);
+        near.remembered.extend(extra.into_iter().filter(|n| near.nodes.binary_search(n).is_err()));
+        near.remembered.sort_unstable();
         near.margin = skin;
     }
 }

@@ -17,6 +17,8 @@ pub struct Surface {
     reach: f64,
     lowest: f64,
     inertia_per_mass: Matrix3<f64>,
+    /// One over `size`: the curvature of a sphere, 1/m.
+    curvature: f64,
 }
 
 /// Vertices (m) and triangles of a surface.
@@ -96,6 +98,7 @@ impl Surface {
         });
         Ok(Surface {
             size: half.x.min(half.y).min(half.z),
+            curvature: 1.0 / half.x.min(half.y).min(half.z),
             reach: sphere.center().length() + sphere.radius(),
             lowest: bounds.mins.z,
             inertia_per_mass: inertia,
@@ -133,10 +136,28 @@ impl Surface {
     pub fn touch(&self, pose: &Isometry3<f64>, point: &Point3<f64>) -> Touch {
         let arm = point.coords - pose.translation.vector;
         match &self.shape {
-            // A ball looks the same however it is turned.
-            Kind::Ball(ball) => outward(&arm, ball.project_local_point(vector(&arm), false)),
+            // A ball looks the same however it is turned, and a point's projection on it is the normal itself.
+            Kind::Ball(ball) => {
+                let normal = ball.project_local_point(vector(&arm), false).point * self.curvature;
+                let normal = Vector3::new(normal.x, normal.y, normal.z);
+                Touch { gap: arm.dot(&normal) - ball.radius, normal }
+            }
             Kind::Other(shape) => turned_touch(shape, pose, &arm),
         }
+    }
+
+    /// Bound on the depth (m, negative outside) of any point of an element: on a sphere, a point of a triangle is not farther than
+    /// 1/√3 of the longest line from its nearest corner. No bound on other shapes.
+    pub fn deepest_at_most(&self, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4]) -> f64 {
+        if !self.is_sphere() {
+            return f64::INFINITY;
+        }
+        let centre = Point3::from(pose.translation.vector);
+        let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+        let nearest = corners.iter().chain([&mean]).map(|c| nalgebra::distance_squared(c, &centre));
+        let lines = (0..4).flat_map(|a| [(corners[a], corners[(a + 1) % 4]), (corners[a], mean)]);
+        let longest = lines.map(|(a, b)| nalgebra::distance_squared(&a, &b)).fold(0.0, f64::max);
+        self.size - larger(nearest.fold(f64::INFINITY, f64::min) - longest / 3.0, 0.0).sqrt()
     }
 
     /// The point of an element of film that is nearest to, or deepest in, the body at `pose`; `None` where it is farther than

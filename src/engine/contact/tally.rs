@@ -37,6 +37,18 @@ impl Tally {
     }
 }
 
+impl Tally {
+    /// N s.
+    pub(super) fn impulse(&self) -> Vector3<f64> {
+        self.normal.impulse + self.tangential.impulse
+    }
+
+    /// About the centre of mass, N m s.
+    pub(super) fn moment(&self) -> Vector3<f64> {
+        self.normal.moment + self.tangential.moment
+    }
+}
+
 impl Add for Tally {
     type Output = Tally;
 

@@ -42,7 +42,7 @@ fn broken_film_keeps_its_mass_alone() {
     let before = watch(&mut scene.engine, |view| view.energies().rupture);
     let [mass, force, volume] = watch(&mut scene.engine, |view| {
         let force = view.nodes.force.iter().flatten().map(f64::abs).fold(0.0, f64::max);
-        let volume = view.strains()[0].iter().map(|s| s.volume).sum::<f64>();
+        let volume = view.films[0].strains(&view.nodes.position).iter().map(|s| s.volume).sum::<f64>();
         [view.nodes.mass.iter().sum(), force, volume]
     });
     let density_volume = 915.0 * 12e-6 * 5e-3 * 10e-3;
