@@ -43,7 +43,7 @@ pub struct Contact {
     normals: Vec<Vector3<f64>>,
     /// Velocity of the nodes near it half a step earlier, m/s.
     earlier: Vec<Vector3<f64>>,
-    /// Velocity of the same nodes after this step if they were not met, m/s; only with damping.
+    /// Velocity of each remembered node after this step if it were not met, m/s; only with damping.
     unmet: Vec<Vector3<f64>>,
     pieces: Vec<Piece>,
     /// Sums since the start, J.

@@ -63,6 +63,10 @@ impl Contact {
             let cut = |from: usize| from..near.nodes.len().min(from + PIECE);
             near.pieces.extend((first..near.nodes.len()).step_by(PIECE).map(cut));
         }
+        if near.pieces.is_empty() {
+            // Elements may be met where no node is near; what goes through them needs a place.
+            near.pieces.push(0..0);
+        }
         self.normals.fill(Vector3::zeros());
         for film in films {
             film.for_each_intact(|corners| {
