@@ -28,7 +28,7 @@ pub(super) fn mass_scaling(model: &Model, steps: f64) -> f64 {
     if excess > 1.0 { excess * excess } else { 1.0 }
 }
 
-/// Mass-proportional damping of the film, 1/s. In a test that is in equilibrium all the time it is tied to the time of
+/// Mass-proportional damping of the film, 1/s (theory.md, equation 28). In a test that is in equilibrium all the time it is tied to the time of
 /// loading alone: what swings dies away in a small part of it, and film that follows the load hardly feels it.
 pub(super) fn damping(model: &Model) -> f64 {
     match model.loading {

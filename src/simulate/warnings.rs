@@ -14,6 +14,9 @@ const LOCALISED: (f64, f64) = (2.0, 0.5);
 const BALANCE: f64 = 0.01;
 /// Share of straining outside the measured rates that is told.
 const OUTSIDE: f64 = 0.05;
+/// Part of the bound on the kinetic share from which it is told.
+const ALMOST: f64 = 0.5;
+
 /// Scaled Jacobian of an element that is told.
 const MISSHAPEN: f64 = 0.3;
 
@@ -128,6 +131,12 @@ impl Warnings {
             out.push(format!(
                 "not quasi-static: kinetic energy is up to {:.1} % of the film's; use a smaller mass_scaling",
                 100.0 * share
+            ));
+        } else if let Some(share) = kinetic.filter(|k| *k > ALMOST * KINETIC) {
+            out.push(format!(
+                "hardly quasi-static: kinetic energy is up to {:.1} % of the film's (bound {:.0} %); load it more slowly",
+                100.0 * share,
+                100.0 * KINETIC
             ));
         }
         out

@@ -85,13 +85,16 @@ fn an_inflation_comes_to_rest() {
 fn neither_symmetry_nor_pace_is_felt() {
     let bench = bench("indent");
     let force = |changes: &[&str]| {
-        let all = [&["loading.indent.depth=15mm", "output.sample_rate=50Hz"], changes].concat();
+        let all = [&["loading.indent.depth=15mm", "specimen.mesh.size=2.5mm"], changes].concat();
         last(&run(bench.path(), &all).1, "force_N")
     };
     let quarter = force(&[]);
-    let pairs = [force(&["specimen.symmetry=none"]), force(&["loading.indent.velocity=0.02 m/s"])];
+    let pairs = [
+        force(&["specimen.symmetry=none"]),
+        force(&["loading.indent.velocity=0.02 m/s", "output.sample_rate=100Hz"]),
+    ];
     for other in pairs {
-        assert!((other / quarter - 1.0).abs() < 3e-3, "{other} for {quarter}");
+        assert!((other / quarter - 1.0).abs() < 5e-3, "{other} for {quarter}");
     }
 }
 
@@ -107,6 +110,16 @@ fn what_is_not_quasi_static_is_refused_and_kept() {
     assert!(cause.contains("load it more slowly"), "{cause}");
 }
 
+#[test]
+fn an_impactor_beside_the_film_is_a_mistake() {
+    let bench = bench("indent");
+    let arguments = ["run", "slow.toml", "--set", "impactor.position=['200 mm', 0]", "--set", "specimen.symmetry=none"];
+    let output = droptower(bench.path(), &arguments);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(told(&output).contains("the impactor goes down beside the film and never touches it"), "{}", told(&output));
+    assert!(!bench.path().join("runs").exists());
+}
+
 /// A film that breaks ends the test: its last sample is the last that held.
 #[test]
 fn a_break_is_the_end() {
@@ -118,10 +131,10 @@ fn a_break_is_the_end() {
     assert_eq!(figure(&summary, "burst_pressure_Pa"), last(&signals, "pressure_Pa"));
     assert!(last(&signals, "pressure_Pa") < 5e3 && told(&output).contains("burst at"), "{}", told(&output));
 
-    let film = "specimen.material.fabric={md={curve=[[0.05,'5 MPa'],[0.1,'6 MPa']]},td={curve=[[0.05,'5 MPa'],[2,'6 MPa']]},\
+    let film = "specimen.material.fabric={md={curve=[[0.02,'5 MPa'],[0.04,'6 MPa']]},td={curve=[[0.02,'5 MPa'],[2,'6 MPa']]},\
                 shear={curve=[[1,'5 MPa']]}}";
-    let (output, signals, summary) = run(puncture.path(), &[film, "loading.indent.depth=15mm"]);
+    let (output, signals, summary) = run(puncture.path(), &[film, "loading.indent.depth=12mm"]);
     assert_eq!(output.status.code(), Some(0), "{}", told(&output));
     let depth = figure(&summary, "depth_at_break_m");
-    assert!(depth < 0.015 && (last(&signals, "depth_m") - depth).abs() < 4e-3 / 20.0, "{depth}");
+    assert!(depth < 0.012 && (last(&signals, "depth_m") - depth).abs() < 4e-3 / 20.0, "{depth}");
 }
