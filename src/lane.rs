@@ -4,6 +4,8 @@
 //! the compiler turns each into vector instructions of whatever width it may use. Every lane runs
 //! the same IEEE operations in the same order, so a result depends neither on that width nor on the number of lanes.
 
+use serde::Serialize;
+
 /// Elements that a block of the engine holds.
 pub const LANES: usize = 8;
 
@@ -15,13 +17,16 @@ pub type Lane3<const L: usize = LANES> = [Lane<L>; 3];
 
 /// Vector instructions that a kernel is run with. The operations and their order are the same in all of them, and so are the
 /// bits of what comes out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Width {
     /// What every processor of the platform has.
+    #[serde(rename = "baseline")]
     Baseline,
     /// 256 bits.
+    #[serde(rename = "AVX2")]
     Avx2,
     /// 512 bits.
+    #[serde(rename = "AVX-512")]
     Avx512,
 }
 

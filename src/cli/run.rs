@@ -16,7 +16,7 @@ use super::scenarios::{Checked, Selection, both};
 use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report};
 use crate::diagnostic::Diagnostic;
 use crate::report::duration;
-use crate::simulate::{self, Checkpoint, Checkpoints, Failure, Outcome, Progress, RunError};
+use crate::simulate::{self, Checkpoint, Checkpoints, Failure, Manner, Outcome, Progress, RunError};
 use crate::store::{self, Draft};
 
 #[derive(Debug, Args)]
@@ -139,7 +139,7 @@ impl Job {
             }
         };
         let checkpoints = every.map(|every| Checkpoints { every, keep: &mut keep });
-        Ok(simulate::take_up(model, saved, checkpoints, &mut progress))
+        Ok(simulate::run_in(model, Manner { saved, checkpoints, team: None }, &mut progress))
     }
 
     fn keep(&self, outcome: &Outcome) -> Result<Done, (u8, Diagnostic)> {

@@ -12,6 +12,7 @@ mod footprint;
 mod memory;
 mod nodes;
 mod observer;
+mod patch;
 mod pressure;
 mod rigid_body;
 mod state;
@@ -24,6 +25,7 @@ pub use energy::Energies;
 pub use film::Film;
 pub use nodes::{Kick, Nodes, Vectors};
 pub use observer::{Observer, Track, View};
+pub use patch::Patch;
 pub use pressure::Inflation;
 pub use rigid_body::RigidBody;
 pub use state::{Misfit, State};
@@ -185,6 +187,11 @@ impl Engine {
     /// The same engine worked on by `team`: the bits of what comes out stay the same.
     pub fn worked_on_by(self, team: Team) -> Engine {
         Engine { team, ..self }
+    }
+
+    /// Who works on it.
+    pub fn team(&self) -> &Team {
+        &self.team
     }
 
     /// s.

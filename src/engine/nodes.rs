@@ -45,7 +45,7 @@ pub struct Kick {
 
 impl Vectors {
     /// Zero at so many nodes.
-    pub(super) fn zero(count: usize) -> Vectors {
+    pub fn zero(count: usize) -> Vectors {
         Vectors { axes: [vec![0.0; count], vec![0.0; count], vec![0.0; count]] }
     }
 

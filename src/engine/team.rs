@@ -88,6 +88,11 @@ impl Team {
         team
     }
 
+    /// Number of threads, the caller among them.
+    pub fn threads(&self) -> usize {
+        self.members.len() + 1
+    }
+
     /// The vector instructions that kernels are run with.
     pub fn width(&self) -> Width {
         self.width

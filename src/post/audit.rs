@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::lane::Width;
 use crate::mesh::Quality;
 use crate::signal::csv::clean_time;
 use crate::simulate::{Outcome, RateHistogram};
@@ -19,6 +20,9 @@ pub struct Audit {
     pub time_step_s: f64,
     pub wall_s: f64,
     pub ns_per_element_step: f64,
+    pub threads: usize,
+    /// Vector instructions of the kernels.
+    pub instructions: Width,
     pub mass_scaling: Option<f64>,
     pub kinetic_share: Option<f64>,
     pub damping_share: Option<f64>,
@@ -79,6 +83,8 @@ impl Audit {
             time_step_s: outcome.time_step,
             wall_s,
             ns_per_element_step: wall_s * 1e9 / element_steps,
+            threads: outcome.threads,
+            instructions: outcome.instructions,
             mass_scaling: outcome.mass_scaling,
             kinetic_share: outcome.kinetic_share,
             damping_share: outcome.damping_share,

@@ -94,6 +94,8 @@ fn outcome() -> Outcome {
         penetration: Some(f64::NAN),
         elements: 400,
         bytes: 160_000,
+        threads: 2,
+        instructions: crate::lane::Width::Baseline,
         steps: 1000,
         time_step: 1.2e-4,
         wall: Duration::from_millis(40),

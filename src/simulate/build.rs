@@ -92,12 +92,11 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
         }
         Loading::Pressure { pressure, ramp, .. } => drive.inflation = Some(Inflation { pressure, ramp }),
     }
-    let team = team(films.iter().map(Film::elements).sum());
-    Ok(Scene { engine: Engine::new(films, nodes, impact, drive).worked_on_by(team), mounting })
+    Ok(Scene { engine: Engine::new(films, nodes, impact, drive), mounting })
 }
 
 /// Threads for a run of so many elements: all that there are, unless the run is one of several that share them.
-fn team(elements: usize) -> Team {
+pub(super) fn team(elements: usize) -> Team {
     let shared = rayon::current_thread_index().is_some();
     let worth = elements.div_ceil(WORTH_A_THREAD);
     Team::new(if shared { 1 } else { worth.min(rayon::current_num_threads()) })

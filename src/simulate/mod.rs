@@ -21,7 +21,8 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::engine::{Engine, Fault, Misfit, UprightElement};
+use crate::engine::{Engine, Fault, Misfit, Team, UprightElement};
+use crate::lane::Width;
 use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
 use crate::signal::Recording;
@@ -56,6 +57,10 @@ pub struct Outcome {
     pub elements: usize,
     /// What the engine's own arrays take, bytes.
     pub bytes: usize,
+    /// Threads that worked on it.
+    pub threads: usize,
+    /// Vector instructions that its kernels were run with.
+    pub instructions: Width,
     pub steps: u64,
     /// Mean time step, s.
     pub time_step: f64,
@@ -161,20 +166,38 @@ const REPORT_AFTER: usize = 30_000;
 
 /// Simulates `model`; `progress` is told every few steps where the run stands.
 pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, RunError> {
-    take_up(model, None, None, progress)
+    run_in(model, Manner::default(), progress)
 }
 
-/// Simulates `model` as [`run`] does, from where `saved` was laid down if there is such, laying down `checkpoints` on the way.
-/// Neither changes a bit of the outcome, the time it took apart.
-pub fn take_up(
-    model: &Model,
-    saved: Option<Saved>,
-    checkpoints: Option<Checkpoints<'_>>,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<Outcome, RunError> {
+/// How a run is made, besides what its model says. None of it changes a bit of the outcome, the time it took apart.
+#[derive(Default)]
+pub struct Manner<'a> {
+    /// Where it is taken up, if it was laid down before.
+    pub saved: Option<Saved>,
+    /// Checkpoints on the way.
+    pub checkpoints: Option<Checkpoints<'a>>,
+    /// Who works on it; left out, as many threads as there are and as its elements are worth.
+    pub team: Option<Team>,
+}
+
+/// The engine of a run before its first step.
+///
+/// # Errors
+/// Film or impactor cannot be meshed.
+pub fn engine(model: &Model) -> Result<Engine, RunError> {
+    Ok(build::scene(model)?.engine)
+}
+
+/// Simulates `model` as [`run`] does, in a given manner.
+///
+/// # Errors
+/// As [`run`]; also a checkpoint of another scene.
+pub fn run_in(model: &Model, manner: Manner<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, RunError> {
+    let Manner { saved, checkpoints, team } = manner;
     let begin = Instant::now();
     let scene = build::scene(model)?;
-    let mut engine = scene.engine;
+    let team = team.unwrap_or_else(|| build::team(scene.engine.elements()));
+    let mut engine = scene.engine.worked_on_by(team);
     let mut probe = Probe::new(model, &scene.mounting);
     let mut before = Duration::ZERO;
     if let Some(saved) = saved {

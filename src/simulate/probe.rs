@@ -198,6 +198,8 @@ impl<'a> Probe<'a> {
             penetration: self.record.penetration,
             elements: engine.elements(),
             bytes: engine.bytes(),
+            threads: engine.team().threads(),
+            instructions: engine.team().width(),
             steps: engine.steps(),
             time_step: engine.time() / engine.steps().max(1) as f64,
             wall,

@@ -13,7 +13,7 @@ use droptower::diagnostic;
 use droptower::model::{self, Model};
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::Recording;
-use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, RunError, Saved};
+use droptower::simulate::{self, Checkpoint, Checkpoints, Manner, Outcome, RunError, Saved};
 
 /// Some tens of milliseconds of computing between two checkpoints: time enough to kill it there.
 const SLOW: [&str; 6] =
@@ -218,7 +218,7 @@ fn with_checkpoints(model: &Model, every: f64, saved: Option<Saved>) -> (Outcome
     let mut written = vec![];
     let mut keep = |checkpoint: &Checkpoint<'_>| written.push(postcard::to_stdvec(checkpoint).expect("plain numbers"));
     let checkpoints = Checkpoints { every, keep: &mut keep };
-    let outcome = simulate::take_up(model, saved, Some(checkpoints), &mut |_| {});
+    let outcome = simulate::run_in(model, Manner { saved, checkpoints: Some(checkpoints), team: None }, &mut |_| {});
     (outcome.unwrap_or_else(|error| panic!("{}: {error}", model.name)), written)
 }
 
@@ -266,7 +266,7 @@ fn a_state_of_another_mesh_is_refused() {
     let (_, written) = with_checkpoints(&golden("drop-different-faces", &[]), 20e-3, None);
     let saved: Saved = postcard::from_bytes(&written[0]).expect("what was written");
     let other = golden("free-sphere", &[]);
-    let refused = simulate::take_up(&other, Some(saved), None, &mut |_| {});
+    let refused = simulate::run_in(&other, Manner { saved: Some(saved), ..Manner::default() }, &mut |_| {});
     assert!(matches!(refused, Err(RunError::Misfit(_))), "{refused:?}");
 }
 

@@ -19,6 +19,7 @@ mod oscillation;
 mod patch;
 mod poisson_sheet;
 mod rupture;
+mod same_bits;
 mod shapes;
 mod single_element;
 mod stability;

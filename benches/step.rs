@@ -1,0 +1,289 @@
+//! What a step costs, and how far that is from what this machine can do: `cargo bench --bench step`.
+//!
+//! Prints the tables of docs/performance.md. Every figure is the median of several measurements in this one process; ratios
+//! are between neighbours, measured in turn.
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use droptower::diagnostic;
+use droptower::engine::{Engine, Fault, Observer, Patch, Team, Vectors, View};
+use droptower::lane::Width;
+use droptower::mesh;
+use droptower::model::{self, Model};
+use droptower::scenario::{Assignment, Document};
+use droptower::simulate::{self, Manner};
+
+/// Measurements of which the median is taken.
+const REPEATS: usize = 5;
+
+fn main() {
+    let machine = machine();
+    kernel();
+    drop_test(&machine);
+    parts();
+    sizes();
+    threads();
+}
+
+fn shipped(changes: &[&str]) -> Model {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/drop/1008.toml");
+    let changes: Vec<Assignment> = changes.iter().map(|c| sound(Assignment::from_argument(c))).collect();
+    let document = sound(Document::read(&path)).with(&changes);
+    let mut model = sound(model::check(&document));
+    model.post = None;
+    model
+}
+
+fn sound<T>(read: Result<T, Vec<diagnostic::Diagnostic>>) -> T {
+    read.unwrap_or_else(|mistakes| panic!("{}", diagnostic::render(&mistakes, false)))
+}
+
+fn median(mut figures: Vec<f64>) -> f64 {
+    figures.sort_by(f64::total_cmp);
+    figures[figures.len() / 2]
+}
+
+/// Seconds that `work` takes.
+fn seconds(work: impl FnOnce()) -> f64 {
+    let begin = Instant::now();
+    work();
+    begin.elapsed().as_secs_f64()
+}
+
+/// What the machine gives, one thread.
+struct Machine {
+    /// Hz, of a chain of dependent additions.
+    clock: f64,
+}
+
+/// Cycles between two dependent additions of doubles on all present processors with AVX2.
+const ADD_LATENCY: f64 = 4.0;
+
+fn machine() -> Machine {
+    const ADDS: u32 = 50_000_000;
+    let chain = || {
+        let mut sum = black_box(1.0_f64);
+        for _ in 0..ADDS {
+            sum += black_box(1e-9);
+        }
+        black_box(sum);
+    };
+    let clock = ADD_LATENCY * f64::from(ADDS) / median((0..REPEATS).map(|_| seconds(chain)).collect());
+    println!("## The machine, one thread\n");
+    println!("| | |\n|---|---|");
+    println!("| chain of additions, at {ADD_LATENCY} cycles each | {:.2} GHz |", clock * 1e-9);
+    for width in Width::available() {
+        println!("| additions and multiplications, {width:?} | {:.1} GFlop/s |", 1e-9 * flops(width));
+    }
+    for (name, bytes) in [("second-level cache, 1 MB", 1 << 20), ("memory, 256 MB", 256 << 20)] {
+        println!("| read and write, {name} | {:.1} GB/s |", 1e-9 * bandwidth(bytes));
+    }
+    println!();
+    Machine { clock }
+}
+
+/// Independent chains of multiply and add in eight registers of eight lanes.
+#[inline(always)]
+fn chains(rounds: usize) -> [[f64; 8]; 8] {
+    let mut x = black_box([[1.0; 8]; 8]);
+    let (a, b) = (black_box(0.999), black_box(0.001));
+    for _ in 0..rounds {
+        for chain in &mut x {
+            for lane in chain {
+                *lane = *lane * a + b;
+            }
+        }
+    }
+    x
+}
+
+fn flops(width: Width) -> f64 {
+    const ROUNDS: usize = 4_000_000;
+    let work = || match width {
+        #[cfg(target_arch = "x86_64")]
+        Width::Avx512 => {
+            #[target_feature(enable = "avx512f")]
+            fn wide() -> [[f64; 8]; 8] {
+                chains(ROUNDS)
+            }
+            // SAFETY: `Width::available` names what the processor has.
+            black_box(unsafe { wide() });
+        }
+        #[cfg(target_arch = "x86_64")]
+        Width::Avx2 => {
+            #[target_feature(enable = "avx2")]
+            fn wide() -> [[f64; 8]; 8] {
+                chains(ROUNDS)
+            }
+            // SAFETY: as above.
+            black_box(unsafe { wide() });
+        }
+        _ => drop(black_box(chains(ROUNDS))),
+    };
+    (ROUNDS * 8 * 8 * 2) as f64 / median((0..REPEATS).map(|_| seconds(work)).collect())
+}
+
+/// Bytes a second that go through x := x + a y.
+fn bandwidth(bytes: usize) -> f64 {
+    let count = bytes / 16;
+    let (mut x, y) = (vec![1.0_f64; count], vec![2.0_f64; count]);
+    let rounds = ((1 << 29) / bytes).max(2);
+    let mut pass = || {
+        for _ in 0..rounds {
+            x.iter_mut().zip(&y).for_each(|(x, y)| *x += 1e-9 * y);
+            black_box(&mut x);
+        }
+    };
+    pass();
+    (rounds * count * 24) as f64 / median((0..REPEATS).map(|_| seconds(&mut pass)).collect())
+}
+
+/// Forces of one face of 40×40 one-point quads, alone: gather, law, scatter.
+fn kernel() {
+    let model = shipped(&["specimen.symmetry=none"]);
+    println!("## The kernel: forces of 1 600 one-point quads of fabric\n");
+    println!("| lanes | vector instructions | ns an element | times the scalar build |\n|---|---|---|---|");
+    let scalar = pass::<1>(&model, Width::Baseline);
+    println!("| 1 | baseline, element by element | {scalar:.1} | 1 |");
+    for width in Width::available() {
+        let cost = pass::<8>(&model, width);
+        println!("| 8 | {width:?} | {cost:.1} | {:.1} |", scalar / cost);
+    }
+    println!();
+}
+
+fn pass<const L: usize>(model: &Model, width: Width) -> f64 {
+    let face = &model.faces[0];
+    let mesh = mesh::build(&model.specimen, face).expect("a mesh");
+    let mut patch = Patch::<L>::new(&mesh, face).expect("a patch");
+    let mut position = Vectors::default();
+    position.extend(mesh.nodes.iter().map(|p| [1.3 * p.x, 1.1 * p.y, 0.4 * p.x * p.y]));
+    let mut force = Vectors::zero(mesh.nodes.len());
+    let passes = 2_000_000 / mesh.quads.len();
+    let mut once = || {
+        seconds(|| (0..passes).for_each(|_| patch.add_forces(width, &position, &mut force)))
+            / (passes * mesh.quads.len()) as f64
+            * 1e9
+    };
+    once();
+    median((0..REPEATS).map(|_| once()).collect())
+}
+
+/// The whole drop test of 40×40×2 elements with everything on.
+fn drop_test(machine: &Machine) {
+    let model = shipped(&["specimen.symmetry=none"]);
+    println!("## Drop test 1008, 40 × 40 × 2 elements: contact, friction, hysteresis, audit, signals\n");
+    println!(
+        "| threads | vector instructions | ns an element step | cycles | at 2.5 GHz, ns | bytes an element |\n|---|---|---|---|---|---|"
+    );
+    for width in Width::available() {
+        let (cost, bytes) = whole(&model, 1, width);
+        row(1, width, cost, bytes, machine);
+    }
+    let (cost, bytes) = whole(&model, 2, Width::best());
+    row(2, Width::best(), cost, bytes, machine);
+    println!();
+}
+
+fn row(threads: usize, width: Width, cost: f64, bytes: f64, machine: &Machine) {
+    let cycles = cost * 1e-9 * machine.clock;
+    println!("| {threads} | {width:?} | {cost:.1} | {cycles:.0} | {:.1} | {bytes:.0} |", cycles / 2.5);
+}
+
+/// ns an element step and bytes an element of a whole run.
+fn whole(model: &Model, threads: usize, width: Width) -> (f64, f64) {
+    let once = || {
+        let manner = Manner { team: Some(Team::new(threads).at_width(width)), ..Manner::default() };
+        let outcome = simulate::run_in(model, manner, &mut |_| {}).expect("a run");
+        let element_steps = outcome.elements as f64 * outcome.steps as f64;
+        (outcome.wall.as_secs_f64() * 1e9 / element_steps, outcome.bytes as f64 / outcome.elements as f64)
+    };
+    let mut runs: Vec<_> = (0..3).map(|_| once()).collect();
+    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    runs[1]
+}
+
+struct Blind;
+
+impl Observer for Blind {
+    fn wants(&self, _time: f64) -> bool {
+        false
+    }
+
+    fn see(&mut self, _view: &View<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+/// ns an element step of `steps` steps.
+fn stepping(engine: &mut Engine, steps: usize) -> f64 {
+    let elements = engine.elements();
+    let all = seconds(|| {
+        for _ in 0..steps {
+            engine.step(&mut Blind).expect("a step");
+        }
+    });
+    all * 1e9 / (steps * elements) as f64
+}
+
+/// What contact, audit and sampling take of the whole drop test: the same number of steps with the film alone, then with
+/// contact, then with everything. The kernel has no branch on its state, so film that is not hit costs what film that is does.
+fn parts() {
+    let model = shipped(&["specimen.symmetry=none"]);
+    let mut shares = vec![];
+    for _ in 0..3 {
+        let team = || Team::new(1);
+        let manner = Manner { team: Some(team()), ..Manner::default() };
+        let outcome = simulate::run_in(&model, manner, &mut |_| {}).expect("a run");
+        let steps = outcome.steps as usize;
+        let everything = outcome.wall.as_secs_f64() * 1e9 / (outcome.elements * steps) as f64;
+        let with_contact = stepping(&mut simulate::engine(&model).expect("an engine").worked_on_by(team()), steps);
+        let mut alone = model.clone();
+        alone.impactor = None;
+        let film = stepping(&mut simulate::engine(&alone).expect("an engine").worked_on_by(team()), steps);
+        shares.push([film, with_contact, everything]);
+    }
+    let of = |part: usize| median(shares.iter().map(|share| share[part]).collect());
+    let [film, with_contact, everything] = [0, 1, 2].map(of);
+    println!("## Its parts, one thread\n");
+    println!("| | ns an element step | share |\n|---|---|---|");
+    let line = |name: &str, cost: f64| println!("| {name} | {cost:.1} | {:.0} % |", 100.0 * cost / everything);
+    line("film: forces, nodes, time step", film);
+    line("contact", with_contact - film);
+    line("audit, sampling, kept states", everything - with_contact);
+    line("everything", everything);
+    println!();
+}
+
+/// The same film from coarse to fine.
+fn sizes() {
+    println!("## From a thousand to a million elements, one thread\n");
+    println!("| elements | ns an element step, with contact | bytes an element |\n|---|---|---|");
+    for (size, steps) in [("18.2mm", 4000), ("5.66mm", 400), ("1.79mm", 60), ("0.566mm", 20)] {
+        let model = shipped(&["specimen.symmetry=none", &format!("specimen.mesh.size={size}")]);
+        let mut engine = simulate::engine(&model).expect("an engine");
+        stepping(&mut engine, steps / 4);
+        let cost = median((0..REPEATS).map(|_| stepping(&mut engine, steps)).collect());
+        println!("| {} | {cost:.1} | {:.0} |", engine.elements(), engine.bytes() as f64 / engine.elements() as f64);
+    }
+    println!();
+}
+
+/// Two threads against one.
+fn threads() {
+    println!("## Two threads against one, everything on\n");
+    println!("| elements | one thread, ns | two threads, ns | times as fast |\n|---|---|---|---|");
+    for (size, duration) in [("12.65mm", "120ms"), ("10mm", "120ms"), ("4mm", "15ms")] {
+        let changes = [
+            "specimen.symmetry=none",
+            &format!("specimen.mesh.size={size}"),
+            &format!("loading.impact.duration={duration}"),
+        ];
+        let model = shipped(&changes);
+        let [one, two] = [1, 2].map(|threads| whole(&model, threads, Width::best()).0);
+        let elements = simulate::engine(&model).expect("an engine").elements();
+        println!("| {elements} | {one:.1} | {two:.1} | {:.2} |", one / two);
+    }
+}

@@ -1,0 +1,103 @@
+//! The same bits, whoever computes them: any number of threads, lanes and vector instructions.
+
+use droptower::engine::{Engine, Fault, Observer, Patch, Team, Vectors, View};
+use droptower::lane::Width;
+use droptower::mesh::{self, Mesh};
+use droptower::model::Model;
+use droptower::simulate;
+
+use super::tower::shipped;
+
+/// Coarse, so that a few hundred steps take film and impactor far: a quarter of 1008 with both of its faces.
+fn small() -> Model {
+    shipped("drop/1008.toml", &["specimen.mesh.size=20mm"])
+}
+
+struct Blind;
+
+impl Observer for Blind {
+    fn wants(&self, _time: f64) -> bool {
+        false
+    }
+
+    fn see(&mut self, _view: &View<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+fn after(model: &Model, team: Team, steps: usize) -> Vec<u64> {
+    let mut engine: Engine = simulate::engine(model).expect("an engine").worked_on_by(team);
+    for _ in 0..steps {
+        engine.step(&mut Blind).expect("a step");
+    }
+    let state = serde_json::to_value(engine.state()).expect("a state");
+    let mut bits = vec![];
+    collect(&state, &mut bits);
+    bits
+}
+
+/// Every number of a state, by its bits.
+fn collect(value: &serde_json::Value, bits: &mut Vec<u64>) {
+    match value {
+        serde_json::Value::Number(number) => bits.extend(number.as_f64().map(f64::to_bits)),
+        serde_json::Value::Array(items) => items.iter().for_each(|item| collect(item, bits)),
+        serde_json::Value::Object(fields) => fields.values().for_each(|field| collect(field, bits)),
+        _ => {}
+    }
+}
+
+#[test]
+fn a_drop_has_the_same_bits_with_any_threads_and_vector_instructions() {
+    let several_faces =
+        shipped("drop/1008.toml", &["specimen.mesh.size=20mm", "impactor.guide=free", "impactor.friction=0.1"]);
+    let triangles = shipped("drop/1008.toml", &["specimen.mesh.size=20mm", "specimen.mesh.element=tri3"]);
+    for model in [small(), several_faces, triangles] {
+        let expected = after(&model, Team::new(1).at_width(Width::Baseline), 400);
+        assert!(expected.len() > 500 && expected.iter().any(|bits| f64::from_bits(*bits) < 0.0));
+        for threads in [1, 2, 3] {
+            for width in Width::available() {
+                let found = after(&model, Team::new(threads).at_width(width), 400);
+                assert!(found == expected, "{threads} threads, {width:?}");
+            }
+        }
+    }
+}
+
+/// Elements that share no node, so that each node has the force of one element.
+fn apart(mesh: &Mesh) -> Mesh {
+    let mut out = Mesh::default();
+    for quad in &mesh.quads {
+        let first = out.nodes.len() as u32;
+        out.nodes.extend(quad.map(|n| mesh.nodes[n as usize]));
+        out.quads.push([first, first + 1, first + 2, first + 3]);
+    }
+    out
+}
+
+fn forces<const L: usize>(mesh: &Mesh, model: &Model, width: Width) -> Vec<[u64; 3]> {
+    let mut patch = Patch::<L>::new(mesh, &model.faces[0]).expect("a patch");
+    let mut force = Vectors::zero(mesh.nodes.len());
+    // Up, then part of the way back: on the curve and off it.
+    for share in [1.0, 0.97] {
+        let mut position = Vectors::default();
+        position.extend(
+            mesh.nodes.iter().map(|p| [p.x * (1.0 + 0.3 * share), p.y * (1.0 + 0.2 * share * p.x), share * p.x * p.y]),
+        );
+        patch.add_forces(width, &position, &mut force);
+    }
+    force.iter().map(|f| f.map(f64::to_bits)).collect()
+}
+
+#[test]
+fn an_element_has_the_same_force_in_any_number_of_lanes() {
+    let model = small();
+    let mesh = apart(&mesh::build(&model.specimen, &model.faces[0]).expect("a mesh"));
+    let expected = forces::<1>(&mesh, &model, Width::Baseline);
+    assert!(expected.iter().flatten().any(|bits| f64::from_bits(*bits).abs() > 1e-3));
+    for width in Width::available() {
+        assert!(forces::<1>(&mesh, &model, width) == expected, "1 lane, {width:?}");
+        assert!(forces::<4>(&mesh, &model, width) == expected, "4 lanes, {width:?}");
+        assert!(forces::<8>(&mesh, &model, width) == expected, "8 lanes, {width:?}");
+        assert!(forces::<16>(&mesh, &model, width) == expected, "16 lanes, {width:?}");
+    }
+}
