@@ -174,6 +174,16 @@ impl Film {
         out.concat()
     }
 
+    /// Energies of the film alone, J.
+    pub fn energy(&self, position: &Vectors) -> ElementEnergy {
+        energies(std::slice::from_ref(self), &Team::new(1), position.axes())[0]
+    }
+
+    /// Bound on the squared angular frequency of any of its elements, rad²/s² (theory.md, equation 17).
+    pub fn frequency_bound(&self, position: &Vectors) -> f64 {
+        frequency_bounds(std::slice::from_ref(self), &Team::new(1), position.axes())[0]
+    }
+
     /// Numbers of the chunks of one colour.
     pub(super) fn chunks_of(&self, colour: usize) -> impl Iterator<Item = usize> + '_ {
         (0..self.chunks.len()).filter(move |chunk| self.chunks[*chunk].colour == colour)
