@@ -245,6 +245,8 @@ fn every_kind_of_run_goes_on_to_the_same_bits() {
         ("drop-different-faces", &[]),
         ("stretch-oblique-triangles", &[]),
         ("stretch-md", &[]),
+        ("indent-disc", &[]),
+        ("inflation-square", &[]),
     ] {
         let model = golden(case, changes);
         let every = 0.22 * model.run_time();

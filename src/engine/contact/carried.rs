@@ -52,6 +52,7 @@ impl Contact {
             + bytes(&self.offset)
             + bytes(&self.normals)
             + self.earlier.bytes()
+            + bytes(&self.unmet)
             + self.pieces.iter().map(Piece::bytes).sum::<usize>()
     }
 }

@@ -81,9 +81,9 @@ impl Piece {
         self.count > 0
     }
 
-    /// Bytes of its arrays.
+    /// Bytes of its arrays; room that is not used does not count, so that a run taken up again has the same.
     pub(super) fn bytes(&self) -> usize {
-        bytes(&self.touching) + bytes(&self.impulses)
+        bytes(&self.touching[..self.count]) + bytes(&self.impulses)
     }
 
     /// Nodes that were given momentum.
