@@ -143,6 +143,12 @@ pub enum Fault {
         100.0 * .share
     )]
     NotQuasiStatic { time: f64, share: f64 },
+    #[error(
+        "not at rest: at the end, {time:.6} s, the deflection still changed by {:.2} % in the last tenth of the run; \
+         load it more slowly",
+        100.0 * .change
+    )]
+    NotAtRest { time: f64, change: f64 },
     #[error("the energy balance is off by {:.1} % of the energy exchanged at {time:.6} s", 100.0 * .error)]
     EnergyLost { time: f64, error: f64 },
 }

@@ -24,9 +24,34 @@ impl Rise {
     }
 }
 
+/// By how much the rise changed over the last tenth of the samples, over the last one; none without samples of a rise.
+pub(super) fn settling(tracks: &Tracks) -> Option<f64> {
+    let rows = &tracks.rise.rows;
+    let [last] = *rows.last()?;
+    let held = &rows[rows.len() - rows.len().div_ceil(10)..];
+    let change = held.iter().map(|[rise]| (rise - last).abs()).fold(0.0, f64::max);
+    Some(change / last.abs())
+}
+
 /// Pressure and the rise of the node that rose most.
 pub(super) fn signals(tracks: &Tracks, inflation: &Inflation) -> Recording {
     let row = |(k, [rise]): (usize, &[f64; 1])| [inflation.at(k as f64 * tracks.sample), *rise];
     let rows: Vec<_> = tracks.rise.rows.iter().enumerate().map(row).collect();
     tracks.table(&["pressure_Pa", "deflection_m"], &rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settling_is_the_change_in_the_last_tenth() {
+        let mut tracks = Tracks::new(1.0, 0.05, 0.0, 0.0);
+        assert_eq!(settling(&tracks), None);
+        for k in 0..=20 {
+            let time = 0.05 * f64::from(k);
+            tracks.rise.push(time, [if k < 19 { 5.0 * time } else { 5.0 - 0.01 * f64::from(20 - k) }]);
+        }
+        assert!(settling(&tracks).is_some_and(|change| (change - 0.1).abs() < 1e-12), "{:?}", settling(&tracks));
+    }
 }

@@ -21,6 +21,9 @@ const AUDITS: f64 = 400.0;
 /// Kinetic share above which a test is not quasi-static.
 pub(super) const KINETIC: f64 = 0.01;
 
+/// Change of an inflated film in the last tenth of its run, over its deflection, above which it is not at rest.
+const RESTLESS: f64 = 2e-3;
+
 /// Gathers the outcome of a run while it goes.
 pub(super) struct Probe<'a> {
     model: &'a Model,
@@ -116,7 +119,11 @@ impl<'a> Probe<'a> {
     /// The fault of a test that should have been quasi-static and was not.
     pub(super) fn unsteady(&self) -> Option<Fault> {
         let (time, share) = self.record.energy.kinetic_share();
-        (self.is_quasi_static() && share > KINETIC).then_some(Fault::NotQuasiStatic { time, share })
+        if self.is_quasi_static() && share > KINETIC {
+            return Some(Fault::NotQuasiStatic { time, share });
+        }
+        let held = self.record.rupture_time.is_none().then(|| pressure::settling(&self.record.tracks))?;
+        held.filter(|change| *change > RESTLESS).map(|change| Fault::NotAtRest { time: self.duration, change })
     }
 
     /// Elements broke in the step from `time` (s).

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::lane::splat;
-use crate::model::{Face, Loading, Model, Shape};
+use crate::model::{Face, Hold, Loading, Model, Shape, Side};
 
 /// Steps above which the film of a stretch is made heavier.
 const STEPS_OF_A_STRETCH: f64 = 200_000.0;
@@ -11,8 +11,13 @@ const STEPS_OF_A_STRETCH: f64 = 200_000.0;
 /// Periods of the film for which an indentation or inflation loads it, if its mass may be chosen.
 const PERIODS: f64 = 50.0;
 
-/// Times in which damping takes a free oscillation to 1/e, over the time in which a test is loaded.
-const DECAYS: f64 = 10.0;
+/// Times in which damping takes a free oscillation to 1/e, over the time of an indentation: its force is read all along, so
+/// damping must not be felt in it.
+const DECAYS_INDENTED: f64 = 10.0;
+
+/// The same over the rise of a pressure, which is held afterwards: there, film must not swing beyond its place, since it may
+/// remember how far it was stretched.
+const DECAYS_INFLATED: f64 = 40.0;
 
 /// First zero of the Bessel function J₀: angular frequency of a round membrane over its wave speed and radius.
 const ROUND: f64 = 2.404_826;
@@ -33,7 +38,8 @@ pub(super) fn mass_scaling(model: &Model, steps: f64) -> f64 {
 pub(super) fn damping(model: &Model) -> f64 {
     match model.loading {
         Loading::Impact { .. } | Loading::Stretch { .. } => model.specimen.damping,
-        Loading::Indent { .. } | Loading::Pressure { .. } => 2.0 * DECAYS / time_of_loading(model),
+        Loading::Indent { .. } => 2.0 * DECAYS_INDENTED / time_of_loading(model),
+        Loading::Pressure { .. } => 2.0 * DECAYS_INFLATED / time_of_loading(model),
     }
 }
 
@@ -47,7 +53,7 @@ fn time_of_loading(model: &Model) -> f64 {
 
 /// Periods of the softest face, as it is stretched at the end, in the time of loading; a guess within a factor of two.
 fn periods(model: &Model) -> f64 {
-    let Some(radius) = radius(&model.specimen.shape) else { return 0.0 };
+    let Some(radius) = radius(&model.specimen.shape, &model.frame.hold) else { return 0.0 };
     let frequency = |face: &Face| {
         let stretch = match model.loading {
             Loading::Indent { depth, .. } => (depth / radius).hypot(1.0),
@@ -60,9 +66,16 @@ fn periods(model: &Model) -> f64 {
     time_of_loading(model) * softest / TAU
 }
 
-/// Radius of the largest disc in the film, m; none for imported outlines.
-fn radius(shape: &Shape) -> Option<f64> {
+/// Radius of the largest disc between held edges, m; none for imported outlines.
+fn radius(shape: &Shape, hold: &Hold) -> Option<f64> {
+    let held = |side| match hold {
+        Hold::All => true,
+        Hold::Sides(sides) => sides.contains(&side),
+        Hold::None => false,
+    };
     match shape {
+        Shape::Rectangle { x, .. } if !held(Side::YMinus) || !held(Side::YPlus) => Some(0.5 * x),
+        Shape::Rectangle { y, .. } if !held(Side::XMinus) || !held(Side::XPlus) => Some(0.5 * y),
         Shape::Rectangle { x, y } => Some(0.5 * x.min(*y)),
         Shape::Circle { radius } => Some(*radius),
         Shape::Mesh(_) => None,

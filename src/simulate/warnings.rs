@@ -18,7 +18,7 @@ const BALANCE: f64 = 0.01;
 /// Share of straining outside the measured rates that is told.
 const OUTSIDE: f64 = 0.05;
 /// Part of the bound on the kinetic share from which it is told.
-const ALMOST: f64 = 0.5;
+const ALMOST: f64 = 0.2;
 
 /// Scaled Jacobian of an element that is told.
 const MISSHAPEN: f64 = 0.3;
