@@ -268,8 +268,8 @@ impl Met<'_> {
                 let change = impulse[axis][l] * mobility;
                 x[l] += change * dt;
                 v[l] += change;
-                after[axis][l] = v[l];
             }
+            after[axis].copy_from_slice(v);
         }
         after
     }
