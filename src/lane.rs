@@ -99,6 +99,18 @@ pub fn dot<const L: usize>(a: &Lane3<L>, b: &Lane3<L>) -> Lane<L> {
     out
 }
 
+/// Vector product in each lane.
+#[inline(always)]
+pub fn cross<const L: usize>(a: &Lane3<L>, b: &Lane3<L>) -> Lane3<L> {
+    let mut out = [splat(0.0); 3];
+    for (axis, (i, j)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
+        for l in 0..L {
+            out[axis][l] = a[i][l] * b[j][l] - a[j][l] * b[i][l];
+        }
+    }
+    out
+}
+
 /// The larger of two numbers, as one instruction: `b` where either is NaN.
 #[inline(always)]
 pub fn larger(a: f64, b: f64) -> f64 {

@@ -144,7 +144,7 @@ fn percent(share: f64) -> String {
 }
 
 /// Three significant digits.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let magnitude = value.abs().max(1e-300).log10().floor();
     if !(-3.0..6.0).contains(&magnitude) {
         return format!("{value:.2e}");
@@ -154,7 +154,7 @@ fn short(value: f64) -> String {
 }
 
 /// Digits in groups of three.
-fn grouped(number: u64) -> String {
+pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let groups = digits.as_bytes().rchunks(3).rev();
     let groups: Vec<&str> = groups.filter_map(|group| std::str::from_utf8(group).ok()).collect();

@@ -1,10 +1,12 @@
 //! The command line: one file a command, exit codes, and the one place that prints.
 
 mod check;
+mod checkpoint;
 mod digest;
 mod explain;
 mod faults;
 mod folder;
+mod forecast;
 mod list;
 mod new;
 mod progress;

@@ -1,11 +1,13 @@
 //! A bar over all runs with the time to go, on a terminal only.
 
+use std::io::{self, Write};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::diagnostic::{self, Diagnostic};
 use crate::report::duration;
 use crate::simulate::Progress;
 
@@ -19,6 +21,7 @@ const REFRESH: Duration = Duration::from_millis(100);
 pub struct Bar {
     bar: ProgressBar,
     done: Vec<AtomicU64>,
+    quiet: bool,
     start: Instant,
     drawn: Mutex<Instant>,
 }
@@ -32,12 +35,12 @@ impl Bar {
             bar.set_style(style);
         }
         let start = Instant::now();
-        Bar { bar, done: (0..runs).map(|_| AtomicU64::new(0)).collect(), start, drawn: Mutex::new(start) }
+        Bar { bar, done: (0..runs).map(|_| AtomicU64::new(0)).collect(), quiet, start, drawn: Mutex::new(start) }
     }
 
     /// Shows how far the run at `index` is; a bar that was drawn just now stays as it is.
     pub fn show(&self, index: usize, progress: Progress) {
-        let share = progress.done.clamp(0.0, 1.0);
+        let share = (progress.time / progress.duration).clamp(0.0, 1.0);
         self.done[index].store((share * PER_RUN) as u64, Ordering::Relaxed);
         // Another run that is drawing the bar draws this one's progress too.
         let Ok(mut drawn) = self.drawn.try_lock() else {
@@ -57,6 +60,28 @@ impl Bar {
         let to_go = to_go(self.start.elapsed(), whole).map(|time| format!("{time} to go  ")).unwrap_or_default();
         self.bar.set_message(format!("{to_go}{state}"));
         self.bar.set_position(total);
+    }
+
+    /// Wall time since the bar was made.
+    pub fn elapsed(&self) -> Duration {
+        self.start.elapsed()
+    }
+
+    /// Tells something while runs go on, unless quiet is asked for.
+    pub fn note(&self, text: &str) {
+        if !self.quiet {
+            self.print(&format!("note: {text}"));
+        }
+    }
+
+    /// Tells of something that went wrong, though the runs go on.
+    pub fn complain(&self, mistake: &Diagnostic) {
+        self.print(&diagnostic::render(std::slice::from_ref(mistake), false));
+    }
+
+    fn print(&self, text: &str) {
+        // A closed standard error leaves no place to complain to.
+        self.bar.suspend(|| drop(writeln!(io::stderr(), "{text}")));
     }
 
     /// Takes the bar away.

@@ -7,13 +7,16 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::Value;
 
+use super::checkpoint::{self, Keeper, Wish};
 use super::faults::{WRITE_FAILURE, evaluating, storing};
 use super::folder::{self, Contents, SCRIPT};
+use super::forecast::Forecast;
 use super::progress::Bar;
-use super::scenarios::{Checked, Selection};
+use super::scenarios::{Checked, Selection, both};
 use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report};
 use crate::diagnostic::Diagnostic;
-use crate::simulate::{self, Failure, Outcome, Progress, RunError};
+use crate::report::duration;
+use crate::simulate::{self, Checkpoint, Checkpoints, Failure, Outcome, Progress, RunError};
 use crate::store::{self, Draft};
 
 #[derive(Debug, Args)]
@@ -23,12 +26,20 @@ pub struct RunArgs {
     /// Folder for the results, in place of runs/<name of the scenario>
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Save the run whenever this much time has been simulated ("5 ms"), so that --resume can take it up if it is interrupted
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub checkpoint_every: Option<String>,
+    /// Go on from the newest checkpoint of a run that was interrupted; the results are the same to the bit
+    #[arg(long)]
+    pub resume: bool,
 }
 
 /// A scenario and where its results go, proved before the first run starts.
 struct Job {
     checked: Checked,
     place: PathBuf,
+    /// Its checkpoints, if it has any.
+    keeper: Option<Keeper>,
 }
 
 /// What the terminal shows of a job.
@@ -37,6 +48,8 @@ struct Done {
     text: String,
     summary: Option<Value>,
     mistakes: Vec<Diagnostic>,
+    /// Whether what was computed is on the disk.
+    stored: bool,
 }
 
 pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
@@ -45,7 +58,7 @@ pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
         Err(mistakes) => return report(&mistakes),
     };
     let bar = Bar::new(jobs.len(), shared.quiet);
-    let run = |(index, job): (usize, &Job)| job.run(&mut |progress| bar.show(index, progress));
+    let run = |(index, job): (usize, &Job)| job.run(&bar, index);
     // One run has all threads to itself; several share them.
     let done: Vec<Done> = match jobs.as_slice() {
         [job] => vec![run((0, job))],
@@ -58,13 +71,17 @@ pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
 
 /// Checks and places of all scenarios, or all their mistakes.
 fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
-    let scenarios = args.selection.checked()?;
+    let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();
+    let (every, scenarios) = both(every.map_err(|mistake| vec![mistake]), args.selection.checked())?;
+    let wish = Wish { every, resume: args.resume };
     let several = scenarios.len() > 1;
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for checked in scenarios {
-        match place(args.out.as_deref(), &checked.model.name, several) {
-            Ok(place) => jobs.push(Job { checked, place }),
-            Err(error) => mistakes.push(storing(&error)),
+        let place = place(args.out.as_deref(), &checked.model.name, several).map_err(|error| storing(&error));
+        let kept = place.and_then(|place| Ok((Keeper::new(wish, &checked, &place)?, place)));
+        match kept {
+            Ok((keeper, place)) => jobs.push(Job { checked, place, keeper }),
+            Err(mistake) => mistakes.push(mistake),
         }
     }
     let places: Vec<PathBuf> = jobs.iter().map(|job| job.place.clone()).collect();
@@ -81,12 +98,48 @@ fn place(out: Option<&Path>, name: &str, several: bool) -> Result<PathBuf, store
 }
 
 impl Job {
-    fn run(&self, progress: &mut dyn FnMut(Progress)) -> Done {
-        match simulate::run(&self.checked.model, progress) {
-            Ok(outcome) => self.keep(&outcome).unwrap_or_else(|(status, mistake)| self.broken(status, mistake)),
-            Err(RunError::Failure(failure)) => self.keep_failed(&failure),
-            Err(error) => self.broken(BAD_INPUT, Diagnostic::new(format!("{}: {error}", self.checked.model.name))),
+    fn run(&self, bar: &Bar, index: usize) -> Done {
+        let done = match self.simulate(bar, index) {
+            Err((status, mistake)) => return self.broken(status, mistake),
+            Ok(Ok(outcome)) => self.keep(&outcome).unwrap_or_else(|(status, mistake)| self.broken(status, mistake)),
+            Ok(Err(RunError::Failure(failure))) => self.keep_failed(&failure),
+            Ok(Err(error)) => self.broken(BAD_INPUT, Diagnostic::new(format!("{}: {error}", self.checked.model.name))),
+        };
+        // Results that could not be stored can still be had from the last checkpoint, and so can those that a post
+        // script, mended since, measures.
+        if let Some(keeper) = self.keeper.as_ref().filter(|_| done.stored) {
+            keeper.clear();
         }
+        done
+    }
+
+    /// The run itself, watched by `bar`, from its checkpoint where there is one to go on from.
+    fn simulate(&self, bar: &Bar, index: usize) -> Result<Result<Outcome, RunError>, (u8, Diagnostic)> {
+        let model = &self.checked.model;
+        let mut saved = None;
+        if let Some(keeper) = &self.keeper {
+            keeper.notes.iter().for_each(|note| bar.note(note));
+            saved = keeper.start().map_err(|mistake| (BAD_INPUT, mistake))?;
+            keeper.open().map_err(|mistake| (WRITE_FAILURE, mistake))?;
+        }
+        if let Some(saved) = &saved {
+            bar.note(&format!("{} goes on at {}", model.name, duration(saved.time())));
+        }
+        let every = self.keeper.as_ref().and_then(Keeper::every);
+        let mut forecast = Forecast::default();
+        let mut progress = |progress: Progress| {
+            bar.show(index, progress);
+            if let Some(left) = forecast.look(&progress, bar.elapsed()) {
+                bar.note(&left.told(model, every.is_some()));
+            }
+        };
+        let mut keep = |checkpoint: &Checkpoint<'_>| {
+            if let Some(mistake) = self.keeper.as_ref().and_then(|keeper| keeper.keep(checkpoint).err()) {
+                bar.complain(&mistake.hint("the run goes on; its last whole checkpoint stays"));
+            }
+        };
+        let checkpoints = every.map(|every| Checkpoints { every, keep: &mut keep });
+        Ok(simulate::take_up(model, saved, checkpoints, &mut progress))
     }
 
     fn keep(&self, outcome: &Outcome) -> Result<Done, (u8, Diagnostic)> {
@@ -107,7 +160,7 @@ impl Job {
         });
         let (place, files) = stored.map_err(|error| (WRITE_FAILURE, storing(&error)))?;
         let text = [digest::run(model, outcome, &results), digest::folder(&place, &files)].concat();
-        Ok(Done { status: 0, text, summary: Some(results.summary(model).into()), mistakes: Vec::new() })
+        Ok(Done { status: 0, text, summary: Some(results.summary(model).into()), mistakes: Vec::new(), stored: true })
     }
 
     fn keep_failed(&self, failure: &Failure) -> Done {
@@ -127,7 +180,7 @@ impl Job {
         match stored {
             Ok(place) => {
                 let hint = format!("what was computed so far is in {}", place.display());
-                self.broken(NUMERICAL_FAILURE, mistake.hint(hint))
+                Done { stored: true, ..self.broken(NUMERICAL_FAILURE, mistake.hint(hint)) }
             }
             Err(error) => {
                 let mut done = self.broken(NUMERICAL_FAILURE, mistake);
@@ -138,7 +191,7 @@ impl Job {
     }
 
     fn broken(&self, status: u8, mistake: Diagnostic) -> Done {
-        Done { status, text: String::new(), summary: None, mistakes: vec![mistake] }
+        Done { status, text: String::new(), summary: None, mistakes: vec![mistake], stored: false }
     }
 
     fn resolved(&self) -> String {

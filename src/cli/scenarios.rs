@@ -130,7 +130,7 @@ fn matches(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
 }
 
 /// Both values, or the mistakes of both.
-fn both<A, B>(a: Result<A, Vec<Diagnostic>>, b: Result<B, Vec<Diagnostic>>) -> Result<(A, B), Vec<Diagnostic>> {
+pub fn both<A, B>(a: Result<A, Vec<Diagnostic>>, b: Result<B, Vec<Diagnostic>>) -> Result<(A, B), Vec<Diagnostic>> {
     match (a, b) {
         (Ok(a), Ok(b)) => Ok((a, b)),
         (Err(a), Err(b)) => Err(a.into_iter().chain(b).collect()),

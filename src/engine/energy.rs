@@ -1,7 +1,9 @@
 //! The energy audit.
 
+use serde::{Deserialize, Serialize};
+
 /// Where the energy of a run is, J. The sum of all terms stays constant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// Kinetic, film.
     pub kinetic_film: f64,

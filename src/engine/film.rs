@@ -9,6 +9,8 @@ use super::element::{
     self, Block, Blocks, ElementEnergy, ElementStrain, Forces, FullQuads, OwnForces, Quads, Shaped, StressFree, Tris,
     UprightElement,
 };
+use super::footprint;
+use super::memory::{self, Memory};
 use super::nodes::{Nodes, Vectors};
 use super::team::{Disjoint, Team};
 use crate::lane::{LANES, Width};
@@ -108,6 +110,33 @@ impl Film {
         self.colours
     }
 
+    /// Number of integration points.
+    pub(super) fn points(&self) -> usize {
+        let of = |chunk: &Chunk| concretely!(&chunk.elements, |blocks| blocks.count * blocks.points());
+        self.chunks.iter().map(of).sum()
+    }
+
+    /// Bytes of its elements.
+    pub(super) fn bytes(&self) -> usize {
+        let of = |chunk: &Chunk| concretely!(&chunk.elements, |blocks| footprint::blocks(blocks));
+        self.chunks.iter().map(of).sum()
+    }
+
+    /// What its elements remember.
+    pub(super) fn memory(&self) -> Memory {
+        let mut memory = Memory::default();
+        self.chunks.iter().for_each(|chunk| concretely!(&chunk.elements, |blocks| memory.note(blocks)));
+        memory
+    }
+
+    /// Lets its elements remember what they did when `memory`, of as many integration points, was taken.
+    pub(super) fn recall(&mut self, memory: &Memory) {
+        let mut points = memory.points();
+        for chunk in &mut self.chunks {
+            concretely!(&mut chunk.elements, |blocks| memory::recall(&mut points, blocks));
+        }
+    }
+
     /// Shows the corners of every element that has not broken, counted among all nodes.
     pub fn for_each_intact(&self, mut show: impl FnMut(&[u32])) {
         let first = self.nodes.start as u32;
@@ -143,6 +172,16 @@ impl Film {
         let mut out = vec![];
         strains(std::slice::from_ref(self), &Team::new(1), position.axes(), &mut out);
         out.concat()
+    }
+
+    /// Energies of the film alone, J.
+    pub fn energy(&self, position: &Vectors) -> ElementEnergy {
+        energies(std::slice::from_ref(self), &Team::new(1), position.axes())[0]
+    }
+
+    /// Bound on the squared angular frequency of any of its elements, rad²/s² (theory.md, equation 17).
+    pub fn frequency_bound(&self, position: &Vectors) -> f64 {
+        frequency_bounds(std::slice::from_ref(self), &Team::new(1), position.axes())[0]
     }
 
     /// Numbers of the chunks of one colour.

@@ -8,21 +8,25 @@ mod element;
 mod energy;
 mod failure;
 mod film;
+mod footprint;
+mod memory;
 mod nodes;
 mod observer;
 mod pressure;
 mod rigid_body;
+mod state;
 mod team;
 mod time_step;
 
 pub use contact::{Contact, Inspection, Surface, SurfaceError};
-pub use element::{ElementStrain, UprightElement};
+pub use element::{ElementEnergy, ElementStrain, UprightElement};
 pub use energy::Energies;
 pub use film::Film;
 pub use nodes::{Kick, Nodes, Vectors};
 pub use observer::{Observer, Track, View};
 pub use pressure::Inflation;
 pub use rigid_body::RigidBody;
+pub use state::{Misfit, State};
 pub use team::Team;
 pub use time_step::TimeStep;
 
@@ -31,6 +35,7 @@ use std::ops::Range;
 use element::Forces;
 use nodes::Moved;
 use pressure::Inflated;
+use serde::{Deserialize, Serialize};
 use team::Disjoint;
 use thiserror::Error;
 
@@ -65,7 +70,7 @@ pub struct Impact {
 }
 
 /// What acts besides contact.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Drive {
     /// m/s², downward.
     pub gravity: f64,
@@ -77,6 +82,15 @@ pub struct Drive {
     pub inflation: Option<Inflation>,
     /// Mirror images that one computed part of film stands for.
     pub multiplicity: f64,
+    /// Factor on the stable time step, 0 < factor ≤ 1.
+    pub step_factor: f64,
+}
+
+impl Default for Drive {
+    /// Nothing acts on a film that is computed whole.
+    fn default() -> Drive {
+        Drive { gravity: 0.0, damping: 0.0, jaws: vec![], inflation: None, multiplicity: 1.0, step_factor: 1.0 }
+    }
 }
 
 /// Nodes that are moved together at their initial velocity, held across it.
@@ -92,7 +106,7 @@ pub struct Jaw {
 const NODES_AT_ONCE: usize = 1024;
 
 /// Energy that left the elements for good, J.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Gone {
     rupture: f64,
     absorbed: f64,
@@ -170,7 +184,7 @@ impl Engine {
         // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
         engine.forces();
         engine.nodes.forget_forces();
-        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.team, engine.drive.damping);
+        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.team, &engine.drive);
         engine
     }
 

@@ -3,12 +3,14 @@
 use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
+use super::footprint::bytes;
 use super::team::Disjoint;
-use crate::lane::{LANES, Width, at_width, larger, splat};
+use crate::lane::{LANES, Lane, Lane3, Width, at_width, larger, splat};
 
 /// A vector at every node, one array an axis.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Vectors {
     axes: [Vec<f64>; 3],
 }
@@ -42,9 +44,19 @@ pub struct Kick {
 }
 
 impl Vectors {
+    /// Zero at so many nodes.
+    pub(super) fn zero(count: usize) -> Vectors {
+        Vectors { axes: [vec![0.0; count], vec![0.0; count], vec![0.0; count]] }
+    }
+
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.axes[0].len()
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        self.axes.iter().map(|axis| bytes(axis)).sum()
     }
 
     /// Whether there is no node.
@@ -70,6 +82,15 @@ impl Vectors {
         (0..3).for_each(|axis| self.axes[axis][node] += vector[axis]);
     }
 
+    /// The vectors at some nodes, a lane each.
+    #[inline(always)]
+    pub(super) fn gather(&self, nodes: &[u32; LANES]) -> Lane3 {
+        if let Some(row) = row(nodes) {
+            return [0, 1, 2].map(|axis| lanes(&self.axes[axis][row.clone()]));
+        }
+        [0, 1, 2].map(|axis| nodes.map(|n| self.axes[axis][n as usize]))
+    }
+
     /// The vectors of all nodes.
     pub fn iter(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         (0..self.len()).map(|node| self.at(node))
@@ -89,6 +110,11 @@ impl Vectors {
     /// The same, to be written.
     pub fn axes_mut(&mut self) -> [&mut [f64]; 3] {
         self.axes.each_mut().map(Vec::as_mut_slice)
+    }
+
+    /// Whether no axis has a number of nodes of its own, as it may have after reading.
+    pub(super) fn is_whole(&self) -> bool {
+        self.axes.iter().all(|axis| axis.len() == self.len())
     }
 
     fn resize(&mut self, count: usize) {
@@ -152,7 +178,6 @@ impl Nodes {
         Met {
             position: self.position.axes.each_mut().map(|axis| Disjoint::new(axis)),
             velocity: self.velocity.axes.each_mut().map(|axis| Disjoint::new(axis)),
-            mass: &self.mass,
             inverse_mass: &self.inverse_mass,
             held: &self.held,
         }
@@ -161,7 +186,14 @@ impl Nodes {
     /// Gives a node `impulse` (N s) and moves it on by what that changes in `dt` (s).
     pub(super) fn push(&mut self, node: usize, impulse: &Vector3<f64>, dt: f64) {
         // SAFETY: there is one thread.
-        unsafe { self.met().push(node, impulse, dt) };
+        unsafe { self.met().push(node, &(*impulse).into(), dt) };
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        let Nodes { position, velocity, force, mass, inverse_mass, held, constrained } = self;
+        let vectors = position.bytes() + velocity.bytes() + force.bytes();
+        vectors + bytes(mass) + bytes(inverse_mass) + bytes(held) + bytes(constrained)
     }
 
     /// Sum of the forces along x on some nodes, N.
@@ -181,6 +213,20 @@ impl Nodes {
 /// All three axes held.
 const ALL: u8 = 0b111;
 
+/// The range of nodes that some make up, if they do; their numbers rise.
+#[inline(always)]
+fn row(nodes: &[u32; LANES]) -> Option<Range<usize>> {
+    let first = nodes[0] as usize;
+    (nodes[LANES - 1] as usize == first + LANES - 1).then_some(first..first + LANES)
+}
+
+#[inline(always)]
+fn lanes(values: &[f64]) -> Lane {
+    let mut out = splat(0.0);
+    out.copy_from_slice(values);
+    out
+}
+
 /// Velocity per impulse along each axis, 1/kg; zero where a node is held.
 #[inline(always)]
 fn mobility(free: f64, held: u8) -> [f64; 3] {
@@ -192,16 +238,40 @@ fn mobility(free: f64, held: u8) -> [f64; 3] {
 pub(super) struct Met<'a> {
     position: [Disjoint<'a, f64>; 3],
     velocity: [Disjoint<'a, f64>; 3],
-    mass: &'a [f64],
     inverse_mass: &'a [f64],
     held: &'a [u8],
 }
 
 impl Met<'_> {
-    /// kg.
+    /// Gives nodes of rising numbers `impulse` (N s) where `given` is one, zero elsewhere, and moves them on by what that
+    /// changes in `dt` (s); returns their velocities.
+    ///
+    /// # Safety
+    /// No other thread may be at work on these nodes.
     #[inline(always)]
-    pub(super) fn mass(&self, node: usize) -> f64 {
-        self.mass[node]
+    pub(super) unsafe fn push_lanes(&self, nodes: &[u32; LANES], given: &Lane, impulse: &Lane3, dt: f64) -> Lane3 {
+        let mut after = [splat(0.0); 3];
+        let Some(row) = row(nodes) else {
+            for l in (0..LANES).filter(|l| given[*l] > 0.0) {
+                // SAFETY: the caller keeps other threads from these nodes.
+                let velocity = unsafe { self.push(nodes[l] as usize, &[0, 1, 2].map(|axis| impulse[axis][l]), dt) };
+                (0..3).for_each(|axis| after[axis][l] = velocity[axis]);
+            }
+            return after;
+        };
+        let (free, held) = (lanes(&self.inverse_mass[row.clone()]), &self.held[row.clone()]);
+        for axis in 0..3 {
+            // SAFETY: as above.
+            let (x, v) = unsafe { (self.position[axis].range(row.clone()), self.velocity[axis].range(row.clone())) };
+            for l in 0..LANES {
+                let mobility = if held[l] & (1 << axis) == 0 { free[l] } else { 0.0 };
+                let change = impulse[axis][l] * mobility;
+                x[l] += change * dt;
+                v[l] += change;
+                after[axis][l] = v[l];
+            }
+        }
+        after
     }
 
     /// Gives a node `impulse` (N s) and moves it on by what that changes in `dt` (s); returns its velocity.
@@ -209,9 +279,9 @@ impl Met<'_> {
     /// # Safety
     /// No other thread may be at work on this node.
     #[inline(always)]
-    pub(super) unsafe fn push(&self, node: usize, impulse: &Vector3<f64>, dt: f64) -> Vector3<f64> {
+    pub(super) unsafe fn push(&self, node: usize, impulse: &[f64; 3], dt: f64) -> [f64; 3] {
         let mobility = mobility(self.inverse_mass[node], self.held[node]);
-        let mut after = Vector3::zeros();
+        let mut after = [0.0; 3];
         for axis in 0..3 {
             let change = impulse[axis] * mobility[axis];
             // SAFETY: the caller keeps other threads from this node.
@@ -272,7 +342,7 @@ pub(super) struct Remembered<'a> {
     /// In order.
     pub(super) nodes: &'a [u32],
     /// Where the velocities go, an entry for every node there is, m/s.
-    pub(super) velocity: Disjoint<'a, Vector3<f64>>,
+    pub(super) velocity: [Disjoint<'a, f64>; 3],
 }
 
 impl Nodes {
@@ -332,10 +402,7 @@ impl Moving<'_> {
         let from = nodes.partition_point(|n| (*n as usize) < range.start);
         for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
             // SAFETY: the caller keeps other threads away from these nodes.
-            unsafe {
-                let [x, y, z] = &self.velocity;
-                *velocity.at(n) = Vector3::new(*x.at(n), *y.at(n), *z.at(n));
-            }
+            (0..3).for_each(|axis| unsafe { *velocity[axis].at(n) = *self.velocity[axis].at(n) });
         }
     }
 

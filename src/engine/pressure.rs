@@ -4,6 +4,7 @@
 //! so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29).
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::film::Film;
 use super::nodes::Nodes;
@@ -27,7 +28,7 @@ impl Inflation {
 }
 
 /// The pressure that acted last and the volume under the film then.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Inflated {
     pressure: f64,
     volume: f64,

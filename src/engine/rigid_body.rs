@@ -1,6 +1,9 @@
 //! The impactor as a rigid body.
 
-use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, Translation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{
+    Isometry3, Matrix3, Matrix6, Point3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector4, Vector6,
+};
+use serde::{Deserialize, Serialize};
 
 use crate::model::Guide;
 
@@ -23,6 +26,19 @@ pub struct RigidBody {
     pub guide: Guide,
 }
 
+/// How a body moves, as plain numbers.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Motion {
+    /// Of the centre of mass, m.
+    place: [f64; 3],
+    /// Unit quaternion i, j, k, w.
+    rotation: [f64; 4],
+    velocity: [f64; 3],
+    spin: [f64; 3],
+    /// Column by column.
+    softness: [[f64; 3]; 3],
+}
+
 /// Contacts gathered into the body's own equations of motion: how much film mass follows each of its motions, and
 /// the momentum that film takes from it. Rows: translation, rotation; a guided body uses the third alone.
 #[derive(Clone, Debug)]
@@ -38,6 +54,12 @@ impl Default for Gathered {
 }
 
 impl Gathered {
+    /// Adds film of `mass` (kg) and `momentum` (kg m/s) along z, all that a guided body feels.
+    pub fn add_along_z(&mut self, mass: f64, momentum: f64) {
+        self.mass[(2, 2)] += mass;
+        self.momentum[2] += momentum;
+    }
+
     /// These contacts and others.
     pub fn and(&self, others: &Gathered) -> Gathered {
         Gathered { mass: self.mass + others.mass, momentum: self.momentum + others.momentum }
@@ -57,6 +79,26 @@ impl RigidBody {
         let mut body = RigidBody { pose, velocity, spin, mass, inertia, softness: Matrix3::zeros(), guide };
         body.turn();
         body
+    }
+
+    /// How it moves.
+    pub fn motion(&self) -> Motion {
+        Motion {
+            place: self.pose.translation.vector.into(),
+            rotation: self.pose.rotation.coords.into(),
+            velocity: self.velocity.into(),
+            spin: self.spin.into(),
+            softness: self.softness.into(),
+        }
+    }
+
+    /// Moves as `motion` tells, to the bit: nothing is normalised or worked out again.
+    pub fn resume(&mut self, motion: &Motion) {
+        let turn = UnitQuaternion::new_unchecked(Quaternion::from_vector(Vector4::from(motion.rotation)));
+        self.pose = Isometry3::from_parts(Translation3::from(motion.place), turn);
+        self.velocity = motion.velocity.into();
+        self.spin = motion.spin.into();
+        self.softness = motion.softness.into();
     }
 
     /// A body that moves along z at `velocity` (m/s, upward) whatever it meets.
@@ -151,26 +193,16 @@ impl RigidBody {
         }
     }
 
-    /// Adds to `gathered` film of `mass` (kg) that a contact at `arm` drags along, in every direction or only along one,
-    /// and the momentum `change` (kg m/s) that this film needs if the body keeps its velocity.
+    /// Whether it only moves along z.
     #[inline(always)]
-    pub fn gather(
-        &self,
-        gathered: &mut Gathered,
-        arm: &Vector3<f64>,
-        mass: f64,
-        along: Option<&Vector3<f64>>,
-        change: &Vector3<f64>,
-    ) {
-        if self.guide == Guide::Z {
-            gathered.mass[(2, 2)] += mass * along.map_or(1.0, |n| n.z * n.z);
-            gathered.momentum[2] += change.z;
-        } else {
-            RigidBody::gather_free(gathered, arm, mass, along, change);
-        }
+    pub fn is_guided(&self) -> bool {
+        self.guide == Guide::Z
     }
 
-    fn gather_free(
+    /// Adds to `gathered` film of `mass` (kg) that a contact at `arm` drags along, in every direction or only along one,
+    /// and the momentum `change` (kg m/s) that this film needs if the free body keeps its velocity.
+    pub fn gather(
+        &self,
         gathered: &mut Gathered,
         arm: &Vector3<f64>,
         mass: f64,

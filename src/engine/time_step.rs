@@ -1,9 +1,11 @@
 //! The stable time step.
 
-use super::Fault;
+use serde::{Deserialize, Serialize};
+
 use super::film::{self, Film};
 use super::nodes::Nodes;
 use super::team::Team;
+use super::{Drive, Fault};
 
 /// Share of the stability limit that is used.
 const SAFETY: f64 = 0.9;
@@ -27,9 +29,10 @@ const COLLAPSE: f64 = 1e-3;
 
 /// The stable step of central differences, Δt = s·2/ω (√(1 + ξ²) − ξ), with ω bounded element by element from the
 /// present tangent stiffness and shape (theory.md, equations 16 and 17). Kinematic contact adds nothing to ω.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct TimeStep {
     damping: f64,
+    factor: f64,
     safety: f64,
     first: f64,
     now: f64,
@@ -38,9 +41,10 @@ pub struct TimeStep {
 }
 
 impl TimeStep {
-    /// The step of film at rest with mass-proportional `damping`, 1/s.
-    pub fn new(films: &[Film], nodes: &Nodes, team: &Team, damping: f64) -> TimeStep {
-        let mut step = TimeStep { damping, safety: SAFETY, ..TimeStep::default() };
+    /// The step of film at rest, with the damping and the step factor of `drive`.
+    pub fn new(films: &[Film], nodes: &Nodes, team: &Team, drive: &Drive) -> TimeStep {
+        let (damping, factor) = (drive.damping, drive.step_factor);
+        let mut step = TimeStep { damping, factor, safety: SAFETY, ..TimeStep::default() };
         (step.first, _) = step.stable(films, nodes, team);
         (step.now, step.target) = (step.first, step.first);
         step
@@ -86,6 +90,6 @@ impl TimeStep {
         }
         let frequency = squared.sqrt();
         let damping = if self.damping > 0.0 { self.damping / (2.0 * frequency) } else { 0.0 };
-        (self.safety * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)
+        (self.factor * self.safety * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)
     }
 }

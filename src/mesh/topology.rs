@@ -1,7 +1,5 @@
 //! Edges, and what lies on the outline and on the mirror planes.
 
-use std::collections::BTreeMap;
-
 use super::Mesh;
 
 /// Distance over the mesh's extent below which a node stands on a plane or an outermost edge.
@@ -38,13 +36,17 @@ pub fn undirected([from, to]: [u32; 2]) -> Edge {
     [from.min(to), from.max(to)]
 }
 
-/// How many elements meet at each edge.
-pub fn uses(mesh: &Mesh) -> BTreeMap<Edge, u32> {
-    let mut uses = BTreeMap::new();
-    for edge in outlines(mesh).flat_map(directed).map(undirected) {
-        *uses.entry(edge).or_insert(0) += 1;
-    }
-    uses
+/// Every edge once, ascending, with the number of elements that meet there.
+pub fn uses(mesh: &Mesh) -> impl Iterator<Item = (Edge, u32)> {
+    let mut edges: Vec<Edge> = outlines(mesh).flat_map(directed).map(undirected).collect();
+    edges.sort_unstable();
+    let mut rest = 0;
+    std::iter::from_fn(move || {
+        let edge = *edges.get(rest)?;
+        let uses = edges[rest..].iter().take_while(|other| **other == edge).count();
+        rest += uses;
+        Some((edge, uses as u32))
+    })
 }
 
 fn rim(mesh: &Mesh) -> Vec<u32> {
@@ -54,7 +56,7 @@ fn rim(mesh: &Mesh) -> Vec<u32> {
         mesh.mirrors.iter().any(holds)
     };
     let mut rim: Vec<u32> =
-        uses(mesh).into_iter().filter(|(edge, uses)| *uses == 1 && !mirror(edge)).flat_map(|(edge, _)| edge).collect();
+        uses(mesh).filter(|(edge, uses)| *uses == 1 && !mirror(edge)).flat_map(|(edge, _)| edge).collect();
     rim.sort_unstable();
     rim.dedup();
     rim

@@ -11,6 +11,7 @@ mod output;
 mod post;
 mod reference;
 mod size;
+mod solver;
 mod specimen;
 
 use std::path::PathBuf;
@@ -19,6 +20,7 @@ use crate::diagnostic::Diagnostic;
 use crate::material::Material;
 use crate::scenario::{Document, Scenario};
 use findings::Findings;
+pub use size::{MOST_IN_FRAMES, PER_FRAME};
 
 /// Checks that what is written makes sense, and turns it into SI values.
 ///
@@ -56,6 +58,7 @@ fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
     let faces = layers::check(scenario, &loading, findings);
     let frame = frame::check(scenario, findings);
     let impactor = impactor::check(scenario, findings);
+    let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), findings);
     let reference = reference::check(scenario, findings);
     let post = post::check(scenario, findings);
@@ -67,6 +70,7 @@ fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
         frame,
         impactor,
         loading,
+        solver,
         output,
         reference,
         post,
@@ -89,6 +93,7 @@ pub struct Model {
     /// Present exactly where the loading needs one.
     pub impactor: Option<Impactor>,
     pub loading: Loading,
+    pub solver: Solver,
     pub output: Output,
     pub reference: Option<Reference>,
     /// The Rhai script that adds to the summary.
@@ -258,6 +263,13 @@ pub enum Loading {
     Indent { depth: f64, velocity: f64, mass_scaling: Option<f64> },
     /// `pressure` (Pa) on the lower side of the film rises over `ramp` (s) and stays for half as long.
     Pressure { pressure: f64, ramp: f64, mass_scaling: Option<f64> },
+}
+
+/// How time is stepped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solver {
+    /// Factor on the stable time step, 0 < factor ≤ 1.
+    pub step_factor: f64,
 }
 
 /// What is kept of a run.

@@ -9,10 +9,6 @@ use super::{Element, Face, Findings, ImpactorShape, Model, Shape};
 /// Memory that one run may take for its film, bytes. A bound that is the same on every machine: a film
 /// finer than this is a mistake in the unit of `specimen.mesh.size`.
 const MOST_MEMORY: f64 = 4e9;
-/// State, history and forces of one element, bytes.
-const PER_ELEMENT: f64 = 700.0;
-/// Position, velocity, force and mass of one node, bytes.
-const PER_NODE: f64 = 150.0;
 /// One sample: about 20 channels as numbers, as text of a CSV, and once more while that is written; bytes.
 const PER_SAMPLE: f64 = 20.0 * 8.0 * 3.0;
 /// Bytes that one element and its share of the nodes take in a file, as a binary STL has them. Files of text take
@@ -20,13 +16,15 @@ const PER_SAMPLE: f64 = 20.0 * 8.0 * 3.0;
 const FILE_PER_ELEMENT: f64 = 50.0;
 /// Longest mesh file that is read, bytes.
 const LONGEST_FILE: f64 = 1e9;
-/// One kept state: positions of a node, strains of an element, bytes.
-const PER_FRAME: f64 = 12.0 + 13.0;
+/// One kept state: positions of a node, strains of an element, bytes an element.
+pub const PER_FRAME: f64 = 12.0 + 13.0;
+/// Memory that the kept states of a run may take, bytes: of a film so fine that they would take more, fewer are kept.
+pub const MOST_IN_FRAMES: f64 = 4e8;
 
 /// Refuses runs that do not fit into memory and elements larger than the film.
 pub fn check(model: &Model, findings: &mut Findings<'_>) {
     files(model, findings);
-    let (mut total, mut memory) = (0.0, 0.0);
+    let (mut total, mut film, mut memory) = (0.0, 0.0, 0.0);
     for (place, face) in model.faces.iter().enumerate() {
         let path = mesh_path(model, place, findings);
         if face.meshing.size > largest_side(&model.specimen.shape) {
@@ -34,14 +32,14 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
             findings.report_with(&path, message, "a bare number is in m");
             return;
         }
-        total += elements(model, face);
-        let frames = PER_FRAME * model.output.frames as f64;
-        memory = total * (PER_ELEMENT + PER_NODE + frames);
+        let elements = elements(model, face);
+        total += elements;
+        film += elements * per_element(face.meshing.element);
+        memory = film + (total * PER_FRAME * model.output.frames as f64).min(MOST_IN_FRAMES);
         if memory > MOST_MEMORY {
             let message =
                 format!("the mesh is too large for memory: {total:.2e} elements need about {:.0} GB", memory / 1e9);
-            let hint = format!("a run may take {} GB; `output.frames` counts too", MOST_MEMORY / 1e9);
-            findings.report_with(&path, message, hint);
+            findings.report_with(&path, message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
             return;
         }
     }
@@ -99,6 +97,17 @@ fn largest_side(shape: &Shape) -> f64 {
         Shape::Rectangle { x, y } => x.max(*y),
         Shape::Circle { radius } => 2.0 * radius,
         Shape::Mesh(_) => f64::INFINITY,
+    }
+}
+
+/// Memory that a run takes for one element with its share of the nodes, of contact and of what observers keep, bytes: the
+/// resident memory of a million elements with two kept states over their number, and a little more. The engine's own
+/// arrays are two thirds of it.
+fn per_element(element: Element) -> f64 {
+    match element {
+        Element::Quad4 => 500.0,
+        Element::Quad4Full => 800.0,
+        Element::Tri3 => 350.0,
     }
 }
 

@@ -13,6 +13,8 @@ pub struct Audit {
     pub ruptured: bool,
     pub rupture_time_s: Option<f64>,
     pub elements: usize,
+    /// Memory of the engine's own arrays over the number of elements.
+    pub bytes_per_element: f64,
     pub steps: u64,
     pub time_step_s: f64,
     pub wall_s: f64,
@@ -72,6 +74,7 @@ impl Audit {
             ruptured: outcome.rupture_time.is_some(),
             rupture_time_s: outcome.rupture_time.map(clean_time),
             elements: outcome.elements,
+            bytes_per_element: outcome.bytes as f64 / outcome.elements as f64,
             steps: outcome.steps,
             time_step_s: outcome.time_step,
             wall_s,

@@ -18,6 +18,7 @@ mod reader;
 mod reference;
 mod resolved;
 pub mod schema;
+mod solver;
 mod specimen;
 mod tree;
 mod validate;
@@ -37,6 +38,7 @@ pub use material::{Elastic, Fabric, Fibre, Material, Point, Scale, Shear};
 pub use output::{Filter, Output};
 pub use post::Post;
 pub use reference::{Phase, Reference, Window};
+pub use solver::Solver;
 pub use specimen::{Circle, Element, Meshing, Shape, Specimen, Symmetry};
 pub use tree::{Node, Table, Value};
 
@@ -64,6 +66,9 @@ pub struct Scenario {
     pub impactor: Option<Impactor>,
     /// What is done to the specimen.
     pub loading: Loading,
+    /// How time is stepped.
+    #[serde(default)]
+    pub solver: Solver,
     /// What is kept of a run.
     #[serde(default)]
     pub output: Output,

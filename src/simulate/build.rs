@@ -38,8 +38,9 @@ pub(super) fn scene(model: &Model) -> Result<Scene, RunError> {
         return mounted(model, scaling);
     }
     let scene = mounted(model, 1.0)?;
-    let steps = model.run_time() / scene.engine.time_step();
-    let scaling = slow::mass_scaling(model, steps);
+    // A factor on the step is to change the step alone, not the mass.
+    let stable = scene.engine.time_step() / model.solver.step_factor;
+    let scaling = slow::mass_scaling(model, model.run_time() / stable);
     if scaling == 1.0 { Ok(scene) } else { mounted(model, scaling) }
 }
 
@@ -48,7 +49,8 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     let mut films = vec![];
     let mut topologies = vec![];
     let multiplicity = model.specimen.symmetry.copies();
-    let mut drive = Drive { multiplicity, damping: slow::damping(model), ..Drive::default() };
+    let (damping, step_factor) = (slow::damping(model), model.solver.step_factor);
+    let mut drive = Drive { multiplicity, damping, step_factor, ..Drive::default() };
     let coupon = Coupon::of(model);
     let scaled = (!matches!(model.loading, Loading::Impact { .. })).then_some(mass_scaling);
     for face in &model.faces {

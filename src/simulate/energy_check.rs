@@ -1,5 +1,7 @@
 //! Whether the energies of a run add up.
 
+use serde::{Deserialize, Serialize};
+
 use crate::engine::{Energies, Fault};
 use crate::signal::{Channel, Recording};
 
@@ -10,6 +12,7 @@ const STOP: f64 = 0.1;
 const FLOOR: f64 = 0.02;
 
 /// The energy audit through a run.
+#[derive(Serialize, Deserialize)]
 pub(super) struct EnergyCheck {
     scale: f64,
     start: Option<Energies>,

@@ -1,7 +1,15 @@
 //! States of the scene that are kept for pictures.
 
-use super::{FilmState, Frame};
+use super::{Film, FilmState, Frame};
 use crate::engine::{ElementStrain, View};
+use crate::model::{MOST_IN_FRAMES, PER_FRAME};
+
+/// States of `films` that are kept where `wanted` are asked for: as many as [`MOST_IN_FRAMES`] holds, the first and the
+/// last in any case.
+pub(super) fn kept(wanted: usize, films: &[Film]) -> usize {
+    let elements: usize = films.iter().map(|film| film.quads.len() + film.tris.len()).sum();
+    wanted.min(((MOST_IN_FRAMES / (PER_FRAME * elements as f64)) as usize).max(2))
+}
 
 /// The scene as `view` shows it; `strains` are those of its faces.
 pub(super) fn frame(view: &View<'_>, strains: &[Vec<ElementStrain>]) -> Frame {

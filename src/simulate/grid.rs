@@ -1,11 +1,25 @@
 //! Values at uneven times, read off on an even grid.
 
+use serde::{Deserialize, Serialize};
+
+use super::rows;
+
 /// Linear interpolation of `K` values onto times `start + k·step` as they come in.
+#[derive(Serialize, Deserialize)]
 pub(super) struct Grid<const K: usize> {
     start: f64,
     step: f64,
-    last: Option<(f64, [f64; K])>,
+    last: Option<Pushed<K>>,
+    #[serde(with = "rows")]
     pub(super) rows: Vec<[f64; K]>,
+}
+
+/// Values as they came in.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct Pushed<const K: usize> {
+    time: f64,
+    #[serde(with = "rows::one")]
+    values: [f64; K],
 }
 
 impl<const K: usize> Grid<K> {
@@ -21,7 +35,8 @@ impl<const K: usize> Grid<K> {
 
     /// Takes in the values at `time`, later than all before.
     pub(super) fn push(&mut self, time: f64, values: [f64; K]) {
-        let (before, from) = self.last.unwrap_or((time, values));
+        let now = Pushed { time, values };
+        let Pushed { time: before, values: from } = self.last.unwrap_or(now);
         loop {
             let at = self.start + self.rows.len() as f64 * self.step;
             if at > time {
@@ -30,7 +45,7 @@ impl<const K: usize> Grid<K> {
             let share = if time > before { ((at - before) / (time - before)).max(0.0) } else { 1.0 };
             self.rows.push(std::array::from_fn(|k| from[k] + share * (values[k] - from[k])));
         }
-        self.last = Some((time, values));
+        self.last = Some(now);
     }
 }
 

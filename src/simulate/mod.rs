@@ -1,6 +1,7 @@
 //! One run: from a checked model to its outcome.
 
 mod build;
+mod checkpoint;
 mod energy_check;
 mod frames;
 mod grid;
@@ -9,6 +10,7 @@ mod indent;
 mod pressure;
 mod probe;
 mod rates;
+mod rows;
 mod slow;
 mod stretch;
 mod tracks;
@@ -16,12 +18,14 @@ mod warnings;
 
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::engine::{Engine, UprightElement};
+use crate::engine::{Engine, Fault, Misfit, UprightElement};
 use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
 use crate::signal::Recording;
+pub use checkpoint::{Checkpoint, Checkpoints, Saved};
 use probe::Probe;
 
 /// What came out of a run.
@@ -50,6 +54,8 @@ pub struct Outcome {
     /// Largest penetration over the impactor's radius.
     pub penetration: Option<f64>,
     pub elements: usize,
+    /// What the engine's own arrays take, bytes.
+    pub bytes: usize,
     pub steps: u64,
     /// Mean time step, s.
     pub time_step: f64,
@@ -69,7 +75,7 @@ pub struct Film {
 }
 
 /// State of the whole scene at one time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Frame {
     /// s.
     pub time: f64,
@@ -80,7 +86,7 @@ pub struct Frame {
 }
 
 /// State of one face at one time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FilmState {
     pub positions: Vec<[f32; 3]>,
     /// Engineering strain of the MD and TD fibres and shear angle, one entry an element (quads, then triangles).
@@ -105,10 +111,16 @@ pub struct RateHistogram {
 /// Where a run stands.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
-    /// Share of the simulated time that is done, 0 to 1.
-    pub done: f64,
+    /// Simulated so far, s.
     pub time: f64,
+    /// To be simulated in all, s.
+    pub duration: f64,
+    /// Steps so far.
     pub steps: u64,
+    /// The present time step, s.
+    pub time_step: f64,
+    /// Elements that every step works on.
+    pub elements: usize,
 }
 
 /// Why there is no outcome.
@@ -123,6 +135,9 @@ pub enum RunError {
     /// A fibre has no direction in an element.
     #[error(transparent)]
     Upright(#[from] UprightElement),
+    /// What was to be taken up is of another scene.
+    #[error("the checkpoint does not fit: {0}")]
+    Misfit(#[from] Misfit),
     /// The impactor has no film under it.
     #[error("the impactor goes down beside the film and never touches it")]
     Missed,
@@ -136,31 +151,69 @@ pub enum RunError {
 #[error("{cause}")]
 pub struct Failure {
     /// Time, place and cause.
-    pub cause: crate::engine::Fault,
+    pub cause: Fault,
     /// What was computed until then.
     pub so_far: Outcome,
 }
 
-/// Simulates `model`; `progress` is called once a sample.
+/// Element steps between two reports of progress: about a millisecond.
+const REPORT_AFTER: usize = 30_000;
+
+/// Simulates `model`; `progress` is told every few steps where the run stands.
 pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, RunError> {
+    take_up(model, None, None, progress)
+}
+
+/// Simulates `model` as [`run`] does, from where `saved` was laid down if there is such, laying down `checkpoints` on the way.
+/// Neither changes a bit of the outcome, the time it took apart.
+pub fn take_up(
+    model: &Model,
+    saved: Option<Saved>,
+    checkpoints: Option<Checkpoints<'_>>,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Outcome, RunError> {
     let begin = Instant::now();
     let scene = build::scene(model)?;
     let mut engine = scene.engine;
-    let mut probe = Probe::new(model, progress);
-    let fault = advance(&mut engine, &mut probe).err();
+    let mut probe = Probe::new(model, &scene.mounting);
+    let mut before = Duration::ZERO;
+    if let Some(saved) = saved {
+        before = saved.wall;
+        saved.put_back(&mut engine, &mut probe)?;
+    }
+    let wall = || before + begin.elapsed();
+    let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall).err();
     let fault = fault.or_else(|| probe.unsteady());
-    let outcome = probe.finish(&engine, scene.mounting, begin.elapsed());
+    let outcome = probe.finish(&engine, scene.mounting, wall());
     match fault {
         None => Ok(outcome),
         Some(cause) => Err(RunError::Failure(Box::new(Failure { cause, so_far: outcome }))),
     }
 }
 
-fn advance(engine: &mut Engine, probe: &mut Probe<'_>) -> Result<(), crate::engine::Fault> {
+fn advance(
+    engine: &mut Engine,
+    probe: &mut Probe<'_>,
+    mut checkpoints: Option<Checkpoints<'_>>,
+    progress: &mut dyn FnMut(Progress),
+    wall: &dyn Fn() -> Duration,
+) -> Result<(), Fault> {
+    let elements = engine.elements();
+    let stride = (REPORT_AFTER / elements.max(1)).max(1) as u64;
+    let after = |time: f64, every: f64| ((time / every).floor() + 1.0) * every;
+    let mut due = checkpoints.as_ref().map_or(f64::INFINITY, |c| after(engine.time(), c.every));
     while !probe.is_done(engine.time()) {
+        if let Some(checkpoints) = checkpoints.as_mut().filter(|_| engine.time() >= due) {
+            (checkpoints.keep)(&Checkpoint::of(engine, probe, wall()));
+            due = after(engine.time(), checkpoints.every);
+        }
         let time = engine.time();
         if engine.step(probe)? > 0 {
             probe.broke(time);
+        }
+        if engine.steps().is_multiple_of(stride) {
+            let (time, steps, time_step) = (engine.time(), engine.steps(), engine.time_step());
+            progress(Progress { time, duration: probe.duration(), steps, time_step, elements });
         }
     }
     Ok(())

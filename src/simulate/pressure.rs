@@ -1,11 +1,13 @@
 //! The signals of a slow inflation.
 
+use serde::{Deserialize, Serialize};
+
 use super::tracks::Tracks;
 use crate::engine::{Inflation, View};
 use crate::signal::Recording;
 
 /// How far the film rose.
-#[derive(Default)]
+#[derive(Default, Serialize, Deserialize)]
 pub(super) struct Rise {
     /// Heights of all nodes at the start, m.
     before: Vec<f64>,

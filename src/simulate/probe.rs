@@ -2,13 +2,15 @@
 
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use super::build::Mounting;
 use super::energy_check::EnergyCheck;
 use super::pressure::Rise;
 use super::rates::RateAudit;
 use super::tracks::Tracks;
 use super::warnings::{Figures, Warnings};
-use super::{Frame, Outcome, Progress, frames, impact, indent, pressure, stretch};
+use super::{Frame, Outcome, frames, impact, indent, pressure, stretch};
 use crate::engine::{ElementStrain, Engine, Fault, Inflation, Observer, Track, View};
 use crate::model::{Loading, Model};
 use crate::signal::Recording;
@@ -25,17 +27,24 @@ const RESTLESS: f64 = 2e-3;
 /// Gathers the outcome of a run while it goes.
 pub(super) struct Probe<'a> {
     model: &'a Model,
-    progress: &'a mut dyn FnMut(Progress),
     duration: f64,
+    /// States that are kept, and the time between them, s.
+    frames: usize,
     frame: f64,
     audit: f64,
+    /// Strains of all elements, as last looked at.
+    faces: Vec<Vec<ElementStrain>>,
+    record: Record,
+}
+
+/// What was gathered so far: all that a probe has to have back when a run goes on from a checkpoint.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Record {
     audits: usize,
     tracks: Tracks,
     rise: Rise,
     frames: Vec<Frame>,
     energy: EnergyCheck,
-    /// Strains of all elements, as last looked at.
-    faces: Vec<Vec<ElementStrain>>,
     rates: RateAudit,
     warnings: Warnings,
     rupture_time: Option<f64>,
@@ -44,7 +53,7 @@ pub(super) struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    pub(super) fn new(model: &'a Model, progress: &'a mut dyn FnMut(Progress)) -> Probe<'a> {
+    pub(super) fn new(model: &'a Model, mounting: &Mounting) -> Probe<'a> {
         let sample = 1.0 / model.output.sample_rate;
         let duration = model.run_time();
         let (speed, gravity) = match model.loading {
@@ -57,30 +66,49 @@ impl<'a> Probe<'a> {
             _ => 0.0,
         };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
-        Probe {
-            model,
-            progress,
-            duration,
-            frame: duration / model.output.frames.saturating_sub(1).max(1) as f64,
-            audit: (duration / AUDITS).max(sample),
+        let frames = frames::kept(model.output.frames, &mounting.films);
+        let record = Record {
             audits: 0,
             tracks: Tracks::new(duration, sample, speed, gravity),
             rise: Rise::default(),
             frames: vec![],
             energy: EnergyCheck::new(scale),
-            faces: vec![],
             rates: RateAudit::new(measured),
             warnings: Warnings::default(),
             rupture_time: None,
             penetration: None,
             lowest: f64::INFINITY,
+        };
+        Probe {
+            model,
+            duration,
+            frames,
+            frame: duration / frames.saturating_sub(1).max(1) as f64,
+            audit: (duration / AUDITS).max(sample),
+            faces: vec![],
+            record,
         }
+    }
+
+    /// What was gathered so far.
+    pub(super) fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// Goes on from what an earlier run gathered.
+    pub(super) fn resume(&mut self, record: Record) {
+        self.record = record;
+    }
+
+    /// Simulated time, s.
+    pub(super) fn duration(&self) -> f64 {
+        self.duration
     }
 
     /// Whether everything that was asked for has been seen by `time` (s).
     pub(super) fn is_done(&self, time: f64) -> bool {
-        let broke = self.rupture_time.is_some() && self.is_quasi_static();
-        broke || (time > self.duration && self.tracks.are_complete())
+        let broke = self.record.rupture_time.is_some() && self.is_quasi_static();
+        broke || (time > self.duration && self.record.tracks.are_complete())
     }
 
     /// Whether the film is in equilibrium all the time; then its breaking is the end of the test.
@@ -90,32 +118,32 @@ impl<'a> Probe<'a> {
 
     /// The fault of a test that should have been quasi-static and was not.
     pub(super) fn unsteady(&self) -> Option<Fault> {
-        let (time, share) = self.energy.kinetic_share();
+        let (time, share) = self.record.energy.kinetic_share();
         if self.is_quasi_static() && share > KINETIC {
             return Some(Fault::NotQuasiStatic { time, share });
         }
-        let held = self.rupture_time.is_none().then(|| pressure::settling(&self.tracks))?;
+        let held = self.record.rupture_time.is_none().then(|| pressure::settling(&self.record.tracks))?;
         held.filter(|change| *change > RESTLESS).map(|change| Fault::NotAtRest { time: self.duration, change })
     }
 
     /// Elements broke in the step from `time` (s).
     pub(super) fn broke(&mut self, time: f64) {
-        self.rupture_time.get_or_insert(time);
+        self.record.rupture_time.get_or_insert(time);
     }
 
     fn frame_due(&self, time: f64) -> bool {
-        self.frames.len() < self.model.output.frames && self.frames.len() as f64 * self.frame <= time
+        self.record.frames.len() < self.frames && self.record.frames.len() as f64 * self.frame <= time
     }
 
     fn audit_due(&self, time: f64) -> bool {
-        self.audits as f64 * self.audit <= time
+        self.record.audits as f64 * self.audit <= time
     }
 
     fn look(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
         if self.frame_due(view.time) {
-            self.frames.push(frames::frame(view, faces));
+            self.record.frames.push(frames::frame(view, faces));
         }
-        if self.tracks.is_due(view.time) {
+        if self.record.tracks.is_due(view.time) {
             self.take_sample(view, faces);
         }
         if self.audit_due(view.time) { self.take_audit(view, faces) } else { Ok(()) }
@@ -124,58 +152,59 @@ impl<'a> Probe<'a> {
     fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) {
         let intact = || faces.iter().flatten().filter(|s| s.volume > 0.0);
         let largest = |fibre: usize| intact().map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
-        self.tracks.strains.push(view.time, [largest(0), largest(1)]);
+        self.record.tracks.strains.push(view.time, [largest(0), largest(1)]);
         if matches!(self.model.loading, Loading::Pressure { .. }) {
-            self.tracks.rise.push(view.time, [self.rise.largest(view)]);
+            self.record.tracks.rise.push(view.time, [self.record.rise.largest(view)]);
         }
-        self.rates.sample(view.time, faces);
+        self.record.rates.sample(view.time, faces);
         let z = view.body.map_or(f64::NEG_INFINITY, |body| body.centre().z);
-        if z <= self.lowest {
-            self.lowest = z;
-            self.rates.commit();
+        if z <= self.record.lowest {
+            self.record.lowest = z;
+            self.record.rates.commit();
         }
-        (self.progress)(Progress { done: view.time / self.duration, time: view.time, steps: view.steps });
     }
 
     fn take_audit(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
-        self.audits += 1;
+        self.record.audits += 1;
         let energies = view.energies();
         if !energies.total().is_finite() {
             return Err(not_a_number(view.time, faces));
         }
-        self.warnings.strain(view, faces);
+        self.record.warnings.strain(view, faces);
         if let (Some(seen), Some(size)) = (view.inspect(), view.impactor_size()) {
-            self.warnings.touch(view.time, size, &seen);
-            self.penetration = Some(self.penetration.unwrap_or(0.0).max(seen.penetration / size));
+            self.record.warnings.touch(view.time, size, &seen);
+            self.record.penetration = Some(self.record.penetration.unwrap_or(0.0).max(seen.penetration / size));
         }
-        self.energy.sample(view.time, energies)
+        self.record.energy.sample(view.time, energies)
     }
 
     /// The outcome after the last step of `engine`.
     pub(super) fn finish(self, engine: &Engine, mounting: Mounting, wall: Duration) -> Outcome {
         let slow = !matches!(self.model.loading, Loading::Impact { .. });
-        let kinetic_share = slow.then(|| self.energy.kinetic_share().1);
-        let damping_share = slow.then(|| self.energy.damping_share());
-        let balance = self.energy.balance_error();
+        let kinetic_share = slow.then(|| self.record.energy.kinetic_share().1);
+        let damping_share = slow.then(|| self.record.energy.damping_share());
+        let balance = self.record.energy.balance_error();
         let signals = self.signals(&mounting);
-        let energies = self.energy.recording();
-        let rates = self.rates.finish();
+        let energies = self.record.energy.recording();
+        let rates = self.record.rates.finish();
         let unfinished = signals.channel("contact_force_N").is_some_and(impact::ends_loaded);
-        let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, unfinished };
+        let frames = [self.model.output.frames, self.frames];
+        let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, frames, unfinished };
         Outcome {
             signals,
             energies,
-            frames: self.frames,
-            warnings: self.warnings.finish(&figures, &mounting.films),
+            frames: self.record.frames,
+            warnings: self.record.warnings.finish(&figures, &mounting.films),
             films: mounting.films,
             rates,
-            rupture_time: self.rupture_time,
+            rupture_time: self.record.rupture_time,
             energy_balance_error: balance,
             kinetic_share,
             damping_share,
             mass_scaling: mounting.mass_scaling,
-            penetration: self.penetration,
+            penetration: self.record.penetration,
             elements: engine.elements(),
+            bytes: engine.bytes(),
             steps: engine.steps(),
             time_step: engine.time() / engine.steps().max(1) as f64,
             wall,
@@ -186,11 +215,13 @@ impl<'a> Probe<'a> {
         match self.model.loading {
             Loading::Impact { gravity, .. } => {
                 let mass = self.model.impactor.as_ref().map_or(0.0, |i| i.mass);
-                impact::signals(&self.tracks, mounting, mass, gravity)
+                impact::signals(&self.record.tracks, mounting, mass, gravity)
             }
-            Loading::Stretch { velocity, .. } => stretch::signals(&self.tracks, mounting, velocity),
-            Loading::Indent { velocity, .. } => indent::signals(&self.tracks, velocity),
-            Loading::Pressure { pressure, ramp, .. } => pressure::signals(&self.tracks, &Inflation { pressure, ramp }),
+            Loading::Stretch { velocity, .. } => stretch::signals(&self.record.tracks, mounting, velocity),
+            Loading::Indent { velocity, .. } => indent::signals(&self.record.tracks, velocity),
+            Loading::Pressure { pressure, ramp, .. } => {
+                pressure::signals(&self.record.tracks, &Inflation { pressure, ramp })
+            }
         }
     }
 }
@@ -206,7 +237,7 @@ fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> Fault {
 
 impl Observer for Probe<'_> {
     fn wants(&self, time: f64) -> bool {
-        self.tracks.is_due(time) || self.frame_due(time) || self.audit_due(time)
+        self.record.tracks.is_due(time) || self.frame_due(time) || self.audit_due(time)
     }
 
     fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
@@ -218,6 +249,6 @@ impl Observer for Probe<'_> {
     }
 
     fn follow(&mut self, track: &Track) {
-        self.tracks.follow(track);
+        self.record.tracks.follow(track);
     }
 }

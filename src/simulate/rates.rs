@@ -1,5 +1,7 @@
 //! The strain-rate audit: how fast the film was strained against how fast its curves were measured.
 
+use serde::{Deserialize, Serialize};
+
 use super::RateHistogram;
 use crate::engine::ElementStrain;
 
@@ -12,6 +14,7 @@ const DECADES: (i32, i32) = (-5, 5);
 const EDGE: f64 = 0.01;
 
 /// Straining of virgin film by rate, weighted with volume and strain.
+#[derive(Serialize, Deserialize)]
 pub(super) struct RateAudit {
     /// Range in which the curves of each face were measured.
     measured: Vec<Option<[f64; 2]>>,
@@ -24,7 +27,7 @@ pub(super) struct RateAudit {
     last: Option<(f64, Vec<Vec<[f64; 2]>>)>,
 }
 
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 struct Weights {
     bins: Vec<f64>,
     outside: f64,

@@ -1,10 +1,13 @@
 //! What is followed through every step of a run and read off at its samples.
 
+use serde::{Deserialize, Serialize};
+
 use super::grid::Grid;
 use crate::engine::Track;
 use crate::signal::{Channel, Recording};
 
 /// Impactor, jaws and strains at the samples of a run. Each loading makes its signals of them.
+#[derive(Serialize, Deserialize)]
 pub(super) struct Tracks {
     /// Between two samples, s.
     pub(super) sample: f64,

@@ -1,8 +1,11 @@
 //! What a run should tell its user although it went on.
 
+use serde::{Deserialize, Serialize};
+
 use super::Film;
 use super::probe::KINETIC;
 use crate::engine::{ElementStrain, Inspection, View};
+use crate::model::MOST_IN_FRAMES;
 
 /// Edge of an element in touch over the impactor's size above which a sphere is no longer round to the film.
 const COARSE: f64 = 0.25;
@@ -28,17 +31,38 @@ pub(super) struct Figures {
     pub(super) outside: f64,
     /// Kinetic share of a slow test.
     pub(super) kinetic: Option<f64>,
+    /// States of the film that were asked for and that were kept.
+    pub(super) frames: [usize; 2],
     /// Whether the impactor still felt the film at the end.
     pub(super) unfinished: bool,
 }
 
 /// Each kind of warning, told once, with the time at which it first held.
-#[derive(Default)]
+#[derive(Default, Serialize, Deserialize)]
 pub(super) struct Warnings {
     coarse: Option<(f64, f64)>,
     deep: Option<(f64, f64)>,
     frame_hit: Option<f64>,
     localised: Option<(f64, f64, usize)>,
+}
+
+/// Intact elements, by their number among such, that share a node with the one of number `element`.
+fn neighbours(film: &crate::engine::Film, element: usize) -> Vec<usize> {
+    let (mut corners, mut place) = (vec![], 0);
+    film.for_each_intact(|c| {
+        if place == element {
+            corners.extend_from_slice(c);
+        }
+        place += 1;
+    });
+    let (mut beside, mut place) = (vec![], 0);
+    film.for_each_intact(|c| {
+        if place != element && c.iter().any(|n| corners.contains(n)) {
+            beside.push(place);
+        }
+        place += 1;
+    });
+    beside
 }
 
 impl Warnings {
@@ -64,14 +88,11 @@ impl Warnings {
         for (face, (film, strains)) in view.films.iter().zip(strains).enumerate() {
             let largest = |s: &ElementStrain| s.strain[0].max(s.strain[1]);
             let intact: Vec<f64> = strains.iter().filter(|s| s.volume > 0.0).map(largest).collect();
-            let mut corners: Vec<Vec<u32>> = Vec::with_capacity(intact.len());
-            film.for_each_intact(|c| corners.push(c.to_vec()));
             let Some(worst) = (0..intact.len()).max_by(|a, b| intact[*a].total_cmp(&intact[*b])) else { continue };
             if intact[worst] < LOCALISED.1 {
                 continue;
             }
-            let beside = |k: &usize| *k != worst && corners[*k].iter().any(|n| corners[worst].contains(n));
-            let around: Vec<f64> = (0..intact.len()).filter(beside).map(|k| intact[k]).collect();
+            let around: Vec<f64> = neighbours(film, worst).into_iter().map(|k| intact[k]).collect();
             let mean = around.iter().sum::<f64>() / around.len().max(1) as f64;
             if !around.is_empty() && intact[worst] > LOCALISED.0 * mean {
                 self.localised = Some((view.time, intact[worst], face + 1));
@@ -81,7 +102,7 @@ impl Warnings {
 
     /// All warnings.
     pub(super) fn finish(self, figures: &Figures, films: &[Film]) -> Vec<String> {
-        let Figures { balance, outside, kinetic, unfinished } = *figures;
+        let Figures { balance, outside, kinetic, frames: [wanted, kept], unfinished } = *figures;
         let ms = |t: f64| 1e3 * t;
         let mut out = vec![];
         for (face, film) in films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < MISSHAPEN) {
@@ -117,6 +138,13 @@ impl Warnings {
                  use a longer loading.impact.duration"
                     .into(),
             );
+        }
+        if kept < wanted {
+            out.push(format!(
+                "the recording shows {kept} states of the film in place of {wanted} (output.frames): more of so many elements \
+                 would take more than {:.1} GB",
+                1e-9 * MOST_IN_FRAMES
+            ));
         }
         if balance > BALANCE {
             out.push(format!("energy balance error {:.1} % of the energy exchanged", 100.0 * balance));

@@ -17,7 +17,7 @@ impl Contact {
     pub(in crate::engine) fn damped_on_the_way(&self, nodes: &Nodes) -> f64 {
         let of = |(n, unmet): (&u32, &Vector3<f64>)| {
             let n = *n as usize;
-            0.25 * nodes.mass[n] * (nodes.velocity_of(n) - unmet).dot(&(self.earlier[n] + unmet))
+            0.25 * nodes.mass[n] * (nodes.velocity_of(n) - unmet).dot(&(Vector3::from(self.earlier.at(n)) + unmet))
         };
         self.near.remembered.iter().zip(&self.unmet).map(of).sum()
     }

@@ -136,7 +136,7 @@ impl Contact {
         for impulse in impulses {
             let after = nodes.velocity_of(impulse.node);
             first.fastest = first.fastest.max(after.norm_squared());
-            first.tally.add(&impulse, &(0.5 * (after + self.earlier[impulse.node])));
+            first.tally.add(&impulse, &(0.5 * (after + Vector3::from(self.earlier.at(impulse.node)))));
             first.impulses.push(impulse);
         }
     }

@@ -9,6 +9,7 @@
 //! Faces between nodes penetrate by the sagitta of their edges. Where that may exceed `FACE_BOUND` of the
 //! impactor's size, or the impactor has edges of its own, the deepest point of each triangle is met in the same way.
 
+mod carried;
 mod damped;
 mod faces;
 mod inspection;
@@ -17,13 +18,15 @@ mod search;
 mod tally;
 mod touching;
 
+pub(super) use carried::Carried;
 pub use inspection::Inspection;
 pub use search::{Surface, SurfaceError};
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::film::Film;
-use super::nodes::{Nodes, Remembered};
+use super::nodes::{Nodes, Remembered, Vectors};
 use super::rigid_body::RigidBody;
 use super::team::{Disjoint, Team};
 use near::NearList;
@@ -42,7 +45,7 @@ pub struct Contact {
     /// The surface's normal at each node near it, zero elsewhere.
     normals: Vec<Vector3<f64>>,
     /// Velocity of the nodes near it half a step earlier, m/s.
-    earlier: Vec<Vector3<f64>>,
+    earlier: Vectors,
     /// Velocity of each remembered node after this step if it were not met, m/s; only with damping.
     unmet: Vec<Vector3<f64>>,
     pieces: Vec<Piece>,
@@ -54,7 +57,7 @@ pub struct Contact {
 const PIECE: usize = 256;
 
 /// What went through contact since the start, J.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Work {
     /// Given by the impactor.
     pub given: f64,
@@ -76,24 +79,18 @@ struct Impulse {
     tangential: Vector3<f64>,
 }
 
-impl Impulse {
-    fn total(&self) -> Vector3<f64> {
-        self.normal + self.tangential
-    }
-}
-
 impl Contact {
     /// Contact of `surface` with film whose nodes keep `offset` (m) from it; `multiplicity` mirror images count.
     pub fn new(surface: Surface, friction: f64, multiplicity: f64, offset: Vec<f64>) -> Contact {
-        let zero = vec![Vector3::zeros(); offset.len()];
+        let nodes = offset.len();
         Contact {
             surface,
             friction,
             multiplicity,
             offset,
             near: NearList::default(),
-            normals: zero.clone(),
-            earlier: zero,
+            normals: vec![Vector3::zeros(); nodes],
+            earlier: Vectors::zero(nodes),
             unmet: vec![],
             pieces: vec![],
             work: Work::default(),
@@ -122,7 +119,7 @@ impl Contact {
         if self.near.margin.is_nan() || self.near.margin <= self.near.pace {
             self.list_neighbours(films, nodes, &body.pose);
         }
-        Remembered { nodes: &self.near.remembered, velocity: Disjoint::new(&mut self.earlier) }
+        Remembered { nodes: &self.near.remembered, velocity: self.earlier.axes_mut().map(Disjoint::new) }
     }
 
     /// Corrects the velocities of nodes and body, and the places of nodes, so that no node is inside at the end of the step
@@ -150,6 +147,8 @@ impl Contact {
     /// Nodes that lie inside.
     fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, dt: f64, team: &Team) {
         let near = &self.near;
+        let mut body = body.clone();
+        body.pose = body.predicted(dt);
         let looking = Looking {
             surface: &self.surface,
             friction: self.friction,
@@ -157,8 +156,7 @@ impl Contact {
             offset: &self.offset,
             normals: (!near.watched.is_empty()).then(|| Disjoint::new(&mut self.normals)),
             nodes,
-            body,
-            pose: body.predicted(dt),
+            body: &body,
             per_second: 1.0 / dt,
         };
         let pieces = Disjoint::new(&mut self.pieces);
@@ -173,7 +171,7 @@ impl Contact {
     fn body_ahead(&self, body: &RigidBody) -> RigidBody {
         let mut touching = self.pieces.iter().filter(|piece| piece.is_touched());
         let Some(first) = touching.next() else { return body.clone() };
-        let all = touching.fold(first.gathered().clone(), |all, piece| all.and(piece.gathered()));
+        let all = touching.fold(first.gathered.clone(), |all, piece| all.and(&piece.gathered));
         body.after(&all)
     }
 
@@ -181,8 +179,9 @@ impl Contact {
     /// what went through them.
     fn give(&mut self, nodes: &mut Nodes, body: &RigidBody, ahead: &RigidBody, dt: f64, team: &Team) {
         let pieces = Disjoint::new(&mut self.pieces);
-        let (friction, earlier, nodes) = (self.friction, self.earlier.as_slice(), nodes.met());
-        let giving = Giving { friction, earlier, nodes, body, ahead, dt };
+        let (friction, earlier, nodes) = (self.friction, &self.earlier, nodes.met());
+        let keep = !self.near.watched.is_empty();
+        let giving = Giving { friction, earlier, nodes, body, ahead, dt, keep };
         team.each(self.near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
             touching::give(team.width(), &giving, unsafe { pieces.at(part) });
@@ -191,6 +190,8 @@ impl Contact {
 
     /// Nodes that the impactor touched in the last step.
     pub fn touched(&self) -> impl Iterator<Item = usize> + '_ {
-        self.pieces.iter().flat_map(|piece| &piece.impulses).map(|impulse| impulse.node)
+        let kept = self.pieces.iter().flat_map(|piece| &piece.impulses).map(|impulse| impulse.node);
+        let given = self.pieces.iter().filter(|_| self.near.watched.is_empty()).flat_map(Piece::touched);
+        kept.chain(given)
     }
 }

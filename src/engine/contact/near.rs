@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use nalgebra::{Isometry3, Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::faces::{FACE_BOUND, WATCHED_FROM};
 use super::{Contact, PIECE};
@@ -13,12 +14,15 @@ use crate::engine::nodes::Nodes;
 const SKIN: f64 = 0.04;
 
 /// Nodes and elements that could touch before the list is made again.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct NearList {
+    /// In order.
     pub(super) nodes: Vec<u32>,
     /// Parts of `nodes` that one thread looks at together, none of them on two faces.
+    #[serde(skip)]
     pub(super) pieces: Vec<Range<usize>>,
     /// All nodes that may get momentum, in order.
+    #[serde(skip)]
     pub(super) remembered: Vec<u32>,
     pub(super) elements: Vec<NearElement>,
     /// Those whose deepest point has to be watched between the nodes.
@@ -30,7 +34,7 @@ pub(super) struct NearList {
 }
 
 /// An element near the impactor.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct NearElement {
     /// A triangle repeats its last.
     pub(super) corners: [u32; 4],
@@ -54,18 +58,10 @@ impl Contact {
         };
         let near = &mut self.near;
         near.nodes.clear();
-        near.pieces.clear();
         near.elements.clear();
         near.watched.clear();
         for film in films {
-            let first = near.nodes.len();
             near.nodes.extend((film.nodes.start as u32..film.nodes.end as u32).filter(|n| within(*n, skin)));
-            let cut = |from: usize| from..near.nodes.len().min(from + PIECE);
-            near.pieces.extend((first..near.nodes.len()).step_by(PIECE).map(cut));
-        }
-        if near.pieces.is_empty() {
-            // Elements may be met where no node is near; what goes through them needs a place.
-            near.pieces.push(0..0);
         }
         self.normals.fill(Vector3::zeros());
         for film in films {
@@ -83,14 +79,42 @@ impl Contact {
                 }
             });
         }
+        near.divide(films);
+        near.margin = skin;
+    }
+}
+
+impl NearList {
+    /// Works out the pieces and the nodes to be remembered, which follow from the rest.
+    pub(super) fn divide(&mut self, films: &[Film]) {
+        self.pieces.clear();
+        for film in films {
+            let [first, end] = [film.nodes.start, film.nodes.end].map(|n| self.place(n));
+            self.pieces.extend((first..end).step_by(PIECE).map(|from| from..end.min(from + PIECE)));
+        }
+        if self.pieces.is_empty() {
+            // Elements may be met where no node is near; what goes through them needs a place.
+            self.pieces.push(0..0);
+        }
         // Corners of watched elements may lie outside the skin; what they get is accounted for like that of all others.
-        let mut extra: Vec<u32> = near.watched.iter().flat_map(|element| element.corners).collect();
+        let mut extra: Vec<u32> = self.watched.iter().flat_map(|element| element.corners).collect();
         extra.sort_unstable();
         extra.dedup();
-        near.remembered.clone_from(&near.nodes);
-        near.remembered.extend(extra.into_iter().filter(|n| near.nodes.binary_search(n).is_err()));
-        near.remembered.sort_unstable();
-        near.margin = skin;
+        self.remembered.clone_from(&self.nodes);
+        self.remembered.extend(extra.into_iter().filter(|n| self.nodes.binary_search(n).is_err()));
+        self.remembered.sort_unstable();
+    }
+
+    /// Where the nodes from number `node` on begin.
+    fn place(&self, node: usize) -> usize {
+        self.nodes.partition_point(|n| (*n as usize) < node)
+    }
+
+    /// Whether it is a list of a scene with so many nodes: every node once, in order, and no other.
+    pub(super) fn is_of(&self, nodes: usize) -> bool {
+        let corners = self.elements.iter().chain(&self.watched).flat_map(|element| element.corners);
+        let mut all = self.nodes.iter().copied().chain(corners);
+        self.nodes.is_sorted_by(|a, b| a < b) && all.all(|n| (n as usize) < nodes)
     }
 }
 

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::{Impulse, Work};
 use crate::engine::rigid_body::RigidBody;
+use crate::lane::{LANES, Lane, Lane3, cross, dot};
 
 /// Sums over impulses: all that the work of a step needs besides the motion of the body.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,6 +24,49 @@ struct Sum {
     moment: Vector3<f64>,
     /// Times the mean of the film's velocities before and after, J.
     film: f64,
+}
+
+/// The same, a sum a lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LaneTally {
+    normal: LaneSum,
+    tangential: LaneSum,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct LaneSum {
+    impulse: Lane3,
+    moment: Lane3,
+    film: Lane,
+}
+
+impl LaneTally {
+    /// Adds impulses, a lane each, on film that moved at `film` (m/s) in the mean of the velocities before and after.
+    #[inline(always)]
+    pub(super) fn add(&mut self, normal: &Lane3, tangential: &Lane3, arm: &Lane3, film: &Lane3) {
+        for (sum, part) in [(&mut self.normal, normal), (&mut self.tangential, tangential)] {
+            let (moment, work) = (cross(arm, part), dot(part, film));
+            for l in 0..LANES {
+                sum.film[l] += work[l];
+            }
+            for axis in 0..3 {
+                for l in 0..LANES {
+                    sum.impulse[axis][l] += part[axis][l];
+                    sum.moment[axis][l] += moment[axis][l];
+                }
+            }
+        }
+    }
+
+    /// The sums over all lanes.
+    pub(super) fn total(&self) -> Tally {
+        let sum = |of: &LaneSum| Sum {
+            impulse: of.impulse.map(|axis| axis.iter().sum()).into(),
+            moment: of.moment.map(|axis| axis.iter().sum()).into(),
+            film: of.film.iter().sum(),
+        };
+        Tally { normal: sum(&self.normal), tangential: sum(&self.tangential) }
+    }
 }
 
 impl Tally {

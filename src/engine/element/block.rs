@@ -1,7 +1,7 @@
 //! Elements side by side, in blocks of lanes.
 
 use crate::lane::{LANES, Lane, Lane3, splat};
-use crate::material::MembraneLaw;
+use crate::material::{MembraneLaw, Peaks};
 
 /// `L` elements of one kind with `NODES` nodes each: what the passes over a film ask of them.
 pub trait Block<const NODES: usize, const L: usize> {
@@ -34,6 +34,12 @@ pub trait Block<const NODES: usize, const L: usize> {
 
     /// Takes the force from the element in a lane.
     fn take_out(&mut self, lane: usize);
+
+    /// Largest strains and volume (m³) at every integration point.
+    fn memory(&self) -> impl Iterator<Item = (&Peaks<L>, &Lane<L>)>;
+
+    /// The same, to be put back.
+    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut Peaks<L>, &mut Lane<L>)>;
 }
 
 /// Energies of the elements of one block, J.
@@ -116,6 +122,11 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
     /// Block and lane of each element, in order.
     pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<B, NODES, L> {
         (0..self.count).map(|i| (i / L, i % L))
+    }
+
+    /// Integration points of one element.
+    pub fn points(&self) -> usize {
+        self.blocks.first().map_or(0, |block| block.memory().count())
     }
 
     /// Whether the element at `block`, `lane` has broken.

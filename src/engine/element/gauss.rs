@@ -171,4 +171,12 @@ impl<const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L> fo
     fn take_out(&mut self, lane: usize) {
         self.points.iter_mut().for_each(|p| p.volume[lane] = 0.0);
     }
+
+    fn memory(&self) -> impl Iterator<Item = (&Peaks<L>, &Lane<L>)> {
+        self.points.iter().map(|point| (&point.peaks, &point.volume))
+    }
+
+    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut Peaks<L>, &mut Lane<L>)> {
+        self.points.iter_mut().map(|point| (&mut point.peaks, &mut point.volume))
+    }
 }

@@ -216,4 +216,12 @@ impl<const L: usize> Block<4, L> for OnePoint<L> {
     fn take_out(&mut self, lane: usize) {
         self.volume[lane] = 0.0;
     }
+
+    fn memory(&self) -> impl Iterator<Item = (&Peaks<L>, &Lane<L>)> {
+        std::iter::once((&self.peaks, &self.volume))
+    }
+
+    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut Peaks<L>, &mut Lane<L>)> {
+        std::iter::once((&mut self.peaks, &mut self.volume))
+    }
 }

@@ -59,7 +59,7 @@ pub fn convex(mesh: &Mesh) -> Result<(), Fault> {
 
 /// At most two elements meet at an edge.
 pub fn manifold(mesh: &Mesh) -> Result<(), Fault> {
-    match topology::uses(mesh).into_iter().find(|(_, uses)| *uses > 2) {
+    match topology::uses(mesh).find(|(_, uses)| *uses > 2) {
         Some((edge, elements)) => Err(Fault::NotManifold { elements, at: middle(mesh, edge) }),
         None => Ok(()),
     }
@@ -126,7 +126,7 @@ pub fn snap_to_mirrors(mesh: &mut Mesh, mirrored: [bool; 2]) -> Result<(), Fault
             point[axis] = 0.0;
         }
         let on_plane = |edge: [u32; 2]| edge.iter().all(|n| mesh.nodes[*n as usize][axis] == 0.0);
-        if !topology::uses(mesh).into_keys().any(on_plane) {
+        if !topology::uses(mesh).any(|(edge, _)| on_plane(edge)) {
             return Err(Fault::NotOnMirror { axis: name });
         }
     }

@@ -23,6 +23,15 @@ impl Claims {
         self.line(what, &format!("{figure:.6e} for {reference:.6e}, off by {off:.2e} of {share:.0e}"), off <= share);
     }
 
+    /// `errors` on meshes each twice as fine as the one before fall with at least `order` of the element's size.
+    pub fn converges(&mut self, what: &str, errors: &[f64], order: f64) {
+        let slopes: Vec<f64> = errors.windows(2).map(|e| (e[0] / e[1]).abs().log2()).collect();
+        let least = slopes.iter().copied().fold(f64::INFINITY, f64::min);
+        let seen: Vec<String> = errors.iter().map(|error| format!("{error:.2e}")).collect();
+        let sound = errors.len() > 1 && slopes.iter().all(|slope| *slope >= order);
+        self.line(what, &format!("errors {}, order {least:.2}, at least {order}", seen.join(", ")), sound);
+    }
+
     /// `truth` holds; `seen` is what was found.
     pub fn holds(&mut self, what: &str, seen: &str, truth: bool) {
         self.line(what, seen, truth);

@@ -1,15 +1,26 @@
 //! What the simulation claims, held against closed forms, against itself by another road, and against the published
 //! outcomes. `docs/verification.md` has the table; `cargo test verification -- --nocapture` prints its figures.
 
+mod axisymmetric;
 mod claims;
+mod random;
 mod scene;
+mod sheet;
 mod tower;
 
+mod absorption;
 mod contact;
+mod convergence;
 mod drop;
+mod gradient;
+mod indentation;
+mod inflation;
 mod oscillation;
 mod patch;
+mod poisson_sheet;
 mod rupture;
 mod shapes;
 mod single_element;
+mod stability;
 mod warnings;
+mod waves;

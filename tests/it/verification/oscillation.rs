@@ -8,7 +8,7 @@ use droptower::mesh;
 use droptower::model::{Element, Face, Meshing, Shape, Side, Specimen, Symmetry};
 
 use super::claims::Claims;
-use super::scene::{mounted, watch};
+use super::scene::{mounted, places, put, watch};
 
 const DENSITY: f64 = 915.0;
 const YOUNG: f64 = 50e6;
@@ -42,33 +42,35 @@ impl Film {
         stretch * (second / DENSITY).sqrt()
     }
 
-    /// First eigenfrequency, Hz.
-    fn frequency(self) -> f64 {
-        match self {
-            Film::Strip => self.wave_speed() / (2.0 * SPAN),
-            Film::Square => self.wave_speed() / (2.0 * SPAN) * 2.0_f64.sqrt(),
-        }
+    /// Eigenfrequency of the mode with so many half waves along x and y, Hz.
+    fn frequency(self, [m, n]: [u32; 2]) -> f64 {
+        let waves = match self {
+            Film::Strip => f64::from(m),
+            Film::Square => f64::from(m).hypot(f64::from(n)),
+        };
+        self.wave_speed() / (2.0 * SPAN) * waves
     }
 
-    fn width(self) -> f64 {
+    fn width(self, edge: f64) -> f64 {
         match self {
-            Film::Strip => EDGE,
+            Film::Strip => edge,
             Film::Square => SPAN,
         }
     }
 
-    /// The engine at rest in the shape of the first mode, and the node in its middle.
-    fn plucked(self, element: Element, damping: f64) -> (Engine, usize) {
+    /// The engine at rest in the shape of a mode on elements of `edge` (m), and the share of each node in
+    /// the height of the mode.
+    fn plucked(self, element: Element, edge: f64, mode: [u32; 2], damping: f64) -> (Engine, Vec<f64>) {
         let law = Law::Elastic(Elastic { young: YOUNG, poisson: self.poisson() });
         let material = Material { density: DENSITY, thickness: 12e-6, law, measured_rates: None };
-        let meshing = Meshing { element, size: EDGE };
+        let meshing = Meshing { element, size: edge };
         let across = match self {
             Film::Strip => 0.0,
             Film::Square => PRESTRAIN,
         };
         let prestrain = [PRESTRAIN, across];
         let face = Face { height: 0.0, layers: 1, material, md_angle: 0.0, prestrain, meshing, film: None };
-        let shape = Shape::Rectangle { x: SPAN, y: self.width() };
+        let shape = Shape::Rectangle { x: SPAN, y: self.width(edge) };
         let mesh = mesh::build(&Specimen { shape, symmetry: Symmetry::None, damping }, &face).expect("a mesh");
         let (film, mut nodes) = mounted(&mesh, &face);
         let ends = [Side::XMinus, Side::XPlus].map(|side| mesh.sides[side as usize].clone()).concat();
@@ -76,29 +78,32 @@ impl Film {
             Film::Strip => ends,
             Film::Square => mesh.rim.clone(),
         };
-        for n in 0..nodes.position.len() {
-            let x = nodes.position.at(n);
-            let along = |at: f64| (PI * at / SPAN).cos();
-            let mode = match self {
-                Film::Strip => along(x[0]),
-                Film::Square => along(x[0]) * along(x[1]),
+        put(&mut nodes, |_, x| {
+            let along = |axis: usize| (PI * f64::from(mode[axis]) * (x[axis] / SPAN + 0.5)).sin();
+            let shape = match self {
+                Film::Strip => along(0),
+                Film::Square => along(0) * along(1),
             };
-            nodes.position.set(n, [x[0], x[1], HEIGHT * SPAN * mode]);
-        }
+            [x[0], x[1], HEIGHT * SPAN * shape]
+        });
         nodes.hold(held.iter().map(|n| *n as usize), [true; 3]);
-        let highest = |a: &usize, b: &usize| nodes.position.at(*a)[2].total_cmp(&nodes.position.at(*b)[2]);
-        let middle = (0..nodes.position.len()).max_by(highest).expect("nodes");
+        let shape: Vec<f64> = places(&nodes).iter().map(|x| x[2] / (HEIGHT * SPAN)).collect();
+        let whole: f64 = shape.iter().zip(&nodes.mass).map(|(s, m)| m * s * s).sum();
+        let shares = shape.iter().zip(&nodes.mass).map(|(s, m)| m * s / whole).collect();
         let drive = Drive { damping, multiplicity: 1.0, ..Drive::default() };
-        (Engine::new(vec![film], nodes, None, drive), middle)
+        (Engine::new(vec![film], nodes, None, drive), shares)
     }
 }
 
-/// Times of the zero crossings and the extremes between them.
-fn swing(engine: &mut Engine, middle: usize, crossings: usize) -> (Vec<f64>, Vec<f64>) {
+/// Times at which the mode crosses zero, and its extremes between them.
+fn swing(engine: &mut Engine, shares: &[f64], crossings: usize) -> (Vec<f64>, Vec<f64>) {
     let (mut times, mut extremes) = (vec![], vec![]);
     let (mut last, mut extreme) = ([0.0, 0.0], 0.0_f64);
     while times.len() < crossings {
-        let [time, z] = watch(engine, |view| [view.time, view.nodes.position.at(middle)[2]]);
+        let [time, z] = watch(engine, |view| {
+            let heights = places(view.nodes).into_iter().map(|x| x[2]);
+            [view.time, heights.zip(shares).map(|(z, share)| z * share).sum()]
+        });
         if last[1] * z < 0.0 {
             times.push(last[0] + (time - last[0]) * last[1] / (last[1] - z));
             extremes.push(extreme);
@@ -115,12 +120,29 @@ fn prestrained_film_swings_at_its_eigenfrequency() {
     let mut claims = Claims::of("eigenfrequency");
     for film in [Film::Strip, Film::Square] {
         for element in [Element::Quad4, Element::Quad4Full, Element::Tri3] {
-            let (mut engine, middle) = film.plucked(element, 0.0);
-            let (times, extremes) = swing(&mut engine, middle, 11);
-            let seen = 10.0 / (2.0 * (times[10] - times[0]));
-            claims.near(&format!("{film:?} {element:?}, Hz"), seen, film.frequency(), 1e-2);
-            claims.near(&format!("{film:?} {element:?}, height kept, m"), extremes[10], extremes[1], 1e-2);
+            for (mode, edge) in [([1, 1], EDGE), ([2, 1], EDGE), ([3, 2], 0.5 * EDGE)] {
+                let what = |claim: &str| format!("{film:?} {element:?}, mode {mode:?}, {claim}");
+                let (mut engine, shares) = film.plucked(element, edge, mode, 0.0);
+                let (times, extremes) = swing(&mut engine, &shares, 11);
+                let seen = 10.0 / (2.0 * (times[10] - times[0]));
+                claims.near(&what("Hz"), seen, film.frequency(mode), 1e-2);
+                claims.near(&what("height kept, m"), extremes[10], extremes[1], 1e-2);
+            }
         }
+    }
+    claims.judge();
+}
+
+#[test]
+fn eigenfrequencies_converge_with_the_square_of_the_size() {
+    let mut claims = Claims::of("eigenfrequency");
+    for element in [Element::Quad4, Element::Quad4Full, Element::Tri3] {
+        let errors = [2.0, 1.0, 0.5].map(|share| {
+            let (mut engine, shares) = Film::Square.plucked(element, share * EDGE, [1, 1], 0.0);
+            let (times, _) = swing(&mut engine, &shares, 3);
+            1.0 / (times[2] - times[0]) / Film::Square.frequency([1, 1]) - 1.0
+        });
+        claims.converges(&format!("{element:?}, square, first mode"), &errors, 1.9);
     }
     claims.judge();
 }
@@ -129,11 +151,11 @@ fn prestrained_film_swings_at_its_eigenfrequency() {
 fn damping_takes_half_its_rate_from_the_amplitude() {
     let mut claims = Claims::of("damping");
     for ratio in [0.02, 0.2] {
-        let undamped = 2.0 * PI * Film::Strip.frequency();
+        let undamped = 2.0 * PI * Film::Strip.frequency([1, 1]);
         let damping = ratio * undamped;
-        let (mut engine, middle) = Film::Strip.plucked(Element::Quad4, damping);
+        let (mut engine, shares) = Film::Strip.plucked(Element::Quad4, EDGE, [1, 1], damping);
         let start = watch(&mut engine, |view| view.energies());
-        let (times, extremes) = swing(&mut engine, middle, 11);
+        let (times, extremes) = swing(&mut engine, &shares, 11);
         let rate = (extremes[1] / extremes[10]).ln() / (9.0 * (times[10] - times[1]) / 9.0);
         claims.near(&format!("rate of decay at α = {damping:.0} 1/s"), 2.0 * rate, damping, 1e-2);
         let seen = 10.0 * PI / (times[10] - times[0]);
@@ -155,10 +177,10 @@ fn the_time_step_keeps_below_the_limit() {
     let tangent = 0.5 * YOUNG * (3.0 * stretch * stretch - 1.0);
     let limit = EDGE / stretch / (tangent / DENSITY).sqrt();
     for element in [Element::Quad4, Element::Quad4Full, Element::Tri3] {
-        let (engine, _) = Film::Strip.plucked(element, 0.0);
+        let (engine, _) = Film::Strip.plucked(element, EDGE, [1, 1], 0.0);
         claims.at_most(&format!("{element:?}, step over the limit of a bar"), engine.time_step() / limit, 1.0);
         let damping = 2.0 / limit;
-        let (damped, _) = Film::Strip.plucked(element, damping);
+        let (damped, _) = Film::Strip.plucked(element, EDGE, [1, 1], damping);
         let ratio = damping * 0.5 * limit / 2.0;
         let shorter = (1.0 + ratio * ratio).sqrt() - ratio;
         let step = damped.time_step() / limit;

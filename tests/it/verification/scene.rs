@@ -1,6 +1,8 @@
 //! Engines set up by hand, and a look at every step.
 
-use droptower::engine::{Contact, Drive, Engine, Fault, Film, Impact, Jaw, Nodes, Observer, RigidBody, Surface, View};
+use droptower::engine::{
+    Contact, Drive, Energies, Engine, Fault, Film, Impact, Jaw, Nodes, Observer, RigidBody, Surface, View,
+};
 use droptower::mesh::{self, Mesh};
 use droptower::model::{Hold, Loading, Model, Side, Symmetry};
 use nalgebra::{Isometry3, Vector3};
@@ -14,6 +16,11 @@ impl Scene {
     /// The faces of an impact, whole or a quarter, held at the rim or not at all, under a body in touch with the
     /// first of them.
     pub fn struck(model: &Model) -> Scene {
+        Scene::spinning(model, Vector3::zeros())
+    }
+
+    /// The same with the body turning at `spin` (rad/s).
+    pub fn spinning(model: &Model, spin: Vector3<f64>) -> Scene {
         let Loading::Impact { velocity, gravity, .. } = model.loading else { panic!("{} is no impact", model.name) };
         let mut nodes = Nodes::default();
         let mut films = vec![];
@@ -39,7 +46,8 @@ impl Scene {
         let pose = Isometry3::translation(x, y, model.faces[0].height + offset[0] - surface.lowest());
         let velocity = Vector3::new(0.0, 0.0, -velocity);
         let inertia = surface.inertia_per_mass() * impactor.mass;
-        let body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
+        let mut body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
+        body.spin = spin;
         let copies = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
         let contact = Contact::new(surface, impactor.friction, copies, offset);
         let drive = Drive { gravity, multiplicity: copies, ..Drive::default() };
@@ -102,6 +110,33 @@ pub fn watch<T>(engine: &mut Engine, look: impl FnMut(&View<'_>) -> T) -> T {
     let mut glance = Glance { look, seen: None };
     engine.step(&mut glance).expect("a step");
     glance.seen.expect("every step is seen")
+}
+
+/// Where the nodes are.
+pub fn places(nodes: &Nodes) -> Vec<[f64; 3]> {
+    nodes.position.iter().collect()
+}
+
+/// Puts every node where `to` says, from its number and place.
+pub fn put(nodes: &mut Nodes, mut to: impl FnMut(usize, [f64; 3]) -> [f64; 3]) {
+    (0..nodes.position.len()).for_each(|n| nodes.position.set(n, to(n, nodes.position.at(n))));
+}
+
+/// The film's forces on its nodes.
+pub fn forces(film: &mut Film, nodes: &Nodes) -> Vec<Vector3<f64>> {
+    let mut nodes = nodes.clone();
+    film.add_forces(&mut nodes);
+    nodes.force.iter().map(Vector3::from).collect()
+}
+
+/// Where the nodes come to rest under `damping` (1/s) within `time` (s), and the energies then.
+pub fn relaxed(film: Film, nodes: Nodes, damping: f64, time: f64) -> (Vec<[f64; 3]>, Energies) {
+    let drive = Drive { damping, ..Drive::default() };
+    let mut engine = Engine::new(vec![film], nodes, None, drive);
+    while engine.time() < time {
+        engine.step(&mut Blind).expect("a step");
+    }
+    watch(&mut engine, |view| (places(view.nodes), view.energies()))
 }
 
 /// A mesh and the nodes and film that stand on it, before anything moves.

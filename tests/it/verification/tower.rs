@@ -19,6 +19,14 @@ pub fn shipped(name: &str, changes: &[&str]) -> Model {
     model
 }
 
+/// The model of a scenario written in a test.
+pub fn written(text: &str) -> Model {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scenario.toml");
+    std::fs::write(&path, text).expect("a file");
+    sound(model::check(&sound(Document::read(&path))))
+}
+
 fn sound<T>(read: Result<T, Vec<Diagnostic>>) -> T {
     read.unwrap_or_else(|mistakes| panic!("{}", diagnostic::render(&mistakes, false)))
 }

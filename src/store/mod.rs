@@ -1,5 +1,7 @@
 //! The run folder: written under a temporary name beside its place and renamed when whole.
 
+pub mod shelf;
+
 use std::collections::HashSet;
 use std::ffi::OsString;
 use std::fs;
@@ -8,6 +10,8 @@ use std::path::{Component, Path, PathBuf};
 
 use tempfile::TempDir;
 use thiserror::Error;
+
+pub use shelf::Shelf;
 
 /// What a run folder of ours may hold; anything else in one belongs to the user.
 const OURS: [&str; 9] = [
@@ -144,17 +148,22 @@ impl Draft {
 
 /// Where a failed run is stored: the first of the names that is free or a run folder of ours.
 fn failed(target: &Path) -> PathBuf {
-    let name = target.file_name().map_or_else(OsString::new, OsString::from);
     let numbered = |number: usize| {
-        let mut name = name.clone();
-        name.push(if number == 1 { ".failed".to_owned() } else { format!(".failed-{number}") });
-        target.with_file_name(name)
+        let suffix = if number == 1 { ".failed".to_owned() } else { format!(".failed-{number}") };
+        sibling_name(target, &suffix)
     };
     let mut number = 1;
     while check_replaceable(&numbered(number)).is_err() {
         number += 1;
     }
     numbered(number)
+}
+
+/// `target` with `suffix` behind its name.
+fn sibling_name(target: &Path, suffix: &str) -> PathBuf {
+    let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
+    name.push(suffix);
+    target.with_file_name(name)
 }
 
 /// What an earlier failure left is out of date once a run went through.

@@ -1,0 +1,318 @@
+//! Checkpoints of a run: what they are written for, and whether one may be taken up.
+
+use std::fs;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::faults::storing;
+use super::scenarios::Checked;
+use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
+use crate::model::{ImpactorShape, Model, Shape};
+use crate::simulate::{Checkpoint, Saved};
+use crate::store::shelf::{self, Shelf};
+use crate::units::Time;
+
+/// Name and number of the format, at the start of every checkpoint.
+const MAGIC: &[u8; 24] = b"droptower checkpoint 01\n";
+
+/// Version of the engine: another one may give other bits.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// What the user wants of checkpoints.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wish {
+    /// Simulated time between two, s.
+    pub every: Option<f64>,
+    /// Whether to go on from the newest.
+    pub resume: bool,
+}
+
+/// The checkpoints of one run.
+#[derive(Clone, Debug)]
+pub struct Keeper {
+    shelf: Shelf,
+    stamp: Stamp,
+    /// The one to go on from.
+    start: Option<PathBuf>,
+    /// What the user should know about it.
+    pub notes: Vec<String>,
+}
+
+/// What a checkpoint is of; stands before the state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Stamp {
+    version: String,
+    /// Simulated time between two checkpoints, s; none where no more were asked for.
+    every: Option<f64>,
+    /// The scenario as resolved, for messages.
+    scenario: String,
+    /// Everything that decides the run's bits.
+    run: String,
+}
+
+/// The interval that `--checkpoint-every` gives, s.
+pub fn interval(text: &str) -> Result<f64, Diagnostic> {
+    let source = Source::unfiled("--checkpoint-every", text.to_owned());
+    let whole = Span::new(&source, 0..text.len());
+    let value = match text.trim().parse::<f64>() {
+        Ok(seconds) => seconds,
+        Err(_) => Time::DIMENSION.parse(text).map_err(|error| {
+            let mistake = Diagnostic::new(error.to_string()).at(&whole);
+            mistake.hint(format!("simulated time between two checkpoints; {}", error.hint()))
+        })?,
+    };
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(Diagnostic::new(format!("no time passes between checkpoints every {}", Time(value))).at(&whole))
+    }
+}
+
+impl Keeper {
+    /// What `wish` means for the run of `checked` whose results go to `place`; none where nothing is to be kept.
+    ///
+    /// # Errors
+    /// An interval in which the run is over, checkpoints that would be lost, no checkpoint to go on from, or one of another
+    /// run.
+    pub fn new(wish: Wish, checked: &Checked, place: &Path) -> Result<Option<Keeper>, Diagnostic> {
+        let Wish { every, resume } = wish;
+        if every.is_none() && !resume {
+            return Ok(None);
+        }
+        let model = &checked.model;
+        let duration = model.run_time();
+        if let Some(every) = every.filter(|every| *every >= duration) {
+            let message = format!("{}: no checkpoint within {}, which is all it simulates", model.name, Time(duration));
+            let hint = format!("--checkpoint-every is simulated time, and {} is longer", Time(every));
+            return Err(Diagnostic::new(message).hint(hint));
+        }
+        let shelf = Shelf::beside(place);
+        let run = identity(model).map_err(|error| Diagnostic::new(format!("{}: {error}", model.name)))?;
+        let stamp = Stamp { version: VERSION.into(), every, scenario: checked.document.resolved(), run };
+        let mut keeper = Keeper { shelf, stamp, start: None, notes: vec![] };
+        if resume {
+            keeper.find_start(&model.name)?
+        } else {
+            keeper.refuse_to_overwrite(&model.name)?
+        }
+        Ok(Some(keeper))
+    }
+
+    /// Simulated time between two checkpoints, s.
+    pub fn every(&self) -> Option<f64> {
+        self.stamp.every
+    }
+
+    fn refuse_to_overwrite(&self, name: &str) -> Result<(), Diagnostic> {
+        if self.shelf.checkpoints().is_empty() {
+            return Ok(());
+        }
+        let folder = shown_path(self.shelf.path());
+        let mistake = Diagnostic::new(format!("{name}: an unfinished run left checkpoints in {folder}"));
+        Err(mistake.hint("--resume goes on from there; remove the folder to start anew"))
+    }
+
+    /// Finds the newest whole checkpoint and proves that it is of this run.
+    fn find_start(&mut self, name: &str) -> Result<(), Diagnostic> {
+        let folder = shown_path(self.shelf.path());
+        let Some(found) = self.shelf.newest() else {
+            let all = self.shelf.checkpoints();
+            if all.is_empty() {
+                let mistake = Diagnostic::new(format!("{name}: there is no checkpoint in {folder}"));
+                return Err(mistake.hint("only a run with --checkpoint-every leaves some, and only until it ends"));
+            }
+            let files: Vec<String> = all.iter().map(|path| file_name(path)).collect();
+            let message = format!("{name}: no checkpoint in {folder} is whole: {} damaged", files.join(", "));
+            return Err(Diagnostic::new(message).hint("remove the folder and start anew"));
+        };
+        let stamp = shelf::open(&found.path).and_then(|mut file| read_stamp(&mut file));
+        let stamp = stamp.map_err(|error| Diagnostic::new(format!("{}: {error}", shown_path(&found.path))))?;
+        self.stamp.differs_from(&stamp).map_or(Ok(()), |why| {
+            let mistake = Diagnostic::new(format!("{name}: the checkpoint in {folder} is of another run"));
+            Err(mistake.hint(why))
+        })?;
+        self.stamp.every = self.stamp.every.or(stamp.every);
+        for damaged in &found.damaged {
+            let used = file_name(&found.path);
+            self.notes.push(format!("{name}: {} is damaged; {used}, the one before it, is not", shown_path(damaged)));
+        }
+        self.start = Some(found.path);
+        Ok(())
+    }
+
+    /// The state to go on from, if the run does.
+    pub fn start(&self) -> Result<Option<Saved>, Diagnostic> {
+        let Some(path) = &self.start else { return Ok(None) };
+        let read = || {
+            let mut file = shelf::open(path)?;
+            read_stamp(&mut file)?;
+            // The state holds no text, for which alone the buffer would be.
+            let (saved, _) = postcard::from_io((file, &mut [0_u8; 64][..])).map_err(io::Error::other)?;
+            Ok(saved)
+        };
+        read().map(Some).map_err(|error: io::Error| Diagnostic::new(format!("{}: {error}", shown_path(path))))
+    }
+
+    /// Makes the place for checkpoints, where more are wanted.
+    pub fn open(&self) -> Result<(), Diagnostic> {
+        self.every().map_or(Ok(()), |_| self.shelf.open().map_err(|error| storing(&error)))
+    }
+
+    /// Writes a checkpoint.
+    pub fn keep(&self, checkpoint: &Checkpoint<'_>) -> Result<(), Diagnostic> {
+        let put = self.shelf.put(checkpoint.steps(), |out| {
+            out.write_all(MAGIC)?;
+            let stamp = postcard::to_allocvec(&self.stamp).map_err(io::Error::other)?;
+            out.write_all(&(stamp.len() as u64).to_le_bytes())?;
+            out.write_all(&stamp)?;
+            let mut out = Remembering { out, error: None };
+            let written = postcard::to_io(checkpoint, &mut out).map(drop);
+            written.map_err(|error| out.error.unwrap_or_else(|| io::Error::other(error)))
+        });
+        put.map_err(|error| storing(&error))
+    }
+
+    /// Removes the checkpoints of a run that has ended.
+    pub fn clear(&self) {
+        self.shelf.clear();
+    }
+}
+
+impl Stamp {
+    /// Why a run of this stamp cannot go on from a checkpoint of another; none where it can.
+    fn differs_from(&self, other: &Stamp) -> Option<String> {
+        if self.version != other.version {
+            let (now, then) = (&self.version, &other.version);
+            return Some(format!("droptower {then} wrote it, and this is {now}: it could not give the same bits"));
+        }
+        if self.run == other.run {
+            return None;
+        }
+        let lines =
+            |text: &'static str, own: &Stamp| own.scenario.lines().map(str::trim).collect::<Vec<_>>().join(text);
+        let (now, then) = (lines("\n", self), lines("\n", other));
+        let changed = then.lines().zip(now.lines()).find(|(then, now)| then != now);
+        Some(match changed {
+            Some((then, now)) => format!("its scenario says `{then}` where this one says `{now}`"),
+            None if now.len() != then.len() => "its scenario has other keys".into(),
+            None => "the scenario is the same, but a file that it names has changed".into(),
+        })
+    }
+}
+
+fn read_stamp(file: &mut impl Read) -> io::Result<Stamp> {
+    let mut magic = [0; MAGIC.len()];
+    file.read_exact(&mut magic)?;
+    if magic != *MAGIC {
+        return Err(io::Error::other("no checkpoint of this version of droptower"));
+    }
+    let mut length = [0; 8];
+    file.read_exact(&mut length)?;
+    let mut stamp = Vec::new();
+    file.take(u64::from_le_bytes(length)).read_to_end(&mut stamp)?;
+    postcard::from_bytes(&stamp).map_err(io::Error::other)
+}
+
+/// Everything that decides a run's bits, as text: the checked model, with meshes by what their files hold. Title, reference
+/// and post script are left out: they are read after the run.
+fn identity(model: &Model) -> io::Result<String> {
+    let Model { specimen, faces, frame, impactor, loading, output, .. } = model;
+    let (mut specimen, mut impactor) = (specimen.clone(), impactor.clone());
+    if let Shape::Mesh(path) = &mut specimen.shape {
+        *path = content(path)?;
+    }
+    if let Some(ImpactorShape::Mesh(path)) = impactor.as_mut().map(|impactor| &mut impactor.shape) {
+        *path = content(path)?;
+    }
+    Ok(format!("{specimen:?}\n{faces:?}\n{frame:?}\n{impactor:?}\n{loading:?}\n{output:?}"))
+}
+
+/// A name that tells what the file at `path` holds.
+fn content(path: &Path) -> io::Result<PathBuf> {
+    let bytes = fs::read(path).map_err(|error| io::Error::other(format!("{}: {error}", shown_path(path))))?;
+    Ok(PathBuf::from(format!("{} bytes, checksum {:08x}", bytes.len(), crc32fast::hash(&bytes))))
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Keeps the error that the serialiser hides.
+struct Remembering<'a> {
+    out: &'a mut dyn Write,
+    error: Option<io::Error>,
+}
+
+impl Write for Remembering<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.out.write(bytes).map_err(|error| {
+            let kind = error.kind();
+            self.error = Some(error);
+            kind.into()
+        })
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_is_a_simulated_time() {
+        for (text, expected) in [("5 ms", 0.005), ("0.25", 0.25), ("1e-3 s", 0.001)] {
+            assert_eq!(interval(text).unwrap(), expected);
+        }
+        for (text, expected) in [
+            ("5 mm", "expected a time, found \"5 mm\""),
+            ("soon", "which does not start with a number"),
+            ("0 s", "no time passes"),
+            ("-1 ms", "no time passes"),
+            ("nan", "no time passes"),
+        ] {
+            let mistake = interval(text).unwrap_err();
+            assert!(mistake.message.contains(expected), "{}", mistake.message);
+        }
+    }
+
+    #[test]
+    fn a_mesh_counts_with_what_its_file_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, moved) = (folder.path().join("a.stl"), folder.path().join("b.stl"));
+        fs::write(&path, "solid film").unwrap();
+        let before = content(&path).unwrap();
+        fs::rename(&path, &moved).unwrap();
+        assert_eq!(content(&moved).unwrap(), before);
+        fs::write(&moved, "solid Film").unwrap();
+        assert_ne!(content(&moved).unwrap(), before);
+        assert!(content(&path).is_err());
+    }
+
+    #[test]
+    fn a_stamp_tells_what_is_different() {
+        let stamp = |version: &str, scenario: &str, run: &str| Stamp {
+            version: version.into(),
+            every: None,
+            scenario: scenario.into(),
+            run: run.into(),
+        };
+        let own = stamp("0.1.0", "[layers]\ncount = 8\n", "8");
+        for (other, expected) in [
+            (stamp("0.1.0", "[layers]\ncount = 8\n", "8"), None),
+            (stamp("0.1.0", "title = \"other\"\n", "8"), None),
+            (stamp("0.0.9", "[layers]\ncount = 8\n", "8"), Some("droptower 0.0.9 wrote it")),
+            (stamp("0.1.0", "[layers]\ncount = 9\n", "9"), Some("says `count = 9` where this one says `count = 8`")),
+            (stamp("0.1.0", "[layers]\ncount = 8\nmore = 1\n", "9"), Some("has other keys")),
+            (stamp("0.1.0", "[layers]\ncount = 8\n", "9"), Some("a file that it names has changed")),
+        ] {
+            let found = own.differs_from(&other);
+            assert_eq!(found.is_some(), expected.is_some(), "{found:?}");
+            assert!(found.unwrap_or_default().contains(expected.unwrap_or_default()));
+        }
+    }
+}

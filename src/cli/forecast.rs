@@ -1,0 +1,139 @@
+//! How long a run will take, told at its start where it is long.
+
+use std::time::Duration;
+
+use super::digest::{grouped, short};
+use crate::model::{Model, Shape, Symmetry};
+use crate::report::significant;
+use crate::simulate::Progress;
+use crate::units::Time;
+
+/// Wall time of a run that is told before, s.
+const LONG: f64 = 3600.0;
+
+/// What is watched before it is foretold: the first steps warm the caches and the curves.
+const WATCHED: Duration = Duration::from_secs(1);
+
+/// Wall time between two checkpoints that is proposed, s.
+const BETWEEN_CHECKPOINTS: f64 = 600.0;
+
+/// Watches the first second of a run.
+#[derive(Default)]
+pub struct Forecast {
+    /// Wall time and steps at the first look.
+    first: Option<(Duration, u64)>,
+    told: bool,
+}
+
+/// What is left of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Left {
+    /// s.
+    wall: f64,
+    /// ns.
+    per_element_step: f64,
+    steps: f64,
+    progress: Progress,
+}
+
+impl Forecast {
+    /// Looks at a run that has taken `wall` so far: once, after the first second of stepping, what is left of it if that is
+    /// long. Steps are taken to stay as long as they are; film that yields lets them grow.
+    pub fn look(&mut self, progress: &Progress, wall: Duration) -> Option<Left> {
+        let (before, steps) = *self.first.get_or_insert((wall, progress.steps));
+        if self.told || wall - before < WATCHED || progress.steps == steps {
+            return None;
+        }
+        self.told = true;
+        let per_step = (wall - before).as_secs_f64() / (progress.steps - steps) as f64;
+        let steps = (progress.duration - progress.time).max(0.0) / progress.time_step;
+        let per_element_step = 1e9 * per_step / progress.elements.max(1) as f64;
+        let left = Left { wall: steps * per_step, per_element_step, steps, progress: *progress };
+        (left.wall >= LONG).then_some(left)
+    }
+}
+
+impl Left {
+    /// What the terminal says; `keeps` tells whether the run leaves checkpoints.
+    pub fn told(&self, model: &Model, keeps: bool) -> String {
+        let Left { wall, per_element_step, steps, progress } = self;
+        let mut cheaper = vec![];
+        if !matches!(model.specimen.shape, Shape::Mesh(_)) {
+            cheaper.push("twice the specimen.mesh.size takes an eighth of it".to_owned());
+        }
+        if model.specimen.symmetry == Symmetry::None {
+            cheaper.push("a specimen.symmetry, where the scene has one, half or a quarter".to_owned());
+        }
+        if !keeps {
+            let every = rounded(progress.duration * BETWEEN_CHECKPOINTS / wall);
+            cheaper.push(format!("--checkpoint-every \"{}\" lets it go on after an interruption", Time(every)));
+        }
+        let hint: String = cheaper.iter().map(|way| format!("\n  {way}")).collect();
+        format!(
+            "{} will take about {}: {} elements, {} steps of {} us to go, {per_element_step:.0} ns per element step{hint}",
+            model.name,
+            spoken(*wall),
+            grouped(progress.elements as u64),
+            grouped(significant(*steps, 2).parse::<f64>().unwrap_or(*steps) as u64),
+            short(1e6 * progress.time_step),
+        )
+    }
+}
+
+/// The number with one significant digit.
+fn rounded(value: f64) -> f64 {
+    significant(value, 1).parse().unwrap_or(value)
+}
+
+/// A long time in hours and minutes, or days and hours.
+fn spoken(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).round() as u64;
+    let hours = (seconds / 3600.0).round() as u64;
+    if hours < 48 {
+        format!("{} h {:02} min", minutes / 60, minutes % 60)
+    } else {
+        format!("{} d {} h", hours / 24, hours % 24)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run of 0.1 s in steps of 1 us over 100 000 elements after so many steps.
+    fn after(steps: u64) -> Progress {
+        let time = 1e-6 * steps as f64;
+        Progress { time, duration: 0.1, steps, time_step: 1e-6, elements: 100_000 }
+    }
+
+    #[test]
+    fn a_long_run_is_foretold_once_after_a_second() {
+        let mut forecast = Forecast::default();
+        let mut look = |millis, steps| forecast.look(&after(steps), Duration::from_millis(millis));
+        assert!(look(300, 10).is_none());
+        assert!(look(1200, 15).is_none(), "not a second of stepping yet");
+        let left = look(2300, 20).expect("100 000 steps of 0.2 s are long");
+        assert!((left.wall - 0.2 * (100_000.0 - 20.0)).abs() < 1e-6 * left.wall, "{left:?}");
+        assert!((left.per_element_step - 2000.0).abs() < 1e-9);
+        assert!(look(9000, 30).is_none(), "it is said once");
+    }
+
+    #[test]
+    fn a_run_of_less_than_an_hour_is_not() {
+        for (steps_a_second, long) in [(29, false), (27, true)] {
+            let mut forecast = Forecast::default();
+            forecast.look(&after(1), Duration::from_millis(200));
+            let left = forecast.look(&after(1 + steps_a_second), Duration::from_millis(1200));
+            assert_eq!(left.is_some(), long, "{steps_a_second} steps a second: {left:?}");
+        }
+    }
+
+    #[test]
+    fn times_are_spoken() {
+        for (seconds, expected) in
+            [(3600.0, "1 h 00 min"), (7790.0, "2 h 10 min"), (100_000.0, "27 h 47 min"), (180_000.0, "2 d 2 h")]
+        {
+            assert_eq!(spoken(seconds), expected);
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! All that one step leaves to the next, as plain numbers: with it a run goes on later as if it had never stopped.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::contact::Carried;
+use super::memory::Memory;
+use super::pressure::Inflated;
+use super::rigid_body::Motion;
+use super::{Engine, Film, Gone, TimeStep, Vectors};
+
+/// State of an engine between two steps. Forces are not in it: they follow from the rest.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct State {
+    /// s.
+    pub time: f64,
+    /// Steps so far.
+    pub steps: u64,
+    time_step: TimeStep,
+    gone: Gone,
+    inflated: Option<Inflated>,
+    position: Vectors,
+    velocity: Vectors,
+    films: Vec<Memory>,
+    impact: Option<(Motion, Carried)>,
+}
+
+/// A state that is of another scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("the state is of another scene: {found} {what} where there are {expected}")]
+pub struct Misfit {
+    /// What there is another number of.
+    pub what: &'static str,
+    /// In the state.
+    pub found: usize,
+    /// In the engine.
+    pub expected: usize,
+}
+
+impl Engine {
+    /// The state after the last step.
+    pub fn state(&self) -> State {
+        let Engine { films, nodes, impact, time_step, time, steps, gone, inflated, .. } = self;
+        State {
+            time: *time,
+            steps: *steps,
+            time_step: time_step.clone(),
+            gone: *gone,
+            inflated: *inflated,
+            position: nodes.position.clone(),
+            velocity: nodes.velocity.clone(),
+            films: films.iter().map(Film::memory).collect(),
+            impact: impact.as_ref().map(|impact| (impact.body.motion(), impact.contact.carried())),
+        }
+    }
+
+    /// Puts a state of the same scene back: from here on every step gives the same bits as it would have there.
+    ///
+    /// # Errors
+    /// [`Misfit`] where the state has other numbers of nodes, faces, integration points or impactors; the engine is
+    /// unchanged then.
+    pub fn restore(&mut self, state: State) -> Result<(), Misfit> {
+        self.check(&state)?;
+        self.time = state.time;
+        self.steps = state.steps;
+        self.time_step = state.time_step;
+        self.gone = state.gone;
+        self.inflated = state.inflated;
+        self.broken = 0;
+        self.nodes.position = state.position;
+        self.nodes.velocity = state.velocity;
+        self.films.iter_mut().zip(&state.films).for_each(|(film, memory)| film.recall(memory));
+        if let (Some(impact), Some((motion, carried))) = (&mut self.impact, state.impact) {
+            impact.body.resume(&motion);
+            impact.contact.restore(carried, &self.films);
+        }
+        Ok(())
+    }
+
+    fn check(&self, state: &State) -> Result<(), Misfit> {
+        let nodes = self.nodes.mass.len();
+        for vectors in [&state.position, &state.velocity] {
+            same("nodes", if vectors.is_whole() { vectors.len() } else { 0 }, nodes)?;
+        }
+        same("faces", state.films.len(), self.films.len())?;
+        for (memory, film) in state.films.iter().zip(&self.films) {
+            same("integration points", memory.len(), film.points())?;
+        }
+        same("impactors", usize::from(state.impact.is_some()), usize::from(self.impact.is_some()))?;
+        let listed = state.impact.as_ref().is_none_or(|(_, carried)| carried.is_of(nodes));
+        same("lists of neighbours", usize::from(listed), 1)
+    }
+}
+
+fn same(what: &'static str, found: usize, expected: usize) -> Result<(), Misfit> {
+    if found == expected { Ok(()) } else { Err(Misfit { what, found, expected }) }
+}

@@ -1,0 +1,245 @@
+//! The folder in which an unfinished run keeps its checkpoints.
+//!
+//! Each is a file of its own that ends in a checksum, written under another name and renamed when whole, and the one
+//! before stays until then and beyond: whenever the machine stops, there is one to go on from.
+
+use std::fs::{self, File};
+use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use crc32fast::Hasher;
+
+use super::{StoreError, sibling_name};
+
+/// What the folder's name has behind that of the run's.
+const SUFFIX: &str = ".checkpoint";
+
+/// What the name of a checkpoint ends in.
+const EXTENSION: &str = "state";
+
+/// Name of one that is not whole yet.
+const UNFINISHED: &str = "unfinished";
+
+/// How many of the newest are kept.
+const KEPT: usize = 2;
+
+/// Buffers of files, bytes.
+const BUFFER: usize = 1 << 20;
+
+/// The checkpoints of the run whose results go to one place.
+#[derive(Clone, Debug)]
+pub struct Shelf {
+    folder: PathBuf,
+}
+
+/// The newest whole checkpoint, its checksum proved.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// Its file.
+    pub path: PathBuf,
+    /// Newer ones that are damaged.
+    pub damaged: Vec<PathBuf>,
+}
+
+impl Shelf {
+    /// The shelf beside the run folder `target`.
+    pub fn beside(target: &Path) -> Shelf {
+        Shelf { folder: sibling_name(target, SUFFIX) }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Its checkpoints, whole or not, the newest first.
+    pub fn checkpoints(&self) -> Vec<PathBuf> {
+        let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let numbered = entries.filter_map(|entry| {
+            let path = entry.path();
+            let ours = path.extension().is_some_and(|extension| extension == EXTENSION);
+            let number = path.file_stem()?.to_str()?.parse::<u64>().ok()?;
+            ours.then_some((number, path))
+        });
+        let mut numbered: Vec<(u64, PathBuf)> = numbered.collect();
+        numbered.sort_by(|a, b| b.cmp(a));
+        numbered.into_iter().map(|(_, path)| path).collect()
+    }
+
+    /// The newest checkpoint that is whole; none where all are damaged, or where there is none.
+    pub fn newest(&self) -> Option<Found> {
+        let mut damaged = Vec::new();
+        for path in self.checkpoints() {
+            match is_whole(&path) {
+                Ok(true) => return Some(Found { path, damaged }),
+                _ => damaged.push(path),
+            }
+        }
+        None
+    }
+
+    /// Makes the folder, so that a place where nothing can be written shows before the run.
+    pub fn open(&self) -> Result<(), StoreError> {
+        fs::create_dir_all(&self.folder).map_err(|error| StoreError::write(&self.folder, error))
+    }
+
+    /// Writes the checkpoint number `number`, larger than all before, with `content`; older ones go once it is whole.
+    pub fn put(&self, number: u64, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), StoreError> {
+        let path = self.folder.join(format!("{number:012}.{EXTENSION}"));
+        self.write(&path, content).map_err(|error| StoreError::write(&path, error))?;
+        for old in self.checkpoints().into_iter().skip(KEPT) {
+            // One that cannot be removed costs room and nothing else.
+            let _ = fs::remove_file(old);
+        }
+        Ok(())
+    }
+
+    fn write(&self, path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+        let unfinished = self.folder.join(UNFINISHED);
+        let file = Summed { inner: File::create(&unfinished)?, sum: Hasher::new() };
+        let mut buffered = BufWriter::with_capacity(BUFFER, file);
+        content(&mut buffered)?;
+        let Summed { inner: mut file, sum } = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
+        file.write_all(&sum.finalize().to_le_bytes())?;
+        file.sync_all()?;
+        fs::rename(&unfinished, path)?;
+        // The name has to reach the disk as well; systems that cannot open a folder see to that themselves.
+        if let Ok(folder) = File::open(&self.folder) {
+            let _ = folder.sync_all();
+        }
+        Ok(())
+    }
+
+    /// Removes all checkpoints, as after the run has ended; what else lies in the folder stays.
+    pub fn clear(&self) {
+        for path in self.checkpoints() {
+            let _ = fs::remove_file(path);
+        }
+        let _ = fs::remove_file(self.folder.join(UNFINISHED));
+        let _ = fs::remove_dir(&self.folder);
+    }
+}
+
+/// Opens a checkpoint to read its content.
+pub fn open(path: &Path) -> io::Result<impl Read> {
+    let file = File::open(path)?;
+    let length = content_length(&file)?;
+    Ok(BufReader::with_capacity(BUFFER, file).take(length))
+}
+
+fn content_length(file: &File) -> io::Result<u64> {
+    let length = file.metadata()?.len().checked_sub(4);
+    length.ok_or_else(|| io::Error::new(io::ErrorKind::UnexpectedEof, "too short for a checkpoint"))
+}
+
+/// Whether the checksum at the end of the file is that of what stands before it.
+fn is_whole(path: &Path) -> io::Result<bool> {
+    let mut file = File::open(path)?;
+    let length = content_length(&file)?;
+    let mut sum = Hasher::new();
+    let mut buffer = vec![0; BUFFER];
+    let mut left = length;
+    while left > 0 {
+        let part = &mut buffer[..left.min(BUFFER as u64) as usize];
+        file.read_exact(part)?;
+        sum.update(part);
+        left -= part.len() as u64;
+    }
+    let mut expected = [0; 4];
+    file.seek(io::SeekFrom::Start(length))?;
+    file.read_exact(&mut expected)?;
+    Ok(sum.finalize().to_le_bytes() == expected)
+}
+
+/// Sums up what is written.
+struct Summed<W> {
+    inner: W,
+    sum: Hasher,
+}
+
+impl<W: Write> Write for Summed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.inner.write(bytes)?;
+        self.sum.update(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shelf() -> (tempfile::TempDir, Shelf) {
+        let root = tempfile::tempdir().unwrap();
+        let shelf = Shelf::beside(&root.path().join("drop"));
+        shelf.open().unwrap();
+        (root, shelf)
+    }
+
+    fn content(path: &Path) -> Vec<u8> {
+        let mut content = Vec::new();
+        open(path).unwrap().read_to_end(&mut content).unwrap();
+        content
+    }
+
+    #[test]
+    fn the_two_newest_are_kept() {
+        let (root, shelf) = shelf();
+        for number in [7_u64, 12, 130] {
+            shelf.put(number, |out| out.write_all(&number.to_le_bytes())).unwrap();
+        }
+        let found = shelf.newest().unwrap();
+        assert_eq!(content(&found.path), 130_u64.to_le_bytes());
+        assert_eq!(shelf.checkpoints().len(), 2);
+        assert!(found.damaged.is_empty());
+        shelf.clear();
+        assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_damaged_one_gives_way_to_the_one_before() {
+        for damage in [0, 3, 4, 12, 99] {
+            let (_root, shelf) = shelf();
+            shelf.put(1, |out| out.write_all(b"the first")).unwrap();
+            shelf.put(2, |out| out.write_all(&[b'x'; 200])).unwrap();
+            let newest = shelf.newest().unwrap().path;
+            let whole = fs::read(&newest).unwrap();
+            let mut turned = whole.clone();
+            turned[damage] ^= 1;
+            for damaged in [turned, whole[..damage].to_vec()] {
+                fs::write(&newest, damaged).unwrap();
+                let found = shelf.newest().unwrap();
+                assert_eq!(content(&found.path), b"the first");
+                assert_eq!(found.damaged, std::slice::from_ref(&newest));
+            }
+            fs::write(shelf.path().join("000000000001.state"), "").unwrap();
+            assert!(shelf.newest().is_none());
+        }
+    }
+
+    #[test]
+    fn one_that_fails_on_the_way_leaves_the_one_before() {
+        let (_root, shelf) = shelf();
+        shelf.put(1, |out| out.write_all(b"the first")).unwrap();
+        let full = |out: &mut dyn Write| {
+            out.write_all(&[b'x'; 300])?;
+            Err(io::Error::other("no space left"))
+        };
+        assert!(matches!(shelf.put(2, full), Err(StoreError::Write { .. })));
+        assert_eq!(content(&shelf.newest().unwrap().path), b"the first");
+    }
+
+    #[test]
+    fn what_is_not_ours_stays() {
+        let (_root, shelf) = shelf();
+        fs::write(shelf.path().join("notes.txt"), "mine").unwrap();
+        shelf.put(1, |out| out.write_all(b"the first")).unwrap();
+        shelf.clear();
+        assert_eq!(fs::read_to_string(shelf.path().join("notes.txt")).unwrap(), "mine");
+        assert!(shelf.checkpoints().is_empty());
+    }
+}

@@ -1,0 +1,317 @@
+//! Large and long runs: interrupted and taken up again, told beforehand, within memory.
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value as Json;
+use tempfile::TempDir;
+
+use droptower::diagnostic;
+use droptower::model::{self, Model};
+use droptower::scenario::{Assignment, Document};
+use droptower::signal::Recording;
+use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, RunError, Saved};
+
+/// Some tens of milliseconds of computing between two checkpoints: time enough to kill it there.
+const SLOW: [&str; 6] =
+    ["--set", "specimen.mesh.size=8mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=40ms"];
+
+/// A folder with the template of a drop test in it.
+fn bench() -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    assert!(droptower(folder.path(), &["new", "drop", "drop.toml"]).status.success());
+    folder
+}
+
+fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
+    command.current_dir(folder).args(arguments);
+    command
+}
+
+fn droptower(folder: &Path, arguments: &[&str]) -> Output {
+    command(folder, arguments).output().expect("the binary starts")
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    droptower(folder, &[&["run", "drop.toml"], arguments].concat())
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Checkpoints in the folder of `drop.toml`, oldest first.
+fn checkpoints(bench: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(bench.join("runs/drop.checkpoint")).into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> =
+        entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "state")).collect();
+    paths.sort();
+    paths
+}
+
+/// Starts a run and kills it once it has left a checkpoint newer than all that were there.
+fn killed_after_a_checkpoint(bench: &Path, arguments: &[&str]) {
+    let before = checkpoints(bench).pop();
+    let mut command = command(bench, &[&["run", "drop.toml"], arguments].concat());
+    let mut child: Child = command.stderr(Stdio::null()).stdout(Stdio::null()).spawn().expect("the binary starts");
+    let start = Instant::now();
+    while checkpoints(bench).pop() <= before {
+        assert!(child.try_wait().expect("a state").is_none(), "the run ended before it could be killed");
+        assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint within a minute");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().expect("killed");
+    child.wait().expect("gone");
+}
+
+/// The summary without what the clock decides.
+fn summary(folder: &Path) -> Json {
+    let text = fs::read(folder.join("summary.json")).expect("a summary");
+    let mut summary: Json = serde_json::from_slice(&text).expect("JSON");
+    let figures = summary.as_object_mut().expect("figures");
+    assert!(figures.remove("wall_s").is_some() && figures.remove("ns_per_element_step").is_some());
+    summary
+}
+
+#[test]
+fn a_killed_run_goes_on_to_the_same_bits() {
+    let bench = bench();
+    let through = run(bench.path(), &[&SLOW[..], &["--out", "through", "--quiet"]].concat());
+    assert!(through.status.success(), "{}", error(&through));
+    let kept = [&SLOW[..], &["--checkpoint-every", "2 ms"]].concat();
+    killed_after_a_checkpoint(bench.path(), &kept);
+    assert!(!bench.path().join("runs/drop").exists());
+    // Taken up with the same interval, killed again, and taken up with another number of threads.
+    killed_after_a_checkpoint(bench.path(), &[&SLOW[..], &["--resume"]].concat());
+    assert!(!checkpoints(bench.path()).is_empty());
+    let last = run(bench.path(), &[&SLOW[..], &["--resume", "--threads", "1"]].concat());
+    assert!(last.status.success(), "{}", error(&last));
+    assert!(error(&last).contains("note: drop goes on at "), "{}", error(&last));
+    let (one, other) = (bench.path().join("through"), bench.path().join("runs/drop"));
+    for name in ["signals.csv", "energies.csv", "scenario.toml"] {
+        let content = |folder: &Path| fs::read(folder.join(name)).expect("a file");
+        assert!(content(&one) == content(&other), "{name} differs");
+    }
+    assert_eq!(summary(&one), summary(&other));
+    assert!(!bench.path().join("runs/drop.checkpoint").exists(), "what is done needs no checkpoints");
+}
+
+#[test]
+fn a_checkpoint_is_refused_by_any_other_run() {
+    let bench = bench();
+    killed_after_a_checkpoint(bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
+    for (changed, expected) in [
+        ("layers.count=9", "its scenario says `count = 8` where this one says `count = 9`"),
+        ("specimen.material.density=916", "its scenario says `density"),
+        ("output.frames=100", "its scenario says `frames"),
+    ] {
+        let output = run(bench.path(), &[&SLOW[..], &["--resume", "--set", changed]].concat());
+        assert_eq!(output.status.code(), Some(2), "{changed}");
+        let told = error(&output);
+        assert!(told.contains("is of another run") && told.contains(expected), "{changed}: {told}");
+    }
+    let output = run(bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("an unfinished run left checkpoints"), "{}", error(&output));
+    assert!(error(&output).contains("--resume goes on from there"), "{}", error(&output));
+    // What is read after the run may change.
+    fs::write(bench.path().join("post.rhai"), "measure(\"more\", 1);").expect("a script");
+    let output = run(bench.path(), &[&SLOW[..], &["--resume", "--quiet", "--set", "post.script=post.rhai"]].concat());
+    assert!(output.status.success(), "{}", error(&output));
+    assert_eq!(error(&output), "");
+    assert_eq!(summary(&bench.path().join("runs/drop"))["more"], 1);
+}
+
+#[test]
+fn damaged_checkpoints_give_way_to_the_one_before() {
+    let bench = bench();
+    let kept = [&SLOW[..], &["--checkpoint-every", "1 ms"]].concat();
+    killed_after_a_checkpoint(bench.path(), &kept);
+    killed_after_a_checkpoint(bench.path(), &[&SLOW[..], &["--resume"]].concat());
+    let [older, newer] = checkpoints(bench.path()).try_into().expect("two checkpoints");
+    let whole = fs::read(&newer).expect("a checkpoint");
+    fs::write(&newer, &whole[..whole.len() / 2]).expect("cut in half");
+    let resumed = [&SLOW[..], &["--resume"]].concat();
+    fs::write(&older, "").expect("emptied");
+    let output = run(bench.path(), &resumed);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("is whole: "), "{}", error(&output));
+    let mut turned = whole.clone();
+    turned[whole.len() / 3] ^= 4;
+    fs::write(&newer, &turned).expect("one bit turned");
+    // The newer one, whole, under the older one's name stands in for a whole older one.
+    fs::write(&older, &whole).expect("restored");
+    let output = run(bench.path(), &resumed);
+    assert!(output.status.success(), "{}", error(&output));
+    assert!(error(&output).contains("is damaged; "), "{}", error(&output));
+}
+
+#[test]
+fn what_cannot_be_kept_or_taken_up_is_said_before_the_run() {
+    let bench = bench();
+    for (arguments, expected) in [
+        (&["--resume"][..], "there is no checkpoint in runs/drop.checkpoint"),
+        (&["--checkpoint-every", "5 mm"], "expected a time, found \"5 mm\""),
+        (&["--checkpoint-every", "0 s"], "no time passes between checkpoints"),
+        (&["--checkpoint-every", "-1 ms"], "no time passes between checkpoints"),
+        (&["--checkpoint-every", "10 min"], "--checkpoint-every is simulated time"),
+        (&["--checkpoint-every", "never", "--set", "layers.count=-1"], "does not start with a number"),
+        (&["--checkpoint-every", "never", "--set", "layers.count=-1"], "layers.count"),
+    ] {
+        let output = run(bench.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(error(&output).contains(expected), "{arguments:?}: {}", error(&output));
+        assert!(!bench.path().join("runs").exists());
+    }
+}
+
+#[test]
+fn a_failed_run_leaves_no_checkpoints() {
+    let bench = bench();
+    // A film that turns into diamond at 30 % makes the stable step collapse when the sphere gets there.
+    let wall = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
+    let measured = "specimen.material.fabric.scale={k1=1,ke=1,ky=1}";
+    let coarse = ["--set", "specimen.mesh.size=50mm", "--set", wall, "--set", measured];
+    let output = run(bench.path(), &[&coarse[..], &["--checkpoint-every", "1 ms"]].concat());
+    assert_eq!(output.status.code(), Some(3), "{}", error(&output));
+    assert!(bench.path().join("runs/drop.failed").exists());
+    assert!(!bench.path().join("runs/drop.checkpoint").exists());
+}
+
+/// Reads the standard error of a run that would take hours until it says so, and kills it.
+#[test]
+fn a_run_of_hours_says_so_at_its_start() {
+    let bench = bench();
+    let long = ["--set", "specimen.mesh.size=4mm", "--set", "specimen.symmetry=none"];
+    let long = [&long[..], &["--set", "loading.impact.duration=900s", "--set", "output.filter=none"]].concat();
+    let slow = [&long[..], &["--set", "output.sample_rate=1kHz"]].concat();
+    let mut command = command(bench.path(), &[&["run", "drop.toml"], &slow[..]].concat());
+    let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().expect("the binary starts");
+    let lines = BufReader::new(child.stderr.take().expect("its standard error")).lines();
+    let told: Vec<String> = lines.map_while(Result::ok).take(4).collect();
+    child.kill().expect("killed");
+    child.wait().expect("gone");
+    let told = told.join("\n");
+    assert!(told.starts_with("note: drop will take about ") && told.contains("ns per element step"), "{told}");
+    assert!(told.contains("--checkpoint-every"), "{told}");
+}
+
+fn told(mistakes: Vec<diagnostic::Diagnostic>) -> String {
+    diagnostic::render(&mistakes, false)
+}
+
+/// A golden case with a few changes.
+fn golden(case: &str, changes: &[&str]) -> Model {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(case).join("scenario.toml");
+    let document = Document::read(&path).unwrap_or_else(|mistakes| panic!("{}", told(mistakes)));
+    let changes = changes.iter().map(|change| Assignment::from_argument(change).expect("a change"));
+    let document = document.with(&changes.collect::<Vec<_>>());
+    model::check(&document).unwrap_or_else(|mistakes| panic!("{}", told(mistakes)))
+}
+
+/// The outcome, and every checkpoint on the way as it would be written.
+fn with_checkpoints(model: &Model, every: f64, saved: Option<Saved>) -> (Outcome, Vec<Vec<u8>>) {
+    let mut written = vec![];
+    let mut keep = |checkpoint: &Checkpoint<'_>| written.push(postcard::to_stdvec(checkpoint).expect("plain numbers"));
+    let checkpoints = Checkpoints { every, keep: &mut keep };
+    let outcome = simulate::take_up(model, saved, Some(checkpoints), &mut |_| {});
+    (outcome.unwrap_or_else(|error| panic!("{}: {error}", model.name)), written)
+}
+
+fn bits(recording: &Recording) -> Vec<u64> {
+    let values = recording.channels.iter().flat_map(|channel| &channel.values);
+    recording.time.iter().chain(values).map(|value| value.to_bits()).collect()
+}
+
+fn assert_same(one: &Outcome, other: &Outcome, what: &str) {
+    assert!(bits(&one.signals) == bits(&other.signals), "{what}: the signals differ");
+    assert!(bits(&one.energies) == bits(&other.energies), "{what}: the energies differ");
+    let untimed = |outcome: &Outcome| format!("{:?}", Outcome { wall: Duration::ZERO, ..outcome.clone() });
+    assert!(untimed(one) == untimed(other), "{what}: something besides signals and energies differs");
+}
+
+/// Every law, loading, element and kind of impactor that the golden cases have: rupture, a turning sphere, faces of their
+/// own, triangles, a slow test whose mass is scaled.
+#[test]
+fn every_kind_of_run_goes_on_to_the_same_bits() {
+    for (case, changes) in [
+        ("drop-1508", &["output.frames=20"][..]),
+        ("free-sphere", &["output.frames=20"]),
+        ("dart-disc", &["specimen.mesh.element=quad4-full"]),
+        ("drop-different-faces", &[]),
+        ("stretch-oblique-triangles", &[]),
+        ("stretch-md", &[]),
+    ] {
+        let model = golden(case, changes);
+        let every = 0.22 * model.run_time();
+        let through = simulate::run(&model, &mut |_| {}).unwrap_or_else(|error: RunError| panic!("{case}: {error}"));
+        let (kept, written) = with_checkpoints(&model, every, None);
+        assert_same(&through, &kept, case);
+        assert_eq!(written.len(), 4, "{case}");
+        for (number, bytes) in written.iter().enumerate().skip(1).step_by(2) {
+            let saved: Saved = postcard::from_bytes(bytes).expect("what was written");
+            let (resumed, again) = with_checkpoints(&model, every, Some(saved));
+            assert_same(&through, &resumed, &format!("{case} from checkpoint {number}"));
+            assert_eq!(again.len(), written.len() - number - 1, "{case}: the checkpoints that were left");
+        }
+    }
+}
+
+#[test]
+fn a_state_of_another_mesh_is_refused() {
+    let (_, written) = with_checkpoints(&golden("drop-different-faces", &[]), 20e-3, None);
+    let saved: Saved = postcard::from_bytes(&written[0]).expect("what was written");
+    let other = golden("free-sphere", &[]);
+    let refused = simulate::take_up(&other, Some(saved), None, &mut |_| {});
+    assert!(matches!(refused, Err(RunError::Misfit(_))), "{refused:?}");
+}
+
+/// The shipped drop test with a million elements, everything on and all states kept that are kept of so many.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_million_elements_fit_into_two_gigabytes() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/drop/1008.toml");
+    let mut arguments = vec!["run", shipped.to_str().expect("UTF-8"), "--out", "fine", "--quiet"];
+    for change in [
+        "specimen.symmetry=none",
+        "specimen.mesh.size=0.566mm",
+        "loading.impact.duration=8us",
+        "output.sample_rate=5MHz",
+    ] {
+        arguments.extend(["--set", change]);
+    }
+    let mut child = command(bench.path(), &arguments).spawn().expect("the binary starts");
+    let status = PathBuf::from(format!("/proc/{}/status", child.id()));
+    let mut peak = 0;
+    while child.try_wait().expect("a state").is_none() {
+        let text = fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kilobytes = line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok());
+        peak = peak.max(kilobytes.unwrap_or(0));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(child.wait().expect("gone").success());
+    let summary = summary(&bench.path().join("fine"));
+    assert!(summary["elements"].as_u64() > Some(990_000), "{}", summary["elements"]);
+    assert!((400_000..2_000_000).contains(&peak), "{peak} kB at the peak");
+    println!("{peak} kB at the peak, {} bytes an element in the engine", summary["bytes_per_element"]);
+}
+
+/// What the memory check counts on, within the bound that the engine is held to.
+#[test]
+fn elements_take_little_memory() {
+    for (element, most) in [("quad4", 400.0), ("tri3", 300.0), ("quad4-full", 700.0)] {
+        let element_key = format!("specimen.mesh.element={element}");
+        let fine = ["specimen.mesh.size=4mm", "specimen.symmetry=none", "loading.impact.duration=1ms"];
+        let model = golden("drop-1008", &[&fine[..], &[&element_key, "output.sample_rate=20kHz"]].concat());
+        let outcome = simulate::run(&model, &mut |_| {}).expect("a short run");
+        let per_element = outcome.bytes as f64 / outcome.elements as f64;
+        assert!(outcome.elements >= 20_000, "{element}: {}", outcome.elements);
+        assert!(per_element <= most, "{element}: {per_element:.0} bytes an element");
+    }
+}

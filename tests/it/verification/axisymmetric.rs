@@ -1,0 +1,281 @@
+//! Membranes of revolution at any strain, by integrating their equations: the reference for inflation and indentation.
+//!
+//! A circle of stress-free film has the radius R, the deformed one r(R) and z(R). With λ₁ = √(r′² + z′²),
+//! λ₂ = r/R, the slope φ and the first Piola–Kirchhoff stresses P₁, P₂ of St. Venant–Kirchhoff film, forces along r and
+//! z on a ring under the pressure q that acts along the normal (−z′, r′) give
+//!
+//! ```text
+//! (R P₁ cos φ)′ = P₂ + q r z′/h ,   (R P₁ sin φ)′ = − q r r′/h .
+//! ```
+//!
+//! On a frictionless ball of radius ϱ the film has r = ϱ sin φ, and along the meridian ϱ φ′ = λ₁, (R P₁)′ = P₂ cos φ.
+//! Nothing of droptower is used.
+
+/// Isotropic film of St. Venant–Kirchhoff in plane stress.
+#[derive(Clone, Copy, Debug)]
+pub struct Sheet {
+    /// Pa.
+    pub young: f64,
+    pub poisson: f64,
+    /// m.
+    pub thickness: f64,
+    /// Whether it carries tension only: where S₂ would be negative, it is zero and S₁ = Y E₁.
+    pub wrinkling: bool,
+}
+
+/// A deformed film at radii R from the pole or inner edge to the outer one.
+#[derive(Clone, Debug, Default)]
+pub struct Shape {
+    /// Stress-free radius, m.
+    pub material: Vec<f64>,
+    /// Deformed radius and height, m.
+    pub place: Vec<[f64; 2]>,
+    /// Meridional and hoop stretch.
+    pub stretch: Vec<[f64; 2]>,
+    /// R P₁ sin φ, N/m per thickness, at the outer edge.
+    pub shear: f64,
+    /// Elastic energy, J, of the whole circle.
+    pub energy: f64,
+    /// Least hoop stress S₂ of film that does not wrinkle at these stretches, Pa.
+    pub least_hoop: f64,
+}
+
+/// Steps of the integration.
+const STEPS: usize = 400;
+
+impl Sheet {
+    /// Second Piola–Kirchhoff stress along a direction of stretch `own` beside the other, and its slope by `own`, Pa.
+    fn second(&self, own: f64, other: f64) -> [f64; 2] {
+        let [e, across] = [own, other].map(|stretch| 0.5 * (stretch * stretch - 1.0));
+        let plane = self.young / (1.0 - self.poisson * self.poisson);
+        let [least, most] = [e.min(across), e.max(across)];
+        if self.wrinkling && least + self.poisson * most < 0.0 {
+            return if own > other && own > 1.0 { [self.young * e, self.young * own] } else { [0.0; 2] };
+        }
+        [plane * (e + self.poisson * across), plane * own]
+    }
+
+    /// First Piola–Kirchhoff stress along one direction, Pa.
+    pub fn first(&self, own: f64, other: f64) -> f64 {
+        own * self.second(own, other)[0]
+    }
+
+    /// Energy per stress-free volume, J/m³.
+    fn energy(&self, stretch: [f64; 2]) -> f64 {
+        let [a, b] = stretch.map(|s| 0.5 * (s * s - 1.0));
+        0.5 * (a * self.second(stretch[0], stretch[1])[0] + b * self.second(stretch[1], stretch[0])[0])
+    }
+
+    /// The stretch that belongs to the first Piola–Kirchhoff stress `stress` (Pa) beside the stretch `other`.
+    fn stretch(&self, stress: f64, other: f64) -> f64 {
+        // Newton from above on a convex function.
+        let mut stretch = 2.0 + (2.0 * stress / self.young).abs().cbrt() + other;
+        for _ in 0..60 {
+            let [second, slope] = self.second(stretch, other);
+            let change = (stretch * second - stress) / (second + stretch * slope);
+            stretch -= change;
+            if change.abs() < 1e-15 * stretch {
+                break;
+            }
+        }
+        stretch
+    }
+
+    /// The film in the air: from `start` = [r, z, R P₁ cos φ, R P₁ sin φ] at the material radius `from` to `to`.
+    fn free(&self, shape: &mut Shape, start: [f64; 4], from: f64, to: f64, pressure: f64) -> [f64; 4] {
+        let slope = |at: f64, [r, _, along, up]: [f64; 4]| {
+            let pull = along.hypot(up);
+            let other = r / at;
+            let stretch = self.stretch(pull / at, other);
+            let [dr, dz] = [stretch * along / pull, stretch * up / pull];
+            let load = pressure * r / self.thickness;
+            [dr, dz, self.first(other, stretch) + load * dz, -load * dr]
+        };
+        let step = (to - from) / STEPS as f64;
+        let mut y = start;
+        for i in 0..=STEPS {
+            let at = from + step * i as f64;
+            let other = y[0] / at;
+            let stretch = self.stretch(y[2].hypot(y[3]) / at, other);
+            shape.add(self, at, [y[0], y[1]], [stretch, other]);
+            if i < STEPS {
+                y = runge_kutta(&slope, at, y, step);
+            }
+        }
+        shape.shear = y[3];
+        y
+    }
+
+    /// The film on a ball of radius `ball`, from the pole with the stretch `pole` to the material radius `edge`.
+    fn on_ball(&self, shape: &mut Shape, pole: f64, ball: f64, edge: f64) -> [f64; 4] {
+        let slope = |at: f64, [angle, pull]: [f64; 2]| {
+            let other = ball * angle.sin() / at;
+            let stretch = self.stretch(pull / at, other);
+            [stretch / ball, self.first(other, stretch) * angle.cos()]
+        };
+        let from = 1e-4 * edge;
+        let step = (edge - from) / STEPS as f64;
+        let mut y = [pole * from / ball, from * self.first(pole, pole)];
+        for i in 0..=STEPS {
+            let at = from + step * i as f64;
+            let other = ball * y[0].sin() / at;
+            let place = [ball * y[0].sin(), ball * (1.0 - y[0].cos())];
+            shape.add(self, at, place, [self.stretch(y[1] / at, other), other]);
+            if i < STEPS {
+                y = runge_kutta(&slope, at, y, step);
+            }
+        }
+        let [angle, pull] = y;
+        [ball * angle.sin(), ball * (1.0 - angle.cos()), pull * angle.cos(), pull * angle.sin()]
+    }
+
+    /// A circle of stress-free radius `radius` (m), clamped at the deformed radius `clamp` (m) under `pressure` (Pa).
+    /// Heights count from the clamp.
+    pub fn inflated(&self, radius: f64, clamp: f64, pressure: f64) -> Shape {
+        let from = 1e-4 * radius;
+        let at = |pole: f64| {
+            let mut shape = Shape::default();
+            let r = pole * from;
+            let start = [r, 0.0, from * self.first(pole, pole), -0.5 * pressure * r * r / self.thickness];
+            let end = self.free(&mut shape, start, from, radius, pressure);
+            (end[0] - clamp, shape)
+        };
+        let pole = 1.0 + root(|strain| at(1.0 + strain).0, 0.5);
+        at(pole).1.above_the_clamp()
+    }
+
+    /// The same circle under a frictionless ball of radius `ball` (m) that touches it up to the material radius `touch`.
+    pub fn touched(&self, radius: f64, clamp: f64, ball: f64, touch: f64) -> Shape {
+        let at = |pole: f64| {
+            let mut shape = Shape::default();
+            let edge = self.on_ball(&mut shape, pole, ball, touch);
+            let end = self.free(&mut shape, edge, touch, radius, 0.0);
+            (end[0] - clamp, shape)
+        };
+        let pole = 1.0 + root(|strain| at(1.0 + strain).0, 0.5);
+        at(pole).1.above_the_clamp()
+    }
+
+    /// The same with the ball's tip `depth` (m) below the clamp.
+    pub fn indented(&self, radius: f64, clamp: f64, ball: f64, depth: f64) -> Shape {
+        // A quarter of the ball's circumference, of film that is not shorter than it was.
+        let most = radius.min(1.5 * ball);
+        let touch = between(|touch| self.touched(radius, clamp, ball, touch).depth() - depth, 1e-3 * most, most);
+        let shape = self.touched(radius, clamp, ball, touch);
+        assert!((shape.depth() - depth).abs() < 1e-6 * depth, "the film is slack at {depth} m");
+        shape
+    }
+
+    /// A ring from the material radius `inner` to `outer` (m) whose edges are put at `[r, z]` each.
+    pub fn ring(&self, [inner, outer]: [f64; 2], edges: [[f64; 2]; 2]) -> Shape {
+        let at = |along: f64, up: f64| {
+            let mut shape = Shape::default();
+            let start = [edges[0][0], edges[0][1], along, up];
+            let end = self.free(&mut shape, start, inner, outer, 0.0);
+            ([end[0] - edges[1][0], end[1] - edges[1][1]], shape)
+        };
+        let run = edges[1][0] - edges[0][0];
+        let rise = edges[1][1] - edges[0][1];
+        let line = run.hypot(rise);
+        let pull = inner * self.first(line / (outer - inner), edges[0][0] / inner);
+        let (mut along, mut up) = (pull * run / line, pull * rise / line);
+        for _ in 0..30 {
+            let d = 1e-6 * pull;
+            let [a, b, c] = [at(along, up).0, at(along + d, up).0, at(along, up + d).0];
+            let [[j11, j12], [j21, j22]] = [0, 1].map(|i| [(b[i] - a[i]) / d, (c[i] - a[i]) / d]);
+            let determinant = j11 * j22 - j12 * j21;
+            along -= (j22 * a[0] - j12 * a[1]) / determinant;
+            up -= (j11 * a[1] - j21 * a[0]) / determinant;
+        }
+        let (off, shape) = at(along, up);
+        assert!(off[0].hypot(off[1]) < 1e-9 * outer, "the ring does not close: {off:?}");
+        shape
+    }
+}
+
+impl Shape {
+    fn add(&mut self, sheet: &Sheet, at: f64, place: [f64; 2], stretch: [f64; 2]) {
+        let hoop = Sheet { wrinkling: false, ..*sheet }.second(stretch[1], stretch[0])[0];
+        self.least_hoop = if self.material.is_empty() { hoop } else { self.least_hoop.min(hoop) };
+        if let (Some(before), Some(last)) = (self.material.last(), self.stretch.last()) {
+            let density = |stretch: [f64; 2], at: f64| sheet.energy(stretch) * at;
+            let mean = 0.5 * (density(*last, *before) + density(stretch, at));
+            self.energy += 2.0 * std::f64::consts::PI * sheet.thickness * mean * (at - before);
+        }
+        self.material.push(at);
+        self.place.push(place);
+        self.stretch.push(stretch);
+    }
+
+    fn above_the_clamp(mut self) -> Shape {
+        let clamp = self.place[self.place.len() - 1][1];
+        self.place.iter_mut().for_each(|p| p[1] -= clamp);
+        self
+    }
+
+    /// Distance of the pole from the plane of the clamp, m.
+    pub fn depth(&self) -> f64 {
+        self.place[0][1].abs()
+    }
+
+    /// Deformed radius and height of the material radius `at` (m), from a straight line between the integrated ones.
+    pub fn at(&self, at: f64) -> [f64; 2] {
+        let next = self.material.partition_point(|m| *m < at).clamp(1, self.material.len() - 1);
+        let [a, b] = [self.material[next - 1], self.material[next]];
+        let share = (at - a) / (b - a);
+        [0, 1].map(|i| self.place[next - 1][i] * (1.0 - share) + self.place[next][i] * share)
+    }
+}
+
+/// One step of the classical method of fourth order.
+fn runge_kutta<const N: usize>(
+    slope: &impl Fn(f64, [f64; N]) -> [f64; N],
+    at: f64,
+    y: [f64; N],
+    step: f64,
+) -> [f64; N] {
+    let moved = |by: f64, k: &[f64; N]| -> [f64; N] { std::array::from_fn(|i| y[i] + by * step * k[i]) };
+    let a = slope(at, y);
+    let b = slope(at + 0.5 * step, moved(0.5, &a));
+    let c = slope(at + 0.5 * step, moved(0.5, &b));
+    let d = slope(at + step, moved(1.0, &c));
+    std::array::from_fn(|i| y[i] + step / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
+}
+
+/// Where `f`, positive at `high`, becomes negative on the way to zero: bracketed by a geometric scan.
+pub fn root(f: impl Fn(f64) -> f64, high: f64) -> f64 {
+    let mut high = high;
+    let mut low = 0.9 * high;
+    while f(low) > 0.0 {
+        (high, low) = (low, 0.9 * low);
+        assert!(low > 1e-12, "no root");
+    }
+    between(f, low, high)
+}
+
+/// Where `f` becomes positive between `low` and `high`, by false position (Illinois), or by halves where that leaves the
+/// interval or `f` is no number.
+fn between(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    let [mut low, mut high] = [low, high].map(|x| (x, f(x)));
+    let (mut last, mut rose) = (f64::NAN, None);
+    loop {
+        let secant = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        let inside = secant > low.0 && secant < high.0;
+        let x = if inside { secant } else { 0.5 * (low.0 + high.0) };
+        if (x - last).abs() < 1e-13 * x || high.0 - low.0 < 1e-13 * high.0 {
+            return x;
+        }
+        last = x;
+        let y = f(x);
+        let positive = y > 0.0;
+        let again = rose == Some(positive);
+        rose = Some(positive);
+        if positive {
+            high = (x, y);
+            low.1 *= if again { 0.5 } else { 1.0 };
+        } else {
+            low = (x, y);
+            high.1 *= if again { 0.5 } else { 1.0 };
+        }
+    }
+}
