@@ -63,10 +63,6 @@ impl Contact {
         for film in films {
             near.nodes.extend((film.nodes.start as u32..film.nodes.end as u32).filter(|n| within(*n, skin)));
         }
-        if near.pieces.is_empty() {
-            // Elements may be met where no node is near; what goes through them needs a place.
-            near.pieces.push(0..0);
-        }
         self.normals.fill(Vector3::zeros());
         for film in films {
             film.for_each_intact(|corners| {
@@ -95,6 +91,10 @@ impl NearList {
         for film in films {
             let [first, end] = [film.nodes.start, film.nodes.end].map(|n| self.place(n));
             self.pieces.extend((first..end).step_by(PIECE).map(|from| from..end.min(from + PIECE)));
+        }
+        if self.pieces.is_empty() {
+            // Elements may be met where no node is near; what goes through them needs a place.
+            self.pieces.push(0..0);
         }
         // Corners of watched elements may lie outside the skin; what they get is accounted for like that of all others.
         let mut extra: Vec<u32> = self.watched.iter().flat_map(|element| element.corners).collect();
