@@ -24,6 +24,8 @@ pub struct OnePoint<const L: usize> {
     gradient: [[Lane<L>; 2]; 2],
     /// s₀ and s₁; zero in a parallelogram.
     skew: [Lane<L>; 2],
+    /// Whether one of the elements is none.
+    skewed: bool,
     /// Volume of stress-free film (all layers), m³; zero once broken.
     volume: Lane<L>,
     /// Largest strains so far.
@@ -53,14 +55,15 @@ struct Shape<const L: usize> {
 
 impl<const L: usize> OnePoint<L> {
     #[inline(always)]
-    fn shape(&self, x: &[Lane3<L>; 4]) -> Shape<L> {
+    fn shape<const SKEWED: bool>(&self, x: &[Lane3<L>; 4]) -> Shape<L> {
         let mut f = [[splat(0.0); 3]; 2];
         let mut q = [splat(0.0); 3];
         for axis in 0..3 {
             for l in 0..L {
                 let (first, second) = (x[0][axis][l] - x[2][axis][l], x[1][axis][l] - x[3][axis][l]);
                 let mode = 0.25 * ((x[0][axis][l] + x[2][axis][l]) - (x[1][axis][l] + x[3][axis][l]));
-                q[axis][l] = mode - (self.skew[0][l] * first + self.skew[1][l] * second);
+                let skewed = if SKEWED { self.skew[0][l] * first + self.skew[1][l] * second } else { 0.0 };
+                q[axis][l] = mode - skewed;
                 for fibre in 0..2 {
                     f[fibre][axis][l] = self.gradient[0][fibre][l] * first + self.gradient[1][fibre][l] * second;
                 }
@@ -77,6 +80,40 @@ impl<const L: usize> OnePoint<L> {
             }
         }
         Shape { deformation: Deformation { f, spread }, q, mean_square }
+    }
+
+    /// [`Block::forces`], of parallelograms alone or of any quadrilaterals.
+    #[inline(always)]
+    fn forces_of<M: MembraneLaw, const SKEWED: bool>(
+        &mut self,
+        law: &M,
+        x: &[Lane3<L>; 4],
+        out: &mut [Lane3<L>; 4],
+    ) -> bool {
+        let shape = self.shape::<SKEWED>(x);
+        let mut stress = law.stress(&shape.deformation, &mut self.peaks);
+        let h = shape.resist(&self.volume, &mut stress, stabilisation(law));
+        for axis in 0..3 {
+            for l in 0..L {
+                let (vp, vq) = (self.volume[l] * stress.p[0][axis][l], self.volume[l] * stress.p[1][axis][l]);
+                let mode = h[axis][l];
+                let skewed = |a: usize| if SKEWED { self.skew[a][l] * mode } else { 0.0 };
+                let first = self.gradient[0][0][l] * vp + self.gradient[0][1][l] * vq - skewed(0);
+                let second = self.gradient[1][0][l] * vp + self.gradient[1][1][l] * vq - skewed(1);
+                let quarter = 0.25 * mode;
+                out[0][axis][l] = -first - quarter;
+                out[1][axis][l] = quarter - second;
+                out[2][axis][l] = first - quarter;
+                out[3][axis][l] = quarter + second;
+            }
+        }
+        let limits = law.break_strains();
+        let mut past = false;
+        for l in 0..L {
+            let beyond = (self.peaks[0][l] > limits[0]) | (self.peaks[1][l] > limits[1]);
+            past |= (self.volume[l] > 0.0) & beyond;
+        }
+        past
     }
 }
 
@@ -121,6 +158,7 @@ impl<const L: usize> Block<4, L> for OnePoint<L> {
         OnePoint {
             gradient: [0, 1].map(|a| [0, 1].map(|i| all(&|e| e.gradient[a][i]))),
             skew: [0, 1].map(|a| all(&|e| e.skew[a])),
+            skewed: (0..L).any(|l| lane(l).0.skew != [0.0; 2]),
             volume: std::array::from_fn(|l| lane(l).1 * lane(l).0.area),
             peaks: [splat(0.0); 3],
         }
@@ -128,34 +166,13 @@ impl<const L: usize> Block<4, L> for OnePoint<L> {
 
     #[inline(always)]
     fn forces<M: MembraneLaw>(&mut self, law: &M, x: &[Lane3<L>; 4], out: &mut [Lane3<L>; 4]) -> bool {
-        let shape = self.shape(x);
-        let mut stress = law.stress(&shape.deformation, &mut self.peaks);
-        let h = shape.resist(&self.volume, &mut stress, stabilisation(law));
-        for axis in 0..3 {
-            for l in 0..L {
-                let (vp, vq) = (self.volume[l] * stress.p[0][axis][l], self.volume[l] * stress.p[1][axis][l]);
-                let mode = h[axis][l];
-                let first = self.gradient[0][0][l] * vp + self.gradient[0][1][l] * vq - self.skew[0][l] * mode;
-                let second = self.gradient[1][0][l] * vp + self.gradient[1][1][l] * vq - self.skew[1][l] * mode;
-                let quarter = 0.25 * mode;
-                out[0][axis][l] = -first - quarter;
-                out[1][axis][l] = quarter - second;
-                out[2][axis][l] = first - quarter;
-                out[3][axis][l] = quarter + second;
-            }
-        }
-        let limits = law.break_strains();
-        let mut past = false;
-        for l in 0..L {
-            let beyond = (self.peaks[0][l] > limits[0]) | (self.peaks[1][l] > limits[1]);
-            past |= (self.volume[l] > 0.0) & beyond;
-        }
-        past
+        // Structured meshes are made of parallelograms, and theirs is the hot path.
+        if self.skewed { self.forces_of::<M, true>(law, x, out) } else { self.forces_of::<M, false>(law, x, out) }
     }
 
     #[inline(always)]
     fn energies<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; 4]) -> BlockEnergies<L> {
-        let shape = self.shape(x);
+        let shape = self.shape::<true>(x);
         let energy = law.energy(&shape.deformation, &self.peaks);
         let stabilisation = stabilisation(law);
         let f = &shape.deformation.f;
@@ -172,7 +189,7 @@ impl<const L: usize> Block<4, L> for OnePoint<L> {
 
     #[inline(always)]
     fn stiffness<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; 4]) -> Lane<L> {
-        let shape = self.shape(x);
+        let shape = self.shape::<true>(x);
         let f = &shape.deformation.f;
         let mut g = [[splat(0.0); 2]; 2];
         let mut modes = splat::<L>(0.0);
@@ -200,7 +217,7 @@ impl<const L: usize> Block<4, L> for OnePoint<L> {
 
     #[inline(always)]
     fn strains(&self, x: &[Lane3<L>; 4]) -> BlockStrains<L> {
-        let s = strains(&self.shape(x).deformation);
+        let s = strains(&self.shape::<true>(x).deformation);
         BlockStrains { strain: [s.md, s.td, s.shear], peak: [self.peaks[0], self.peaks[1]] }
     }
 

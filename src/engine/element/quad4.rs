@@ -9,6 +9,9 @@ const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.
 /// Signs of the hourglass mode ξη at the nodes.
 const MODE: [f64; 4] = [1.0, -1.0, 1.0, -1.0];
 
+/// Skew below which an element counts as a parallelogram.
+const ROUNDING: f64 = 1e-12;
+
 /// Bilinear map at one natural point.
 struct Map {
     /// ∂N_a/∂X_I.
@@ -43,6 +46,8 @@ pub(super) fn one_point(x: &[[f64; 2]; 4]) -> OnePointElement {
     }
     let [first, second, ..] = centre.gradient;
     let skew = [first, second].map(|b| 0.25 * (lever[0] * b[0] + lever[1] * b[1]));
+    // What is a parallelogram but for the rounding of its coordinates is one.
+    let skew = skew.map(|s| if s.abs() < ROUNDING { 0.0 } else { s });
     OnePointElement { gradient: [first, second], skew, area: 4.0 * centre.determinant }
 }
 
