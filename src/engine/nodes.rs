@@ -28,8 +28,8 @@ pub struct Nodes {
     pub mass: Vec<f64>,
     /// 1/kg.
     inverse_mass: Vec<f64>,
-    /// Directions of each node that are held or prescribed, a bit an axis.
-    held: Vec<u8>,
+    /// Velocity per impulse along each axis, 1/kg; zero along directions that are held or prescribed.
+    mobility: Vectors,
     /// Nodes that are held along an axis or more, in order.
     constrained: Vec<u32>,
 }
@@ -82,13 +82,11 @@ impl Vectors {
         (0..3).for_each(|axis| self.axes[axis][node] += vector[axis]);
     }
 
-    /// The vectors at some nodes, a lane each.
+    /// The vectors at some nodes of rising numbers, a lane each.
     #[inline(always)]
     pub(super) fn gather(&self, nodes: &[u32; LANES]) -> Lane3 {
-        if let Some(row) = row(nodes) {
-            return [0, 1, 2].map(|axis| lanes(&self.axes[axis][row.clone()]));
-        }
-        [0, 1, 2].map(|axis| nodes.map(|n| self.axes[axis][n as usize]))
+        let [x, y, z] = &self.axes;
+        [gather(x, nodes), gather(y, nodes), gather(z, nodes)]
     }
 
     /// The vectors of all nodes.
@@ -147,7 +145,7 @@ impl Nodes {
         self.force.resize(count);
         self.mass.extend_from_slice(masses);
         self.inverse_mass.extend(masses.iter().map(|mass| 1.0 / mass));
-        self.held.resize(count, 0);
+        self.mobility.extend(masses.iter().map(|mass| [1.0 / mass; 3]));
     }
 
     /// Position of one node.
@@ -162,10 +160,15 @@ impl Nodes {
         Vector3::from(self.velocity.at(node))
     }
 
+    /// Velocity per impulse, 1/kg; zero along directions that are held or prescribed.
+    pub(super) fn mobility(&self) -> &Vectors {
+        &self.mobility
+    }
+
     /// Whether a node is held in every direction.
     #[inline]
     pub fn is_held(&self, node: usize) -> bool {
-        self.held[node] == ALL
+        self.mobility.at(node) == [0.0; 3]
     }
 
     /// Sets all forces to zero, as a step finds them.
@@ -178,8 +181,7 @@ impl Nodes {
         Met {
             position: self.position.axes.each_mut().map(|axis| Disjoint::new(axis)),
             velocity: self.velocity.axes.each_mut().map(|axis| Disjoint::new(axis)),
-            inverse_mass: &self.inverse_mass,
-            held: &self.held,
+            mobility: &self.mobility,
         }
     }
 
@@ -191,9 +193,9 @@ impl Nodes {
 
     /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
-        let Nodes { position, velocity, force, mass, inverse_mass, held, constrained } = self;
-        let vectors = position.bytes() + velocity.bytes() + force.bytes();
-        vectors + bytes(mass) + bytes(inverse_mass) + bytes(held) + bytes(constrained)
+        let Nodes { position, velocity, force, mass, inverse_mass, mobility, constrained } = self;
+        let vectors = position.bytes() + velocity.bytes() + force.bytes() + mobility.bytes();
+        vectors + bytes(mass) + bytes(inverse_mass) + bytes(constrained)
     }
 
     /// Sum of the forces along x on some nodes, N.
@@ -203,15 +205,23 @@ impl Nodes {
 
     /// Holds some nodes along the marked axes: they keep the velocity they have.
     pub fn hold(&mut self, nodes: impl IntoIterator<Item = usize>, axes: [bool; 3]) {
-        let mask = (0..3).filter(|axis| axes[*axis]).fold(0, |mask, axis| mask | 1 << axis);
-        nodes.into_iter().for_each(|n| self.held[n] |= mask);
-        let constrained = (0..self.held.len()).filter(|n| self.held[*n] != 0);
+        for n in nodes {
+            let free = self.mobility.at(n);
+            self.mobility.set(n, [0, 1, 2].map(|axis| if axes[axis] { 0.0 } else { free[axis] }));
+        }
+        let constrained = (0..self.mass.len()).filter(|n| self.mobility.at(*n).contains(&0.0));
         self.constrained = constrained.map(|n| n as u32).collect();
     }
 }
 
-/// All three axes held.
-const ALL: u8 = 0b111;
+/// Values at some nodes, a lane each.
+#[inline(always)]
+pub(super) fn gather(values: &[f64], nodes: &[u32; LANES]) -> Lane {
+    match row(nodes) {
+        Some(row) => lanes(&values[row]),
+        None => nodes.map(|n| values[n as usize]),
+    }
+}
 
 /// The range of nodes that some make up, if they do; their numbers rise.
 #[inline(always)]
@@ -227,19 +237,11 @@ fn lanes(values: &[f64]) -> Lane {
     out
 }
 
-/// Velocity per impulse along each axis, 1/kg; zero where a node is held.
-#[inline(always)]
-fn mobility(free: f64, held: u8) -> [f64; 3] {
-    let along = |axis: u8| if held & (1 << axis) == 0 { free } else { 0.0 };
-    [along(0), along(1), along(2)]
-}
-
 /// The nodes as several threads push them after they were moved, each its own.
 pub(super) struct Met<'a> {
     position: [Disjoint<'a, f64>; 3],
     velocity: [Disjoint<'a, f64>; 3],
-    inverse_mass: &'a [f64],
-    held: &'a [u8],
+    mobility: &'a Vectors,
 }
 
 impl Met<'_> {
@@ -259,13 +261,12 @@ impl Met<'_> {
             }
             return after;
         };
-        let (free, held) = (lanes(&self.inverse_mass[row.clone()]), &self.held[row.clone()]);
+        let mobility = self.mobility.range(row.clone());
         for axis in 0..3 {
             // SAFETY: as above.
             let (x, v) = unsafe { (self.position[axis].range(row.clone()), self.velocity[axis].range(row.clone())) };
             for l in 0..LANES {
-                let mobility = if held[l] & (1 << axis) == 0 { free[l] } else { 0.0 };
-                let change = impulse[axis][l] * mobility;
+                let change = impulse[axis][l] * mobility[axis][l];
                 x[l] += change * dt;
                 v[l] += change;
             }
@@ -280,7 +281,7 @@ impl Met<'_> {
     /// No other thread may be at work on this node.
     #[inline(always)]
     pub(super) unsafe fn push(&self, node: usize, impulse: &[f64; 3], dt: f64) -> [f64; 3] {
-        let mobility = mobility(self.inverse_mass[node], self.held[node]);
+        let mobility = self.mobility.at(node);
         let mut after = [0.0; 3];
         for axis in 0..3 {
             let change = impulse[axis] * mobility[axis];
@@ -329,7 +330,7 @@ pub(super) struct Moving<'a> {
     force: [Disjoint<'a, f64>; 3],
     mass: &'a [f64],
     inverse_mass: &'a [f64],
-    held: &'a [u8],
+    mobility: &'a Vectors,
     constrained: &'a [u32],
     kick: Kick,
     dt: f64,
@@ -361,7 +362,7 @@ impl Nodes {
             force: self.force.axes.each_mut().map(|axis| Disjoint::new(axis)),
             mass: &self.mass,
             inverse_mass: &self.inverse_mass,
-            held: &self.held,
+            mobility: &self.mobility,
             constrained: &self.constrained,
             kick,
             dt,
@@ -412,7 +413,8 @@ impl Moving<'_> {
         let from = self.constrained.partition_point(|n| (*n as usize) < some.start);
         for &n in self.constrained[from..].iter().take_while(|n| (**n as usize) < some.end) {
             let (n, at) = (n as usize, n as usize - some.start);
-            for axis in (0..3).filter(|axis| self.held[n] & (1 << axis) != 0) {
+            let free = self.mobility.at(n);
+            for axis in (0..3).filter(|axis| free[*axis] == 0.0) {
                 let of = &mut axes[axis];
                 of.force[at] = -of.field * self.mass[n];
                 if self.kick.keep != 1.0 {

@@ -6,7 +6,7 @@ use super::Impulse;
 use super::search::Surface;
 use super::tally::{LaneTally, Tally};
 use crate::engine::footprint::bytes;
-use crate::engine::nodes::{Met, Nodes, Vectors};
+use crate::engine::nodes::{Met, Nodes, Vectors, gather};
 use crate::engine::rigid_body::{Gathered, RigidBody};
 use crate::engine::team::Disjoint;
 use crate::lane::{LANES, Lane, Lane3, at_width, cross, dot, larger, splat};
@@ -111,16 +111,17 @@ fn find_lanewise(at: &Looking<'_>, near: &[u32], piece: &mut Piece) {
     for group in near.chunks(LANES) {
         let nodes: [u32; LANES] = std::array::from_fn(|l| group[l.min(group.len() - 1)]);
         let mut arm = at.nodes.position.gather(&nodes);
-        let (mut reach, mut offset): (Lane, Lane) = (splat(0.0), splat(0.0));
-        for l in 0..LANES {
-            offset[l] = at.offset[nodes[l] as usize];
-            reach[l] = at.surface.reach() + offset[l];
-            (0..3).for_each(|axis| arm[axis][l] -= centre[axis]);
+        let offset = gather(at.offset, &nodes);
+        for axis in 0..3 {
+            for l in 0..LANES {
+                arm[axis][l] -= centre[axis];
+            }
         }
         let squared = dot(&arm, &arm);
         let mut close = splat(0.0);
         for l in 0..LANES {
-            close[l] = if squared[l] <= reach[l] * reach[l] { 1.0 } else { 0.0 };
+            let reach = at.surface.reach() + offset[l];
+            close[l] = if squared[l] <= reach * reach { 1.0 } else { 0.0 };
         }
         close[group.len()..].fill(0.0);
         if close == splat(0.0) {
@@ -129,14 +130,12 @@ fn find_lanewise(at: &Looking<'_>, near: &[u32], piece: &mut Piece) {
         let (gap, normal) = at.surface.touch_lanes(&at.body.pose, &arm, &close);
         keep_normals(at, &nodes, &normal, &close);
         let block = &mut piece.touching[piece.count];
-        for l in 0..LANES {
-            let node = nodes[l] as usize;
-            block.mass[l] = at.nodes.mass[node];
-            block.touches[l] = if at.nodes.is_held(node) { 0.0 } else { close[l] };
-        }
+        block.mass = gather(&at.nodes.mass, &nodes);
+        let free = at.nodes.mobility().gather(&nodes);
         for l in 0..LANES {
             let deep = gap[l] - offset[l];
-            block.touches[l] = if deep < 0.0 { block.touches[l] } else { 0.0 };
+            let inside = (deep < 0.0) & (free[0][l] + free[1][l] + free[2][l] > 0.0);
+            block.touches[l] = if inside { close[l] } else { 0.0 };
             block.lack[l] = -deep * at.per_second;
         }
         if block.touches == splat(0.0) {
@@ -158,7 +157,7 @@ fn find_lanewise(at: &Looking<'_>, near: &[u32], piece: &mut Piece) {
                 block.slip[axis][l] -= normal[axis][l] * along[l];
             }
         }
-        gather(at, block, &mut sums, &mut piece.gathered);
+        resist(at, block, &mut sums, &mut piece.gathered);
         piece.count += 1;
     }
     let [mass, momentum] = sums.map(|lanes| lanes.iter().sum());
@@ -177,7 +176,7 @@ fn keep_normals(at: &Looking<'_>, nodes: &[u32; LANES], normal: &Lane3, close: &
 /// What touching film adds to the body's own equations of motion: to `sums` of mass and momentum along z for a guided
 /// one, else to `gathered`.
 #[inline(always)]
-fn gather(at: &Looking<'_>, block: &Touching, sums: &mut [Lane; 2], gathered: &mut Gathered) {
+fn resist(at: &Looking<'_>, block: &Touching, sums: &mut [Lane; 2], gathered: &mut Gathered) {
     let (stopped, sticks) = stopping(&block.slip, &block.lack, at.friction);
     let mut mass: Lane = splat(0.0);
     for l in 0..LANES {
