@@ -27,7 +27,7 @@ pub struct Film {
     /// Thickness of all layers, m.
     pub thickness: f64,
     /// Which of all nodes are this face's; elements count theirs from the first of them.
-    pub nodes: Range<usize>,
+    pub(crate) nodes: Range<usize>,
     chunks: Vec<Chunk>,
     /// Number of colours.
     colours: usize,
@@ -354,10 +354,14 @@ fn colour(chunks: &mut [Chunk], nodes: usize) -> usize {
     for chunk in chunks {
         let mut around = 0;
         chunk.for_each_node(|n| around |= taken[n]);
-        chunk.colour = around.trailing_ones() as usize;
-        assert!(chunk.colour < 64, "a chunk of film meets too many others");
-        chunk.for_each_node(|n| taken[n] |= 1 << chunk.colour);
+        let free = around.trailing_ones() as usize;
+        // A mesh whose elements come in any order can need more than the mask holds: then a chunk gets a colour to itself.
+        chunk.colour = if free < MASK { free } else { colours.max(MASK) };
+        chunk.for_each_node(|n| taken[n] |= 1_u64.checked_shl(chunk.colour as u32).unwrap_or(0));
         colours = colours.max(chunk.colour + 1);
     }
     colours
 }
+
+/// Colours that a mask can tell apart.
+const MASK: usize = u64::BITS as usize;

@@ -1,7 +1,8 @@
 //! Explicit dynamics of films that meet a rigid impactor or are pulled by jaws.
 //!
-//! [`Engine::step`] advances by one central-difference step: forces of the elements, kick, contact, drift
-//! (theory.md, section 4). Whoever wants signals or pictures brings an [`Observer`], which is shown a read-only [`View`].
+//! [`Engine::step`] advances by one central-difference step: forces of the elements, kick and drift of the nodes,
+//! contact, drift of the body (theory.md, section 4). Whoever wants signals or pictures brings an [`Observer`], which is
+//! shown a read-only [`View`].
 
 mod contact;
 mod element;
@@ -155,7 +156,13 @@ pub enum Fault {
 
 impl Engine {
     /// An engine at rest at time zero, worked on by one thread; `impact` is the impactor, if any.
+    ///
+    /// # Panics
+    /// Where `films` are not those that were mounted on `nodes`, in their order.
     pub fn new(films: Vec<Film>, nodes: Nodes, impact: Option<Impact>, drive: Drive) -> Engine {
+        let ends = films.iter().map(|film| film.nodes.end);
+        let begins = films.iter().map(|film| film.nodes.start).chain([nodes.mass.len()]);
+        assert!(begins.eq(std::iter::once(0).chain(ends)), "films follow each other on their nodes");
         let colours = films.iter().map(Film::colours).max().unwrap_or(0);
         let of_colour = |colour: usize| {
             let of_film =

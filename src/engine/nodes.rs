@@ -82,7 +82,7 @@ impl Vectors {
         (0..3).for_each(|axis| self.axes[axis][node] += vector[axis]);
     }
 
-    /// The vectors at some nodes of rising numbers, a lane each.
+    /// The vectors at some nodes, a lane each.
     #[inline(always)]
     pub(super) fn gather(&self, nodes: &[u32; LANES]) -> Lane3 {
         let [x, y, z] = &self.axes;
@@ -223,11 +223,15 @@ pub(super) fn gather(values: &[f64], nodes: &[u32; LANES]) -> Lane {
     }
 }
 
-/// The range of nodes that some make up, if they do; their numbers rise.
+/// The range of nodes that some make up, if they do. A group that is filled up with its last node is none.
 #[inline(always)]
 fn row(nodes: &[u32; LANES]) -> Option<Range<usize>> {
+    let mut follow = true;
+    for l in 0..LANES {
+        follow &= nodes[l] == nodes[0] + l as u32;
+    }
     let first = nodes[0] as usize;
-    (nodes[LANES - 1] as usize == first + LANES - 1).then_some(first..first + LANES)
+    follow.then_some(first..first + LANES)
 }
 
 #[inline(always)]
@@ -245,7 +249,7 @@ pub(super) struct Met<'a> {
 }
 
 impl Met<'_> {
-    /// Gives nodes of rising numbers `impulse` (N s) where `given` is one, zero elsewhere, and moves them on by what that
+    /// Gives nodes, each named once but for those that get nothing, `impulse` (N s) where `given` is one, zero elsewhere, and moves them on by what that
     /// changes in `dt` (s); returns their velocities.
     ///
     /// # Safety
@@ -493,4 +497,45 @@ fn damp_axis(
         force[n] = 0.0;
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows are read as rows; gaps, fill and other orders lane by lane.
+    #[test]
+    fn lanes_hold_the_nodes_that_were_asked_for() {
+        let values: Vec<f64> = (0..60).map(f64::from).collect();
+        let cases: [[u32; LANES]; 4] = [
+            [8, 9, 10, 11, 12, 13, 14, 15],
+            [36, 42, 43, 43, 43, 43, 43, 43],
+            [5, 5, 5, 5, 5, 5, 5, 5],
+            [0, 2, 1, 3, 4, 5, 6, 7],
+        ];
+        for nodes in cases {
+            assert_eq!(gather(&values, &nodes), nodes.map(f64::from));
+        }
+    }
+
+    #[test]
+    fn only_those_given_momentum_move() {
+        for group in [[8, 9, 10, 11, 12, 13, 14, 15], [36, 42, 43, 43, 43, 43, 43, 43]] {
+            let mut nodes = Nodes::default();
+            nodes.extend((0..60).map(|n| [f64::from(n), 0.0, 0.0]), &[2.0; 60]);
+            nodes.hold([42], [true, false, false]);
+            let mut given = splat(0.0);
+            (0..3).for_each(|l| given[l] = 1.0);
+            let impulse = [given.map(|g| 4.0 * g), given.map(|g| 6.0 * g), splat(0.0)];
+            // SAFETY: there is one thread.
+            unsafe { nodes.met().push_lanes(&group, &given, &impulse, 0.5) };
+            for n in 0..60 {
+                let pushed = group[..3].contains(&(n as u32));
+                let along_x = if pushed && n != 42 { 2.0 } else { 0.0 };
+                let along_y = if pushed { 3.0 } else { 0.0 };
+                assert_eq!(nodes.velocity.at(n), [along_x, along_y, 0.0], "node {n}");
+                assert_eq!(nodes.position.at(n), [n as f64 + 0.5 * along_x, 0.5 * along_y, 0.0], "node {n}");
+            }
+        }
+    }
 }

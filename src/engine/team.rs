@@ -49,6 +49,8 @@ struct Board {
     at_work: AtomicUsize,
     asleep: Vec<AtomicBool>,
     dissolved: AtomicBool,
+    /// Whether a task is going on.
+    leading: AtomicBool,
     /// A part panicked in a member.
     failed: AtomicBool,
 }
@@ -70,21 +72,24 @@ impl Team {
             at_work: AtomicUsize::new(0),
             asleep: (0..others).map(|_| AtomicBool::new(false)).collect(),
             dissolved: AtomicBool::new(false),
+            leading: AtomicBool::new(false),
             failed: AtomicBool::new(false),
         });
         let member = |number: usize| {
             let board = Arc::clone(&board);
-            let handle = std::thread::spawn(move || board.serve(number));
-            (handle.thread().clone(), Some(handle))
+            let thread = std::thread::Builder::new().name(format!("film {number}"));
+            // Where the system gives no more threads, those that there are do the work.
+            let handle = thread.spawn(move || board.serve(number)).ok()?;
+            Some((handle.thread().clone(), Some(handle)))
         };
-        let members = (1..=others).map(member).collect();
+        let members = (1..=others).map_while(member).collect();
         Team { width: Width::best(), board, members }
     }
 
-    /// The same team with other vector instructions.
+    /// The same team with other vector instructions, as far as the processor has them.
     pub fn at_width(self, width: Width) -> Team {
         let mut team = self;
-        team.width = width;
+        team.width = if width as u8 <= Width::best() as u8 { width } else { Width::best() };
         team
     }
 
@@ -99,6 +104,9 @@ impl Team {
     }
 
     /// Runs `work` once for each number below `count`; comes back when all are done.
+    ///
+    /// # Panics
+    /// Where a part does, and where a task is still going on: a part cannot set another one.
     pub fn each(&self, count: usize, work: impl Fn(usize) + Sync) {
         if self.members.is_empty() || count < 2 {
             return (0..count).for_each(work);
@@ -109,7 +117,8 @@ impl Team {
             std::mem::transmute::<*const (dyn Fn(usize) + Sync + '_), *const (dyn Fn(usize) + Sync + 'static)>(work)
         };
         let board = &*self.board;
-        // SAFETY: the gate is closed and nobody is at work, so nobody looks.
+        assert!(!board.leading.swap(true, Ordering::SeqCst), "a team works on one task at a time");
+        // SAFETY: there is one leader, the gate is closed and nobody is at work: nobody looks.
         unsafe { *board.task.get() = Some(Task { work, count }) };
         for (share, next) in board.next.iter().enumerate() {
             next.0.store(board.share(share, count).start, Ordering::Relaxed);
@@ -138,6 +147,7 @@ impl Drop for Close<'_> {
         while self.0.at_work.load(Ordering::SeqCst) > 0 {
             wait(&mut looks);
         }
+        self.0.leading.store(false, Ordering::SeqCst);
     }
 }
 
@@ -292,7 +302,8 @@ mod tests {
         for _ in 0..1000 {
             team.each(64, |_| {
                 std::thread::sleep(std::time::Duration::from_micros(20));
-                assert!(std::thread::current().name().is_some(), "a part of a member");
+                let member = std::thread::current().name().is_some_and(|name| name.starts_with("film"));
+                assert!(!member, "a part of a member");
             });
         }
         panic!("a part was never taken by the member");

@@ -125,10 +125,11 @@ fn find_lanewise(at: &Looking<'_>, near: &[u32], piece: &mut Piece) {
         }
         close[group.len()..].fill(0.0);
         if close == splat(0.0) {
+            keep_normals(at, group, &[splat(0.0); 3], &close);
             continue;
         }
         let (gap, normal) = at.surface.touch_lanes(&at.body.pose, &arm, &close);
-        keep_normals(at, &nodes, &normal, &close);
+        keep_normals(at, group, &normal, &close);
         let block = &mut piece.touching[piece.count];
         block.mass = gather(&at.nodes.mass, &nodes);
         let free = at.nodes.mobility().gather(&nodes);
@@ -164,12 +165,14 @@ fn find_lanewise(at: &Looking<'_>, near: &[u32], piece: &mut Piece) {
     piece.gathered.add_along_z(mass, momentum);
 }
 
+/// Keeps the normals at a group of nodes, zero where they are not close.
 #[inline(always)]
-fn keep_normals(at: &Looking<'_>, nodes: &[u32; LANES], normal: &Lane3, close: &Lane) {
+fn keep_normals(at: &Looking<'_>, group: &[u32], normal: &Lane3, close: &Lane) {
     let Some(normals) = &at.normals else { return };
-    for l in (0..LANES).filter(|l| close[*l] > 0.0) {
+    for (l, n) in group.iter().enumerate() {
+        let seen = if close[l] > 0.0 { [0, 1, 2].map(|axis| normal[axis][l]) } else { [0.0; 3] };
         // SAFETY: a node is listed once.
-        unsafe { *normals.at(nodes[l] as usize) = Vector3::new(normal[0][l], normal[1][l], normal[2][l]) };
+        unsafe { *normals.at(*n as usize) = seen.into() };
     }
 }
 
