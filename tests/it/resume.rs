@@ -107,9 +107,10 @@ fn a_checkpoint_is_refused_by_any_other_run() {
     let bench = bench();
     killed_after_a_checkpoint(bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     for (changed, expected) in [
-        ("layers.count=9", "its scenario says `count = 8` where this one says `count = 9`"),
-        ("specimen.material.density=916", "its scenario says `density"),
-        ("output.frames=100", "its scenario says `frames"),
+        ("layers.count=9", "there `layers.count` is 8, here it is 9"),
+        ("specimen.material.density=916", "there `specimen.material.density` is \""),
+        ("output.frames=100", "`output.frames`"),
+        ("solver.step_factor=0.5", "`solver.step_factor`"),
     ] {
         let output = run(bench.path(), &[&SLOW[..], &["--resume", "--set", changed]].concat());
         assert_eq!(output.status.code(), Some(2), "{changed}");
