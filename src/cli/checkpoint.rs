@@ -185,9 +185,7 @@ impl Keeper {
             let stamp = postcard::to_allocvec(&self.stamp).map_err(io::Error::other)?;
             out.write_all(&(stamp.len() as u64).to_le_bytes())?;
             out.write_all(&stamp)?;
-            let mut out = Remembering { out, error: None };
-            let written = postcard::to_io(checkpoint, &mut out).map(drop);
-            written.map_err(|error| out.error.unwrap_or_else(|| io::Error::other(error)))
+            serialise(checkpoint, out)
         });
         put.map_err(|error| storing(&error))
     }
@@ -303,15 +301,11 @@ struct Remembering<'a> {
 
 impl Write for Remembering<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.out.write(bytes).map_err(|error| {
-            let kind = error.kind();
-            self.error = Some(error);
-            kind.into()
-        })
+        self.out.write(bytes).map_err(|error| keep(&mut self.error, error))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
+        self.out.flush().map_err(|error| keep(&mut self.error, error))
     }
 }
 
@@ -320,6 +314,12 @@ mod tests {
     use super::*;
 
     #[test]
+fn serialise(value: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
+    let mut out = Remembering { out, error: None };
+    let written = postcard::to_io(value, &mut out).map(drop);
+    written.map_err(|error| out.error.unwrap_or_else(|| io::Error::other(error)))
+}
+
     fn an_interval_is_a_simulated_time() {
         for (text, expected) in [("5 ms", 0.005), ("0.25", 0.25), ("1e-3 s", 0.001)] {
             assert_eq!(interval(text).unwrap(), expected);
@@ -340,10 +340,39 @@ mod tests {
     fn a_mesh_counts_with_what_its_file_holds() {
         let folder = tempfile::tempdir().unwrap();
         let (path, moved) = (folder.path().join("a.stl"), folder.path().join("b.stl"));
+fn keep(place: &mut Option<io::Error>, error: io::Error) -> io::Error {
+    let kind = error.kind();
+    *place = Some(error);
+    kind.into()
+}
+
         fs::write(&path, "solid film").unwrap();
         let before = content(&path).unwrap();
         fs::rename(&path, &moved).unwrap();
         assert_eq!(content(&moved).unwrap(), before);
+    /// A disk that is full when a write, or only the flush, reaches it.
+    struct Full {
+        at_once: bool,
+    }
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if self.at_once { Err(io::Error::other("no space left")) } else { Ok(bytes.len()) }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Err(io::Error::other("no space left"))
+        }
+    }
+
+    #[test]
+    fn the_disk_s_own_error_is_told() {
+        for at_once in [true, false] {
+            let error = serialise(&[1.0, 2.0], &mut Full { at_once }).unwrap_err();
+            assert_eq!(error.to_string(), "no space left");
+        }
+    }
+
         fs::write(&moved, "solid Film").unwrap();
         assert_ne!(content(&moved).unwrap(), before);
         assert!(content(&path).is_err());

@@ -135,13 +135,22 @@ impl Job {
         };
         let mut keep = |checkpoint: &Checkpoint<'_>| {
             if let Some(mistake) = self.keeper.as_ref().and_then(|keeper| keeper.keep(checkpoint).err()) {
-                bar.complain(&mistake.hint("the run goes on; its last whole checkpoint stays"));
+                // A full disk stays full: once is enough.
+                if lost == 0 {
+                    bar.complain(&mistake.hint("the run goes on; its last whole checkpoint stays"));
+                }
+                lost += 1;
             }
         };
         let checkpoints = every.map(|every| Checkpoints { every, keep: &mut keep });
-        Ok(simulate::run_in(model, Manner { saved, checkpoints, team: None }, &mut progress))
+        let outcome = simulate::run_in(model, Manner { saved, checkpoints, team: None }, &mut progress);
+        if lost > 1 {
+            bar.complain(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));
+        }
+        Ok(outcome)
     }
 
+        let mut lost = 0_usize;
     fn keep(&self, outcome: &Outcome) -> Result<Done, (u8, Diagnostic)> {
         let model = &self.checked.model;
         let results =
