@@ -132,6 +132,7 @@ impl Job {
             if let Some(left) = forecast.look(&progress, bar.elapsed()) {
                 bar.note(&left.told(model, every.is_some()));
             }
+            bar.start_at(index, saved.time() / model.run_time());
         };
         let mut keep = |checkpoint: &Checkpoint<'_>| {
             if let Some(mistake) = self.keeper.as_ref().and_then(|keeper| keeper.keep(checkpoint).err()) {
