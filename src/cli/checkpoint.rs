@@ -43,6 +43,8 @@ pub struct Wish {
     pub every: Option<f64>,
     /// Whether to go on from the newest.
     pub resume: bool,
+    /// Whether a run that has none to go on from starts from its beginning.
+    pub or_start: bool,
 }
 
 /// The checkpoints of one run.
@@ -66,6 +68,11 @@ struct Stamp {
     scenario: String,
     /// Everything that decides the run's bits.
     run: String,
+}
+
+/// Whether the run whose results go to `place` left checkpoints, whole or not.
+pub fn are_beside(place: &Path) -> bool {
+    !Shelf::beside(place).checkpoints().is_empty()
 }
 
 /// The interval that `--checkpoint-every` gives, s.
@@ -93,7 +100,7 @@ impl Keeper {
     /// An interval in which the run is over, checkpoints that would be lost, no checkpoint to go on from, or one of another
     /// run.
     pub fn new(wish: Wish, checked: &Checked, place: &Path) -> Result<Option<Keeper>, Diagnostic> {
-        let Wish { every, resume } = wish;
+        let Wish { every, resume, or_start } = wish;
         if every.is_none() && !resume {
             return Ok(None);
         }
@@ -108,7 +115,9 @@ impl Keeper {
         let run = identity(model).map_err(|error| Diagnostic::new(format!("{}: {error}", model.name)))?;
         let stamp = Stamp { version: VERSION.into(), every, scenario: checked.document.resolved(), run };
         let mut keeper = Keeper { shelf, stamp, start: None, notes: vec![] };
-        if resume {
+        if or_start && keeper.shelf.checkpoints().is_empty() {
+            keeper.start_anew(&model.name, place);
+        } else if resume {
             keeper.find_start(&model.name)?
         } else {
             keeper.refuse_to_overwrite(&model.name)?
@@ -119,6 +128,22 @@ impl Keeper {
     /// Simulated time between two checkpoints, s.
     pub fn every(&self) -> Option<f64> {
         self.stamp.every
+    }
+
+    /// The same interval as another run of the command has, where none was asked for and checkpoints fall into the
+    /// `duration` (s) of this one.
+    pub fn keep_as_others(&mut self, every: f64, duration: f64) {
+        self.stamp.every = self.stamp.every.or(Some(every).filter(|every| *every < duration));
+    }
+
+    fn start_anew(&mut self, name: &str, place: &Path) {
+        let folder = shown_path(self.shelf.path());
+        let replaced = if place.exists() {
+            format!("; its results in {} will be replaced: leave it out to keep them", shown_path(place))
+        } else {
+            String::new()
+        };
+        self.notes.push(format!("{name} starts from its beginning: there is no checkpoint in {folder}{replaced}"));
     }
 
     fn refuse_to_overwrite(&self, name: &str) -> Result<(), Diagnostic> {
@@ -215,29 +240,6 @@ impl Stamp {
     }
 }
 
-fn read_stamp(file: &mut impl Read) -> io::Result<Stamp> {
-    let mut magic = [0; MAGIC.len()];
-    file.read_exact(&mut magic)?;
-    if magic != *MAGIC {
-        return Err(io::Error::other(LAID_OUT));
-    }
-    let mut length = [0; 8];
-    file.read_exact(&mut length)?;
-    let mut stamp = Vec::new();
-    file.take(u64::from_le_bytes(length)).read_to_end(&mut stamp)?;
-    postcard::from_bytes(&stamp).map_err(io::Error::other)
-}
-
-/// Everything that decides a run's bits, as text: the checked model, with meshes by what their files hold. Title, reference
-/// and post script are left out: they are read after the run.
-fn identity(model: &Model) -> io::Result<String> {
-    let Model { name: _, title: _, specimen, faces, frame, impactor, loading, solver, output, reference: _, post: _ } =
-        model;
-    let (mut specimen, mut impactor) = (specimen.clone(), impactor.clone());
-    if let Shape::Mesh(path) = &mut specimen.shape {
-        *path = content(path)?;
-    }
-    if let Some(ImpactorShape::Mesh(path)) = impactor.as_mut().map(|impactor| &mut impactor.shape) {
 /// The keys in which the resolved scenario of a checkpoint, `then`, and that of a run, `now`, differ, as told to the user.
 fn differences(then: &str, now: &str) -> Vec<String> {
     let (then, now) = (leaves(then), leaves(now));
@@ -278,6 +280,29 @@ fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
     mistake.hint("go on with the droptower that wrote it, or remove the folder to start anew")
 }
 
+fn read_stamp(file: &mut impl Read) -> io::Result<Stamp> {
+    let mut magic = [0; MAGIC.len()];
+    file.read_exact(&mut magic)?;
+    if magic != *MAGIC {
+        return Err(io::Error::other(LAID_OUT));
+    }
+    let mut length = [0; 8];
+    file.read_exact(&mut length)?;
+    let mut stamp = Vec::new();
+    file.take(u64::from_le_bytes(length)).read_to_end(&mut stamp)?;
+    postcard::from_bytes(&stamp).map_err(io::Error::other)
+}
+
+/// Everything that decides a run's bits, as text: the checked model, with meshes by what their files hold. Title, reference
+/// and post script are left out: they are read after the run.
+fn identity(model: &Model) -> io::Result<String> {
+    let Model { name: _, title: _, specimen, faces, frame, impactor, loading, solver, output, reference: _, post: _ } =
+        model;
+    let (mut specimen, mut impactor) = (specimen.clone(), impactor.clone());
+    if let Shape::Mesh(path) = &mut specimen.shape {
+        *path = content(path)?;
+    }
+    if let Some(ImpactorShape::Mesh(path)) = impactor.as_mut().map(|impactor| &mut impactor.shape) {
         *path = content(path)?;
     }
     Ok(format!("{specimen:?}\n{faces:?}\n{frame:?}\n{impactor:?}\n{loading:?}\n{solver:?}\n{output:?}"))
@@ -291,6 +316,12 @@ fn content(path: &Path) -> io::Result<PathBuf> {
 
 fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn serialise(value: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
+    let mut out = Remembering { out, error: None };
+    let written = postcard::to_io(value, &mut out).map(drop);
+    written.map_err(|error| out.error.unwrap_or_else(|| io::Error::other(error)))
 }
 
 /// Keeps the error that the serialiser hides.
@@ -309,47 +340,16 @@ impl Write for Remembering<'_> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-fn serialise(value: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
-    let mut out = Remembering { out, error: None };
-    let written = postcard::to_io(value, &mut out).map(drop);
-    written.map_err(|error| out.error.unwrap_or_else(|| io::Error::other(error)))
-}
-
-    fn an_interval_is_a_simulated_time() {
-        for (text, expected) in [("5 ms", 0.005), ("0.25", 0.25), ("1e-3 s", 0.001)] {
-            assert_eq!(interval(text).unwrap(), expected);
-        }
-        for (text, expected) in [
-            ("5 mm", "expected a time, found \"5 mm\""),
-            ("soon", "which does not start with a number"),
-            ("0 s", "no time passes"),
-            ("-1 ms", "no time passes"),
-            ("nan", "no time passes"),
-        ] {
-            let mistake = interval(text).unwrap_err();
-            assert!(mistake.message.contains(expected), "{}", mistake.message);
-        }
-    }
-
-    #[test]
-    fn a_mesh_counts_with_what_its_file_holds() {
-        let folder = tempfile::tempdir().unwrap();
-        let (path, moved) = (folder.path().join("a.stl"), folder.path().join("b.stl"));
 fn keep(place: &mut Option<io::Error>, error: io::Error) -> io::Error {
     let kind = error.kind();
     *place = Some(error);
     kind.into()
 }
 
-        fs::write(&path, "solid film").unwrap();
-        let before = content(&path).unwrap();
-        fs::rename(&path, &moved).unwrap();
-        assert_eq!(content(&moved).unwrap(), before);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
     /// A disk that is full when a write, or only the flush, reaches it.
     struct Full {
         at_once: bool,
@@ -373,9 +373,49 @@ fn keep(place: &mut Option<io::Error>, error: io::Error) -> io::Error {
         }
     }
 
+    #[test]
+    fn an_interval_is_a_simulated_time() {
+        for (text, expected) in [("5 ms", 0.005), ("0.25", 0.25), ("1e-3 s", 0.001)] {
+            assert_eq!(interval(text).unwrap(), expected);
+        }
+        for (text, expected) in [
+            ("5 mm", "expected a time, found \"5 mm\""),
+            ("soon", "which does not start with a number"),
+            ("0 s", "no time passes"),
+            ("-1 ms", "no time passes"),
+            ("nan", "no time passes"),
+        ] {
+            let mistake = interval(text).unwrap_err();
+            assert!(mistake.message.contains(expected), "{}", mistake.message);
+        }
+    }
+
+    #[test]
+    fn a_mesh_counts_with_what_its_file_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, moved) = (folder.path().join("a.stl"), folder.path().join("b.stl"));
+        fs::write(&path, "solid film").unwrap();
+        let before = content(&path).unwrap();
+        fs::rename(&path, &moved).unwrap();
+        assert_eq!(content(&moved).unwrap(), before);
         fs::write(&moved, "solid Film").unwrap();
         assert_ne!(content(&moved).unwrap(), before);
         assert!(content(&path).is_err());
+    }
+
+    #[test]
+    fn long_values_and_long_lists_are_cut_short() {
+        let lists = |last: u8| format!("a = [{}{last}]\n[[layer]]\nheight = {last}\n", "0.25, ".repeat(20));
+        let told = differences(&lists(1), &lists(2));
+        assert_eq!(told, ["there `a` is another one", "there `layer.0.height` is 1, here it is 2"]);
+        let own = |run: &str, scenario: &str| Stamp {
+            version: VERSION.into(),
+            every: None,
+            scenario: scenario.into(),
+            run: run.into(),
+        };
+        let hint = own("1", "").differs_from(&own("2", "a = 1\nb = 1\nc = 1\nd = 1\ne = 1\n")).unwrap();
+        assert!(hint.ends_with("there it has `c`, here it has none; and 2 more"), "{hint}");
     }
 
     #[test]
@@ -413,18 +453,3 @@ fn keep(place: &mut Option<io::Error>, error: io::Error) -> io::Error {
         }
     }
 }
-    #[test]
-    fn long_values_and_long_lists_are_cut_short() {
-        let lists = |last: u8| format!("a = [{}{last}]\n[[layer]]\nheight = {last}\n", "0.25, ".repeat(20));
-        let told = differences(&lists(1), &lists(2));
-        assert_eq!(told, ["there `a` is another one", "there `layer.0.height` is 1, here it is 2"]);
-        let own = |run: &str, scenario: &str| Stamp {
-            version: VERSION.into(),
-            every: None,
-            scenario: scenario.into(),
-            run: run.into(),
-        };
-        let hint = own("1", "").differs_from(&own("2", "a = 1\nb = 1\nc = 1\nd = 1\ne = 1\n")).unwrap();
-        assert!(hint.ends_with("there it has `c`, here it has none; and 2 more"), "{hint}");
-    }
-
