@@ -1,5 +1,6 @@
 //! Checkpoints of a run: what they are written for, and whether one may be taken up.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -14,11 +15,26 @@ use crate::simulate::{Checkpoint, Saved};
 use crate::store::shelf::{self, Shelf};
 use crate::units::Time;
 
-/// Name and number of the format, at the start of every checkpoint.
-const MAGIC: &[u8; 24] = b"droptower checkpoint 01\n";
+/// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever `Stamp`,
+/// `simulate::Checkpoint` or anything in them (the engine's `State`, the probe's `Record`) gains, loses or moves a field or
+/// gives it another type or meaning: the file holds bare numbers, which another layout would misread, and builds of one
+/// version may differ.
+const MAGIC: &[u8; 24] = b"droptower checkpoint 02\n";
+
+/// What is wrong with a checkpoint of another layout.
+const LAID_OUT: &str = "no checkpoint of this build of droptower";
 
 /// Version of the engine: another one may give other bits.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Tables of a scenario that are read after the run.
+const AFTER_THE_RUN: [&str; 3] = ["title", "reference", "post"];
+
+/// Keys that a refused checkpoint names at most.
+const SHOWN: usize = 3;
+
+/// Values of more characters are not shown.
+const LONG: usize = 60;
 
 /// What the user wants of checkpoints.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,6 +43,8 @@ pub struct Wish {
     pub every: Option<f64>,
     /// Whether to go on from the newest.
     pub resume: bool,
+    /// Whether a run that has none to go on from starts from its beginning.
+    pub or_start: bool,
 }
 
 /// The checkpoints of one run.
@@ -50,6 +68,11 @@ struct Stamp {
     scenario: String,
     /// Everything that decides the run's bits.
     run: String,
+}
+
+/// Whether the run whose results go to `place` left checkpoints, whole or not.
+pub fn are_beside(place: &Path) -> bool {
+    !Shelf::beside(place).checkpoints().is_empty()
 }
 
 /// The interval that `--checkpoint-every` gives, s.
@@ -77,7 +100,7 @@ impl Keeper {
     /// An interval in which the run is over, checkpoints that would be lost, no checkpoint to go on from, or one of another
     /// run.
     pub fn new(wish: Wish, checked: &Checked, place: &Path) -> Result<Option<Keeper>, Diagnostic> {
-        let Wish { every, resume } = wish;
+        let Wish { every, resume, or_start } = wish;
         if every.is_none() && !resume {
             return Ok(None);
         }
@@ -92,7 +115,9 @@ impl Keeper {
         let run = identity(model).map_err(|error| Diagnostic::new(format!("{}: {error}", model.name)))?;
         let stamp = Stamp { version: VERSION.into(), every, scenario: checked.document.resolved(), run };
         let mut keeper = Keeper { shelf, stamp, start: None, notes: vec![] };
-        if resume {
+        if or_start && keeper.shelf.checkpoints().is_empty() {
+            keeper.start_anew(&model.name, place);
+        } else if resume {
             keeper.find_start(&model.name)?
         } else {
             keeper.refuse_to_overwrite(&model.name)?
@@ -103,6 +128,22 @@ impl Keeper {
     /// Simulated time between two checkpoints, s.
     pub fn every(&self) -> Option<f64> {
         self.stamp.every
+    }
+
+    /// The same interval as another run of the command has, where none was asked for and checkpoints fall into the
+    /// `duration` (s) of this one.
+    pub fn keep_as_others(&mut self, every: f64, duration: f64) {
+        self.stamp.every = self.stamp.every.or(Some(every).filter(|every| *every < duration));
+    }
+
+    fn start_anew(&mut self, name: &str, place: &Path) {
+        let folder = shown_path(self.shelf.path());
+        let replaced = if place.exists() {
+            format!("; its results in {} will be replaced: leave it out to keep them", shown_path(place))
+        } else {
+            String::new()
+        };
+        self.notes.push(format!("{name} starts from its beginning: there is no checkpoint in {folder}{replaced}"));
     }
 
     fn refuse_to_overwrite(&self, name: &str) -> Result<(), Diagnostic> {
@@ -128,7 +169,7 @@ impl Keeper {
             return Err(Diagnostic::new(message).hint("remove the folder and start anew"));
         };
         let stamp = shelf::open(&found.path).and_then(|mut file| read_stamp(&mut file));
-        let stamp = stamp.map_err(|error| Diagnostic::new(format!("{}: {error}", shown_path(&found.path))))?;
+        let stamp = stamp.map_err(|error| unreadable(&found.path, &error))?;
         self.stamp.differs_from(&stamp).map_or(Ok(()), |why| {
             let mistake = Diagnostic::new(format!("{name}: the checkpoint in {folder} is of another run"));
             Err(mistake.hint(why))
@@ -149,10 +190,12 @@ impl Keeper {
             let mut file = shelf::open(path)?;
             read_stamp(&mut file)?;
             // The state holds no text, for which alone the buffer would be.
-            let (saved, _) = postcard::from_io((file, &mut [0_u8; 64][..])).map_err(io::Error::other)?;
-            Ok(saved)
+            let (saved, (mut file, _)) =
+                postcard::from_io((file, &mut [0_u8; 64][..])).map_err(|_| io::Error::other(LAID_OUT))?;
+            // Bare numbers of another layout may well be read, but hardly to the last.
+            if file.read(&mut [0])? == 0 { Ok(saved) } else { Err(io::Error::other(LAID_OUT)) }
         };
-        read().map(Some).map_err(|error: io::Error| Diagnostic::new(format!("{}: {error}", shown_path(path))))
+        read().map(Some).map_err(|error: io::Error| unreadable(path, &error))
     }
 
     /// Makes the place for checkpoints, where more are wanted.
@@ -167,9 +210,7 @@ impl Keeper {
             let stamp = postcard::to_allocvec(&self.stamp).map_err(io::Error::other)?;
             out.write_all(&(stamp.len() as u64).to_le_bytes())?;
             out.write_all(&stamp)?;
-            let mut out = Remembering { out, error: None };
-            let written = postcard::to_io(checkpoint, &mut out).map(drop);
-            written.map_err(|error| out.error.unwrap_or_else(|| io::Error::other(error)))
+            serialise(checkpoint, out)
         });
         put.map_err(|error| storing(&error))
     }
@@ -190,23 +231,60 @@ impl Stamp {
         if self.run == other.run {
             return None;
         }
-        let lines =
-            |text: &'static str, own: &Stamp| own.scenario.lines().map(str::trim).collect::<Vec<_>>().join(text);
-        let (now, then) = (lines("\n", self), lines("\n", other));
-        let changed = then.lines().zip(now.lines()).find(|(then, now)| then != now);
-        Some(match changed {
-            Some((then, now)) => format!("its scenario says `{then}` where this one says `{now}`"),
-            None if now.len() != then.len() => "its scenario has other keys".into(),
-            None => "the scenario is the same, but a file that it names has changed".into(),
+        let differences = differences(&other.scenario, &self.scenario);
+        Some(match differences.as_slice() {
+            [] => "the scenario is the same, but a file that it names has changed".into(),
+            all if all.len() > SHOWN => format!("{}; and {} more", all[..SHOWN].join("; "), all.len() - SHOWN),
+            all => all.join("; "),
         })
     }
+}
+
+/// The keys in which the resolved scenario of a checkpoint, `then`, and that of a run, `now`, differ, as told to the user.
+fn differences(then: &str, now: &str) -> Vec<String> {
+    let (then, now) = (leaves(then), leaves(now));
+    let paths: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
+    let told = |path: &String| match (then.get(path), now.get(path)) {
+        (Some(then), Some(now)) if then == now => None,
+        (Some(then), Some(now)) if then.len().max(now.len()) > LONG => Some(format!("there `{path}` is another one")),
+        (Some(then), Some(now)) => Some(format!("there `{path}` is {then}, here it is {now}")),
+        (None, Some(_)) => Some(format!("there it has no `{path}`")),
+        (Some(_), None) => Some(format!("there it has `{path}`, here it has none")),
+        (None, None) => None,
+    };
+    paths.into_iter().filter_map(told).collect()
+}
+
+/// The values of a resolved scenario that decide the run, as TOML, by the paths of their keys.
+fn leaves(scenario: &str) -> BTreeMap<String, String> {
+    let mut root: toml::Table = scenario.parse().unwrap_or_default();
+    AFTER_THE_RUN.iter().for_each(|key| drop(root.remove(*key)));
+    let mut leaves = BTreeMap::new();
+    gather("", toml::Value::Table(root), &mut leaves);
+    leaves
+}
+
+fn gather(path: &str, value: toml::Value, leaves: &mut BTreeMap<String, String>) {
+    let under = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    match value {
+        toml::Value::Table(table) => table.into_iter().for_each(|(key, value)| gather(&under(&key), value, leaves)),
+        toml::Value::Array(items) if items.iter().any(toml::Value::is_table) => {
+            items.into_iter().enumerate().for_each(|(place, item)| gather(&under(&place.to_string()), item, leaves));
+        }
+        leaf => drop(leaves.insert(path.to_owned(), leaf.to_string())),
+    }
+}
+
+fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("{}: {error}", shown_path(path)));
+    mistake.hint("go on with the droptower that wrote it, or remove the folder to start anew")
 }
 
 fn read_stamp(file: &mut impl Read) -> io::Result<Stamp> {
     let mut magic = [0; MAGIC.len()];
     file.read_exact(&mut magic)?;
     if magic != *MAGIC {
-        return Err(io::Error::other("no checkpoint of this version of droptower"));
+        return Err(io::Error::other(LAID_OUT));
     }
     let mut length = [0; 8];
     file.read_exact(&mut length)?;
@@ -218,7 +296,8 @@ fn read_stamp(file: &mut impl Read) -> io::Result<Stamp> {
 /// Everything that decides a run's bits, as text: the checked model, with meshes by what their files hold. Title, reference
 /// and post script are left out: they are read after the run.
 fn identity(model: &Model) -> io::Result<String> {
-    let Model { specimen, faces, frame, impactor, loading, output, .. } = model;
+    let Model { name: _, title: _, specimen, faces, frame, impactor, loading, solver, output, reference: _, post: _ } =
+        model;
     let (mut specimen, mut impactor) = (specimen.clone(), impactor.clone());
     if let Shape::Mesh(path) = &mut specimen.shape {
         *path = content(path)?;
@@ -226,7 +305,7 @@ fn identity(model: &Model) -> io::Result<String> {
     if let Some(ImpactorShape::Mesh(path)) = impactor.as_mut().map(|impactor| &mut impactor.shape) {
         *path = content(path)?;
     }
-    Ok(format!("{specimen:?}\n{faces:?}\n{frame:?}\n{impactor:?}\n{loading:?}\n{output:?}"))
+    Ok(format!("{specimen:?}\n{faces:?}\n{frame:?}\n{impactor:?}\n{loading:?}\n{solver:?}\n{output:?}"))
 }
 
 /// A name that tells what the file at `path` holds.
@@ -239,6 +318,12 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
+fn serialise(value: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
+    let mut out = Remembering { out, error: None };
+    let written = postcard::to_io(value, &mut out).map(drop);
+    written.map_err(|error| out.error.unwrap_or_else(|| io::Error::other(error)))
+}
+
 /// Keeps the error that the serialiser hides.
 struct Remembering<'a> {
     out: &'a mut dyn Write,
@@ -247,21 +332,46 @@ struct Remembering<'a> {
 
 impl Write for Remembering<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.out.write(bytes).map_err(|error| {
-            let kind = error.kind();
-            self.error = Some(error);
-            kind.into()
-        })
+        self.out.write(bytes).map_err(|error| keep(&mut self.error, error))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
+        self.out.flush().map_err(|error| keep(&mut self.error, error))
     }
+}
+
+fn keep(place: &mut Option<io::Error>, error: io::Error) -> io::Error {
+    let kind = error.kind();
+    *place = Some(error);
+    kind.into()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A disk that is full when a write, or only the flush, reaches it.
+    struct Full {
+        at_once: bool,
+    }
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if self.at_once { Err(io::Error::other("no space left")) } else { Ok(bytes.len()) }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Err(io::Error::other("no space left"))
+        }
+    }
+
+    #[test]
+    fn the_disk_s_own_error_is_told() {
+        for at_once in [true, false] {
+            let error = serialise(&[1.0, 2.0], &mut Full { at_once }).unwrap_err();
+            assert_eq!(error.to_string(), "no space left");
+        }
+    }
 
     #[test]
     fn an_interval_is_a_simulated_time() {
@@ -294,6 +404,21 @@ mod tests {
     }
 
     #[test]
+    fn long_values_and_long_lists_are_cut_short() {
+        let lists = |last: u8| format!("a = [{}{last}]\n[[layer]]\nheight = {last}\n", "0.25, ".repeat(20));
+        let told = differences(&lists(1), &lists(2));
+        assert_eq!(told, ["there `a` is another one", "there `layer.0.height` is 1, here it is 2"]);
+        let own = |run: &str, scenario: &str| Stamp {
+            version: VERSION.into(),
+            every: None,
+            scenario: scenario.into(),
+            run: run.into(),
+        };
+        let hint = own("1", "").differs_from(&own("2", "a = 1\nb = 1\nc = 1\nd = 1\ne = 1\n")).unwrap();
+        assert!(hint.ends_with("there it has `c`, here it has none; and 2 more"), "{hint}");
+    }
+
+    #[test]
     fn a_stamp_tells_what_is_different() {
         let stamp = |version: &str, scenario: &str, run: &str| Stamp {
             version: version.into(),
@@ -305,14 +430,26 @@ mod tests {
         for (other, expected) in [
             (stamp("0.1.0", "[layers]\ncount = 8\n", "8"), None),
             (stamp("0.1.0", "title = \"other\"\n", "8"), None),
-            (stamp("0.0.9", "[layers]\ncount = 8\n", "8"), Some("droptower 0.0.9 wrote it")),
-            (stamp("0.1.0", "[layers]\ncount = 9\n", "9"), Some("says `count = 9` where this one says `count = 8`")),
-            (stamp("0.1.0", "[layers]\ncount = 8\nmore = 1\n", "9"), Some("has other keys")),
-            (stamp("0.1.0", "[layers]\ncount = 8\n", "9"), Some("a file that it names has changed")),
+            (
+                stamp("0.0.9", "[layers]\ncount = 8\n", "8"),
+                Some("droptower 0.0.9 wrote it, and this is 0.1.0: it could not give the same bits"),
+            ),
+            (stamp("0.1.0", "[layers]\ncount = 9\n", "9"), Some("there `layers.count` is 9, here it is 8")),
+            (
+                stamp("0.1.0", "[layers]\ncount = 8\nmore = 1\n", "9"),
+                Some("there it has `layers.more`, here it has none"),
+            ),
+            (stamp("0.1.0", "[layers]\n", "9"), Some("there it has no `layers.count`")),
+            (
+                stamp("0.1.0", "title = \"a\"\n[layers]\ncount = 9\n", "9"),
+                Some("there `layers.count` is 9, here it is 8"),
+            ),
+            (
+                stamp("0.1.0", "[layers]\ncount = 8\n", "9"),
+                Some("the scenario is the same, but a file that it names has changed"),
+            ),
         ] {
-            let found = own.differs_from(&other);
-            assert_eq!(found.is_some(), expected.is_some(), "{found:?}");
-            assert!(found.unwrap_or_default().contains(expected.unwrap_or_default()));
+            assert_eq!(own.differs_from(&other).as_deref(), expected);
         }
     }
 }

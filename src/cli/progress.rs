@@ -21,6 +21,8 @@ const REFRESH: Duration = Duration::from_millis(100);
 pub struct Bar {
     bar: ProgressBar,
     done: Vec<AtomicU64>,
+    /// What runs that were taken up had done before.
+    before: Vec<AtomicU64>,
     quiet: bool,
     start: Instant,
     drawn: Mutex<Instant>,
@@ -35,7 +37,15 @@ impl Bar {
             bar.set_style(style);
         }
         let start = Instant::now();
-        Bar { bar, done: (0..runs).map(|_| AtomicU64::new(0)).collect(), quiet, start, drawn: Mutex::new(start) }
+        let none = || (0..runs).map(|_| AtomicU64::new(0)).collect();
+        Bar { bar, done: none(), before: none(), quiet, start, drawn: Mutex::new(start) }
+    }
+
+    /// Tells that the run at `index` is taken up where this share of it is done.
+    pub fn start_at(&self, index: usize, share: f64) {
+        let share = (share.clamp(0.0, 1.0) * PER_RUN) as u64;
+        self.before[index].store(share, Ordering::Relaxed);
+        self.done[index].store(share, Ordering::Relaxed);
     }
 
     /// Shows how far the run at `index` is; a bar that was drawn just now stays as it is.
@@ -50,14 +60,17 @@ impl Bar {
             return;
         }
         *drawn = Instant::now();
-        let total: u64 = self.done.iter().map(|done| done.load(Ordering::Relaxed)).sum();
+        let sum = |shares: &[AtomicU64]| shares.iter().map(|share| share.load(Ordering::Relaxed)).sum::<u64>();
+        let (total, before) = (sum(&self.done), sum(&self.before));
         let state = if self.done.len() == 1 {
             format!("{}, {} steps", duration(progress.time), progress.steps)
         } else {
             String::new()
         };
-        let whole = total as f64 / (self.done.len() as f64 * PER_RUN);
-        let to_go = to_go(self.start.elapsed(), whole).map(|time| format!("{time} to go  ")).unwrap_or_default();
+        let whole = self.done.len() as f64 * PER_RUN;
+        let to_go = to_go(self.start.elapsed(), before as f64 / whole, total as f64 / whole)
+            .map(|time| format!("{time} to go  "))
+            .unwrap_or_default();
         self.bar.set_message(format!("{to_go}{state}"));
         self.bar.set_position(total);
     }
@@ -90,10 +103,12 @@ impl Bar {
     }
 }
 
-/// What is left of the wall time, once enough is done to tell.
-fn to_go(elapsed: Duration, share: f64) -> Option<String> {
-    let telling = share >= 0.02 || (share > 0.0 && elapsed >= Duration::from_millis(500));
-    let left = telling.then(|| elapsed.as_secs_f64() * (1.0 - share) / share)?;
+/// What is left of the wall time, once enough is done to tell: `elapsed` has brought the share done from `before` to
+/// `share`.
+fn to_go(elapsed: Duration, before: f64, share: f64) -> Option<String> {
+    let own = share - before;
+    let telling = own >= 0.02 || (own > 0.0 && elapsed >= Duration::from_millis(500));
+    let left = telling.then(|| elapsed.as_secs_f64() * (1.0 - share) / own)?;
     Some(match left {
         seconds if seconds < 90.0 => format!("{} s", seconds.ceil()),
         seconds if seconds < 5400.0 => format!("{:.0} min", seconds / 60.0),
@@ -107,11 +122,18 @@ mod tests {
 
     #[test]
     fn time_to_go_waits_until_it_can_be_told() {
-        let after = |millis, share| to_go(Duration::from_millis(millis), share);
+        let after = |millis, share| to_go(Duration::from_millis(millis), 0.0, share);
         assert_eq!(after(100, 0.0), None);
         assert_eq!(after(100, 0.01), None);
         assert_eq!(after(900, 0.0), None);
         assert_eq!(after(1000, 0.1).as_deref(), Some("9 s"));
         assert_eq!(after(60_000, 0.2).as_deref(), Some("4 min"));
+    }
+
+    #[test]
+    fn time_to_go_of_a_run_taken_up_counts_from_there() {
+        let after = |millis, share| to_go(Duration::from_millis(millis), 0.5, share);
+        assert_eq!(after(100, 0.501), None);
+        assert_eq!(after(10_000, 0.75).as_deref(), Some("10 s"));
     }
 }

@@ -29,7 +29,8 @@ pub struct RunArgs {
     /// Save the run whenever this much time has been simulated ("5 ms"), so that --resume can take it up if it is interrupted
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub checkpoint_every: Option<String>,
-    /// Go on from the newest checkpoint of a run that was interrupted; the results are the same to the bit
+    /// Go on from the newest checkpoint of a run that was interrupted; the results are the same to the bit. Of several
+    /// scenarios, those without a checkpoint start from their beginning, those that are done already too
     #[arg(long)]
     pub resume: bool,
 }
@@ -58,6 +59,7 @@ pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
         Err(mistakes) => return report(&mistakes),
     };
     let bar = Bar::new(jobs.len(), shared.quiet);
+    jobs.iter().filter_map(|job| job.keeper.as_ref()).flat_map(|keeper| &keeper.notes).for_each(|note| bar.note(note));
     let run = |(index, job): (usize, &Job)| job.run(&bar, index);
     // One run has all threads to itself; several share them.
     let done: Vec<Done> = match jobs.as_slice() {
@@ -73,19 +75,26 @@ pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
 fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();
     let (every, scenarios) = both(every.map_err(|mistake| vec![mistake]), args.selection.checked())?;
-    let wish = Wish { every, resume: args.resume };
     let several = scenarios.len() > 1;
+    let places = scenarios.iter().map(|checked| place(args.out.as_deref(), &checked.model.name, several));
+    let places: Vec<PathBuf> = places.collect::<Result<_, _>>().map_err(|error| vec![storing(&error)])?;
+    store::check_places(&places).map_err(|error| vec![storing(&error)])?;
+    // A batch leaves runs that are done, runs with checkpoints, and runs that had not come so far.
+    let or_start = args.resume && several && places.iter().any(|place| checkpoint::are_beside(place));
+    let wish = Wish { every, resume: args.resume, or_start };
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
-    for checked in scenarios {
-        let place = place(args.out.as_deref(), &checked.model.name, several).map_err(|error| storing(&error));
-        let kept = place.and_then(|place| Ok((Keeper::new(wish, &checked, &place)?, place)));
-        match kept {
-            Ok((keeper, place)) => jobs.push(Job { checked, place, keeper }),
+    for (checked, place) in scenarios.into_iter().zip(places) {
+        match Keeper::new(wish, &checked, &place) {
+            Ok(keeper) => jobs.push(Job { checked, place, keeper }),
             Err(mistake) => mistakes.push(mistake),
         }
     }
-    let places: Vec<PathBuf> = jobs.iter().map(|job| job.place.clone()).collect();
-    mistakes.extend(store::check_places(&places).err().map(|error| storing(&error)));
+    let every = jobs.iter().find_map(|job| job.keeper.as_ref()?.every());
+    for Job { checked, keeper, .. } in &mut jobs {
+        if let (Some(every), Some(keeper)) = (every, keeper) {
+            keeper.keep_as_others(every, checked.model.run_time());
+        }
+    }
     if mistakes.is_empty() { Ok(jobs) } else { Err(mistakes) }
 }
 
@@ -118,12 +127,12 @@ impl Job {
         let model = &self.checked.model;
         let mut saved = None;
         if let Some(keeper) = &self.keeper {
-            keeper.notes.iter().for_each(|note| bar.note(note));
             saved = keeper.start().map_err(|mistake| (BAD_INPUT, mistake))?;
             keeper.open().map_err(|mistake| (WRITE_FAILURE, mistake))?;
         }
         if let Some(saved) = &saved {
             bar.note(&format!("{} goes on at {}", model.name, duration(saved.time())));
+            bar.start_at(index, saved.time() / model.run_time());
         }
         let every = self.keeper.as_ref().and_then(Keeper::every);
         let mut forecast = Forecast::default();
@@ -133,13 +142,22 @@ impl Job {
                 bar.note(&left.told(model, every.is_some()));
             }
         };
+        let mut lost = 0_usize;
         let mut keep = |checkpoint: &Checkpoint<'_>| {
             if let Some(mistake) = self.keeper.as_ref().and_then(|keeper| keeper.keep(checkpoint).err()) {
-                bar.complain(&mistake.hint("the run goes on; its last whole checkpoint stays"));
+                // A full disk stays full: once is enough.
+                if lost == 0 {
+                    bar.complain(&mistake.hint("the run goes on; its last whole checkpoint stays"));
+                }
+                lost += 1;
             }
         };
         let checkpoints = every.map(|every| Checkpoints { every, keep: &mut keep });
-        Ok(simulate::run_in(model, Manner { saved, checkpoints, team: None }, &mut progress))
+        let outcome = simulate::run_in(model, Manner { saved, checkpoints, team: None }, &mut progress);
+        if lost > 1 {
+            bar.complain(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));
+        }
+        Ok(outcome)
     }
 
     fn keep(&self, outcome: &Outcome) -> Result<Done, (u8, Diagnostic)> {

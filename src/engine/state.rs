@@ -63,7 +63,7 @@ impl Engine {
         self.check(&state)?;
         self.time = state.time;
         self.steps = state.steps;
-        self.time_step = state.time_step;
+        self.time_step.resume(state.time_step);
         self.gone = state.gone;
         self.inflated = state.inflated;
         self.broken = 0;

@@ -31,7 +31,10 @@ const COLLAPSE: f64 = 1e-3;
 /// present tangent stiffness and shape (theory.md, equations 16 and 17). Kinematic contact adds nothing to ω.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct TimeStep {
+    // Both follow from the model.
+    #[serde(skip)]
     damping: f64,
+    #[serde(skip)]
     factor: f64,
     safety: f64,
     first: f64,
@@ -48,6 +51,11 @@ impl TimeStep {
         (step.first, _) = step.stable(films, nodes, team);
         (step.now, step.target) = (step.first, step.first);
         step
+    }
+
+    /// Goes on from `saved`, which a step of the same model left.
+    pub fn resume(&mut self, saved: TimeStep) {
+        *self = TimeStep { damping: self.damping, factor: self.factor, ..saved };
     }
 
     /// s.

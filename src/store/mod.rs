@@ -34,6 +34,8 @@ const MARKS: [&str; 3] = ["summary.json", "scenario.toml", "failure.txt"];
 pub enum StoreError {
     #[error("`{name}` cannot name a run folder: only plain folder names below the output folder")]
     Name { name: String },
+    #[error("`{}` does not name a run folder; give --out a folder of its own, such as {}", path.display(), path.join("results").display())]
+    NoName { path: PathBuf },
     #[error("{} is not a folder", path.display())]
     NotAFolder { path: PathBuf },
     #[error("{} is not a run folder of droptower and is not replaced; give another --out", path.display())]
@@ -192,6 +194,10 @@ fn sibling(target: &Path) -> Result<TempDir, StoreError> {
 
 fn check_replaceable(target: &Path) -> Result<(), StoreError> {
     let path = || target.to_path_buf();
+    // A folder is put in place by its name, which `.`, `..` and `/` do not have.
+    if target.file_name().is_none() {
+        return Err(StoreError::NoName { path: path() });
+    }
     if fs::symlink_metadata(target).is_err() {
         return Ok(());
     }
@@ -311,6 +317,14 @@ mod tests {
         let file = theirs.join("notes.txt");
         assert!(matches!(stored(&file, "1"), Err(StoreError::NotAFolder { .. })));
         assert_eq!(fs::read_to_string(file).unwrap(), "mine");
+    }
+
+    #[test]
+    fn a_place_has_a_name() {
+        for nameless in [".", "..", "/", "runs/.."] {
+            let refused = check_places(&[nameless.into()]);
+            assert!(matches!(refused, Err(StoreError::NoName { .. })), "{nameless}: {refused:?}");
+        }
     }
 
     #[test]

@@ -107,9 +107,10 @@ fn a_checkpoint_is_refused_by_any_other_run() {
     let bench = bench();
     killed_after_a_checkpoint(bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     for (changed, expected) in [
-        ("layers.count=9", "its scenario says `count = 8` where this one says `count = 9`"),
-        ("specimen.material.density=916", "its scenario says `density"),
-        ("output.frames=100", "its scenario says `frames"),
+        ("layers.count=9", "there `layers.count` is 8, here it is 9"),
+        ("specimen.material.density=916", "there `specimen.material.density` is \""),
+        ("output.frames=100", "`output.frames`"),
+        ("solver.step_factor=0.5", "`solver.step_factor`"),
     ] {
         let output = run(bench.path(), &[&SLOW[..], &["--resume", "--set", changed]].concat());
         assert_eq!(output.status.code(), Some(2), "{changed}");
@@ -126,6 +127,34 @@ fn a_checkpoint_is_refused_by_any_other_run() {
     assert!(output.status.success(), "{}", error(&output));
     assert_eq!(error(&output), "");
     assert_eq!(summary(&bench.path().join("runs/drop"))["more"], 1);
+}
+
+#[test]
+fn a_batch_is_taken_up_with_one_run_done_and_one_not_begun() {
+    let bench = bench();
+    let [done, later] = ["done.toml", "later.toml"];
+    for copy in [done, later] {
+        fs::copy(bench.path().join("drop.toml"), bench.path().join(copy)).expect("a copy");
+    }
+    let all = [&["run", done, "drop.toml", later, "--resume"][..], &SLOW].concat();
+    let output = droptower(bench.path(), &all);
+    assert_eq!(output.status.code(), Some(2), "nothing to go on from");
+    assert_eq!(error(&output).matches("there is no checkpoint in").count(), 3, "{}", error(&output));
+    assert!(droptower(bench.path(), &[&["run", done, "--quiet"][..], &SLOW].concat()).status.success());
+    killed_after_a_checkpoint(bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
+    let output = droptower(bench.path(), &all);
+    assert!(output.status.success(), "{}", error(&output));
+    for expected in [
+        "note: drop goes on at ",
+        "note: later starts from its beginning: there is no checkpoint in runs/later.checkpoint\n",
+        "note: done starts from its beginning: there is no checkpoint in runs/done.checkpoint; \
+         its results in runs/done will be replaced: leave it out to keep them\n",
+    ] {
+        assert!(error(&output).contains(expected), "{expected}: {}", error(&output));
+    }
+    let signals = |name: &str| fs::read(bench.path().join("runs").join(name).join("signals.csv")).expect("signals");
+    assert!(signals("done") == signals("drop") && signals("later") == signals("drop"), "the signals differ");
+    assert!(!bench.path().join("runs/later.checkpoint").exists());
 }
 
 #[test]
@@ -157,6 +186,7 @@ fn what_cannot_be_kept_or_taken_up_is_said_before_the_run() {
     let bench = bench();
     for (arguments, expected) in [
         (&["--resume"][..], "there is no checkpoint in runs/drop.checkpoint"),
+        (&["--out", "."], "`.` does not name a run folder; give --out a folder of its own, such as ./results"),
         (&["--checkpoint-every", "5 mm"], "expected a time, found \"5 mm\""),
         (&["--checkpoint-every", "0 s"], "no time passes between checkpoints"),
         (&["--checkpoint-every", "-1 ms"], "no time passes between checkpoints"),

@@ -218,10 +218,15 @@ fn one_mistake_keeps_everything_from_being_written() {
 #[test]
 fn folders_of_others_are_left_alone() {
     let bench = bench();
-    let output = run(bench.path(), &["drop.toml", "--out", "."]);
-    assert_eq!(code(&output), Some(2));
-    assert!(error(&output).contains("is not a run folder of droptower"), "{}", error(&output));
-    assert_eq!(names(bench.path()), ["drop.toml"]);
+    fs::create_dir(bench.path().join("own")).expect("a folder");
+    fs::write(bench.path().join("own/notes.txt"), "mine").expect("a file");
+    for (place, expected) in [("own", "is not a run folder of droptower"), (".", "does not name a run folder")] {
+        let output = run(bench.path(), &["drop.toml", "--out", place]);
+        assert_eq!(code(&output), Some(2), "{place}");
+        assert!(error(&output).contains(expected), "{}", error(&output));
+        assert_eq!(names(bench.path()), ["drop.toml", "own"]);
+        assert_eq!(names(&bench.path().join("own")), ["notes.txt"]);
+    }
 }
 
 const STUDY: &str = r#"
