@@ -206,7 +206,7 @@ pub fn run_in(model: &Model, manner: Manner<'_>, progress: &mut dyn FnMut(Progre
     }
     let wall = || before + begin.elapsed();
     let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall).err();
-    let fault = fault.or_else(|| probe.unsteady());
+    let fault = fault.or_else(|| probe.fault());
     let outcome = probe.finish(&engine, scene.mounting, wall());
     match fault {
         None => Ok(outcome),

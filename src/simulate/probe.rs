@@ -24,6 +24,9 @@ pub(super) const KINETIC: f64 = 0.01;
 /// Change of an inflated film in the last tenth of its run, over its deflection, above which it is not at rest.
 const RESTLESS: f64 = 2e-3;
 
+/// Part of a slow test after which its energies are judged while it runs; at its end they are judged as a whole.
+const JUDGED_FROM: f64 = 0.1;
+
 /// Gathers the outcome of a run while it goes.
 pub(super) struct Probe<'a> {
     model: &'a Model,
@@ -65,6 +68,8 @@ impl<'a> Probe<'a> {
             (Loading::Impact { velocity, .. }, Some(impactor)) => 0.5 * impactor.mass * velocity * velocity,
             _ => 0.0,
         };
+        let impact = matches!(model.loading, Loading::Impact { .. });
+        let judged_from = if impact { 0.0 } else { JUDGED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
         let frames = frames::kept(model.output.frames, &mounting.films);
         let record = Record {
@@ -72,7 +77,7 @@ impl<'a> Probe<'a> {
             tracks: Tracks::new(duration, sample, speed, gravity),
             rise: Rise::default(),
             frames: vec![],
-            energy: EnergyCheck::new(scale),
+            energy: EnergyCheck::new(scale, judged_from),
             rates: RateAudit::new(measured),
             warnings: Warnings::default(),
             rupture_time: None,
@@ -116,8 +121,12 @@ impl<'a> Probe<'a> {
         matches!(self.model.loading, Loading::Indent { .. } | Loading::Pressure { .. })
     }
 
-    /// The fault of a test that should have been quasi-static and was not.
-    pub(super) fn unsteady(&self) -> Option<Fault> {
+    /// The fault of a run as a whole: energies that do not add up, or a test that was not quasi-static as it should be.
+    pub(super) fn fault(&self) -> Option<Fault> {
+        self.record.energy.fault().or_else(|| self.unsteady())
+    }
+
+    fn unsteady(&self) -> Option<Fault> {
         let (time, share) = self.record.energy.kinetic_share();
         if self.is_quasi_static() && share > KINETIC {
             return Some(Fault::NotQuasiStatic { time, share });
