@@ -131,8 +131,13 @@ impl<'a> Probe<'a> {
         if self.is_quasi_static() && share > KINETIC {
             return Some(Fault::NotQuasiStatic { time, share });
         }
-        let held = self.record.rupture_time.is_none().then(|| pressure::settling(&self.record.tracks))?;
-        held.filter(|change| *change > RESTLESS).map(|change| Fault::NotAtRest { time: self.duration, change })
+        let restless = self.settling().filter(|change| *change > RESTLESS);
+        restless.map(|change| Fault::NotAtRest { time: self.duration, change })
+    }
+
+    /// How far an inflated film that held is at rest.
+    fn settling(&self) -> Option<f64> {
+        self.record.rupture_time.is_none().then(|| pressure::settling(&self.record.tracks))?
     }
 
     /// Elements broke in the step from `time` (s).
@@ -193,6 +198,7 @@ impl<'a> Probe<'a> {
         let kinetic_share = slow.then(|| self.record.energy.kinetic_share().1);
         let damping_share = slow.then(|| self.record.energy.damping_share());
         let balance = self.record.energy.balance_error();
+        let settling = self.settling();
         let signals = self.signals(&mounting);
         let energies = self.record.energy.recording();
         let rates = self.record.rates.finish();
@@ -210,6 +216,7 @@ impl<'a> Probe<'a> {
             energy_balance_error: balance,
             kinetic_share,
             damping_share,
+            settling,
             mass_scaling: mounting.mass_scaling,
             penetration: self.record.penetration,
             elements: engine.elements(),
