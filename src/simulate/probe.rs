@@ -10,7 +10,7 @@ use super::pressure::Rise;
 use super::rates::RateAudit;
 use super::tracks::Tracks;
 use super::warnings::{Figures, Warnings};
-use super::{Frame, Outcome, frames, impact, indent, pressure, stretch};
+use super::{Frame, Outcome, frames, impact, indent, pressure, slow, stretch};
 use crate::engine::{ElementStrain, Engine, Fault, Inflation, Observer, Track, View};
 use crate::model::{Loading, Model};
 use crate::signal::Recording;
@@ -35,6 +35,8 @@ pub(super) struct Probe<'a> {
     frames: usize,
     frame: f64,
     audit: f64,
+    /// What to do about a slow test that is too fast.
+    remedy: String,
     /// Strains of all elements, as last looked at.
     faces: Vec<Vec<ElementStrain>>,
     record: Record,
@@ -89,6 +91,7 @@ impl<'a> Probe<'a> {
             duration,
             frames,
             frame: duration / frames.saturating_sub(1).max(1) as f64,
+            remedy: slow::remedy(model, mounting.mass_scaling),
             audit: (duration / AUDITS).max(sample),
             faces: vec![],
             record,
@@ -129,10 +132,11 @@ impl<'a> Probe<'a> {
     fn unsteady(&self) -> Option<Fault> {
         let (time, share) = self.record.energy.kinetic_share();
         if self.is_quasi_static() && share > KINETIC {
-            return Some(Fault::NotQuasiStatic { time, share });
+            return Some(Fault::NotQuasiStatic { time, share, remedy: self.remedy.clone() });
         }
         let restless = self.settling().filter(|change| *change > RESTLESS);
-        restless.map(|change| Fault::NotAtRest { time: self.duration, change })
+        let remedy = || self.remedy.clone();
+        restless.map(|change| Fault::NotAtRest { time: self.duration, change, remedy: remedy() })
     }
 
     /// How far an inflated film that held is at rest.
@@ -204,7 +208,8 @@ impl<'a> Probe<'a> {
         let rates = self.record.rates.finish();
         let unfinished = signals.channel("contact_force_N").is_some_and(impact::ends_loaded);
         let frames = [self.model.output.frames, self.frames];
-        let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, frames, unfinished };
+        let remedy = &self.remedy;
+        let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, remedy, frames, unfinished };
         Outcome {
             signals,
             energies,
