@@ -140,16 +140,16 @@ pub enum Fault {
     TimeStepCollapsed { time: f64, first: f64, now: f64, face: usize },
     #[error(
         "not quasi-static: at {time:.6} s the film's kinetic energy is {:.1} % of the energy it took up; \
-         load it more slowly",
+         {remedy}",
         100.0 * .share
     )]
-    NotQuasiStatic { time: f64, share: f64 },
+    NotQuasiStatic { time: f64, share: f64, remedy: String },
     #[error(
         "not at rest: at the end, {time:.6} s, the deflection still changed by {:.2} % in the last tenth of the run; \
-         load it more slowly",
+         {remedy}",
         100.0 * .change
     )]
-    NotAtRest { time: f64, change: f64 },
+    NotAtRest { time: f64, change: f64, remedy: String },
     #[error("the energy balance is off by {:.1} % of the energy exchanged at {time:.6} s", 100.0 * .error)]
     EnergyLost { time: f64, error: f64 },
 }

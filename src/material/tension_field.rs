@@ -159,12 +159,14 @@ mod tests {
     fn wrinkled_film_is_pulled_one_way_only() {
         let d = turned([1.2, 0.7]);
         let stress = LAW.stress(&d, &mut [splat(0.0); 3]);
-        // Along the second principal direction of the film, (−sin, cos) of 0.3, there is no traction.
         let (s, c) = 0.3_f64.sin_cos();
-        for axis in 0..3 {
-            let across = s * stress.p[0][axis][0] - c * stress.p[1][axis][0];
-            let along = c * stress.p[0][axis][0] - s * stress.p[1][axis][0];
-            assert!(across.abs().min(along.abs()) < 1e-7 * LAW.0.young);
-        }
+        let traction = |n: [f64; 2]| [0, 1, 2].map(|axis| n[0] * stress.p[0][axis][0] + n[1] * stress.p[1][axis][0]);
+        let is = |traction: [f64; 3], expected: [f64; 3]| {
+            (0..3).all(|axis| (traction[axis] - expected[axis]).abs() < 1e-7 * LAW.0.young)
+        };
+        assert!(is(traction([-s, c]), [0.0; 3]), "{:?}", traction([-s, c]));
+        // Along the first one, uniaxial tension of the stretch 1.2 in the direction that it is turned to.
+        let pull = 1.2 * LAW.0.young * 0.5 * (1.2 * 1.2 - 1.0);
+        assert!(is(traction([c, s]), [0.8 * pull, 0.0, 0.6 * pull]), "{:?}", traction([c, s]));
     }
 }

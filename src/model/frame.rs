@@ -63,8 +63,10 @@ fn is_jaws(hold: &Hold) -> bool {
 }
 
 fn sides(written: &[scenario::Side], scenario: &Scenario, findings: &mut Findings<'_>) -> Hold {
-    if matches!(scenario.specimen.shape, Shape::Circle(_)) {
-        findings.report_with(PATH, "a circle has no sides", "hold \"all\" or \"none\"");
+    let round = matches!(scenario.specimen.shape, Shape::Circle(_));
+    if round {
+        let hint = if may_be_free(scenario) { "hold \"all\" or \"none\"" } else { "hold \"all\"" };
+        findings.report_with(PATH, "a circle has no sides", hint);
     }
     let mut sides = Vec::new();
     for (place, side) in written.iter().map(side).enumerate() {
@@ -84,7 +86,18 @@ fn sides(written: &[scenario::Side], scenario: &Scenario, findings: &mut Finding
             "hold both, or set `specimen.symmetry` to \"none\"",
         );
     }
-    Hold::Sides(sides)
+    // What else is wrong with the sides of a circle would be said of sides that it does not have.
+    if round || is_rim(&sides, scenario) { Hold::All } else { Hold::Sides(sides) }
+}
+
+/// Whether the loading lets the edge be free.
+fn may_be_free(scenario: &Scenario) -> bool {
+    matches!(scenario.loading, Loading::Impact(_))
+}
+
+/// Whether the sides are the whole edge; that of an imported outline may have more to it.
+fn is_rim(sides: &[Side], scenario: &Scenario) -> bool {
+    matches!(scenario.specimen.shape, Shape::Rectangle(_)) && sides.len() == 4
 }
 
 fn side(written: &scenario::Side) -> Side {

@@ -6,11 +6,19 @@ use super::{Face, Findings, Hold, Impactor, ImpactorShape, Loading, Model, Shape
 
 const DEPTH: &str = "loading.indent.depth";
 
+/// Depth over the span of the film beyond which it is taken for a mistake in the unit, where no law bounds it.
+const SPANS: f64 = 3.0;
+
 /// Refuses a depth that no film of its kind can follow: where it would have to break though all of it were strained
 /// alike, and where the impactor would have come down on the frame.
 pub fn check(model: &Model, findings: &mut Findings<'_>) {
     let (Loading::Indent { depth, .. }, Some(impactor)) = (&model.loading, &model.impactor) else { return };
     let spans = Spans { shape: &model.specimen.shape, hold: &model.frame.hold, from: impactor.position };
+    if spans.is_beside() {
+        let hint = "the position of its axis is measured from the centre of the specimen";
+        findings.report_with("impactor.position", "the impactor goes down beside the film", hint);
+        return;
+    }
     if let Some(limit) = frame_depth(impactor, &spans).filter(|limit| depth > limit) {
         let hint = format!("it does at {}", millimetres(limit));
         findings.report_with(DEPTH, "the impactor comes down on the frame before it is as deep", hint);
@@ -26,6 +34,10 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
             findings.report_with(DEPTH, "deeper than the film can follow", hint);
             return;
         }
+    }
+    if let Some(span) = spans.narrowest().filter(|span| *depth > SPANS * span) {
+        let hint = format!("the film spans {}; a bare number is in m", millimetres(span));
+        findings.report_with(DEPTH, format!("deeper than {SPANS} times the span of the film"), hint);
     }
 }
 
@@ -44,6 +56,23 @@ struct Spans<'a> {
 }
 
 impl Spans<'_> {
+    /// Whether there is no film under the middle of the impactor.
+    fn is_beside(&self) -> bool {
+        let [x, y] = self.from;
+        match self.shape {
+            Shape::Circle { radius } => x.hypot(y) >= *radius,
+            Shape::Rectangle { x: width, y: height } => x.abs() >= 0.5 * width || y.abs() >= 0.5 * height,
+            Shape::Mesh(_) => false,
+        }
+    }
+
+    /// The shortest straight way over the film from one held edge to another, m; looked for in steps of a degree.
+    fn narrowest(&self) -> Option<f64> {
+        let degrees = (0..180).map(|degree| f64::from(degree) * PI / 180.0);
+        let ways = degrees.filter_map(|angle| Some(self.length(angle)? + self.length(angle + PI)?));
+        ways.min_by(f64::total_cmp)
+    }
+
     /// Length of the way at `angle` (rad), m; none where it ends at a free edge, or the outline is not known.
     fn length(&self, angle: f64) -> Option<f64> {
         let ([x, y], [dx, dy]) = (self.from, [angle.cos(), angle.sin()]);

@@ -33,16 +33,12 @@ impl Inflation {
     pub fn measure(outcome: &Outcome, signals: &Recording) -> Inflation {
         let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
         let (pressure, deflection) = (channel("pressure_Pa"), channel("deflection_m"));
-        let held = &deflection.values()[deflection.len() - deflection.len().div_ceil(10)..];
-        let extremes =
-            || held.iter().copied().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-        let last = deflection.values().last().copied();
         let last_pressure = pressure.values().last().copied();
         Inflation {
             peak_pressure: pressure.largest().map(|[_, pressure]| pressure),
             peak_deflection: deflection.largest().map(|[_, rise]| rise),
-            final_deflection: last,
-            settling: last.filter(|_| outcome.rupture_time.is_none()).map(|last| (extremes().1 - extremes().0) / last),
+            final_deflection: deflection.values().last().copied(),
+            settling: outcome.settling,
             burst_pressure: outcome.rupture_time.and(last_pressure),
             audit: Audit::of(outcome),
             warnings: outcome.warnings.clone(),

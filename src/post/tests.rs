@@ -90,6 +90,7 @@ fn outcome() -> Outcome {
         energy_balance_error: 0.0004,
         kinetic_share: None,
         damping_share: None,
+        settling: None,
         mass_scaling: None,
         penetration: Some(f64::NAN),
         elements: 400,

@@ -68,8 +68,8 @@ pub struct Indent {
     /// Speed of the impactor.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub velocity: Velocity,
-    /// Factor on the film's mass that lengthens the time step; chosen from the number of steps where it
-    /// is left out.
+    /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
+    /// loading lasts 50 periods of the film.
     #[schemars(range(min = 1))]
     pub mass_scaling: Option<f64>,
 }
@@ -83,8 +83,8 @@ pub struct Inflation {
     /// Time in which the pressure rises, smoothly at both ends; it is then held for half as long.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub ramp: Time,
-    /// Factor on the film's mass that lengthens the time step; chosen from the number of steps where it
-    /// is left out.
+    /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
+    /// loading lasts 50 periods of the film.
     #[schemars(range(min = 1))]
     pub mass_scaling: Option<f64>,
 }

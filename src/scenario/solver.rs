@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Solver {
     /// Factor on the stable time step: 0.5 takes steps half as long, which shows what the step does to a result.
     #[serde(default = "whole")]
-    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
+    #[schemars(range(min = 0.001, max = 1))]
     pub step_factor: f64,
 }
 

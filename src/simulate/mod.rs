@@ -50,6 +50,8 @@ pub struct Outcome {
     pub kinetic_share: Option<f64>,
     /// Energy lost to damping over the film's (only quasi-static loadings).
     pub damping_share: Option<f64>,
+    /// Change of an inflated film's deflection over the last tenth of the test, over the deflection; none where it broke.
+    pub settling: Option<f64>,
     /// Factor on the film's mass that the run used (only quasi-static loadings).
     pub mass_scaling: Option<f64>,
     /// Largest penetration over the impactor's radius.
@@ -206,7 +208,7 @@ pub fn run_in(model: &Model, manner: Manner<'_>, progress: &mut dyn FnMut(Progre
     }
     let wall = || before + begin.elapsed();
     let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall).err();
-    let fault = fault.or_else(|| probe.unsteady());
+    let fault = fault.or_else(|| probe.fault());
     let outcome = probe.finish(&engine, scene.mounting, wall());
     match fault {
         None => Ok(outcome),

@@ -10,7 +10,7 @@ use super::pressure::Rise;
 use super::rates::RateAudit;
 use super::tracks::Tracks;
 use super::warnings::{Figures, Warnings};
-use super::{Frame, Outcome, frames, impact, indent, pressure, stretch};
+use super::{Frame, Outcome, frames, impact, indent, pressure, slow, stretch};
 use crate::engine::{ElementStrain, Engine, Fault, Inflation, Observer, Track, View};
 use crate::model::{Loading, Model};
 use crate::signal::Recording;
@@ -24,6 +24,9 @@ pub(super) const KINETIC: f64 = 0.01;
 /// Change of an inflated film in the last tenth of its run, over its deflection, above which it is not at rest.
 const RESTLESS: f64 = 2e-3;
 
+/// Part of a slow test after which its energies are judged while it runs; at its end they are judged as a whole.
+const JUDGED_FROM: f64 = 0.1;
+
 /// Gathers the outcome of a run while it goes.
 pub(super) struct Probe<'a> {
     model: &'a Model,
@@ -32,6 +35,8 @@ pub(super) struct Probe<'a> {
     frames: usize,
     frame: f64,
     audit: f64,
+    /// What to do about a slow test that is too fast.
+    remedy: String,
     /// Strains of all elements, as last looked at.
     faces: Vec<Vec<ElementStrain>>,
     record: Record,
@@ -65,6 +70,8 @@ impl<'a> Probe<'a> {
             (Loading::Impact { velocity, .. }, Some(impactor)) => 0.5 * impactor.mass * velocity * velocity,
             _ => 0.0,
         };
+        let impact = matches!(model.loading, Loading::Impact { .. });
+        let judged_from = if impact { 0.0 } else { JUDGED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
         let frames = frames::kept(model.output.frames, &mounting.films);
         let record = Record {
@@ -72,7 +79,7 @@ impl<'a> Probe<'a> {
             tracks: Tracks::new(duration, sample, speed, gravity),
             rise: Rise::default(),
             frames: vec![],
-            energy: EnergyCheck::new(scale),
+            energy: EnergyCheck::new(scale, judged_from),
             rates: RateAudit::new(measured),
             warnings: Warnings::default(),
             rupture_time: None,
@@ -84,6 +91,7 @@ impl<'a> Probe<'a> {
             duration,
             frames,
             frame: duration / frames.saturating_sub(1).max(1) as f64,
+            remedy: slow::remedy(model, mounting.mass_scaling),
             audit: (duration / AUDITS).max(sample),
             faces: vec![],
             record,
@@ -116,14 +124,24 @@ impl<'a> Probe<'a> {
         matches!(self.model.loading, Loading::Indent { .. } | Loading::Pressure { .. })
     }
 
-    /// The fault of a test that should have been quasi-static and was not.
-    pub(super) fn unsteady(&self) -> Option<Fault> {
+    /// The fault of a run as a whole: energies that do not add up, or a test that was not quasi-static as it should be.
+    pub(super) fn fault(&self) -> Option<Fault> {
+        self.record.energy.fault().or_else(|| self.unsteady())
+    }
+
+    fn unsteady(&self) -> Option<Fault> {
         let (time, share) = self.record.energy.kinetic_share();
         if self.is_quasi_static() && share > KINETIC {
-            return Some(Fault::NotQuasiStatic { time, share });
+            return Some(Fault::NotQuasiStatic { time, share, remedy: self.remedy.clone() });
         }
-        let held = self.record.rupture_time.is_none().then(|| pressure::settling(&self.record.tracks))?;
-        held.filter(|change| *change > RESTLESS).map(|change| Fault::NotAtRest { time: self.duration, change })
+        let restless = self.settling().filter(|change| *change > RESTLESS);
+        let remedy = || self.remedy.clone();
+        restless.map(|change| Fault::NotAtRest { time: self.duration, change, remedy: remedy() })
+    }
+
+    /// How far an inflated film that held is at rest.
+    fn settling(&self) -> Option<f64> {
+        self.record.rupture_time.is_none().then(|| pressure::settling(&self.record.tracks))?
     }
 
     /// Elements broke in the step from `time` (s).
@@ -184,12 +202,14 @@ impl<'a> Probe<'a> {
         let kinetic_share = slow.then(|| self.record.energy.kinetic_share().1);
         let damping_share = slow.then(|| self.record.energy.damping_share());
         let balance = self.record.energy.balance_error();
+        let settling = self.settling();
         let signals = self.signals(&mounting);
         let energies = self.record.energy.recording();
         let rates = self.record.rates.finish();
         let unfinished = signals.channel("contact_force_N").is_some_and(impact::ends_loaded);
         let frames = [self.model.output.frames, self.frames];
-        let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, frames, unfinished };
+        let remedy = &self.remedy;
+        let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, remedy, frames, unfinished };
         Outcome {
             signals,
             energies,
@@ -201,6 +221,7 @@ impl<'a> Probe<'a> {
             energy_balance_error: balance,
             kinetic_share,
             damping_share,
+            settling,
             mass_scaling: mounting.mass_scaling,
             penetration: self.record.penetration,
             elements: engine.elements(),

@@ -24,13 +24,15 @@ const ALMOST: f64 = 0.2;
 const MISSHAPEN: f64 = 0.3;
 
 /// What only the whole run can tell.
-pub(super) struct Figures {
+pub(super) struct Figures<'a> {
     /// Balance error of the energies.
     pub(super) balance: f64,
     /// Share of the straining outside the measured rates.
     pub(super) outside: f64,
     /// Kinetic share of a slow test.
     pub(super) kinetic: Option<f64>,
+    /// What to do about it.
+    pub(super) remedy: &'a str,
     /// States of the film that were asked for and that were kept.
     pub(super) frames: [usize; 2],
     /// Whether the impactor still felt the film at the end.
@@ -101,8 +103,8 @@ impl Warnings {
     }
 
     /// All warnings.
-    pub(super) fn finish(self, figures: &Figures, films: &[Film]) -> Vec<String> {
-        let Figures { balance, outside, kinetic, frames: [wanted, kept], unfinished } = *figures;
+    pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film]) -> Vec<String> {
+        let Figures { balance, outside, kinetic, remedy, frames: [wanted, kept], unfinished } = *figures;
         let ms = |t: f64| 1e3 * t;
         let mut out = vec![];
         for (face, film) in films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < MISSHAPEN) {
@@ -157,12 +159,12 @@ impl Warnings {
         }
         if let Some(share) = kinetic.filter(|k| *k > KINETIC) {
             out.push(format!(
-                "not quasi-static: kinetic energy is up to {:.1} % of the film's; use a smaller mass_scaling",
+                "not quasi-static: kinetic energy is up to {:.1} % of the film's; {remedy}",
                 100.0 * share
             ));
         } else if let Some(share) = kinetic.filter(|k| *k > ALMOST * KINETIC) {
             out.push(format!(
-                "hardly quasi-static: kinetic energy is up to {:.1} % of the film's (bound {:.0} %); load it more slowly",
+                "hardly quasi-static: kinetic energy is up to {:.1} % of the film's (bound {:.0} %); {remedy}",
                 100.0 * share,
                 100.0 * KINETIC
             ));

@@ -114,7 +114,7 @@ fn an_impactor_beside_the_film_is_a_mistake() {
     let arguments = ["run", "slow.toml", "--set", "impactor.position=['200 mm', 0]", "--set", "specimen.symmetry=none"];
     let output = droptower(bench.path(), &arguments);
     assert_eq!(output.status.code(), Some(2));
-    assert!(told(&output).contains("the impactor goes down beside the film and never touches it"), "{}", told(&output));
+    assert!(told(&output).contains("the impactor goes down beside the film"), "{}", told(&output));
     assert!(!bench.path().join("runs").exists());
 }
 
