@@ -53,10 +53,11 @@ pub(super) fn remedy(model: &Model, used: Option<f64>) -> String {
         Loading::Indent { mass_scaling, .. } => ("loading.indent.mass_scaling", mass_scaling),
         Loading::Pressure { mass_scaling, .. } => ("loading.pressure.mass_scaling", mass_scaling),
     };
-    match used.filter(|used| *used > 1.0) {
+    let digits = |used: f64| if used < 100.0 { format!("{used:.3}") } else { format!("{used:.0}") };
+    match used.filter(|used| *used > 1.0).map(digits) {
         None => slower.into(),
-        Some(used) if written.is_some() => format!("set `{key}` lower than {used:.4}, or {slower}"),
-        Some(used) => format!("set `{key}` lower than {used:.4}, which was chosen"),
+        Some(used) if written.is_some() => format!("set `{key}` lower than {used}, or {slower}"),
+        Some(used) => format!("set `{key}` lower than {used}, which was chosen"),
     }
 }
 
