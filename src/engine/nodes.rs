@@ -439,11 +439,11 @@ at_width! {
 #[inline(always)]
 fn advance_lanewise(kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<'_>; 3]) -> Moved {
     let mut damped = 0.0;
-    for Axis { position, velocity, force, field } in axes.iter_mut() {
+    for axis in axes.iter_mut() {
         if kick.keep == 1.0 {
-            move_axis(kick, dt, *field, inverse_mass, position, velocity, force);
+            move_axis::<false>(kick, dt, inverse_mass, axis);
         } else {
-            damped += damp_axis(kick, dt, *field, inverse_mass, position, velocity, force);
+            damped += move_axis::<true>(kick, dt, inverse_mass, axis);
         }
     }
     let [x, y, z] = axes.each_ref().map(|axis| &*axis.velocity);
@@ -456,42 +456,21 @@ fn advance_lanewise(kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<
     Moved { fastest: squared.into_iter().fold(0.0, larger), damped }
 }
 
+/// Kicks and moves one axis; with damping, returns Σ m v̄² with the mean v̄ of the velocities before and after.
 #[inline(always)]
-fn move_axis(
-    kick: Kick,
-    dt: f64,
-    field: f64,
-    inverse_mass: &[f64],
-    position: &mut [f64],
-    velocity: &mut [f64],
-    force: &mut [f64],
-) {
+fn move_axis<const DAMPED: bool>(kick: Kick, dt: f64, inverse_mass: &[f64], axis: &mut Axis<'_>) -> f64 {
     let count = inverse_mass.len();
-    let (position, velocity, force) = (&mut position[..count], &mut velocity[..count], &mut force[..count]);
-    for n in 0..count {
-        let v = velocity[n] + kick.gain * (force[n] * inverse_mass[n] + field);
-        velocity[n] = v;
-        position[n] += v * dt;
-        force[n] = 0.0;
-    }
-}
-
-/// The same with damping; returns Σ m v̄² with the mean v̄ of the velocities before and after.
-#[inline(always)]
-fn damp_axis(
-    kick: Kick,
-    dt: f64,
-    field: f64,
-    inverse_mass: &[f64],
-    position: &mut [f64],
-    velocity: &mut [f64],
-    force: &mut [f64],
-) -> f64 {
+    let field = axis.field;
+    let (position, velocity, force) =
+        (&mut axis.position[..count], &mut axis.velocity[..count], &mut axis.force[..count]);
     let mut sum = 0.0;
-    for n in 0..inverse_mass.len() {
-        let v = kick.keep * velocity[n] + kick.gain * (force[n] * inverse_mass[n] + field);
-        let mean = 0.5 * (velocity[n] + v);
-        sum += mean * mean / inverse_mass[n];
+    for n in 0..count {
+        let kept = if DAMPED { kick.keep * velocity[n] } else { velocity[n] };
+        let v = kept + kick.gain * (force[n] * inverse_mass[n] + field);
+        if DAMPED {
+            let mean = 0.5 * (velocity[n] + v);
+            sum += mean * mean / inverse_mass[n];
+        }
         velocity[n] = v;
         position[n] += v * dt;
         force[n] = 0.0;

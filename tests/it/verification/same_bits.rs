@@ -1,28 +1,17 @@
 //! The same bits, whoever computes them: any number of threads, lanes and vector instructions.
 
-use droptower::engine::{Engine, Fault, Observer, Patch, Team, Vectors, View};
+use droptower::engine::{Engine, Patch, Team, Vectors};
 use droptower::lane::Width;
 use droptower::mesh::{self, Mesh};
 use droptower::model::Model;
 use droptower::simulate;
 
+use super::scene::Blind;
 use super::tower::shipped;
 
 /// Coarse, so that a few hundred steps take film and impactor far: a quarter of 1008 with both of its faces.
 fn small() -> Model {
     shipped("drop/1008.toml", &["specimen.mesh.size=20mm"])
-}
-
-struct Blind;
-
-impl Observer for Blind {
-    fn wants(&self, _time: f64) -> bool {
-        false
-    }
-
-    fn see(&mut self, _view: &View<'_>) -> Result<(), Fault> {
-        Ok(())
-    }
 }
 
 fn after(model: &Model, team: Team, steps: usize) -> Vec<u64> {

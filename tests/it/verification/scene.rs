@@ -76,7 +76,7 @@ impl Scene {
 }
 
 /// An observer that sees nothing.
-struct Blind;
+pub struct Blind;
 
 impl Observer for Blind {
     fn wants(&self, _time: f64) -> bool {
