@@ -24,14 +24,15 @@ pub use contact::{Contact, Inspection, Surface, SurfaceError};
 pub use element::{ElementEnergy, ElementStrain, UprightElement};
 pub use energy::Energies;
 pub use film::Film;
-pub use nodes::{Kick, Nodes, Vectors};
+use nodes::Kick;
+pub use nodes::{Nodes, Vectors};
 pub use observer::{Observer, Track, View};
 pub use patch::Patch;
 pub use pressure::Inflation;
 pub use rigid_body::RigidBody;
 pub use state::{Misfit, State};
 pub use team::Team;
-pub use time_step::TimeStep;
+use time_step::TimeStep;
 
 use std::ops::Range;
 

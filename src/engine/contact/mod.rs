@@ -103,13 +103,13 @@ impl Contact {
     }
 
     /// Tells that film and impactor moved towards each other by at most `distance` (m).
-    pub fn moved(&mut self, distance: f64) {
+    pub(in crate::engine) fn moved(&mut self, distance: f64) {
         self.near.margin -= distance;
         self.near.pace = distance;
     }
 
     /// Forgets the neighbour list, as after elements have broken.
-    pub fn forget(&mut self) {
+    pub(in crate::engine) fn forget(&mut self) {
         self.near.margin = -1.0;
     }
 
@@ -125,7 +125,14 @@ impl Contact {
     /// Corrects the velocities of nodes and body, and the places of nodes, so that no node is inside at the end of the step
     /// of `dt` s. The nodes stand there already, the body stands where it was; `before` is its motion before the forces of
     /// this step. Returns the largest speed of a node that was met, m/s.
-    pub fn meet(&mut self, nodes: &mut Nodes, body: &mut RigidBody, before: &RigidBody, dt: f64, team: &Team) -> f64 {
+    pub(in crate::engine) fn meet(
+        &mut self,
+        nodes: &mut Nodes,
+        body: &mut RigidBody,
+        before: &RigidBody,
+        dt: f64,
+        team: &Team,
+    ) -> f64 {
         self.pieces.resize_with(self.near.pieces.len(), Piece::default);
         self.find_touching(nodes, body, dt, team);
         let ahead = self.body_ahead(body);

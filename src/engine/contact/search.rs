@@ -149,7 +149,7 @@ impl Surface {
     /// Distances and outward normals of points at `arm` (m) from the centre of mass of the body at `pose`, as [`Surface::touch`] has
     /// them; only those where `close` is one count. On a sphere, parry's projection is written out for all lanes at once.
     #[inline(always)]
-    pub fn touch_lanes(&self, pose: &Isometry3<f64>, arm: &Lane3, close: &Lane) -> (Lane, Lane3) {
+    pub(in crate::engine) fn touch_lanes(&self, pose: &Isometry3<f64>, arm: &Lane3, close: &Lane) -> (Lane, Lane3) {
         let (mut gap, mut normal): (Lane, Lane3) = (splat(0.0), [splat(0.0); 3]);
         match &self.shape {
             Kind::Ball(ball) => {
@@ -179,7 +179,7 @@ impl Surface {
 
     /// Bound on the depth (m, negative outside) of any point of an element: on a sphere, a point of a triangle is not farther than
     /// 1/√3 of the longest line from its nearest corner. No bound on other shapes.
-    pub fn deepest_at_most(&self, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4]) -> f64 {
+    pub(in crate::engine) fn deepest_at_most(&self, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4]) -> f64 {
         if !self.is_sphere() {
             return f64::INFINITY;
         }
