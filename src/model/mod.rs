@@ -14,7 +14,7 @@ mod size;
 mod solver;
 mod specimen;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::diagnostic::Diagnostic;
 use crate::material::Material;
@@ -101,6 +101,20 @@ pub struct Model {
 }
 
 impl Model {
+    /// Files that a run reads besides the scenario: meshes and the reference.
+    pub fn files(&self) -> Vec<&Path> {
+        let specimen = match &self.specimen.shape {
+            Shape::Mesh(path) => Some(path),
+            _ => None,
+        };
+        let impactor = match self.impactor.as_ref().map(|impactor| &impactor.shape) {
+            Some(ImpactorShape::Mesh(path)) => Some(path),
+            _ => None,
+        };
+        let reference = self.reference.as_ref().map(|reference| &reference.signals);
+        [specimen, impactor, reference].into_iter().flatten().map(PathBuf::as_path).collect()
+    }
+
     /// What reports call the film: one word where all faces are of the same, else "film".
     pub fn film(&self) -> &str {
         let mut names = self.faces.iter().map(|face| face.film.as_deref());

@@ -12,6 +12,7 @@ mod stretch;
 mod study;
 #[cfg(test)]
 mod tests;
+mod trial;
 
 pub use audit::{Audit, Histogram};
 pub use impact::Impact;
