@@ -37,6 +37,9 @@ pub enum CrewError {
     /// The objective cannot go on.
     #[error("{0}")]
     Broken(String),
+    /// No more trials are made, for a reason that is told elsewhere.
+    #[error("the trials have ended")]
+    Over,
 }
 
 /// The bits of a point.
@@ -81,16 +84,20 @@ impl<'a> Crew<'a> {
     }
 
     /// Runs `search` while the crew is at work; its threads have stacks of `stack` bytes.
+    ///
+    /// # Errors
+    /// The threads cannot be started, the objective cannot go on, or the history cannot be written.
     pub fn at_work<T: Send>(&self, stack: usize, search: impl FnOnce(&Crew<'a>) -> T + Send) -> Result<T, CrewError> {
         // Simulations within a pool of threads take one thread each.
         let pool = ThreadPoolBuilder::new().num_threads(self.threads).stack_size(stack).build()?;
-        Ok(pool.in_place_scope(|scope| {
+        let found = pool.in_place_scope(|scope| {
             for _ in 0..self.threads {
                 scope.spawn(|_| self.serve());
             }
             let _close = Close(self);
             search(self)
-        }))
+        });
+        self.board().error.take().map_or(Ok(found), Err)
     }
 
     /// Number of threads.
@@ -116,8 +123,8 @@ impl<'a> Crew<'a> {
         board.awaited.extend(points.iter().cloned());
         self.changed.notify_all();
         loop {
-            if let Some(error) = board.error.take() {
-                return Err(error);
+            if board.error.is_some() {
+                return Err(CrewError::Over);
             }
             let found: Option<Vec<Evaluation>> = points.iter().map(|point| board.done.get(point).cloned()).collect();
             match found {

@@ -5,6 +5,7 @@ mod commands;
 mod diagnostics;
 mod language;
 mod golden;
+mod identification;
 mod mesh;
 mod resume;
 mod runs;
