@@ -35,7 +35,7 @@ pub struct ScriptArgs {
 }
 
 /// Names that belong to a study's summary.
-const RESERVED: [&str; 4] = ["script", "droptower", "study", "tables"];
+const RESERVED: [&str; 5] = ["script", "droptower", "study", "tables", "files"];
 
 /// A script that was run, and what it found.
 struct Studied {
@@ -163,6 +163,7 @@ fn summary(studied: &Studied) -> Map<String, Value> {
     summary.extend(findings.measures.clone());
     let tables = findings.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
     summary.insert("tables".into(), Value::Object(tables.collect()));
+    summary.insert("files".into(), findings.files.names().into());
     summary
 }
 
