@@ -44,10 +44,8 @@ pub enum ContactError {
     NoCrossing { near: f64 },
     #[error("acceleration: integrated from rest it does not fall through {height} m; is the height right?")]
     NotSoDeep { height: f64 },
-    #[error(
-        "acceleration: the height is reached only {late:.4} s from the end or the beginning of what can be searched for the onset of the force"
-    )]
-    NoOnset { late: f64 },
+    #[error("acceleration: too few samples around {near:.4} s to see the onset of the force")]
+    NoOnset { near: f64 },
     #[error("the contact time did not settle within {MOST_ROUNDS} rounds")]
     NotSettled,
 }
@@ -163,7 +161,7 @@ pub fn by_fall(acceleration: impl Fn(f64) -> Series, height: f64) -> Result<(Con
         let reached = |offset: f64| place(offset).at(time).ok_or(ContactError::NotSoDeep { height });
         let (without, with) = (reached(0.0)?, reached(1.0)?);
         offset = (-height - without) / (with - without);
-        if (time - presumed).abs() < SETTLED {
+        if (time - presumed).abs() <= 1.01 * step(&place(offset)) {
             let velocity = integrate::once(&acceleration(offset), 0.0).at(time);
             let velocity = velocity.ok_or(ContactError::NotSoDeep { height })?;
             let speed_from = SpeedFrom::Fall;
@@ -172,6 +170,14 @@ pub fn by_fall(acceleration: impl Fn(f64) -> Series, height: f64) -> Result<(Con
         presumed = time;
     }
     Err(ContactError::NotSettled)
+}
+
+/// Mean sample interval, s: the onset is known no better.
+fn step(series: &Series) -> f64 {
+    match series.time() {
+        [first, .., last] => (last - first) / (series.len() - 1) as f64,
+        _ => 0.0,
+    }
 }
 
 /// Where a constant before and a cubic after describe the acceleration around `near` (s) best.
@@ -191,8 +197,7 @@ fn onset(acceleration: &Series, near: f64) -> Result<f64, ContactError> {
         Some((least_squares(before)?.1 + least_squares(after)?.1, *k))
     };
     let best = (first.max(1)..last).collect::<Vec<_>>().iter().filter_map(left).min_by(|a, b| a.0.total_cmp(&b.0));
-    let end = acceleration.time().last().copied().unwrap_or(near);
-    let (_, k) = best.filter(|_| time.len() - last >= 4).ok_or(ContactError::NoOnset { late: end - near })?;
+    let (_, k) = best.filter(|_| time.len() - last >= 4).ok_or(ContactError::NoOnset { near })?;
     Ok(0.5 * (time[k - 1] + time[k]))
 }
 

@@ -81,6 +81,7 @@ pub fn engine(limits: Limits) -> Engine {
     });
     super::register_signals(&mut engine);
     super::random::register(&mut engine);
+    super::drop::register(&mut engine);
     engine
 }
 

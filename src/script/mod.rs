@@ -5,6 +5,7 @@
 
 mod arguments;
 mod calls;
+mod drop;
 mod fault;
 mod files;
 mod findings;
@@ -15,6 +16,7 @@ mod signal;
 mod value;
 
 pub use arguments::Arguments;
+pub use drop::ENTRIES as DROP_ENTRIES;
 pub use fault::{Fault, refuse};
 pub use files::{ENTRIES as FILE_ENTRIES, File, FileError, Files};
 pub use findings::{ENTRIES as LEDGER_ENTRIES, Findings, Ledger, NameError, Row};

@@ -1,15 +1,22 @@
 //! A drop test, from what the sensors read to contact, speed, travel and energies.
 
+mod figures;
+mod motion;
+#[cfg(test)]
+mod tests;
+
 use thiserror::Error;
+
+pub use figures::Figures;
 
 use super::absorption::{AbsorptionError, Body, energy_absorption};
 use super::contact::{self, Contact, ContactError, SpeedFrom};
 use super::coupling::{self, CouplingError};
 use super::ramp::{GravityRamp, RampError};
 use super::release::{Release, ReleaseError};
-use crate::signal::filter::{self, FilterError, Standard};
+use crate::signal::filter::{self, ChannelFilter, FilterError, Standard};
 use crate::signal::resample::{self, ResampleError};
-use crate::signal::{Channel, Recording, Series, integrate};
+use crate::signal::{Recording, Series};
 
 /// What is known of a drop before its recording is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,6 +127,9 @@ pub fn reduce(
 ) -> Result<Drop, DropError> {
     check(tower, reduction)?;
     let reading = even(acceleration)?;
+    if let (Some(class), Some(step)) = (reduction.class, resample::common_step(reading.time())) {
+        ChannelFilter::new(class, step, Standard::Iso6487)?;
+    }
     let release = Release::find(&reading, tower.body.gravity)?;
     let zeroed = zeroed(&reading, &release);
     let ramp = GravityRamp::fit(&zeroed, release.flank)?;
@@ -205,7 +215,7 @@ impl Drop {
             Some(class) => filter::channel(corrected, class, Standard::Iso6487)?,
             None => corrected.clone(),
         };
-        let signals = signals(corrected, &filtered, &contact, tower.body)?;
+        let signals = motion::signals(corrected, &filtered, &contact, tower.body)?;
         let mut notes = Vec::new();
         if contact.speed_from == SpeedFrom::Fall {
             notes.push(
@@ -215,7 +225,7 @@ impl Drop {
         let channel = |name| signals.channel(name).unwrap_or_default();
         let absorption = energy_absorption(tower.body, channel("velocity_m_s"), channel("displacement_m"));
         let energy_absorption = absorption.map_err(|reason| notes.push(without_absorption(reason))).ok();
-        let total_energy_drift = drift(channel("total_energy_J"));
+        let total_energy_drift = motion::drift(channel("total_energy_J"));
         Ok(Drop {
             contact,
             ideal_speed: (2.0 * tower.body.gravity * tower.height.metres()).sqrt(),
@@ -237,60 +247,4 @@ fn without_absorption(reason: AbsorptionError) -> String {
         }
         other => format!("no energy absorption: {other}"),
     }
-}
-
-/// The channels on a time axis that starts at contact.
-fn signals(corrected: &Series, filtered: &Series, contact: &Contact, body: Body) -> Result<Recording, DropError> {
-    let (axis, clock) = axes(corrected, contact.time)?;
-    let acceleration = Series::new(axis.as_slice(), resample::onto(corrected, &clock));
-    let velocity = integrate::once(&acceleration, contact.velocity);
-    let displacement = integrate::once(&velocity, 0.0);
-    let motion = || velocity.values().iter().zip(displacement.values());
-    let kinetic: Vec<f64> = velocity.values().iter().map(|v| 0.5 * body.mass * v * v).collect();
-    let potential: Vec<f64> = displacement.values().iter().map(|d| body.mass * body.gravity * d).collect();
-    let absorbed = work(body, acceleration.values(), displacement.values());
-    let total = motion().zip(&absorbed).map(|((v, d), w)| body.energy(*v, *d) + w).collect();
-    let channels = [
-        ("displacement_m", displacement.values().to_vec()),
-        ("velocity_m_s", velocity.values().to_vec()),
-        ("acceleration_m_s2", acceleration.values().to_vec()),
-        ("acceleration_filtered_m_s2", resample::onto(filtered, &clock)),
-        ("kinetic_energy_J", kinetic),
-        ("potential_energy_J", potential),
-        ("absorbed_energy_J", absorbed),
-        ("total_energy_J", total),
-    ];
-    let channels = channels.map(|(name, values)| Channel { name: name.into(), values });
-    Ok(Recording { time: axis, channels: channels.into() })
-}
-
-/// Times from contact on in steps of the recording, and the same times on its clock; s.
-fn axes(corrected: &Series, contact: f64) -> Result<(Vec<f64>, Vec<f64>), DropError> {
-    let ends = || DropError::EndsAtContact { contact };
-    let &[first, .., last] = corrected.time() else {
-        return Err(ends());
-    };
-    let step = (last - first) / (corrected.len() - 1) as f64;
-    let count = ((last - contact) / step).floor();
-    if count.is_nan() || count < 2.0 {
-        return Err(ends());
-    }
-    let axis: Vec<f64> = (0..=count as usize).map(|i| i as f64 * step).collect();
-    let clock = axis.iter().map(|t| (contact + t).min(last)).collect();
-    Ok((axis, clock))
-}
-
-/// Work that the film has taken, W = −∫M(a + g) dd, J.
-fn work(body: Body, a: &[f64], d: &[f64]) -> Vec<f64> {
-    let mut taken = 0.0;
-    let steps = (1..a.len()).map(|i| {
-        taken -= body.mass * (0.5 * (a[i] + a[i - 1]) + body.gravity) * (d[i] - d[i - 1]);
-        taken
-    });
-    std::iter::once(0.0).chain(steps).collect()
-}
-
-fn drift(total: &[f64]) -> f64 {
-    let first = total.first().copied().unwrap_or(f64::NAN);
-    total.iter().map(|e| (e - first).abs()).fold(0.0, f64::max) / first.abs()
 }
