@@ -11,9 +11,7 @@ use thiserror::Error;
 use super::coupling::high_pass;
 use crate::signal::csv::clean_time;
 use crate::signal::{Channel, Recording, Series};
-
-/// m/s².
-const STANDARD_GRAVITY: f64 = 9.80665;
+use crate::units::STANDARD_GRAVITY;
 
 /// The fall before a simulated impact: rest, the magnet letting go, then a constant net acceleration.
 ///
