@@ -81,6 +81,8 @@ pub fn engine(limits: Limits) -> Engine {
     });
     super::register_signals(&mut engine);
     super::random::register(&mut engine);
+    super::curve::register(&mut engine);
+    super::coupon::register(&mut engine);
     engine
 }
 

@@ -5,6 +5,8 @@
 
 mod arguments;
 mod calls;
+mod coupon;
+mod curve;
 mod fault;
 mod files;
 mod findings;
@@ -15,6 +17,8 @@ mod signal;
 mod value;
 
 pub use arguments::Arguments;
+pub use coupon::{ENTRIES as COUPON_ENTRIES, Reduced};
+pub use curve::ENTRIES as CURVE_ENTRIES;
 pub use fault::{Fault, refuse};
 pub use files::{ENTRIES as FILE_ENTRIES, File, FileError, Files};
 pub use findings::{ENTRIES as LEDGER_ENTRIES, Findings, Ledger, NameError, Row};

@@ -4,6 +4,7 @@
 
 pub mod average;
 mod curve;
+pub mod label;
 mod modulus;
 mod reduction;
 mod rupture;
@@ -15,6 +16,7 @@ use thiserror::Error;
 use crate::signal::Series;
 
 pub use curve::{Curve, CurveError, JITTER};
+pub use label::{Label, LabelError};
 pub use modulus::{FEWEST_SAMPLES, Modulus, ModulusError, WINDOW};
 pub use reduction::{Along, AtSpeed, Direction, DirectionError, Reduction, ReductionError, Rules, Sample, SampleError};
 pub use rupture::{BREAK_SHARE, Ending, Rupture, RuptureError};

@@ -4,6 +4,7 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use super::average::{AverageError, Spread, mean_curve};
+use super::label::is_same_speed;
 use super::{
     BREAK_SHARE, Curve, Modulus, ModulusError, Rupture, RuptureError, WINDOW, YieldError, YieldPoints, yield_points,
 };
@@ -203,10 +204,10 @@ fn along(direction: Direction, samples: &[Sample], rules: &Rules) -> Result<Alon
     let samples: Vec<&Sample> = samples.iter().filter(|sample| sample.direction == direction).collect();
     let mut velocities: Vec<f64> = samples.iter().map(|sample| sample.velocity).collect();
     velocities.sort_by(f64::total_cmp);
-    velocities.dedup();
+    velocities.dedup_by(|faster, slower| is_same_speed(*faster, *slower));
     let groups: Vec<Vec<&Sample>> = velocities
         .iter()
-        .map(|velocity| samples.iter().copied().filter(|sample| sample.velocity == *velocity).collect())
+        .map(|velocity| samples.iter().copied().filter(|sample| is_same_speed(sample.velocity, *velocity)).collect())
         .collect();
     let speeds = groups.iter().zip(&velocities).map(|(group, velocity)| {
         at_speed(*velocity, group).map_err(|source| ReductionError::AtSpeed { direction, velocity: *velocity, source })
