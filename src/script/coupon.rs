@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map};
 
-use super::curve::{list, spread_map, strains, yield_map};
+use super::curve::{list, numbers, spread_map, strains, yield_map};
 use super::{Entry, number, refuse};
-use crate::experiment::coupon::{Along, AtSpeed, Coupon, Curve, Reduction, Rules, Sample};
+use crate::experiment::coupon::{Along, AtSpeed, Coupon, Curve, Machine, Reduction, Rules, Sample};
 use crate::signal::Series;
 use crate::units::{Dimension, Length, Velocity};
 
@@ -33,6 +33,7 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("shear", |coupon: &mut Coupon, curve: Curve, side: Dynamic| {
             shear(coupon, &curve, quantity(&side, Length::DIMENSION, "the side of the square")?)
         })
+        .register_fn("pulled", pulled)
         .register_fn("reduce_coupons", |samples: Array| reduce(&samples, &Map::new()))
         .register_fn("reduce_coupons", |samples: Array, rules: Map| reduce(&samples, &rules))
         .register_get("directions", |reduced: &mut Reduced| {
@@ -85,6 +86,25 @@ fn shear(coupon: &Coupon, curve: &Curve, side: f64) -> Answer<Map> {
     map.insert("curve".into(), Dynamic::from(sheared.curve));
     map.insert("cut".into(), (sheared.cut as INT).into());
     Ok(map)
+}
+
+fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machine: Map) -> Answer<Map> {
+    let decimals = |name: &str| {
+        let decimals = entry(&machine, name)?.as_int().ok().and_then(|count| u8::try_from(count).ok());
+        decimals.filter(|count| *count <= 15).ok_or_else(|| refuse(format!("{name} is a whole number from 0 to 15")))
+    };
+    let machine = Machine {
+        velocity: quantity(entry(&machine, "velocity")?, Velocity::DIMENSION, "velocity")?,
+        force_decimals: decimals("force_decimals")?,
+        displacement_decimals: decimals("displacement_decimals")?,
+    };
+    let (strains, noise) = (numbers(&strains, "a strain")?, numbers(&noise, "noise")?);
+    let pull = machine.pull(coupon, &curve, &strains, &noise).map_err(refuse)?;
+    Ok(map([
+        ("time", list(&pull.time).into()),
+        ("displacement", list(&pull.displacement).into()),
+        ("force", list(&pull.force).into()),
+    ]))
 }
 
 fn reduce(samples: &[Dynamic], given: &Map) -> Answer<Reduced> {
@@ -155,6 +175,11 @@ pub const ENTRIES: &[Entry] = &[
         call: "coupon.shear(curve), coupon.shear(curve, side)",
         gives: "a map: the curve of shear stress over shear angle (rad) of a square from a curve at 45 degrees (equations 4 to 8), and how many samples were cut; its diagonal is the gauge length (assumed) where no side is given",
         example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let s = c.shear(curve([0, 0.1, 0.2, 0.5], [0, 1e6, 2e6, 5e6])); s.cut == 1 && s.curve.len() == 3"#,
+    },
+    Entry {
+        call: "coupon.pulled(curve, strains, noise, #{ velocity, force_decimals, displacement_decimals })",
+        gives: "a map of lists time (s), displacement (m) and force (N): what a machine would record at these strains of a film that follows the curve, plus noise (N); for virtual tests",
+        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let p = c.pulled(curve([0, 1], [0, 1e7]), [0, 0.5, 2], [0, 0, 0.001], #{ velocity: "0.02 m/s", force_decimals: 4, displacement_decimals: 7 }); p.force == [0.0, 0.6, 0.001] && p.time[1] == 0.125"#,
     },
     Entry {
         call: "reduce_coupons([#{ direction, velocity, curve }, …]), reduce_coupons(tests, #{ window, break_share, toe_compensation })",

@@ -68,7 +68,8 @@ pub(super) fn list(values: &[f64]) -> Array {
     values.iter().copied().map(Dynamic::from).collect()
 }
 
-fn numbers(items: &[Dynamic], what: &str) -> Answer<Vec<f64>> {
+/// The list as numbers; `what` names one of them in the error.
+pub(super) fn numbers(items: &[Dynamic], what: &str) -> Answer<Vec<f64>> {
     items.iter().map(|item| number(item, what)).collect()
 }
 

@@ -14,6 +14,7 @@ mod host;
 mod random;
 mod reference;
 mod signal;
+mod table;
 mod value;
 
 pub use arguments::Arguments;
@@ -26,4 +27,5 @@ pub use host::{Limits, ReadError, Script, engine};
 pub use random::ENTRIES as RANDOM_ENTRIES;
 pub use reference::Entry;
 pub use signal::{ENTRIES as SIGNAL_ENTRIES, register as register_signals};
+pub use table::ENTRIES as TABLE_ENTRIES;
 pub use value::{from_json, number, to_json, window};

@@ -5,6 +5,7 @@
 pub mod average;
 mod curve;
 pub mod label;
+mod machine;
 mod modulus;
 mod reduction;
 mod rupture;
@@ -17,6 +18,7 @@ use crate::signal::Series;
 
 pub use curve::{Curve, CurveError, JITTER};
 pub use label::{Label, LabelError};
+pub use machine::{Machine, MachineError, Pull};
 pub use modulus::{FEWEST_SAMPLES, Modulus, ModulusError, WINDOW};
 pub use reduction::{Along, AtSpeed, Direction, DirectionError, Reduction, ReductionError, Rules, Sample, SampleError};
 pub use rupture::{BREAK_SHARE, Ending, Rupture, RuptureError};
