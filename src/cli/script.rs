@@ -13,7 +13,7 @@ use super::{Shared, digest, folder, print, print_json, report, scenarios, table}
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post;
 use crate::report::{StudyPage, study_page};
-use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine, to_json};
+use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine, register_recordings, to_json};
 use crate::store::{self, Draft, StoreError};
 
 #[derive(Debug, Args)]
@@ -83,6 +83,7 @@ fn studied(args: &ScriptArgs, name: String, quiet: bool) -> Result<Studied, Vec<
     });
     let mut engine = engine(Limits::STUDY);
     ledger.register(&mut engine);
+    register_recordings(&mut engine);
     post::register_studies(&mut engine, changes);
     Arguments::register(&mut engine);
     let mut scope = Scope::new();

@@ -1,12 +1,15 @@
 //! Time series as values: what a channel and a recording are, and what is done to them.
 
 pub mod csv;
+pub mod file;
 pub mod filter;
 pub mod integrate;
+mod measurement;
 pub mod norm;
 pub mod resample;
 mod series;
 
+pub use measurement::{ChannelError, Measured, Measurement, QuantityError, Selection, Wanted};
 pub use series::Series;
 
 /// One measured or computed quantity over the common time axis of its [`Recording`].
