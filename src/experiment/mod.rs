@@ -3,6 +3,7 @@
 pub mod absorption;
 pub mod contact;
 pub mod coupling;
+pub mod coupon;
 pub mod drop;
 mod fit;
 pub mod ramp;

@@ -5,6 +5,8 @@
 
 mod arguments;
 mod calls;
+mod coupon;
+mod curve;
 mod drop;
 mod fault;
 mod files;
@@ -14,9 +16,12 @@ mod random;
 mod recording;
 mod reference;
 mod signal;
+mod table;
 mod value;
 
 pub use arguments::Arguments;
+pub use coupon::{ENTRIES as COUPON_ENTRIES, Reduced};
+pub use curve::ENTRIES as CURVE_ENTRIES;
 pub use drop::ENTRIES as DROP_ENTRIES;
 pub use fault::{Fault, refuse};
 pub use files::{ENTRIES as FILE_ENTRIES, File, FileError, Files};
@@ -26,4 +31,5 @@ pub use random::ENTRIES as RANDOM_ENTRIES;
 pub use recording::{ENTRIES as RECORDING_ENTRIES, register as register_recordings};
 pub use reference::Entry;
 pub use signal::{ENTRIES as SIGNAL_ENTRIES, register as register_signals};
+pub use table::ENTRIES as TABLE_ENTRIES;
 pub use value::{from_json, number, to_json, window};
