@@ -96,6 +96,8 @@ mod tests {
         std::fs::write(&path, "a,b\n1\n").unwrap();
         let error = engine(Limits::POST).run(&format!("read_table({path:?})")).unwrap_err().to_string();
         assert!(error.contains("t.csv: ") && error.contains("record"), "{error}");
-        assert!(engine(Limits::POST).run("read_table(\"no.csv\")").unwrap_err().to_string().contains("cannot read no.csv"));
+        assert!(
+            engine(Limits::POST).run("read_table(\"no.csv\")").unwrap_err().to_string().contains("cannot read no.csv")
+        );
     }
 }

@@ -1,5 +1,6 @@
 //! A drop test, from what the sensors read to contact, speed, travel and energies.
 
+mod channels;
 mod figures;
 mod motion;
 #[cfg(test)]
@@ -7,6 +8,7 @@ mod tests;
 
 use thiserror::Error;
 
+pub use channels::{Names, Sensed, SensedError};
 pub use figures::Figures;
 
 use super::absorption::{AbsorptionError, Body, energy_absorption};
