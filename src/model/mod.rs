@@ -286,8 +286,14 @@ pub struct Output {
 /// A measured or virtual recording that the run is compared with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
-    /// CSV with `time_s` and `acceleration_m_s2` and/or `displacement_m`.
+    /// From first contact on (`time_s` with `acceleration_m_s2` and/or `displacement_m`), or raw.
     pub signals: PathBuf,
+    /// Accelerometer of a raw recording; where none is named, its only acceleration.
+    pub acceleration: Option<String>,
+    /// Laser of a raw recording; where none is named, its only length.
+    pub displacement: Option<String>,
+    /// Height of fall of a raw recording, m.
+    pub drop_height: Option<f64>,
     pub window: Window,
 }
 

@@ -73,7 +73,7 @@ pub fn run(args: &DropArgs, shared: &Shared) -> ExitCode {
         Err(mistakes) => return report(&mistakes),
     };
     if let Some(out) = &args.out
-        && let Err(mistake) = output::write(&drop.signals, out, &args.path)
+        && let Err(mistake) = output::write(&drop.signals, out)
     {
         report(&[mistake]);
         return ExitCode::from(WRITE_FAILURE);
@@ -89,6 +89,9 @@ pub fn run(args: &DropArgs, shared: &Shared) -> ExitCode {
 
 fn reduced(args: &DropArgs) -> Result<Drop, Vec<Diagnostic>> {
     let (tower, reduction) = conditions(args)?;
+    if let Some(out) = &args.out {
+        output::check(out, &args.path).map_err(|mistake| vec![mistake])?;
+    }
     let sensed = sensed(args).map_err(|mistake| vec![mistake])?;
     let laser = sensed.laser.as_ref().filter(|_| !args.without_laser);
     drop::reduce(&sensed.acceleration, laser, &tower, &reduction)

@@ -7,12 +7,17 @@ use std::path::Path;
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::{Recording, csv};
 
-/// Writes `recording` to `path`, beside it first; the recording that it was made `from` is never replaced.
-pub fn write(recording: &Recording, path: &Path, from: &Path) -> Result<(), Diagnostic> {
+/// Refuses to replace the recording that signals are made `from`.
+pub fn check(path: &Path, from: &Path) -> Result<(), Diagnostic> {
     let same = |a: &Path, b: &Path| fs::canonicalize(a).ok().zip(fs::canonicalize(b).ok()).is_some_and(|(a, b)| a == b);
     if same(path, from) {
         return Err(Diagnostic::new(format!("{} is the recording itself and is not replaced", shown_path(path))));
     }
+    Ok(())
+}
+
+/// Writes `recording` beside `path` and then moves it there.
+pub fn write(recording: &Recording, path: &Path) -> Result<(), Diagnostic> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let written = || -> io::Result<()> {
         let mut builder = tempfile::Builder::new();
