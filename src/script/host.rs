@@ -83,7 +83,6 @@ pub fn engine(limits: Limits) -> Engine {
     super::random::register(&mut engine);
     super::curve::register(&mut engine);
     super::coupon::register(&mut engine);
-    super::table::register(&mut engine);
     engine
 }
 
