@@ -16,6 +16,7 @@ mod schema;
 mod script;
 mod signal;
 mod table;
+mod tensile;
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
@@ -73,6 +74,9 @@ enum Command {
     /// Work on recordings without a simulation
     #[command(subcommand)]
     Signal(signal::SignalCommand),
+    /// Work on coupon tests: recordings in, moduli, yield points and a material out
+    #[command(subcommand)]
+    Tensile(tensile::TensileCommand),
 }
 
 /// Runs the command that the arguments name; usage errors exit with status 2.
@@ -93,6 +97,7 @@ pub fn main() -> ExitCode {
         Command::List(args) => list::run(&args, &shared),
         Command::Script(args) => script::run(&args, &shared),
         Command::Signal(command) => signal::run(&command, &shared),
+        Command::Tensile(command) => tensile::run(&command, &shared),
     }
 }
 

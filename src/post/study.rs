@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use rhai::{Array, Dynamic, Engine, EvalAltResult, Map};
 
+use super::coupon_material;
 use super::run::{self, ReferenceSignals};
 use super::{Plan, Run};
 use crate::diagnostic::Diagnostic;
@@ -100,6 +101,7 @@ fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
 /// Offers scenarios to scripts; `changes` are laid over each that a script reads.
 pub fn register(engine: &mut Engine, changes: Vec<Assignment>) {
     run::register(engine);
+    coupon_material::register(engine);
     engine
         .register_type_with_name::<Study>("scenario")
         .register_fn("scenario", move |path: &str| Study::read(Path::new(path), &changes))

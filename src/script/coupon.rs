@@ -1,12 +1,13 @@
 //! Coupon tests in scripts: from force over displacement to what a material is described by.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map};
 
 use super::curve::{list, numbers, spread_map, strains, yield_map};
 use super::{Entry, number, refuse};
-use crate::experiment::coupon::{Along, AtSpeed, Coupon, Curve, Machine, Reduction, Rules, Sample};
+use crate::experiment::coupon::{Along, AtSpeed, Coupon, Curve, Machine, Reading, Recorded, Reduction, Rules, Sample};
 use crate::signal::Series;
 use crate::units::{Dimension, Length, Velocity};
 
@@ -40,6 +41,28 @@ pub(super) fn register(engine: &mut Engine) {
             reduced.0.directions.iter().map(|along| along_map(along).into()).collect::<Array>()
         })
         .register_get("modulus", |reduced: &mut Reduced| reduced.0.modulus.map_or(Dynamic::UNIT, Dynamic::from));
+}
+
+/// Offers `read_coupons` to scripts that may read files.
+pub(super) fn register_reading(engine: &mut Engine) {
+    engine
+        .register_fn("read_coupons", |pattern: &str, coupon: Coupon| read_all(pattern, coupon, &Map::new()))
+        .register_fn("read_coupons", |pattern: &str, coupon: Coupon, rules: Map| read_all(pattern, coupon, &rules));
+}
+
+/// The coupons whose files match `pattern`, each with its figures.
+fn read_all(pattern: &str, coupon: Coupon, given: &Map) -> Answer<Array> {
+    let paths = glob::glob(pattern).map_err(|error| refuse(format!("`{pattern}`: {error}")))?;
+    let paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(refuse)?;
+    if paths.is_empty() {
+        return Err(refuse(format!("no file matches `{pattern}`")));
+    }
+    let reading = Reading::new(coupon, rules(given)?);
+    let read = |path: &PathBuf| reading.read(path).map(|recorded| recorded_map(&recorded).into());
+    paths.iter().map(read).collect::<Result<Array, _>>().map_err(|error| match error.hint() {
+        Some(hint) => refuse(format!("{error} ({hint})")),
+        None => refuse(error),
+    })
 }
 
 /// How curves are read, as a script gives it: `window`, `break_share`, `toe_compensation`.
@@ -130,6 +153,20 @@ fn sample(item: &Dynamic, rules: &Rules) -> Answer<Sample> {
     Sample::new(direction, velocity, &curve, rules).map_err(refuse)
 }
 
+fn recorded_map(recorded: &Recorded) -> Map {
+    let sample = &recorded.sample;
+    map([
+        ("file", recorded.path.display().to_string().into()),
+        ("direction", sample.direction.name().into()),
+        ("velocity", sample.velocity.into()),
+        ("curve", Dynamic::from(sample.curve.clone())),
+        ("modulus", sample.modulus.slope.into()),
+        ("strength", sample.rupture.strength.into()),
+        ("elongation", sample.rupture.strain.into()),
+        ("is_virtual", recorded.is_virtual.into()),
+    ])
+}
+
 fn along_map(along: &Along) -> Map {
     let (yields, why) = match &along.yields {
         Ok(found) => (yield_map(found).into(), Dynamic::UNIT),
@@ -191,6 +228,11 @@ pub const ENTRIES: &[Entry] = &[
         example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let r = reduce_coupons([#{ direction: "MD", velocity: "0.02 m/s", curve: c }], #{ window: [0, 0.02] }); r.directions[0].elongation.mean == 1.0"#,
     },
     Entry {
+        call: "read_coupons(pattern, coupon), read_coupons(pattern, coupon, rules)",
+        gives: "a list of maps for reduce_coupons: file, direction, velocity (from header or name), curve up to the break, modulus, strength, elongation, is_virtual",
+        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let tests = read_coupons("data/virtual/coupons/md-0.2-*.csv", c); tests.len() == 6 && tests[0].is_virtual && reduce_coupons(tests).directions[0].modulus.count == 6"#,
+    },
+    Entry {
         call: "reduction.directions, reduction.modulus",
         gives: "a list of maps (direction, modulus, strength, elongation, break_stress, curve, yield_points or (), no_yield_points or (), speeds), and the mean modulus of MD and TD, Pa",
         example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let t = |d| #{ direction: d, velocity: 0.02, curve: c }; let r = reduce_coupons([t.call("MD"), t.call("TD")], #{ window: [0, 0.02] }); (r.modulus / 5e7 - 1).abs() < 1e-9 && r.directions[1].speeds[0].moduli.len() == 1 && r.directions[0].yield_points == ()"#,
@@ -199,11 +241,19 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use crate::script::{Limits, engine};
+    use rhai::Engine;
+
+    use crate::script::{Limits, register_recordings};
+
+    fn engine() -> Engine {
+        let mut engine = crate::script::engine(Limits::POST);
+        register_recordings(&mut engine);
+        engine
+    }
 
     #[test]
     fn the_examples_of_the_reference_hold() {
-        let engine = engine(Limits::POST);
+        let engine = engine();
         for entry in super::ENTRIES {
             let held = engine.eval::<bool>(entry.example);
             assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
@@ -212,7 +262,7 @@ mod tests {
 
     #[test]
     fn mistakes_are_said() {
-        let engine = engine(Limits::POST);
+        let engine = engine();
         for (text, expected) in [
             (r#"coupon(#{ gauge: "5 kg", width: 1, thickness: 1 })"#, "gauge: expected a length, found \"5 kg\""),
             (

@@ -3,7 +3,7 @@
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map};
 
 use super::{Entry, number, refuse};
-use crate::experiment::coupon::average::{Spread, mean_curve, mean_of_means};
+use crate::experiment::coupon::average::{Spread, mean_curve, mean_of_means, relative_difference};
 use crate::experiment::coupon::{BREAK_SHARE, Curve, Ending, WINDOW, YieldPoints, yield_points};
 
 type Answer<T> = Result<T, Box<EvalAltResult>>;
@@ -33,6 +33,10 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("yield_points", |curve: &mut Curve, window: Dynamic| yields(curve, strains(&window)?))
         .register_fn("mean_curve", mean)
         .register_fn("mean_of_means", |groups: Array| mean_of_groups(&groups))
+        .register_fn("relative_difference", |measured: Dynamic, reference: Dynamic| {
+            let reference = number(&reference, "the reference")?;
+            Ok::<_, Box<EvalAltResult>>(relative_difference(number(&measured, "a figure")?, reference))
+        })
         .register_fn("spread", |figures: Array| {
             let spread = Spread::of(&numbers(&figures, "a figure")?).map_err(refuse)?;
             Ok::<_, Box<EvalAltResult>>(spread_map(&spread))
@@ -192,6 +196,11 @@ pub const ENTRIES: &[Entry] = &[
         call: "mean_of_means([[figure, …], …])",
         gives: "the mean of the lists' means: every list counts the same",
         example: "mean_of_means([[1, 2, 3], [4]]) == 3.0",
+    },
+    Entry {
+        call: "relative_difference(figure, reference)",
+        gives: "how far a figure is from a reference, as a share of the reference",
+        example: "(relative_difference(139, 245) + 106.0 / 245).abs() < 1e-12",
     },
     Entry {
         call: "spread([figure, …])",

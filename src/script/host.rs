@@ -84,7 +84,6 @@ pub fn engine(limits: Limits) -> Engine {
     super::drop::register(&mut engine);
     super::curve::register(&mut engine);
     super::coupon::register(&mut engine);
-    super::table::register(&mut engine);
     engine
 }
 

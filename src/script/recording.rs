@@ -12,6 +12,8 @@ type Answer<T> = Result<T, Box<EvalAltResult>>;
 
 /// Offers the type `measurement` to scripts that may read files.
 pub fn register(engine: &mut Engine) {
+    super::table::register(engine);
+    super::coupon::register_reading(engine);
     engine
         .register_type_with_name::<Measurement>("measurement")
         .register_fn("read_recording", read)

@@ -26,7 +26,7 @@ enum TableError {
     Malformed { path: PathBuf, source: csv::Error },
 }
 
-/// Offers `read_table` to scripts.
+/// Offers `read_table` to scripts that may read files.
 pub(super) fn register(engine: &mut Engine) {
     engine.register_fn("read_table", |path: &str| read(Path::new(path)).map_err(refuse));
 }
@@ -73,11 +73,19 @@ pub const ENTRIES: &[Entry] = &[Entry {
 
 #[cfg(test)]
 mod tests {
-    use crate::script::{Limits, engine};
+    use rhai::Engine;
+
+    use crate::script::{Limits, register_recordings};
+
+    fn engine() -> Engine {
+        let mut engine = crate::script::engine(Limits::POST);
+        register_recordings(&mut engine);
+        engine
+    }
 
     #[test]
     fn the_examples_of_the_reference_hold() {
-        let engine = engine(Limits::POST);
+        let engine = engine();
         for entry in super::ENTRIES {
             let held = engine.eval::<bool>(entry.example);
             assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
@@ -92,12 +100,10 @@ mod tests {
         let script = format!(
             "let t = read_table({path:?}); t.len() == 2 && t[0] == #{{ a: 1, b: 2.5, c: \"x y\" }} && t[1].a == () && t[1].b == -0.001"
         );
-        assert!(engine(Limits::POST).eval::<bool>(&script).unwrap());
+        assert!(engine().eval::<bool>(&script).unwrap());
         std::fs::write(&path, "a,b\n1\n").unwrap();
-        let error = engine(Limits::POST).run(&format!("read_table({path:?})")).unwrap_err().to_string();
+        let error = engine().run(&format!("read_table({path:?})")).unwrap_err().to_string();
         assert!(error.contains("t.csv: ") && error.contains("record"), "{error}");
-        assert!(
-            engine(Limits::POST).run("read_table(\"no.csv\")").unwrap_err().to_string().contains("cannot read no.csv")
-        );
+        assert!(engine().run("read_table(\"no.csv\")").unwrap_err().to_string().contains("cannot read no.csv"));
     }
 }

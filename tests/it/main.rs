@@ -2,6 +2,7 @@
 
 mod architecture;
 mod commands;
+mod coupons;
 mod diagnostics;
 mod language;
 mod golden;

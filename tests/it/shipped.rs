@@ -112,6 +112,7 @@ fn study_scripts_compile() {
     let mut engine = script::engine(Limits::STUDY);
     Ledger::new(Vec::new(), |_| {}).register(&mut engine);
     post::register_studies(&mut engine, Vec::new());
+    script::register_recordings(&mut engine);
     let mut scope = Scope::new();
     scope.push_constant("args", Map::new());
     for path in files("scripts/*.rhai") {

@@ -54,6 +54,11 @@ pub fn mean_of_means(groups: &[Vec<f64>]) -> Result<f64, AverageError> {
     Ok(Spread::of(&means)?.mean)
 }
 
+/// How far `measured` is from a `reference`, as a share of the reference (the errors of Table 4).
+pub fn relative_difference(measured: f64, reference: f64) -> f64 {
+    (measured - reference) / reference
+}
+
 /// The mean of `curves` on a common axis of strain: [`AXIS`] samples from the latest beginning to the earliest end.
 pub fn mean_curve(curves: &[Curve]) -> Result<Curve, AverageError> {
     if curves.is_empty() {
