@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
-use crate::post::{EvaluateError, PrepareError};
+use crate::post::{EvaluateError, PrepareError, ReferenceError};
 use crate::script::{Fault, ReadError};
 use crate::signal::{QuantityError, file};
 use crate::store::StoreError;
@@ -35,6 +35,7 @@ pub fn reading(error: &ReadError) -> Vec<Diagnostic> {
 pub fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
     match error {
         PrepareError::Script(error) => reading(error),
+        PrepareError::Reference(ReferenceError::Read(error)) => vec![recording(error)],
         other => vec![Diagnostic::new(other.to_string())],
     }
 }

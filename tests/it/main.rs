@@ -12,3 +12,4 @@ mod runs;
 mod shipped;
 mod slow;
 mod verification;
+mod virtual_drops;
