@@ -148,22 +148,29 @@ const ONSET_SPAN: [f64; 2] = [-0.05, 0.006];
 
 /// A fall without laser: from rest over the `height` (m), with the sensor's offset as the unknown that closes it.
 ///
-/// `acceleration` gives the corrected acceleration (m/s²) from rest on, where the offset is larger by its argument (m/s²).
-/// In each round the time at which the fall has covered the height is replaced by the onset of the force next to it, and the
-/// offset becomes the one with which the height is covered exactly then. Returns contact and offset.
-pub fn by_fall(acceleration: impl Fn(f64) -> Series, height: f64) -> Result<(Contact, f64), ContactError> {
+/// `acceleration` gives the corrected acceleration (m/s²) from rest on, where the offset is larger by its argument (m/s²) than the
+/// mean of `rest` samples. In each round the onset of the force is looked for near the time at which the fall with the offset of
+/// the rest has covered the height, and the offset becomes the one with which the height is covered exactly then. Returns
+/// contact and offset.
+pub fn by_fall(acceleration: impl Fn(f64) -> Series, height: f64, rest: usize) -> Result<(Contact, f64), ContactError> {
     let place = |offset: f64| integrate::twice(&acceleration(offset), 0.0, 0.0);
-    let mut offset = 0.0;
-    let mut presumed = crossing(&place(offset), -height).ok_or(ContactError::NotSoDeep { height })?;
+    let too_high = ContactError::NotSoDeep { height };
+    let place_at = |offset: f64, time: f64| place(offset).at(time).ok_or(too_high);
+    let fallen = crossing(&place(0.0), -height).ok_or(too_high)?;
+    let speed = integrate::once(&acceleration(0.0), 0.0).at(fallen).ok_or(too_high)?;
+    // The place depends on the offset in proportion.
+    let sway = place_at(1.0, fallen)? - place_at(0.0, fallen)?;
+    // Noise moves the mean of the rest, and twice integrated the fall as much again; both in proportion to the noise, whose
+    // square the sum over the onset is measured in.
+    let trust = 0.5 * rest as f64 * (speed / sway).powi(2);
+    let (mut offset, mut presumed) = (0.0, fallen);
     for round in 1..=MOST_ROUNDS {
-        let time = onset(&acceleration(offset), presumed)?;
-        // The place depends on the offset in proportion.
-        let reached = |offset: f64| place(offset).at(time).ok_or(ContactError::NotSoDeep { height });
-        let (without, with) = (reached(0.0)?, reached(1.0)?);
+        let corrected = acceleration(offset);
+        let time = onset(&corrected, presumed, |time| trust * (time - fallen).powi(2))?;
+        let (without, with) = (place_at(0.0, time)?, place_at(1.0, time)?);
         offset = (-height - without) / (with - without);
-        if (time - presumed).abs() <= 1.01 * step(&place(offset)) {
-            let velocity = integrate::once(&acceleration(offset), 0.0).at(time);
-            let velocity = velocity.ok_or(ContactError::NotSoDeep { height })?;
+        if (time - presumed).abs() <= 1.01 * step(&corrected) {
+            let velocity = integrate::once(&acceleration(offset), 0.0).at(time).ok_or(too_high)?;
             let speed_from = SpeedFrom::Fall;
             return Ok((Contact { time, velocity, iterations: round, laser_residual: None, speed_from }, offset));
         }
@@ -180,10 +187,11 @@ fn step(series: &Series) -> f64 {
     }
 }
 
-/// Where a constant before and a cubic after describe the acceleration around `near` (s) best.
+/// Where a constant before and a cubic after describe the acceleration around `near` (s) best, in the sum of squares together with
+/// the `penalty` (m²/s⁴) of a time.
 ///
 /// The two need not meet: the guide's friction ends with the fall. Between two samples all times are alike; the middle is given.
-fn onset(acceleration: &Series, near: f64) -> Result<f64, ContactError> {
+fn onset(acceleration: &Series, near: f64, penalty: impl Fn(f64) -> f64) -> Result<f64, ContactError> {
     let around = acceleration.window(ONSET_SPAN.map(|span| near + span));
     let (time, a) = (around.time(), around.values());
     let first = time.partition_point(|t| *t < near - ONSET_SEARCH);
@@ -194,7 +202,7 @@ fn onset(acceleration: &Series, near: f64) -> Result<f64, ContactError> {
             let u = (time[i] - time[*k]) / ONSET_SEARCH;
             ([1.0, u, u * u, u * u * u], a[i])
         });
-        Some((least_squares(before)?.1 + least_squares(after)?.1, *k))
+        Some((least_squares(before)?.1 + least_squares(after)?.1 + penalty(time[*k]), *k))
     };
     let best = (first.max(1)..last).collect::<Vec<_>>().iter().filter_map(left).min_by(|a, b| a.0.total_cmp(&b.0));
     let (_, k) = best.filter(|_| time.len() - last >= 4).ok_or(ContactError::NoOnset { near })?;
@@ -258,7 +266,7 @@ mod tests {
     fn a_fall_over_a_known_height_gives_them_too() {
         let height = 0.5 * NET * CONTACT * CONTACT;
         for wrong in [0.0, 0.02, -0.03] {
-            let (contact, offset) = by_fall(|offset| sampled(|t| acceleration(t) + wrong - offset), height).unwrap();
+            let (contact, offset) = by_fall(|offset| sampled(|t| acceleration(t) + wrong - offset), height, 1).unwrap();
             assert!((contact.time - CONTACT).abs() < STEP, "{contact:?}");
             assert!((contact.velocity / (-NET * CONTACT) - 1.0).abs() < 5e-4, "{contact:?}");
             assert!((offset - wrong).abs() < 5e-3, "{offset}");
@@ -268,6 +276,6 @@ mod tests {
     #[test]
     fn a_height_that_is_never_covered_is_refused() {
         let fall = |offset: f64| sampled(|t| acceleration(t) - offset);
-        assert_eq!(by_fall(fall, 9.0), Err(ContactError::NotSoDeep { height: 9.0 }));
+        assert_eq!(by_fall(fall, 9.0, 1), Err(ContactError::NotSoDeep { height: 9.0 }));
     }
 }

@@ -21,6 +21,8 @@ const BLOW: f64 = 1.0;
 pub struct Release {
     /// Mean reading at rest, m/s²: the sensor's zero.
     pub offset: f64,
+    /// Samples that it is the mean of.
+    pub rest: usize,
     /// End of the rest, s.
     pub rest_end: f64,
     /// Where the reading falls: from a tenth to nearly all of the depth that it reaches, s.
@@ -73,7 +75,7 @@ impl Release {
             return Err(ReleaseError::NoRest { rest: length.max(0.0), release: time[top] });
         }
         let offset = rest.values().iter().sum::<f64>() / rest.len() as f64;
-        Ok(Release { offset, rest_end, flank: [time[top], time[bottom]], blow: time[blow] })
+        Ok(Release { offset, rest: rest.len(), rest_end, flank: [time[top], time[bottom]], blow: time[blow] })
     }
 }
 

@@ -30,7 +30,7 @@ pub enum ReferenceError {
     #[error(transparent)]
     Read(#[from] file::ReadError),
     #[error("{}: {source}", path.display())]
-    Sensed { path: PathBuf, source: SensedError },
+    Sensed { path: PathBuf, source: Box<SensedError> },
     #[error("{}: {source}", path.display())]
     Drop { path: PathBuf, source: DropError },
     #[error("{} is the raw recording of a drop, which only an impact with an impactor can be compared with", path.display())]
@@ -118,7 +118,7 @@ impl Signals {
         let names = Names { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
         let sensed = Sensed::find(measurement, &names);
         let Sensed { acceleration, laser } =
-            sensed.map_err(|source| ReferenceError::Sensed { path: path(), source })?;
+            sensed.map_err(|source| ReferenceError::Sensed { path: path(), source: source.into() })?;
         let height = match reference.drop_height {
             Some(height) => Height::Known(height),
             None => Height::Presumed(0.5 * velocity * velocity / gravity),

@@ -148,7 +148,7 @@ pub fn reduce(
                     let restored = restored(0.0);
                     (contact::by_laser(|_| restored.clone(), laser, ramp.start, ideal)?, 0.0)
                 }
-                (None, Height::Known(height)) => contact::by_fall(restored, height)?,
+                (None, Height::Known(height)) => contact::by_fall(restored, height, release.rest)?,
                 (None, Height::Presumed(_)) => return Err(DropError::HeightNeeded),
             };
             let drop = Drop::of(&restored(beyond), contact, tower, reduction)?;
