@@ -1,9 +1,12 @@
 //! Time series as values: what a channel and a recording are, and what is done to them.
 
+pub mod clip;
 pub mod csv;
 pub mod filter;
+pub mod hic;
 pub mod integrate;
 pub mod norm;
+pub mod rating;
 pub mod resample;
 mod series;
 
