@@ -34,7 +34,26 @@ pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
 
 /// Where the files are; ends with a line break.
 pub fn folder(place: &Path, files: &[String]) -> String {
-    format!("  {}: {}\n", shown_path(place), files.join("  "))
+    format!("  {}: {}\n", shown_path(place), gathered(files).join("  "))
+}
+
+/// Most files of one folder, or of none, that are named one by one.
+const MOST_NAMED: usize = 9;
+
+/// The names, where a folder holds many only the folder and how many.
+fn gathered(files: &[String]) -> Vec<String> {
+    let folder = |name: &str| name.rsplit_once('/').map_or(String::new(), |(folder, _)| folder.to_owned());
+    let count = |of: &str| files.iter().filter(|name| folder(name) == of).count();
+    let mut shown: Vec<String> = Vec::new();
+    for name in files {
+        let folder = folder(name);
+        let many = !folder.is_empty() && count(&folder) > MOST_NAMED;
+        let entry = if many { format!("{folder}/ ({} files)", count(&folder)) } else { name.clone() };
+        if !shown.contains(&entry) {
+            shown.push(entry);
+        }
+    }
+    shown
 }
 
 fn cost(audit: &Audit) -> String {
@@ -173,5 +192,13 @@ mod tests {
         assert_eq!(short(10.7123), "10.7");
         assert_eq!(short(0.0), "0.00e0");
         assert_eq!(short(2.5e8), "2.50e8");
+    }
+
+    #[test]
+    fn a_folder_of_many_files_is_named_once() {
+        let many = (0..20).map(|n| format!("coupons/{n}.csv"));
+        let files: Vec<String> =
+            ["summary.json".to_owned(), "tables/a.csv".to_owned()].into_iter().chain(many).collect();
+        assert_eq!(gathered(&files), ["summary.json", "tables/a.csv", "coupons/ (20 files)"]);
     }
 }

@@ -10,7 +10,7 @@ use crate::report::{self, PlotError, RunPage};
 use crate::script::{Findings, Row};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
-use crate::store::{Draft, StoreError};
+use crate::store::{Draft, StoreError, TABLES};
 
 /// The run's own copy of its post script.
 pub const SCRIPT: &str = "post.rhai";
@@ -36,7 +36,7 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     files.write("energies.csv", recording(&outcome.energies)?)?;
     if let Some(results) = results {
         files.write("summary.json", json(&results.summary(model))?)?;
-        files.tables(&results.findings)?;
+        files.findings(&results.findings)?;
         let page = RunPage { model, outcome, results, scenario, failure: *failure };
         let page = report::run_page(&page).map_err(|error| not_drawn(draft, error))?;
         #[cfg(feature = "rerun")]
@@ -62,7 +62,7 @@ pub fn fill_study(
 ) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
     files.write("summary.json", json(summary)?)?;
-    files.tables(findings)?;
+    files.findings(findings)?;
     files.write("report.html", page.as_bytes().to_vec())?;
     Ok(files.names)
 }
@@ -90,11 +90,14 @@ impl Files<'_> {
         Ok(())
     }
 
-    fn tables(&mut self, findings: &Findings) -> Result<(), StoreError> {
+    fn findings(&mut self, findings: &Findings) -> Result<(), StoreError> {
         for (name, rows) in &findings.tables {
-            let file = format!("tables/{name}.csv");
+            let file = format!("{TABLES}/{name}.csv");
             let content = table(rows).map_err(|error| StoreError::write(self.draft.path().join(&file), error))?;
             self.write(&file, content)?;
+        }
+        for file in findings.files.iter() {
+            self.write(&file.name, file.content.clone().into_bytes())?;
         }
         Ok(())
     }

@@ -14,6 +14,7 @@ mod run;
 mod scenarios;
 mod schema;
 mod script;
+mod signal;
 mod table;
 
 use std::io::{self, IsTerminal, Write};
@@ -69,6 +70,9 @@ enum Command {
     List(list::ListArgs),
     /// Run a Rhai script over scenarios
     Script(script::ScriptArgs),
+    /// Work on recordings without a simulation
+    #[command(subcommand)]
+    Signal(signal::SignalCommand),
 }
 
 /// Runs the command that the arguments name; usage errors exit with status 2.
@@ -88,6 +92,7 @@ pub fn main() -> ExitCode {
         Command::New(args) => new::run(&args, &shared),
         Command::List(args) => list::run(&args, &shared),
         Command::Script(args) => script::run(&args, &shared),
+        Command::Signal(command) => signal::run(&command, &shared),
     }
 }
 

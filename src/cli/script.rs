@@ -13,7 +13,7 @@ use super::{Shared, digest, folder, print, print_json, report, scenarios, table}
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post;
 use crate::report::{StudyPage, study_page};
-use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine, to_json};
+use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine, register_recordings, to_json};
 use crate::store::{self, Draft, StoreError};
 
 #[derive(Debug, Args)]
@@ -35,7 +35,7 @@ pub struct ScriptArgs {
 }
 
 /// Names that belong to a study's summary.
-const RESERVED: [&str; 4] = ["script", "droptower", "study", "tables"];
+const RESERVED: [&str; 5] = ["script", "droptower", "study", "tables", "files"];
 
 /// A script that was run, and what it found.
 struct Studied {
@@ -83,6 +83,7 @@ fn studied(args: &ScriptArgs, name: String, quiet: bool) -> Result<Studied, Vec<
     });
     let mut engine = engine(Limits::STUDY);
     ledger.register(&mut engine);
+    register_recordings(&mut engine);
     post::register_studies(&mut engine, changes);
     Arguments::register(&mut engine);
     let mut scope = Scope::new();
@@ -163,6 +164,7 @@ fn summary(studied: &Studied) -> Map<String, Value> {
     summary.extend(findings.measures.clone());
     let tables = findings.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
     summary.insert("tables".into(), Value::Object(tables.collect()));
+    summary.insert("files".into(), findings.files.names().into());
     summary
 }
 

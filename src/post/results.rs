@@ -70,6 +70,9 @@ impl Results {
             let tables = tables.map(|(name, rows)| (name.clone(), json!(rows)));
             summary.insert("tables".into(), Value::Object(tables.collect()));
         }
+        if !self.findings.files.is_empty() {
+            summary.insert("files".into(), self.findings.files.names().into());
+        }
         summary
     }
 }
@@ -120,7 +123,7 @@ impl Measures {
 
     /// The names that a post script cannot give: those of this run and of the summary's own parts.
     pub(super) fn reserved(&self) -> Vec<String> {
-        let own = ["scenario", "title", "droptower", "tables"].map(String::from);
+        let own = ["scenario", "title", "droptower", "tables", "files"].map(String::from);
         own.into_iter().chain(self.figures().into_iter().map(|(name, _)| name)).collect()
     }
 }

@@ -104,6 +104,10 @@ struct Axis<'a> {
 
 /// A chart with its axes and grid.
 fn axes<'a, 'b>(area: &'a Area<'b>, x: Axis, y: Axis) -> Result<Chart<'a, 'b>, Fault> {
+    // What sums of steps leave of a zero is no label.
+    let near_zero = |range: &Range<f64>| 1e-9 * (range.end - range.start);
+    let (least_x, least_y) = (near_zero(&x.range), near_zero(&y.range));
+    let clean = |place: f64, least: f64| if place.abs() < least { 0.0 } else { place };
     let mut chart = ChartBuilder::on(area)
         .margin(6)
         .margin_right(24)
@@ -121,8 +125,8 @@ fn axes<'a, 'b>(area: &'a Area<'b>, x: Axis, y: Axis) -> Result<Chart<'a, 'b>, F
         .light_line_style(TRANSPARENT)
         .label_style(("sans-serif", 14))
         .axis_desc_style(("sans-serif", 14))
-        .x_label_formatter(&|place| (x.label)(*place))
-        .y_label_formatter(&|place| (y.label)(*place))
+        .x_label_formatter(&|place| (x.label)(clean(*place, least_x)))
+        .y_label_formatter(&|place| (y.label)(clean(*place, least_y)))
         .draw()?;
     Ok(chart)
 }
@@ -239,6 +243,12 @@ mod tests {
     #[test]
     fn neighbouring_ticks_differ() {
         assert_eq!([0.0015, 0.002, 0.0025, 1e-4, 1.5e5].map(tick), ["0.0015", "0.002", "0.0025", "1e-4", "1.5e5"]);
+    }
+
+    #[test]
+    fn a_tick_at_zero_reads_zero() {
+        let html = plot(vec![(0.0, -0.3), (1.0, 0.3)]).draw().unwrap();
+        assert!(html.contains("0.1") && !html.contains("e-1"), "{html}");
     }
 
     #[test]

@@ -108,7 +108,7 @@ mod tests {
 
     use rhai::{Engine, Scope};
 
-    use crate::script::{Fault, LEDGER_ENTRIES, Ledger, Limits, SIGNAL_ENTRIES, Script, engine};
+    use crate::script::{FILE_ENTRIES, Fault, LEDGER_ENTRIES, Ledger, Limits, SIGNAL_ENTRIES, Script, engine};
 
     fn host() -> Engine {
         let mut engine = engine(Limits::POST);
@@ -170,7 +170,10 @@ mod tests {
             "\"abc\".sub_string(1); \"a,b\".split(\",\"); parse_int(\"1\"); parse_float(\"1\"); #{ a: 1 }.keys(); #{}.values()",
             "try { throw 1 } catch (e) { e.to_string() }",
         ];
-        for text in sound.into_iter().chain(SIGNAL_ENTRIES.iter().chain(LEDGER_ENTRIES).map(|entry| entry.example)) {
+        for text in sound
+            .into_iter()
+            .chain(SIGNAL_ENTRIES.iter().chain(LEDGER_ENTRIES).chain(FILE_ENTRIES).map(|entry| entry.example))
+        {
             assert_eq!(faults(text), [], "{text}");
         }
     }

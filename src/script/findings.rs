@@ -6,7 +6,9 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, Map};
 use serde_json::Value;
 use thiserror::Error;
 
+use super::files::{self, File, FileError, Files};
 use super::{Entry, refuse, to_json};
+use crate::store;
 
 /// One row of a table: column name and value, in order.
 pub type Row = serde_json::Map<String, Value>;
@@ -14,11 +16,12 @@ pub type Row = serde_json::Map<String, Value>;
 /// Most entries of each kind that are kept.
 const MOST_ENTRIES: usize = 10_000;
 
-/// Figures, tables and log lines in the order in which the script gave them.
+/// Figures, tables, files and log lines in the order in which the script gave them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings {
     pub measures: Row,
     pub tables: Vec<(String, Vec<Row>)>,
+    pub files: Files,
     pub log: Vec<String>,
 }
 
@@ -52,7 +55,7 @@ impl Ledger {
         self.lock().clone()
     }
 
-    /// Offers `measure`, `table`, `log` and `print` to scripts.
+    /// Offers `measure`, `table`, `write_csv`, `write_text`, `log` and `print` to scripts.
     pub fn register(&self, engine: &mut Engine) {
         let ledger = self.clone();
         engine.register_fn("measure", move |name: &str, value: Dynamic| ledger.measure(name, &value));
@@ -62,6 +65,7 @@ impl Ledger {
         engine.register_fn("table", move |name: &str, columns: Array, rows: Dynamic| {
             ledger.table(name, Some(&columns), &rows)
         });
+        files::register(self, engine);
         let ledger = self.clone();
         engine.register_fn("log", move |line: Dynamic| ledger.log(&line.to_string()));
         let ledger = self.clone();
@@ -100,6 +104,10 @@ impl Ledger {
         (self.listener)(line);
         self.lock().log.push(line.into());
         Ok(())
+    }
+
+    pub(super) fn file(&self, file: File) -> Result<(), FileError> {
+        self.lock().files.put(file, &store::OURS)
     }
 
     fn check(&self, name: &str) -> Result<(), NameError> {

@@ -80,6 +80,7 @@ pub fn engine(limits: Limits) -> Engine {
         late.then(|| format!("the script took longer than {} s", limits.time.as_secs()).into())
     });
     super::register_signals(&mut engine);
+    super::random::register(&mut engine);
     engine
 }
 
@@ -259,7 +260,7 @@ mod tests {
     fn the_examples_of_the_reference_hold() {
         let (mut engine, ledger) = (engine(Limits::POST), ledger());
         ledger.register(&mut engine);
-        for entry in findings::ENTRIES {
+        for entry in findings::ENTRIES.iter().chain(crate::script::FILE_ENTRIES) {
             let held = engine.eval::<bool>(entry.example);
             assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
         }

@@ -6,16 +6,22 @@
 mod arguments;
 mod calls;
 mod fault;
+mod files;
 mod findings;
 mod host;
+mod random;
+mod recording;
 mod reference;
 mod signal;
 mod value;
 
 pub use arguments::Arguments;
 pub use fault::{Fault, refuse};
+pub use files::{ENTRIES as FILE_ENTRIES, File, FileError, Files};
 pub use findings::{ENTRIES as LEDGER_ENTRIES, Findings, Ledger, NameError, Row};
 pub use host::{Limits, ReadError, Script, engine};
+pub use random::ENTRIES as RANDOM_ENTRIES;
+pub use recording::{ENTRIES as RECORDING_ENTRIES, register as register_recordings};
 pub use reference::Entry;
 pub use signal::{ENTRIES as SIGNAL_ENTRIES, register as register_signals};
 pub use value::{from_json, number, to_json, window};

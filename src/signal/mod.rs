@@ -2,14 +2,17 @@
 
 pub mod clip;
 pub mod csv;
+pub mod file;
 pub mod filter;
 pub mod hic;
 pub mod integrate;
+mod measurement;
 pub mod norm;
 pub mod rating;
 pub mod resample;
 mod series;
 
+pub use measurement::{ChannelError, Measured, Measurement, QuantityError, Selection, Wanted};
 pub use series::Series;
 
 /// One measured or computed quantity over the common time axis of its [`Recording`].

@@ -8,13 +8,15 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
+use serde_json::Value;
 use tempfile::TempDir;
 use thiserror::Error;
 
 pub use shelf::Shelf;
 
-/// What a run folder of ours may hold; anything else in one belongs to the user.
-const OURS: [&str; 9] = [
+/// Files and folders of a run folder that are always ours. What a script wrote is listed in the summary; anything else
+/// belongs to the user.
+pub const OURS: [&str; 9] = [
     "signals.csv",
     "energies.csv",
     "summary.json",
@@ -23,8 +25,11 @@ const OURS: [&str; 9] = [
     "recording.rrd",
     "report.html",
     "failure.txt",
-    "tables",
+    TABLES,
 ];
+
+/// Folder of the tables that a script left.
+pub const TABLES: &str = "tables";
 
 /// What makes a folder a run folder.
 const MARKS: [&str; 3] = ["summary.json", "scenario.toml", "failure.txt"];
@@ -205,14 +210,39 @@ fn check_replaceable(target: &Path) -> Result<(), StoreError> {
         return Err(StoreError::NotAFolder { path: path() });
     };
     let names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-    let is_one_of = |names: &[&str], name: &String| names.contains(&name.as_str());
-    if !names.is_empty() && !names.iter().any(|name| is_one_of(&MARKS, name)) {
+    if !names.is_empty() && !names.iter().any(|name| MARKS.contains(&name.as_str())) {
         return Err(StoreError::NotARun { path: path() });
     }
-    match names.into_iter().find(|name| !is_one_of(&OURS, name)) {
+    let listed = listed(target);
+    let ours = |name: &String| OURS.contains(&name.as_str()) && name != TABLES || listed.contains(name);
+    match files(target).into_iter().find(|name| !ours(name)) {
         Some(found) => Err(StoreError::Foreign { path: path(), found }),
         None => Ok(()),
     }
+}
+
+/// The tables and the files that a script left in `folder`, as the summary there lists them.
+fn listed(folder: &Path) -> HashSet<String> {
+    let text = fs::read(folder.join("summary.json")).unwrap_or_default();
+    let summary: Value = serde_json::from_slice(&text).unwrap_or_default();
+    let tables = summary["tables"].as_object().into_iter().flatten().map(|(name, _)| format!("{TABLES}/{name}.csv"));
+    let files = summary["files"].as_array().into_iter().flatten().filter_map(|name| Some(name.as_str()?.to_owned()));
+    tables.chain(files).collect()
+}
+
+/// Every file below `folder`, and every empty folder, by its place in it with `/` between the parts.
+fn files(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let inner = if entry.file_type().is_ok_and(|kind| kind.is_dir()) { files(&entry.path()) } else { Vec::new() };
+        if inner.is_empty() {
+            found.push(name);
+        } else {
+            found.extend(inner.into_iter().map(|inner| format!("{name}/{inner}")));
+        }
+    }
+    found
 }
 
 #[cfg(test)]
@@ -317,6 +347,27 @@ mod tests {
         let file = theirs.join("notes.txt");
         assert!(matches!(stored(&file, "1"), Err(StoreError::NotAFolder { .. })));
         assert_eq!(fs::read_to_string(file).unwrap(), "mine");
+    }
+
+    #[test]
+    fn what_a_script_left_is_ours_and_what_lies_beside_it_is_not() {
+        let root = tempfile::tempdir().unwrap();
+        let target = root.path().join("virtual");
+        let summary = r#"{"tables":{"drops":[]},"files":["1008.csv","coupons/md.csv"]}"#;
+        for _ in 0..2 {
+            let draft = Draft::begin(&target).unwrap();
+            for name in ["1008.csv", "coupons/md.csv", "tables/drops.csv"] {
+                draft.write(name, "x").unwrap();
+            }
+            draft.write("summary.json", summary).unwrap();
+            draft.publish().unwrap();
+        }
+        for theirs in ["notes.md", "coupons/mine.csv", "tables/mine.csv"] {
+            fs::write(target.join(theirs), "mine").unwrap();
+            let refused = check_places(std::slice::from_ref(&target));
+            assert!(matches!(refused, Err(StoreError::Foreign { found, .. }) if found == theirs), "{theirs}");
+            fs::remove_file(target.join(theirs)).unwrap();
+        }
     }
 
     #[test]

@@ -1,0 +1,168 @@
+//! What was read from a file: channels with their units, each over its own time axis.
+
+use thiserror::Error;
+
+use super::{Channel, Recording, Series};
+use crate::diagnostic::closest;
+use crate::units::{Dimension, Unit};
+
+/// One channel of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Its name without the unit (`accel` of `accel [g]`), or its channel code.
+    pub name: String,
+    /// The name as the file writes it (`accel [g]`), or the long name of a channel code; it is found by this too.
+    pub label: String,
+    /// The unit that the file gives or the caller stated; none where neither is known.
+    pub unit: Option<Unit>,
+    /// Values in the SI unit where the unit is known, as written where it is not; `NaN` where nothing was measured.
+    /// Time in s.
+    pub series: Series,
+}
+
+/// Why a channel cannot be taken as the quantity that is asked for.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum QuantityError {
+    #[error("`{name}` is in {found}, which is not {}", wanted.name)]
+    OtherDimension { name: String, found: String, wanted: Dimension },
+    #[error("the unit of `{name}` is not known")]
+    NoUnit { name: String, wanted: Dimension },
+}
+
+impl Measured {
+    /// The series, once it is sure to be a `dimension` in the SI unit.
+    pub fn quantity(&self, dimension: Dimension) -> Result<&Series, QuantityError> {
+        let name = || self.name.clone();
+        match &self.unit {
+            Some(unit) if unit.measures(dimension) => Ok(&self.series),
+            Some(unit) => {
+                let found = unit.symbol().to_owned();
+                Err(QuantityError::OtherDimension { name: name(), found, wanted: dimension })
+            }
+            None => Err(QuantityError::NoUnit { name: name(), wanted: dimension }),
+        }
+    }
+
+    /// The unit of the values: SI where the unit is known.
+    pub fn value_unit(&self) -> Option<&str> {
+        self.unit.as_ref().map(|unit| unit.si_symbol().unwrap_or("SI"))
+    }
+
+    /// The name with the SI unit as suffix, as [`Channel`]s are called.
+    fn channel_name(&self) -> String {
+        match &self.unit {
+            Some(unit) if !unit.is_si() => match unit.si_suffix().filter(|suffix| !suffix.is_empty()) {
+                Some(suffix) => format!("{}_{suffix}", self.name),
+                None => self.name.clone(),
+            },
+            _ => self.label.clone(),
+        }
+    }
+}
+
+/// What a file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measurement {
+    /// In the order of the file.
+    pub channels: Vec<Measured>,
+    /// What was assumed or found odd while reading, and what the file says beside its numbers.
+    pub notes: Vec<String>,
+}
+
+/// Why a file has no such channel.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ChannelError {
+    #[error("no channel `{name}` among {}", listed(known))]
+    Missing { name: String, known: Vec<String> },
+    #[error("several channels are called `{name}`: {}", listed(labels))]
+    Ambiguous { name: String, labels: Vec<String> },
+}
+
+impl ChannelError {
+    /// What was probably meant.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            ChannelError::Missing { name, known } => {
+                closest(name, known.iter().map(String::as_str)).map(|name| format!("did you mean `{name}`?"))
+            }
+            ChannelError::Ambiguous { .. } => Some("ask for it as the file writes it, with its unit".into()),
+        }
+    }
+}
+
+impl Measurement {
+    /// The channel called `name`: as the file writes it, by its name without the unit, or by its long name.
+    pub fn channel(&self, name: &str) -> Result<&Measured, ChannelError> {
+        let index = find(name, self.channels.iter().map(|channel| (channel.name.as_str(), channel.label.as_str())))?;
+        Ok(&self.channels[index])
+    }
+
+    /// All channels over one time axis, named with their SI units; none where they do not share one.
+    pub fn recording(&self) -> Option<Recording> {
+        let time = self.channels.first().map_or(&[][..], |channel| channel.series.time());
+        let shared = self.channels.iter().all(|channel| channel.series.time() == time);
+        let channel =
+            |measured: &Measured| Channel { name: measured.channel_name(), values: measured.series.values().to_vec() };
+        shared.then(|| Recording { time: time.to_vec(), channels: self.channels.iter().map(channel).collect() })
+    }
+}
+
+/// Place of the one pair of name and label that `wanted` asks for: the label itself, or else the name.
+pub(super) fn find<'a>(
+    wanted: &str,
+    known: impl Iterator<Item = (&'a str, &'a str)> + Clone,
+) -> Result<usize, ChannelError> {
+    let places = |hit: &dyn Fn(&str, &str) -> bool| -> Vec<usize> {
+        known.clone().enumerate().filter(|(_, (name, label))| hit(name, label)).map(|(place, _)| place).collect()
+    };
+    let exact = places(&|_, label| label == wanted);
+    let found = if exact.len() == 1 { exact } else { places(&|name, label| name == wanted || label == wanted) };
+    match found[..] {
+        [place] => Ok(place),
+        [] => Err(ChannelError::Missing { name: wanted.into(), known: known.map(|(name, _)| name.into()).collect() }),
+        _ => {
+            let labels =
+                known.enumerate().filter(|(place, _)| found.contains(place)).map(|(_, (_, label))| label.into());
+            Err(ChannelError::Ambiguous { name: wanted.into(), labels: labels.collect() })
+        }
+    }
+}
+
+pub(super) fn listed(names: &[String]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// What is wanted of a file.
+#[derive(Clone, Debug, Default)]
+pub struct Wanted {
+    /// Which channels; the others are not held in memory.
+    pub channels: Selection,
+    /// The column that holds the time of a table; the one that is called so where none is given.
+    pub time: Option<String>,
+    /// Units of channels whose file does not give one, by name; what contradicts the file is refused.
+    pub units: Vec<(String, Unit)>,
+    /// The unit of every channel but the time that the file gives none for; what contradicts the file is refused.
+    pub unit: Option<Unit>,
+    /// Names of a table's columns in place of its own, time included; written like a header, `accel [g]`.
+    pub names: Vec<String>,
+}
+
+/// Which channels of a file are wanted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Selection {
+    /// All that there are.
+    #[default]
+    All,
+    /// These; a missing one is an error.
+    Named(Vec<String>),
+    /// The one that there is; several are an error.
+    Only,
+}
+
+impl Wanted {
+    /// The one channel called `name`, or the only one.
+    pub fn one(name: Option<&str>) -> Wanted {
+        let channels = name.map_or(Selection::Only, |name| Selection::Named(vec![name.into()]));
+        Wanted { channels, ..Wanted::default() }
+    }
+}
