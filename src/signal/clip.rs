@@ -129,7 +129,8 @@ mod tests {
 
     #[test]
     fn a_half_sine_and_a_triangle_hold_what_their_closed_forms_say() {
-        let sine = sampled(1e-5, |t| if (0.01..=0.03).contains(&t) { 80.0 * (PI * (t - 0.01) / 0.02).sin() } else { 0.0 });
+        let sine =
+            sampled(1e-5, |t| if (0.01..=0.03).contains(&t) { 80.0 * (PI * (t - 0.01) / 0.02).sin() } else { 0.0 });
         let triangle = sampled(1e-4, |t| 60.0 * (1.0 - (t - 0.02).abs() / 0.01).max(0.0));
         for counting in BOTH {
             let found = clip(&sine, 0.003, counting).unwrap();
@@ -181,7 +182,10 @@ mod tests {
             assert_eq!(clip(&flat, 0.003, counting).unwrap().level, 7.0);
         }
         let short = flat.window([0.0, 0.002]);
-        assert_eq!(clip(&short, 0.003, Counting::Cumulative), Err(ClipError::TooShort { span: 0.002, duration: 0.003 }));
+        assert_eq!(
+            clip(&short, 0.003, Counting::Cumulative),
+            Err(ClipError::TooShort { span: 0.002, duration: 0.003 })
+        );
         let empty = Series::new(vec![], vec![]);
         assert_eq!(clip(&empty, 0.003, Counting::Cumulative), Err(ClipError::TooShort { span: 0.0, duration: 0.003 }));
         assert_eq!(clip(&flat, -1.0, Counting::Cumulative), Err(ClipError::Duration { duration: -1.0 }));

@@ -316,7 +316,10 @@ mod tests {
                         let decibels = 20.0 * response(&filter, frequency, 1.0 / rate)[0].log10();
                         let [lowest, highest] = corridor(class, frequency);
                         let inside = (lowest..=highest).contains(&decibels);
-                        assert!(inside, "CFC {class} at {rate} 1/s, {frequency} Hz: {decibels} dB not in {lowest}..{highest}");
+                        assert!(
+                            inside,
+                            "CFC {class} at {rate} 1/s, {frequency} Hz: {decibels} dB not in {lowest}..{highest}"
+                        );
                     }
                 }
             }

@@ -5,9 +5,7 @@
 use thiserror::Error;
 
 use super::Series;
-
-/// Standard gravity, m/s²: the criterion counts in multiples of it.
-pub const STANDARD_GRAVITY: f64 = 9.80665;
+use crate::units::STANDARD_GRAVITY;
 
 /// Samples of a block that is searched pair by pair.
 const LEAF: usize = 16;
@@ -115,7 +113,9 @@ impl<'a> Pulse<'a> {
             let range = [starts[0].max(first), starts[1].min(end - length)];
             best[0] = summit(range, best[0], |start| self.severity([start, length]));
             let [start, _] = best;
-            let range = [(ends[0] - start).max(shortest), (ends[1] - start).min(window).min(end - start)];
+            let [low, high] = [(ends[0] - start).max(shortest), (ends[1] - start).min(window).min(end - start)];
+            // The start may have moved the end past its own range.
+            let range = [low.min(length), high.max(length)];
             best[1] = summit(range, best[1], |length| self.severity([start, length]));
             if self.severity(best) <= before * (1.0 + 1e-14) {
                 return [best[0], best[0] + best[1]];
@@ -367,8 +367,13 @@ mod tests {
             let count = 150 + 97 * seed as usize;
             let steps = noise(count, seed + 100);
             let even = seed % 2 == 0;
-            let time: Vec<f64> =
-                steps.iter().scan(0.0, |t, s| { *t += if even { 1e-4 } else { 1e-4 * (0.2 + s) }; Some(*t) }).collect();
+            let time: Vec<f64> = steps
+                .iter()
+                .scan(0.0, |t, s| {
+                    *t += if even { 1e-4 } else { 1e-4 * (0.2 + s) };
+                    Some(*t)
+                })
+                .collect();
             let offset = [0.0, 0.5, 0.3][seed as usize % 3];
             let wave = |t: f64| 0.4 * (400.0 * t).sin();
             let noisy = noise(count, seed).into_iter().zip(&time).map(|(v, t)| 900.0 * (v - offset + wave(*t)));

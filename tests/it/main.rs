@@ -9,5 +9,6 @@ mod mesh;
 mod resume;
 mod runs;
 mod shipped;
+mod signals;
 mod slow;
 mod verification;

@@ -2,7 +2,11 @@
 
 pub mod input;
 
+mod acceleration;
+mod clip;
+mod hic;
 mod info;
+mod rate;
 
 use std::process::ExitCode;
 
@@ -14,10 +18,19 @@ use super::Shared;
 pub enum SignalCommand {
     /// Say what recordings hold: channels, units, sampling, gaps
     Info(info::InfoArgs),
+    /// Head injury criterion of an acceleration
+    Hic(hic::HicArgs),
+    /// Level that an acceleration holds for 3 ms
+    Clip(clip::ClipArgs),
+    /// Rate one recording against another (ISO/TS 18571)
+    Rate(rate::RateArgs),
 }
 
 pub fn run(command: &SignalCommand, shared: &Shared) -> ExitCode {
     match command {
         SignalCommand::Info(args) => info::run(args, shared),
+        SignalCommand::Hic(args) => hic::run(args, shared),
+        SignalCommand::Clip(args) => clip::run(args, shared),
+        SignalCommand::Rate(args) => rate::run(args, shared),
     }
 }

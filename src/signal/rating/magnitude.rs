@@ -90,7 +90,9 @@ mod tests {
     fn by_matrix(reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] {
         let n = reference.len();
         let mut cost = vec![vec![f64::INFINITY; n]; n];
-        let at = |cost: &Vec<Vec<f64>>, i: isize, j: isize| if i < 0 || j < 0 { f64::INFINITY } else { cost[i as usize][j as usize] };
+        let at = |cost: &Vec<Vec<f64>>, i: isize, j: isize| {
+            if i < 0 || j < 0 { f64::INFINITY } else { cost[i as usize][j as usize] }
+        };
         let from = |cost: &Vec<Vec<f64>>, i: usize, j: usize| {
             let (i, j) = (i as isize, j as isize);
             let steps = [(i - 1, j), (i, j - 1), (i - 1, j - 1)];
@@ -118,11 +120,15 @@ mod tests {
     fn carried_sums_are_those_along_the_path() {
         for (n, band) in [(9, 0), (12, 1), (57, 5), (58, 5), (130, 12), (40, 39)] {
             let reference: Vec<f64> = (0..n).map(|i| (0.11 * i as f64).sin() + 0.1 * (i * i % 7) as f64).collect();
-            let comparison: Vec<f64> = (0..n).map(|i| (0.12 * i as f64 - 0.2).sin() + 0.1 * (i * i % 5) as f64).collect();
+            let comparison: Vec<f64> =
+                (0..n).map(|i| (0.12 * i as f64 - 0.2).sin() + 0.1 * (i * i % 5) as f64).collect();
             let expected = by_matrix(&reference, &comparison, band);
             for width in Width::available() {
                 let found = warped(width, &reference, &comparison, band);
-                assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12 * b), "{n}, {band}: {found:?} {expected:?}");
+                assert!(
+                    found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12 * b),
+                    "{n}, {band}: {found:?} {expected:?}"
+                );
             }
         }
     }

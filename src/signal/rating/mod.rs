@@ -12,6 +12,7 @@ use std::fmt;
 
 use thiserror::Error;
 
+use super::csv::clean_time;
 use super::{Series, resample};
 
 /// Samples a second at which curves are rated.
@@ -112,8 +113,10 @@ pub enum RatingError {
     NotMeasured { curve: Curve, time: f64 },
     #[error("the curves have {samples} samples at 10 kHz in common, a rating needs at least {FEWEST}")]
     TooShort { samples: usize },
-    #[error("the curves have {samples} samples at 10 kHz in common, of which at most {MOST} are rated: \
-        to warp them would compare {pairs} pairs")]
+    #[error(
+        "the curves have {samples} samples at 10 kHz in common, of which at most {MOST} are rated: \
+        to warp them would compare {pairs} pairs"
+    )]
     TooLong { samples: usize, pairs: u64 },
     #[error("the reference is zero everywhere between {from} s and {to} s")]
     ZeroReference { from: f64, to: f64 },
@@ -214,7 +217,9 @@ fn first_of_rate(series: &Series, start: f64) -> Option<usize> {
 
 /// What was done to a curve, if anything.
 fn change(curve: Curve, series: &Series, [from, to]: [f64; 2], samples: usize) -> Option<String> {
-    if first_of_rate(series, from).is_none() {
+    let on_samples = first_of_rate(series, from).is_some();
+    let (from, to) = (clean_time(from), clean_time(to));
+    if !on_samples {
         let count = series.len();
         return Some(format!(
             "{curve}: {count} samples, read linearly between them at 10 kHz from {from} s to {to} s, without a filter"
