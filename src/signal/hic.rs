@@ -189,15 +189,15 @@ impl<'a> Search<'a> {
         self.pair
     }
 
-    /// Pairs of a few lengths, so that most blocks are ruled out at once.
+    /// Coarse pairs of a few lengths, so that most blocks are ruled out at once.
     fn seed(&mut self) {
         let (time, last) = (self.pulse.time, self.pulse.last());
         for halvings in 0..10 {
             let length = self.window / f64::from(1 << halvings);
             let mut to = 0;
-            for from in 0..last {
-                while to < last && time[to + 1] - time[from] <= length {
-                    to += 1;
+            for from in (0..last).step_by(LEAF) {
+                while to + LEAF <= last && time[to + LEAF] - time[from] <= length {
+                    to += LEAF;
                 }
                 self.offer([from, to]);
             }

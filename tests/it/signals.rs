@@ -5,10 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Instant;
 
+use droptower::signal::clip::{Counting, clip};
 use droptower::signal::file::{self, Wanted};
 use droptower::signal::filter::{self, Standard};
+use droptower::signal::hic::head_injury_criterion;
 use droptower::signal::rating::{self, Rating};
 use droptower::signal::{Series, integrate};
+use droptower::units::{Acceleration, STANDARD_GRAVITY};
 use serde_json::Value as Json;
 
 /// Ratings that the authors of the curves in `data/iso18571` state for them, see its README.
@@ -93,6 +96,45 @@ fn the_channel_filter_leaves_a_recording_where_it_is() {
         let filtered = filter::channel(curve, class, Standard::Iso6487).expect("complete and even");
         let Rating { overall, shift, .. } = rating::rate(curve, &filtered).expect("rated");
         assert!(overall > 0.99 && shift == 0.0, "CFC {class}: {overall} at {shift} s");
+    }
+}
+
+/// The shared folder of real recordings that may not be copied here; none where it is not there.
+fn shared(name: &str) -> Option<PathBuf> {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(|folder| folder.join("shared/data"));
+    let folder = std::env::var_os("DROPTOWER_SHARED_DATA").map(PathBuf::from).or_else(beside)?;
+    let path = folder.join(name);
+    if !path.exists() {
+        println!("skipped: {} is not there", path.display());
+        return None;
+    }
+    Some(path)
+}
+
+/// Shocks in a drop tower at 1 MHz (Dodson, Hong and Beliveau 2019, data set 1), up to tens of thousands of g and full of ringing.
+#[test]
+fn real_shocks_have_measures_within_their_bounds() {
+    let Some(path) = shared("droptower_highrate/accel_1.csv") else {
+        return;
+    };
+    let names = ["time [s]", "1 [kg_n]", "2 [kg_n]", "3 [kg_n]", "4 [kg_n]", "5 [kg_n]"].map(str::to_owned).to_vec();
+    let shocks = file::read(&path, &Wanted { names, ..Wanted::default() }).expect("readable");
+    assert_eq!(shocks.channels.len(), 5);
+    for shock in &shocks.channels {
+        let raw = shock.quantity(Acceleration::DIMENSION).expect("an acceleration");
+        let filtered = filter::channel(raw, 1000.0, Standard::Iso6487).expect("complete and even");
+        let (peak, whole) = (raw.largest().expect("samples")[1], integrate::total(raw));
+        // The gain at rest is one: filtering moves speed about and keeps it, but for what leaves at the ends.
+        let kept = integrate::total(&filtered) / whole;
+        assert!((kept - 1.0).abs() < 0.05, "{}: {kept}", shock.name);
+        let hic = head_injury_criterion(raw, 0.015).expect("a shock");
+        let bound = (hic.end - hic.start) * (peak / STANDARD_GRAVITY).powf(2.5);
+        assert!(hic.value > 0.0 && hic.value <= bound && hic.end - hic.start <= 0.005, "{}: {hic:?}", shock.name);
+        let [cumulative, contiguous] = [Counting::Cumulative, Counting::Contiguous]
+            .map(|counting| clip(&filtered, 5e-4, counting).expect("long enough").level);
+        assert!(contiguous <= cumulative && cumulative < peak, "{}: {contiguous} {cumulative} {peak}", shock.name);
+        let Rating { overall, .. } = rating::rate(raw, raw).expect("rated");
+        assert!((overall - 1.0).abs() < 1e-12, "{}: {overall}", shock.name);
     }
 }
 
@@ -184,8 +226,8 @@ fn mistakes_name_file_and_channel() {
     }
 }
 
-/// `cargo bench --bench signal` measures it: it takes less than a tenth of a second. A busy machine and a build that is not
-/// optimised get more.
+/// `cargo bench --bench signal` measures it: it takes less than a tenth of a second. Here it may take ten times as much,
+/// or more where the machine or the build is so slow that one plain pass over the samples takes its time.
 #[test]
 fn a_million_samples_are_filtered_integrated_and_rated_in_no_time() {
     let time: Vec<f64> = (0..1_000_000).map(|i| 1e-6 * f64::from(i)).collect();
@@ -194,11 +236,14 @@ fn a_million_samples_are_filtered_integrated_and_rated_in_no_time() {
         Series::new(time.clone(), time.iter().map(value).collect::<Vec<_>>())
     };
     let (reference, comparison) = (shock(0.0), shock(0.003));
+    let plain = Instant::now();
+    let power: f64 = comparison.values().iter().map(|value| value * value).sum();
+    let plain = plain.elapsed().as_secs_f64();
     let begin = Instant::now();
     let filtered = filter::channel(&comparison, 1000.0, Standard::Iso6487).expect("even");
     let speed = integrate::once(&filtered, 0.0);
     let rating = rating::rate(&reference, &filtered).expect("rated");
     let spent = begin.elapsed().as_secs_f64();
     assert!((rating.shift - 0.003).abs() < 1.5e-4 && speed.len() == 1_000_000, "{rating:?}");
-    assert!(spent < 5.0, "{spent} s");
+    assert!(spent < f64::max(1.0, 500.0 * plain) && power > 0.0, "{spent} s, one pass takes {plain} s");
 }

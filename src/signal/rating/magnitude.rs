@@ -4,8 +4,10 @@
 //! and (1, 1) of equal weight, a band about the diagonal. The rating only needs two sums along the path, so they are carried with
 //! the costs from one antidiagonal of the band to the next, and no path is kept: memory grows with the length alone.
 
+use std::ops::Range;
+
 use super::relative;
-use crate::lane::{Width, at_width};
+use crate::lane::{LANES, Lane, Width, at_width, splat};
 
 /// What the warped curves differ by, over the reference; 1 for nothing, 0 for a half.
 pub(super) fn rating(reference: &[f64], comparison: &[f64]) -> f64 {
@@ -22,19 +24,20 @@ at_width! {
 #[inline(always)]
 fn warped_lanewise(reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] {
     let count = comparison.len();
-    let reversed: Vec<f64> = reference.iter().rev().copied().collect();
+    // What fills the last lanes is computed with, and never looked at.
+    let padding = [0.0; LANES];
+    let reversed: Vec<f64> = reference.iter().rev().chain(&padding).copied().collect();
+    let comparison: Vec<f64> = comparison.iter().chain(&padding).copied().collect();
     let mut fronts = [Front::new(count), Front::new(count), Front::new(count)];
     fronts[1].start(comparison[0] - reference[0], reference[0]);
     for diagonal in 1..2 * count - 1 {
         let first = diagonal.saturating_sub(count - 1).max(diagonal.saturating_sub(band).div_ceil(2));
-        let end = count.min(diagonal + 1).min((diagonal + band) / 2 + 1);
-        let [before_last, last, next] = &mut fronts;
         // In a band without width every other antidiagonal is empty.
-        let end = end.max(first);
+        let end = count.min(diagonal + 1).min((diagonal + band) / 2 + 1).max(first);
         // Of the pairs of an antidiagonal, one index rises as the other falls.
         let opposite = first + count - 1 - diagonal;
-        let curves = [&comparison[first..end], &reversed[opposite..opposite + end - first]];
-        next.advance(first, curves, last, before_last);
+        let [before_last, last, next] = &mut fronts;
+        next.advance(first..end, [&comparison[first..], &reversed[opposite..]], last, before_last);
         fronts.rotate_left(1);
     }
     [fronts[1].off[count], fronts[1].size[count]]
@@ -47,39 +50,76 @@ struct Front {
     size: Vec<f64>,
 }
 
+/// Cost and sums of the paths to neighbouring cells.
+type Paths = [Lane; 3];
+
 impl Front {
     fn new(count: usize) -> Front {
-        Front { cost: vec![f64::INFINITY; count + 2], off: vec![0.0; count + 2], size: vec![0.0; count + 2] }
+        let length = count + 2 + LANES;
+        Front { cost: vec![f64::INFINITY; length], off: vec![0.0; length], size: vec![0.0; length] }
     }
 
     fn start(&mut self, difference: f64, reference: f64) {
         (self.cost[1], self.off[1], self.size[1]) = (difference * difference, difference.abs(), reference.abs());
     }
 
-    /// Paths that come from the cells around; of equally cheap ones, the first of (1, 0), (0, 1), (1, 1).
+    /// Paths to the next antidiagonal, whose curves begin at its first cell.
     #[inline(always)]
-    fn advance(&mut self, first: usize, [comparison, reference]: [&[f64]; 2], last: &Front, before_last: &Front) {
-        let count = comparison.len();
-        let cells = first + 1..first + 1 + count;
-        let below = first..first + count;
-        let up = [&last.cost[below.clone()], &last.off[below.clone()], &last.size[below.clone()]];
-        let left = [&last.cost[cells.clone()], &last.off[cells.clone()], &last.size[cells.clone()]];
-        let both = [&before_last.cost[below.clone()], &before_last.off[below.clone()], &before_last.size[below]];
-        // Beyond the ends lies what an earlier antidiagonal left.
-        self.cost[first] = f64::INFINITY;
-        self.cost[first + 1 + count] = f64::INFINITY;
-        let (cost, off, size) = (&mut self.cost[cells.clone()], &mut self.off[cells.clone()], &mut self.size[cells]);
-        for l in 0..count {
-            let difference = comparison[l] - reference[l];
-            let from_left = left[0][l] < up[0][l];
-            let cheaper = [0, 1, 2].map(|k| if from_left { left[k][l] } else { up[k][l] });
-            let from_both = both[0][l] < cheaper[0];
-            let best = [0, 1, 2].map(|k| if from_both { both[k][l] } else { cheaper[k] });
-            cost[l] = best[0] + difference * difference;
-            off[l] = best[1] + difference.abs();
-            size[l] = best[2] + reference[l].abs();
+    fn advance(&mut self, cells: Range<usize>, curves: [&[f64]; 2], last: &Front, before_last: &Front) {
+        for block in (0..cells.len()).step_by(LANES) {
+            let below = cells.start + block;
+            let [comparison, reference] = curves.map(|curve| lane(curve, block));
+            let before = cheaper(cheaper(last.paths(below), last.paths(below + 1)), before_last.paths(below));
+            self.store(below + 1, step(before, comparison, reference));
+        }
+        // Beyond the ends lies what an earlier antidiagonal or the last lanes left.
+        self.cost[cells.start] = f64::INFINITY;
+        self.cost[cells.end + 1] = f64::INFINITY;
+    }
+
+    #[inline(always)]
+    fn paths(&self, from: usize) -> Paths {
+        [lane(&self.cost, from), lane(&self.off, from), lane(&self.size, from)]
+    }
+
+    #[inline(always)]
+    fn store(&mut self, from: usize, [cost, off, size]: Paths) {
+        self.cost[from..from + LANES].copy_from_slice(&cost);
+        self.off[from..from + LANES].copy_from_slice(&off);
+        self.size[from..from + LANES].copy_from_slice(&size);
+    }
+}
+
+#[inline(always)]
+fn lane(values: &[f64], from: usize) -> Lane {
+    let mut lane = splat(0.0);
+    lane.copy_from_slice(&values[from..from + LANES]);
+    lane
+}
+
+/// The cheaper of two paths in each lane, the first of equally cheap ones.
+#[inline(always)]
+fn cheaper(first: Paths, second: Paths) -> Paths {
+    let mut paths = first;
+    for l in 0..LANES {
+        let better = second[0][l] < first[0][l];
+        for k in 0..3 {
+            paths[k][l] = if better { second[k][l] } else { first[k][l] };
         }
     }
+    paths
+}
+
+/// The paths with one pair of samples more.
+#[inline(always)]
+fn step(mut paths: Paths, comparison: Lane, reference: Lane) -> Paths {
+    for l in 0..LANES {
+        let difference = comparison[l] - reference[l];
+        paths[0][l] += difference * difference;
+        paths[1][l] += difference.abs();
+        paths[2][l] += reference[l].abs();
+    }
+    paths
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The phase rating E_P of ISO/TS 18571, equation 65: the shift at which the curves correlate best.
 
-use crate::lane::{LANES, Lane, splat};
+use crate::lane::{LANES, Lane, Width, at_width, splat};
 
 /// By how much a correlation must be larger to count as larger: what rounding may add to it.
 const ROUNDING: f64 = 1e-12;
@@ -95,11 +95,16 @@ impl Moments {
 /// Pearson's correlation; none where one of the curves is constant.
 fn correlation(r: &[f64], c: &[f64], [r_sum, r_squares]: [f64; 2], [c_sum, c_squares]: [f64; 2]) -> Option<f64> {
     let size = (r_squares * c_squares).sqrt();
-    (size > 0.0).then(|| (dot(r, c) - r_sum * c_sum / r.len() as f64) / size)
+    (size > 0.0).then(|| (dot(Width::best(), r, c) - r_sum * c_sum / r.len() as f64) / size)
 }
 
-/// Scalar product, summed in lanes.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+at_width! {
+    /// Scalar product, summed in lanes.
+    fn dot[](a: &[f64], b: &[f64]) -> f64 = dot_lanewise
+}
+
+#[inline(always)]
+fn dot_lanewise(a: &[f64], b: &[f64]) -> f64 {
     let (a, a_rest) = a.as_chunks::<LANES>();
     let (b, b_rest) = b.as_chunks::<LANES>();
     let mut sums: Lane = splat(0.0);
