@@ -227,7 +227,7 @@ fn mistakes_name_file_and_channel() {
 }
 
 /// `cargo bench --bench signal` measures it: it takes less than a tenth of a second. Here it may take ten times as much,
-/// or more where the machine or the build is so slow that one plain pass over the samples takes its time.
+/// or more where the machine or the build is so slow that a plain pass over the samples takes more than half a millisecond.
 #[test]
 fn a_million_samples_are_filtered_integrated_and_rated_in_no_time() {
     let time: Vec<f64> = (0..1_000_000).map(|i| 1e-6 * f64::from(i)).collect();
@@ -245,5 +245,5 @@ fn a_million_samples_are_filtered_integrated_and_rated_in_no_time() {
     let rating = rating::rate(&reference, &filtered).expect("rated");
     let spent = begin.elapsed().as_secs_f64();
     assert!((rating.shift - 0.003).abs() < 1.5e-4 && speed.len() == 1_000_000, "{rating:?}");
-    assert!(spent < f64::max(1.0, 500.0 * plain) && power > 0.0, "{spent} s, one pass takes {plain} s");
+    assert!(spent < f64::max(1.0, 2000.0 * plain) && power > 0.0, "{spent} s, one pass takes {plain} s");
 }
