@@ -4,10 +4,12 @@ pub mod csv;
 pub mod file;
 pub mod filter;
 pub mod integrate;
+pub mod isomme;
 mod measurement;
 pub mod norm;
 pub mod resample;
 mod series;
+pub mod text;
 
 pub use measurement::{ChannelError, Measured, Measurement, QuantityError, Selection, Wanted};
 pub use series::Series;

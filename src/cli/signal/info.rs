@@ -76,13 +76,13 @@ fn contents(path: &Path, table: &TableArgs) -> Result<Contents, Diagnostic> {
 }
 
 fn contained(channel: &Measured) -> Contained {
-    let Measured { name, label, unit, series } = channel;
+    let Measured { name, label, unit, series, .. } = channel;
     let (smallest, largest) = (series.smallest(), series.largest());
     Contained {
         name: name.clone(),
         label: label.clone(),
         written_unit: unit.as_ref().map(|unit| unit.symbol().to_owned()),
-        unit: channel.value_unit().map(str::to_owned),
+        unit: channel.value_unit(),
         samples: series.len(),
         gaps: series.values().iter().filter(|value| value.is_nan()).count(),
         start_s: series.time().first().copied(),

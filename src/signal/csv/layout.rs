@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 use std::io::BufRead;
 
 use super::cell::{Cell, Mark, Separator};
-use super::line::{Line, Lines};
 use super::name::{ColumnName, UnitCell, units_of_line};
-use super::{Fault, Mistake};
-use crate::signal::measurement::Wanted;
+use super::{Fault, Mistake, at_cell};
+use crate::signal::measurement::{self, Wanted};
+use crate::signal::text::{Line, Lines};
 use crate::units::{Time, Unit};
 
 /// Most lines before the first number.
@@ -115,7 +115,7 @@ impl Layout {
     /// The place of the column called `name`.
     pub fn find(&self, name: &str) -> Result<usize, Mistake> {
         let names = self.columns.iter().map(|column| (column.name.as_str(), column.label.as_str()));
-        let found = crate::signal::measurement::find(name, names);
+        let found = measurement::find(name, names);
         found.map_err(|error| self.at_header(Fault::Channel(error)))
     }
 
@@ -127,7 +127,7 @@ impl Layout {
     /// A mistake in what the header says of a column.
     fn at_column(&self, place: usize, fault: Fault) -> Mistake {
         match &self.header {
-            Some(line) => Mistake::at_cell(line, self.separator, place, fault),
+            Some(line) => at_cell(line, self.separator, place, fault),
             None => self.at_header(fault),
         }
     }
@@ -140,7 +140,7 @@ impl Layout {
                 (UnitCell::Known(row), Some(header)) if *header != row => {
                     let [header, row] = [header, &row].map(|unit| unit.symbol().to_owned());
                     let fault = Fault::MixedUnits { name: column.name.clone(), header, row };
-                    return Err(Mistake::at_cell(line, self.separator, place, fault));
+                    return Err(at_cell(line, self.separator, place, fault));
                 }
                 (UnitCell::Known(row), None) => column.unit = Some(row),
                 (UnitCell::Unknown(symbol), None) => column.unknown_unit = Some(symbol),

@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use super::cell::Mark;
 use super::layout::{Layout, trimmed_to};
-use super::line::{Line, Lines};
-use super::{Fault, MOST_CELLS, Mistake, ReadError};
+use super::{Fault, MOST_CELLS, Mistake, ReadError, at_cell};
 use crate::signal::Series;
 use crate::signal::measurement::{Measured, Measurement, Selection, Wanted};
+use crate::signal::text::{self, Line, Lines};
 use crate::units::Unit;
 
 /// A column of a table, which need not have a time axis.
@@ -71,7 +71,7 @@ pub fn measure(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
         let channels = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
             let column = &layout.columns[*place];
             let series = Series::new(Arc::clone(&time), in_si(values, unit.as_ref()));
-            Measured { name: column.name.clone(), label: column.label.clone(), unit, series }
+            Measured { name: column.name.clone(), label: column.label.clone(), unit, filtered: None, series }
         });
         Ok(Measurement { channels: channels.collect(), notes: layout.notes })
     })
@@ -82,9 +82,7 @@ fn with_lines<T>(
     path: &Path,
     read: impl FnOnce(&mut Lines<BufReader<File>>) -> Result<T, Mistake>,
 ) -> Result<T, ReadError> {
-    let failed = |Mistake { line, column, fault }| ReadError { path: path.into(), line, column, fault };
-    let file = File::open(path).map_err(|error| failed(Mistake::whole(Fault::Open(error))))?;
-    read(&mut Lines::new(BufReader::with_capacity(1 << 16, file))).map_err(failed)
+    text::open(path).and_then(|mut lines| read(&mut lines)).map_err(|mistake| mistake.of(path))
 }
 
 /// Places of the wanted columns; the time is none of them unless it is asked for by name.
@@ -148,7 +146,7 @@ impl Rows {
         for (place, cell) in layout.separator.cells(&line.text).enumerate() {
             found += 1;
             let Some(slots) = self.slots.get(place).filter(|slots| !slots.is_empty()) else { continue };
-            let at = |fault| Mistake::at_cell(line, layout.separator, place, fault);
+            let at = |fault| at_cell(line, layout.separator, place, fault);
             let name = &layout.columns[place].name;
             let value = match cell.text {
                 "" => f64::NAN,
