@@ -2,7 +2,10 @@
 
 pub mod input;
 
+mod convert;
+mod filter;
 mod info;
+mod output;
 
 use std::process::ExitCode;
 
@@ -14,10 +17,16 @@ use super::Shared;
 pub enum SignalCommand {
     /// Say what recordings hold: channels, units, sampling, gaps
     Info(info::InfoArgs),
+    /// Filter a channel by its frequency class
+    Filter(filter::FilterArgs),
+    /// Write a recording in another format
+    Convert(convert::ConvertArgs),
 }
 
 pub fn run(command: &SignalCommand, shared: &Shared) -> ExitCode {
     match command {
         SignalCommand::Info(args) => info::run(args, shared),
+        SignalCommand::Filter(args) => filter::run(args, shared),
+        SignalCommand::Convert(args) => convert::run(args, shared),
     }
 }

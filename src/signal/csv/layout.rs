@@ -39,7 +39,7 @@ impl Layout {
         if !wanted.names.is_empty() {
             notes.extend(lines.iter().map(|line| said(line, "not used, since names are given")));
             let columns = wanted.names.iter().map(|name| ColumnName::read(name)).collect();
-            return Layout { separator, columns, header: None, rows, notes }.checked();
+            return Layout { separator, columns, header: None, rows, notes }.checked(wanted);
         }
         let units = take_units(&mut lines, separator);
         let header = lines.pop();
@@ -52,7 +52,7 @@ impl Layout {
         if let Some((line, units)) = units {
             layout.add_units(&line, units)?;
         }
-        layout.checked()
+        layout.checked(wanted)
     }
 
     /// The place of the column that holds the time.
@@ -150,8 +150,8 @@ impl Layout {
         Ok(())
     }
 
-    /// The layout, once its names are those of the first row's columns.
-    fn checked(self) -> Result<Layout, Mistake> {
+    /// The layout, once its names are those of the first row's columns, and the given units those of names.
+    fn checked(self, wanted: &Wanted) -> Result<Layout, Mistake> {
         let cells = trimmed_to(self.separator.cells(&self.rows[0].text), self.columns.len()).count();
         if cells != self.columns.len() {
             let names = self.columns.iter().map(|column| column.label.clone()).collect();
@@ -170,6 +170,7 @@ impl Layout {
                 return Err(self.at_column(place, Fault::Duplicate { name: column.label.clone() }));
             }
         }
+        wanted.units.iter().try_for_each(|(name, _)| self.find(name).map(|_| ()))?;
         Ok(self)
     }
 }

@@ -47,10 +47,14 @@ impl Container {
         let heads = files.channels.iter().map(|file| ChannelHead::read(file)).collect::<Result<Vec<_>, _>>()?;
         let single = number(path).and_then(|_| files.channels.iter().position(|file| file == path));
         let mut container = Container { heads, single, notes: Vec::new() };
-        if let Some(test) = &files.test {
-            let header = read_header(test)?;
-            let comments = header.entries().iter().filter(|entry| entry.key.eq_ignore_ascii_case("Comments"));
-            container.notes.extend(comments.filter_map(|entry| entry.value.clone()));
+        match &files.test {
+            Some(test) => {
+                let header = read_header(test)?;
+                let comments = header.entries().iter().filter(|entry| entry.key.eq_ignore_ascii_case("Comments"));
+                container.notes.extend(comments.filter_map(|entry| entry.value.clone()));
+            }
+            None if single.is_none() => container.notes.push("there is no test (.mme)".into()),
+            None => {}
         }
         match (&files.list, single) {
             (Some(list), None) => container.compare(list)?,
@@ -189,6 +193,9 @@ fn selected(heads: &[ChannelHead], single: Option<usize>, wanted: &Wanted) -> Re
         None => (0..heads.len()).filter(|place| !is_axis(&heads[*place])).collect(),
     };
     let known = heads.iter().map(|head| (head.name.as_str(), head.label.as_str()));
+    for (name, _) in &wanted.units {
+        find(name, known.clone()).map_err(Fault::Channel)?;
+    }
     match &wanted.channels {
         _ if all.is_empty() => Err(Fault::OnlyTime),
         Selection::All => Ok(all),
