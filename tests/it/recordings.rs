@@ -160,7 +160,11 @@ fn what_a_header_states_is_checked_against_the_samples() {
     let path = bench.path().join("T.001");
     for (from, to, expected) in [
         ("value  :2.171756E+0", "value  :2.271756E+0", "the header states the maximum 2.271756"),
-        ("maximum value       :1.417000E-1", "maximum value       :1.427000E-1", "the header states the maximum at 0.1427 s"),
+        (
+            "maximum value       :1.417000E-1",
+            "maximum value       :1.427000E-1",
+            "the header states the maximum at 0.1427 s",
+        ),
         ("Reference channel           :implicit\n", "", "implicit is assumed"),
         ("Time of first sample        :-0.1\n", "", "0 is assumed"),
         ("Unit                        :Nm", "Unit                        :furlong", "the unit `furlong` is not known"),
@@ -174,10 +178,10 @@ fn what_a_header_states_is_checked_against_the_samples() {
         (
             "samples           :6000",
             "samples           :6001",
-            Some(6034),
+            Some(6033),
             "`24NECKUP00P2MOZP` is truncated: 6000 of 6001 samples",
         ),
-        ("samples           :6000", "samples           :10", Some(6034), "has 6000 samples, but its header says 10"),
+        ("samples           :6000", "samples           :10", Some(6033), "has 6000 samples, but its header says 10"),
         ("samples           :6000", "samples           :x", Some(24), "`Number of samples` is not a number: `x`"),
         (
             "interval           :0.0001",
@@ -322,4 +326,197 @@ fn drop_tower_shocks_are_read_filtered_and_integrated() {
     // The filter passes what does not vibrate: both give the same change of velocity.
     let [change, smooth_change] = [raw, &smooth].map(integrate::total);
     close(smooth_change, change, 0.01);
+}
+
+/// What a table says wrongly, and what is said of it.
+#[test]
+fn tables_with_mistakes_are_refused_in_place() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("r.csv");
+    let g = units(&[("a", "g")]);
+    let named = |name: &str| Wanted::one(Some(name));
+    let names =
+        |names: &[&str]| Wanted { names: names.iter().map(|name| (*name).into()).collect(), ..Wanted::default() };
+    for (text, wanted, expected) in [
+        ("", Wanted::default(), "r.csv: no samples: the file is empty"),
+        ("# only\n\n", Wanted::default(), "r.csv: no samples: the file is empty"),
+        ("time,a\n", Wanted::default(), "r.csv:1:1: no samples below the header"),
+        ("time,a\n0,1\n0,2\n", Wanted::default(), "r.csv:3:1: time does not increase: 0 after 0"),
+        ("time,a\n1,1\n0,2\n", Wanted::default(), "r.csv:3:1: time does not increase: 0 after 1"),
+        ("a,time\n1,\n", Wanted::default(), "r.csv:2:3: the sample has no time"),
+        ("time,a\n0,1\n", named("b"), "r.csv:1:1: no channel `b` among `time`, `a`"),
+        ("time,a [g],a [N]\n0,1,2\n", named("a"), "r.csv:1:1: several channels are called `a`: `a [g]`, `a [N]`"),
+        ("time,a,b\n0,1,2\n", Wanted::one(None), "r.csv:1:1: one channel is wanted, found 2: `a`, `b`"),
+        ("time\n0\n1\n", Wanted::default(), "r.csv:1:1: no channel beside the time"),
+        ("time,a\n0,nan\n", Wanted::default(), "r.csv:2:3: `a` is not finite"),
+        ("time,a\n0,-inf\n", Wanted::default(), "r.csv:2:3: `a` is not finite"),
+        ("time;ä;b\n0;1;2\n1; 2 ;x\n", Wanted::default(), "r.csv:3:7: expected a number for `b`, found `x`"),
+        ("time,a\nx,1\n1,2\n", Wanted::default(), "r.csv:2:1: expected a number for `time`, found `x`"),
+        ("time,a\n0,1\n1,2,3\n", Wanted::default(), "r.csv:3:1: expected 2 cells, found 3"),
+        ("time,a\n0,1\n1\n2,2\n", Wanted::default(), "r.csv:3:1: expected 2 cells, found 1"),
+        ("time,a\n0,1\n1", Wanted::default(), "r.csv:3:1: the file is truncated: its last line has 1 of 2 cells"),
+        ("time,a,b\n0,1\n1,2\n", Wanted::default(), "r.csv:1:1: 3 names (`time`, `a`, `b`) over 2 columns"),
+        ("0,1\n", names(&["time"]), "r.csv:1:1: 1 names (`time`) over 2 columns"),
+        ("time,a,a\n0,1,2\n", Wanted::default(), "r.csv:1:8: two columns are called `a`"),
+        ("time,,b\n0,1,2\n", Wanted::default(), "r.csv:1:6: column 2 has no name"),
+        (
+            "time,a [g]\ns,m/s2\n0,1\n",
+            Wanted::default(),
+            "r.csv:2:3: mixed units: the header says `g` of `a`, the line of units `m/s2`",
+        ),
+        ("time,a [m/s2]\n0,1\n", g.clone(), "r.csv:1:6: mixed units: the file says `m/s2` of `a`, but `g` is given"),
+        ("time,b\n0,1\n", g, "r.csv:1:1: no channel `a` among `time`, `b`"),
+        (
+            "time,a\n0,5.2 g\n",
+            Wanted::default(),
+            "r.csv:2:3: expected a number for `a`, found `5.2 g`, which carries a unit",
+        ),
+        ("time [g],a\n0,1\n", Wanted::default(), "r.csv:1:1: time (`time`) cannot be in `g`"),
+        ("time [fortnight],a\n0,1\n", Wanted::default(), "r.csv:1:1: time (`time`) cannot be in `fortnight`"),
+        ("t,time,a\n0,0,1\n", Wanted::default(), "r.csv:1:1: several columns of time among `t`, `time`, `a`"),
+        (
+            "time;a\n0,5;1,5\n1;2.5\n",
+            Wanted::default(),
+            "r.csv:3:3: decimal point and decimal comma in one file: `2.5`",
+        ),
+    ] {
+        fs::write(&path, text).expect("written");
+        let error = file::read(&path, &wanted).expect_err(text);
+        let said = error.to_string();
+        assert!(said.contains(expected), "{text:?} gave: {said}");
+        assert_eq!(error.place().is_some(), !expected.starts_with("r.csv: "), "{text:?}");
+    }
+}
+
+#[test]
+fn tables_come_in_many_dresses() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("r.csv");
+    for (text, time, values) in [
+        ("time,a\n0,1\n0.5,-2.5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("time [ms],a [kN]\n0,0.001\n500,-0.0025\n", [0.0, 0.5], [1.0, -2.5]),
+        ("Zeit / ms;Kraft / N\n0;1\n500;-2,5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("time,a\ns,N\n0,1\n0.5,-2.5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("time_ms\ta_N\n0\t1\n500\t-2.5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("  t   a\n  0   1\n .5  -2.5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("t a\n0,0 1,0\n0,5 -2,5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("a,time,\n1,0,\n-2.5,0.5,\n", [0.0, 0.5], [1.0, -2.5]),
+        ("\"time\",\"a, left\"\r\n\"0\",\"1\"\r\n\"0.5\",\"-2.5\"\r\n", [0.0, 0.5], [1.0, -2.5]),
+        ("\u{feff}Made by: nobody\nDate;2026-11-21\ntime;a\n\n0;1\n# pause\n0.5;-2.5", [0.0, 0.5], [1.0, -2.5]),
+        ("0,1\n0.5,-2.5\n", [0.0, 0.5], [1.0, -2.5]),
+    ] {
+        fs::write(&path, text).expect("written");
+        let read = file::read(&path, &Wanted::one(None)).unwrap_or_else(|error| panic!("{text:?} gave: {error}"));
+        assert_eq!(read.channels[0].series, Series::new(time.to_vec(), values.to_vec()), "{text:?}");
+    }
+    fs::write(&path, b"time;Weg [\xb5m]\n0;1\n1;\n").expect("written");
+    let read = file::read(&path, &Wanted::one(Some("Weg"))).expect("Windows-1252");
+    assert_eq!(read.channels[0].series.values()[0], 1e-6);
+    assert!(read.channels[0].series.values()[1].is_nan(), "an empty cell was not measured");
+}
+
+#[test]
+fn what_is_not_known_is_noted() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("r.csv");
+    fs::write(&path, "# virtual\nlab 3\ntime,T [°C]\n0,20\n1,21\n").expect("written");
+    let read = file::read(&path, &Wanted::default()).expect("readable");
+    let expected = [
+        "virtual",
+        "line 2 (before the header): lab 3",
+        "time (`time`) has no unit; seconds are assumed",
+        "the unit `°C` of `T [°C]` is not known; its values are as written",
+    ];
+    assert_eq!(read.notes, expected);
+    assert_eq!((read.channels[0].name.as_str(), read.channels[0].series.values()), ("T", &[20.0, 21.0][..]));
+}
+
+#[test]
+fn unwanted_columns_of_a_long_file_are_not_even_looked_at() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("long.csv");
+    let rows = 100_000;
+    let line = |row: usize| format!("{row},{},not,numbers,at all\n", 2 * row);
+    let text: String = std::iter::once("time,a,b,c,d\n".to_owned()).chain((0..rows).map(line)).collect();
+    fs::write(&path, text).expect("written");
+    let read = file::read(&path, &Wanted::one(Some("a"))).expect("readable");
+    assert_eq!((read.channels.len(), read.channels[0].series.len()), (1, rows));
+    assert_eq!(read.channels[0].series.values()[rows - 1], 2.0 * (rows - 1) as f64);
+    let all = Wanted { channels: Selection::All, ..Wanted::default() };
+    let error = file::read(&path, &all).expect_err("no numbers").to_string();
+    assert!(error.contains("long.csv:2:5: expected a number for `b`, found `not`"), "{error}");
+}
+
+/// Pieces that tables and containers are made of, in any order.
+fn pieces() -> impl Strategy<Value = String> {
+    let piece = prop::sample::select(vec![
+        "time",
+        "a [g]",
+        "0",
+        "1.5",
+        "-2,5e3",
+        "NaN",
+        "inf",
+        "1e999",
+        ",",
+        ";",
+        "\t",
+        " ",
+        "\n",
+        "\r\n",
+        "\"",
+        "#",
+        ":",
+        "[",
+        "]",
+        "(",
+        ")",
+        "/",
+        "_",
+        "µ",
+        "\u{feff}",
+        "Channel code",
+        "Number of samples",
+        "Sampling interval",
+        "Reference channel",
+        "explicit",
+        "implicit",
+        "NOVALUE",
+        "Unit",
+        "Name of channel 001",
+        "11HEADCG0000ACXP",
+    ]);
+    prop_oneof![prop::collection::vec(piece, 0..60).prop_map(|pieces| pieces.concat()), ".{0,80}"]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn no_text_makes_the_readers_panic(text in pieces(), bytes in prop::collection::vec(any::<u8>(), 0..40)) {
+        let bench = tempfile::tempdir().expect("a folder");
+        for name in ["r.csv", "r.001", "r.chn"] {
+            let path = bench.path().join(name);
+            fs::write(&path, [text.as_bytes(), &bytes].concat()).expect("written");
+            let _ = file::read(&path, &Wanted::default());
+            let _ = file::columns(&path, &Wanted::one(Some("a")));
+            fs::write(&path, &text).expect("written");
+            let _ = file::read(&path, &Wanted::default());
+            let _ = file::read(&path, &Wanted { unit: Unit::parse("g").ok(), ..Wanted::one(None) });
+        }
+    }
+
+    #[test]
+    fn whatever_is_read_is_in_order(text in pieces()) {
+        let bench = tempfile::tempdir().expect("a folder");
+        let path = bench.path().join("r.csv");
+        fs::write(&path, format!("time,a\n0,1\n1,2\n{text}\n")).expect("written");
+        if let Ok(read) = file::read(&path, &Wanted::default()) {
+            for channel in &read.channels {
+                prop_assert_eq!(channel.series.time().len(), channel.series.values().len());
+                prop_assert!(channel.series.time().windows(2).all(|pair| pair[0] < pair[1]));
+                prop_assert!(channel.series.values().iter().all(|value| !value.is_infinite()));
+            }
+        }
+    }
 }

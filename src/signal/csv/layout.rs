@@ -13,8 +13,8 @@ use crate::units::{Time, Unit};
 /// Most lines before the first number.
 const LONGEST_HEAD: usize = 200;
 
-/// Names of the column that holds the time, in lower case.
-const TIMES: [&str; 7] = ["time", "t", "zeit", "temps", "tiempo", "tempo", "tid"];
+/// Names of the column that holds the time, in lower case; `t` is time only so, since `T` is a temperature.
+const TIMES: [&str; 6] = ["time", "zeit", "temps", "tiempo", "tempo", "tid"];
 
 /// A table whose rows are still to be read.
 pub struct Layout {
@@ -64,7 +64,7 @@ impl Layout {
         if self.header.is_none() && wanted.names.is_empty() {
             return Ok(0);
         }
-        let is_time = |column: &ColumnName| TIMES.contains(&column.name.to_lowercase().as_str());
+        let is_time = |column: &ColumnName| column.name == "t" || TIMES.contains(&column.name.to_lowercase().as_str());
         let places: Vec<usize> = (0..self.columns.len()).filter(|place| is_time(&self.columns[*place])).collect();
         match places[..] {
             [place] => Ok(place),

@@ -183,3 +183,19 @@ fn later(time: f64, previous: f64) -> Result<f64, Fault> {
     }
     if time > previous { Ok(time) } else { Err(Fault::TimeNotIncreasing { time, previous }) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Memory is bounded by construction: there is a place for the wanted columns and for no other.
+    #[test]
+    fn only_wanted_columns_have_a_place() {
+        let text = "time,a,b,c\n0,1,2,3\n1,2,3,4\n";
+        let mut lines = Lines::new(text.as_bytes());
+        let mut layout = Layout::read(&mut lines, &Wanted::default()).unwrap();
+        let rows = Rows::new(&layout, &[0, 2], Some(0));
+        assert_eq!(rows.slots, [vec![0], vec![], vec![1], vec![]]);
+        assert_eq!(rows.read(&mut layout, &mut lines).unwrap(), [[0.0, 1.0], [2.0, 3.0]]);
+    }
+}
