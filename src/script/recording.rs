@@ -40,7 +40,7 @@ fn channel(m: &Measurement, name: &str) -> Answer<Series> {
 }
 
 fn unit(m: &mut Measurement, name: &str) -> Answer<String> {
-    m.channel(name).map(|channel| channel.value_unit().unwrap_or_default().to_owned()).map_err(missing)
+    m.channel(name).map(|channel| channel.value_unit().unwrap_or_default()).map_err(missing)
 }
 
 fn missing(error: ChannelError) -> Box<EvalAltResult> {

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::{Channel, Recording, Series};
 use crate::diagnostic::closest;
-use crate::units::{Dimension, Unit};
+use crate::units::{Dimension, Strain, Unit};
 
 /// One channel of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Measured {
     pub label: String,
     /// The unit that the file gives or the caller stated; none where neither is known.
     pub unit: Option<Unit>,
+    /// The channel frequency class that the file says it went through; filtering it again would be once too often.
+    pub filtered: Option<f64>,
     /// Values in the SI unit where the unit is known, as written where it is not; `NaN` where nothing was measured.
     /// Time in s.
     pub series: Series,
@@ -44,18 +46,21 @@ impl Measured {
     }
 
     /// The unit of the values: SI where the unit is known.
-    pub fn value_unit(&self) -> Option<&str> {
-        self.unit.as_ref().map(|unit| unit.si_symbol().unwrap_or("SI"))
+    pub fn value_unit(&self) -> Option<String> {
+        self.unit.as_ref().map(Unit::si_symbol)
     }
 
-    /// The name with the SI unit as suffix, as [`Channel`]s are called.
-    fn channel_name(&self) -> String {
-        match &self.unit {
-            Some(unit) if !unit.is_si() => match unit.si_suffix().filter(|suffix| !suffix.is_empty()) {
-                Some(suffix) => format!("{}_{suffix}", self.name),
-                None => self.name.clone(),
+    /// The name with the SI unit, as a column of ours is called: `accel_m_s2`, or else `accel [m/s2]`.
+    pub fn column_name(&self) -> String {
+        let Measured { name, label, unit, .. } = self;
+        match unit {
+            Some(unit) if unit.is_si() && label.starts_with(name.as_str()) => label.clone(),
+            Some(unit) if unit.measures(Strain::DIMENSION) => name.clone(),
+            Some(unit) => match unit.si_suffix() {
+                Some(suffix) => format!("{name}_{suffix}"),
+                None => format!("{name} [{}]", unit.si_symbol()),
             },
-            _ => self.label.clone(),
+            None => name.clone(),
         }
     }
 }
@@ -102,7 +107,7 @@ impl Measurement {
         let time = self.channels.first().map_or(&[][..], |channel| channel.series.time());
         let shared = self.channels.iter().all(|channel| channel.series.time() == time);
         let channel =
-            |measured: &Measured| Channel { name: measured.channel_name(), values: measured.series.values().to_vec() };
+            |measured: &Measured| Channel { name: measured.column_name(), values: measured.series.values().to_vec() };
         shared.then(|| Recording { time: time.to_vec(), channels: self.channels.iter().map(channel).collect() })
     }
 }

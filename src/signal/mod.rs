@@ -6,11 +6,13 @@ pub mod file;
 pub mod filter;
 pub mod hic;
 pub mod integrate;
+pub mod isomme;
 mod measurement;
 pub mod norm;
 pub mod rating;
 pub mod resample;
 mod series;
+pub mod text;
 
 pub use measurement::{ChannelError, Measured, Measurement, QuantityError, Selection, Wanted};
 pub use series::Series;

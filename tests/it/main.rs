@@ -6,6 +6,7 @@ mod diagnostics;
 mod language;
 mod golden;
 mod mesh;
+mod recordings;
 mod resume;
 mod runs;
 mod shipped;

@@ -14,7 +14,7 @@ use droptower::signal::{Series, integrate};
 use droptower::units::{Acceleration, STANDARD_GRAVITY};
 use serde_json::Value as Json;
 
-/// Ratings that the authors of the curves in `data/iso18571` state for them, see its README.
+/// Ratings that the authors of the curves in `data/iso18571` state for them: yeonsoo-p/ISO18571, `examples/quickstart.ipynb`, 00b2488.
 const STATED: [(&str, f64); 5] = [
     ("corridor", 0.652_890_716_899_321_8),
     ("phase", 0.941_666_666_666_666_7),

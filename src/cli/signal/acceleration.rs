@@ -34,8 +34,8 @@ impl AccelerationArgs {
         let Some(class) = self.class else {
             return Ok(Read { series, notes });
         };
-        if let Some(before) = filtered_class(&chosen.channel.name) {
-            notes.push(format!("`{}` says that it was filtered with CFC {before} before", chosen.channel.name));
+        if let Some(before) = chosen.channel.filtered {
+            notes.push(format!("`{}` went through CFC {before} already, as its file says", chosen.channel.name));
         }
         let series = filter::channel(&series, class, Standard::Iso6487).map_err(|error| self.mistake(error))?;
         Ok(Read { series, notes })
@@ -49,34 +49,5 @@ impl AccelerationArgs {
     /// How it was filtered, to be read by people.
     pub fn filtered(&self) -> String {
         self.class.map_or_else(|| "as recorded".into(), |class| format!("CFC {class}"))
-    }
-}
-
-/// The class that the last letter of an ISO-MME channel code stands for (ISO/TS 13499); none where it names no filter.
-fn filtered_class(name: &str) -> Option<u16> {
-    let code = name.len() == 16 && name.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit());
-    match name.bytes().last().filter(|_| code)? {
-        b'A' => Some(1000),
-        b'B' => Some(600),
-        b'C' => Some(180),
-        b'D' => Some(60),
-        _ => None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn channel_codes_say_what_filtered_them() {
-        for (name, class) in [
-            ("11NECKUP00H3MOYB", Some(600)),
-            ("11HEAD0000H3ACXA", Some(1000)),
-            ("11HEAD0000H3ACX0", None),
-            ("accelA", None),
-        ] {
-            assert_eq!(filtered_class(name), class, "{name}");
-        }
     }
 }

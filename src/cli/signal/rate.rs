@@ -84,7 +84,7 @@ impl RateArgs {
 
 /// Curves are only rated in the same quantity; two that do not say what they are count as the same.
 fn check_units(args: &RateArgs, reference: &Measured, comparison: &Measured) -> Result<(), Diagnostic> {
-    let unit = |measured: &Measured| measured.value_unit().unwrap_or("a unit that is not known").to_owned();
+    let unit = |measured: &Measured| measured.value_unit().unwrap_or_else(|| "a unit that is not known".into());
     let (r, c) = (unit(reference), unit(comparison));
     if r == c {
         return Ok(());
