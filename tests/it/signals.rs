@@ -74,8 +74,6 @@ fn reference_curves_get_the_stated_ratings() {
         "rate",
         data("iso18571/reference.csv").to_str().expect("UTF-8"),
         data("iso18571/comparison.csv").to_str().expect("UTF-8"),
-        "--columns",
-        "time_s,value",
         "--json",
     ]);
     for (name, stated) in STATED {

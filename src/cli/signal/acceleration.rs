@@ -2,8 +2,7 @@
 
 use clap::Args;
 
-use super::input::Input;
-use crate::cli::faults;
+use super::input::{Chosen, Input};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::Series;
 use crate::signal::filter::{self, Standard};
@@ -27,17 +26,14 @@ pub struct Read {
 impl AccelerationArgs {
     /// The acceleration asked for.
     pub fn read(&self) -> Result<Read, Diagnostic> {
-        let chosen = self.input.read()?;
-        let series = chosen.channel.quantity(Acceleration::DIMENSION).cloned();
-        let series = series.map_err(|error| faults::quantity(&self.input.path, &error))?;
-        let mut notes = chosen.notes;
+        let Chosen { channel, mut notes } = self.input.read_as(Acceleration::DIMENSION)?;
         let Some(class) = self.class else {
-            return Ok(Read { series, notes });
+            return Ok(Read { series: channel.series, notes });
         };
-        if let Some(before) = chosen.channel.filtered {
-            notes.push(format!("`{}` went through CFC {before} already, as its file says", chosen.channel.name));
+        if let Some(before) = channel.filtered {
+            notes.push(format!("`{}` went through CFC {before} already, as its file says", channel.name));
         }
-        let series = filter::channel(&series, class, Standard::Iso6487).map_err(|error| self.mistake(error))?;
+        let series = filter::channel(&channel.series, class, Standard::Iso6487).map_err(|error| self.mistake(error))?;
         Ok(Read { series, notes })
     }
 

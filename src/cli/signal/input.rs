@@ -7,7 +7,7 @@ use clap::Args;
 use crate::cli::faults;
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::file::{self, Selection, Wanted};
-use crate::signal::{Measured, Measurement, Series};
+use crate::signal::{Measured, Measurement};
 use crate::units::{Dimension, Unit};
 
 #[derive(Clone, Debug, Args)]
@@ -94,10 +94,10 @@ impl Input {
     }
 
     /// The channel asked for in the SI unit, once it is sure to be a `dimension`.
-    pub fn read_as(&self, dimension: Dimension) -> Result<Series, Diagnostic> {
+    pub fn read_as(&self, dimension: Dimension) -> Result<Chosen, Diagnostic> {
         let chosen = self.read()?;
-        let series = chosen.channel.quantity(dimension).cloned();
-        series.map_err(|error| faults::quantity(&self.path, &error))
+        chosen.channel.quantity(dimension).map_err(|error| faults::quantity(&self.path, &error))?;
+        Ok(chosen)
     }
 }
 
