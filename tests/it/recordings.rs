@@ -37,10 +37,12 @@ fn cell(text: &str, line: usize, column: usize, separator: impl Fn(char) -> bool
 
 #[test]
 fn curves_without_a_header_are_over_time() {
-    let read = file::read(&data("iso18571/reference.csv"), &Wanted::one(None)).expect("readable");
+    let path = data("iso18571/reference.csv");
+    let text = fs::read_to_string(&path).expect("the file");
+    let read = file::read(&path, &Wanted::one(None)).expect("readable");
     let series = &read.channels[0].series;
     assert_eq!(series.len(), 600);
-    assert_eq!(series.values()[0], -0.050519208141545147);
+    assert_eq!(series.values()[0], cell(&text, 1, 2, |c| c == ','));
     close(series.time()[599], 0.0599, 1e-12);
     assert!(read.channels[0].unit.is_none());
     assert!(read.notes.iter().any(|note| note.contains("no header")), "{:?}", read.notes);
@@ -257,7 +259,7 @@ fn written_containers_read_back_to_the_same_bits() {
         name: name.into(),
         label: format!("the {name}"),
         unit: symbol.map(unit),
-        filtered: (name == "head").then_some(600.0),
+        filtered: (name == "head" || name.ends_with("0B")).then_some(600.0),
         series: series.clone(),
     };
     let measurement = Measurement {
@@ -266,6 +268,9 @@ fn written_containers_read_back_to_the_same_bits() {
             channel("head", Some("m/s2"), &uneven),
             channel("load", Some("N"), &uneven),
             channel("volts", None, &even),
+            channel("delay", Some("s"), &even),
+            // Written before by droptower, and in the way of the number of the second channel.
+            channel("000000000200AC0B", Some("m/s2"), &even),
         ],
         notes: vec!["virtual: no instrument made it".into()],
     };
@@ -273,7 +278,7 @@ fn written_containers_read_back_to_the_same_bits() {
     let path = bench.path().join("out/T.mme");
     isomme::write(&path, &measurement).expect("written");
     let read = file::read(&path, &Wanted::default()).expect("readable");
-    assert_eq!(read.channels.len(), 4);
+    assert_eq!(read.channels.len(), 6);
     for (read, written) in read.channels.iter().zip(&measurement.channels) {
         let bits = |series: &Series| series.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&read.series), bits(&written.series), "{}", written.name);
@@ -523,6 +528,8 @@ fn what_cannot_be_filtered_leaves_nothing_behind() {
         (&["filter", "uneven.csv", "--class", "60", "-o", "o.csv"], "--resample"),
         (&["filter", "wrong.csv", "--class", "60", "-o", "o.csv"], "3 | 0.0001,2x\n  |        ^"),
         (&["filter", "none.csv", "--class", "60", "-o", "o.csv"], "none.csv: cannot be read"),
+        (&["filter", "data.csv", "--column", "accel", "--class", "60", "-o", "o.001"], "is the name of ISO-MME"),
+        (&["convert", "data.csv", "-o", "./data.csv"], "data.csv is the input"),
         (&["convert", "data.csv", "-o", "o.xls"], "o.xls is neither .csv nor .mme"),
         (&["convert", "data.csv", "--unit", "count", "-o", "o.csv"], "expected a channel and its unit, found `count`"),
         (&["convert", "data.csv", "--unit", "count=furlong", "-o", "o.csv"], "unknown unit `furlong`"),

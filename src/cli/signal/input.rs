@@ -7,8 +7,8 @@ use clap::Args;
 use crate::cli::faults;
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::file::{self, Selection, Wanted};
-use crate::signal::{Measured, Measurement, Series};
-use crate::units::{Dimension, Unit};
+use crate::signal::{Measured, Measurement};
+use crate::units::Unit;
 
 #[derive(Clone, Debug, Args)]
 pub struct Input {
@@ -82,7 +82,7 @@ impl FileArgs {
 }
 
 impl Input {
-    /// The channel asked for, whatever it measures; in SI where its unit is known.
+    /// The channel asked for, in SI where its unit is known; [`Measured::quantity`] gives it as what it must be.
     pub fn read(&self) -> Result<Chosen, Diagnostic> {
         let unit = self.unit.as_deref().map(unit).transpose()?;
         let wanted = Wanted { unit, ..Wanted::one(self.column.as_deref()) };
@@ -91,13 +91,6 @@ impl Input {
         let channel = found.channels.into_iter().next();
         let channel = channel.ok_or_else(|| Diagnostic::new(format!("{}: no channel", shown_path(&self.path))))?;
         Ok(Chosen { channel, notes })
-    }
-
-    /// The channel asked for in the SI unit, once it is sure to be a `dimension`.
-    pub fn read_as(&self, dimension: Dimension) -> Result<Series, Diagnostic> {
-        let chosen = self.read()?;
-        let series = chosen.channel.quantity(dimension).cloned();
-        series.map_err(|error| faults::quantity(&self.path, &error))
     }
 }
 

@@ -33,7 +33,8 @@ impl Layout {
         let Head { mut lines, first, mut notes } = Head::read(lines)?;
         let separator = separator(&first.text);
         let mut rows = VecDeque::from([first]);
-        if let Some(row) = lines.pop_if(|line| is_row(line, separator)) {
+        let has_names = lines.len() > 1 || !wanted.names.is_empty();
+        if let Some(row) = lines.pop_if(|line| has_names && is_row(line, separator)) {
             rows.push_front(row);
         }
         if !wanted.names.is_empty() {
