@@ -348,7 +348,7 @@ fn tables_with_mistakes_are_refused_in_place() {
     for (text, wanted, expected) in [
         ("", Wanted::default(), "r.csv: no samples: the file is empty"),
         ("# only\n\n", Wanted::default(), "r.csv: no samples: the file is empty"),
-        ("time,a\n", Wanted::default(), "r.csv:1:1: no samples below the header"),
+        ("time,a\n", Wanted::default(), "r.csv:1:1: no samples: no line below the header starts with a number"),
         ("time,a\n0,1\n0,2\n", Wanted::default(), "r.csv:3:1: time does not increase: 0 after 0"),
         ("time,a\n1,1\n0,2\n", Wanted::default(), "r.csv:3:1: time does not increase: 0 after 1"),
         ("a,time\n1,\n", Wanted::default(), "r.csv:2:3: the sample has no time"),

@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use super::channel::{ChannelHead, read_header};
 use super::{Fault, Mistake, ReadError};
-use crate::signal::Series;
-use crate::signal::measurement::{Measured, Measurement, Selection, Wanted, find};
+use crate::signal::measurement::find;
 use crate::signal::text::TextError;
+use crate::signal::{Measured, Measurement, Selection, Series, Wanted};
 use crate::units::Unit;
 
 /// Reads the channels of the container that the file or folder at `path` belongs to; of a channel file that one alone.

@@ -9,8 +9,7 @@ use thiserror::Error;
 
 use super::ChannelCode;
 use crate::signal::csv::clean_time;
-use crate::signal::measurement::{Measured, Measurement};
-use crate::signal::resample;
+use crate::signal::{Measured, Measurement, Series, resample};
 use crate::units::Time;
 
 /// Why a container was not written.
@@ -203,7 +202,7 @@ impl Sheet<'_> {
 
     /// A reader's free check.
     fn write_extremes(&self, out: &mut impl Write) -> io::Result<()> {
-        let series = crate::signal::Series::new(self.time, self.values);
+        let series = Series::new(self.time, self.values);
         for (word, extreme) in [("maximum", series.largest()), ("minimum", series.smallest())] {
             let [time, value] = extreme.map_or([f64::NAN; 2], |extreme| extreme);
             pair(out, &format!("First global {word} value"), &number(value))?;
