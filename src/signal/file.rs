@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::measurement::Measurement;
-pub use super::measurement::{Selection, Wanted};
-use super::{csv, isomme};
+use super::{Measurement, csv, isomme};
+pub use super::{Selection, Wanted};
 
 /// Why a file cannot be read as a recording.
 #[derive(Debug, Error)]

@@ -13,9 +13,11 @@ pub mod rating;
 pub mod resample;
 mod series;
 pub mod text;
+mod wanted;
 
-pub use measurement::{ChannelError, Measured, Measurement, QuantityError, Selection, Wanted};
+pub use measurement::{ChannelError, Measured, Measurement, QuantityError};
 pub use series::Series;
+pub use wanted::{Selection, Wanted};
 
 /// One measured or computed quantity over the common time axis of its [`Recording`].
 #[derive(Clone, Debug, PartialEq)]

@@ -73,7 +73,7 @@ pub fn run(args: &FilterArgs, shared: &Shared) -> ExitCode {
 }
 
 fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
-    output::check(&args.out, &[&args.input.path])?;
+    output::check_table(&args.out, &args.input.path)?;
     let Chosen { channel, mut notes } = args.input.read().map_err(|mistake| (BAD_INPUT, mistake))?;
     if let Some(class) = channel.filtered {
         notes.push(format!("`{}` went through CFC {class} already, as its file says", channel.name));

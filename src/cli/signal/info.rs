@@ -39,6 +39,8 @@ struct Contained {
     written_unit: Option<String>,
     /// Of the figures below.
     unit: Option<String>,
+    /// The channel frequency class that it went through, as the file says.
+    filtered: Option<f64>,
     #[serde(flatten)]
     samples: Figures,
     /// None where the file has no time.
@@ -102,13 +104,14 @@ fn columns(path: &Path, wanted: &Wanted) -> Result<Contents, Diagnostic> {
     let channels = columns.into_iter().map(|csv::Column { name, label, unit, values }| {
         let written_unit = unit.as_ref().map(|unit| unit.symbol().to_owned());
         let samples = Figures::of(&values);
-        Contained { name, label, written_unit, unit: unit.map(|unit| unit.si_symbol()), samples, time: None }
+        let si = unit.map(|unit| unit.si_symbol());
+        Contained { name, label, written_unit, unit: si, filtered: None, samples, time: None }
     });
     Ok(Contents { path: shown_path(path), channels: channels.collect(), notes })
 }
 
 fn contained(channel: &Measured) -> Contained {
-    let Measured { name, label, unit, series, .. } = channel;
+    let Measured { name, label, unit, filtered, series } = channel;
     let time_of = |extreme: Option<[f64; 2]>| extreme.map(|[time, _]| time);
     let time = Sampling {
         start_s: series.time().first().copied(),
@@ -122,6 +125,7 @@ fn contained(channel: &Measured) -> Contained {
         label: label.clone(),
         written_unit: unit.as_ref().map(|unit| unit.symbol().to_owned()),
         unit: channel.value_unit(),
+        filtered: *filtered,
         samples: Figures::of(series.values()),
         time: Some(time),
     }

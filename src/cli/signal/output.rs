@@ -7,21 +7,23 @@ use std::path::Path;
 use crate::cli::BAD_INPUT;
 use crate::cli::faults::WRITE_FAILURE;
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::signal::{Recording, csv};
+use crate::signal::{Recording, csv, isomme};
 
 /// Exit status and what is to be said.
 pub type Failure = (u8, Diagnostic);
 
-/// Refuses an output that would replace an input.
-pub fn check(out: &Path, inputs: &[&Path]) -> Result<(), Failure> {
-    let canonical = |path: &Path| fs::canonicalize(path).ok();
-    let same = |input: &&&Path| canonical(input).is_some_and(|input| canonical(out) == Some(input));
-    match inputs.iter().find(same) {
-        Some(_) => {
-            Err((BAD_INPUT, Diagnostic::new(format!("{} is the input", shown_path(out))).hint("write to another")))
-        }
-        None => Ok(()),
+/// Refuses a table that would replace an input, or a file of a container.
+pub fn check_table(out: &Path, input: &Path) -> Result<(), Failure> {
+    let shown = shown_path(out);
+    let refused = |message, hint: &str| Err((BAD_INPUT, Diagnostic::new(message).hint(hint)));
+    if isomme::is_part(out) {
+        return refused(format!("{shown} is the name of ISO-MME, but a table is written"), "name it .csv");
     }
+    let canonical = |path: &Path| fs::canonicalize(path).ok();
+    if canonical(out).is_some_and(|out| canonical(input) == Some(out)) {
+        return refused(format!("{shown} is the input"), "write to another file");
+    }
+    Ok(())
 }
 
 /// Writes `recording` with `comments` before it to a file of its own that takes the place of `out` when it is whole.

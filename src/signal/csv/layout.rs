@@ -6,8 +6,8 @@ use std::io::BufRead;
 use super::cell::{Cell, Mark, Separator};
 use super::name::{ColumnName, UnitCell, units_of_line};
 use super::{Fault, Mistake, at_cell};
-use crate::signal::measurement::{self, Wanted};
 use crate::signal::text::{Line, Lines};
+use crate::signal::{Wanted, measurement};
 use crate::units::{Time, Unit};
 
 /// Most lines before the first number.
@@ -33,7 +33,8 @@ impl Layout {
         let Head { mut lines, first, mut notes } = Head::read(lines)?;
         let separator = separator(&first.text);
         let mut rows = VecDeque::from([first]);
-        if let Some(row) = lines.pop_if(|line| is_row(line, separator)) {
+        let has_names = lines.len() > 1 || !wanted.names.is_empty();
+        if let Some(row) = lines.pop_if(|line| has_names && is_row(line, separator)) {
             rows.push_front(row);
         }
         if !wanted.names.is_empty() {
@@ -194,7 +195,7 @@ impl Head {
                 lines.push(line.into_owned());
             }
             if lines.len() + notes.len() > LONGEST_HEAD {
-                return Err(Mistake { line: 1, column: 1, fault: Fault::NoNumbers });
+                return Err(Mistake { line: 1, column: 1, fault: Fault::NoNumbers { lines: LONGEST_HEAD } });
             }
         }
         Err(match lines.last() {

@@ -16,9 +16,9 @@ use std::path::Path;
 use csv::WriterBuilder;
 use thiserror::Error;
 
-use super::Recording;
-use super::measurement::{ChannelError, Wanted, listed};
+use super::measurement::{ChannelError, listed};
 use super::text::{self, Line, TextError};
+use super::{Recording, Wanted};
 use cell::Separator;
 
 pub use table::{Column, Table, columns, measure};
@@ -41,10 +41,10 @@ pub enum Fault {
     Text(#[from] TextError),
     #[error("no samples: the file is empty")]
     Empty,
-    #[error("no samples below the header")]
+    #[error("no samples: no line below the header starts with a number")]
     NoRows,
-    #[error("no row of numbers within the first lines")]
-    NoNumbers,
+    #[error("no samples: none of the first {lines} lines starts with a number")]
+    NoNumbers { lines: usize },
     #[error("{} names ({}) over {columns} columns", names.len(), listed(names))]
     NamesAndColumns { names: Vec<String>, columns: usize },
     #[error("no column of time among {}", listed(found))]

@@ -8,9 +8,8 @@ use std::sync::Arc;
 use super::cell::Mark;
 use super::layout::{Layout, trimmed_to};
 use super::{Fault, MOST_CELLS, Mistake, ReadError, at_cell};
-use crate::signal::Series;
-use crate::signal::measurement::{Measured, Measurement, Selection, Wanted};
 use crate::signal::text::{self, Line, Lines};
+use crate::signal::{Measured, Measurement, Selection, Series, Wanted};
 use crate::units::Unit;
 
 /// A column of a table, which need not have a time axis.

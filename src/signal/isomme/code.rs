@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::units::{Acceleration, Angle, Dimension, Force, Length, Moment, Pressure, Time, Unit, Velocity};
+use crate::units::{Acceleration, Angle, Dimension, Force, Length, Moment, Pressure, Unit, Velocity};
 
 /// A channel code in its parts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,6 +22,11 @@ impl ChannelCode {
         let dimension = dimension.map_or("00", |(letters, _)| letters);
         let filter = CLASSES.iter().find(|(_, known)| Some(*known) == class).map_or('0', |(letter, _)| *letter);
         ChannelCode(format!("000000{:04}00{dimension}0{filter}", number % 10_000))
+    }
+
+    /// The code of the time axis `number`.
+    pub fn time_axis(number: usize) -> ChannelCode {
+        ChannelCode(format!("000000{:04}00TI00", number % 10_000))
     }
 
     /// Test object, e.g. 1 for the driver's side.
@@ -79,8 +84,8 @@ impl fmt::Display for ChannelCode {
 /// Letters of the filter classes (SAE J211-1).
 const CLASSES: [(char, f64); 4] = [('A', 1000.0), ('B', 600.0), ('C', 180.0), ('D', 60.0)];
 
-/// Letters of the physical dimensions that droptower writes.
-const DIMENSIONS: [(&str, Dimension); 8] = [
+/// Letters of the physical dimensions that droptower writes; TI is for time axes alone, which are no channels.
+const DIMENSIONS: [(&str, Dimension); 7] = [
     ("AC", Acceleration::DIMENSION),
     ("VE", Velocity::DIMENSION),
     ("DS", Length::DIMENSION),
@@ -88,7 +93,6 @@ const DIMENSIONS: [(&str, Dimension); 8] = [
     ("MO", Moment::DIMENSION),
     ("PR", Pressure::DIMENSION),
     ("AN", Angle::DIMENSION),
-    ("TI", Time::DIMENSION),
 ];
 
 #[cfg(test)]

@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::channel::{ChannelHead, read_header};
 use super::{Fault, Mistake, ReadError};
-use crate::signal::Series;
-use crate::signal::measurement::{Measured, Measurement, Selection, Wanted, find};
+use crate::signal::measurement::find;
 use crate::signal::text::TextError;
+use crate::signal::{Measured, Measurement, Selection, Series, Wanted};
 use crate::units::Unit;
 
 /// Reads the channels of the container that the file or folder at `path` belongs to; of a channel file that one alone.
@@ -45,7 +46,8 @@ impl Container {
     fn open(path: &Path) -> Result<Container, ReadError> {
         let files = Files::locate(path)?;
         let heads = files.channels.iter().map(|file| ChannelHead::read(file)).collect::<Result<Vec<_>, _>>()?;
-        let single = number(path).and_then(|_| files.channels.iter().position(|file| file == path));
+        let named = number(path);
+        let single = files.channels.iter().position(|file| named.is_some() && number(file) == named);
         let mut container = Container { heads, single, notes: Vec::new() };
         match &files.test {
             Some(test) => {
@@ -109,50 +111,51 @@ impl Files {
     fn locate(path: &Path) -> Result<Files, ReadError> {
         let fail = |fault| Mistake::whole(fault).of(path);
         if path.is_dir() {
-            let files = entries(path)?;
-            let of_kind = |kind| files.iter().filter(|file| has_extension(file, kind)).collect::<Vec<_>>();
-            let (tests, lists) = (of_kind("mme"), of_kind("chn"));
-            return match (&tests[..], &lists[..]) {
-                ([test], _) => Files::locate(test),
-                ([], [list]) => Files::locate(list),
-                ([], []) => Err(fail(Fault::NoTest)),
-                ([], several) | (several, _) => {
-                    let found = several.iter().map(|file| name_of(file)).collect();
-                    Err(fail(Fault::SeveralTests { found }))
-                }
-            };
+            return Files::locate(&test_in(path)?);
         }
         if !path.is_file() {
-            let missing = std::io::Error::from(std::io::ErrorKind::NotFound);
-            return Err(fail(Fault::Text(TextError::Open(missing))));
+            return Err(fail(Fault::Text(TextError::Open(ErrorKind::NotFound.into()))));
         }
-        let folder = match path.parent() {
-            Some(folder) if folder != Path::new("") => folder,
-            _ => Path::new("."),
-        };
         let is_test = has_extension(path, "mme");
-        let folder = if is_test {
-            let folders = entries(folder)?;
-            let channel = |entry: &&PathBuf| entry.is_dir() && name_of(entry).eq_ignore_ascii_case("channel");
-            folders.iter().find(channel).cloned().ok_or_else(|| fail(Fault::NoChannelFolder))?
-        } else {
-            folder.to_owned()
-        };
+        let folder = if is_test { channel_folder(path)? } else { folder_of(path).to_owned() };
         let stem = stem_of(path);
         let files: Vec<PathBuf> = entries(&folder)?.into_iter().filter(|file| stem_of(file) == stem).collect();
         let list = files.iter().find(|file| has_extension(file, "chn")).cloned();
         let mut channels: Vec<(u64, PathBuf)> =
             files.into_iter().filter_map(|file| Some((number(&file)?, file))).collect();
-        channels.sort();
         if channels.is_empty() {
             return Err(fail(Fault::NoChannelFiles { stem }));
         }
-        // A bare file name must be found again among those of its folder.
-        let named = number(path);
-        let same = |(count, file): (u64, PathBuf)| if Some(count) == named { path.to_owned() } else { file };
-        let channels = channels.into_iter().map(same).collect();
+        channels.sort();
+        let channels = channels.into_iter().map(|(_, file)| file).collect();
         Ok(Files { test: is_test.then(|| path.to_owned()), list, channels })
     }
+}
+
+/// The test in a folder, or else its list of channels.
+fn test_in(folder: &Path) -> Result<PathBuf, ReadError> {
+    let fail = |fault| Mistake::whole(fault).of(folder);
+    let files = entries(folder)?;
+    let of_kind = |kind| files.iter().filter(|file| has_extension(file, kind)).collect::<Vec<_>>();
+    let (tests, lists) = (of_kind("mme"), of_kind("chn"));
+    match (&tests[..], &lists[..]) {
+        ([one], _) | ([], [one]) => Ok((*one).clone()),
+        ([], []) => Err(fail(Fault::NoTest)),
+        ([], several) | (several, _) => {
+            Err(fail(Fault::SeveralTests { found: several.iter().map(|file| name_of(file)).collect() }))
+        }
+    }
+}
+
+/// The folder `Channel` beside a test.
+fn channel_folder(test: &Path) -> Result<PathBuf, ReadError> {
+    let is_it = |entry: &PathBuf| entry.is_dir() && name_of(entry).eq_ignore_ascii_case("channel");
+    let found = entries(folder_of(test))?.into_iter().find(is_it);
+    found.ok_or_else(|| Mistake::whole(Fault::NoChannelFolder).of(test))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
 /// What a folder holds, in the order of the names.

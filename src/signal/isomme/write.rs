@@ -9,9 +9,8 @@ use thiserror::Error;
 
 use super::ChannelCode;
 use crate::signal::csv::clean_time;
-use crate::signal::measurement::{Measured, Measurement};
-use crate::signal::resample;
-use crate::units::{Time, Unit};
+use crate::signal::{Measured, Measurement, Series, resample};
+use crate::units::Time;
 
 /// Why a container was not written.
 #[derive(Debug, Error)]
@@ -24,7 +23,12 @@ pub enum WriteError {
     Write { path: PathBuf, source: io::Error },
     #[error("`{name}` has no samples")]
     Empty { name: String },
+    #[error("{count} channels, more than the {MOST_CHANNELS} that can be counted")]
+    TooMany { count: usize },
 }
+
+/// Most channels: their numbers and those of their time axes have four digits.
+const MOST_CHANNELS: usize = 4_999;
 
 /// Width of the keys.
 const KEY: usize = 28;
@@ -42,6 +46,10 @@ pub fn write(path: &Path, measurement: &Measurement) -> Result<(), WriteError> {
     let stem = stem.ok_or_else(|| WriteError::NoName { path: path.into() })?.to_string_lossy();
     if let Some(channel) = measurement.channels.iter().find(|channel| channel.series.is_empty()) {
         return Err(WriteError::Empty { name: channel.name.clone() });
+    }
+    let count = measurement.channels.len();
+    if count > MOST_CHANNELS {
+        return Err(WriteError::TooMany { count });
     }
     let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     let channels = folder.join("Channel");
@@ -126,21 +134,30 @@ fn sheets(measurement: &Measurement) -> Vec<Sheet<'_>> {
 }
 
 fn time_sheet(time: &[f64], number: usize) -> Sheet<'_> {
-    let second = Unit::parse(Time::DIMENSION.unit).ok();
-    let code = ChannelCode::counted(number, second.as_ref(), None);
     let unit = Some(Time::DIMENSION.unit.to_owned());
+    let code = ChannelCode::time_axis(number);
     Sheet { code, label: "time".into(), unit, class: None, axis: Axis::Itself, time, values: time }
 }
 
 /// The names of the channels where they are codes, each once; codes that count for the others.
 fn codes(channels: &[Measured]) -> Vec<ChannelCode> {
-    let mut taken = BTreeSet::new();
-    let code = |(number, channel): (usize, &Measured)| {
-        let own = ChannelCode::parse(&channel.name).filter(|code| !code.is_time());
-        let own = own.filter(|code| taken.insert(code.to_string()));
-        own.unwrap_or_else(|| ChannelCode::counted(number, channel.unit.as_ref(), channel.filtered))
+    let own = |channel: &Measured| ChannelCode::parse(&channel.name).filter(|code| !code.is_time());
+    let mut taken: BTreeSet<String> = channels.iter().filter_map(own).map(|code| code.to_string()).collect();
+    let mut kept = BTreeSet::new();
+    let mut code = |(number, channel): (usize, &Measured)| {
+        if let Some(code) = own(channel).filter(|code| kept.insert(code.to_string())) {
+            return code;
+        }
+        let mut number = number;
+        loop {
+            let code = ChannelCode::counted(number, channel.unit.as_ref(), channel.filtered);
+            if taken.insert(code.to_string()) {
+                return code;
+            }
+            number += 1;
+        }
     };
-    (1..).zip(channels).map(code).collect()
+    (1..).zip(channels).map(&mut code).collect()
 }
 
 /// First sample and interval, if the times are `first + i·interval` to a millionth of the interval.
@@ -185,7 +202,7 @@ impl Sheet<'_> {
 
     /// A reader's free check.
     fn write_extremes(&self, out: &mut impl Write) -> io::Result<()> {
-        let series = crate::signal::Series::new(self.time, self.values);
+        let series = Series::new(self.time, self.values);
         for (word, extreme) in [("maximum", series.largest()), ("minimum", series.smallest())] {
             let [time, value] = extreme.map_or([f64::NAN; 2], |extreme| extreme);
             pair(out, &format!("First global {word} value"), &number(value))?;
