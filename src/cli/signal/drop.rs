@@ -6,9 +6,8 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 
 use super::input::{self, TableArgs};
-use super::output;
-use crate::cli::faults::{self, WRITE_FAILURE};
-use crate::cli::{Shared, print, print_json, report};
+use super::output::{self, Failure};
+use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::experiment::absorption::Body;
 use crate::experiment::contact::SpeedFrom;
@@ -70,14 +69,11 @@ pub enum Method {
 pub fn run(args: &DropArgs, shared: &Shared) -> ExitCode {
     let drop = match reduced(args) {
         Ok(drop) => drop,
-        Err(mistakes) => return report(&mistakes),
+        Err((status, mistakes)) => {
+            report(&mistakes);
+            return ExitCode::from(status);
+        }
     };
-    if let Some(out) = &args.out
-        && let Err(mistake) = output::write(&drop.signals, out)
-    {
-        report(&[mistake]);
-        return ExitCode::from(WRITE_FAILURE);
-    }
     if shared.json {
         return print_json(&drop.figures());
     }
@@ -87,15 +83,24 @@ pub fn run(args: &DropArgs, shared: &Shared) -> ExitCode {
     print(&text(args, &drop.figures()))
 }
 
-fn reduced(args: &DropArgs) -> Result<Drop, Vec<Diagnostic>> {
-    let (tower, reduction) = conditions(args)?;
+/// The drop, its signals written where that was asked for; else the exit status and what is wrong.
+fn reduced(args: &DropArgs) -> Result<Drop, (u8, Vec<Diagnostic>)> {
+    let one = |(status, mistake): Failure| (status, vec![mistake]);
+    let bad_input = |mistake: Diagnostic| (BAD_INPUT, vec![mistake]);
+    let (tower, reduction) = conditions(args).map_err(|mistakes| (BAD_INPUT, mistakes))?;
     if let Some(out) = &args.out {
-        output::check(out, &args.path).map_err(|mistake| vec![mistake])?;
+        output::check_table(out, &args.path).map_err(one)?;
     }
-    let sensed = sensed(args).map_err(|mistake| vec![mistake])?;
+    let sensed = sensed(args).map_err(bad_input)?;
     let laser = sensed.laser.as_ref().filter(|_| !args.without_laser);
-    drop::reduce(&sensed.acceleration, laser, &tower, &reduction)
-        .map_err(|error| vec![Diagnostic::new(format!("{}: {error}", shown_path(&args.path)))])
+    let drop = drop::reduce(&sensed.acceleration, laser, &tower, &reduction)
+        .map_err(|error| bad_input(Diagnostic::new(format!("{}: {error}", shown_path(&args.path)))))?;
+    if let Some(out) = &args.out {
+        let comments =
+            [format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&args.path))];
+        output::write_csv(out, &comments, &drop.signals).map_err(one)?;
+    }
+    Ok(drop)
 }
 
 /// Everything that is wrong with the quantities at once.
