@@ -74,7 +74,8 @@ mod tests {
             let held = engine.eval::<bool>(entry.example);
             assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
         }
-        let unknown = "let c = coupon(#{ gauge: 1, width: 1, thickness: 1 }); let u = curve([0, 0.01, 0.02, 1], [0, 1, 2, 3]);
+        let unknown =
+            "let c = coupon(#{ gauge: 1, width: 1, thickness: 1 }); let u = curve([0, 0.01, 0.02, 1], [0, 1, 2, 3]);
             let r = reduce_coupons([#{ direction: \"MD\", velocity: 1, curve: u }]); coupon_material(r, c";
         for (end, expected) in [(")", "there is none of TD"), (", #{ depth: 1 })", "unknown key `depth`")] {
             let error = engine.run(&format!("{unknown}{end}")).unwrap_err().to_string();

@@ -74,7 +74,8 @@ pub(super) fn rules(given: &Map) -> Answer<Rules> {
             "break_share" => rules.break_share = number(value, "break_share")?,
             "toe_compensation" => {
                 let truth = value.as_bool();
-                rules.toe_compensation = truth.map_err(|found| refuse(format!("toe_compensation is true or false, not {found}")))?;
+                rules.toe_compensation =
+                    truth.map_err(|found| refuse(format!("toe_compensation is true or false, not {found}")))?;
             }
             other => return Err(refuse(format!("unknown rule `{other}`: window, break_share or toe_compensation"))),
         }
@@ -138,7 +139,10 @@ fn reduce(samples: &[Dynamic], given: &Map) -> Answer<Reduced> {
 
 fn sample(item: &Dynamic, rules: &Rules) -> Answer<Sample> {
     let Some(map) = item.read_lock::<Map>() else {
-        return Err(refuse(format!("a coupon's test is a map of direction, velocity and curve, not {}", item.type_name())));
+        return Err(refuse(format!(
+            "a coupon's test is a map of direction, velocity and curve, not {}",
+            item.type_name()
+        )));
     };
     let direction = entry(&map, "direction")?.to_string().parse().map_err(refuse)?;
     let velocity = quantity(entry(&map, "velocity")?, Velocity::DIMENSION, "velocity")?;
@@ -261,7 +265,10 @@ mod tests {
         let engine = engine();
         for (text, expected) in [
             (r#"coupon(#{ gauge: "5 kg", width: 1, thickness: 1 })"#, "gauge: expected a length, found \"5 kg\""),
-            ("coupon(#{ gauge: 1, width: 1, thickness: -1 })", "the thickness of a coupon is a positive length, not -1 m"),
+            (
+                "coupon(#{ gauge: 1, width: 1, thickness: -1 })",
+                "the thickness of a coupon is a positive length, not -1 m",
+            ),
             ("coupon(#{ gauge: 1, width: 1 })", "`thickness` is missing"),
             ("coupon(#{ gauge: 1, width: 1, length: 1 })", "unknown length `length`"),
             ("reduce_coupons([])", "there is no coupon to reduce"),

@@ -70,7 +70,8 @@ fn table_4_is_the_relative_difference_from_the_data_sheet() {
         let printed = number(&row, "error_percent");
         // The printed measurement stands for all that are rounded to it; the error was computed before that.
         let digit = if row["experiment"].contains('.') { 0.1 } else { 1.0 };
-        let error = |offset: f64| 100.0 * relative_difference(number(&row, "experiment") + offset, number(&row, "data_sheet"));
+        let error =
+            |offset: f64| 100.0 * relative_difference(number(&row, "experiment") + offset, number(&row, "data_sheet"));
         let unit = if printed.fract() == 0.0 { 1.0 } else { 0.1 };
         let (low, high) = (error(-0.5 * digit), error(0.5 * digit));
         assert!(low <= printed + 0.5 * unit && printed - 0.5 * unit <= high, "{row:?}: {low} to {high}");
@@ -192,7 +193,15 @@ fn succeed(arguments: &[&str]) -> String {
 fn the_script_makes_the_shipped_coupons_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("virtual");
-    succeed(&["script", "scripts/make-virtual-tests.rhai", "--quiet", "--arg", "part=coupons", "--out", out.to_str().unwrap()]);
+    succeed(&[
+        "script",
+        "scripts/make-virtual-tests.rhai",
+        "--quiet",
+        "--arg",
+        "part=coupons",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
     let shipped = root().join("data/virtual/coupons");
     let names = |folder: &Path| {
         let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
@@ -270,7 +279,7 @@ fn what_cannot_be_reduced_is_said_and_nothing_is_written() {
         (&good, &["-o", material], "no material: a material needs coupons of MD, TD and D3"),
         ("data/virtual/coupons/md-*.csv", &["-o", material], "there is none of TD"),
         (&good, &["-o", "material.csv"], "a material file ends in .toml"),
-        (&good, &["--gauge", "-5 mm"], "the gauge length of a coupon is a positive length"),
+        (&good, &["--gauge", "0 mm"], "the gauge length of a coupon is a positive length"),
         (&good, &["--window", "0.3", "0.1"], "0.3 to 0.1 is no window of strain"),
         ("nothing/*.csv", &[], "no file matches"),
     ] {
@@ -322,7 +331,10 @@ const KSI: f64 = 6.894_757_293_168e6;
 
 /// Curves of the 6061 aluminium: engineering stress in ksi over strain.
 fn aluminium(name: &str) -> Option<Curve> {
-    let units = vec![("engineering_stress".into(), Unit::parse("ksi").unwrap()), ("engineering_strain".into(), Unit::parse("-").unwrap())];
+    let units = vec![
+        ("engineering_stress".into(), Unit::parse("ksi").unwrap()),
+        ("engineering_strain".into(), Unit::parse("-").unwrap()),
+    ];
     let names = ["engineering_strain", "engineering_stress"].map(String::from).to_vec();
     let wanted = Wanted { channels: Selection::Named(names), units, ..Wanted::default() };
     let mut columns = file::columns(&real(name)?, &wanted).unwrap_or_else(|error| panic!("{error}")).columns;
@@ -383,7 +395,10 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
             assert!((found.at(strain).unwrap() / own.at(strain).unwrap() - 1.0).abs() < 1e-4);
         }
         let rupture = found.rupture(0.5).unwrap();
-        assert!((0.6..0.9).contains(&rupture.strain) && (90.0 * KSI..100.0 * KSI).contains(&rupture.strength), "{rupture:?}");
+        assert!(
+            (0.6..0.9).contains(&rupture.strain) && (90.0 * KSI..100.0 * KSI).contains(&rupture.strength),
+            "{rupture:?}"
+        );
     }
     // Faster is stronger.
     let [slow, fast] = [0, 1].map(|i| curves[i].0.at(0.02).unwrap());
@@ -395,4 +410,25 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
     let modulus = curves[1].0.modulus([0.0, 0.0005]).unwrap();
     assert!((modulus.slope / 193e9 - 1.0).abs() < 0.1, "{modulus:?}");
     assert!(yield_points(&mean, [0.0, 0.001]).is_ok());
+}
+
+/// A bilinear film: the material file holds its mean curve instead of yield points.
+#[test]
+fn a_film_without_a_double_yield_point_becomes_a_material_too() {
+    let folder = tempfile::tempdir().unwrap();
+    for direction in ["md", "td", "d3"] {
+        let rows = (0..=400).map(|i| 0.003 * f64::from(i)).map(|strain| {
+            let stress = 30e6 * strain.min(0.3) + 5e6 * (strain - 0.3).max(0.0);
+            format!("{},{},{}\n", strain / 4.0, strain * 5e-3, stress * 1.2e-7)
+        });
+        let text = format!("time_s,displacement_m,force_N\n{}", rows.collect::<String>());
+        fs::write(folder.path().join(format!("{direction}-0.02-1.csv")), text).unwrap();
+    }
+    let (recordings, material) = (folder.path().join("*.csv"), folder.path().join("film.toml"));
+    let output = reduce(recordings.to_str().unwrap(), &["-o", material.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("note: MD: the curve has no second yield point"), "{said}");
+    assert!(said.contains("the record ends under load; its end counts as the break"), "{said}");
+    assert!(fs::read_to_string(&material).unwrap().contains("md = { curve = [["));
+    assert!(succeed(&["check", material.to_str().unwrap()]).starts_with("ok"));
 }

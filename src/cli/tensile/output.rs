@@ -20,7 +20,8 @@ pub fn places(material: &Path) -> Result<[PathBuf; 2], Diagnostic> {
     let places = [material.to_path_buf(), shear];
     match places.iter().find(|place| !is_replaceable(place)) {
         Some(place) => {
-            let mistake = Diagnostic::new(format!("{} was not written from coupon tests and is not replaced", shown_path(place)));
+            let mistake =
+                Diagnostic::new(format!("{} was not written from coupon tests and is not replaced", shown_path(place)));
             Err(mistake.hint("give another name, or remove it first"))
         }
         None => Ok(places),

@@ -34,9 +34,15 @@ impl LabelError {
     /// What to do about it.
     pub fn hint(&self) -> &'static str {
         match self {
-            LabelError::NoDirection => "write `# direction: MD` into its header, name it like md-0.02-1.csv, or give --direction",
-            LabelError::NoVelocity => "write `# velocity: 0.02 m/s` into its header, name it like md-0.02-1.csv, or give --velocity",
-            LabelError::Directions { .. } | LabelError::Velocities { .. } => "correct one of them, or give it on the command line",
+            LabelError::NoDirection => {
+                "write `# direction: MD` into its header, name it like md-0.02-1.csv, or give --direction"
+            }
+            LabelError::NoVelocity => {
+                "write `# velocity: 0.02 m/s` into its header, name it like md-0.02-1.csv, or give --velocity"
+            }
+            LabelError::Directions { .. } | LabelError::Velocities { .. } => {
+                "correct one of them, or give it on the command line"
+            }
             LabelError::Direction(_) => "write `# direction: MD`",
             LabelError::Velocity(_) => "write `# velocity: 0.02 m/s`",
         }
@@ -64,7 +70,8 @@ pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, 
 
 /// Whether the header says that nothing was pulled: one of its lines holds the word `virtual`.
 pub fn is_virtual(header: &[String]) -> bool {
-    let words = |line: &String| line.split(|c: char| !c.is_alphanumeric()).any(|word| word.eq_ignore_ascii_case("virtual"));
+    let words =
+        |line: &String| line.split(|c: char| !c.is_alphanumeric()).any(|word| word.eq_ignore_ascii_case("virtual"));
     header.iter().any(words)
 }
 

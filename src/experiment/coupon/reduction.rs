@@ -309,7 +309,10 @@ mod tests {
     #[test]
     fn words_are_directions() {
         assert_eq!("md".parse(), Ok(Direction::Md));
-        assert_eq!("45".parse::<Direction>().unwrap_err().to_string(), "`45` is no direction of the film: MD, TD, D3 or D4");
+        assert_eq!(
+            "45".parse::<Direction>().unwrap_err().to_string(),
+            "`45` is no direction of the film: MD, TD, D3 or D4"
+        );
         assert_eq!(Reduction::of(&[], &Rules::default()), Err(ReductionError::Nothing));
     }
 }
