@@ -17,8 +17,8 @@ const CURVE_POINTS: usize = 24;
 /// Points of the shear curve that is written.
 const SHEAR_POINTS: usize = 16;
 
-/// The first words of every file that is made of coupon tests.
-pub const MARK: &str = "# Written by droptower from coupon tests";
+/// The first words of both files.
+const MARK: &str = "# Written by droptower from coupon tests";
 
 /// What a material file is made of.
 #[derive(Clone, Debug)]
@@ -76,7 +76,7 @@ impl CouponMaterial<'_> {
             material,
             "\n{density}\nthickness = \"{thickness} um\"   # as given; one layer\n\n[fabric]\n\
              # Yield points of the mean curves, mean break elongation and mean stress at the break; straight lines between them.\n\
-             {md_fibre}{td_fibre}{remark}shear = {{ curve = \"{file}\" }}\n\
+             {md_fibre}{td_fibre}{remark}shear = {{ curve = {file} }}\n\
              # Coupons that are pulled until they break do not show what is lost on unloading. Until a drop test has shown it\n\
              # (droptower signal drop), nothing is.\n# absorption = 0.9\n\
              # Slowest and fastest jaws over the gauge length.\nmeasured_rates = [\"{} 1/s\", \"{} 1/s\"]\n",
@@ -84,7 +84,7 @@ impl CouponMaterial<'_> {
             rates[1],
             density = self.density_line(),
             thickness = digits(self.coupon.thickness() * 1e6),
-            file = self.shear_file,
+            file = toml::Value::from(self.shear_file),
         );
         Ok(Texts { material, shear })
     }
@@ -113,11 +113,13 @@ impl CouponMaterial<'_> {
     /// The shear curve's file, and the remark that belongs to it.
     fn shear(&self, skewed: &Along) -> Result<(String, String), CouponMaterialError> {
         let sheared = self.coupon.shear(&skewed.curve, self.side)?;
+        let [start, _] = sheared.curve.range();
         let (end, why) = shear_end(&sheared);
         let mut file = format!("{MARK}: shear angle (rad) and stress of the film, from D3.\nstrain,stress_MPa\n");
         let mut before = 0.0;
         for i in 1..=SHEAR_POINTS {
-            let angle = if i == SHEAR_POINTS { end } else { end * i as f64 / SHEAR_POINTS as f64 };
+            let part = i as f64 / SHEAR_POINTS as f64;
+            let angle = if i == SHEAR_POINTS { end } else { start + (end - start) * part };
             let Some(stress) = sheared.curve.at(angle).filter(|stress| *stress >= before) else {
                 return Err(CouponMaterialError::ShearFalls { angle });
             };
@@ -172,35 +174,44 @@ fn shown_spread(spread: &Spread, factor: f64) -> String {
 
 /// The curve of one direction as the language writes it: yield points and break, or else the mean curve and the break.
 fn fibre(along: &Along) -> Result<String, CouponMaterialError> {
+    let points = points(along);
+    check_rising(along.direction, &points)?;
+    let point = |[strain, stress]: &[f64; 2]| format!("[{}, \"{} MPa\"]", digits(*strain), digits(stress * 1e-6));
+    let shown: Vec<String> = points.iter().map(point).collect();
+    let key = along.direction.name().to_lowercase();
+    Ok(match &along.yields {
+        Ok(_) => format!("{key} = {{ yield = [{}, {}], break = {} }}\n", shown[0], shown[1], shown[2]),
+        Err(error) => {
+            let why = format!("# {}: {error}; so the mean curve itself, then the break.\n", along.direction);
+            format!("{why}{key} = {{ curve = [{}] }}\n", shown.join(", "))
+        }
+    })
+}
+
+/// The corners of a direction's curve; the last one is the break.
+fn points(along: &Along) -> Vec<[f64; 2]> {
     let end = [along.elongation.mean, along.break_stress.mean];
-    let points = match &along.yields {
+    match &along.yields {
         Ok(yields) => vec![yields.first, yields.second, end],
         Err(_) => {
-            thinned(along).into_iter().chain([end].into_iter().filter(|end| end[0] > along.curve.range()[1])).collect()
+            let mut points = thinned(along);
+            if end[0] > along.curve.range()[1] {
+                points.push(end);
+            }
+            points
         }
-    };
-    let direction = along.direction;
+    }
+}
+
+fn check_rising(direction: Direction, points: &[[f64; 2]]) -> Result<(), CouponMaterialError> {
     let mut before = [0.0, 0.0];
-    for point in &points {
+    for point in points {
         if point[0] <= before[0] || point[1] < before[1] {
             return Err(CouponMaterialError::Falls { direction, points: [before, *point] });
         }
         before = *point;
     }
-    let shown: Vec<String> = points
-        .iter()
-        .map(|[strain, stress]| format!("[{}, \"{} MPa\"]", digits(*strain), digits(stress * 1e-6)))
-        .collect();
-    let key = direction.name().to_lowercase();
-    Ok(match &along.yields {
-        Ok(_) => format!("{key} = {{ yield = [{}, {}], break = {} }}\n", shown[0], shown[1], shown[2]),
-        Err(error) => {
-            format!(
-                "# {direction}: {error}; so the mean curve itself, then the break.\n{key} = {{ curve = [{}] }}\n",
-                shown.join(", ")
-            )
-        }
-    })
+    Ok(())
 }
 
 /// The mean curve at some strains, denser at the beginning.

@@ -242,7 +242,7 @@ fn coupons_become_a_material_that_a_scenario_uses() {
     let assignment = format!("specimen.material={path:?}");
     succeed(&["check", "scenarios/stretch/md-0.02.toml", "--set", &assignment]);
 
-    // What this command wrote is replaced, what a user wrote is not; a refused run leaves both files as they were.
+    // What this command wrote is replaced, what a user wrote or changed is not; a refused run leaves both files.
     assert!(reduce("data/virtual/coupons/*.csv", &["-o", path, "--quiet"]).status.success());
     let shear = folder.path().join("film-shear.csv");
     fs::write(&shear, "strain,stress\n1,1\n").unwrap();
@@ -250,7 +250,12 @@ fn coupons_become_a_material_that_a_scenario_uses() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("is not replaced"));
     assert_eq!(fs::read_to_string(&shear).unwrap(), "strain,stress\n1,1\n");
-    assert!(fs::read_to_string(&material).unwrap().contains("assumed: that of LLDPE"));
+    let kept = fs::read_to_string(&material).unwrap();
+    assert!(kept.contains("assumed: that of LLDPE"));
+    fs::remove_file(&shear).unwrap();
+    fs::write(&material, kept.replace("# absorption = 0.9", "absorption = 0.88")).unwrap();
+    assert_eq!(reduce("data/virtual/coupons/*.csv", &["-o", path]).status.code(), Some(2));
+    assert!(!shear.exists());
 }
 
 #[test]
