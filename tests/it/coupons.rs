@@ -437,3 +437,28 @@ fn a_film_without_a_double_yield_point_becomes_a_material_too() {
     assert!(fs::read_to_string(&material).unwrap().contains("md = { curve = [["));
     assert!(succeed(&["check", material.to_str().unwrap()]).starts_with("ok"));
 }
+
+/// The whole way round: recordings, material, simulated coupon, and back to the mean of the recordings (the paper's Figure 14).
+#[test]
+fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
+    let folder = tempfile::tempdir().unwrap();
+    let (material, out) = (folder.path().join("film.toml"), folder.path().join("run"));
+    assert!(reduce("data/virtual/coupons/*.csv", &["-q", "-o", material.to_str().unwrap()]).status.success());
+    let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
+    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let assignment = format!("specimen.material={:?}", material.to_str().unwrap());
+    for (direction, scenario) in [(Direction::Md, "md-0.2"), (Direction::Td, "td-0.2")] {
+        let scenario = format!("scenarios/stretch/{scenario}.toml");
+        succeed(&["run", &scenario, "--quiet", "--set", &assignment, "--out", out.to_str().unwrap()]);
+        let table = file::columns(&out.join("signals.csv"), &Wanted::default()).unwrap();
+        let column = |name: &str| table.columns.iter().find(|column| column.label == name).unwrap().values.clone();
+        let simulated = Curve::new(column("strain"), column("stress_Pa")).unwrap();
+        let Along { curve, elongation, .. } = reduction.along(direction).unwrap();
+        let shared = curve.range()[1];
+        for part in [0.3, 0.5, 0.7, 0.9, 1.0] {
+            let [found, measured] = [&simulated, curve].map(|curve| curve.at(part * shared).unwrap());
+            assert!((found / measured - 1.0).abs() < 0.01, "{direction} at {}: {found} for {measured}", part * shared);
+        }
+        assert!((simulated.rupture(0.5).unwrap().strain - elongation.mean).abs() < 0.02);
+    }
+}
