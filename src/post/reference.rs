@@ -117,15 +117,14 @@ impl Signals {
         };
         let names = Names { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
         let sensed = Sensed::find(measurement, &names);
-        let Sensed { acceleration, laser } =
-            sensed.map_err(|source| ReferenceError::Sensed { path: path(), source: source.into() })?;
+        let sensed = sensed.map_err(|source| ReferenceError::Sensed { path: path(), source: source.into() })?;
         let height = match reference.drop_height {
             Some(height) => Height::Known(height),
             None => Height::Presumed(0.5 * velocity * velocity / gravity),
         };
         let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height };
-        let reduction = Reduction { class: model.output.filter, ..Reduction::default() };
-        let drop = drop::reduce(&acceleration, laser.as_ref(), &tower, &reduction);
+        let reduction = Reduction { class: sensed.class_to_apply(model.output.filter), ..Reduction::default() };
+        let drop = drop::reduce(&sensed.acceleration, sensed.laser.as_ref(), &tower, &reduction);
         let drop = drop.map_err(|source| ReferenceError::Drop { path: path(), source })?;
         let channel = |name| drop.signals.series(name);
         let (raw, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));

@@ -242,7 +242,7 @@ fn coupons_become_a_material_that_a_scenario_uses() {
     let assignment = format!("specimen.material={path:?}");
     succeed(&["check", "scenarios/stretch/md-0.02.toml", "--set", &assignment]);
 
-    // What this command wrote is replaced, what a user wrote is not; a refused run leaves both files as they were.
+    // What this command wrote is replaced, what a user wrote or changed is not; a refused run leaves both files.
     assert!(reduce("data/virtual/coupons/*.csv", &["-o", path, "--quiet"]).status.success());
     let shear = folder.path().join("film-shear.csv");
     fs::write(&shear, "strain,stress\n1,1\n").unwrap();
@@ -250,7 +250,12 @@ fn coupons_become_a_material_that_a_scenario_uses() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("is not replaced"));
     assert_eq!(fs::read_to_string(&shear).unwrap(), "strain,stress\n1,1\n");
-    assert!(fs::read_to_string(&material).unwrap().contains("assumed: that of LLDPE"));
+    let kept = fs::read_to_string(&material).unwrap();
+    assert!(kept.contains("assumed: that of LLDPE"));
+    fs::remove_file(&shear).unwrap();
+    fs::write(&material, kept.replace("# absorption = 0.9", "absorption = 0.88")).unwrap();
+    assert_eq!(reduce("data/virtual/coupons/*.csv", &["-o", path]).status.code(), Some(2));
+    assert!(!shear.exists());
 }
 
 #[test]
@@ -279,7 +284,7 @@ fn what_cannot_be_reduced_is_said_and_nothing_is_written() {
         (&good, &["-o", material], "no material: a material needs coupons of MD, TD and D3"),
         ("data/virtual/coupons/md-*.csv", &["-o", material], "there is none of TD"),
         (&good, &["-o", "material.csv"], "a material file ends in .toml"),
-        (&good, &["--gauge", "-5 mm"], "the gauge length of a coupon is a positive length"),
+        (&good, &["--gauge", "0 mm"], "the gauge length of a coupon is a positive length"),
         (&good, &["--window", "0.3", "0.1"], "0.3 to 0.1 is no window of strain"),
         ("nothing/*.csv", &[], "no file matches"),
     ] {
@@ -410,4 +415,50 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
     let modulus = curves[1].0.modulus([0.0, 0.0005]).unwrap();
     assert!((modulus.slope / 193e9 - 1.0).abs() < 0.1, "{modulus:?}");
     assert!(yield_points(&mean, [0.0, 0.001]).is_ok());
+}
+
+/// A bilinear film: the material file holds its mean curve instead of yield points.
+#[test]
+fn a_film_without_a_double_yield_point_becomes_a_material_too() {
+    let folder = tempfile::tempdir().unwrap();
+    for direction in ["md", "td", "d3"] {
+        let rows = (0..=400).map(|i| 0.003 * f64::from(i)).map(|strain| {
+            let stress = 30e6 * strain.min(0.3) + 5e6 * (strain - 0.3).max(0.0);
+            format!("{},{},{}\n", strain / 4.0, strain * 5e-3, stress * 1.2e-7)
+        });
+        let text = format!("time_s,displacement_m,force_N\n{}", rows.collect::<String>());
+        fs::write(folder.path().join(format!("{direction}-0.02-1.csv")), text).unwrap();
+    }
+    let (recordings, material) = (folder.path().join("*.csv"), folder.path().join("film.toml"));
+    let output = reduce(recordings.to_str().unwrap(), &["-o", material.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("note: MD: the curve has no second yield point"), "{said}");
+    assert!(said.contains("the record ends under load; its end counts as the break"), "{said}");
+    assert!(fs::read_to_string(&material).unwrap().contains("md = { curve = [["));
+    assert!(succeed(&["check", material.to_str().unwrap()]).starts_with("ok"));
+}
+
+/// The whole way round: recordings, material, simulated coupon, and back to the mean of the recordings (the paper's Figure 14).
+#[test]
+fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
+    let folder = tempfile::tempdir().unwrap();
+    let (material, out) = (folder.path().join("film.toml"), folder.path().join("run"));
+    assert!(reduce("data/virtual/coupons/*.csv", &["-q", "-o", material.to_str().unwrap()]).status.success());
+    let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
+    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let assignment = format!("specimen.material={:?}", material.to_str().unwrap());
+    for (direction, scenario) in [(Direction::Md, "md-0.2"), (Direction::Td, "td-0.2")] {
+        let scenario = format!("scenarios/stretch/{scenario}.toml");
+        succeed(&["run", &scenario, "--quiet", "--set", &assignment, "--out", out.to_str().unwrap()]);
+        let table = file::columns(&out.join("signals.csv"), &Wanted::default()).unwrap();
+        let column = |name: &str| table.columns.iter().find(|column| column.label == name).unwrap().values.clone();
+        let simulated = Curve::new(column("strain"), column("stress_Pa")).unwrap();
+        let Along { curve, elongation, .. } = reduction.along(direction).unwrap();
+        let shared = curve.range()[1];
+        for part in [0.3, 0.5, 0.7, 0.9, 1.0] {
+            let [found, measured] = [&simulated, curve].map(|curve| curve.at(part * shared).unwrap());
+            assert!((found / measured - 1.0).abs() < 0.01, "{direction} at {}: {found} for {measured}", part * shared);
+        }
+        assert!((simulated.rupture(0.5).unwrap().strain - elongation.mean).abs() < 0.02);
+    }
 }

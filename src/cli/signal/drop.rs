@@ -43,9 +43,10 @@ pub struct DropArgs {
     /// Gravity
     #[arg(long, value_name = "ACCELERATION", default_value = "9.81 m/s2")]
     pub gravity: String,
-    /// Channel frequency class of the filtered acceleration (ISO 6487)
-    #[arg(long, value_name = "CFC", default_value_t = 1000.0)]
-    pub class: f64,
+    /// Channel frequency class of the filtered acceleration (ISO 6487); 1000, where the file does not say that it was
+    /// filtered before
+    #[arg(long, value_name = "CFC")]
+    pub class: Option<f64>,
     /// How what an AC-coupled accelerometer does not show is put back
     #[arg(long, value_enum, default_value_t = Method::Coupling)]
     pub correction: Method,
@@ -87,14 +88,20 @@ pub fn run(args: &DropArgs, shared: &Shared) -> ExitCode {
 fn reduced(args: &DropArgs) -> Result<Drop, (u8, Vec<Diagnostic>)> {
     let one = |(status, mistake): Failure| (status, vec![mistake]);
     let bad_input = |mistake: Diagnostic| (BAD_INPUT, vec![mistake]);
-    let (tower, reduction) = conditions(args).map_err(|mistakes| (BAD_INPUT, mistakes))?;
+    let (tower, correction) = conditions(args).map_err(|mistakes| (BAD_INPUT, mistakes))?;
     if let Some(out) = &args.out {
         output::check_table(out, &args.path).map_err(one)?;
     }
     let sensed = sensed(args).map_err(bad_input)?;
     let laser = sensed.laser.as_ref().filter(|_| !args.without_laser);
-    let drop = drop::reduce(&sensed.acceleration, laser, &tower, &reduction)
-        .map_err(|error| bad_input(Diagnostic::new(format!("{}: {error}", shown_path(&args.path)))))?;
+    let class = args.class.or_else(|| sensed.class_to_apply(Some(1000.0)));
+    let drop = drop::reduce(&sensed.acceleration, laser, &tower, &Reduction { correction, class });
+    let mut drop = drop.map_err(|error| bad_input(Diagnostic::new(format!("{}: {error}", shown_path(&args.path)))))?;
+    if let Some(before) = sensed.class {
+        let again =
+            class.map_or_else(|| "is not filtered again".into(), |class| format!("is filtered again with CFC {class}"));
+        drop.notes.push(format!("the acceleration went through CFC {before} already, as its file says, and {again}"));
+    }
     if let Some(out) = &args.out {
         let comments =
             [format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&args.path))];
@@ -104,7 +111,7 @@ fn reduced(args: &DropArgs) -> Result<Drop, (u8, Vec<Diagnostic>)> {
 }
 
 /// Everything that is wrong with the quantities at once.
-fn conditions(args: &DropArgs) -> Result<(Tower, Reduction), Vec<Diagnostic>> {
+fn conditions(args: &DropArgs) -> Result<(Tower, Correction), Vec<Diagnostic>> {
     let mut mistakes = Vec::new();
     let mut quantity = |name: &str, text: &str, dimension: Dimension| match dimension.parse(text) {
         Ok(value) => value,
@@ -128,7 +135,7 @@ fn conditions(args: &DropArgs) -> Result<(Tower, Reduction), Vec<Diagnostic>> {
         Method::Ramp => Correction::Ramp,
     };
     let tower = Tower { body: Body { mass, gravity }, height: Height::Known(height) };
-    Ok((tower, Reduction { correction, class: Some(args.class) }))
+    Ok((tower, correction))
 }
 
 fn sensed(args: &DropArgs) -> Result<Sensed, Diagnostic> {

@@ -121,7 +121,11 @@ impl AlongFigures {
 
 impl SpreadFigures {
     fn text(&self, factor: f64, unit: &str) -> String {
-        format!("{:.1} +- {:.1} {unit} ({})", self.mean * factor, self.deviation * factor, self.count)
+        let (mean, deviation) = (self.mean * factor, self.deviation * factor);
+        match self.count {
+            1 => format!("{mean:.1} {unit} (1)"),
+            count => format!("{mean:.1} +- {deviation:.1} {unit} ({count})"),
+        }
     }
 }
 

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::scenario::coupon_material::MARK;
+/// What stands before the checksum in the last line of every file that is written here.
+const SEAL: &str = "# Replaced by the next reduction only while it is unchanged: ";
 
 /// Where the material and its shear curve go: `film.toml` and `film-shear.csv`.
 pub fn places(material: &Path) -> Result<[PathBuf; 2], Diagnostic> {
@@ -28,12 +29,21 @@ pub fn places(material: &Path) -> Result<[PathBuf; 2], Diagnostic> {
     }
 }
 
-/// Free, or written by this command before.
+/// Free, or written by this command before and left as it was.
 fn is_replaceable(place: &Path) -> bool {
-    match fs::read(place) {
-        Ok(content) => content.starts_with(MARK.as_bytes()),
+    match fs::read_to_string(place) {
+        Ok(content) => is_sealed(&content),
         Err(error) => error.kind() == io::ErrorKind::NotFound,
     }
+}
+
+/// The text with a last line that tells whether it is still the same.
+fn sealed(text: &str) -> String {
+    format!("{text}{SEAL}{:08x}\n", crc32fast::hash(text.as_bytes()))
+}
+
+fn is_sealed(content: &str) -> bool {
+    content.rfind(SEAL).is_some_and(|place| sealed(&content[..place]) == content)
 }
 
 /// Puts every file in its place, none before all of them are written.
@@ -59,6 +69,22 @@ fn draft(path: &Path, text: &str) -> io::Result<NamedTempFile> {
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut draft = builder.tempfile_in(folder)?;
-    draft.write_all(text.as_bytes())?;
+    draft.write_all(sealed(text).as_bytes())?;
     Ok(draft)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_that_was_changed_is_not_sealed() {
+        let text = sealed("density = 915\n");
+        assert!(is_sealed(&text));
+        for changed in
+            [text.replace("915", "920"), text.replace("density", "# mine\ndensity"), format!("{text}\n"), String::new()]
+        {
+            assert!(!is_sealed(&changed), "{changed}");
+        }
+    }
 }

@@ -21,7 +21,7 @@ pub use curve::{Curve, CurveError, JITTER};
 pub use label::{Label, LabelError};
 pub use machine::{Machine, MachineError, Pull};
 pub use modulus::{FEWEST_SAMPLES, Modulus, ModulusError, WINDOW};
-pub use recording::{Reading, Recorded, RecordingError};
+pub use recording::{Reading, Recorded, RecordingError, RecordingFault};
 pub use reduction::{Along, AtSpeed, Direction, DirectionError, Reduction, ReductionError, Rules, Sample, SampleError};
 pub use rupture::{BREAK_SHARE, Ending, Rupture, RuptureError};
 pub use yield_points::{YieldError, YieldPoints, yield_points};

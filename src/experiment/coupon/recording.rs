@@ -5,8 +5,8 @@ use thiserror::Error;
 use super::label::{self, Label, LabelError};
 use super::{Coupon, CouponError, Rules, Sample, SampleError};
 use crate::signal::file::{self, Wanted};
-use crate::signal::{ChannelError, Measurement, QuantityError, Series};
-use crate::units::{Dimension, Force, Length};
+use crate::signal::{ChannelError, Measurement, QuantityError};
+use crate::units::{Force, Length};
 
 /// How recordings of coupons are read.
 #[derive(Clone, Debug)]
@@ -39,16 +39,23 @@ pub struct Recorded {
 pub enum RecordingError {
     #[error(transparent)]
     Read(#[from] file::ReadError),
-    #[error("{}: {source}", path.display())]
-    Channel { path: PathBuf, source: ChannelError },
-    #[error("{}: {source}", path.display())]
-    Quantity { path: PathBuf, source: QuantityError },
-    #[error("{}: {source}", path.display())]
-    Label { path: PathBuf, source: LabelError },
-    #[error("{}: {source}", path.display())]
-    Coupon { path: PathBuf, source: CouponError },
-    #[error("{}: {source}", path.display())]
-    Sample { path: PathBuf, source: SampleError },
+    #[error("{}: {fault}", path.display())]
+    Content { path: PathBuf, fault: Box<RecordingFault> },
+}
+
+/// What is wrong with a recording that could be read.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RecordingFault {
+    #[error(transparent)]
+    Channel(#[from] ChannelError),
+    #[error(transparent)]
+    Quantity(#[from] QuantityError),
+    #[error(transparent)]
+    Label(#[from] LabelError),
+    #[error(transparent)]
+    Coupon(#[from] CouponError),
+    #[error(transparent)]
+    Sample(#[from] SampleError),
 }
 
 impl RecordingError {
@@ -56,11 +63,19 @@ impl RecordingError {
     pub fn hint(&self) -> Option<String> {
         match self {
             RecordingError::Read(error) => error.hint(),
-            RecordingError::Channel { source, .. } => source.hint(),
-            RecordingError::Quantity { source: QuantityError::NoUnit { wanted, .. }, .. } => {
-                Some(format!("write the unit into the header, e.g. `force [N]`; here it must be {}", wanted.name))
+            RecordingError::Content { fault, .. } => fault.hint(),
+        }
+    }
+}
+
+impl RecordingFault {
+    fn hint(&self) -> Option<String> {
+        match self {
+            RecordingFault::Channel(error) => error.hint(),
+            RecordingFault::Quantity(QuantityError::NoUnit { name, wanted }) => {
+                Some(format!("write its unit into the header, e.g. `{name} [{}]`", wanted.unit))
             }
-            RecordingError::Label { source, .. } => Some(source.hint().into()),
+            RecordingFault::Label(error) => Some(error.hint().into()),
             _ => None,
         }
     }
@@ -75,31 +90,21 @@ impl Reading {
 
     /// Reads the recording at `path` and reduces it; see [`label::label`] for how its direction and speed are found.
     pub fn read(&self, path: &Path) -> Result<Recorded, RecordingError> {
-        let file = || path.to_path_buf();
         let measurement = file::read(path, &self.table)?;
-        let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        let (direction, velocity) = label::label(&name, &measurement.notes, self.given)
-            .map_err(|source| RecordingError::Label { path: file(), source })?;
-        let force = channel(path, &measurement, &self.force, Force::DIMENSION)?;
-        let displacement = channel(path, &measurement, &self.displacement, Length::DIMENSION)?;
-        let curve = self.coupon.curve(force, displacement);
-        let curve = curve.map_err(|source| RecordingError::Coupon { path: file(), source })?;
-        let sample = Sample::new(direction, velocity, &curve, &self.rules);
-        let sample = sample.map_err(|source| RecordingError::Sample { path: file(), source })?;
-        let is_virtual = label::is_virtual(&measurement.notes);
-        Ok(Recorded { path: file(), sample, is_virtual, merged: curve.merged() })
+        let content = self.reduce(path, &measurement);
+        content.map_err(|fault| RecordingError::Content { path: path.into(), fault: Box::new(fault) })
     }
-}
 
-fn channel<'a>(
-    path: &Path,
-    measurement: &'a Measurement,
-    name: &str,
-    dimension: Dimension,
-) -> Result<&'a Series, RecordingError> {
-    let channel = measurement.channel(name);
-    let channel = channel.map_err(|source| RecordingError::Channel { path: path.into(), source })?;
-    channel.quantity(dimension).map_err(|source| RecordingError::Quantity { path: path.into(), source })
+    fn reduce(&self, path: &Path, measurement: &Measurement) -> Result<Recorded, RecordingFault> {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let (direction, velocity) = label::label(&name, &measurement.notes, self.given)?;
+        let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION)?;
+        let displacement = measurement.channel(&self.displacement)?.quantity(Length::DIMENSION)?;
+        let curve = self.coupon.curve(force, displacement)?;
+        let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
+        let is_virtual = label::is_virtual(&measurement.notes);
+        Ok(Recorded { path: path.into(), sample, is_virtual, merged: curve.merged() })
+    }
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ pub enum YieldError {
     TooFew { found: usize },
     #[error("the curve has no yield point: beyond the elastic part it is one straight line")]
     None,
-    #[error("the curve has no second yield point: one bend, at the strain {at}, describes it as well as two")]
+    #[error("the curve has no second yield point: one bend, at the strain {at:.3}, describes it as well as two")]
     OnlyOne { at: f64 },
 }
 
@@ -151,15 +151,21 @@ impl Scatter {
         let (mut matrix, mut right) = (SMatrix::<f64, P, P>::zeros(), SVector::<f64, P>::zeros());
         for ([strain, stress], weight) in self.samples.iter().zip(&self.weights) {
             let lengths = lengths::<P, B>(*strain, &bends);
-            matrix += lengths * lengths.transpose() * *weight;
-            right += lengths * (*stress * *weight);
+            for row in 0..P {
+                right[row] += weight * lengths[row] * stress;
+                for column in 0..P {
+                    matrix[(row, column)] += weight * lengths[row] * lengths[column];
+                }
+            }
         }
         let Some(factors) = matrix.cholesky() else {
             return Broken { bends, slopes: [0.0; P], residual: f64::INFINITY };
         };
         let slopes = factors.solve(&right);
         let square = |([strain, stress], weight): (&[f64; 2], &f64)| {
-            weight * (stress - slopes.dot(&lengths::<P, B>(*strain, &bends))).powi(2)
+            let lengths = lengths::<P, B>(*strain, &bends);
+            let line: f64 = (0..P).map(|piece| slopes[piece] * lengths[piece]).sum();
+            weight * (stress - line).powi(2)
         };
         let total: f64 = self.samples.iter().zip(&self.weights).map(square).sum();
         Broken { bends, slopes: slopes.into(), residual: (total / self.end).sqrt() }
@@ -167,15 +173,18 @@ impl Scatter {
 }
 
 /// Steps around a place while it is refined.
-const OFFSETS: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+const OFFSETS: [f64; 3] = [-1.0, 0.0, 1.0];
 
 /// How much of each piece lies below `strain`.
-fn lengths<const P: usize, const B: usize>(strain: f64, bends: &[f64; B]) -> SVector<f64, P> {
-    SVector::from_fn(|piece, _| {
-        let from = if piece == 0 { 0.0 } else { bends[piece - 1] };
-        let to = bends.get(piece).copied().unwrap_or(f64::INFINITY);
-        (strain.min(to) - from).max(0.0)
-    })
+fn lengths<const P: usize, const B: usize>(strain: f64, bends: &[f64; B]) -> [f64; P] {
+    let mut lengths = [0.0; P];
+    let mut from = 0.0;
+    for (piece, length) in lengths.iter_mut().enumerate() {
+        let to = if piece < B { bends[piece] } else { strain };
+        *length = (strain.min(to) - from).max(0.0);
+        from = to;
+    }
+    lengths
 }
 
 /// The nearest of the lines, of which there is at least one; the first of several.
@@ -218,7 +227,7 @@ mod tests {
 
     /// As noise, a fixed sequence that no straight piece can follow.
     fn noise(i: u32) -> f64 {
-        50e3 * (f64::from(i) * 12.9898).sin() * if i % 3 == 0 { 1.0 } else { -0.7 }
+        50e3 * (f64::from(i) * 12.9898).sin() * if i.is_multiple_of(3) { 1.0 } else { -0.7 }
     }
 
     #[test]

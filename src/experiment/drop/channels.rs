@@ -19,6 +19,8 @@ pub struct Names {
 pub struct Sensed {
     /// m/s².
     pub acceleration: Series,
+    /// The channel frequency class that the acceleration went through before, as its file says.
+    pub class: Option<f64>,
     /// m; none where the recording has no laser.
     pub laser: Option<Series>,
 }
@@ -43,27 +45,40 @@ fn listed(names: &[String]) -> String {
 impl Sensed {
     /// The channels of `measurement` that are named, or the only ones of their kind.
     pub fn find(measurement: &Measurement, names: &Names) -> Result<Sensed, SensedError> {
-        let acceleration = match sought(measurement, names.acceleration.as_deref(), Acceleration::DIMENSION)? {
-            Some(series) => series,
-            None => {
-                let names = measurement.channels.iter().map(|channel| channel.name.clone()).collect();
-                return Err(SensedError::NoAcceleration { names });
-            }
-        };
+        let acceleration = sought(measurement, names.acceleration.as_deref(), Acceleration::DIMENSION)?;
+        let acceleration = acceleration.ok_or_else(|| {
+            let names = measurement.channels.iter().map(|channel| channel.name.clone()).collect();
+            SensedError::NoAcceleration { names }
+        })?;
         let laser = sought(measurement, names.laser.as_deref(), Length::DIMENSION)?;
-        Ok(Sensed { acceleration, laser })
+        Ok(Sensed {
+            acceleration: acceleration.series.clone(),
+            class: acceleration.filtered,
+            laser: laser.map(|channel| channel.series.clone()),
+        })
+    }
+
+    /// The class that the acceleration is still to be filtered with where `class` is asked for: a filter is used once.
+    pub fn class_to_apply(&self, class: Option<f64>) -> Option<f64> {
+        class.filter(|_| self.class.is_none())
     }
 }
 
-fn sought(measurement: &Measurement, name: Option<&str>, dimension: Dimension) -> Result<Option<Series>, SensedError> {
+fn sought<'a>(
+    measurement: &'a Measurement,
+    name: Option<&str>,
+    dimension: Dimension,
+) -> Result<Option<&'a Measured>, SensedError> {
     if let Some(name) = name {
-        return Ok(Some(measurement.channel(name)?.quantity(dimension)?.clone()));
+        let channel = measurement.channel(name)?;
+        channel.quantity(dimension)?;
+        return Ok(Some(channel));
     }
     let is_one = |channel: &&Measured| channel.quantity(dimension).is_ok();
     let found: Vec<&Measured> = measurement.channels.iter().filter(is_one).collect();
     match found[..] {
         [] => Ok(None),
-        [only] => Ok(Some(only.series.clone())),
+        [only] => Ok(Some(only)),
         _ => Err(SensedError::Several { dimension, names: found.iter().map(|channel| channel.name.clone()).collect() }),
     }
 }
@@ -77,6 +92,7 @@ mod tests {
         let channel = |(name, unit): &(&str, &str)| Measured {
             name: (*name).into(),
             label: (*name).into(),
+            filtered: None,
             unit: Unit::parse(unit).ok().filter(|_| !unit.is_empty()),
             series: Series::new(vec![0.0], vec![name.len() as f64]),
         };
