@@ -133,34 +133,65 @@ pub fn reduce(
         ChannelFilter::new(class, step, Standard::Iso6487)?;
     }
     let release = Release::find(&reading, tower.body.gravity)?;
-    let zeroed = zeroed(&reading, &release);
-    let ramp = GravityRamp::fit(&zeroed, release.flank)?;
-    let ideal = ramp.start + (2.0 * tower.height.metres() / tower.body.gravity).sqrt();
+    let fall = Fall { zeroed: zeroed(&reading, &release), release, laser, tower, reduction };
     match reduction.correction {
-        Correction::Coupling { time_constant } => {
-            let time_constant = match time_constant {
-                Some(given) => given,
-                None => coupling::time_constant(&zeroed, fall(&ramp, ideal, release.blow))?,
-            };
-            let restored = |offset: f64| restored(&zeroed, offset, time_constant);
-            let (contact, beyond) = match (laser, tower.height) {
-                (Some(laser), _) => {
-                    let restored = restored(0.0);
-                    (contact::by_laser(|_| restored.clone(), laser, ramp.start, ideal)?, 0.0)
-                }
-                (None, Height::Known(height)) => contact::by_fall(restored, height, release.rest)?,
-                (None, Height::Presumed(_)) => return Err(DropError::HeightNeeded),
-            };
-            let drop = Drop::of(&restored(beyond), contact, tower, reduction)?;
-            Ok(Drop { time_constant: Some(time_constant), offset: release.offset + beyond, ..drop })
-        }
-        Correction::Ramp => {
-            let laser = laser.ok_or(DropError::LaserNeeded)?;
-            let ramped = |contact: f64| ramped(&zeroed, &ramp, contact);
-            let contact = contact::by_laser(ramped, laser, ramp.start, ideal)?;
-            let drop = Drop::of(&ramped(contact.time), contact, tower, reduction)?;
-            Ok(Drop { ramp: Some(ramp), offset: release.offset, ..drop })
-        }
+        Correction::Coupling { time_constant } => fall.by_coupling(time_constant),
+        Correction::Ramp => fall.by_ramp(),
+    }
+}
+
+/// A recording whose rest and release are known.
+struct Fall<'a> {
+    /// The reading from the end of the rest on, without the sensor's offset.
+    zeroed: Series,
+    release: Release,
+    laser: Option<&'a Series>,
+    tower: &'a Tower,
+    reduction: &'a Reduction,
+}
+
+impl Fall<'_> {
+    fn by_coupling(&self, time_constant: Option<f64>) -> Result<Drop, DropError> {
+        let time_constant = match time_constant {
+            Some(given) => given,
+            None => coupling::time_constant(&self.zeroed, self.undisturbed())?,
+        };
+        let restored = |offset: f64| restored(&self.zeroed, offset, time_constant);
+        let (contact, beyond) = match (self.laser, self.tower.height) {
+            (Some(laser), _) => {
+                let restored = restored(0.0);
+                (contact::by_laser(|_| restored.clone(), laser, self.start(), self.ideal_contact())?, 0.0)
+            }
+            (None, Height::Known(height)) => contact::by_fall(restored, height, self.release.rest)?,
+            (None, Height::Presumed(_)) => return Err(DropError::HeightNeeded),
+        };
+        let drop = Drop::of(&restored(beyond), contact, self.tower, self.reduction)?;
+        Ok(Drop { time_constant: Some(time_constant), offset: self.release.offset + beyond, ..drop })
+    }
+
+    fn by_ramp(&self) -> Result<Drop, DropError> {
+        let laser = self.laser.ok_or(DropError::LaserNeeded)?;
+        let ramp = GravityRamp::fit(&self.zeroed, self.release.flank)?;
+        let ramped = |contact: f64| ramped(&self.zeroed, &ramp, contact);
+        let contact = contact::by_laser(ramped, laser, self.start(), self.ideal_contact())?;
+        let drop = Drop::of(&ramped(contact.time), contact, self.tower, self.reduction)?;
+        Ok(Drop { ramp: Some(ramp), offset: self.release.offset, ..drop })
+    }
+
+    /// When the impactor begins to fall, s.
+    fn start(&self) -> f64 {
+        self.release.flank[0]
+    }
+
+    /// Contact of the ideal fall, s.
+    fn ideal_contact(&self) -> f64 {
+        self.start() + (2.0 * self.tower.height.metres() / self.tower.body.gravity).sqrt()
+    }
+
+    /// The part that tells the time constant, s: after the magnet let go, before the earliest possible contact.
+    fn undisturbed(&self) -> [f64; 2] {
+        let [top, bottom] = self.release.flank;
+        [2.0 * bottom - top, self.ideal_contact().min(self.release.blow - 0.02)]
     }
 }
 
@@ -194,11 +225,6 @@ fn even(acceleration: &Series) -> Result<Series, DropError> {
 fn zeroed(reading: &Series, release: &Release) -> Series {
     let moving = reading.window([release.rest_end, f64::INFINITY]);
     moving.with_values(moving.values().iter().map(|r| r - release.offset).collect())
-}
-
-/// The part of the fall that tells the time constant: after the magnet let go, before the earliest possible contact.
-fn fall(ramp: &GravityRamp, ideal: f64, blow: f64) -> [f64; 2] {
-    [ramp.start + 1.5 * ramp.duration, ideal.min(blow - 0.02)]
 }
 
 fn restored(zeroed: &Series, offset: f64, time_constant: f64) -> Series {
