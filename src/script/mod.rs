@@ -28,6 +28,6 @@ pub use host::{Limits, ReadError, Script, engine};
 pub use random::ENTRIES as RANDOM_ENTRIES;
 pub use recording::{ENTRIES as RECORDING_ENTRIES, register as register_recordings};
 pub use reference::Entry;
-pub use signal::{ENTRIES as SIGNAL_ENTRIES, register as register_signals};
+pub use signal::{ENTRIES as SIGNAL_ENTRIES, MEASURE_ENTRIES, register as register_signals};
 pub use table::ENTRIES as TABLE_ENTRIES;
 pub use value::{from_json, number, to_json, window};

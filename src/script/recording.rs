@@ -42,7 +42,7 @@ fn channel(m: &Measurement, name: &str) -> Answer<Series> {
 }
 
 fn unit(m: &mut Measurement, name: &str) -> Answer<String> {
-    m.channel(name).map(|channel| channel.value_unit().unwrap_or_default().to_owned()).map_err(missing)
+    m.channel(name).map(|channel| channel.value_unit().unwrap_or_default()).map_err(missing)
 }
 
 fn missing(error: ChannelError) -> Box<EvalAltResult> {
@@ -81,6 +81,37 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "recording.notes()",
         gives: "what was assumed or found odd while reading",
-        example: "read_recording(args.recording).notes().len() >= 0",
+        example: "read_recording(args.recording).notes().len() == 0",
     },
 ];
+
+#[cfg(test)]
+mod tests {
+    use rhai::Scope;
+
+    use super::*;
+    use crate::script::{Limits, engine};
+
+    #[test]
+    fn the_examples_of_the_reference_hold() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.csv");
+        std::fs::write(&path, "time [ms],acceleration [g]\n0,1\n1,2\n").unwrap();
+        let mut engine = engine(Limits::POST);
+        register(&mut engine);
+        let args = rhai::Map::from([("recording".into(), path.to_string_lossy().into_owned().into())]);
+        let mut scope = Scope::new();
+        scope.push_constant("args", args);
+        for entry in ENTRIES {
+            let held = engine.eval_with_scope::<bool>(&mut scope, entry.example);
+            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
+        }
+        for (text, expected) in [
+            ("read_recording(\"no.csv\")", "no.csv: cannot be read: "),
+            ("read_recording(args.recording)[\"accelration\"]", "(did you mean `acceleration`?)"),
+        ] {
+            let error = engine.run_with_scope(&mut scope, text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text} gave: {error}");
+        }
+    }
+}

@@ -4,30 +4,32 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::csv;
-use super::measurement::Measurement;
-pub use super::measurement::{Selection, Wanted};
+use super::{Measurement, csv, isomme};
+pub use super::{Selection, Wanted};
 
 /// Why a file cannot be read as a recording.
 #[derive(Debug, Error)]
 pub enum ReadError {
     #[error(transparent)]
     Csv(#[from] csv::ReadError),
+    #[error(transparent)]
+    Isomme(#[from] isomme::ReadError),
 }
 
 impl ReadError {
     /// File, line and column (in characters), both counted from one, where the mistake is at such a place.
     pub fn place(&self) -> Option<(PathBuf, usize, usize)> {
         match self {
-            ReadError::Csv(error) => (error.line > 0).then(|| (error.path.clone(), error.line, error.column)),
+            ReadError::Csv(error) => error.place(),
+            ReadError::Isomme(error) => error.place(),
         }
     }
 
-    /// What is wrong, without the place.
+    /// What is wrong, without file and place.
     pub fn fault(&self) -> String {
         match self {
-            ReadError::Csv(error) if error.line > 0 => error.fault.to_string(),
-            other => other.to_string(),
+            ReadError::Csv(error) => error.fault.to_string(),
+            ReadError::Isomme(error) => error.fault.to_string(),
         }
     }
 
@@ -35,15 +37,19 @@ impl ReadError {
     pub fn hint(&self) -> Option<String> {
         match self {
             ReadError::Csv(error) => error.fault.hint(),
+            ReadError::Isomme(error) => error.fault.hint(),
         }
     }
 }
 
-/// Reads what is `wanted` of the recording at `path`.
+/// Reads what is `wanted` of the recording at `path`: a folder, `.mme`, `.chn` or `.001`, … as ISO-MME, others as tables.
 ///
 /// Holds the wanted channels and nothing else of the file: 8 bytes a value, and as much again for one channel while it
 /// is finished.
 pub fn read(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
+    if isomme::is_part(path) {
+        return Ok(isomme::measure(path, wanted)?);
+    }
     Ok(csv::measure(path, wanted)?)
 }
 

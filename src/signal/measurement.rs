@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::{Channel, Recording, Series};
 use crate::diagnostic::closest;
-use crate::units::{Dimension, Unit};
+use crate::units::{Dimension, Strain, Unit};
 
 /// One channel of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Measured {
     pub label: String,
     /// The unit that the file gives or the caller stated; none where neither is known.
     pub unit: Option<Unit>,
+    /// The channel frequency class that the file says it went through; filtering it again would be once too often.
+    pub filtered: Option<f64>,
     /// Values in the SI unit where the unit is known, as written where it is not; `NaN` where nothing was measured.
     /// Time in s.
     pub series: Series,
@@ -44,18 +46,21 @@ impl Measured {
     }
 
     /// The unit of the values: SI where the unit is known.
-    pub fn value_unit(&self) -> Option<&str> {
-        self.unit.as_ref().map(|unit| unit.si_symbol().unwrap_or("SI"))
+    pub fn value_unit(&self) -> Option<String> {
+        self.unit.as_ref().map(Unit::si_symbol)
     }
 
-    /// The name with the SI unit as suffix, as [`Channel`]s are called.
-    fn channel_name(&self) -> String {
-        match &self.unit {
-            Some(unit) if !unit.is_si() => match unit.si_suffix().filter(|suffix| !suffix.is_empty()) {
-                Some(suffix) => format!("{}_{suffix}", self.name),
-                None => self.name.clone(),
+    /// The name with the SI unit, as a column of ours is called: `accel_m_s2`, or else `accel [m/s2]`.
+    pub fn column_name(&self) -> String {
+        let Measured { name, label, unit, .. } = self;
+        match unit {
+            Some(unit) if unit.is_si() && label.starts_with(name.as_str()) => label.clone(),
+            Some(unit) if unit.measures(Strain::DIMENSION) => name.clone(),
+            Some(unit) => match unit.si_suffix() {
+                Some(suffix) => format!("{name}_{suffix}"),
+                None => format!("{name} [{}]", unit.si_symbol()),
             },
-            _ => self.label.clone(),
+            None => name.clone(),
         }
     }
 }
@@ -102,7 +107,7 @@ impl Measurement {
         let time = self.channels.first().map_or(&[][..], |channel| channel.series.time());
         let shared = self.channels.iter().all(|channel| channel.series.time() == time);
         let channel =
-            |measured: &Measured| Channel { name: measured.channel_name(), values: measured.series.values().to_vec() };
+            |measured: &Measured| Channel { name: measured.column_name(), values: measured.series.values().to_vec() };
         shared.then(|| Recording { time: time.to_vec(), channels: self.channels.iter().map(channel).collect() })
     }
 }
@@ -130,39 +135,4 @@ pub(super) fn find<'a>(
 
 pub(super) fn listed(names: &[String]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-}
-
-/// What is wanted of a file.
-#[derive(Clone, Debug, Default)]
-pub struct Wanted {
-    /// Which channels; the others are not held in memory.
-    pub channels: Selection,
-    /// The column that holds the time of a table; the one that is called so where none is given.
-    pub time: Option<String>,
-    /// Units of channels whose file does not give one, by name; what contradicts the file is refused.
-    pub units: Vec<(String, Unit)>,
-    /// The unit of every channel but the time that the file gives none for; what contradicts the file is refused.
-    pub unit: Option<Unit>,
-    /// Names of a table's columns in place of its own, time included; written like a header, `accel [g]`.
-    pub names: Vec<String>,
-}
-
-/// Which channels of a file are wanted.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Selection {
-    /// All that there are.
-    #[default]
-    All,
-    /// These; a missing one is an error.
-    Named(Vec<String>),
-    /// The one that there is; several are an error.
-    Only,
-}
-
-impl Wanted {
-    /// The one channel called `name`, or the only one.
-    pub fn one(name: Option<&str>) -> Wanted {
-        let channels = name.map_or(Selection::Only, |name| Selection::Named(vec![name.into()]));
-        Wanted { channels, ..Wanted::default() }
-    }
 }

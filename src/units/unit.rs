@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{DIMENSIONS, Dimension, Powers, Strain, parse_unit, scale};
+use super::{DIMENSIONS, Dimension, Powers, parse_unit, scale};
 
 /// Standard gravity, m/s² (3rd CGPM, 1901; exact).
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
@@ -78,15 +78,21 @@ impl Unit {
         DIMENSIONS.iter().copied().find(|dimension| self.measures(*dimension))
     }
 
-    /// The SI unit of the same quantity, where the quantity has a name; the same text for every unit of it.
-    pub fn si_symbol(&self) -> Option<&'static str> {
-        self.dimension().map(|dimension| dimension.unit)
+    /// The SI unit of the same quantity; the same text for every unit of it.
+    pub fn si_symbol(&self) -> String {
+        match self.dimension() {
+            Some(dimension) => dimension.unit.to_owned(),
+            None => {
+                let factors = ["m", "kg", "s", "rad"].iter().zip(self.powers).filter(|(_, power)| *power != 0);
+                factors.map(|(base, power)| format!("{base}{power}")).collect::<Vec<_>>().join("*")
+            }
+        }
     }
 
-    /// What the name of a channel in the SI unit ends with: `m_s2`, `N`, nothing for a number without unit.
-    pub fn si_suffix(&self) -> Option<String> {
-        let symbol = self.si_symbol()?;
-        Some(if self.measures(Strain::DIMENSION) { String::new() } else { symbol.replace('/', "_") })
+    /// What a name with the SI unit ends with: `m_s2`, `N`; none for what [`Unit::of_name`] would not find.
+    pub fn si_suffix(&self) -> Option<&'static str> {
+        let symbol = self.si_symbol();
+        SUFFIXES.iter().find(|(_, known)| *known == symbol).map(|(suffix, _)| *suffix)
     }
 }
 

@@ -1,13 +1,13 @@
 //! The one channel that a command works on.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use crate::cli::faults;
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::signal::file::{self, Wanted};
-use crate::signal::{Measured, Series};
+use crate::signal::file::{self, Selection, Wanted};
+use crate::signal::{Measured, Measurement};
 use crate::units::{Dimension, Unit};
 
 #[derive(Clone, Debug, Args)]
@@ -35,6 +35,16 @@ pub struct TableArgs {
     pub columns: Vec<String>,
 }
 
+/// What is said of a file of which several channels are read.
+#[derive(Clone, Debug, Default, Args)]
+pub struct FileArgs {
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// The unit of a channel where the file does not say: NAME=UNIT, several times
+    #[arg(long, value_name = "NAME=UNIT")]
+    pub unit: Vec<String>,
+}
+
 /// A channel that was read, and what was noted while reading.
 #[derive(Clone, Debug)]
 pub struct Chosen {
@@ -46,6 +56,28 @@ impl TableArgs {
     /// `wanted` with what the user says of the table.
     pub fn over(&self, wanted: Wanted) -> Wanted {
         Wanted { time: self.time.clone(), names: self.columns.clone(), ..wanted }
+    }
+}
+
+impl FileArgs {
+    /// The `channels` of the file at `path`.
+    pub fn read(&self, path: &Path, channels: Selection) -> Result<Measurement, Diagnostic> {
+        file::read(path, &self.wanted(channels)?).map_err(|error| faults::recording(&error))
+    }
+
+    /// What is wanted of the file besides its `channels`.
+    pub fn wanted(&self, channels: Selection) -> Result<Wanted, Diagnostic> {
+        Ok(self.table.over(Wanted { channels, units: self.units()?, ..Wanted::default() }))
+    }
+
+    fn units(&self) -> Result<Vec<(String, Unit)>, Diagnostic> {
+        let pair = |text: &String| {
+            let (name, symbol) = text.split_once('=').ok_or_else(|| {
+                Diagnostic::new(format!("expected a channel and its unit, found `{text}`")).hint("write NAME=UNIT")
+            })?;
+            Ok((name.trim().to_owned(), unit(symbol)?))
+        };
+        self.unit.iter().map(pair).collect()
     }
 }
 
@@ -62,10 +94,10 @@ impl Input {
     }
 
     /// The channel asked for in the SI unit, once it is sure to be a `dimension`.
-    pub fn read_as(&self, dimension: Dimension) -> Result<Series, Diagnostic> {
+    pub fn read_as(&self, dimension: Dimension) -> Result<Chosen, Diagnostic> {
         let chosen = self.read()?;
-        let series = chosen.channel.quantity(dimension).cloned();
-        series.map_err(|error| faults::quantity(&self.path, &error))
+        chosen.channel.quantity(dimension).map_err(|error| faults::quantity(&self.path, &error))?;
+        Ok(chosen)
     }
 }
 

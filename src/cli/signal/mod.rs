@@ -2,7 +2,14 @@
 
 pub mod input;
 
+mod acceleration;
+mod clip;
+mod convert;
+mod filter;
+mod hic;
 mod info;
+mod output;
+mod rate;
 
 use std::process::ExitCode;
 
@@ -14,10 +21,25 @@ use super::Shared;
 pub enum SignalCommand {
     /// Say what recordings hold: channels, units, sampling, gaps
     Info(info::InfoArgs),
+    /// Filter a channel by its frequency class
+    Filter(filter::FilterArgs),
+    /// Write a recording in another format
+    Convert(convert::ConvertArgs),
+    /// Head injury criterion of an acceleration
+    Hic(hic::HicArgs),
+    /// Level that an acceleration holds for 3 ms
+    Clip(clip::ClipArgs),
+    /// Rate one recording against another (ISO/TS 18571)
+    Rate(rate::RateArgs),
 }
 
 pub fn run(command: &SignalCommand, shared: &Shared) -> ExitCode {
     match command {
         SignalCommand::Info(args) => info::run(args, shared),
+        SignalCommand::Filter(args) => filter::run(args, shared),
+        SignalCommand::Convert(args) => convert::run(args, shared),
+        SignalCommand::Hic(args) => hic::run(args, shared),
+        SignalCommand::Clip(args) => clip::run(args, shared),
+        SignalCommand::Rate(args) => rate::run(args, shared),
     }
 }

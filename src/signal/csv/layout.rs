@@ -4,17 +4,17 @@ use std::collections::VecDeque;
 use std::io::BufRead;
 
 use super::cell::{Cell, Mark, Separator};
-use super::line::{Line, Lines};
 use super::name::{ColumnName, UnitCell, units_of_line};
-use super::{Fault, Mistake};
-use crate::signal::measurement::Wanted;
+use super::{Fault, Mistake, at_cell};
+use crate::signal::text::{Line, Lines};
+use crate::signal::{Wanted, measurement};
 use crate::units::{Time, Unit};
 
 /// Most lines before the first number.
 const LONGEST_HEAD: usize = 200;
 
-/// Names of the column that holds the time, in lower case.
-const TIMES: [&str; 7] = ["time", "t", "zeit", "temps", "tiempo", "tempo", "tid"];
+/// Names of the column that holds the time, in lower case; `t` is time only so, since `T` is a temperature.
+const TIMES: [&str; 6] = ["time", "zeit", "temps", "tiempo", "tempo", "tid"];
 
 /// A table whose rows are still to be read.
 pub struct Layout {
@@ -33,13 +33,14 @@ impl Layout {
         let Head { mut lines, first, mut notes } = Head::read(lines)?;
         let separator = separator(&first.text);
         let mut rows = VecDeque::from([first]);
-        if let Some(row) = lines.pop_if(|line| is_row(line, separator)) {
+        let has_names = lines.len() > 1 || !wanted.names.is_empty();
+        if let Some(row) = lines.pop_if(|line| has_names && is_row(line, separator)) {
             rows.push_front(row);
         }
         if !wanted.names.is_empty() {
             notes.extend(lines.iter().map(|line| said(line, "not used, since names are given")));
             let columns = wanted.names.iter().map(|name| ColumnName::read(name)).collect();
-            return Layout { separator, columns, header: None, rows, notes }.checked();
+            return Layout { separator, columns, header: None, rows, notes }.checked(wanted);
         }
         let units = take_units(&mut lines, separator);
         let header = lines.pop();
@@ -52,7 +53,7 @@ impl Layout {
         if let Some((line, units)) = units {
             layout.add_units(&line, units)?;
         }
-        layout.checked()
+        layout.checked(wanted)
     }
 
     /// The place of the column that holds the time.
@@ -64,7 +65,7 @@ impl Layout {
         if self.header.is_none() && wanted.names.is_empty() {
             return Ok(0);
         }
-        let is_time = |column: &ColumnName| TIMES.contains(&column.name.to_lowercase().as_str());
+        let is_time = |column: &ColumnName| column.name == "t" || TIMES.contains(&column.name.to_lowercase().as_str());
         let places: Vec<usize> = (0..self.columns.len()).filter(|place| is_time(&self.columns[*place])).collect();
         match places[..] {
             [place] => Ok(place),
@@ -115,7 +116,7 @@ impl Layout {
     /// The place of the column called `name`.
     pub fn find(&self, name: &str) -> Result<usize, Mistake> {
         let names = self.columns.iter().map(|column| (column.name.as_str(), column.label.as_str()));
-        let found = crate::signal::measurement::find(name, names);
+        let found = measurement::find(name, names);
         found.map_err(|error| self.at_header(Fault::Channel(error)))
     }
 
@@ -127,7 +128,7 @@ impl Layout {
     /// A mistake in what the header says of a column.
     fn at_column(&self, place: usize, fault: Fault) -> Mistake {
         match &self.header {
-            Some(line) => Mistake::at_cell(line, self.separator, place, fault),
+            Some(line) => at_cell(line, self.separator, place, fault),
             None => self.at_header(fault),
         }
     }
@@ -140,7 +141,7 @@ impl Layout {
                 (UnitCell::Known(row), Some(header)) if *header != row => {
                     let [header, row] = [header, &row].map(|unit| unit.symbol().to_owned());
                     let fault = Fault::MixedUnits { name: column.name.clone(), header, row };
-                    return Err(Mistake::at_cell(line, self.separator, place, fault));
+                    return Err(at_cell(line, self.separator, place, fault));
                 }
                 (UnitCell::Known(row), None) => column.unit = Some(row),
                 (UnitCell::Unknown(symbol), None) => column.unknown_unit = Some(symbol),
@@ -150,8 +151,8 @@ impl Layout {
         Ok(())
     }
 
-    /// The layout, once its names are those of the first row's columns.
-    fn checked(self) -> Result<Layout, Mistake> {
+    /// The layout, once its names are those of the first row's columns, and the given units those of names.
+    fn checked(self, wanted: &Wanted) -> Result<Layout, Mistake> {
         let cells = trimmed_to(self.separator.cells(&self.rows[0].text), self.columns.len()).count();
         if cells != self.columns.len() {
             let names = self.columns.iter().map(|column| column.label.clone()).collect();
@@ -170,6 +171,7 @@ impl Layout {
                 return Err(self.at_column(place, Fault::Duplicate { name: column.label.clone() }));
             }
         }
+        wanted.units.iter().try_for_each(|(name, _)| self.find(name).map(|_| ()))?;
         Ok(self)
     }
 }
@@ -193,7 +195,7 @@ impl Head {
                 lines.push(line.into_owned());
             }
             if lines.len() + notes.len() > LONGEST_HEAD {
-                return Err(Mistake { line: 1, column: 1, fault: Fault::NoNumbers });
+                return Err(Mistake { line: 1, column: 1, fault: Fault::NoNumbers { lines: LONGEST_HEAD } });
             }
         }
         Err(match lines.last() {

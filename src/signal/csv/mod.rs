@@ -7,20 +7,19 @@
 
 mod cell;
 mod layout;
-mod line;
 mod name;
 mod table;
 
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use csv::WriterBuilder;
 use thiserror::Error;
 
-use super::Recording;
-use super::measurement::{ChannelError, Wanted, listed};
+use super::measurement::{ChannelError, listed};
+use super::text::{self, Line, TextError};
+use super::{Recording, Wanted};
 use cell::Separator;
-use line::Line;
 
 pub use table::{Column, Table, columns, measure};
 
@@ -30,45 +29,22 @@ pub const TIME: &str = "time_s";
 /// Most cells that are kept; more is a mistake or an attack.
 pub const MOST_CELLS: usize = 50_000_000;
 
-/// Why a file is no recording, and where.
-#[derive(Debug, Error)]
-#[error("{}{fault}", self.prefix())]
-pub struct ReadError {
-    pub path: PathBuf,
-    /// Counted from one; zero where the mistake is at no line.
-    pub line: usize,
-    /// In characters, counted from one.
-    pub column: usize,
-    pub fault: Fault,
-}
+/// Why a file is no table of channels, and where.
+pub type ReadError = text::ReadError<Fault>;
 
-impl ReadError {
-    fn prefix(&self) -> String {
-        match (&self.fault, self.line) {
-            (Fault::Open(_), _) => format!("cannot read {}: ", self.path.display()),
-            (_, 0) => format!("{}: ", self.path.display()),
-            (_, line) => format!("{}:{line}:{}: ", self.path.display(), self.column),
-        }
-    }
-}
+type Mistake = text::Mistake<Fault>;
 
 /// What is wrong with a table.
 #[derive(Debug, Error)]
 pub enum Fault {
-    #[error("{0}")]
-    Open(io::Error),
-    #[error("cannot read on: {0}")]
-    Read(io::Error),
+    #[error(transparent)]
+    Text(#[from] TextError),
     #[error("no samples: the file is empty")]
     Empty,
-    #[error("no samples below the header")]
+    #[error("no samples: no line below the header starts with a number")]
     NoRows,
-    #[error("no row of numbers within the first lines")]
-    NoNumbers,
-    #[error("the line is longer than a mebibyte")]
-    LineTooLong,
-    #[error("neither UTF-8 nor Windows-1252 text")]
-    NotText,
+    #[error("no samples: none of the first {lines} lines starts with a number")]
+    NoNumbers { lines: usize },
     #[error("{} names ({}) over {columns} columns", names.len(), listed(names))]
     NamesAndColumns { names: Vec<String>, columns: usize },
     #[error("no column of time among {}", listed(found))]
@@ -121,7 +97,7 @@ impl Fault {
             Fault::NotOne { .. } => "name the channel: --column NAME",
             Fault::NotFinite { .. } => "leave the cell empty where nothing was measured",
             Fault::UnitInCell { .. } => "units belong into the header: `accel [g]`",
-            Fault::NotText => "save it as UTF-8",
+            Fault::Text(TextError::NotText) => "save it as UTF-8",
             Fault::TooLarge => "name the channels that are needed",
             _ => return None,
         };
@@ -129,25 +105,10 @@ impl Fault {
     }
 }
 
-/// A fault with its place in the file that is being read.
-#[derive(Debug)]
-struct Mistake {
-    line: usize,
-    column: usize,
-    fault: Fault,
-}
-
-impl Mistake {
-    /// A mistake of the file as a whole.
-    fn whole(fault: Fault) -> Mistake {
-        Mistake { line: 0, column: 1, fault }
-    }
-
-    /// A mistake in the cell at `place` of a line.
-    fn at_cell(line: &Line, separator: Separator, place: usize, fault: Fault) -> Mistake {
-        let offset = separator.cells(&line.text).nth(place).map_or(0, |cell| cell.offset);
-        Mistake { line: line.number, column: line.text[..offset].chars().count() + 1, fault }
-    }
+/// A mistake in the cell at `place` of a line.
+fn at_cell(line: &Line, separator: Separator, place: usize, fault: Fault) -> Mistake {
+    let offset = separator.cells(&line.text).nth(place).map_or(0, |cell| cell.offset);
+    Mistake { line: line.number, column: line.text[..offset].chars().count() + 1, fault }
 }
 
 /// Reads the table at `path` as a recording: all its channels, called by the names of the file where they are in the SI
@@ -232,7 +193,7 @@ mod tests {
             ("time_s,a\n0,1\n,2\n", "r.csv:3:1: the sample has no time"),
             ("time_s,a\n0,NaN\n", "r.csv:2:3: `a` is not finite"),
             ("time_s,a\n0,inf\n", "r.csv:2:3: `a` is not finite"),
-            ("time_s,a\n0,1\n1,1\n1,1\n", "r.csv:4:1: time does not increase: 1 s after 1 s"),
+            ("time_s,a\n0,1\n1,1\n1,1\n", "r.csv:4:1: time does not increase: 1 after 1"),
             ("time_s,a\n0,1\n1\n", "r.csv:3:1: expected 2 cells, found 1"),
         ] {
             let error = read_text(text).unwrap_err().to_string();
@@ -243,6 +204,6 @@ mod tests {
     #[test]
     fn a_missing_file_is_named() {
         let error = read(Path::new("no/such.csv")).unwrap_err().to_string();
-        assert!(error.starts_with("cannot read no/such.csv: "), "{error}");
+        assert!(error.starts_with("no/such.csv: cannot be read: "), "{error}");
     }
 }

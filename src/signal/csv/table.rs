@@ -7,10 +7,9 @@ use std::sync::Arc;
 
 use super::cell::Mark;
 use super::layout::{Layout, trimmed_to};
-use super::line::{Line, Lines};
-use super::{Fault, MOST_CELLS, Mistake, ReadError};
-use crate::signal::Series;
-use crate::signal::measurement::{Measured, Measurement, Selection, Wanted};
+use super::{Fault, MOST_CELLS, Mistake, ReadError, at_cell};
+use crate::signal::text::{self, Line, Lines};
+use crate::signal::{Measured, Measurement, Selection, Series, Wanted};
 use crate::units::Unit;
 
 /// A column of a table, which need not have a time axis.
@@ -71,7 +70,7 @@ pub fn measure(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
         let channels = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
             let column = &layout.columns[*place];
             let series = Series::new(Arc::clone(&time), in_si(values, unit.as_ref()));
-            Measured { name: column.name.clone(), label: column.label.clone(), unit, series }
+            Measured { name: column.name.clone(), label: column.label.clone(), unit, filtered: None, series }
         });
         Ok(Measurement { channels: channels.collect(), notes: layout.notes })
     })
@@ -82,9 +81,7 @@ fn with_lines<T>(
     path: &Path,
     read: impl FnOnce(&mut Lines<BufReader<File>>) -> Result<T, Mistake>,
 ) -> Result<T, ReadError> {
-    let failed = |Mistake { line, column, fault }| ReadError { path: path.into(), line, column, fault };
-    let file = File::open(path).map_err(|error| failed(Mistake::whole(Fault::Open(error))))?;
-    read(&mut Lines::new(BufReader::with_capacity(1 << 16, file))).map_err(failed)
+    text::open(path).and_then(|mut lines| read(&mut lines)).map_err(|mistake| mistake.of(path))
 }
 
 /// Places of the wanted columns; the time is none of them unless it is asked for by name.
@@ -148,7 +145,7 @@ impl Rows {
         for (place, cell) in layout.separator.cells(&line.text).enumerate() {
             found += 1;
             let Some(slots) = self.slots.get(place).filter(|slots| !slots.is_empty()) else { continue };
-            let at = |fault| Mistake::at_cell(line, layout.separator, place, fault);
+            let at = |fault| at_cell(line, layout.separator, place, fault);
             let name = &layout.columns[place].name;
             let value = match cell.text {
                 "" => f64::NAN,
@@ -184,4 +181,20 @@ fn later(time: f64, previous: f64) -> Result<f64, Fault> {
         return Err(Fault::NoTimeValue);
     }
     if time > previous { Ok(time) } else { Err(Fault::TimeNotIncreasing { time, previous }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Memory is bounded by construction: there is a place for the wanted columns and for no other.
+    #[test]
+    fn only_wanted_columns_have_a_place() {
+        let text = "time,a,b,c\n0,1,2,3\n1,2,3,4\n";
+        let mut lines = Lines::new(text.as_bytes());
+        let mut layout = Layout::read(&mut lines, &Wanted::default()).unwrap();
+        let rows = Rows::new(&layout, &[0, 2], Some(0));
+        assert_eq!(rows.slots, [vec![0], vec![], vec![1], vec![]]);
+        assert_eq!(rows.read(&mut layout, &mut lines).unwrap(), [[0.0, 1.0], [2.0, 3.0]]);
+    }
 }

@@ -5,7 +5,7 @@ use std::io::{BufRead, Read};
 
 use encoding_rs::WINDOWS_1252;
 
-use super::{Fault, Mistake};
+use super::{Mistake, TextError};
 
 /// Longest line that is read, bytes; a longer one is no table.
 const LONGEST: u64 = 1 << 20;
@@ -41,23 +41,23 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// The next line, none at the end: UTF-8 with or without byte order mark, or else Windows-1252.
-    pub fn line(&mut self) -> Result<Option<Line<'_>>, Mistake> {
+    pub fn line<F: From<TextError>>(&mut self) -> Result<Option<Line<'_>>, Mistake<F>> {
         self.bytes.clear();
         self.number += 1;
         let number = self.number;
-        let at = |fault| Mistake { line: number, column: 1, fault };
+        let at = |error: TextError| Mistake { line: number, column: 1, fault: F::from(error) };
         let read = self.source.by_ref().take(LONGEST).read_until(b'\n', &mut self.bytes);
-        let read = read.map_err(|error| at(Fault::Read(error)))?;
+        let read = read.map_err(|error| at(TextError::Read(error)))?;
         if read == 0 {
             return Ok(None);
         }
         let ended = self.bytes.ends_with(b"\n");
         if !ended && read as u64 == LONGEST {
-            return Err(at(Fault::LineTooLong));
+            return Err(at(TextError::LineTooLong));
         }
         let bytes = without_mark(&self.bytes, self.number);
         if bytes.contains(&0) || (self.number == 1 && UTF_16.iter().any(|mark| bytes.starts_with(mark))) {
-            return Err(at(Fault::NotText));
+            return Err(at(TextError::NotText));
         }
         Ok(Some(Line { number: self.number, text: decoded(without_end(bytes)), ended }))
     }
@@ -92,7 +92,7 @@ mod tests {
     fn texts(bytes: &[u8]) -> Vec<String> {
         let mut lines = Lines::new(bytes);
         let mut texts = Vec::new();
-        while let Some(line) = lines.line().unwrap() {
+        while let Some(line) = lines.line::<TextError>().unwrap() {
             texts.push(line.text.into_owned());
         }
         texts
@@ -106,8 +106,17 @@ mod tests {
 
     #[test]
     fn what_is_no_text_is_refused() {
-        assert!(matches!(Lines::new(&b"\xff\xfea\0"[..]).line(), Err(Mistake { fault: Fault::NotText, .. })));
-        assert!(matches!(Lines::new(&b"a\0b\n"[..]).line(), Err(Mistake { fault: Fault::NotText, .. })));
-        assert!(matches!(Lines::new(&vec![b'1'; 2 << 20][..]).line(), Err(Mistake { fault: Fault::LineTooLong, .. })));
+        assert!(matches!(
+            Lines::new(&b"\xff\xfea\0"[..]).line::<TextError>(),
+            Err(Mistake { fault: TextError::NotText, .. })
+        ));
+        assert!(matches!(
+            Lines::new(&b"a\0b\n"[..]).line::<TextError>(),
+            Err(Mistake { fault: TextError::NotText, .. })
+        ));
+        assert!(matches!(
+            Lines::new(&vec![b'1'; 2 << 20][..]).line::<TextError>(),
+            Err(Mistake { fault: TextError::LineTooLong, .. })
+        ));
     }
 }
