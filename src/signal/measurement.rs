@@ -102,14 +102,25 @@ impl Measurement {
         Ok(&self.channels[index])
     }
 
-    /// All channels over one time axis, named with their SI units; none where they do not share one.
+    /// All channels over the time axis of the first, named with their SI units; none where they do not share one.
     pub fn recording(&self) -> Option<Recording> {
         let time = self.channels.first().map_or(&[][..], |channel| channel.series.time());
-        let shared = self.channels.iter().all(|channel| channel.series.time() == time);
+        let shared = self.channels.iter().all(|channel| same_axis(channel.series.time(), time));
         let channel =
             |measured: &Measured| Channel { name: measured.column_name(), values: measured.series.values().to_vec() };
         shared.then(|| Recording { time: time.to_vec(), channels: self.channels.iter().map(channel).collect() })
     }
+}
+
+/// Times that differ by less than this share of a step are the same: one channel has them written out, another by start and step.
+const SAME_TIME: f64 = 1e-3;
+
+fn same_axis(a: &[f64], b: &[f64]) -> bool {
+    let step = match b {
+        [first, .., last] => (last - first) / (b.len() - 1) as f64,
+        _ => 0.0,
+    };
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_TIME * step)
 }
 
 /// Place of the one pair of name and label that `wanted` asks for: the label itself, or else the name.
@@ -135,4 +146,34 @@ pub(super) fn find<'a>(
 
 pub(super) fn listed(names: &[String]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_written_out_and_times_by_step_are_one_axis() {
+        let channel = |name: &str, time: Vec<f64>| {
+            let values = vec![1.0; time.len()];
+            Measured {
+                name: name.into(),
+                label: name.into(),
+                unit: None,
+                filtered: None,
+                series: Series::new(time, values),
+            }
+        };
+        let by_step: Vec<f64> = (0..20).map(|i| -5e-4 + f64::from(i) * 1e-4).collect();
+        let written: Vec<f64> = by_step.iter().map(|t| format!("{t:.6}").parse().unwrap()).collect();
+        assert_ne!(by_step, written);
+        let late: Vec<f64> = by_step.iter().map(|t| t + 1e-5).collect();
+        let with = |other: Vec<f64>| {
+            let channels = vec![channel("a", by_step.clone()), channel("b", other)];
+            Measurement { channels, notes: Vec::new() }.recording()
+        };
+        assert_eq!(with(written).unwrap().time, by_step);
+        assert_eq!(with(late), None);
+        assert_eq!(with(by_step[1..].to_vec()), None);
+    }
 }

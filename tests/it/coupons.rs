@@ -319,32 +319,21 @@ fn the_scripts_print_the_papers_tables() {
     assert!(out.join("curves/md.csv").is_file());
 }
 
-/// A real recording: the copy in the repository, else the one in the shared folder beside it.
-fn real(name: &str) -> Option<PathBuf> {
-    let shared = std::env::var_os("DROPTOWER_SHARED_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from);
-    let found = [root().join("data"), shared].into_iter().find_map(|folder| {
-        let pattern = folder.join("**").join(name);
-        glob::glob(pattern.to_str()?).ok()?.filter_map(Result::ok).next()
-    });
-    if found.is_none() {
-        eprintln!("skipped: {name} is not there");
-    }
-    found
-}
-
 const KSI: f64 = 6.894_757_293_168e6;
 
-/// Curves of the 6061 aluminium: engineering stress in ksi over strain.
-fn aluminium(name: &str) -> Option<Curve> {
+/// A curve of the 6061 aluminium: engineering stress in ksi over strain.
+fn aluminium(name: &str) -> Curve {
     let units = vec![
         ("engineering_stress".into(), Unit::parse("ksi").unwrap()),
         ("engineering_strain".into(), Unit::parse("-").unwrap()),
     ];
     let names = ["engineering_strain", "engineering_stress"].map(String::from).to_vec();
     let wanted = Wanted { channels: Selection::Named(names), units, ..Wanted::default() };
-    let mut columns = file::columns(&real(name)?, &wanted).unwrap_or_else(|error| panic!("{error}")).columns;
+    let mut columns = file::columns(&root().join("data/tension_anisotropic_al6061").join(name), &wanted)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .columns;
     let stress = columns.remove(1).values;
-    Some(Curve::new(columns.remove(0).values, stress).unwrap_or_else(|error| panic!("{name}: {error}")))
+    Curve::new(columns.remove(0).values, stress).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// Window of a metal's elastic part, far below its yield strain of about 0.004.
@@ -356,8 +345,7 @@ fn real_aluminium_has_its_modulus_in_every_direction() {
     let rules = Rules { window: METAL, ..Rules::default() };
     let mut means = Vec::new();
     for (pair, direction) in directions.iter().zip([Direction::Td, Direction::Md, Direction::D3]) {
-        let curves: Option<Vec<Curve>> = pair.iter().map(|name| aluminium(&format!("cleaned_CA-{name}.csv"))).collect();
-        let Some(curves) = curves else { return };
+        let curves = pair.map(|name| aluminium(&format!("cleaned_CA-{name}.csv")));
         let samples: Vec<Sample> =
             curves.iter().map(|curve| Sample::new(direction, 1e-3, curve, &rules).unwrap()).collect();
         let reduction = Reduction::of(&samples, &rules).unwrap();
@@ -375,10 +363,11 @@ fn real_aluminium_has_its_modulus_in_every_direction() {
 
 /// The curve of the 304L steel through force and displacement, as a coupon gives it. The recordings do not say how large
 /// the specimen was; their own stress over load, and strain over displacement, do.
-fn steel(name: &str) -> Option<(Curve, Curve)> {
+fn steel(name: &str) -> (Curve, Curve) {
     let names = "time [s],displacement [in],load [lbf],engineering_strain [-],engineering_stress [ksi]";
     let wanted = Wanted { names: names.split(',').map(String::from).collect(), ..Wanted::default() };
-    let measured = file::read(&real(name)?, &wanted).unwrap_or_else(|error| panic!("{error}"));
+    let measured = file::read(&root().join("data/tension_rates_304L").join(name), &wanted)
+        .unwrap_or_else(|error| panic!("{error}"));
     let channel = |name: &str| measured.channel(name).unwrap().series.clone();
     let (load, displacement) = (channel("load"), channel("displacement"));
     let (stress, strain) = (channel("engineering_stress"), channel("engineering_strain"));
@@ -387,13 +376,13 @@ fn steel(name: &str) -> Option<(Curve, Curve)> {
     let gauge = displacement.values()[last] / strain.values()[last];
     let coupon = Coupon::new(gauge, area.sqrt(), area.sqrt()).unwrap();
     let own = Curve::new(strain.values().to_vec(), stress.values().to_vec()).unwrap();
-    Some((coupon.curve(&load, &displacement).unwrap(), own))
+    (coupon.curve(&load, &displacement).unwrap(), own)
 }
 
 #[test]
 fn real_steel_goes_from_force_to_stress_at_two_rates() {
     let rates = ["cleaned_SML4188-Ring1-1_Pull_0.0001.csv", "cleaned_SML4188-Ring1-17_Pull_0.01.csv"];
-    let Some(curves) = rates.iter().map(|name| steel(name)).collect::<Option<Vec<_>>>() else { return };
+    let curves = rates.map(steel);
     for (found, own) in &curves {
         assert!(found.merged() > 0, "an extensometer jitters");
         for strain in [0.01, 0.1, 0.3, 0.5] {
@@ -401,7 +390,7 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
         }
         let rupture = found.rupture(0.5).unwrap();
         assert!(
-            (0.6..0.9).contains(&rupture.strain) && (90.0 * KSI..100.0 * KSI).contains(&rupture.strength),
+            (0.6..0.9).contains(&rupture.strain) && (80.0 * KSI..90.0 * KSI).contains(&rupture.strength),
             "{rupture:?}"
         );
     }
@@ -411,10 +400,13 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
     let both: Vec<Curve> = curves.iter().map(|(curve, _)| curve.clone()).collect();
     let mean = mean_curve(&both).unwrap();
     assert!((mean.at(0.02).unwrap() - 0.5 * (slow + fast)).abs() < 1e-3 * slow);
-    // Handbooks give 193 GPa. The slow recording jitters by a tenth of the whole elastic strain, so only the fast one tells.
+    // Handbooks give 193 GPa. The slow recording jitters by a tenth of the whole elastic strain (its slope is 250 GPa), so
+    // only the fast one tells.
     let modulus = curves[1].0.modulus([0.0, 0.0005]).unwrap();
     assert!((modulus.slope / 193e9 - 1.0).abs() < 0.1, "{modulus:?}");
-    assert!(yield_points(&mean, [0.0, 0.001]).is_ok());
+    // Where it begins to neck, engineering stress falls.
+    let yields = yield_points(&mean, [0.0, 0.001]).unwrap();
+    assert!(yields.first[0] < 0.02 && yields.slopes[1] > 0.0 && yields.slopes[2] < 0.0, "{yields:?}");
 }
 
 /// A bilinear film: the material file holds its mean curve instead of yield points.
