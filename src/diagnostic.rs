@@ -15,17 +15,25 @@ pub struct Source {
     pub text: String,
     /// What relative paths in the text are relative to.
     pub folder: PathBuf,
+    /// The line of the file that the text starts with, counted from one.
+    pub first_line: usize,
 }
 
 impl Source {
     /// The text of the file at `path`.
     pub fn file(path: &Path, text: String) -> Arc<Source> {
-        Arc::new(Source { name: shown_path(path), text, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
+        Source::excerpt(path, 1, text)
+    }
+
+    /// A part of the file at `path`, too long to be held: the `text` from the line `first_line` on.
+    pub fn excerpt(path: &Path, first_line: usize, text: String) -> Arc<Source> {
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Arc::new(Source { name: shown_path(path), text, folder, first_line })
     }
 
     /// A text that is not a file; its relative paths start from the working directory.
     pub fn unfiled(name: &str, text: String) -> Arc<Source> {
-        Arc::new(Source { name: name.to_owned(), text, folder: PathBuf::new() })
+        Arc::new(Source { name: name.to_owned(), text, folder: PathBuf::new(), first_line: 1 })
     }
 }
 
@@ -46,14 +54,14 @@ impl Span {
         Span { source: source.clone(), range: start..end }
     }
 
-    /// The line `number` (counted from one) without its end.
+    /// The line `number` of the text (counted from one) without its end.
     pub fn line(source: &Arc<Source>, number: usize) -> Span {
         let start: usize = source.text.split_inclusive('\n').take(number.saturating_sub(1)).map(str::len).sum();
         let length = source.text[start..].lines().next().map_or(0, str::len);
         Span::new(source, start..start + length)
     }
 
-    /// The place `line`, `column` (in characters), both counted from one.
+    /// The place `line` of the text, `column` (in characters), both counted from one.
     pub fn position(source: &Arc<Source>, line: usize, column: usize) -> Span {
         let whole = Span::line(source, line);
         let offset: usize =
@@ -64,11 +72,11 @@ impl Span {
         Span::new(source, start..start + width)
     }
 
-    /// Line and column (in characters) of its start, both counted from one.
+    /// Line of the file and column (in characters) of its start, both counted from one.
     pub fn start(&self) -> (usize, usize) {
         let before = &self.source.text[..self.range.start];
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-        let line = before.matches('\n').count() + 1;
+        let line = self.source.first_line + before.matches('\n').count();
         (line, before[line_start..].chars().count() + 1)
     }
 }
@@ -120,7 +128,8 @@ impl Diagnostic {
             return renderer.render(&[title.elements(help)]);
         };
         let mark = AnnotationKind::Primary.span(span.range.clone()).label(self.hint.as_deref());
-        let snippet = Snippet::source(&span.source.text).path(&span.source.name).annotation(mark);
+        let snippet = Snippet::source(&span.source.text).line_start(span.source.first_line);
+        let snippet = snippet.path(&span.source.name).annotation(mark);
         renderer.render(&[title.element(snippet)])
     }
 }

@@ -3,6 +3,8 @@
 //! A unit is written as factors with powers, `kg/m3`, `m/s^2`, `N/mm`; each factor is looked up by
 //! its abbreviation in `uom`, which knows the SI and its prefixes. A bare number is in the SI unit.
 
+mod unit;
+
 use std::borrow::Cow;
 use std::fmt;
 
@@ -10,6 +12,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use thiserror::Error;
 use uom::si::f64 as si;
+
+pub use unit::{STANDARD_GRAVITY, Unit, UnknownUnit};
 
 /// Powers of metre, kilogram, second and radian.
 type Powers = [i8; 4];
@@ -156,8 +160,13 @@ fn split_power(factor: &str) -> (&str, i8) {
 
 /// Factor to SI and powers of one unit symbol.
 fn look_up(symbol: &str) -> Option<(f64, Powers)> {
-    if symbol == "1" {
-        return Some((1.0, [0; 4]));
+    match symbol {
+        "1" => return Some((1.0, [0; 4])),
+        // A moment is energy per radian; written so it is not taken for an energy.
+        "Nm" => return Some((1.0, [2, 1, -2, -1])),
+        "kNm" => return Some((1e3, [2, 1, -2, -1])),
+        "Nmm" => return Some((1e-3, [2, 1, -2, -1])),
+        _ => {}
     }
     let symbol = spelled_as_uom(symbol);
     let one = format!("1 {symbol}");
@@ -194,7 +203,7 @@ fn spelled_as_uom(symbol: &str) -> Cow<'_, str> {
 
 macro_rules! quantities {
     ($($(#[$doc:meta])* $type:ident: $name:literal, $unit:literal, $example:literal, $powers:expr;)*) => {
-        /// Every dimension of the scenario language.
+        /// Every dimension of the scenario language and of recordings.
         pub const DIMENSIONS: &[Dimension] = &[$($type::DIMENSION),*];
         $(
             $(#[$doc])*
@@ -269,6 +278,14 @@ quantities! {
     Frequency: "a frequency", "Hz", "10 kHz", [0, 0, -1, 0];
     /// Strain per second.
     Rate: "a rate", "1/s", "0.04 1/s", [0, 0, -1, 0];
+    /// N.
+    Force: "a force", "N", "1.2 kN", [1, 1, -2, 0];
+    /// J.
+    Energy: "an energy", "J", "9.3 J", [2, 1, -2, 0];
+    /// Nm.
+    Moment: "a moment", "Nm", "2.2 Nm", [2, 1, -2, -1];
+    /// A number without unit.
+    Strain: "a strain", "1", "0.02 1", [0, 0, 0, 0];
 }
 
 /// Reads a number as SI and a text with its unit.

@@ -1,10 +1,13 @@
 //! Errors of the modules as diagnostics.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
 
-use crate::diagnostic::{Diagnostic, Source, Span};
-use crate::post::{EvaluateError, PrepareError};
+use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
+use crate::post::{EvaluateError, PrepareError, ReferenceError};
 use crate::script::{Fault, ReadError};
+use crate::signal::{QuantityError, file};
 use crate::store::StoreError;
 
 /// Exit status where results could not be written.
@@ -32,6 +35,7 @@ pub fn reading(error: &ReadError) -> Vec<Diagnostic> {
 pub fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
     match error {
         PrepareError::Script(error) => reading(error),
+        PrepareError::Reference(ReferenceError::Read(error)) => vec![recording(error)],
         other => vec![Diagnostic::new(other.to_string())],
     }
 }
@@ -47,4 +51,44 @@ pub fn evaluating(error: &EvaluateError) -> Diagnostic {
 /// Results that cannot be stored.
 pub fn storing(error: &StoreError) -> Diagnostic {
     Diagnostic::new(error.to_string())
+}
+
+/// A recording that cannot be read, with the line in question.
+pub fn recording(error: &file::ReadError) -> Diagnostic {
+    let mistake = match error.place() {
+        Some((path, line, column)) => match line_of(&path, line) {
+            Some(text) => {
+                let source = Source::excerpt(&path, line, text);
+                Diagnostic::new(error.fault()).at(&Span::position(&source, 1, column))
+            }
+            None => Diagnostic::new(error.to_string()),
+        },
+        None => Diagnostic::new(error.to_string()),
+    };
+    Diagnostic { hint: error.hint(), ..mistake }
+}
+
+/// A channel of the file at `path` that is not what the command works on.
+pub fn quantity(path: &Path, error: &QuantityError) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("{}: {error}", shown_path(path)));
+    match error {
+        QuantityError::OtherDimension { .. } => mistake,
+        QuantityError::NoUnit { wanted, .. } => mistake.hint(format!("give it: --unit {}", wanted.unit)),
+    }
+}
+
+/// Most of a line that a diagnostic shows, bytes.
+const LONGEST_SHOWN: u64 = 4096;
+
+/// The line `number` of a file that may be large; the lines before it are not held.
+fn line_of(path: &Path, number: usize) -> Option<String> {
+    let mut file = BufReader::new(File::open(path).ok()?);
+    for _ in 1..number {
+        file.skip_until(b'\n').ok()?;
+    }
+    let mut line = Vec::new();
+    file.take(LONGEST_SHOWN).read_until(b'\n', &mut line).ok()?;
+    let text = String::from_utf8_lossy(&line);
+    let text = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
+    Some(text.replace(char::is_control, " "))
 }

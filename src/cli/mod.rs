@@ -14,7 +14,9 @@ mod run;
 mod scenarios;
 mod schema;
 mod script;
+mod signal;
 mod table;
+mod tensile;
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
@@ -69,6 +71,12 @@ enum Command {
     List(list::ListArgs),
     /// Run a Rhai script over scenarios
     Script(script::ScriptArgs),
+    /// Work on recordings without a simulation
+    #[command(subcommand)]
+    Signal(signal::SignalCommand),
+    /// Work on coupon tests: recordings in, moduli, yield points and a material out
+    #[command(subcommand)]
+    Tensile(tensile::TensileCommand),
 }
 
 /// Runs the command that the arguments name; usage errors exit with status 2.
@@ -88,6 +96,8 @@ pub fn main() -> ExitCode {
         Command::New(args) => new::run(&args, &shared),
         Command::List(args) => list::run(&args, &shared),
         Command::Script(args) => script::run(&args, &shared),
+        Command::Signal(command) => signal::run(&command, &shared),
+        Command::Tensile(command) => tensile::run(&command, &shared),
     }
 }
 

@@ -118,7 +118,12 @@ fn matches(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
         let mistake = Diagnostic::new(format!("{} is a script", shown_path(path)));
         return Err(mistake.hint(format!("run it with `droptower script {}`", shown_path(path))));
     }
-    if path.exists() || !pattern.contains(['*', '?', '[']) {
+    expanded(pattern)
+}
+
+/// The files that a path or a glob names.
+pub fn expanded(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
+    if Path::new(pattern).exists() || !pattern.contains(['*', '?', '[']) {
         return Ok(vec![PathBuf::from(pattern)]);
     }
     let paths = glob::glob(pattern).map_err(|error| Diagnostic::new(format!("`{pattern}`: {error}")))?;

@@ -14,7 +14,7 @@ use crate::diagnostic::{Diagnostic, shown_path};
 use crate::identify::{self, Heard, Identity, Laboratory};
 use crate::post;
 use crate::report::{StudyPage, study_page};
-use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine, to_json};
+use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine, register_recordings, to_json};
 use crate::store::{self, Draft, StoreError};
 
 #[derive(Debug, Args)]
@@ -89,6 +89,7 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     });
     let mut engine = engine(Limits::STUDY);
     ledger.register(&mut engine);
+    register_recordings(&mut engine);
     post::register_studies(&mut engine, changes);
     identify::register(&mut engine, &laboratory);
     Arguments::register(&mut engine);

@@ -1,3 +1,11 @@
 //! What a laboratory does to its recordings.
 
 pub mod absorption;
+pub mod contact;
+pub mod coupling;
+pub mod coupon;
+pub mod drop;
+mod fit;
+pub mod ramp;
+pub mod release;
+pub mod sensor;

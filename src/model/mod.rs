@@ -101,8 +101,8 @@ pub struct Model {
 }
 
 impl Model {
-    /// Files that a run reads besides the scenario: meshes and the reference.
-    pub fn files(&self) -> Vec<&Path> {
+    /// Files of the specimen's and the impactor's meshes.
+    pub fn meshes(&self) -> impl Iterator<Item = &Path> {
         let specimen = match &self.specimen.shape {
             Shape::Mesh(path) => Some(path),
             _ => None,
@@ -111,8 +111,7 @@ impl Model {
             Some(ImpactorShape::Mesh(path)) => Some(path),
             _ => None,
         };
-        let reference = self.reference.as_ref().map(|reference| &reference.signals);
-        [specimen, impactor, reference].into_iter().flatten().map(PathBuf::as_path).collect()
+        [specimen, impactor].into_iter().flatten().map(PathBuf::as_path)
     }
 
     /// What reports call the film: one word where all faces are of the same, else "film".
@@ -300,8 +299,14 @@ pub struct Output {
 /// A measured or virtual recording that the run is compared with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
-    /// CSV with `time_s` and `acceleration_m_s2` and/or `displacement_m`.
+    /// From first contact on (`time_s` with `acceleration_m_s2` and/or `displacement_m`), or raw.
     pub signals: PathBuf,
+    /// Accelerometer of a raw recording; where none is named, its only acceleration.
+    pub acceleration: Option<String>,
+    /// Laser of a raw recording; where none is named, its only length.
+    pub displacement: Option<String>,
+    /// Height of fall of a raw recording, m.
+    pub drop_height: Option<f64>,
     pub window: Window,
 }
 

@@ -15,7 +15,9 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Referen
         scenario::Window::Range(range) => Window::Range(self::range(range, scenario, findings)),
     };
     let signals = findings.file("reference.signals")?;
-    Some(Reference { signals, window })
+    let (acceleration, displacement) = (written.acceleration.clone(), written.displacement.clone());
+    let drop_height = written.drop_height.map(|height| height.0);
+    Some(Reference { signals, acceleration, displacement, drop_height, window })
 }
 
 fn range([from, to]: [Time; 2], scenario: &Scenario, findings: &mut Findings<'_>) -> [f64; 2] {

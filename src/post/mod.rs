@@ -1,6 +1,7 @@
 //! From an outcome to what a user asks of it: filtered channel, measures, comparison, post script.
 
 mod audit;
+mod coupon_material;
 mod impact;
 mod indent;
 mod inflation;
@@ -15,6 +16,7 @@ mod tests;
 mod trial;
 
 pub use audit::{Audit, Histogram};
+pub use coupon_material::ENTRIES as COUPON_MATERIAL_ENTRIES;
 pub use impact::Impact;
 pub use indent::Indent;
 pub use inflation::Inflation;

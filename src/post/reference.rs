@@ -4,11 +4,14 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::model::{Loading, Model, Reference, Window};
+use crate::experiment::absorption::Body;
+use crate::experiment::drop::{self, DropError, Height, Names, Reduction, Sensed, SensedError, Tower};
+use crate::model::{Impactor, Loading, Model, Reference, Window};
+use crate::signal::file::{self, Wanted};
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::norm::{NormError, relative_error};
 use crate::signal::resample::{self, ResampleError};
-use crate::signal::{Series, csv, integrate};
+use crate::signal::{Measurement, Series, integrate};
 
 /// A recording ready for comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,9 +28,13 @@ pub struct Comparison {
 #[derive(Debug, Error)]
 pub enum ReferenceError {
     #[error(transparent)]
-    Read(#[from] csv::ReadError),
-    #[error("{} has neither `acceleration_m_s2` nor `displacement_m`", path.display())]
-    NothingToCompare { path: PathBuf },
+    Read(#[from] file::ReadError),
+    #[error("{}: {source}", path.display())]
+    Sensed { path: PathBuf, source: Box<SensedError> },
+    #[error("{}: {source}", path.display())]
+    Drop { path: PathBuf, source: DropError },
+    #[error("{} is the raw recording of a drop, which only an impact with an impactor can be compared with", path.display())]
+    NotAnImpact { path: PathBuf },
     #[error("{}: acceleration: {source}", path.display())]
     Filter { path: PathBuf, source: FilterError },
     #[error("{}: acceleration: {source}", path.display())]
@@ -37,32 +44,26 @@ pub enum ReferenceError {
 }
 
 impl Comparison {
-    /// Reads the recording of `model`, if it names one.
+    /// Reads the recording of `model`, if it names one, and reduces it where it is raw.
     pub fn read(model: &Model) -> Result<Option<Comparison>, ReferenceError> {
         let Some(reference) = &model.reference else {
             return Ok(None);
         };
-        let path = || reference.signals.clone();
-        let recording = csv::read(&reference.signals)?;
-        let raw = recording.series("acceleration_m_s2");
-        let displacement = recording.series("displacement_m");
-        let acceleration = match recording.series("acceleration_filtered_m_s2") {
-            Some(filtered) => Some(filtered),
-            None => raw.as_ref().map(|raw| filtered(raw, model, reference)).transpose()?,
+        let measurement = file::read(&reference.signals, &Wanted::default())?;
+        let Signals { raw, filtered, displacement } = match Signals::from_contact(&measurement, model, reference)? {
+            Some(signals) => signals,
+            None => Signals::reduced(&measurement, model, reference)?,
         };
-        if acceleration.is_none() && displacement.is_none() {
-            return Err(ReferenceError::NothingToCompare { path: path() });
-        }
         let window = match reference.window {
             Window::Range(range) => range,
             Window::All => [0.0, model.run_time()],
             Window::Loading => {
-                let motion = raw.as_ref().or(acceleration.as_ref());
+                let motion = raw.as_ref().or(filtered.as_ref());
                 let turn = turn(motion, displacement.as_ref(), model);
-                [0.0, turn.ok_or_else(|| ReferenceError::NoTurn { path: path() })?]
+                [0.0, turn.ok_or_else(|| ReferenceError::NoTurn { path: reference.signals.clone() })?]
             }
         };
-        Ok(Some(Comparison { acceleration, displacement, window }))
+        Ok(Some(Comparison { acceleration: filtered, displacement, window }))
     }
 
     /// Error of a filtered acceleration (paper, equation 14).
@@ -75,6 +76,59 @@ impl Comparison {
     pub fn displacement_error(&self, displacement: &Series) -> Option<Result<f64, NormError>> {
         let reference = self.displacement.as_ref()?;
         Some(relative_error(displacement, reference, self.window))
+    }
+}
+
+/// What a recording says from first contact on.
+struct Signals {
+    /// As recorded or corrected.
+    raw: Option<Series>,
+    /// Through the run's channel filter.
+    filtered: Option<Series>,
+    displacement: Option<Series>,
+}
+
+impl Signals {
+    /// Of a file that counts from first contact; none where it is a raw recording.
+    fn from_contact(
+        measurement: &Measurement,
+        model: &Model,
+        reference: &Reference,
+    ) -> Result<Option<Signals>, ReferenceError> {
+        let channel = |name| measurement.channel(name).ok().map(|channel| channel.series.clone());
+        let (raw, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
+        let named = reference.acceleration.is_some() || reference.displacement.is_some();
+        let filtered = match channel("acceleration_filtered_m_s2") {
+            _ if named => return Ok(None),
+            Some(filtered) => Some(filtered),
+            None => raw.as_ref().map(|raw| filtered(raw, model, reference)).transpose()?,
+        };
+        let any = filtered.is_some() || displacement.is_some();
+        Ok(any.then_some(Signals { raw, filtered, displacement }))
+    }
+
+    /// Of a raw recording, with the mass and gravity of the run.
+    fn reduced(measurement: &Measurement, model: &Model, reference: &Reference) -> Result<Signals, ReferenceError> {
+        let path = || reference.signals.clone();
+        let (Loading::Impact { velocity, gravity, .. }, Some(Impactor { mass, .. })) =
+            (&model.loading, &model.impactor)
+        else {
+            return Err(ReferenceError::NotAnImpact { path: path() });
+        };
+        let names = Names { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
+        let sensed = Sensed::find(measurement, &names);
+        let sensed = sensed.map_err(|source| ReferenceError::Sensed { path: path(), source: source.into() })?;
+        let height = match reference.drop_height {
+            Some(height) => Height::Known(height),
+            None => Height::Presumed(0.5 * velocity * velocity / gravity),
+        };
+        let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height };
+        let reduction = Reduction { class: sensed.class_to_apply(model.output.filter), ..Reduction::default() };
+        let drop = drop::reduce(&sensed.acceleration, sensed.laser.as_ref(), &tower, &reduction);
+        let drop = drop.map_err(|source| ReferenceError::Drop { path: path(), source })?;
+        let channel = |name| drop.signals.series(name);
+        let (raw, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
+        Ok(Signals { raw, filtered: channel("acceleration_filtered_m_s2"), displacement })
     }
 }
 

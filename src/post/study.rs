@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use rhai::{Array, Dynamic, Engine, EvalAltResult, Map, NativeCallContext};
 
+use super::coupon_material;
 use super::run::{self, ReferenceSignals};
 use super::{Plan, Run, trial};
 use crate::diagnostic::Diagnostic;
@@ -31,15 +32,22 @@ impl Study {
     ///
     /// The session learns which files that takes.
     pub fn read(path: &Path, changes: &[Assignment], session: &Session) -> Answer<Study> {
-        Study::check(Document::read(path).map_err(mistakes)?.with(changes), session)
+        Study::check(Document::read(path).map_err(mistakes)?.with(changes), None, session)
     }
 
-    fn check(document: Document, session: &Session) -> Answer<Study> {
+    /// Proves `document`, which may be a variant of another study.
+    fn check(document: Document, other: Option<&Parts>, session: &Session) -> Answer<Study> {
         let model = model::check(&document).map_err(mistakes)?;
-        for path in document.files().iter().map(PathBuf::as_path).chain(model.files()) {
+        for path in document.files().iter().map(PathBuf::as_path).chain(model.meshes()) {
             session.reads(path);
         }
-        let plan = Plan::prepare(&model).map_err(refuse)?;
+        if let Some(reference) = &model.reference {
+            session.reads_recording(&reference.signals);
+        }
+        let plan = match other.filter(|other| Plan::is_common(&model, &other.model)) {
+            Some(other) => other.plan.clone(),
+            None => Plan::prepare(&model).map_err(refuse)?,
+        };
         Ok(Study(Arc::new(Parts { document, model, plan })))
     }
 
@@ -47,7 +55,7 @@ impl Study {
     fn with(&self, changes: Map, session: &Session) -> Answer<Study> {
         let changes = changes.iter().map(|(key, value)| assignment(key, value));
         let changes = changes.collect::<Answer<Vec<_>>>()?;
-        Study::check(self.0.document.with(&changes), session)
+        Study::check(self.0.document.with(&changes), Some(&*self.0), session)
     }
 
     fn simulate(&self, session: &Session) -> Answer<Run> {
@@ -115,6 +123,7 @@ fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
 /// Offers scenarios to scripts; `changes` are laid over each that a script reads.
 pub fn register(engine: &mut Engine, changes: Vec<Assignment>) {
     run::register(engine);
+    coupon_material::register(engine);
     engine
         .register_type_with_name::<Study>("scenario")
         .register_fn("scenario", move |context: NativeCallContext, path: &str| {

@@ -169,7 +169,8 @@ fn reference(rows: impl Fn(f64) -> String, header: &str) -> (tempfile::TempDir, 
     let signals = folder.path().join("reference.csv");
     let rows = (0..=1100).map(|i| rows(f64::from(i) * 1e-4));
     fs::write(&signals, format!("{header}\n{}", rows.collect::<String>())).unwrap();
-    let reference = Some(Reference { signals, window: Window::Loading });
+    let window = Window::Loading;
+    let reference = Some(Reference { signals, acceleration: None, displacement: None, drop_height: None, window });
     (folder, Model { reference, ..model() })
 }
 
@@ -196,7 +197,9 @@ fn loading_ends_where_the_speed_is_used_up_when_the_laser_has_gaps() {
 #[test]
 fn a_reference_without_signals_is_refused_before_the_run() {
     let (_folder, model) = reference(|t| format!("{t},1\n"), "time_s,force_N");
-    assert!(matches!(Plan::prepare(&model), Err(PrepareError::Reference(ReferenceError::NothingToCompare { .. }))));
+    let error = Plan::prepare(&model).unwrap_err();
+    assert!(matches!(error, PrepareError::Reference(ReferenceError::Sensed { .. })), "{error}");
+    assert!(error.to_string().ends_with("none of the channels `force` is an acceleration"), "{error}");
 }
 
 #[test]

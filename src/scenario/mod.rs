@@ -3,6 +3,7 @@
 //! from these structs. Whether what is written makes sense is not known here.
 
 mod assignment;
+pub mod coupon_material;
 mod curve_file;
 mod document;
 mod frame;

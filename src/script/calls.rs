@@ -108,7 +108,9 @@ mod tests {
 
     use rhai::{Engine, Scope};
 
-    use crate::script::{FILE_ENTRIES, Fault, LEDGER_ENTRIES, Ledger, Limits, SIGNAL_ENTRIES, Script, engine};
+    use crate::script::{
+        FILE_ENTRIES, Fault, LEDGER_ENTRIES, Ledger, Limits, MEASURE_ENTRIES, SIGNAL_ENTRIES, Script, engine,
+    };
 
     fn host() -> Engine {
         let mut engine = engine(Limits::POST);
@@ -170,10 +172,9 @@ mod tests {
             "\"abc\".sub_string(1); \"a,b\".split(\",\"); parse_int(\"1\"); parse_float(\"1\"); #{ a: 1 }.keys(); #{}.values()",
             "try { throw 1 } catch (e) { e.to_string() }",
         ];
-        for text in sound
-            .into_iter()
-            .chain(SIGNAL_ENTRIES.iter().chain(LEDGER_ENTRIES).chain(FILE_ENTRIES).map(|entry| entry.example))
-        {
+        for text in sound.into_iter().chain(
+            [SIGNAL_ENTRIES, MEASURE_ENTRIES, LEDGER_ENTRIES, FILE_ENTRIES].concat().iter().map(|entry| entry.example),
+        ) {
             assert_eq!(faults(text), [], "{text}");
         }
     }

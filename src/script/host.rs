@@ -82,6 +82,9 @@ pub fn engine(limits: Limits) -> Engine {
     });
     super::register_signals(&mut engine);
     super::random::register(&mut engine);
+    super::drop::register(&mut engine);
+    super::curve::register(&mut engine);
+    super::coupon::register(&mut engine);
     engine
 }
 

@@ -67,6 +67,14 @@ impl Session {
         lock(&self.inputs).entry(path).or_insert_with_key(|path| content(path));
     }
 
+    /// Remembers the files of a recording: an ISO-MME test keeps its channels in a folder beside it.
+    pub fn reads_recording(&self, path: &Path) {
+        self.reads(path);
+        for entry in fs::read_dir(path.with_file_name("Channel")).into_iter().flatten().flatten() {
+            self.reads(&entry.path());
+        }
+    }
+
     /// The files that were read so far, and what they held.
     pub fn inputs(&self) -> BTreeMap<PathBuf, String> {
         lock(&self.inputs).clone()

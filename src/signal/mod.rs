@@ -1,13 +1,23 @@
 //! Time series as values: what a channel and a recording are, and what is done to them.
 
+pub mod clip;
 pub mod csv;
+pub mod file;
 pub mod filter;
+pub mod hic;
 pub mod integrate;
+pub mod isomme;
+mod measurement;
 pub mod norm;
+pub mod rating;
 pub mod resample;
 mod series;
+pub mod text;
+mod wanted;
 
+pub use measurement::{ChannelError, Measured, Measurement, QuantityError};
 pub use series::Series;
+pub use wanted::{Selection, Wanted};
 
 /// One measured or computed quantity over the common time axis of its [`Recording`].
 #[derive(Clone, Debug, PartialEq)]

@@ -2,13 +2,17 @@
 
 mod architecture;
 mod commands;
+mod coupons;
 mod diagnostics;
 mod language;
 mod golden;
 mod identification;
 mod mesh;
+mod recordings;
 mod resume;
 mod runs;
 mod shipped;
+mod signals;
 mod slow;
 mod verification;
+mod virtual_drops;

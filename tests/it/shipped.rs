@@ -114,6 +114,7 @@ fn study_scripts_compile() {
     Ledger::new(Vec::new(), |_| {}).register(&mut engine);
     post::register_studies(&mut engine, Vec::new());
     identify::register(&mut engine, &Laboratory::new(None, |_| {}));
+    script::register_recordings(&mut engine);
     let mut scope = Scope::new();
     scope.push_constant("args", Map::new());
     for path in files("scripts/*.rhai") {

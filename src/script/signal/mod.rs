@@ -1,10 +1,14 @@
 //! Signals in scripts: whole series as one value, so that loops stay in the host.
 
+mod measures;
+
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT};
 
 use super::{Entry, number, refuse, window};
 use crate::signal::filter::{self, Standard};
 use crate::signal::{Series, integrate, norm};
+
+pub use measures::ENTRIES as MEASURE_ENTRIES;
 
 type Answer<T> = Result<T, Box<EvalAltResult>>;
 type Operator = fn(f64, f64) -> f64;
@@ -34,6 +38,7 @@ pub fn register(engine: &mut Engine) {
         .register_fn("abs", |s: &mut Series| map(s, f64::abs))
         .register_fn("relative_error", relative_error);
     register_operators(engine);
+    measures::register(engine);
 }
 
 fn register_operators(engine: &mut Engine) {

@@ -1,0 +1,49 @@
+//! The acceleration that an injury measure is taken of, filtered first where asked.
+
+use clap::Args;
+
+use super::input::{Chosen, Input};
+use crate::diagnostic::{Diagnostic, shown_path};
+use crate::signal::Series;
+use crate::signal::filter::{self, Standard};
+use crate::units::Acceleration;
+
+#[derive(Clone, Debug, Args)]
+pub struct AccelerationArgs {
+    #[command(flatten)]
+    pub input: Input,
+    /// Filter with this channel frequency class first (ISO 6487), e.g. 1000
+    #[arg(long, value_name = "CFC")]
+    pub class: Option<f64>,
+}
+
+/// What was read, in m/s².
+pub struct Read {
+    pub series: Series,
+    pub notes: Vec<String>,
+}
+
+impl AccelerationArgs {
+    /// The acceleration asked for.
+    pub fn read(&self) -> Result<Read, Diagnostic> {
+        let Chosen { channel, mut notes } = self.input.read_as(Acceleration::DIMENSION)?;
+        let Some(class) = self.class else {
+            return Ok(Read { series: channel.series, notes });
+        };
+        if let Some(before) = channel.filtered {
+            notes.push(format!("`{}` went through CFC {before} already, as its file says", channel.name));
+        }
+        let series = filter::channel(&channel.series, class, Standard::Iso6487).map_err(|error| self.mistake(error))?;
+        Ok(Read { series, notes })
+    }
+
+    /// What is wrong with the channel.
+    pub fn mistake(&self, error: impl std::fmt::Display) -> Diagnostic {
+        Diagnostic::new(format!("{}: {error}", shown_path(&self.input.path)))
+    }
+
+    /// How it was filtered, to be read by people.
+    pub fn filtered(&self) -> String {
+        self.class.map_or_else(|| "as recorded".into(), |class| format!("CFC {class}"))
+    }
+}

@@ -1,0 +1,96 @@
+//! `droptower signal clip`: the level that an acceleration holds for 3 ms.
+
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::acceleration::AccelerationArgs;
+use crate::cli::{Shared, print, print_json, report};
+use crate::diagnostic::Diagnostic;
+use crate::signal::clip::{Counting, clip};
+use crate::signal::csv::clean_time;
+use crate::units::STANDARD_GRAVITY;
+
+#[derive(Debug, Args)]
+pub struct ClipArgs {
+    #[command(flatten)]
+    pub acceleration: AccelerationArgs,
+    /// How long the level is held, ms
+    #[arg(long, value_name = "MS", default_value_t = 3.0)]
+    pub duration: f64,
+    /// Whether intervals add up (49 CFR 571.208, UN R94) or one has to last
+    #[arg(long, value_enum, default_value_t)]
+    pub counting: CountingArg,
+}
+
+#[derive(Clone, Copy, Debug, Default, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum CountingArg {
+    /// All intervals together
+    #[default]
+    Cumulative,
+    /// The longest unbroken interval
+    Contiguous,
+}
+
+impl From<CountingArg> for Counting {
+    fn from(counting: CountingArg) -> Counting {
+        match counting {
+            CountingArg::Cumulative => Counting::Cumulative,
+            CountingArg::Contiguous => Counting::Contiguous,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Figures {
+    clip_g: f64,
+    clip_m_s2: f64,
+    counting: CountingArg,
+    duration_ms: f64,
+    start_s: f64,
+    end_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    filter_class: Option<f64>,
+    notes: Vec<String>,
+}
+
+pub fn run(args: &ClipArgs, shared: &Shared) -> ExitCode {
+    match figures(args) {
+        Err(mistake) => report(&[mistake]),
+        Ok(figures) if shared.json => print_json(&figures),
+        Ok(_) if shared.quiet => ExitCode::SUCCESS,
+        Ok(figures) => print(&text(args, &figures)),
+    }
+}
+
+fn figures(args: &ClipArgs) -> Result<Figures, Diagnostic> {
+    let read = args.acceleration.read()?;
+    let found = clip(&read.series, 1e-3 * args.duration, args.counting.into());
+    let found = found.map_err(|error| args.acceleration.mistake(error))?;
+    Ok(Figures {
+        clip_g: found.level / STANDARD_GRAVITY,
+        clip_m_s2: found.level,
+        counting: args.counting,
+        duration_ms: args.duration,
+        start_s: clean_time(found.start),
+        end_s: clean_time(found.end),
+        filter_class: args.acceleration.class,
+        notes: read.notes,
+    })
+}
+
+fn text(args: &ClipArgs, figures: &Figures) -> String {
+    let Figures { clip_g, duration_ms, start_s, end_s, .. } = figures;
+    let counting = match args.counting {
+        CountingArg::Cumulative => "cumulative",
+        CountingArg::Contiguous => "contiguous",
+    };
+    let notes = figures.notes.iter().map(|note| format!("\n  note: {note}"));
+    format!(
+        "{duration_ms} ms clip  {clip_g:.3} g  {counting}, between {start_s:.6} s and {end_s:.6} s, {}{}",
+        args.acceleration.filtered(),
+        notes.collect::<String>()
+    )
+}

@@ -1,0 +1,207 @@
+//! `droptower signal drop`: contact, speed, travel and energies of a drop test.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+
+use super::input::{self, TableArgs};
+use super::output::{self, Failure};
+use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
+use crate::diagnostic::{Diagnostic, shown_path};
+use crate::experiment::absorption::Body;
+use crate::experiment::contact::SpeedFrom;
+use crate::experiment::drop::{self, Correction, Drop, Figures, Height, Names, Reduction, Sensed, SensedError, Tower};
+use crate::signal::QuantityError;
+use crate::signal::file::{self, Selection, Wanted};
+use crate::units::{Acceleration, Dimension, Length, Mass, STANDARD_GRAVITY, Time};
+
+#[derive(Debug, Args)]
+pub struct DropArgs {
+    /// The recording: CSV or ISO-MME, from the rest before the release on
+    pub path: PathBuf,
+    /// Mass of the impactor, e.g. "10.72 kg"
+    #[arg(long)]
+    pub mass: String,
+    /// Height of fall, e.g. "1 m"
+    #[arg(long)]
+    pub height: String,
+    /// The channel of the accelerometer, where there are several
+    #[arg(long, value_name = "NAME")]
+    pub column: Option<String>,
+    /// The channel of the laser, where there are several lengths: upward from the film's upper face
+    #[arg(long, value_name = "NAME")]
+    pub laser: Option<String>,
+    /// Leave the laser aside: speed and contact from the fall
+    #[arg(long, conflicts_with = "laser")]
+    pub without_laser: bool,
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// The accelerometer's unit where the file does not say; g is standard gravity
+    #[arg(long, value_name = "UNIT")]
+    pub unit: Option<String>,
+    /// Gravity
+    #[arg(long, value_name = "ACCELERATION", default_value = "9.81 m/s2")]
+    pub gravity: String,
+    /// Channel frequency class of the filtered acceleration (ISO 6487); 1000, where the file does not say that it was
+    /// filtered before
+    #[arg(long, value_name = "CFC")]
+    pub class: Option<f64>,
+    /// How what an AC-coupled accelerometer does not show is put back
+    #[arg(long, value_enum, default_value_t = Method::Coupling)]
+    pub correction: Method,
+    /// Time constant of the accelerometer's coupling, in place of the one that the fall tells, e.g. "150 ms"
+    #[arg(long, value_name = "TIME")]
+    pub time_constant: Option<String>,
+    /// File for the reduced signals, from contact on
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// The corrections by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// The exact inverse of AC coupling
+    Coupling,
+    /// The release, mirrored and added after contact
+    Ramp,
+}
+
+pub fn run(args: &DropArgs, shared: &Shared) -> ExitCode {
+    let drop = match reduced(args) {
+        Ok(drop) => drop,
+        Err((status, mistakes)) => {
+            report(&mistakes);
+            return ExitCode::from(status);
+        }
+    };
+    if shared.json {
+        return print_json(&drop.figures());
+    }
+    if shared.quiet {
+        return ExitCode::SUCCESS;
+    }
+    print(&text(args, &drop.figures()))
+}
+
+/// The drop, its signals written where that was asked for; else the exit status and what is wrong.
+fn reduced(args: &DropArgs) -> Result<Drop, (u8, Vec<Diagnostic>)> {
+    let one = |(status, mistake): Failure| (status, vec![mistake]);
+    let bad_input = |mistake: Diagnostic| (BAD_INPUT, vec![mistake]);
+    let (tower, correction) = conditions(args).map_err(|mistakes| (BAD_INPUT, mistakes))?;
+    if let Some(out) = &args.out {
+        output::check_table(out, &args.path).map_err(one)?;
+    }
+    let sensed = sensed(args).map_err(bad_input)?;
+    let laser = sensed.laser.as_ref().filter(|_| !args.without_laser);
+    let class = args.class.or_else(|| sensed.class_to_apply(Some(1000.0)));
+    let drop = drop::reduce(&sensed.acceleration, laser, &tower, &Reduction { correction, class });
+    let mut drop = drop.map_err(|error| bad_input(Diagnostic::new(format!("{}: {error}", shown_path(&args.path)))))?;
+    if let Some(before) = sensed.class {
+        let again =
+            class.map_or_else(|| "is not filtered again".into(), |class| format!("is filtered again with CFC {class}"));
+        drop.notes.push(format!("the acceleration went through CFC {before} already, as its file says, and {again}"));
+    }
+    if let Some(out) = &args.out {
+        let comments =
+            [format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&args.path))];
+        output::write_csv(out, &comments, &drop.signals).map_err(one)?;
+    }
+    Ok(drop)
+}
+
+/// Everything that is wrong with the quantities at once.
+fn conditions(args: &DropArgs) -> Result<(Tower, Correction), Vec<Diagnostic>> {
+    let mut mistakes = Vec::new();
+    let mut quantity = |name: &str, text: &str, dimension: Dimension| match dimension.parse(text) {
+        Ok(value) => value,
+        Err(error) => {
+            mistakes.push(Diagnostic::new(format!("--{name}: {error}")));
+            f64::NAN
+        }
+    };
+    let mass = quantity("mass", &args.mass, Mass::DIMENSION);
+    let height = quantity("height", &args.height, Length::DIMENSION);
+    let gravity = quantity("gravity", &args.gravity, Acceleration::DIMENSION);
+    let given = args.time_constant.as_ref().map(|text| quantity("time-constant", text, Time::DIMENSION));
+    if args.correction == Method::Ramp && given.is_some() {
+        mistakes.push(Diagnostic::new("--time-constant belongs to the correction by coupling, not to the ramp"));
+    }
+    if !mistakes.is_empty() {
+        return Err(mistakes);
+    }
+    let correction = match args.correction {
+        Method::Coupling => Correction::Coupling { time_constant: given },
+        Method::Ramp => Correction::Ramp,
+    };
+    let tower = Tower { body: Body { mass, gravity }, height: Height::Known(height) };
+    Ok((tower, correction))
+}
+
+fn sensed(args: &DropArgs) -> Result<Sensed, Diagnostic> {
+    let names = Names { acceleration: args.column.clone(), laser: args.laser.clone() };
+    let unit = args.unit.as_deref().map(input::unit).transpose()?;
+    let (units, unit) = match (&args.column, unit) {
+        (Some(column), Some(unit)) => (vec![(column.clone(), unit)], None),
+        (_, unit) => (Vec::new(), unit),
+    };
+    let channels = match (&args.column, &args.laser) {
+        (Some(column), Some(laser)) => Selection::Named(vec![column.clone(), laser.clone()]),
+        (Some(column), None) if args.without_laser => Selection::Named(vec![column.clone()]),
+        _ => Selection::All,
+    };
+    let wanted = args.table.over(Wanted { channels, units, unit, ..Wanted::default() });
+    let measurement = file::read(&args.path, &wanted).map_err(|error| faults::recording(&error))?;
+    Sensed::find(&measurement, &names).map_err(|error| mistake(args, &error))
+}
+
+fn mistake(args: &DropArgs, error: &SensedError) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("{}: {error}", shown_path(&args.path)));
+    match error {
+        SensedError::Quantity(error @ QuantityError::NoUnit { .. }) => faults::quantity(&args.path, error),
+        SensedError::Channel(error) => Diagnostic { hint: error.hint(), ..mistake },
+        SensedError::Several { dimension, .. } if *dimension == Length::DIMENSION => {
+            mistake.hint("--laser NAME, or --without-laser")
+        }
+        SensedError::Several { .. } => mistake.hint("--column NAME"),
+        SensedError::NoAcceleration { .. } => mistake.hint("--unit says what a channel without unit is measured in"),
+        SensedError::Quantity(_) => mistake,
+    }
+}
+
+fn text(args: &DropArgs, figures: &Figures) -> String {
+    let or_none = |value: Option<String>| value.unwrap_or_else(|| "none".into());
+    let peak = figures.peak_acceleration_m_s2.zip(figures.time_of_peak_acceleration_s);
+    let travel = figures.peak_displacement_m.zip(figures.time_of_peak_displacement_s);
+    let from = match (figures.speed_from, figures.laser_residual_m) {
+        (SpeedFrom::Laser, Some(residual)) => format!("laser, {:.3} mm off", 1e3 * residual),
+        (SpeedFrom::Laser, None) => "laser".into(),
+        (SpeedFrom::Fall, _) => "fall from the known height".into(),
+    };
+    let correction = match (figures.time_constant_s, figures.ramp_duration_s) {
+        (Some(time_constant), _) => format!("AC coupling, time constant {:.1} ms", 1e3 * time_constant),
+        (None, duration) => format!("gravity ramp of {}", or_none(duration.map(|d| format!("{:.1} ms", 1e3 * d)))),
+    };
+    let rows = [
+        ("contact", format!("{:.5} s on the recording's clock", figures.contact_time_s)),
+        (
+            "impact speed",
+            format!(
+                "{:.3} m/s (ideal fall {:.3}), from {from}; {} rounds",
+                figures.impact_velocity_m_s, figures.ideal_velocity_m_s, figures.iterations
+            ),
+        ),
+        (
+            "peak deceleration",
+            or_none(peak.map(|(a, t)| format!("{:.2} g at {:.1} ms", a / STANDARD_GRAVITY, 1e3 * t))),
+        ),
+        ("displacement", or_none(travel.map(|(d, t)| format!("{:.1} mm at {:.1} ms", 1e3 * d, 1e3 * t)))),
+        ("energy absorbed", or_none(figures.energy_absorption.map(|d| format!("{:.1} %", 100.0 * d)))),
+        ("total energy", format!("drifts by {:.4} % at most", 100.0 * figures.total_energy_drift)),
+        ("correction", correction),
+    ];
+    let rows = rows.map(|(name, value)| format!("  {name:<18} {value}\n"));
+    let notes: String = figures.notes.iter().map(|note| format!("  note: {note}\n")).collect();
+    let out = args.out.as_ref().map(|out| format!("  {}\n", shown_path(out))).unwrap_or_default();
+    format!("{}\n{}{notes}{out}", shown_path(&args.path), rows.concat()).trim_end().to_owned()
+}

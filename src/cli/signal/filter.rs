@@ -1,0 +1,160 @@
+//! `droptower signal filter`: a channel through its frequency class.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::input::{Chosen, Input};
+use super::output::{self, Failure};
+use crate::cli::{BAD_INPUT, Shared, print, print_json, report};
+use crate::diagnostic::{Diagnostic, shown_path};
+use crate::signal::filter::{self, FilterError, Standard};
+use crate::signal::{Channel, Recording, Series, resample};
+use crate::units::{Dimension, Frequency};
+
+#[derive(Debug, Args)]
+pub struct FilterArgs {
+    #[command(flatten)]
+    pub input: Input,
+    /// Channel frequency class: 1000, 600, 180, 60 (a name, not hertz)
+    #[arg(long, value_name = "CFC")]
+    pub class: f64,
+    /// Whose filter it is; the two differ in one constant
+    #[arg(long, value_enum, default_value = "iso")]
+    pub standard: Named,
+    /// Bring uneven samples to this rate first, e.g. "10 kHz"
+    #[arg(long, value_name = "RATE", value_parser = rate)]
+    pub resample: Option<f64>,
+    /// The file to write, with the columns time_s and value (SI)
+    #[arg(long, short, value_name = "FILE")]
+    pub out: PathBuf,
+}
+
+/// The standards by their short names.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Named {
+    /// ISO 6487
+    Iso,
+    /// SAE J211-1
+    Sae,
+}
+
+/// What was filtered.
+#[derive(Serialize)]
+struct Filtered {
+    path: String,
+    channel: String,
+    class: f64,
+    standard: &'static str,
+    samples: usize,
+    unit: Option<String>,
+    largest_before: Option<f64>,
+    largest_after: Option<f64>,
+    smallest_before: Option<f64>,
+    smallest_after: Option<f64>,
+    out: String,
+    notes: Vec<String>,
+}
+
+pub fn run(args: &FilterArgs, shared: &Shared) -> ExitCode {
+    let done = match filtered(args) {
+        Ok(done) => done,
+        Err((status, mistake)) => {
+            report(&[mistake]);
+            return ExitCode::from(status);
+        }
+    };
+    if shared.json {
+        return print_json(&done);
+    }
+    if shared.quiet { ExitCode::SUCCESS } else { print(&text(&done)) }
+}
+
+fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
+    output::check_table(&args.out, &args.input.path)?;
+    let Chosen { channel, mut notes } = args.input.read().map_err(|mistake| (BAD_INPUT, mistake))?;
+    if let Some(class) = channel.filtered {
+        notes.push(format!("`{}` went through CFC {class} already, as its file says", channel.name));
+    }
+    let even = even(args, &channel.series)?;
+    let series = filter::channel(&even, args.class, args.standard.into()).map_err(|error| mistake(args, &error))?;
+    let values = Channel { name: "value".into(), values: series.values().to_vec() };
+    let recording = Recording { time: series.time().to_vec(), channels: vec![values] };
+    output::write_csv(&args.out, &[], &recording)?;
+    let value = |extreme: Option<[f64; 2]>| extreme.map(|[_, value]| value);
+    Ok(Filtered {
+        path: shown_path(&args.input.path),
+        channel: channel.name.clone(),
+        class: args.class,
+        standard: args.standard.text(),
+        samples: series.len(),
+        unit: channel.value_unit(),
+        largest_before: value(channel.series.largest()),
+        largest_after: value(series.largest()),
+        smallest_before: value(channel.series.smallest()),
+        smallest_after: value(series.smallest()),
+        out: shown_path(&args.out),
+        notes,
+    })
+}
+
+/// The series on equal steps, brought there only where the user wants it.
+fn even(args: &FilterArgs, series: &Series) -> Result<Series, Failure> {
+    let Some(rate) = args.resample else {
+        return Ok(series.clone());
+    };
+    let name = shown_path(&args.input.path);
+    if let Some([time, _]) = series.samples().find(|[_, value]| !value.is_finite()) {
+        return Err(mistake(args, &FilterError::NotMeasured { time }));
+    }
+    resample::uniform(series, 1.0 / rate).map_err(|error| (BAD_INPUT, Diagnostic::new(format!("{name}: {error}"))))
+}
+
+fn mistake(args: &FilterArgs, error: &FilterError) -> Failure {
+    let mistake = Diagnostic::new(format!("{}: {error}", shown_path(&args.input.path)));
+    let mistake = match error {
+        FilterError::NotUniform => mistake.hint("bring it to equal steps: --resample \"10 kHz\""),
+        _ => mistake,
+    };
+    (BAD_INPUT, mistake)
+}
+
+fn text(done: &Filtered) -> String {
+    let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |value| format!("{value:.6}"));
+    let unit = done.unit.as_deref().unwrap_or("(unit unknown)");
+    let notes: String = done.notes.iter().map(|note| format!("  note: {note}\n")).collect();
+    let extremes =
+        [("largest", done.largest_before, done.largest_after), ("smallest", done.smallest_before, done.smallest_after)];
+    let extremes = extremes.map(|(word, before, after)| {
+        format!("  {word:8}  {} {unit} before, {} {unit} after\n", number(before), number(after))
+    });
+    let head = format!("{}: `{}` through CFC {} ({})", done.path, done.channel, done.class, done.standard);
+    format!("{head}\n{}{notes}  {}: {} samples", extremes.concat(), done.out, done.samples)
+}
+
+/// A rate in Hz, or with its unit.
+fn rate(text: &str) -> Result<f64, String> {
+    let dimension: Dimension = Frequency::DIMENSION;
+    let rate = text.parse::<f64>().ok().map_or_else(|| dimension.parse(text).map_err(|error| error.to_string()), Ok)?;
+    if rate > 0.0 && rate.is_finite() { Ok(rate) } else { Err(format!("a rate of {rate} Hz is not positive")) }
+}
+
+impl Named {
+    fn text(self) -> &'static str {
+        match self {
+            Named::Iso => "ISO 6487",
+            Named::Sae => "SAE J211-1",
+        }
+    }
+}
+
+impl From<Named> for Standard {
+    fn from(named: Named) -> Standard {
+        match named {
+            Named::Iso => Standard::Iso6487,
+            Named::Sae => Standard::SaeJ211,
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! `droptower signal hic`: the head injury criterion of an acceleration.
+
+use std::process::ExitCode;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::acceleration::AccelerationArgs;
+use crate::cli::{Shared, print, print_json, report};
+use crate::diagnostic::Diagnostic;
+use crate::signal::csv::clean_time;
+use crate::signal::hic::head_injury_criterion;
+use crate::units::STANDARD_GRAVITY;
+
+#[derive(Debug, Args)]
+pub struct HicArgs {
+    #[command(flatten)]
+    pub acceleration: AccelerationArgs,
+    /// Longest interval, ms; 15 and 36 are usual
+    #[arg(long, value_name = "MS", default_value_t = 15.0)]
+    pub window: f64,
+}
+
+#[derive(Serialize)]
+struct Figures {
+    hic: f64,
+    window_ms: f64,
+    t1_s: f64,
+    t2_s: f64,
+    duration_ms: f64,
+    mean_g: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    filter_class: Option<f64>,
+    notes: Vec<String>,
+}
+
+pub fn run(args: &HicArgs, shared: &Shared) -> ExitCode {
+    match figures(args) {
+        Err(mistake) => report(&[mistake]),
+        Ok(figures) if shared.json => print_json(&figures),
+        Ok(_) if shared.quiet => ExitCode::SUCCESS,
+        Ok(figures) => print(&text(args, &figures)),
+    }
+}
+
+fn figures(args: &HicArgs) -> Result<Figures, Diagnostic> {
+    let read = args.acceleration.read()?;
+    let found = head_injury_criterion(&read.series, 1e-3 * args.window);
+    let found = found.map_err(|error| args.acceleration.mistake(error))?;
+    Ok(Figures {
+        hic: found.value,
+        window_ms: args.window,
+        t1_s: clean_time(found.start),
+        t2_s: clean_time(found.end),
+        duration_ms: clean_time(1e3 * (found.end - found.start)),
+        mean_g: found.mean / STANDARD_GRAVITY,
+        filter_class: args.acceleration.class,
+        notes: read.notes,
+    })
+}
+
+fn text(args: &HicArgs, figures: &Figures) -> String {
+    let Figures { hic, window_ms, t1_s, t2_s, duration_ms, mean_g, .. } = figures;
+    let notes = figures.notes.iter().map(|note| format!("\n  note: {note}"));
+    format!(
+        "HIC{window_ms}  {hic:.3}  {mean_g:.2} g over {duration_ms:.3} ms, from {t1_s:.6} s to {t2_s:.6} s, {}{}",
+        args.acceleration.filtered(),
+        notes.collect::<String>()
+    )
+}

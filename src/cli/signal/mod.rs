@@ -1,0 +1,49 @@
+//! `droptower signal`: what is done to recordings without a simulation.
+
+pub mod input;
+
+mod acceleration;
+mod clip;
+mod convert;
+mod drop;
+mod filter;
+mod hic;
+mod info;
+mod output;
+mod rate;
+
+use std::process::ExitCode;
+
+use clap::Subcommand;
+
+use super::Shared;
+
+#[derive(Debug, Subcommand)]
+pub enum SignalCommand {
+    /// Say what recordings hold: channels, units, sampling, gaps
+    Info(info::InfoArgs),
+    /// Filter a channel by its frequency class
+    Filter(filter::FilterArgs),
+    /// Write a recording in another format
+    Convert(convert::ConvertArgs),
+    /// Head injury criterion of an acceleration
+    Hic(hic::HicArgs),
+    /// Level that an acceleration holds for 3 ms
+    Clip(clip::ClipArgs),
+    /// Rate one recording against another (ISO/TS 18571)
+    Rate(rate::RateArgs),
+    /// Contact, speed, travel, energies and absorption of a drop test
+    Drop(drop::DropArgs),
+}
+
+pub fn run(command: &SignalCommand, shared: &Shared) -> ExitCode {
+    match command {
+        SignalCommand::Info(args) => info::run(args, shared),
+        SignalCommand::Filter(args) => filter::run(args, shared),
+        SignalCommand::Convert(args) => convert::run(args, shared),
+        SignalCommand::Hic(args) => hic::run(args, shared),
+        SignalCommand::Clip(args) => clip::run(args, shared),
+        SignalCommand::Rate(args) => rate::run(args, shared),
+        SignalCommand::Drop(args) => drop::run(args, shared),
+    }
+}

@@ -1,0 +1,128 @@
+//! `droptower signal rate`: how well one recording follows another, by ISO/TS 18571.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::input::{Chosen, Input, TableArgs};
+use crate::cli::{Shared, print, print_json, report};
+use crate::diagnostic::{Diagnostic, shown_path};
+use crate::signal::Measured;
+use crate::signal::rating::{self, Rating};
+
+#[derive(Debug, Args)]
+pub struct RateArgs {
+    /// What counts as the truth: CSV or ISO-MME
+    pub reference: PathBuf,
+    /// What is rated
+    pub comparison: PathBuf,
+    /// The channel, where there are several
+    #[arg(long, value_name = "NAME")]
+    pub column: Option<String>,
+    /// The channel of the comparison, where it is called otherwise
+    #[arg(long, value_name = "NAME")]
+    pub comparison_column: Option<String>,
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// The channels' unit where a file does not say; g is standard gravity
+    #[arg(long, value_name = "UNIT")]
+    pub unit: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Figures {
+    corridor: f64,
+    phase: f64,
+    magnitude: f64,
+    slope: f64,
+    overall: f64,
+    grade: String,
+    shift_s: f64,
+    samples: usize,
+    notes: Vec<String>,
+}
+
+pub fn run(args: &RateArgs, shared: &Shared) -> ExitCode {
+    match rating(args) {
+        Err(mistakes) => report(&mistakes),
+        Ok(rating) if shared.json => print_json(&figures(rating)),
+        Ok(_) if shared.quiet => ExitCode::SUCCESS,
+        Ok(rating) => print(&text(args, &rating)),
+    }
+}
+
+fn rating(args: &RateArgs) -> Result<Rating, Vec<Diagnostic>> {
+    let column = args.comparison_column.as_ref().or(args.column.as_ref());
+    let (reference, comparison) =
+        match (args.read(&args.reference, args.column.as_ref()), args.read(&args.comparison, column)) {
+            (Ok(reference), Ok(comparison)) => (reference, comparison),
+            (reference, comparison) => return Err([reference.err(), comparison.err()].into_iter().flatten().collect()),
+        };
+    check_units(args, &reference.channel, &comparison.channel).map_err(|mistake| vec![mistake])?;
+    let found = rating::rate(&reference.channel.series, &comparison.channel.series);
+    let mut rating = found.map_err(|error| {
+        let [reference, comparison] = [&args.reference, &args.comparison].map(|path| shown_path(path));
+        vec![
+            Diagnostic::new(error.to_string())
+                .hint(format!("the reference is {reference}, the comparison {comparison}")),
+        ]
+    })?;
+    let read = reference.notes.iter().map(|note| format!("reference: {note}"));
+    let read = read.chain(comparison.notes.iter().map(|note| format!("comparison: {note}")));
+    rating.notes = read.chain(rating.notes).collect();
+    Ok(rating)
+}
+
+impl RateArgs {
+    fn read(&self, path: &Path, column: Option<&String>) -> Result<Chosen, Diagnostic> {
+        let (column, table, unit) = (column.cloned(), self.table.clone(), self.unit.clone());
+        Input { path: path.into(), column, table, unit }.read()
+    }
+}
+
+/// Curves are only rated in the same quantity; two that do not say what they are count as the same.
+fn check_units(args: &RateArgs, reference: &Measured, comparison: &Measured) -> Result<(), Diagnostic> {
+    let unit = |measured: &Measured| measured.value_unit().unwrap_or_else(|| "a unit that is not known".into());
+    let (r, c) = (unit(reference), unit(comparison));
+    if r == c {
+        return Ok(());
+    }
+    let [reference, comparison] = [&args.reference, &args.comparison].map(|path| shown_path(path));
+    let mistake = Diagnostic::new(format!("{reference} is in {r}, {comparison} in {c}"));
+    Err(mistake.hint("choose channels of one quantity with --column and --comparison-column, or give --unit"))
+}
+
+fn figures(rating: Rating) -> Figures {
+    Figures {
+        corridor: rating.corridor,
+        phase: rating.phase,
+        magnitude: rating.magnitude,
+        slope: rating.slope,
+        overall: rating.overall,
+        grade: rating.grade.to_string(),
+        shift_s: rating.shift,
+        samples: rating.samples,
+        notes: rating.notes,
+    }
+}
+
+fn text(args: &RateArgs, rating: &Rating) -> String {
+    let Rating { corridor, phase, magnitude, slope, overall, grade, .. } = rating;
+    let shift = match 1e3 * rating.shift {
+        0.0 => "no shift".to_owned(),
+        late if late > 0.0 => format!("comparison {late:.1} ms late"),
+        early => format!("comparison {:.1} ms early", -early),
+    };
+    let notes = rating.notes.iter().map(|note| format!("\n  note: {note}"));
+    format!(
+        "{} rated against {}, ISO/TS 18571, {} samples\n  \
+         corridor   {corridor:.3}\n  phase      {phase:.3}  {shift}\n  magnitude  {magnitude:.3}\n  slope      {slope:.3}\n  \
+         overall    {overall:.3}  {grade}{}",
+        shown_path(&args.comparison),
+        shown_path(&args.reference),
+        rating.samples,
+        notes.collect::<String>()
+    )
+}

@@ -1,0 +1,184 @@
+//! What coupons gave, as the terminal and other programs read it.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::reduce::Reduced;
+use crate::diagnostic::shown_path;
+use crate::experiment::coupon::average::Spread;
+use crate::experiment::coupon::{Along, AtSpeed, Ending};
+
+/// All figures; SI.
+#[derive(Serialize)]
+pub struct Figures {
+    recordings: usize,
+    virtual_recordings: usize,
+    /// Mean of MD and TD.
+    #[serde(rename = "young_modulus_Pa")]
+    young_modulus_pa: Option<f64>,
+    directions: Vec<AlongFigures>,
+    notes: Vec<String>,
+    /// Files that were written.
+    written: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct AlongFigures {
+    direction: &'static str,
+    #[serde(rename = "young_modulus_Pa")]
+    young_modulus_pa: SpreadFigures,
+    #[serde(rename = "strength_Pa")]
+    strength_pa: SpreadFigures,
+    break_elongation: SpreadFigures,
+    #[serde(rename = "break_stress_Pa")]
+    break_stress_pa: SpreadFigures,
+    /// Strain and stress (Pa) of both; none where the mean curve has no two.
+    yield_points: Option<[[f64; 2]; 2]>,
+    speeds: Vec<SpeedFigures>,
+}
+
+#[derive(Serialize)]
+struct SpeedFigures {
+    velocity_m_s: f64,
+    #[serde(rename = "young_moduli_Pa")]
+    young_moduli_pa: Vec<f64>,
+    #[serde(rename = "young_modulus_Pa")]
+    young_modulus_pa: SpreadFigures,
+    #[serde(rename = "strength_Pa")]
+    strength_pa: SpreadFigures,
+    break_elongation: SpreadFigures,
+}
+
+#[derive(Clone, Copy, Serialize)]
+struct SpreadFigures {
+    mean: f64,
+    deviation: f64,
+    count: usize,
+}
+
+impl From<Spread> for SpreadFigures {
+    fn from(Spread { mean, deviation, count }: Spread) -> SpreadFigures {
+        SpreadFigures { mean, deviation, count }
+    }
+}
+
+impl Figures {
+    /// The figures of what was `reduced`, and what is to be known about them.
+    pub fn of(reduced: &Reduced, is_density_assumed: bool, written: &[PathBuf]) -> Figures {
+        let mut notes = notes(reduced);
+        if is_density_assumed && !written.is_empty() {
+            notes.push("the density in the material file is assumed (LLDPE); give --density".into());
+        }
+        Figures {
+            recordings: reduced.recorded.len(),
+            virtual_recordings: reduced.virtual_recordings(),
+            young_modulus_pa: reduced.reduction.modulus,
+            directions: reduced.reduction.directions.iter().map(along).collect(),
+            notes,
+            written: written.iter().map(|path| shown_path(path)).collect(),
+        }
+    }
+
+    /// The figures as tables, in MPa and per cent.
+    pub fn text(&self) -> String {
+        let virtual_ones = match self.virtual_recordings {
+            0 => String::new(),
+            count => format!(", {count} of them VIRTUAL"),
+        };
+        let mut text = format!("{} recordings{virtual_ones}\n", self.recordings);
+        text.extend(self.directions.iter().map(AlongFigures::text));
+        if let Some(modulus) = self.young_modulus_pa {
+            text += &format!("MD and TD  E {:.1} MPa\n", modulus * 1e-6);
+        }
+        text.extend(self.notes.iter().map(|note| format!("note: {note}\n")));
+        text.extend(self.written.iter().map(|file| format!("wrote {file}\n")));
+        text
+    }
+}
+
+impl AlongFigures {
+    fn text(&self) -> String {
+        let moduli = self.speeds.iter().map(|speed| {
+            let single = speed.young_moduli_pa.iter().map(|modulus| format!("{:6.1}", modulus * 1e-6));
+            let mean = speed.young_modulus_pa.text(1e-6, "MPa");
+            format!("  {:>8} m/s  E{}  mean {mean}\n", speed.velocity_m_s, single.collect::<String>())
+        });
+        let points = match self.yield_points {
+            Some(points) => points.map(|[strain, stress]| format!("{strain:.3}, {:.2} MPa", stress * 1e-6)).join("; "),
+            None => "none".into(),
+        };
+        format!(
+            "{}\n{}  E {}\n  yield points at {points}\n  strength {}, break elongation {}\n",
+            self.direction,
+            moduli.collect::<String>(),
+            self.young_modulus_pa.text(1e-6, "MPa"),
+            self.strength_pa.text(1e-6, "MPa"),
+            self.break_elongation.text(100.0, "%"),
+        )
+    }
+}
+
+impl SpreadFigures {
+    fn text(&self, factor: f64, unit: &str) -> String {
+        let (mean, deviation) = (self.mean * factor, self.deviation * factor);
+        match self.count {
+            1 => format!("{mean:.1} {unit} (1)"),
+            count => format!("{mean:.1} +- {deviation:.1} {unit} ({count})"),
+        }
+    }
+}
+
+fn along(along: &Along) -> AlongFigures {
+    AlongFigures {
+        direction: along.direction.name(),
+        young_modulus_pa: along.modulus.into(),
+        strength_pa: along.strength.into(),
+        break_elongation: along.elongation.into(),
+        break_stress_pa: along.break_stress.into(),
+        yield_points: along.yields.as_ref().ok().map(|found| [found.first, found.second]),
+        speeds: along.speeds.iter().map(speed).collect(),
+    }
+}
+
+fn speed(speed: &AtSpeed) -> SpeedFigures {
+    SpeedFigures {
+        velocity_m_s: speed.velocity,
+        young_moduli_pa: speed.moduli.clone(),
+        young_modulus_pa: speed.modulus.into(),
+        strength_pa: speed.strength.into(),
+        break_elongation: speed.elongation.into(),
+    }
+}
+
+/// What a reader of the figures must know.
+fn notes(reduced: &Reduced) -> Vec<String> {
+    let recorded = &reduced.recorded;
+    let unbroken = recorded.iter().filter(|recorded| recorded.sample.rupture.ending == Ending::RecordEnded);
+    let unbroken = unbroken.map(|recorded| {
+        format!("{}: the record ends under load; its end counts as the break", shown_path(&recorded.path))
+    });
+    let merged = recorded.iter().filter(|recorded| recorded.merged > 0).map(|recorded| {
+        let (path, merged) = (shown_path(&recorded.path), recorded.merged);
+        format!("{path}: {merged} samples are merged with others, for the displacement did not increase")
+    });
+    let no_yield = reduced.reduction.directions.iter().filter_map(|along| {
+        let error = along.yields.as_ref().err()?;
+        Some(format!("{}: {error}", along.direction))
+    });
+    unbroken.chain(merged).chain(no_yield).chain(unmeasured(reduced)).collect()
+}
+
+/// Speeds at which some directions were measured and others not.
+fn unmeasured(reduced: &Reduced) -> Vec<String> {
+    let directions = &reduced.reduction.directions;
+    let mut speeds: Vec<f64> = directions.iter().flat_map(|along| &along.speeds).map(|speed| speed.velocity).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let missing = |along: &Along, velocity: f64| !along.speeds.iter().any(|speed| speed.velocity == velocity);
+    let note = |along: &Along, velocity: f64| format!("{} was not measured at {velocity} m/s", along.direction);
+    directions
+        .iter()
+        .flat_map(|along| speeds.iter().filter(move |v| missing(along, **v)).map(move |v| note(along, *v)))
+        .collect()
+}

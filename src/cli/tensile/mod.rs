@@ -1,0 +1,23 @@
+//! `droptower tensile`: what is done to coupon tests.
+
+mod figures;
+mod output;
+mod reduce;
+
+use std::process::ExitCode;
+
+use clap::Subcommand;
+
+use super::Shared;
+
+#[derive(Debug, Subcommand)]
+pub enum TensileCommand {
+    /// Reduce recordings of coupons to moduli, yield points, strength and break, and write them as a material
+    Reduce(reduce::ReduceArgs),
+}
+
+pub fn run(command: &TensileCommand, shared: &Shared) -> ExitCode {
+    match command {
+        TensileCommand::Reduce(args) => reduce::run(args, shared),
+    }
+}

@@ -1,0 +1,171 @@
+//! `droptower tensile reduce`: from force over displacement to a material file.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::figures::Figures;
+use super::output;
+use crate::cli::faults::{self, WRITE_FAILURE};
+use crate::cli::scenarios::expanded;
+use crate::cli::signal::input::TableArgs;
+use crate::cli::{Shared, print, print_json, report};
+use crate::diagnostic::Diagnostic;
+use crate::experiment::coupon::{
+    BREAK_SHARE, Coupon, Direction, Label, Reading, Recorded, RecordingError, Reduction, Rules, WINDOW,
+};
+use crate::scenario::coupon_material::CouponMaterial;
+use crate::signal::file::Wanted;
+use crate::units::{Density, Dimension, Length, Velocity};
+
+#[derive(Debug, Args)]
+pub struct ReduceArgs {
+    /// Recordings of coupons, files or globs: channels `force` and `displacement`
+    #[arg(required = true, value_name = "RECORDING")]
+    pub recordings: Vec<String>,
+    /// Length between the jaws: "5 mm"
+    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    pub gauge: f64,
+    /// Width of the coupons: "10 mm"
+    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    pub width: f64,
+    /// Thickness of the coupons: "12 um"
+    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    pub thickness: f64,
+    /// The material file to write; the shear curve goes beside it
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Density of the film, for the material file: "915 kg/m3"
+    #[arg(long, value_parser = |text: &str| quantity(Density::DIMENSION, text))]
+    pub density: Option<f64>,
+    /// Direction of all coupons, before what files say: MD, TD, D3 or D4
+    #[arg(long)]
+    pub direction: Option<Direction>,
+    /// Speed of the jaws apart, before what files say: "0.02 m/s"
+    #[arg(long, value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
+    pub velocity: Option<f64>,
+    /// Strains between which the modulus is fitted
+    #[arg(long, num_args = 2, value_names = ["FROM", "TO"], default_values_t = WINDOW)]
+    pub window: Vec<f64>,
+    /// Share of the largest force below which a coupon is broken
+    #[arg(long, value_name = "SHARE", default_value_t = BREAK_SHARE)]
+    pub break_share: f64,
+    /// Count strain from where the elastic line meets zero stress (ASTM D882), not from the recording's zero
+    #[arg(long)]
+    pub toe: bool,
+    /// Side of the square that D3 shears; the gauge length is its diagonal where it is left out
+    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    pub side: Option<f64>,
+    /// Name of the channel of force
+    #[arg(long, value_name = "NAME", default_value = "force")]
+    pub force: String,
+    /// Name of the channel of displacement
+    #[arg(long, value_name = "NAME", default_value = "displacement")]
+    pub displacement: String,
+    #[command(flatten)]
+    pub table: TableArgs,
+}
+
+/// A length, density or speed with its unit.
+fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
+    dimension.parse(text).map_err(|error| format!("{error}; {}", error.hint()))
+}
+
+/// What the recordings gave.
+pub struct Reduced {
+    pub coupon: Coupon,
+    pub recorded: Vec<Recorded>,
+    pub reduction: Reduction,
+}
+
+pub fn run(args: &ReduceArgs, shared: &Shared) -> ExitCode {
+    match reduced(args).and_then(|reduced| Ok((texts(args, &reduced)?, reduced))) {
+        Ok((texts, reduced)) => keep(args, &reduced, texts, shared),
+        Err(mistakes) => report(&mistakes),
+    }
+}
+
+fn reduced(args: &ReduceArgs) -> Result<Reduced, Vec<Diagnostic>> {
+    let one = |error: String| vec![Diagnostic::new(error)];
+    let coupon = Coupon::new(args.gauge, args.width, args.thickness).map_err(|error| one(error.to_string()))?;
+    let reading = reading(args, coupon);
+    let recorded = all(paths(&args.recordings)?.iter().map(|path| reading.read(path).map_err(|error| fault(&error))))?;
+    let samples: Vec<_> = recorded.iter().map(|recorded| recorded.sample.clone()).collect();
+    let reduction = Reduction::of(&samples, &reading.rules).map_err(|error| one(error.to_string()))?;
+    Ok(Reduced { coupon, recorded, reduction })
+}
+
+fn reading(args: &ReduceArgs, coupon: Coupon) -> Reading {
+    let window = [args.window[0], args.window[1]];
+    let rules = Rules { window, break_share: args.break_share, toe_compensation: args.toe };
+    Reading {
+        given: Label { direction: args.direction, velocity: args.velocity },
+        force: args.force.clone(),
+        displacement: args.displacement.clone(),
+        table: args.table.over(Wanted::default()),
+        ..Reading::new(coupon, rules)
+    }
+}
+
+/// The files that paths and globs name, each once, in the order of the arguments.
+fn paths(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
+    let mut paths = all(patterns.iter().map(|pattern| expanded(pattern)))?.concat();
+    let mut seen = std::collections::HashSet::new();
+    paths.retain(|path| seen.insert(path.clone()));
+    Ok(paths)
+}
+
+/// All values, or all mistakes.
+fn all<T>(results: impl Iterator<Item = Result<T, Diagnostic>>) -> Result<Vec<T>, Vec<Diagnostic>> {
+    let (values, mistakes): (Vec<_>, Vec<_>) = results.partition(Result::is_ok);
+    let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();
+    if mistakes.is_empty() { Ok(values.into_iter().filter_map(Result::ok).collect()) } else { Err(mistakes) }
+}
+
+fn fault(error: &RecordingError) -> Diagnostic {
+    match error {
+        RecordingError::Read(error) => faults::recording(error),
+        other => Diagnostic { hint: other.hint(), ..Diagnostic::new(other.to_string()) },
+    }
+}
+
+/// The files to write and their texts; none where no file is asked for.
+fn texts(args: &ReduceArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, String)>, Vec<Diagnostic>> {
+    let Some(path) = &args.output else {
+        return Ok(Vec::new());
+    };
+    let [material, shear] = output::places(path).map_err(|mistake| vec![mistake])?;
+    let shear_file = shear.file_name().unwrap_or_default().to_string_lossy();
+    let texts = CouponMaterial {
+        reduction: &reduced.reduction,
+        coupon: reduced.coupon,
+        side: args.side.unwrap_or(reduced.coupon.gauge() / std::f64::consts::SQRT_2),
+        density: args.density,
+        shear_file: &shear_file,
+        virtual_recordings: reduced.virtual_recordings(),
+    }
+    .texts();
+    let texts = texts.map_err(|error| vec![Diagnostic::new(format!("no material: {error}"))])?;
+    Ok(vec![(shear, texts.shear), (material, texts.material)])
+}
+
+impl Reduced {
+    /// How many of the recordings say that nothing was pulled.
+    pub fn virtual_recordings(&self) -> usize {
+        self.recorded.iter().filter(|recorded| recorded.is_virtual).count()
+    }
+}
+
+fn keep(args: &ReduceArgs, reduced: &Reduced, texts: Vec<(PathBuf, String)>, shared: &Shared) -> ExitCode {
+    if let Err(mistake) = output::write(&texts) {
+        report(&[mistake]);
+        return ExitCode::from(WRITE_FAILURE);
+    }
+    let written: Vec<PathBuf> = texts.into_iter().map(|(path, _)| path).collect();
+    let figures = Figures::of(reduced, args.density.is_none(), &written);
+    if shared.json {
+        return print_json(&figures);
+    }
+    if shared.quiet { ExitCode::SUCCESS } else { print(figures.text().trim_end()) }
+}

@@ -1,0 +1,281 @@
+//! When the impactor meets the film, and how fast: the search that starts from the ideal fall
+//! (Polymers 2021, 13, 1537, section 3.2).
+
+use serde::Serialize;
+use thiserror::Error;
+
+use super::fit::least_squares;
+use crate::signal::{Series, integrate};
+
+/// Where contact time and impact speed were taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SpeedFrom {
+    /// The doubly integrated acceleration matched to the laser.
+    Laser,
+    /// The acceleration integrated from rest over the known height.
+    Fall,
+}
+
+/// First contact of impactor and film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// s, on the recording's clock.
+    pub time: f64,
+    /// m/s, negative: downward.
+    pub velocity: f64,
+    /// Rounds until the contact time settled.
+    pub iterations: u32,
+    /// Root mean square distance of matched motion and laser, m.
+    pub laser_residual: Option<f64>,
+    pub speed_from: SpeedFrom,
+}
+
+/// Why no contact could be found.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum ContactError {
+    #[error(
+        "laser: it measured at fewer than {FEWEST} times from the release at {release:.4} s to the end at {end:.4} s"
+    )]
+    LaserNeverOverlaps { release: f64, end: f64 },
+    #[error("laser: it rises while the impactor falls; its values must count upward from the film's upper face")]
+    LaserTurned,
+    #[error("laser: the motion matched to it does not pass the film's upper face near {near:.4} s")]
+    NoCrossing { near: f64 },
+    #[error("acceleration: integrated from rest it does not fall through {height} m; is the height right?")]
+    NotSoDeep { height: f64 },
+    #[error("acceleration: too few samples around {near:.4} s to see the onset of the force")]
+    NoOnset { near: f64 },
+    #[error("the contact time did not settle within {MOST_ROUNDS} rounds")]
+    NotSettled,
+}
+
+/// Fewest values of the laser that a motion is matched to.
+const FEWEST: usize = 10;
+const MOST_ROUNDS: u32 = 50;
+/// The contact time has settled when it moves by less, s.
+const SETTLED: f64 = 1e-6;
+/// Stretch around the presumed contact in which the laser counts, s: the first pass through its range, not the rebound.
+const LASER_SPAN: [f64; 2] = [-0.02, 0.06];
+
+/// Matches the motion to the `laser` (m, upward from the film's upper face; `NaN` where it saw nothing).
+///
+/// `acceleration` gives the corrected acceleration (m/s²) for a presumed contact time (s). In each round its double
+/// integral, plus place and speed at the presumed contact, is brought to the laser by linear least squares; contact is where the
+/// matched motion passes zero. The first presumption is `ideal` (s), the ideal fall's contact time.
+pub fn by_laser(
+    acceleration: impl Fn(f64) -> Series,
+    laser: &Series,
+    release: f64,
+    ideal: f64,
+) -> Result<Contact, ContactError> {
+    let end = laser.time().last().copied().unwrap_or(release);
+    let mut presumed = ideal;
+    for round in 1..=MOST_ROUNDS {
+        let pass = pass(laser, presumed.max(release));
+        if pass.len() < FEWEST {
+            let later = first_measured(laser, presumed.max(release));
+            presumed = later.filter(|t| *t > presumed).ok_or(ContactError::LaserNeverOverlaps { release, end })?;
+            continue;
+        }
+        let matched = Matched::find(&acceleration(presumed), &pass, presumed)?;
+        let (time, velocity) = matched.crossing(presumed)?;
+        if (time - presumed).abs() < SETTLED {
+            let laser_residual = Some(matched.residual);
+            return Ok(Contact { time, velocity, iterations: round, laser_residual, speed_from: SpeedFrom::Laser });
+        }
+        presumed = time;
+    }
+    Err(ContactError::NotSettled)
+}
+
+/// What the laser measured around the presumed contact.
+fn pass(laser: &Series, presumed: f64) -> Vec<[f64; 2]> {
+    let near = laser.window(LASER_SPAN.map(|span| presumed + span));
+    near.samples().filter(|[_, place]| place.is_finite()).collect()
+}
+
+fn first_measured(laser: &Series, from: f64) -> Option<f64> {
+    laser.samples().find(|[t, place]| *t > from && place.is_finite()).map(|[t, _]| t)
+}
+
+/// A motion that agrees with the laser.
+struct Matched {
+    velocity: Series,
+    place: Series,
+    residual: f64,
+}
+
+impl Matched {
+    fn find(acceleration: &Series, pass: &[[f64; 2]], presumed: f64) -> Result<Matched, ContactError> {
+        let span = LASER_SPAN.map(|span| presumed + span);
+        let velocity = integrate::once(&acceleration.window(span), 0.0);
+        let place = integrate::once(&velocity, 0.0);
+        let origin = place.time().first().copied().unwrap_or(presumed);
+        let length = span[1] - span[0];
+        let rows = pass.iter().filter_map(|[t, laser]| Some(([1.0, (t - origin) / length], laser - place.at(*t)?)));
+        let fitted = least_squares(rows.clone()).ok_or(ContactError::NoCrossing { near: presumed })?;
+        let ([at_origin, rise], left) = fitted;
+        let speed = rise / length;
+        let residual = (left / rows.count() as f64).sqrt();
+        let velocity = integrate::once(&acceleration.window(span), speed);
+        let place = integrate::once(&velocity, at_origin);
+        Ok(Matched { velocity, place, residual })
+    }
+
+    /// Time and velocity of the first way down through zero.
+    fn crossing(&self, presumed: f64) -> Result<(f64, f64), ContactError> {
+        let missing = || ContactError::NoCrossing { near: presumed };
+        let time = crossing(&self.place, 0.0).ok_or_else(|| match self.velocity.values().first() {
+            Some(velocity) if *velocity > 0.0 => ContactError::LaserTurned,
+            _ => missing(),
+        })?;
+        Ok((time, self.velocity.at(time).ok_or_else(missing)?))
+    }
+}
+
+/// When a place is first at or below `level`, having been above it.
+fn crossing(place: &Series, level: f64) -> Option<f64> {
+    let (time, z) = (place.time(), place.values());
+    let k = (1..place.len()).find(|k| z[k - 1] > level && z[*k] <= level)?;
+    Some(time[k - 1] + (time[k] - time[k - 1]) * (z[k - 1] - level) / (z[k - 1] - z[k]))
+}
+
+/// How far the onset of the force may lie from where the integrated fall has covered the height, s.
+const ONSET_SEARCH: f64 = 0.003;
+/// Stretch around it that is described by fall and onset, s.
+const ONSET_SPAN: [f64; 2] = [-0.05, 0.006];
+
+/// A fall without laser: from rest over the `height` (m), with the sensor's offset as the unknown that closes it.
+///
+/// `acceleration` gives the corrected acceleration (m/s²) from rest on, where the offset is larger by its argument (m/s²) than the
+/// mean of `rest` samples. In each round the onset of the force is looked for near the time at which the fall with the offset of
+/// the rest has covered the height, and the offset becomes the one with which the height is covered exactly then. Returns
+/// contact and offset.
+pub fn by_fall(acceleration: impl Fn(f64) -> Series, height: f64, rest: usize) -> Result<(Contact, f64), ContactError> {
+    let place = |offset: f64| integrate::twice(&acceleration(offset), 0.0, 0.0);
+    let too_high = ContactError::NotSoDeep { height };
+    let place_at = |offset: f64, time: f64| place(offset).at(time).ok_or(too_high);
+    let fallen = crossing(&place(0.0), -height).ok_or(too_high)?;
+    let speed = integrate::once(&acceleration(0.0), 0.0).at(fallen).ok_or(too_high)?;
+    // The place depends on the offset in proportion.
+    let sway = place_at(1.0, fallen)? - place_at(0.0, fallen)?;
+    // Noise moves the mean of the rest, and twice integrated the fall as much again; both in proportion to the noise, whose
+    // square the sum over the onset is measured in.
+    let trust = 0.5 * rest as f64 * (speed / sway).powi(2);
+    let (mut offset, mut presumed) = (0.0, fallen);
+    for round in 1..=MOST_ROUNDS {
+        let corrected = acceleration(offset);
+        let time = onset(&corrected, presumed, |time| trust * (time - fallen).powi(2))?;
+        let (without, with) = (place_at(0.0, time)?, place_at(1.0, time)?);
+        offset = (-height - without) / (with - without);
+        if (time - presumed).abs() <= 1.01 * step(&corrected) {
+            let velocity = integrate::once(&acceleration(offset), 0.0).at(time).ok_or(too_high)?;
+            let speed_from = SpeedFrom::Fall;
+            return Ok((Contact { time, velocity, iterations: round, laser_residual: None, speed_from }, offset));
+        }
+        presumed = time;
+    }
+    Err(ContactError::NotSettled)
+}
+
+/// Mean sample interval, s: the onset is known no better.
+fn step(series: &Series) -> f64 {
+    match series.time() {
+        [first, .., last] => (last - first) / (series.len() - 1) as f64,
+        _ => 0.0,
+    }
+}
+
+/// Where a constant before and a cubic after describe the acceleration around `near` (s) best, in the sum of squares together with
+/// the `penalty` (m²/s⁴) of a time.
+///
+/// The two need not meet: the guide's friction ends with the fall. Between two samples all times are alike; the middle is given.
+fn onset(acceleration: &Series, near: f64, penalty: impl Fn(f64) -> f64) -> Result<f64, ContactError> {
+    let around = acceleration.window(ONSET_SPAN.map(|span| near + span));
+    let (time, a) = (around.time(), around.values());
+    let first = time.partition_point(|t| *t < near - ONSET_SEARCH);
+    let last = time.partition_point(|t| *t <= near + ONSET_SEARCH);
+    let left = |k: &usize| {
+        let before = (0..*k).map(|i| ([1.0], a[i]));
+        let after = (*k..time.len()).map(|i| {
+            let u = (time[i] - time[*k]) / ONSET_SEARCH;
+            ([1.0, u, u * u, u * u * u], a[i])
+        });
+        Some((least_squares(before)?.1 + least_squares(after)?.1 + penalty(time[*k]), *k))
+    };
+    let best = (first.max(1)..last).collect::<Vec<_>>().iter().filter_map(left).min_by(|a, b| a.0.total_cmp(&b.0));
+    let (_, k) = best.filter(|_| time.len() - last >= 4).ok_or(ContactError::NoOnset { near })?;
+    Ok(0.5 * (time[k - 1] + time[k]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP: f64 = 1e-4;
+    const CONTACT: f64 = 0.48317;
+    const NET: f64 = 8.6;
+
+    /// Falls with NET from t = 0; from CONTACT on −9.8 + 400 u + 3000 u² m/s².
+    fn acceleration(t: f64) -> f64 {
+        let u = t - CONTACT;
+        if u < 0.0 { -NET } else { -9.8 + 400.0 * u + 3000.0 * u * u }
+    }
+
+    fn place(t: f64) -> f64 {
+        let u = t - CONTACT;
+        if u < 0.0 {
+            return 0.5 * NET * (CONTACT * CONTACT - t * t);
+        }
+        -NET * CONTACT * u - 4.9 * u * u + 400.0 / 6.0 * u.powi(3) + 250.0 * u.powi(4)
+    }
+
+    fn sampled(f: impl Fn(f64) -> f64) -> Series {
+        let time: Vec<f64> = (0..5500).map(|i| f64::from(i) * STEP).collect();
+        let values: Vec<f64> = time.iter().map(|t| f(*t)).collect();
+        Series::new(time, values)
+    }
+
+    fn laser(t: f64) -> f64 {
+        let place = place(t);
+        if (-0.035..0.015).contains(&place) { place } else { f64::NAN }
+    }
+
+    #[test]
+    fn a_clean_laser_gives_contact_and_speed() {
+        let acceleration = sampled(acceleration);
+        for ideal in [0.2, 0.4515, 0.48, 0.5] {
+            let contact = by_laser(|_| acceleration.clone(), &sampled(laser), 0.0, ideal).unwrap();
+            assert!((contact.time - CONTACT).abs() < 2e-6, "{contact:?}");
+            assert!((contact.velocity + NET * CONTACT).abs() < 1e-3, "{contact:?}");
+            assert!(contact.laser_residual.unwrap() < 1e-6, "{contact:?}");
+        }
+    }
+
+    #[test]
+    fn lasers_that_tell_nothing_are_refused() {
+        let acceleration = sampled(acceleration);
+        let found = |laser: Series| by_laser(|_| acceleration.clone(), &laser, 0.0, 0.45).unwrap_err();
+        assert!(matches!(found(sampled(|_| f64::NAN)), ContactError::LaserNeverOverlaps { .. }));
+        assert_eq!(found(sampled(|t| -laser(t))), ContactError::LaserTurned);
+        assert!(matches!(found(sampled(|t| laser(t) + 0.7)), ContactError::NoCrossing { .. }));
+    }
+
+    #[test]
+    fn a_fall_over_a_known_height_gives_them_too() {
+        let height = 0.5 * NET * CONTACT * CONTACT;
+        for wrong in [0.0, 0.02, -0.03] {
+            let (contact, offset) = by_fall(|offset| sampled(|t| acceleration(t) + wrong - offset), height, 1).unwrap();
+            assert!((contact.time - CONTACT).abs() < STEP, "{contact:?}");
+            assert!((contact.velocity / (-NET * CONTACT) - 1.0).abs() < 5e-4, "{contact:?}");
+            assert!((offset - wrong).abs() < 5e-3, "{offset}");
+        }
+    }
+
+    #[test]
+    fn a_height_that_is_never_covered_is_refused() {
+        let fall = |offset: f64| sampled(|t| acceleration(t) - offset);
+        assert_eq!(by_fall(fall, 9.0, 1), Err(ContactError::NotSoDeep { height: 9.0 }));
+    }
+}

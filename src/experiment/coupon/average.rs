@@ -1,0 +1,121 @@
+//! Means: of figures, of groups of figures, and of curves.
+
+use thiserror::Error;
+
+use super::Curve;
+
+/// Samples of a mean curve; their strain grows with the square of their number, so that the elastic part keeps its own.
+pub const AXIS: usize = 600;
+
+/// Mean, scatter and number of figures that were measured alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    pub mean: f64,
+    /// Standard deviation of the sample (n − 1); zero for a single figure.
+    pub deviation: f64,
+    pub count: usize,
+}
+
+/// Why there is no mean.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum AverageError {
+    #[error("there is nothing to average")]
+    Nothing,
+    #[error("the curves have no strain in common: one begins at {start}, another ends at {end}")]
+    NoCommonStrain { start: f64, end: f64 },
+}
+
+impl Spread {
+    /// The spread of `figures`.
+    pub fn of(figures: &[f64]) -> Result<Spread, AverageError> {
+        if figures.is_empty() {
+            return Err(AverageError::Nothing);
+        }
+        let count = figures.len();
+        let mean = figures.iter().sum::<f64>() / count as f64;
+        let squares: f64 = figures.iter().map(|figure| (figure - mean).powi(2)).sum();
+        let deviation = if count > 1 { (squares / (count - 1) as f64).sqrt() } else { 0.0 };
+        Ok(Spread { mean, deviation, count })
+    }
+
+    /// The mean of the groups' means, with scatter and number of all figures together.
+    pub fn of_groups(groups: &[Vec<f64>]) -> Result<Spread, AverageError> {
+        let all = Spread::of(&groups.concat())?;
+        Ok(Spread { mean: mean_of_means(groups)?, ..all })
+    }
+}
+
+/// The mean of the means of `groups`: every group counts the same, however many figures it has.
+///
+/// So the paper averages: moduli per direction and speed, then per direction (Table 6), energy absorptions per drop
+/// height, then over both (Table 7). What is averaged on is never rounded.
+pub fn mean_of_means(groups: &[Vec<f64>]) -> Result<f64, AverageError> {
+    let means = groups.iter().map(|group| Ok(Spread::of(group)?.mean)).collect::<Result<Vec<_>, _>>()?;
+    Ok(Spread::of(&means)?.mean)
+}
+
+/// How far `measured` is from a `reference`, as a share of the reference (the errors of Table 4).
+pub fn relative_difference(measured: f64, reference: f64) -> f64 {
+    (measured - reference) / reference
+}
+
+/// The mean of `curves` on a common axis of strain: [`AXIS`] samples from the latest beginning to the earliest end.
+pub fn mean_curve(curves: &[Curve]) -> Result<Curve, AverageError> {
+    if curves.is_empty() {
+        return Err(AverageError::Nothing);
+    }
+    let start = curves.iter().map(|curve| curve.range()[0]).fold(f64::NEG_INFINITY, f64::max);
+    let end = curves.iter().map(|curve| curve.range()[1]).fold(f64::INFINITY, f64::min);
+    let none = AverageError::NoCommonStrain { start, end };
+    if start >= end {
+        return Err(none);
+    }
+    let last = AXIS - 1;
+    let place = |i: usize| if i == last { end } else { start + (end - start) * (i as f64 / last as f64).powi(2) };
+    let strain: Vec<f64> = (0..AXIS).map(place).collect();
+    let stress = strain.iter().map(|strain| {
+        let total: Option<f64> = curves.iter().map(|curve| curve.at(*strain)).sum();
+        total.map(|total| total / curves.len() as f64)
+    });
+    let stress = stress.collect::<Option<Vec<f64>>>();
+    stress.and_then(|stress| Curve::new(strain, stress).ok()).ok_or(none)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(slope: f64, [from, to]: [f64; 2], samples: u32) -> Curve {
+        let strain: Vec<f64> = (0..=samples).map(|i| from + (to - from) * f64::from(i) / f64::from(samples)).collect();
+        let stress = strain.iter().map(|strain| slope * strain).collect();
+        Curve::new(strain, stress).unwrap()
+    }
+
+    #[test]
+    fn spread_is_mean_and_deviation_of_a_sample() {
+        let spread = Spread::of(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
+        assert!((spread.mean - 5.0).abs() < 1e-15 && (spread.deviation - (32.0_f64 / 7.0).sqrt()).abs() < 1e-14);
+        assert_eq!(Spread::of(&[3.0]).unwrap().deviation, 0.0);
+        assert_eq!(Spread::of(&[]), Err(AverageError::Nothing));
+    }
+
+    #[test]
+    fn groups_of_unequal_size_count_the_same() {
+        assert_eq!(mean_of_means(&[vec![1.0, 2.0, 3.0], vec![4.0]]), Ok(3.0));
+        assert_eq!(mean_of_means(&[vec![1.0], vec![]]), Err(AverageError::Nothing));
+    }
+
+    #[test]
+    fn curves_meet_on_the_strains_that_they_have_in_common() {
+        let mean = mean_curve(&[line(2.0, [0.0, 1.0], 7), line(4.0, [0.1, 0.8], 300)]).unwrap();
+        assert_eq!(mean.range(), [0.1, 0.8]);
+        assert!(mean.samples().all(|[strain, stress]| (stress - 3.0 * strain).abs() < 1e-12));
+    }
+
+    #[test]
+    fn curves_apart_have_no_mean() {
+        let apart = mean_curve(&[line(1.0, [0.0, 0.4], 4), line(1.0, [0.5, 1.0], 4)]);
+        assert_eq!(apart, Err(AverageError::NoCommonStrain { start: 0.5, end: 0.4 }));
+        assert_eq!(mean_curve(&[]), Err(AverageError::Nothing));
+    }
+}

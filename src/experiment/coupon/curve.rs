@@ -1,0 +1,184 @@
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use crate::signal::resample;
+
+/// How far strain may go back, as a share of its range: what jaws and extensometers do at rest.
+pub const JITTER: f64 = 0.01;
+
+/// Engineering stress over engineering strain of a coupon, or the mean of several. Cheap to clone.
+///
+/// Strain increases from sample to sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    strain: Arc<[f64]>,
+    stress: Arc<[f64]>,
+    merged: usize,
+}
+
+/// Why numbers are no stress–strain curve; samples count from one.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CurveError {
+    #[error("{strain} strains for {stress} stresses")]
+    Lengths { strain: usize, stress: usize },
+    #[error("a curve needs two samples of different strain")]
+    TooShort,
+    #[error("sample {sample} of the curve is not a number")]
+    NotANumber { sample: usize },
+    #[error("strain goes back at sample {sample}: {strain} after {before}")]
+    GoesBack { sample: usize, strain: f64, before: f64 },
+}
+
+impl Curve {
+    /// The curve through samples of `strain` and `stress` (Pa).
+    ///
+    /// Where strain does not increase, neighbouring samples are merged to their mean until it does (the pooling of
+    /// isotonic regression, Barlow et al. 1972), as long as it goes back by no more than [`JITTER`] of its range.
+    pub fn new(strain: Vec<f64>, stress: Vec<f64>) -> Result<Curve, CurveError> {
+        if strain.len() != stress.len() {
+            return Err(CurveError::Lengths { strain: strain.len(), stress: stress.len() });
+        }
+        if let Some(index) = strain.iter().zip(&stress).position(|(e, s)| !(e.is_finite() && s.is_finite())) {
+            return Err(CurveError::NotANumber { sample: index + 1 });
+        }
+        check_forward(&strain)?;
+        let pools = pooled(&strain, &stress);
+        if pools.len() < 2 {
+            return Err(CurveError::TooShort);
+        }
+        let merged = strain.len() - pools.len();
+        let (strain, stress) = pools.iter().map(|pool| (pool.strain, pool.stress)).unzip::<_, _, Vec<_>, Vec<_>>();
+        Ok(Curve { strain: strain.into(), stress: stress.into(), merged })
+    }
+
+    /// Engineering strain, increasing.
+    pub fn strain(&self) -> &[f64] {
+        &self.strain
+    }
+
+    /// Engineering stress, Pa.
+    pub fn stress(&self) -> &[f64] {
+        &self.stress
+    }
+
+    /// How many samples were merged into their neighbours because strain did not increase.
+    pub fn merged(&self) -> usize {
+        self.merged
+    }
+
+    /// Strain and stress, sample by sample.
+    pub fn samples(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.strain.iter().zip(self.stress.iter()).map(|(e, s)| [*e, *s])
+    }
+
+    /// Strains of the first and the last sample.
+    pub fn range(&self) -> [f64; 2] {
+        [self.strain[0], self.strain[self.strain.len() - 1]]
+    }
+
+    /// Stress (Pa) at `strain`, linear between samples; none outside of them.
+    pub fn at(&self, strain: f64) -> Option<f64> {
+        resample::at(&self.strain, &self.stress, strain)
+    }
+
+    /// The samples with `from <= strain <= to`; none where fewer than two are left.
+    pub fn within(&self, [from, to]: [f64; 2]) -> Option<Curve> {
+        let start = self.strain.partition_point(|e| *e < from);
+        let end = self.strain.partition_point(|e| *e <= to).max(start);
+        let (strain, stress) = (self.strain[start..end].into(), self.stress[start..end].into());
+        (end - start >= 2).then_some(Curve { strain, stress, merged: self.merged })
+    }
+
+    /// Resultant stress σ_h = σ·h (N/m) of a membrane of the thickness h (m), sample by sample (equation 3).
+    pub fn resultant(&self, thickness: f64) -> Vec<f64> {
+        self.stress.iter().map(|stress| stress * thickness).collect()
+    }
+
+    /// The curve shifted along strain so that its elastic line goes through the origin: the toe compensation of ASTM
+    /// D882 for slack and seating. `slope` and `intercept` (Pa) are those of the line, see [`super::Modulus`].
+    pub fn toe_compensated(&self, slope: f64, intercept: f64) -> Curve {
+        let toe = -intercept / slope;
+        Curve { strain: self.strain.iter().map(|strain| strain - toe).collect(), ..self.clone() }
+    }
+}
+
+fn check_forward(strain: &[f64]) -> Result<(), CurveError> {
+    let smallest = strain.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = strain.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let most = JITTER * (largest - smallest);
+    let mut before = f64::NEG_INFINITY;
+    for (index, strain) in strain.iter().copied().enumerate() {
+        if strain < before - most {
+            return Err(CurveError::GoesBack { sample: index + 1, strain, before });
+        }
+        before = before.max(strain);
+    }
+    Ok(())
+}
+
+/// The mean of neighbouring samples.
+struct Pool {
+    strain: f64,
+    stress: f64,
+    count: f64,
+}
+
+impl Pool {
+    fn join(&mut self, other: &Pool) {
+        let count = self.count + other.count;
+        let mean = |own: f64, others: f64| (own * self.count + others * other.count) / count;
+        *self = Pool { strain: mean(self.strain, other.strain), stress: mean(self.stress, other.stress), count };
+    }
+}
+
+fn pooled(strain: &[f64], stress: &[f64]) -> Vec<Pool> {
+    let mut pools: Vec<Pool> = Vec::with_capacity(strain.len());
+    for (strain, stress) in strain.iter().copied().zip(stress.iter().copied()) {
+        let mut pool = Pool { strain, stress, count: 1.0 };
+        while let Some(mut last) = pools.pop_if(|last| last.strain >= pool.strain) {
+            last.join(&pool);
+            pool = last;
+        }
+        pools.push(pool);
+    }
+    pools
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jitter_is_merged_to_its_mean_and_counted() {
+        let strain = vec![0.0, 0.501, 0.499, 1.0, 1.0];
+        let curve = Curve::new(strain, vec![0.0, 4.0, 6.0, 9.0, 11.0]).unwrap();
+        assert_eq!((curve.strain(), curve.stress()), ([0.0, 0.5, 1.0].as_slice(), [0.0, 5.0, 10.0].as_slice()));
+        assert_eq!(curve.merged(), 2);
+    }
+
+    #[test]
+    fn what_is_no_curve_is_refused() {
+        for (strain, stress, expected) in [
+            (vec![0.0, 1.0], vec![0.0], "2 strains for 1 stresses"),
+            (vec![0.0, 0.0], vec![0.0, 1.0], "a curve needs two samples of different strain"),
+            (vec![0.0, 1.0], vec![0.0, f64::NAN], "sample 2 of the curve is not a number"),
+            (vec![0.0, 1.0, 0.9], vec![0.0; 3], "strain goes back at sample 3: 0.9 after 1"),
+        ] {
+            assert_eq!(Curve::new(strain, stress).unwrap_err().to_string(), expected);
+        }
+    }
+
+    #[test]
+    fn slack_is_taken_off() {
+        let curve = Curve::new(vec![0.1, 0.2, 0.3], vec![0.0, 5.0, 10.0]).unwrap();
+        let taut = curve.toe_compensated(50.0, -5.0);
+        assert!((taut.at(0.1).unwrap() - 5.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn resultants_are_stress_times_thickness() {
+        let curve = Curve::new(vec![0.26, 0.84], vec![8.4e6, 20e6]).unwrap();
+        assert_eq!(curve.resultant(12e-6), [8.4e6 * 12e-6, 20e6 * 12e-6]);
+    }
+}

@@ -1,0 +1,150 @@
+//! What a recording says about the coupon that was pulled: direction, speed, and whether anything was pulled at all.
+
+use thiserror::Error;
+
+use super::{Direction, DirectionError};
+use crate::units::{UnitError, Velocity};
+
+/// Direction and speed of a test, as far as they are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Label {
+    pub direction: Option<Direction>,
+    /// Speed of the jaws apart, m/s.
+    pub velocity: Option<f64>,
+}
+
+/// Why it stays open how a coupon was pulled.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum LabelError {
+    #[error("the direction of the coupon is not known")]
+    NoDirection,
+    #[error("the speed of the jaws is not known")]
+    NoVelocity,
+    #[error("its name says {name}, its header {header}")]
+    Directions { name: Direction, header: Direction },
+    #[error("its name says {name} m/s, its header {header} m/s")]
+    Velocities { name: f64, header: f64 },
+    #[error("its header: {0}")]
+    Direction(#[from] DirectionError),
+    #[error("its header: {0}")]
+    Velocity(#[from] UnitError),
+}
+
+impl LabelError {
+    /// What to do about it.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            LabelError::NoDirection => {
+                "write `# direction: MD` into its header, name it like md-0.02-1.csv, or give --direction"
+            }
+            LabelError::NoVelocity => {
+                "write `# velocity: 0.02 m/s` into its header, name it like md-0.02-1.csv, or give --velocity"
+            }
+            LabelError::Directions { .. } | LabelError::Velocities { .. } => {
+                "correct one of them, or give it on the command line"
+            }
+            LabelError::Direction(_) => "write `# direction: MD`",
+            LabelError::Velocity(_) => "write `# velocity: 0.02 m/s`",
+        }
+    }
+}
+
+/// Direction and speed (m/s) of a test: what is `given` counts before what the file says, in the lines of its header
+/// (`direction: MD`, `velocity: 0.02 m/s`) or in its name without the ending (`md-0.02-3`: m/s), which must agree.
+pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, f64), LabelError> {
+    let (named, headed) = (named(name), headed(header, given)?);
+    let direction = match (given.direction, named.direction, headed.direction) {
+        (Some(given), _, _) => given,
+        (None, Some(name), Some(header)) if name != header => return Err(LabelError::Directions { name, header }),
+        (None, name, header) => header.or(name).ok_or(LabelError::NoDirection)?,
+    };
+    let velocity = match (given.velocity, named.velocity, headed.velocity) {
+        (Some(given), _, _) => given,
+        (None, Some(name), Some(header)) if !is_same_speed(name, header) => {
+            return Err(LabelError::Velocities { name, header });
+        }
+        (None, name, header) => header.or(name).ok_or(LabelError::NoVelocity)?,
+    };
+    Ok((direction, velocity))
+}
+
+/// Whether the header says that nothing was pulled: one of its lines holds the word `virtual`.
+pub fn is_virtual(header: &[String]) -> bool {
+    let words =
+        |line: &String| line.split(|c: char| !c.is_alphanumeric()).any(|word| word.eq_ignore_ascii_case("virtual"));
+    header.iter().any(words)
+}
+
+/// Whether two speeds differ by no more than the digits of their units.
+pub fn is_same_speed(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+}
+
+fn named(name: &str) -> Label {
+    let mut parts = name.split('-');
+    let direction = parts.next().and_then(|part| part.parse().ok());
+    let velocity = parts.next().and_then(|part| part.parse().ok()).filter(|v: &f64| v.is_finite());
+    Label { direction, velocity: velocity.filter(|_| direction.is_some()) }
+}
+
+/// A line that is overruled is not read.
+fn headed(header: &[String], given: Label) -> Result<Label, LabelError> {
+    let said = |key: &str| {
+        let pairs = header.iter().filter_map(|line| line.trim_start_matches(['#', ' ']).split_once(':'));
+        pairs.filter(|(name, _)| name.trim().eq_ignore_ascii_case(key)).map(|(_, value)| value.trim()).next()
+    };
+    let direction = said("direction").filter(|_| given.direction.is_none()).map(str::parse).transpose()?;
+    let velocity = said("velocity").filter(|_| given.velocity.is_none());
+    let velocity = velocity.map(|text| Velocity::DIMENSION.parse(text)).transpose()?;
+    Ok(Label { direction, velocity })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labelled(name: &str, header: &[&str]) -> Result<(Direction, f64), LabelError> {
+        let header: Vec<String> = header.iter().map(|line| (*line).to_owned()).collect();
+        label(name, &header, Label::default())
+    }
+
+    #[test]
+    fn name_and_header_say_the_same_in_their_own_ways() {
+        for (name, header) in [
+            ("md-0.0002-3", &[][..]),
+            ("sample 7", &["VIRTUAL recording", "direction: md", "velocity: 0.2 mm/s"]),
+            ("MD-x", &["# Velocity: 0.0002 m/s"]),
+        ] {
+            let (direction, velocity) = labelled(name, header).unwrap();
+            assert_eq!(direction, Direction::Md);
+            assert!(is_same_speed(velocity, 2e-4));
+        }
+    }
+
+    #[test]
+    fn what_is_open_or_contradicted_is_refused() {
+        for (name, header, expected) in [
+            ("sample", &[][..], "the direction of the coupon is not known"),
+            ("md", &[], "the speed of the jaws is not known"),
+            ("md-0.02-1", &["direction: TD"], "its name says MD, its header TD"),
+            ("md-0.02-1", &["velocity: 0.2 m/s"], "its name says 0.02 m/s, its header 0.2 m/s"),
+            ("x", &["direction: north"], "its header: `north` is no direction of the film: MD, TD, D3 or D4"),
+            ("md", &["velocity: 3 kg"], "its header: expected a velocity, found \"3 kg\""),
+        ] {
+            assert_eq!(labelled(name, header).unwrap_err().to_string(), expected);
+        }
+    }
+
+    #[test]
+    fn what_is_given_counts_first() {
+        let given = Label { direction: Some(Direction::D3), velocity: Some(1.0) };
+        let header = ["direction: north".to_owned(), "velocity: 3 kg".to_owned()];
+        assert_eq!(label("md-0.02", &header, given), Ok((Direction::D3, 1.0)));
+    }
+
+    #[test]
+    fn virtual_recordings_say_so() {
+        assert!(is_virtual(&["VIRTUAL recording: nothing was pulled".into()]));
+        assert!(!is_virtual(&["virtually nothing was pulled".into()]));
+    }
+}

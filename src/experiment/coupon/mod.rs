@@ -1,0 +1,152 @@
+//! Coupon tests: force over displacement of a film strip, reduced to what a material is described by.
+//!
+//! Equation numbers are those of Hynčík et al., Polymers 2021, 13, 1537.
+
+pub mod average;
+mod curve;
+pub mod label;
+mod machine;
+mod modulus;
+mod recording;
+mod reduction;
+mod rupture;
+pub mod shear;
+mod yield_points;
+
+use thiserror::Error;
+
+use crate::signal::Series;
+
+pub use curve::{Curve, CurveError, JITTER};
+pub use label::{Label, LabelError};
+pub use machine::{Machine, MachineError, Pull};
+pub use modulus::{FEWEST_SAMPLES, Modulus, ModulusError, WINDOW};
+pub use recording::{Reading, Recorded, RecordingError, RecordingFault};
+pub use reduction::{Along, AtSpeed, Direction, DirectionError, Reduction, ReductionError, Rules, Sample, SampleError};
+pub use rupture::{BREAK_SHARE, Ending, Rupture, RuptureError};
+pub use yield_points::{YieldError, YieldPoints, yield_points};
+
+/// A strip of film between two jaws, unstretched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupon {
+    gauge: f64,
+    width: f64,
+    thickness: f64,
+}
+
+/// Why there is no such coupon, or why it has no stress–strain curve.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CouponError {
+    #[error("the {what} of a coupon is a positive length, not {value} m")]
+    NotPositive { what: &'static str, value: f64 },
+    #[error("force and displacement have no common time axis ({force} and {displacement} samples)")]
+    Axes { force: usize, displacement: usize },
+    #[error("the {quantity} was not measured at {time} s")]
+    NotMeasured { quantity: &'static str, time: f64 },
+    #[error(transparent)]
+    Curve(#[from] CurveError),
+}
+
+impl Coupon {
+    /// A coupon of the length l₀ between the jaws, its width w and its thickness h, all in m.
+    pub fn new(gauge: f64, width: f64, thickness: f64) -> Result<Coupon, CouponError> {
+        for (what, value) in [("gauge length", gauge), ("width", width), ("thickness", thickness)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(CouponError::NotPositive { what, value });
+            }
+        }
+        Ok(Coupon { gauge, width, thickness })
+    }
+
+    /// Length l₀ between the jaws, m.
+    pub fn gauge(&self) -> f64 {
+        self.gauge
+    }
+
+    /// Thickness h, m.
+    pub fn thickness(&self) -> f64 {
+        self.thickness
+    }
+
+    /// Cross-section A₀ = h·w, m².
+    pub fn area(&self) -> f64 {
+        self.thickness * self.width
+    }
+
+    /// Engineering stress σ = F/A₀ (Pa) over engineering strain ε = d/l₀ (equation 1).
+    ///
+    /// `force` (N, tension positive) and `displacement` (m, of the jaws apart) share their time axis. Zero is where
+    /// the recording has it: nothing is shifted here (see [`Curve::toe_compensated`]).
+    ///
+    /// # Errors
+    /// Unequal time axes, a sample that was not measured, and what makes no [`Curve`].
+    pub fn curve(&self, force: &Series, displacement: &Series) -> Result<Curve, CouponError> {
+        if force.time() != displacement.time() {
+            return Err(CouponError::Axes { force: force.len(), displacement: displacement.len() });
+        }
+        for (quantity, series) in [("force", force), ("displacement", displacement)] {
+            if let Some([time, _]) = series.samples().find(|[_, value]| !value.is_finite()) {
+                return Err(CouponError::NotMeasured { quantity, time });
+            }
+        }
+        let strain = displacement.values().iter().map(|d| d / self.gauge).collect();
+        let stress = force.values().iter().map(|f| f / self.area()).collect();
+        Ok(Curve::new(strain, stress)?)
+    }
+
+    /// The share √2 L/w of the coupon's force that a square of its film with the side L (m) carries.
+    ///
+    /// The paper supposes a square and does not say how much of the coupon it is; that stress is the same over the
+    /// width is **assumed**.
+    pub fn share_of(&self, side: f64) -> f64 {
+        std::f64::consts::SQRT_2 * side / self.width
+    }
+
+    /// Shear of the film from a `curve` recorded at 45° (D3), by equations 4 to 8, for a square of the `side` L (m).
+    ///
+    /// # Errors
+    /// A side that is no length, and what makes no [`Curve`].
+    pub fn shear(&self, curve: &Curve, side: f64) -> Result<shear::Shear, CouponError> {
+        if !(side.is_finite() && side > 0.0) {
+            return Err(CouponError::NotPositive { what: "side of the square", value: side });
+        }
+        let square = shear::Square { side, thickness: self.thickness };
+        let force = self.area() * self.share_of(side);
+        let forces: Vec<f64> = curve.stress().iter().map(|stress| stress * force).collect();
+        let displacements: Vec<f64> = curve.strain().iter().map(|strain| strain * square.diagonal()).collect();
+        Ok(square.shear(&forces, &displacements)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn coupon() -> Coupon {
+        Coupon::new(5e-3, 10e-3, 12e-6).unwrap()
+    }
+
+    #[test]
+    fn stress_and_strain_are_those_of_equation_1() {
+        let (force, displacement) = (Series::new([0.0, 1.0], [0.0, 1.2]), Series::new([0.0, 1.0], [0.0, 1e-3]));
+        let curve = coupon().curve(&force, &displacement).unwrap();
+        assert!((curve.strain()[1] - 0.2).abs() < 1e-15);
+        assert!((curve.stress()[1] / 10e6 - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn what_is_no_coupon_and_no_recording_of_one_is_refused() {
+        assert_eq!(
+            Coupon::new(5e-3, 10e-3, -12e-6).unwrap_err().to_string(),
+            "the thickness of a coupon is a positive length, not -0.000012 m"
+        );
+        let line = |values: [f64; 3]| Series::new([0.0, 1.0, 2.0], values);
+        let good = line([0.0, 1.0, 2.0]);
+        let gap = coupon().curve(&line([0.0, f64::NAN, 2.0]), &good);
+        assert_eq!(gap, Err(CouponError::NotMeasured { quantity: "force", time: 1.0 }));
+        let short = coupon().curve(&good, &good.window([0.0, 1.0]));
+        assert_eq!(short, Err(CouponError::Axes { force: 3, displacement: 2 }));
+        let back = coupon().curve(&good, &line([0.0, 0.002, 0.001])).unwrap_err().to_string();
+        assert_eq!(back, "strain goes back at sample 3: 0.2 after 0.4");
+    }
+}

@@ -1,0 +1,97 @@
+use thiserror::Error;
+
+use super::Curve;
+
+/// Strains between which the modulus is fitted where nothing else is said: the elastic part of a polyethylene film.
+pub const WINDOW: [f64; 2] = [0.0, 0.04];
+
+/// Fewest samples that a slope is fitted to.
+pub const FEWEST_SAMPLES: usize = 3;
+
+/// The straight line that fits the elastic part of a curve best.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Modulus {
+    /// Young's modulus E, Pa.
+    pub slope: f64,
+    /// Stress of the line at zero strain, Pa: what zero offset or slack leave.
+    pub intercept: f64,
+    /// Samples in the window.
+    pub samples: usize,
+}
+
+/// Why a curve has no modulus.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ModulusError {
+    #[error("{from} to {to} is no window of strain")]
+    Window { from: f64, to: f64 },
+    #[error("{found} samples between the strains {from} and {to}, where a slope needs {FEWEST_SAMPLES}")]
+    TooFew { found: usize, from: f64, to: f64 },
+    #[error("stress does not rise between the strains {from} and {to}")]
+    NotRising { from: f64, to: f64 },
+}
+
+impl Modulus {
+    /// Stress of the line at `strain`, Pa.
+    pub fn stress(&self, strain: f64) -> f64 {
+        self.intercept + self.slope * strain
+    }
+}
+
+impl Curve {
+    /// Young's modulus (equation 2): slope of the least-squares line through the samples with `from <= strain <= to`.
+    ///
+    /// The line need not go through the origin, so that neither a zero offset of the load cell nor slack counts.
+    pub fn modulus(&self, [from, to]: [f64; 2]) -> Result<Modulus, ModulusError> {
+        if !(from.is_finite() && to.is_finite() && from < to) {
+            return Err(ModulusError::Window { from, to });
+        }
+        let inside: Vec<[f64; 2]> = self.samples().filter(|[strain, _]| (from..=to).contains(strain)).collect();
+        if inside.len() < FEWEST_SAMPLES {
+            return Err(ModulusError::TooFew { found: inside.len(), from, to });
+        }
+        let modulus = line(&inside);
+        if modulus.slope > 0.0 { Ok(modulus) } else { Err(ModulusError::NotRising { from, to }) }
+    }
+}
+
+/// Least squares; the points have more than one abscissa.
+fn line(points: &[[f64; 2]]) -> Modulus {
+    let count = points.len() as f64;
+    let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
+    let [x, y] = [mean(0), mean(1)];
+    let moment: f64 = points.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
+    let spread: f64 = points.iter().map(|point| (point[0] - x).powi(2)).sum();
+    let slope = moment / spread;
+    Modulus { slope, intercept: y - slope * x, samples: points.len() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bent(offset: f64) -> Curve {
+        let strain: Vec<f64> = (0..=100).map(|i| 0.001 * f64::from(i)).collect();
+        let stress = strain.iter().map(|e| offset + 50e6 * e.min(0.04) + 20e6 * (e - 0.04).max(0.0)).collect();
+        Curve::new(strain, stress).unwrap()
+    }
+
+    #[test]
+    fn it_is_the_slope_of_the_elastic_part_whatever_the_zero() {
+        for offset in [0.0, 0.3e6, -1e6] {
+            let modulus = bent(offset).modulus(WINDOW).unwrap();
+            assert!((modulus.slope / 50e6 - 1.0).abs() < 1e-9, "{modulus:?}");
+            assert!((modulus.intercept - offset).abs() < 1.0, "{modulus:?}");
+        }
+        let beyond = bent(0.0).modulus([0.05, 0.1]).unwrap();
+        assert!((beyond.slope / 20e6 - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn windows_without_a_slope_are_refused() {
+        let too_few = ModulusError::TooFew { found: 2, from: 0.0, to: 0.0015 };
+        assert_eq!(bent(0.0).modulus([0.0, 0.0015]), Err(too_few));
+        assert_eq!(bent(0.0).modulus([0.1, 0.0]), Err(ModulusError::Window { from: 0.1, to: 0.0 }));
+        let slack = Curve::new(vec![0.0, 0.01, 0.02], vec![0.0; 3]).unwrap();
+        assert_eq!(slack.modulus(WINDOW), Err(ModulusError::NotRising { from: 0.0, to: 0.04 }));
+    }
+}

@@ -1,0 +1,164 @@
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::label::{self, Label, LabelError};
+use super::{Coupon, CouponError, Rules, Sample, SampleError};
+use crate::signal::file::{self, Wanted};
+use crate::signal::{ChannelError, Measurement, QuantityError};
+use crate::units::{Force, Length};
+
+/// How recordings of coupons are read.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    pub coupon: Coupon,
+    pub rules: Rules,
+    /// What counts before what the files say.
+    pub given: Label,
+    /// Name of the channel of force.
+    pub force: String,
+    /// Name of the channel of displacement.
+    pub displacement: String,
+    /// What the tables leave open.
+    pub table: Wanted,
+}
+
+/// A coupon's recording, read and reduced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recorded {
+    pub path: PathBuf,
+    pub sample: Sample,
+    /// Whether the file says that nothing was pulled.
+    pub is_virtual: bool,
+    /// Samples that were merged because the displacement did not increase.
+    pub merged: usize,
+}
+
+/// Why a file is no recording of a coupon.
+#[derive(Debug, Error)]
+pub enum RecordingError {
+    #[error(transparent)]
+    Read(#[from] file::ReadError),
+    #[error("{}: {fault}", path.display())]
+    Content { path: PathBuf, fault: Box<RecordingFault> },
+}
+
+/// What is wrong with a recording that could be read.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RecordingFault {
+    #[error(transparent)]
+    Channel(#[from] ChannelError),
+    #[error(transparent)]
+    Quantity(#[from] QuantityError),
+    #[error(transparent)]
+    Label(#[from] LabelError),
+    #[error(transparent)]
+    Coupon(#[from] CouponError),
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+}
+
+impl RecordingError {
+    /// What to do about it, where that can be said.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            RecordingError::Read(error) => error.hint(),
+            RecordingError::Content { fault, .. } => fault.hint(),
+        }
+    }
+}
+
+impl RecordingFault {
+    fn hint(&self) -> Option<String> {
+        match self {
+            RecordingFault::Channel(error) => error.hint(),
+            RecordingFault::Quantity(QuantityError::NoUnit { name, wanted }) => {
+                Some(format!("write its unit into the header, e.g. `{name} [{}]`", wanted.unit))
+            }
+            RecordingFault::Label(error) => Some(error.hint().into()),
+            _ => None,
+        }
+    }
+}
+
+impl Reading {
+    /// With the channels `force` and `displacement`, and nothing else said.
+    pub fn new(coupon: Coupon, rules: Rules) -> Reading {
+        let (force, displacement) = ("force".into(), "displacement".into());
+        Reading { coupon, rules, given: Label::default(), force, displacement, table: Wanted::default() }
+    }
+
+    /// Reads the recording at `path` and reduces it; see [`label::label`] for how its direction and speed are found.
+    pub fn read(&self, path: &Path) -> Result<Recorded, RecordingError> {
+        let measurement = file::read(path, &self.table)?;
+        let content = self.reduce(path, &measurement);
+        content.map_err(|fault| RecordingError::Content { path: path.into(), fault: Box::new(fault) })
+    }
+
+    fn reduce(&self, path: &Path, measurement: &Measurement) -> Result<Recorded, RecordingFault> {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let (direction, velocity) = label::label(&name, &measurement.notes, self.given)?;
+        let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION)?;
+        let displacement = measurement.channel(&self.displacement)?.quantity(Length::DIMENSION)?;
+        let curve = self.coupon.curve(force, displacement)?;
+        let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
+        let is_virtual = label::is_virtual(&measurement.notes);
+        Ok(Recorded { path: path.into(), sample, is_virtual, merged: curve.merged() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::coupon::Direction;
+
+    fn read(name: &str, text: &str) -> Result<Recorded, RecordingError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
+        Reading::new(coupon, Rules { window: [0.0, 0.2], ..Rules::default() }).read(&path)
+    }
+
+    const ROWS: &str = "0,0,0\n1,0.4,0.5\n2,0.8,1\n3,4,2\n4,4.1,0\n";
+
+    #[test]
+    fn units_are_those_of_the_header() {
+        let text = format!("# virtual\ntime [s],displacement [mm],force [N]\n{ROWS}");
+        let recorded = read("td-0.02-1.csv", &text).unwrap();
+        assert_eq!((recorded.sample.direction, recorded.sample.velocity), (Direction::Td, 0.02));
+        assert!((recorded.sample.rupture.strain - 0.8).abs() < 1e-12 && recorded.is_virtual);
+        assert!((recorded.sample.modulus.slope / (1.0 / 1.2e-7 / 0.16) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_the_file() {
+        for (name, text, expected) in [
+            (
+                "x.csv",
+                format!("time_s,displacement_m,force_N\n{ROWS}"),
+                "x.csv: the direction of the coupon is not known",
+            ),
+            ("md-0.02.csv", format!("time_s,displacement_m,load_N\n{ROWS}"), "md-0.02.csv: no channel `force`"),
+            ("md-0.02.csv", format!("time_s,displacement_m,force_mm\n{ROWS}"), "md-0.02.csv: `force` is in mm"),
+            (
+                "md-0.02.csv",
+                format!("time_s,displacement_m,force\n{ROWS}"),
+                "md-0.02.csv: the unit of `force` is not known",
+            ),
+            (
+                "md-0.02.csv",
+                "time_s,displacement_m,force_N\n0,0,0\n1,1,\n".into(),
+                "md-0.02.csv: the force was not measured at 1 s",
+            ),
+            (
+                "md-0.02.csv",
+                "time_s,displacement_m,force_N\n0,0,0\n1,1,1\n".into(),
+                "md-0.02.csv: 1 samples between the strains",
+            ),
+        ] {
+            let error = read(name, &text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text:?} gave: {error}");
+        }
+    }
+}

@@ -1,0 +1,96 @@
+use thiserror::Error;
+
+use super::Curve;
+
+/// Share of the largest force below which a coupon counts as broken, where nothing else is said.
+pub const BREAK_SHARE: f64 = 0.5;
+
+/// How and where a coupon's curve ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rupture {
+    /// Break elongation: engineering strain of the last sample before the force collapsed.
+    pub strain: f64,
+    /// Engineering stress there, Pa.
+    pub stress: f64,
+    /// Tensile strength: the largest engineering stress, Pa.
+    pub strength: f64,
+    pub ending: Ending,
+}
+
+/// What ended a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The force fell below the share of its largest value.
+    Broke,
+    /// The recording ended under load.
+    RecordEnded,
+}
+
+/// Why a curve has no break.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RuptureError {
+    #[error("the share of the largest force at which a coupon is broken lies between 0 and 1, not at {share}")]
+    Share { share: f64 },
+    #[error("the force never rises: its largest value is the first")]
+    NeverRises,
+}
+
+impl Curve {
+    /// Where the coupon broke: from the first sample after the largest force that lies below `share` of it, back to
+    /// where that fall began; the end of the record where there is none.
+    pub fn rupture(&self, share: f64) -> Result<Rupture, RuptureError> {
+        if !(share > 0.0 && share < 1.0) {
+            return Err(RuptureError::Share { share });
+        }
+        let stress = self.stress();
+        let peak = (0..stress.len()).max_by(|a, b| stress[*a].total_cmp(&stress[*b])).unwrap_or(0);
+        if peak == 0 || stress[peak] <= 0.0 {
+            return Err(RuptureError::NeverRises);
+        }
+        let collapsed = (peak..stress.len()).find(|i| stress[*i] < share * stress[peak]);
+        let (last, ending) = match collapsed {
+            Some(index) => (start_of_fall(stress, index), Ending::Broke),
+            None => (stress.len() - 1, Ending::RecordEnded),
+        };
+        Ok(Rupture { strain: self.strain()[last], stress: stress[last], strength: stress[peak], ending })
+    }
+}
+
+fn start_of_fall(stress: &[f64], from: usize) -> usize {
+    (1..=from).rev().find(|i| stress[i - 1] <= stress[*i]).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(stress: &[f64]) -> Curve {
+        Curve::new((0..stress.len()).map(|i| 0.1 * i as f64).collect(), stress.to_vec()).unwrap()
+    }
+
+    #[test]
+    fn it_is_where_the_fall_of_the_force_begins() {
+        let rupture = curve(&[0.0, 5.0, 9.0, 10.0, 6.0, 3.0, 0.1]).rupture(BREAK_SHARE).unwrap();
+        assert_eq!((rupture.stress, rupture.strength, rupture.ending), (10.0, 10.0, Ending::Broke));
+        assert!((rupture.strain - 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_yield_drop_is_no_break() {
+        let rupture = curve(&[0.0, 10.0, 7.0, 7.5, 9.0, 0.2]).rupture(BREAK_SHARE).unwrap();
+        assert_eq!((rupture.stress, rupture.strength), (9.0, 10.0));
+    }
+
+    #[test]
+    fn a_record_may_end_before() {
+        let rupture = curve(&[0.0, 5.0, 9.0]).rupture(BREAK_SHARE).unwrap();
+        assert_eq!((rupture.stress, rupture.ending), (9.0, Ending::RecordEnded));
+    }
+
+    #[test]
+    fn a_force_that_never_rises_is_refused() {
+        assert_eq!(curve(&[3.0, 2.0, 1.0]).rupture(BREAK_SHARE), Err(RuptureError::NeverRises));
+        assert_eq!(curve(&[-3.0, -2.0, -1.0]).rupture(BREAK_SHARE), Err(RuptureError::NeverRises));
+        assert_eq!(curve(&[0.0, 1.0]).rupture(1.5), Err(RuptureError::Share { share: 1.5 }));
+    }
+}

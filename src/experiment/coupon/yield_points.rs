@@ -1,0 +1,273 @@
+use nalgebra::{SMatrix, SVector};
+use thiserror::Error;
+
+use super::{Curve, ModulusError};
+
+/// Fewest samples that a broken line is fitted to.
+const FEWEST_SAMPLES: usize = 20;
+
+/// A bend counts where it brings the broken line nearer to the curve by this factor at least.
+const GAIN: f64 = 0.75;
+
+/// What straight lines may be off by as a share of the largest stress and still be the curve itself.
+const EXACT: f64 = 1e-7;
+
+/// Places that are tried for a bend before the best are refined.
+const PLACES: usize = 40;
+
+/// Refinements of the best places; each leaves two thirds of the step.
+const REFINEMENTS: usize = 50;
+
+/// The double yield point of a curve: where straight pieces that fit it best meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct YieldPoints {
+    /// Strain and stress (Pa) of the first yield point.
+    pub first: [f64; 2],
+    /// Strain and stress (Pa) of the second yield point.
+    pub second: [f64; 2],
+    /// Slopes of the three pieces, Pa.
+    pub slopes: [f64; 3],
+    /// Root mean square distance of curve and broken line, Pa.
+    pub residual: f64,
+}
+
+/// Why a curve has no double yield point.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum YieldError {
+    #[error("the elastic line that the yield points are sought beyond: {0}")]
+    Elastic(#[from] ModulusError),
+    #[error("{found} samples beyond the elastic part, where yield points need {FEWEST_SAMPLES}")]
+    TooFew { found: usize },
+    #[error("the curve has no yield point: beyond the elastic part it is one straight line")]
+    None,
+    #[error("the curve has no second yield point: one bend, at the strain {at:.3}, describes it as well as two")]
+    OnlyOne { at: f64 },
+}
+
+/// The yield points of `curve`: the two bends of the continuous line of three straight pieces that fits it best.
+///
+/// The line begins where the elastic line ends, which is fitted in the window `elastic` (see [`Curve::modulus`]), so a
+/// steep elastic part does not draw the first yield point to itself. It ends with the curve. Best is the least square
+/// of the distance in stress, each sample weighted by its stretch of strain, so that dense sampling counts no more.
+///
+/// # Errors
+/// No elastic line, too few samples, and a curve that one bend describes as well: two must lower the root mean square
+/// distance to three quarters.
+pub fn yield_points(curve: &Curve, elastic: [f64; 2]) -> Result<YieldPoints, YieldError> {
+    let line = curve.modulus(elastic)?;
+    let start = [elastic[1], line.stress(elastic[1])];
+    let scatter = Scatter::beyond(curve, start)?;
+    let (straight, one, two) = (scatter.straight(), scatter.bent_once(), scatter.bent_twice());
+    let exact = EXACT * curve.stress().iter().fold(0.0, |largest: f64, stress| largest.max(stress.abs()));
+    if one.residual > GAIN * straight.residual || straight.residual <= exact {
+        return Err(YieldError::None);
+    }
+    if two.residual > GAIN * one.residual || one.residual <= exact {
+        return Err(YieldError::OnlyOne { at: start[0] + one.bends[0] });
+    }
+    let [first, second] = two.bends;
+    let [rise, further] = [two.slopes[0] * first, two.slopes[1] * (second - first)];
+    let point = |strain: f64, stress: f64| [start[0] + strain, start[1] + stress];
+    let (first, second) = (point(first, rise), point(second, rise + further));
+    Ok(YieldPoints { first, second, slopes: two.slopes, residual: two.residual })
+}
+
+/// The samples of a curve beyond a point, counted from it.
+struct Scatter {
+    samples: Vec<[f64; 2]>,
+    /// Stretch of strain that each sample stands for.
+    weights: Vec<f64>,
+    end: f64,
+}
+
+/// A line of `P` pieces with `B` bends.
+#[derive(Clone, Copy)]
+struct Broken<const P: usize, const B: usize> {
+    bends: [f64; B],
+    slopes: [f64; P],
+    /// Root mean square distance.
+    residual: f64,
+}
+
+impl Scatter {
+    fn beyond(curve: &Curve, [strain, stress]: [f64; 2]) -> Result<Scatter, YieldError> {
+        let samples = curve.samples().map(|[e, s]| [e - strain, s - stress]).filter(|[e, _]| *e > 0.0);
+        let samples: Vec<[f64; 2]> = samples.collect();
+        if samples.len() < FEWEST_SAMPLES {
+            return Err(YieldError::TooFew { found: samples.len() });
+        }
+        let end = samples[samples.len() - 1][0];
+        let place = |i: usize| samples[i][0];
+        let weight = |i: usize| {
+            let before = if i == 0 { 0.0 } else { place(i - 1) };
+            0.5 * (place((i + 1).min(samples.len() - 1)) - before)
+        };
+        let weights = (0..samples.len()).map(weight).collect();
+        Ok(Scatter { weights, samples, end })
+    }
+
+    fn straight(&self) -> Broken<1, 0> {
+        self.fit([])
+    }
+
+    fn bent_once(&self) -> Broken<2, 1> {
+        let tried = self.places().map(|bend| self.fit([bend]));
+        let offsets = OFFSETS.map(|offset| [offset]);
+        self.refined(best(tried), &offsets)
+    }
+
+    fn bent_twice(&self) -> Broken<3, 2> {
+        let pairs = self.places().flat_map(|first| self.places().map(move |second| [first, second]));
+        let tried = pairs.filter(|[first, second]| first < second).map(|bends| self.fit(bends));
+        let offsets: Vec<[f64; 2]> = OFFSETS.iter().flat_map(|a| OFFSETS.map(|b| [*a, b])).collect();
+        self.refined(best(tried), &offsets)
+    }
+
+    /// Denser near the start, where curves bend.
+    fn places(&self) -> impl Iterator<Item = f64> + '_ {
+        (1..PLACES).map(|i| self.end * (i as f64 / PLACES as f64).powi(2))
+    }
+
+    /// The best line around `from`, with ever smaller steps.
+    fn refined<const P: usize, const B: usize>(&self, from: Broken<P, B>, offsets: &[[f64; B]]) -> Broken<P, B> {
+        let (mut found, mut step) = (from, self.end / PLACES as f64);
+        for _ in 0..REFINEMENTS {
+            let moved = offsets.iter().map(|offset| std::array::from_fn(|i| found.bends[i] + step * offset[i]));
+            let inside = moved.filter(|bends: &[f64; B]| self.are_bends(bends));
+            found = best(inside.map(|bends| self.fit(bends)).chain([found]));
+            step *= 2.0 / 3.0;
+        }
+        found
+    }
+
+    fn are_bends(&self, bends: &[f64]) -> bool {
+        bends.first().is_some_and(|first| *first > 0.0)
+            && bends.windows(2).all(|pair| pair[0] < pair[1])
+            && bends.last().is_some_and(|last| *last < self.end)
+    }
+
+    /// The slopes between `bends` that fit best; an infinite distance where the samples do not determine them.
+    fn fit<const P: usize, const B: usize>(&self, bends: [f64; B]) -> Broken<P, B> {
+        let (mut matrix, mut right) = (SMatrix::<f64, P, P>::zeros(), SVector::<f64, P>::zeros());
+        for ([strain, stress], weight) in self.samples.iter().zip(&self.weights) {
+            let lengths = lengths::<P, B>(*strain, &bends);
+            for row in 0..P {
+                right[row] += weight * lengths[row] * stress;
+                for column in 0..P {
+                    matrix[(row, column)] += weight * lengths[row] * lengths[column];
+                }
+            }
+        }
+        let Some(factors) = matrix.cholesky() else {
+            return Broken { bends, slopes: [0.0; P], residual: f64::INFINITY };
+        };
+        let slopes = factors.solve(&right);
+        let square = |([strain, stress], weight): (&[f64; 2], &f64)| {
+            let lengths = lengths::<P, B>(*strain, &bends);
+            let line: f64 = (0..P).map(|piece| slopes[piece] * lengths[piece]).sum();
+            weight * (stress - line).powi(2)
+        };
+        let total: f64 = self.samples.iter().zip(&self.weights).map(square).sum();
+        Broken { bends, slopes: slopes.into(), residual: (total / self.end).sqrt() }
+    }
+}
+
+/// Steps around a place while it is refined.
+const OFFSETS: [f64; 3] = [-1.0, 0.0, 1.0];
+
+/// How much of each piece lies below `strain`.
+fn lengths<const P: usize, const B: usize>(strain: f64, bends: &[f64; B]) -> [f64; P] {
+    let mut lengths = [0.0; P];
+    let mut from = 0.0;
+    for (piece, length) in lengths.iter_mut().enumerate() {
+        let to = if piece < B { bends[piece] } else { strain };
+        *length = (strain.min(to) - from).max(0.0);
+        from = to;
+    }
+    lengths
+}
+
+/// The nearest of the lines, of which there is at least one; the first of several.
+fn best<const P: usize, const B: usize>(lines: impl Iterator<Item = Broken<P, B>>) -> Broken<P, B> {
+    let none = Broken { bends: [0.0; B], slopes: [0.0; P], residual: f64::INFINITY };
+    lines.fold(none, |best, line| if line.residual < best.residual { line } else { best })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MD: [[f64; 2]; 3] = [[0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]];
+    const TD: [[f64; 2]; 3] = [[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]];
+    const ELASTIC: [f64; 2] = [0.0, 0.04];
+
+    fn sampled(points: &[[f64; 2]], count: u32, noise: impl Fn(u32) -> f64) -> Curve {
+        let nodes: (Vec<f64>, Vec<f64>) = [[0.0, 0.0]].iter().chain(points).map(|p| (p[0], p[1])).unzip();
+        let line = Curve::new(nodes.0, nodes.1).unwrap();
+        let end = line.range()[1];
+        let strain: Vec<f64> = (0..=count).map(|i| (end * f64::from(i) / f64::from(count)).min(end)).collect();
+        let stress = strain.iter().zip(0..).map(|(e, i)| line.at(*e).unwrap() + noise(i)).collect();
+        Curve::new(strain, stress).unwrap()
+    }
+
+    fn assert_near(found: [f64; 2], expected: [f64; 2], tolerance: f64) {
+        let off = (0..2).map(|i| (found[i] / expected[i] - 1.0).abs()).fold(0.0, f64::max);
+        assert!(off < tolerance, "{found:?} is off {expected:?} by {off}");
+    }
+
+    #[test]
+    fn the_corners_of_a_polyline_are_found() {
+        for points in [MD, TD] {
+            let found = yield_points(&sampled(&points, 700, |_| 0.0), ELASTIC).unwrap();
+            assert_near(found.first, points[0], 1e-6);
+            assert_near(found.second, points[1], 1e-6);
+            assert!(found.residual < 1.0, "{found:?}");
+        }
+    }
+
+    /// As noise, a fixed sequence that no straight piece can follow.
+    fn noise(i: u32) -> f64 {
+        50e3 * (f64::from(i) * 12.9898).sin() * if i.is_multiple_of(3) { 1.0 } else { -0.7 }
+    }
+
+    #[test]
+    fn noise_moves_them_little() {
+        for points in [MD, TD] {
+            let found = yield_points(&sampled(&points, 700, noise), ELASTIC).unwrap();
+            assert_near(found.first, points[0], 0.05);
+            assert_near(found.second, points[1], 0.05);
+        }
+    }
+
+    #[test]
+    fn a_steeper_elastic_part_does_not_draw_the_first_one_to_itself() {
+        for modulus in [30e6, 53e6, 75e6] {
+            let points = [&[[0.04, 0.04 * modulus]], TD.as_slice()].concat();
+            let found = yield_points(&sampled(&points, 1402, |_| 0.0), ELASTIC).unwrap();
+            assert_near(found.first, TD[0], 1e-3);
+            assert_near(found.second, TD[1], 1e-3);
+        }
+    }
+
+    #[test]
+    fn dense_sampling_counts_no_more() {
+        let even = sampled(&TD, 500, |_| 0.0);
+        let strain: Vec<f64> = (0..=500).map(|i| 7.01 * (f64::from(i) / 500.0).powi(2)).collect();
+        let stress = strain.iter().map(|e| even.at(*e).unwrap()).collect();
+        let found = yield_points(&Curve::new(strain, stress).unwrap(), ELASTIC).unwrap();
+        assert_near(found.first, TD[0], 0.02);
+        assert_near(found.second, TD[1], 0.02);
+    }
+
+    #[test]
+    fn curves_without_two_bends_are_refused() {
+        for noise in [|_| 0.0, noise] {
+            let straight = yield_points(&sampled(&[[1.0, 30e6]], 400, noise), ELASTIC);
+            assert_eq!(straight, Err(YieldError::None));
+            let bent = yield_points(&sampled(&[[0.3, 8e6], [1.4, 20e6]], 400, noise), ELASTIC);
+            assert!(matches!(bent, Err(YieldError::OnlyOne { at }) if (at - 0.3).abs() < 0.01), "{bent:?}");
+        }
+        let short = sampled(&MD, 15, |_| 0.0);
+        assert!(matches!(yield_points(&short, [0.0, 0.2]), Err(YieldError::TooFew { found: 13 })));
+    }
+}

@@ -1,0 +1,128 @@
+//! Which channels of a recording are the accelerometer and the laser.
+
+use thiserror::Error;
+
+use crate::signal::{ChannelError, Measured, Measurement, QuantityError, Series};
+use crate::units::{Acceleration, Dimension, Length};
+
+/// Channels as the user names them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Names {
+    /// The accelerometer; the only channel that is an acceleration where none is named.
+    pub acceleration: Option<String>,
+    /// The laser; the only channel that is a length where none is named.
+    pub laser: Option<String>,
+}
+
+/// What the sensors on a drop tower read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensed {
+    /// m/s².
+    pub acceleration: Series,
+    /// The channel frequency class that the acceleration went through before, as its file says.
+    pub class: Option<f64>,
+    /// m; none where the recording has no laser.
+    pub laser: Option<Series>,
+}
+
+/// Why a recording has no such channels.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SensedError {
+    #[error(transparent)]
+    Channel(#[from] ChannelError),
+    #[error(transparent)]
+    Quantity(#[from] QuantityError),
+    #[error("none of the channels {} is an acceleration", listed(names))]
+    NoAcceleration { names: Vec<String> },
+    #[error("the channels {} are each {}: name one", listed(names), dimension.name)]
+    Several { dimension: Dimension, names: Vec<String> },
+}
+
+fn listed(names: &[String]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+impl Sensed {
+    /// The channels of `measurement` that are named, or the only ones of their kind.
+    pub fn find(measurement: &Measurement, names: &Names) -> Result<Sensed, SensedError> {
+        let acceleration = sought(measurement, names.acceleration.as_deref(), Acceleration::DIMENSION)?;
+        let acceleration = acceleration.ok_or_else(|| {
+            let names = measurement.channels.iter().map(|channel| channel.name.clone()).collect();
+            SensedError::NoAcceleration { names }
+        })?;
+        let laser = sought(measurement, names.laser.as_deref(), Length::DIMENSION)?;
+        Ok(Sensed {
+            acceleration: acceleration.series.clone(),
+            class: acceleration.filtered,
+            laser: laser.map(|channel| channel.series.clone()),
+        })
+    }
+
+    /// The class that the acceleration is still to be filtered with where `class` is asked for: a filter is used once.
+    pub fn class_to_apply(&self, class: Option<f64>) -> Option<f64> {
+        class.filter(|_| self.class.is_none())
+    }
+}
+
+fn sought<'a>(
+    measurement: &'a Measurement,
+    name: Option<&str>,
+    dimension: Dimension,
+) -> Result<Option<&'a Measured>, SensedError> {
+    if let Some(name) = name {
+        let channel = measurement.channel(name)?;
+        channel.quantity(dimension)?;
+        return Ok(Some(channel));
+    }
+    let is_one = |channel: &&Measured| channel.quantity(dimension).is_ok();
+    let found: Vec<&Measured> = measurement.channels.iter().filter(is_one).collect();
+    match found[..] {
+        [] => Ok(None),
+        [only] => Ok(Some(only)),
+        _ => Err(SensedError::Several { dimension, names: found.iter().map(|channel| channel.name.clone()).collect() }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Unit;
+
+    fn measurement(channels: &[(&str, &str)]) -> Measurement {
+        let channel = |(name, unit): &(&str, &str)| Measured {
+            name: (*name).into(),
+            label: (*name).into(),
+            filtered: None,
+            unit: Unit::parse(unit).ok().filter(|_| !unit.is_empty()),
+            series: Series::new(vec![0.0], vec![name.len() as f64]),
+        };
+        Measurement { channels: channels.iter().map(channel).collect(), notes: Vec::new() }
+    }
+
+    #[test]
+    fn what_there_is_only_one_of_needs_no_name() {
+        let both = measurement(&[("force", "N"), ("accel", "g"), ("laser head", "mm")]);
+        let found = Sensed::find(&both, &Names::default()).unwrap();
+        assert_eq!((found.acceleration.values()[0], found.laser.unwrap().values()[0]), (5.0, 10.0));
+        let alone = measurement(&[("accel", "g")]);
+        assert_eq!(Sensed::find(&alone, &Names::default()).unwrap().laser, None);
+    }
+
+    #[test]
+    fn names_decide_and_mistakes_are_said() {
+        let two = measurement(&[("a1", "g"), ("head", "m/s2"), ("force", "N"), ("volts", "")]);
+        let named = |name: &str| Names { acceleration: Some(name.into()), laser: None };
+        assert_eq!(Sensed::find(&two, &named("head")).unwrap().acceleration.values(), [4.0]);
+        for (names, expected) in [
+            (Names::default(), "the channels `a1`, `head` are each an acceleration: name one"),
+            (named("haed"), "no channel `haed` among"),
+            (named("force"), "`force` is in N, which is not an acceleration"),
+            (named("volts"), "the unit of `volts` is not known"),
+        ] {
+            let error = Sensed::find(&two, &names).unwrap_err().to_string();
+            assert!(error.starts_with(expected), "{error}");
+        }
+        let none = Sensed::find(&measurement(&[("force", "N")]), &Names::default()).unwrap_err();
+        assert_eq!(none.to_string(), "none of the channels `force` is an acceleration");
+    }
+}

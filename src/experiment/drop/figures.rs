@@ -1,0 +1,68 @@
+//! What a reduced drop comes down to.
+
+use serde::Serialize;
+
+use super::Drop;
+use crate::experiment::contact::SpeedFrom;
+use crate::signal::Series;
+use crate::signal::csv::clean_time;
+
+/// Figures of a drop; times of peaks count from contact.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// On the recording's clock.
+    pub contact_time_s: f64,
+    /// Speed at contact, downward.
+    pub impact_velocity_m_s: f64,
+    /// Of the ideal fall √(2gH).
+    pub ideal_velocity_m_s: f64,
+    /// Largest filtered acceleration.
+    pub peak_acceleration_m_s2: Option<f64>,
+    pub time_of_peak_acceleration_s: Option<f64>,
+    /// Largest travel below first contact; negative.
+    pub peak_displacement_m: Option<f64>,
+    pub time_of_peak_displacement_s: Option<f64>,
+    /// D of the paper's equation 11; none where the impactor did not turn round.
+    pub energy_absorption: Option<f64>,
+    /// Largest deviation of the total energy (equation 10) from its first value, over that.
+    pub total_energy_drift: f64,
+    /// Rounds of the contact search.
+    pub iterations: u32,
+    /// Root mean square distance of matched motion and laser; none without a laser.
+    pub laser_residual_m: Option<f64>,
+    pub speed_from: SpeedFrom,
+    /// Of the correction by coupling; none with the ramp.
+    pub time_constant_s: Option<f64>,
+    /// Of the correction by the gravity ramp; none with coupling.
+    pub ramp_duration_s: Option<f64>,
+    /// What the sensor reads at rest.
+    pub offset_m_s2: f64,
+    pub notes: Vec<String>,
+}
+
+impl Drop {
+    /// The figures of this drop.
+    pub fn figures(&self) -> Figures {
+        let channel = |name| self.signals.series(name).unwrap_or_else(|| Series::new([], []));
+        let peak = channel("acceleration_filtered_m_s2").largest();
+        let deepest = channel("displacement_m").smallest();
+        Figures {
+            contact_time_s: self.contact.time,
+            impact_velocity_m_s: -self.contact.velocity,
+            ideal_velocity_m_s: self.ideal_speed,
+            peak_acceleration_m_s2: peak.map(|[_, value]| value),
+            time_of_peak_acceleration_s: peak.map(|[time, _]| clean_time(time)),
+            peak_displacement_m: deepest.map(|[_, value]| value),
+            time_of_peak_displacement_s: deepest.map(|[time, _]| clean_time(time)),
+            energy_absorption: self.energy_absorption,
+            total_energy_drift: self.total_energy_drift,
+            iterations: self.contact.iterations,
+            laser_residual_m: self.contact.laser_residual,
+            speed_from: self.contact.speed_from,
+            time_constant_s: self.time_constant,
+            ramp_duration_s: self.ramp.map(|ramp| ramp.duration),
+            offset_m_s2: self.offset,
+            notes: self.notes.clone(),
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Drops whose truth is known, and recordings that are none.
+
+use super::*;
+use crate::experiment::sensor::{Accelerometer, Fall, Sensors, virtual_drop};
+use crate::signal::integrate;
+
+const GRAVITY: f64 = 9.81;
+const BODY: Body = Body { mass: 10.72, gravity: GRAVITY };
+const TOWER: Tower = Tower { body: BODY, height: Height::Known(1.5) };
+const SPEED: f64 = 4.94;
+const SEEDS: u64 = 8;
+
+/// A film that hardens under load, F/M = 300 d + 9000 d² (SI), and lets go of its force ten times as fast on the way back.
+fn impact() -> [Series; 2] {
+    let (substeps, step) = (100, 1e-6);
+    let loaded = |depth: f64| 300.0 * depth + 9000.0 * depth * depth;
+    let (mut place, mut velocity, mut deepest) = (0.0_f64, -SPEED, 0.0_f64);
+    let (mut time, mut accelerations, mut places) = (vec![], vec![], vec![]);
+    for i in 0..=1200 * substeps {
+        deepest = deepest.max(-place);
+        let force = (loaded(deepest) * (1.0 - 10.0 * (1.0 + place / deepest.max(1e-9)))).max(0.0);
+        let acceleration = force - GRAVITY;
+        if i % substeps == 0 {
+            time.push(f64::from(i) * step);
+            accelerations.push(acceleration);
+            places.push(place);
+        }
+        velocity += acceleration * step;
+        place += velocity * step;
+    }
+    [Series::new(time.as_slice(), accelerations), Series::new(time.as_slice(), places)]
+}
+
+/// The sensors' recording of that impact, contact time, and D of the true motion.
+fn recorded(sensors: &Sensors, seed: u64) -> (Recording, f64, f64) {
+    let [acceleration, displacement] = impact();
+    let fall = Fall { height: 1.5, speed: SPEED, gravity: GRAVITY, letting_go: 0.032 };
+    let drop = virtual_drop(&acceleration, &displacement, &fall, sensors, seed).unwrap();
+    let velocity = integrate::once(&acceleration, -SPEED);
+    let absorption = energy_absorption(BODY, velocity.values(), displacement.values()).unwrap();
+    (drop.recording, drop.contact_time, absorption)
+}
+
+fn reading(recording: &Recording) -> Series {
+    recording.series("accelerometer_m_s2").unwrap()
+}
+
+fn reduced(recording: &Recording, reduction: &Reduction) -> Result<Drop, DropError> {
+    reduce(&reading(recording), recording.series("laser_m").as_ref(), &TOWER, reduction)
+}
+
+#[test]
+fn with_and_without_laser_the_truth_is_found() {
+    let deepest = impact()[1].smallest().unwrap()[1];
+    for laser in [Sensors::default().laser, None] {
+        for seed in 0..SEEDS {
+            let (recording, contact_time, absorption) = recorded(&Sensors { laser, ..Sensors::default() }, seed);
+            let drop = reduced(&recording, &Reduction::default()).unwrap();
+            let travel = drop.signals.series("displacement_m").unwrap().smallest().unwrap()[1];
+            assert!((drop.contact.time - contact_time).abs() < 2e-4, "seed {seed}: {:?}", drop.contact);
+            assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "seed {seed}: {:?}", drop.contact);
+            assert!((travel / deepest - 1.0).abs() < 0.01, "seed {seed}: {travel} for {deepest}");
+            let found = drop.energy_absorption.unwrap();
+            assert!((found - absorption).abs() < 0.01, "seed {seed}: {found} for {absorption}");
+            assert!(drop.total_energy_drift < 1e-3, "{}", drop.total_energy_drift);
+        }
+    }
+}
+
+/// The guide rubs on after contact, so that no step marks it: what a real soft film leaves of the onset.
+#[test]
+fn without_a_step_at_contact_the_fall_still_gives_the_speed() {
+    let rubbing = GRAVITY - SPEED * SPEED / 3.0;
+    let [acceleration, _] = impact();
+    let acceleration = acceleration.with_values(acceleration.values().iter().map(|a| a + rubbing).collect());
+    let displacement = integrate::twice(&acceleration, -SPEED, 0.0);
+    let [_, deepest] = displacement.smallest().unwrap();
+    let fall = Fall { height: 1.5, speed: SPEED, gravity: GRAVITY, letting_go: 0.032 };
+    let sensors = Sensors { laser: None, ..Sensors::default() };
+    for seed in 0..SEEDS {
+        let made = virtual_drop(&acceleration, &displacement, &fall, &sensors, seed).unwrap();
+        let drop = reduced(&made.recording, &Reduction::default()).unwrap();
+        let travel = drop.signals.series("displacement_m").unwrap().smallest().unwrap()[1];
+        assert!((drop.contact.time - made.contact_time).abs() < 6e-4, "seed {seed}: {:?}", drop.contact);
+        assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "seed {seed}: {:?}", drop.contact);
+        assert!((travel / deepest - 1.0).abs() < 0.03, "seed {seed}: {travel} for {deepest}");
+    }
+}
+
+#[test]
+fn a_time_constant_that_is_known_is_used() {
+    let (recording, ..) = recorded(&Sensors::default(), 1);
+    let given = Correction::Coupling { time_constant: Some(0.15) };
+    let drop = reduced(&recording, &Reduction { correction: given, class: None }).unwrap();
+    assert_eq!(drop.time_constant, Some(0.15));
+    let raw = drop.signals.channel("acceleration_m_s2");
+    assert_eq!(raw, drop.signals.channel("acceleration_filtered_m_s2"));
+}
+
+/// The ramp finds contact and travel, but not what the blow did to the sensor's zero: the less the longer its time constant.
+#[test]
+fn the_ramp_gives_travel_but_errs_in_absorption_by_the_time_constant() {
+    let deepest = impact()[1].smallest().unwrap()[1];
+    let error = |time_constant| {
+        let accelerometer = Accelerometer { time_constant, ..Accelerometer::default() };
+        let (recording, contact_time, absorption) = recorded(&Sensors { accelerometer, ..Sensors::default() }, 3);
+        let ramp = Reduction { correction: Correction::Ramp, class: Some(1000.0) };
+        let drop = reduced(&recording, &ramp).unwrap();
+        assert!((drop.contact.time - contact_time).abs() < 2e-4, "{:?}", drop.contact);
+        assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "{:?}", drop.contact);
+        let travel = drop.signals.series("displacement_m").unwrap().smallest().unwrap()[1];
+        assert!((travel / deepest - 1.0).abs() < 0.02, "{travel} for {deepest}");
+        (drop.energy_absorption.unwrap() - absorption).abs()
+    };
+    let errors = [0.15, 0.3, 0.6].map(error);
+    assert!(errors[0] > errors[1] && errors[1] > errors[2], "{errors:?}");
+    assert!(errors[0] > 0.03, "{errors:?}");
+}
+
+#[test]
+fn uneven_samples_are_brought_to_even_ones() {
+    let (recording, contact_time, _) = recorded(&Sensors::default(), 2);
+    let reading = reading(&recording);
+    let kept = |index: &usize| index % 7 != 3 || *index < 2000;
+    let at: Vec<usize> = (0..reading.len()).filter(kept).collect();
+    let uneven = Series::new(
+        at.iter().map(|i| reading.time()[*i]).collect::<Vec<_>>(),
+        at.iter().map(|i| reading.values()[*i]).collect::<Vec<_>>(),
+    );
+    let laser = recording.series("laser_m").unwrap();
+    let drop = reduce(&uneven, Some(&laser), &TOWER, &Reduction::default()).unwrap();
+    assert!((drop.contact.time - contact_time).abs() < 2e-4);
+}
+
+#[test]
+fn a_recording_that_ends_before_the_turn_has_no_absorption_and_says_so() {
+    let (recording, contact_time, _) = recorded(&Sensors::default(), 4);
+    let short = |name: &str| recording.series(name).unwrap().window([0.0, contact_time + 0.04]);
+    let drop = reduce(&short("accelerometer_m_s2"), Some(&short("laser_m")), &TOWER, &Reduction::default()).unwrap();
+    assert_eq!(drop.energy_absorption, None);
+    assert_eq!(drop.notes, ["no energy absorption: the recording ends before the impactor turns round"]);
+}
+
+#[test]
+fn what_cannot_be_reduced_is_refused_by_channel() {
+    let (recording, contact_time, _) = recorded(&Sensors { laser: None, ..Sensors::default() }, 5);
+    let reading = reading(&recording);
+    let default = Reduction::default();
+    let told = |series: &Series, tower: &Tower, reduction: &Reduction| {
+        reduce(series, None, tower, reduction).unwrap_err().to_string()
+    };
+    let ramp = Reduction { correction: Correction::Ramp, ..default };
+    let presumed = Tower { height: Height::Presumed(1.3), ..TOWER };
+    let weightless = Tower { body: Body { mass: 0.0, ..BODY }, ..TOWER };
+    let gap = reading.with_values(reading.samples().map(|[t, v]| if t == 0.3 { f64::NAN } else { v }).collect());
+    let slow = Series::new(
+        reading.time().iter().step_by(10).copied().collect::<Vec<_>>(),
+        reading.values().iter().step_by(10).copied().collect::<Vec<_>>(),
+    );
+    for (found, expected) in [
+        (told(&reading, &weightless, &default), "the mass is 0, but must be positive"),
+        (told(&gap, &TOWER, &default), "acceleration: nothing was measured at 0.3 s"),
+        (told(&reading, &TOWER, &ramp), "without a laser the gravity ramp tells no speed"),
+        (told(&reading, &presumed, &default), "without a laser the height of fall must be known"),
+        (told(&slow, &TOWER, &default), "acceleration: CFC 1000 needs at least 10000 samples a second, found 1000.0"),
+        (told(&reading.window([0.0, contact_time]), &TOWER, &default), "acceleration: no contact is seen"),
+        (told(&reading.window([0.0, 0.0]), &TOWER, &default), "acceleration: a series of 1 samples"),
+        (told(&reading.window([0.3, 1.0]), &TOWER, &default), "acceleration: no release is seen"),
+    ] {
+        assert!(found.starts_with(expected), "{found}");
+    }
+}

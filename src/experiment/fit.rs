@@ -1,0 +1,49 @@
+//! Linear least squares with a handful of unknowns.
+
+use nalgebra::{SMatrix, SVector};
+
+/// The coefficients c that bring Σ_j c_j x_j closest to y over all rows (x, y), and the sum of squares that is left.
+///
+/// Columns should be of one order of magnitude. None where the rows do not determine the coefficients.
+pub(super) fn least_squares<const N: usize>(
+    rows: impl Iterator<Item = ([f64; N], f64)> + Clone,
+) -> Option<([f64; N], f64)> {
+    let mut normal = SMatrix::<f64, N, N>::zeros();
+    let mut right = SVector::<f64, N>::zeros();
+    for (x, y) in rows.clone() {
+        let x = SVector::from(x);
+        normal += x * x.transpose();
+        right += x * y;
+    }
+    let solution = normal.cholesky()?.solve(&right);
+    let coefficients: [f64; N] = solution.into();
+    let gap = |(x, y): ([f64; N], f64)| y - (0..N).map(|j| coefficients[j] * x[j]).sum::<f64>();
+    let left = rows.map(|row| gap(row).powi(2)).sum::<f64>();
+    coefficients.iter().all(|c| c.is_finite()).then_some((coefficients, left))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_is_found_again() {
+        let rows = (0..20).map(|i| f64::from(i) / 10.0).map(|t| ([1.0, t, t * t], 3.0 - 2.0 * t + 0.5 * t * t));
+        let (found, left) = least_squares(rows).unwrap();
+        for (found, expected) in found.into_iter().zip([3.0, -2.0, 0.5]) {
+            assert!((found - expected).abs() < 1e-10, "{found} for {expected}");
+        }
+        assert!(left < 1e-18);
+    }
+
+    #[test]
+    fn what_is_left_is_the_scatter() {
+        let rows = [1.0, -1.0, 1.0, -1.0].map(|y| ([1.0], y));
+        assert_eq!(least_squares(rows.into_iter()), Some(([0.0], 4.0)));
+    }
+
+    #[test]
+    fn too_few_rows_determine_nothing() {
+        assert_eq!(least_squares([([1.0, 2.0], 3.0)].into_iter()), None);
+    }
+}

@@ -1,0 +1,131 @@
+//! The rest before a drop, the moment of letting go, and the blow that ends the fall.
+
+use thiserror::Error;
+
+use crate::signal::Series;
+use crate::signal::filter::{self, FilterError, Standard};
+
+/// Class that readings are smoothed with to find their landmarks; figures come from what was read.
+const CLASS: f64 = 60.0;
+/// Shortest rest that gives the sensor's zero, s.
+const SHORTEST_REST: f64 = 0.02;
+/// What lies between the rest and the first sample that may already be falling, s.
+const MARGIN: f64 = 0.005;
+/// Share of gravity that the reading must fall by to be a release.
+const FALL: f64 = 0.3;
+/// Rise over the rest, in gravities, that is a blow.
+const BLOW: f64 = 1.0;
+
+/// Landmarks of a drop in the reading of an accelerometer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Release {
+    /// Mean reading at rest, m/s²: the sensor's zero.
+    pub offset: f64,
+    /// Samples that it is the mean of.
+    pub rest: usize,
+    /// End of the rest, s.
+    pub rest_end: f64,
+    /// Where the reading falls: from a tenth to nearly all of the depth that it reaches, s.
+    pub flank: [f64; 2],
+    /// When the reading has risen by one gravity in the impact, s: well after contact, on a soft film.
+    pub blow: f64,
+}
+
+/// Why a reading shows no drop.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ReleaseError {
+    #[error("acceleration: {0}")]
+    Filter(#[from] FilterError),
+    #[error("acceleration: no contact is seen: the largest reading is {largest:.2} m/s² over the first, less than 1 g")]
+    NoContact { largest: f64 },
+    #[error(
+        "acceleration: no release is seen before the impact at {blow:.4} s: the reading falls by {fall:.2} m/s² at most"
+    )]
+    NoRelease { blow: f64, fall: f64 },
+    #[error(
+        "acceleration: {rest:.4} s of rest before the release at {release:.4} s, at least {SHORTEST_REST} s are needed for the sensor's zero"
+    )]
+    NoRest { rest: f64, release: f64 },
+}
+
+impl Release {
+    /// Finds the landmarks in a complete `reading` (m/s²) on equal steps, under `gravity` (m/s²).
+    pub fn find(reading: &Series, gravity: f64) -> Result<Release, ReleaseError> {
+        let smooth = filter::channel(reading, CLASS, Standard::Iso6487)?;
+        let (time, values) = (smooth.time(), smooth.values());
+        let level = level(&smooth);
+        let peak = smooth.largest().unwrap_or([f64::NAN, f64::NAN]);
+        let largest = peak[1] - level;
+        if largest.is_nan() || largest < BLOW * gravity {
+            return Err(ReleaseError::NoContact { largest });
+        }
+        let before_peak = time.partition_point(|t| *t < peak[0]);
+        let blow = values[..before_peak].iter().rposition(|v| v - level < BLOW * gravity).unwrap_or(0);
+        let depth = values[..=blow].iter().map(|v| level - v).fold(0.0, f64::max);
+        if depth < FALL * gravity {
+            return Err(ReleaseError::NoRelease { blow: time[blow], fall: depth });
+        }
+        let fallen = |share: f64| values.iter().position(|v| level - v >= share * depth).unwrap_or(0);
+        let bottom = fallen(0.95);
+        let top = values[..bottom].iter().rposition(|v| level - v < 0.1 * depth).unwrap_or(0);
+        let rest_end = time[top] - MARGIN;
+        let rest = reading.window([f64::NEG_INFINITY, rest_end]);
+        let length = rest_end - time[0];
+        if rest.len() < 2 || length < SHORTEST_REST {
+            return Err(ReleaseError::NoRest { rest: length.max(0.0), release: time[top] });
+        }
+        let offset = rest.values().iter().sum::<f64>() / rest.len() as f64;
+        Ok(Release { offset, rest: rest.len(), rest_end, flank: [time[top], time[bottom]], blow: time[blow] })
+    }
+}
+
+/// Mean of the first samples, before it is known how long the rest is.
+fn level(smooth: &Series) -> f64 {
+    let first = smooth.time().first().copied().unwrap_or(0.0);
+    let head = smooth.window([first, first + SHORTEST_REST]);
+    head.values().iter().sum::<f64>() / head.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rest to 0.1 s, a linear fall to −9 m/s² in 30 ms, zero from 0.4 s, a blow of 100 m/s² at 0.5 s.
+    fn drop(offset: f64) -> Series {
+        let time: Vec<f64> = (0..6000).map(|i| 1e-4 * f64::from(i)).collect();
+        let value = |t: f64| match t {
+            t if t < 0.1 => 0.0,
+            t if t < 0.13 => -300.0 * (t - 0.1),
+            t if t < 0.4 => -9.0,
+            t if t < 0.5 => 0.0,
+            t => 100.0 * (30.0 * (t - 0.5)).sin().max(-0.2),
+        };
+        let values: Vec<f64> = time.iter().map(|t| value(*t) + offset).collect();
+        Series::new(time, values)
+    }
+
+    #[test]
+    fn landmarks_stand_where_they_were_put() {
+        for offset in [0.0, -1.5, 4.0] {
+            let release = Release::find(&drop(offset), 9.81).unwrap();
+            assert!((release.offset - offset).abs() < 1e-9);
+            assert!((release.flank[0] - 0.103).abs() < 2e-3, "{:?}", release.flank);
+            assert!((release.flank[1] - 0.1285).abs() < 2e-3, "{:?}", release.flank);
+            assert!((0.5..0.51).contains(&release.blow), "{}", release.blow);
+            assert!((0.094..0.1).contains(&release.rest_end), "{}", release.rest_end);
+        }
+    }
+
+    #[test]
+    fn what_is_not_a_drop_is_refused() {
+        let whole = drop(0.0);
+        let fall_only = whole.window([0.0, 0.49]);
+        assert!(matches!(Release::find(&fall_only, 9.81), Err(ReleaseError::NoContact { .. })));
+        let impact_only = whole.window([0.42, 0.6]);
+        assert!(matches!(Release::find(&impact_only, 9.81), Err(ReleaseError::NoRelease { .. })));
+        let no_rest = whole.window([0.09, 0.6]);
+        assert!(matches!(Release::find(&no_rest, 9.81), Err(ReleaseError::NoRest { .. })));
+        let gap = whole.with_values(whole.samples().map(|[t, v]| if t == 0.2 { f64::NAN } else { v }).collect());
+        assert_eq!(Release::find(&gap, 9.81).unwrap_err().to_string(), "acceleration: nothing was measured at 0.2 s");
+    }
+}

@@ -1,0 +1,85 @@
+//! Materials of coupon tests in scripts.
+
+use rhai::{Dynamic, Engine, EvalAltResult, INT, Map};
+
+use crate::experiment::coupon::Coupon;
+use crate::scenario::coupon_material::CouponMaterial;
+use crate::script::{Entry, Reduced, number, refuse};
+
+type Answer<T> = Result<T, Box<EvalAltResult>>;
+
+/// Name of the shear curve's file where a script gives none.
+const SHEAR_FILE: &str = "material-shear.csv";
+
+/// Offers `coupon_material` to scripts.
+pub(super) fn register(engine: &mut Engine) {
+    engine
+        .register_fn("coupon_material", |reduced: Reduced, coupon: Coupon| texts(&reduced, coupon, &Map::new()))
+        .register_fn("coupon_material", |reduced: Reduced, coupon: Coupon, more: Map| texts(&reduced, coupon, &more));
+}
+
+fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> Answer<Map> {
+    let mut material = CouponMaterial {
+        reduction: &reduced.0,
+        coupon,
+        side: coupon.gauge() / std::f64::consts::SQRT_2,
+        density: None,
+        shear_file: SHEAR_FILE,
+        virtual_recordings: 0,
+    };
+    let mut shear_file = String::new();
+    for (key, value) in more {
+        match key.as_str() {
+            "side" => material.side = number(value, "the side of the square")?,
+            "density" => material.density = Some(number(value, "the density")?),
+            "virtual_recordings" => material.virtual_recordings = count(value)?,
+            "shear_file" => shear_file = value.to_string(),
+            other => {
+                let known = "side, density, virtual_recordings or shear_file";
+                return Err(refuse(format!("unknown key `{other}`: {known}")));
+            }
+        }
+    }
+    if !shear_file.is_empty() {
+        material.shear_file = &shear_file;
+    }
+    let texts = material.texts().map_err(refuse)?;
+    let pairs = [("material", texts.material), ("shear", texts.shear)];
+    Ok(pairs.into_iter().map(|(name, text)| (name.into(), Dynamic::from(text))).collect())
+}
+
+fn count(value: &Dynamic) -> Answer<usize> {
+    let count = value.as_int().ok().and_then(|count: INT| usize::try_from(count).ok());
+    count.ok_or_else(|| refuse("virtual_recordings is a whole number"))
+}
+
+/// The reference of materials of coupon tests.
+pub const ENTRIES: &[Entry] = &[Entry {
+    call: "coupon_material(reduction, coupon), coupon_material(reduction, coupon, #{ side, density, virtual_recordings, shear_file })",
+    gives: "a map of two texts: the material file of coupons of MD, TD and D3, and the shear curve's file that it names (material-shear.csv)",
+    example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let t = read_coupons("data/virtual/coupons/*-0.2-*.csv", c); let m = coupon_material(reduce_coupons(t), c, #{ density: 915, virtual_recordings: t.len() }); m.material.contains("thickness = \"12 um\"") && m.shear.contains("strain,stress_MPa")"#,
+}];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::script::{Limits, engine, register_recordings};
+
+    #[test]
+    fn the_examples_of_the_reference_hold() {
+        let mut engine = engine(Limits::STUDY);
+        register_recordings(&mut engine);
+        register(&mut engine);
+        for entry in ENTRIES {
+            let held = engine.eval::<bool>(entry.example);
+            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
+        }
+        let unknown =
+            "let c = coupon(#{ gauge: 1, width: 1, thickness: 1 }); let u = curve([0, 0.01, 0.02, 1], [0, 1, 2, 3]);
+            let r = reduce_coupons([#{ direction: \"MD\", velocity: 1, curve: u }]); coupon_material(r, c";
+        for (end, expected) in [(")", "there is none of TD"), (", #{ depth: 1 })", "unknown key `depth`")] {
+            let error = engine.run(&format!("{unknown}{end}")).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}

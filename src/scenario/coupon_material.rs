@@ -1,0 +1,290 @@
+//! The material file that coupon tests give: what was measured, what is assumed, and what is left to the user.
+
+use std::fmt::Write;
+
+use thiserror::Error;
+
+use crate::experiment::coupon::average::Spread;
+use crate::experiment::coupon::shear::Shear;
+use crate::experiment::coupon::{Along, Coupon, CouponError, Direction, Reduction};
+
+/// Density of LLDPE film, kg/m³, where the user gives none.
+const LLDPE_DENSITY: f64 = 915.0;
+
+/// Points of a mean curve that is written because it has no double yield point.
+const CURVE_POINTS: usize = 24;
+
+/// Points of the shear curve that is written.
+const SHEAR_POINTS: usize = 16;
+
+/// The first words of both files.
+const MARK: &str = "# Written by droptower from coupon tests";
+
+/// What a material file is made of.
+#[derive(Clone, Debug)]
+pub struct CouponMaterial<'a> {
+    pub reduction: &'a Reduction,
+    pub coupon: Coupon,
+    /// Side L of the square of equations 4 to 8, m.
+    pub side: f64,
+    /// kg/m³; that of LLDPE where it is not known.
+    pub density: Option<f64>,
+    /// Name of the shear curve's file, which lies beside the material's.
+    pub shear_file: &'a str,
+    /// How many of the recordings say that they are virtual.
+    pub virtual_recordings: usize,
+}
+
+/// A material file and the shear curve's file beside it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Texts {
+    pub material: String,
+    pub shear: String,
+}
+
+/// Why coupons give no material.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CouponMaterialError {
+    #[error("a material needs coupons of MD, TD and D3 (for shear), and there is none of {direction}")]
+    Missing { direction: Direction },
+    #[error("{direction}: stress falls between the points {}, which a material's curve does not", shown(points))]
+    Falls { direction: Direction, points: [[f64; 2]; 2] },
+    #[error("shear: {0}")]
+    Shear(#[from] CouponError),
+    #[error("shear: stress falls at the angle {angle} rad, which a material's curve does not")]
+    ShearFalls { angle: f64 },
+}
+
+fn shown(points: &[[f64; 2]; 2]) -> String {
+    let point = |[strain, stress]: [f64; 2]| format!("({}, {} MPa)", digits(strain), digits(stress * 1e-6));
+    format!("{} and {}", point(points[0]), point(points[1]))
+}
+
+impl CouponMaterial<'_> {
+    /// The files' texts.
+    ///
+    /// The curves of MD and TD are the yield points of the mean curve, or else that curve itself, and the mean break
+    /// elongation with the mean stress at the break. The shear curve comes from the mean curve of D3.
+    pub fn texts(&self) -> Result<Texts, CouponMaterialError> {
+        let (md, td) = (self.along(Direction::Md)?, self.along(Direction::Td)?);
+        let skewed = self.along(Direction::D3)?;
+        let (md_fibre, td_fibre) = (fibre(md)?, fibre(td)?);
+        let (shear, remark) = self.shear(skewed)?;
+        let mut material = self.head();
+        let rates = self.reduction.velocities().map(|velocity| digits(velocity / self.coupon.gauge()));
+        let _ = write!(
+            material,
+            "\n{density}\nthickness = \"{thickness} um\"   # as given; one layer\n\n[fabric]\n\
+             # Yield points of the mean curves, mean break elongation and mean stress at the break; straight lines between them.\n\
+             {md_fibre}{td_fibre}{remark}shear = {{ curve = {file} }}\n\
+             # Coupons that are pulled until they break do not show what is lost on unloading. Until a drop test has shown it\n\
+             # (droptower signal drop), nothing is.\n# absorption = 0.9\n\
+             # Slowest and fastest jaws over the gauge length.\nmeasured_rates = [\"{} 1/s\", \"{} 1/s\"]\n",
+            rates[0],
+            rates[1],
+            density = self.density_line(),
+            thickness = digits(self.coupon.thickness() * 1e6),
+            file = toml::Value::from(self.shear_file),
+        );
+        Ok(Texts { material, shear })
+    }
+
+    fn along(&self, direction: Direction) -> Result<&Along, CouponMaterialError> {
+        self.reduction.along(direction).ok_or(CouponMaterialError::Missing { direction })
+    }
+
+    fn head(&self) -> String {
+        let count: usize = self.reduction.directions.iter().map(|along| along.elongation.count).sum();
+        let mut head = format!("{MARK}: {count} recordings.\n");
+        if self.virtual_recordings > 0 {
+            let _ = writeln!(head, "# {} of them are VIRTUAL: nothing was pulled.", self.virtual_recordings);
+        }
+        head.extend(self.reduction.directions.iter().map(summary));
+        head
+    }
+
+    fn density_line(&self) -> String {
+        match self.density {
+            Some(density) => format!("density   = \"{} kg/m3\"", digits(density)),
+            None => format!("density   = \"{LLDPE_DENSITY} kg/m3\" # assumed: that of LLDPE, since none was given"),
+        }
+    }
+
+    /// The shear curve's file, and the remark that belongs to it.
+    fn shear(&self, skewed: &Along) -> Result<(String, String), CouponMaterialError> {
+        let sheared = self.coupon.shear(&skewed.curve, self.side)?;
+        let [start, _] = sheared.curve.range();
+        let (end, why) = shear_end(&sheared);
+        let mut file = format!("{MARK}: shear angle (rad) and stress of the film, from D3.\nstrain,stress_MPa\n");
+        let mut before = 0.0;
+        for i in 1..=SHEAR_POINTS {
+            let part = i as f64 / SHEAR_POINTS as f64;
+            let angle = if i == SHEAR_POINTS { end } else { start + (end - start) * part };
+            let Some(stress) = sheared.curve.at(angle).filter(|stress| *stress >= before) else {
+                return Err(CouponMaterialError::ShearFalls { angle });
+            };
+            let _ = writeln!(file, "{},{}", digits(angle), digits(stress * 1e-6));
+            before = stress;
+        }
+        let side = digits(self.side * 1e3);
+        let remark = format!(
+            "# From D3 by equations 4 to 8 of Polymers 2021, 13, 1537, up to the angle {}{why}.\n\
+             # Assumed: a square of the side {side} mm that carries its share of the coupon's width.\n",
+            digits(end)
+        );
+        Ok((file, remark))
+    }
+}
+
+/// Angle up to which a shear curve is written, and why not further: a material's curve does not fall.
+fn shear_end(sheared: &Shear) -> (f64, &'static str) {
+    let [_, last] = sheared.curve.range();
+    let largest = sheared
+        .curve
+        .samples()
+        .fold([0.0, f64::NEG_INFINITY], |best, sample| if sample[1] > best[1] { sample } else { best });
+    match sheared.cut {
+        _ if largest[0] < last => (largest[0], ", beyond which the stress falls"),
+        0 => (last, ""),
+        _ => (last, ", where the square is closed; D3 was measured beyond"),
+    }
+}
+
+/// What was measured along one direction, as a comment.
+fn summary(along: &Along) -> String {
+    let Along { direction, elongation, .. } = along;
+    let speeds: Vec<String> = along.speeds.iter().map(|speed| digits(speed.velocity)).collect();
+    let (modulus, strength) = (shown_spread(&along.modulus, 1e-6), shown_spread(&along.strength, 1e-6));
+    format!(
+        "# {direction}: {} coupons at {} m/s; E {modulus} MPa, strength {strength} MPa, break elongation {} %.\n",
+        elongation.count,
+        speeds.join(", "),
+        shown_spread(elongation, 100.0),
+    )
+}
+
+fn shown_spread(spread: &Spread, factor: f64) -> String {
+    let Spread { mean, deviation, count } = spread;
+    if *count > 1 {
+        format!("{:.1} +- {:.1}", mean * factor, deviation * factor)
+    } else {
+        format!("{:.1}", mean * factor)
+    }
+}
+
+/// The curve of one direction as the language writes it: yield points and break, or else the mean curve and the break.
+fn fibre(along: &Along) -> Result<String, CouponMaterialError> {
+    let points = points(along);
+    check_rising(along.direction, &points)?;
+    let point = |[strain, stress]: &[f64; 2]| format!("[{}, \"{} MPa\"]", digits(*strain), digits(stress * 1e-6));
+    let shown: Vec<String> = points.iter().map(point).collect();
+    let key = along.direction.name().to_lowercase();
+    Ok(match &along.yields {
+        Ok(_) => format!("{key} = {{ yield = [{}, {}], break = {} }}\n", shown[0], shown[1], shown[2]),
+        Err(error) => {
+            let why = format!("# {}: {error}; so the mean curve itself, then the break.\n", along.direction);
+            format!("{why}{key} = {{ curve = [{}] }}\n", shown.join(", "))
+        }
+    })
+}
+
+/// The corners of a direction's curve; the last one is the break.
+fn points(along: &Along) -> Vec<[f64; 2]> {
+    let end = [along.elongation.mean, along.break_stress.mean];
+    match &along.yields {
+        Ok(yields) => vec![yields.first, yields.second, end],
+        Err(_) => {
+            let mut points = thinned(along);
+            if end[0] > along.curve.range()[1] {
+                points.push(end);
+            }
+            points
+        }
+    }
+}
+
+fn check_rising(direction: Direction, points: &[[f64; 2]]) -> Result<(), CouponMaterialError> {
+    let mut before = [0.0, 0.0];
+    for point in points {
+        if point[0] <= before[0] || point[1] < before[1] {
+            return Err(CouponMaterialError::Falls { direction, points: [before, *point] });
+        }
+        before = *point;
+    }
+    Ok(())
+}
+
+/// The mean curve at some strains, denser at the beginning.
+fn thinned(along: &Along) -> Vec<[f64; 2]> {
+    let [start, end] = along.curve.range();
+    let place = |i: usize| {
+        if i == CURVE_POINTS { end } else { start + (end - start) * (i as f64 / CURVE_POINTS as f64).powi(2) }
+    };
+    (1..=CURVE_POINTS).filter_map(|i| Some([place(i), along.curve.at(place(i))?])).collect()
+}
+
+/// Four significant digits.
+fn digits(value: f64) -> String {
+    let rounded = format!("{value:.3e}").parse::<f64>();
+    rounded.unwrap_or(value).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::coupon::{Curve, Rules, Sample};
+    use crate::scenario::Document;
+
+    /// Coupons of the three directions that follow straight lines through `points` (strain, stress in MPa).
+    fn reduction(points: &[[f64; 2]]) -> Reduction {
+        let law: (Vec<f64>, Vec<f64>) = [[0.0, 0.0]].iter().chain(points).map(|[e, s]| (*e, s * 1e6)).unzip();
+        let law = Curve::new(law.0, law.1).unwrap();
+        let end = law.range()[1];
+        let strain: Vec<f64> = (0..=700).map(|i| (end * f64::from(i) / 700.0).min(end)).collect();
+        let stress = strain.iter().map(|strain| law.at(*strain).unwrap()).collect();
+        let curve = Curve::new(strain, stress).unwrap();
+        let sample = |direction| Sample::new(direction, 0.02, &curve, &Rules::default()).unwrap();
+        Reduction::of(&[Direction::Md, Direction::Td, Direction::D3].map(sample), &Rules::default()).unwrap()
+    }
+
+    fn texts(reduction: &Reduction) -> Result<Texts, CouponMaterialError> {
+        let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
+        let (side, density) = (3.5e-3, Some(915.0));
+        CouponMaterial { reduction, coupon, side, density, shear_file: "film-shear.csv", virtual_recordings: 0 }.texts()
+    }
+
+    /// What the reader of materials says of the texts as files.
+    fn mistakes(texts: &Texts) -> Vec<String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("film.toml");
+        std::fs::write(&path, &texts.material).unwrap();
+        std::fs::write(folder.path().join("film-shear.csv"), &texts.shear).unwrap();
+        Document::read_material(&path).err().unwrap_or_default().iter().map(|mistake| mistake.render(false)).collect()
+    }
+
+    #[test]
+    fn a_double_yield_point_is_written_as_such() {
+        let texts = texts(&reduction(&[[0.26, 8.4], [0.84, 20.0], [1.39, 29.3]])).unwrap();
+        let expected = "md = { yield = [[0.26, \"8.4 MPa\"], [0.84, \"20 MPa\"]], break = [1.39, \"29.3 MPa\"] }\n";
+        assert!(texts.material.contains(expected), "{}", texts.material);
+        assert_eq!(mistakes(&texts), [""; 0]);
+    }
+
+    #[test]
+    fn a_curve_without_one_is_written_point_by_point() {
+        let texts = texts(&reduction(&[[0.3, 9.0], [1.2, 13.0]])).unwrap();
+        assert!(texts.material.contains("no second yield point"), "{}", texts.material);
+        // Shear stress goes with stress over 1 + strain, which is largest at the bend.
+        assert!(texts.material.contains(", beyond which the stress falls"), "{}", texts.material);
+        assert_eq!(mistakes(&texts), [""; 0]);
+    }
+
+    #[test]
+    fn what_no_material_can_be_is_refused() {
+        let falling = texts(&reduction(&[[0.3, 9.0], [0.8, 10.0], [1.2, 7.0]])).unwrap_err().to_string();
+        assert!(falling.starts_with("MD: stress falls between the points (0."), "{falling}");
+        let mut no_td = reduction(&[[0.26, 8.4], [0.84, 20.0], [1.39, 29.3]]);
+        no_td.directions.remove(1);
+        assert_eq!(texts(&no_td), Err(CouponMaterialError::Missing { direction: Direction::Td }));
+    }
+}

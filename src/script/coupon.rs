@@ -1,0 +1,289 @@
+//! Coupon tests in scripts: from force over displacement to what a material is described by.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
+
+use super::curve::{list, numbers, spread_map, strains, yield_map};
+use super::{Entry, Session, number, refuse};
+use crate::experiment::coupon::{Along, AtSpeed, Coupon, Curve, Machine, Reading, Recorded, Reduction, Rules, Sample};
+use crate::signal::Series;
+use crate::units::{Dimension, Length, Velocity};
+
+type Answer<T> = Result<T, Box<EvalAltResult>>;
+
+/// Coupons that were reduced together, in a script. Cheap to clone.
+#[derive(Clone)]
+pub struct Reduced(pub Arc<Reduction>);
+
+/// Offers the types `coupon` and `reduction` and their functions to scripts.
+pub(super) fn register(engine: &mut Engine) {
+    engine.register_type_with_name::<Coupon>("coupon").register_type_with_name::<Reduced>("reduction");
+    engine
+        .register_fn("coupon", |strip: Map| coupon(&strip))
+        .register_fn("curve", |coupon: &mut Coupon, force: Series, displacement: Series| {
+            coupon.curve(&force, &displacement).map_err(refuse)
+        })
+        .register_get("area", |coupon: &mut Coupon| coupon.area())
+        .register_get("gauge", |coupon: &mut Coupon| coupon.gauge())
+        .register_get("thickness", |coupon: &mut Coupon| coupon.thickness())
+        .register_fn("shear", |coupon: &mut Coupon, curve: Curve| {
+            shear(coupon, &curve, coupon.gauge() / std::f64::consts::SQRT_2)
+        })
+        .register_fn("shear", |coupon: &mut Coupon, curve: Curve, side: Dynamic| {
+            shear(coupon, &curve, quantity(&side, Length::DIMENSION, "the side of the square")?)
+        })
+        .register_fn("pulled", pulled)
+        .register_fn("reduce_coupons", |samples: Array| reduce(&samples, &Map::new()))
+        .register_fn("reduce_coupons", |samples: Array, rules: Map| reduce(&samples, &rules))
+        .register_get("directions", |reduced: &mut Reduced| {
+            reduced.0.directions.iter().map(|along| along_map(along).into()).collect::<Array>()
+        })
+        .register_get("modulus", |reduced: &mut Reduced| reduced.0.modulus.map_or(Dynamic::UNIT, Dynamic::from));
+}
+
+/// Offers `read_coupons` to scripts that may read files.
+pub(super) fn register_reading(engine: &mut Engine) {
+    engine
+        .register_fn("read_coupons", |context: NativeCallContext, pattern: &str, coupon: Coupon| {
+            read_all(&Session::of(&context), pattern, coupon, &Map::new())
+        })
+        .register_fn("read_coupons", |context: NativeCallContext, pattern: &str, coupon: Coupon, rules: Map| {
+            read_all(&Session::of(&context), pattern, coupon, &rules)
+        });
+}
+
+/// The coupons whose files match `pattern`, each with its figures.
+fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> Answer<Array> {
+    let paths = glob::glob(pattern).map_err(|error| refuse(format!("`{pattern}`: {error}")))?;
+    let paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(refuse)?;
+    if paths.is_empty() {
+        return Err(refuse(format!("no file matches `{pattern}`")));
+    }
+    for path in &paths {
+        session.reads(path);
+    }
+    let reading = Reading::new(coupon, rules(given)?);
+    let read = |path: &PathBuf| reading.read(path).map(|recorded| recorded_map(&recorded).into());
+    paths.iter().map(read).collect::<Result<Array, _>>().map_err(|error| match error.hint() {
+        Some(hint) => refuse(format!("{error} ({hint})")),
+        None => refuse(error),
+    })
+}
+
+/// How curves are read, as a script gives it: `window`, `break_share`, `toe_compensation`.
+pub(super) fn rules(given: &Map) -> Answer<Rules> {
+    let mut rules = Rules::default();
+    for (key, value) in given {
+        match key.as_str() {
+            "window" => rules.window = strains(value)?,
+            "break_share" => rules.break_share = number(value, "break_share")?,
+            "toe_compensation" => {
+                let truth = value.as_bool();
+                rules.toe_compensation =
+                    truth.map_err(|found| refuse(format!("toe_compensation is true or false, not {found}")))?;
+            }
+            other => return Err(refuse(format!("unknown rule `{other}`: window, break_share or toe_compensation"))),
+        }
+    }
+    Ok(rules)
+}
+
+fn coupon(strip: &Map) -> Answer<Coupon> {
+    let known = ["gauge", "width", "thickness"];
+    if let Some(other) = strip.keys().find(|key| !known.contains(&key.as_str())) {
+        return Err(refuse(format!("unknown length `{other}`: a coupon has gauge, width and thickness")));
+    }
+    let length = |name: &str| quantity(entry(strip, name)?, Length::DIMENSION, name);
+    Coupon::new(length("gauge")?, length("width")?, length("thickness")?).map_err(refuse)
+}
+
+fn entry<'a>(map: &'a Map, name: &str) -> Answer<&'a Dynamic> {
+    map.get(name).ok_or_else(|| refuse(format!("`{name}` is missing")))
+}
+
+/// A number in the SI unit, or a text with its unit.
+fn quantity(value: &Dynamic, dimension: Dimension, what: &str) -> Answer<f64> {
+    match value.read_lock::<rhai::ImmutableString>() {
+        Some(text) => dimension.parse(&text).map_err(|error| refuse(format!("{what}: {error}"))),
+        None => number(value, what),
+    }
+}
+
+fn shear(coupon: &Coupon, curve: &Curve, side: f64) -> Answer<Map> {
+    let sheared = coupon.shear(curve, side).map_err(refuse)?;
+    let mut map = Map::new();
+    map.insert("curve".into(), Dynamic::from(sheared.curve));
+    map.insert("cut".into(), (sheared.cut as INT).into());
+    Ok(map)
+}
+
+fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machine: Map) -> Answer<Map> {
+    let decimals = |name: &str| {
+        let decimals = entry(&machine, name)?.as_int().ok().and_then(|count| u8::try_from(count).ok());
+        decimals.filter(|count| *count <= 15).ok_or_else(|| refuse(format!("{name} is a whole number from 0 to 15")))
+    };
+    let machine = Machine {
+        velocity: quantity(entry(&machine, "velocity")?, Velocity::DIMENSION, "velocity")?,
+        force_decimals: decimals("force_decimals")?,
+        displacement_decimals: decimals("displacement_decimals")?,
+    };
+    let (strains, noise) = (numbers(&strains, "a strain")?, numbers(&noise, "noise")?);
+    let pull = machine.pull(coupon, &curve, &strains, &noise).map_err(refuse)?;
+    Ok(map([
+        ("time", list(&pull.time).into()),
+        ("displacement", list(&pull.displacement).into()),
+        ("force", list(&pull.force).into()),
+    ]))
+}
+
+fn reduce(samples: &[Dynamic], given: &Map) -> Answer<Reduced> {
+    let rules = rules(given)?;
+    let samples = samples.iter().map(|item| sample(item, &rules)).collect::<Answer<Vec<_>>>()?;
+    Reduction::of(&samples, &rules).map(|reduction| Reduced(Arc::new(reduction))).map_err(refuse)
+}
+
+fn sample(item: &Dynamic, rules: &Rules) -> Answer<Sample> {
+    let Some(map) = item.read_lock::<Map>() else {
+        return Err(refuse(format!(
+            "a coupon's test is a map of direction, velocity and curve, not {}",
+            item.type_name()
+        )));
+    };
+    let direction = entry(&map, "direction")?.to_string().parse().map_err(refuse)?;
+    let velocity = quantity(entry(&map, "velocity")?, Velocity::DIMENSION, "velocity")?;
+    let curve = entry(&map, "curve")?;
+    let Some(curve) = curve.clone().try_cast::<Curve>() else {
+        return Err(refuse(format!("expected a curve, found {}", curve.type_name())));
+    };
+    Sample::new(direction, velocity, &curve, rules).map_err(refuse)
+}
+
+fn recorded_map(recorded: &Recorded) -> Map {
+    let sample = &recorded.sample;
+    map([
+        ("file", recorded.path.display().to_string().into()),
+        ("direction", sample.direction.name().into()),
+        ("velocity", sample.velocity.into()),
+        ("curve", Dynamic::from(sample.curve.clone())),
+        ("modulus", sample.modulus.slope.into()),
+        ("strength", sample.rupture.strength.into()),
+        ("elongation", sample.rupture.strain.into()),
+        ("is_virtual", recorded.is_virtual.into()),
+    ])
+}
+
+fn along_map(along: &Along) -> Map {
+    let (yields, why) = match &along.yields {
+        Ok(found) => (yield_map(found).into(), Dynamic::UNIT),
+        Err(error) => (Dynamic::UNIT, error.to_string().into()),
+    };
+    map([
+        ("direction", along.direction.name().into()),
+        ("modulus", spread_map(&along.modulus).into()),
+        ("strength", spread_map(&along.strength).into()),
+        ("elongation", spread_map(&along.elongation).into()),
+        ("break_stress", spread_map(&along.break_stress).into()),
+        ("curve", Dynamic::from(along.curve.clone())),
+        ("yield_points", yields),
+        ("no_yield_points", why),
+        ("speeds", along.speeds.iter().map(|speed| speed_map(speed).into()).collect::<Array>().into()),
+    ])
+}
+
+fn speed_map(speed: &AtSpeed) -> Map {
+    map([
+        ("velocity", speed.velocity.into()),
+        ("moduli", list(&speed.moduli).into()),
+        ("modulus", spread_map(&speed.modulus).into()),
+        ("strength", spread_map(&speed.strength).into()),
+        ("elongation", spread_map(&speed.elongation).into()),
+        ("curve", Dynamic::from(speed.curve.clone())),
+    ])
+}
+
+fn map<const N: usize>(pairs: [(&str, Dynamic); N]) -> Map {
+    pairs.into_iter().map(|(name, value)| (name.into(), value)).collect()
+}
+
+/// The reference of the functions of coupon tests.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "coupon(#{ gauge, width, thickness })",
+        gives: "a strip of film between two jaws, lengths with units or in m; area (m2), gauge and thickness can be read",
+        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: 12e-6 }); (c.area / 1.2e-7 - 1).abs() < 1e-12 && c.gauge == 0.005"#,
+    },
+    Entry {
+        call: "coupon.curve(force, displacement)",
+        gives: "engineering stress over engineering strain of two signals, N and m (equation 1)",
+        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let s = c.curve(signal([0, 1], [0, 1.2]), signal([0, 1], [0, 0.001])); (s.at(0.2) / 1e7 - 1).abs() < 1e-12"#,
+    },
+    Entry {
+        call: "coupon.shear(curve), coupon.shear(curve, side)",
+        gives: "a map: the curve of shear stress over shear angle (rad) of a square from a curve at 45 degrees (equations 4 to 8), and how many samples were cut; its diagonal is the gauge length (assumed) where no side is given",
+        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let s = c.shear(curve([0, 0.1, 0.2, 0.5], [0, 1e6, 2e6, 5e6])); s.cut == 1 && s.curve.len() == 3"#,
+    },
+    Entry {
+        call: "coupon.pulled(curve, strains, noise, #{ velocity, force_decimals, displacement_decimals })",
+        gives: "a map of lists time (s), displacement (m) and force (N): what a machine would record at these strains of a film that follows the curve, plus noise (N); for virtual tests",
+        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let p = c.pulled(curve([0, 1], [0, 1e7]), [0, 0.5, 2], [0, 0, 0.001], #{ velocity: "0.02 m/s", force_decimals: 4, displacement_decimals: 7 }); p.force == [0.0, 0.6, 0.001] && p.time[1] == 0.125"#,
+    },
+    Entry {
+        call: "reduce_coupons([#{ direction, velocity, curve }, …]), reduce_coupons(tests, #{ window, break_share, toe_compensation })",
+        gives: "a reduction: means per direction and speed, then over the speeds of each direction",
+        example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let r = reduce_coupons([#{ direction: "MD", velocity: "0.02 m/s", curve: c }], #{ window: [0, 0.02] }); r.directions[0].elongation.mean == 1.0"#,
+    },
+    Entry {
+        call: "read_coupons(pattern, coupon), read_coupons(pattern, coupon, rules)",
+        gives: "a list of maps for reduce_coupons: file, direction, velocity (from header or name), curve up to the break, modulus, strength, elongation, is_virtual",
+        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let tests = read_coupons("data/virtual/coupons/md-0.2-*.csv", c); tests.len() == 6 && tests[0].is_virtual && reduce_coupons(tests).directions[0].modulus.count == 6"#,
+    },
+    Entry {
+        call: "reduction.directions, reduction.modulus",
+        gives: "a list of maps (direction, modulus, strength, elongation, break_stress, curve, yield_points or (), no_yield_points or (), speeds), and the mean modulus of MD and TD, Pa",
+        example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let t = |d| #{ direction: d, velocity: 0.02, curve: c }; let r = reduce_coupons([t.call("MD"), t.call("TD")], #{ window: [0, 0.02] }); (r.modulus / 5e7 - 1).abs() < 1e-9 && r.directions[1].speeds[0].moduli.len() == 1 && r.directions[0].yield_points == ()"#,
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use rhai::Engine;
+
+    use crate::script::{Limits, register_recordings};
+
+    fn engine() -> Engine {
+        let mut engine = crate::script::engine(Limits::POST);
+        register_recordings(&mut engine);
+        engine
+    }
+
+    #[test]
+    fn the_examples_of_the_reference_hold() {
+        let engine = engine();
+        for entry in super::ENTRIES {
+            let held = engine.eval::<bool>(entry.example);
+            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
+        }
+    }
+
+    #[test]
+    fn mistakes_are_said() {
+        let engine = engine();
+        for (text, expected) in [
+            (r#"coupon(#{ gauge: "5 kg", width: 1, thickness: 1 })"#, "gauge: expected a length, found \"5 kg\""),
+            (
+                "coupon(#{ gauge: 1, width: 1, thickness: -1 })",
+                "the thickness of a coupon is a positive length, not -1 m",
+            ),
+            ("coupon(#{ gauge: 1, width: 1 })", "`thickness` is missing"),
+            ("coupon(#{ gauge: 1, width: 1, length: 1 })", "unknown length `length`"),
+            ("reduce_coupons([])", "there is no coupon to reduce"),
+            ("reduce_coupons([1])", "a coupon's test is a map of direction, velocity and curve, not i64"),
+            ("reduce_coupons([], #{ windov: 1 })", "unknown rule `windov`"),
+        ] {
+            let error = engine.run(text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text} gave: {error}");
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Drop tests in scripts: virtual recordings, and the reduction of recordings.
+
+use rhai::{Dynamic, Engine, EvalAltResult, Map};
+
+use super::{Entry, from_json, number, refuse};
+use crate::experiment::absorption::Body;
+use crate::experiment::drop::{self, Correction, Drop, Height, Reduction, Tower};
+use crate::experiment::sensor::{self, Accelerometer, Fall, Laser, Sensors};
+use crate::signal::{Recording, Series};
+
+type Answer<T> = Result<T, Box<EvalAltResult>>;
+
+/// Gravity where a script gives none, m/s²: equation 9 of the paper.
+const GRAVITY: f64 = 9.81;
+
+/// Short names of channels, as a run has them.
+const CHANNELS: [(&str, &str); 8] = [
+    ("displacement", "displacement_m"),
+    ("velocity", "velocity_m_s"),
+    ("acceleration", "acceleration_filtered_m_s2"),
+    ("acceleration_raw", "acceleration_m_s2"),
+    ("kinetic_energy", "kinetic_energy_J"),
+    ("potential_energy", "potential_energy_J"),
+    ("absorbed_energy", "absorbed_energy_J"),
+    ("total_energy", "total_energy_J"),
+];
+
+/// Offers `reduce_drop` and `virtual_drop` to scripts.
+pub(super) fn register(engine: &mut Engine) {
+    engine
+        .register_fn("reduce_drop", |acceleration: Series, laser: Series, about: Map| {
+            reduce(&acceleration, Some(&laser), &Options { of: "reduce_drop", map: &about })
+        })
+        .register_fn("reduce_drop", |acceleration: Series, _: (), about: Map| {
+            reduce(&acceleration, None, &Options { of: "reduce_drop", map: &about })
+        })
+        .register_fn("virtual_drop", |acceleration: Series, displacement: Series, about: Map| {
+            record(&acceleration, &displacement, &Options { of: "virtual_drop", map: &about })
+        });
+}
+
+fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) -> Answer<Map> {
+    about.check(&["mass", "height", "gravity", "class", "correction", "time_constant"])?;
+    let body = Body { mass: about.needed("mass")?, gravity: about.number("gravity", GRAVITY)? };
+    let tower = Tower { body, height: Height::Known(about.needed("height")?) };
+    let reduction = Reduction { correction: correction(about)?, class: Some(about.number("class", 1000.0)?) };
+    let drop = drop::reduce(acceleration, laser, &tower, &reduction).map_err(refuse)?;
+    reduced(&drop)
+}
+
+fn correction(about: &Options<'_>) -> Answer<Correction> {
+    let name = about.map.get("correction").map(Dynamic::to_string);
+    match name.as_deref() {
+        None | Some("coupling") => {
+            let given = about.map.contains_key("time_constant");
+            let time_constant = given.then(|| about.needed("time_constant")).transpose()?;
+            Ok(Correction::Coupling { time_constant })
+        }
+        Some("ramp") => Ok(Correction::Ramp),
+        Some(other) => Err(refuse(format!("expected \"coupling\" or \"ramp\" for the correction, found {other}"))),
+    }
+}
+
+/// Figures and signals by name.
+fn reduced(drop: &Drop) -> Answer<Map> {
+    let figures = serde_json::to_value(drop.figures()).map_err(refuse)?;
+    let mut map = from_json(&figures).try_cast::<Map>().unwrap_or_default();
+    for (short, column) in CHANNELS {
+        map.insert(short.into(), signal(&drop.signals, column));
+    }
+    Ok(map)
+}
+
+fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> Answer<Map> {
+    about.check(&[
+        "height",
+        "velocity",
+        "seed",
+        "laser",
+        "gravity",
+        "letting_go",
+        "time_constant",
+        "noise",
+        "offset",
+        "rest",
+        "sample_rate",
+    ])?;
+    let fall = Fall {
+        height: about.needed("height")?,
+        speed: about.needed("velocity")?,
+        gravity: about.number("gravity", GRAVITY)?,
+        letting_go: about.number("letting_go", 0.032)?,
+    };
+    let seed = about.map.get("seed").and_then(|seed| seed.as_int().ok());
+    let seed = seed.ok_or_else(|| refuse("virtual_drop needs `seed`, a whole number"))?;
+    let virtual_drop = sensor::virtual_drop(acceleration, displacement, &fall, &sensors(about)?, seed.cast_unsigned());
+    let virtual_drop = virtual_drop.map_err(refuse)?;
+    let recording = &virtual_drop.recording;
+    let mut map = Map::new();
+    map.insert("time".into(), Dynamic::from(Series::new(recording.time.as_slice(), recording.time.as_slice())));
+    map.insert("accelerometer".into(), signal(recording, "accelerometer_m_s2"));
+    map.insert("laser".into(), signal(recording, "laser_m"));
+    map.insert("contact_time".into(), virtual_drop.contact_time.into());
+    Ok(map)
+}
+
+fn sensors(about: &Options<'_>) -> Answer<Sensors> {
+    let assumed = Sensors::default();
+    let accelerometer = Accelerometer {
+        time_constant: about.number("time_constant", assumed.accelerometer.time_constant)?,
+        noise: about.number("noise", assumed.accelerometer.noise)?,
+        offset: about.number("offset", assumed.accelerometer.offset)?,
+        ..assumed.accelerometer
+    };
+    let sees = match about.map.get("laser") {
+        None => true,
+        Some(flag) => {
+            flag.as_bool().map_err(|found| refuse(format!("expected true or false for laser, found {found}")))?
+        }
+    };
+    let rest = match about.map.get("rest") {
+        None => assumed.rest,
+        Some(range) => super::window(range)?,
+    };
+    let sample_rate = about.number("sample_rate", assumed.sample_rate)?;
+    Ok(Sensors { accelerometer, laser: sees.then(Laser::default), sample_rate, rest })
+}
+
+/// The channel as a signal, `()` where there is none.
+fn signal(recording: &Recording, column: &str) -> Dynamic {
+    recording.series(column).map_or(Dynamic::UNIT, Dynamic::from)
+}
+
+/// What a script gives a function by name.
+struct Options<'a> {
+    of: &'static str,
+    map: &'a Map,
+}
+
+impl Options<'_> {
+    /// A name that nobody reads is a mistake.
+    fn check(&self, known: &[&str]) -> Answer<()> {
+        let unknown = self.map.keys().find(|key| !known.contains(&key.as_str()));
+        let message = |key| format!("{} knows no `{key}`; it takes {}", self.of, known.join(", "));
+        unknown.map_or(Ok(()), |key| Err(refuse(message(key))))
+    }
+
+    fn needed(&self, name: &str) -> Answer<f64> {
+        let value = self.map.get(name).ok_or_else(|| refuse(format!("{} needs `{name}`", self.of)))?;
+        number(value, name)
+    }
+
+    fn number(&self, name: &str, otherwise: f64) -> Answer<f64> {
+        self.map.get(name).map_or(Ok(otherwise), |value| number(value, name))
+    }
+}
+
+/// The reference of drop tests.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "virtual_drop(acceleration, displacement, #{ height, velocity, seed })",
+        gives: "what the sensors would have read in a simulated drop, from run.acceleration_raw and run.displacement: time, accelerometer, laser (signals) \
+                and the true contact_time (s); also laser: false, gravity, letting_go, time_constant, noise, offset, rest: [from, to], sample_rate",
+        example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
+                   let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
+                   v.accelerometer.len() == v.laser.len() && v.contact_time > 0.5",
+    },
+    Entry {
+        call: "reduce_drop(acceleration, laser, #{ mass, height })",
+        gives: "the drop that was recorded, from a reading that starts at rest; () in place of a laser that failed. Figures as of `droptower signal drop` \
+                and the signals displacement, velocity, acceleration (filtered), acceleration_raw, kinetic_energy, potential_energy, absorbed_energy, \
+                total_energy from contact on; also gravity, class, correction: \"ramp\", time_constant",
+        example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
+                   let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
+                   let drop = reduce_drop(v.accelerometer, (), #{ mass: 10.72, height: 1 });
+                   (drop.impact_velocity_m_s - 4.16).abs() < 0.02 && (drop.contact_time_s - v.contact_time).abs() < 0.0002",
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use crate::script::{Limits, engine};
+
+    #[test]
+    fn the_examples_of_the_reference_hold() {
+        let engine = engine(Limits::POST);
+        for entry in super::ENTRIES {
+            let held = engine.eval::<bool>(entry.example);
+            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
+        }
+    }
+
+    #[test]
+    fn mistakes_are_said() {
+        let engine = engine(Limits::POST);
+        let drop = "let s = signal([0, 0.1], [0, 1]);";
+        for (call, expected) in [
+            ("reduce_drop(s, (), #{ mass: 1 })", "reduce_drop needs `height`"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, colour: 2 })", "reduce_drop knows no `colour`; it takes mass"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, correction: \"x\" })", "expected \"coupling\" or \"ramp\""),
+            ("reduce_drop(s, (), #{ mass: -1, height: 1 })", "the mass is -1, but must be positive"),
+            ("virtual_drop(s, s, #{ height: 1, velocity: 4 })", "virtual_drop needs `seed`"),
+            ("virtual_drop(s, s, #{ height: 1, velocity: 9, seed: 1 })", "does not reach 9 m/s"),
+            ("virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, laser: 2 })", "expected true or false"),
+        ] {
+            let error = engine.run(&format!("{drop} {call}")).unwrap_err().to_string();
+            assert!(error.contains(expected), "{call} gave: {error}");
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! The rows of a table, read one by one; only the wanted columns are held.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::sync::Arc;
+
+use super::cell::Mark;
+use super::layout::{Layout, trimmed_to};
+use super::{Fault, MOST_CELLS, Mistake, ReadError, at_cell};
+use crate::signal::text::{self, Line, Lines};
+use crate::signal::{Measured, Measurement, Selection, Series, Wanted};
+use crate::units::Unit;
+
+/// A column of a table, which need not have a time axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Without the unit.
+    pub name: String,
+    /// As the file writes it.
+    pub label: String,
+    pub unit: Option<Unit>,
+    /// SI where the unit is known, as written where it is not; `NaN` where nothing was measured.
+    pub values: Vec<f64>,
+}
+
+/// Columns of equal length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// In the order of the file, or in the order in which they were asked for.
+    pub columns: Vec<Column>,
+    /// What was assumed or found odd while reading, and what the file says beside its numbers.
+    pub notes: Vec<String>,
+}
+
+/// Reads the columns of the table at `path` for which no time is needed, e.g. stress over strain.
+///
+/// Holds one line and the wanted columns: 8 bytes a value.
+///
+/// # Errors
+/// Every mistake of [`Fault`] except those of time.
+pub fn columns(path: &Path, wanted: &Wanted) -> Result<Table, ReadError> {
+    with_lines(path, |lines| {
+        let mut layout = Layout::read(lines, wanted)?;
+        let places = selected(&layout, wanted, None)?;
+        let units = places.iter().map(|place| layout.unit(*place, wanted)).collect::<Result<Vec<_>, _>>()?;
+        let values = Rows::new(&layout, &places, None).read(&mut layout, lines)?;
+        let columns = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
+            let column = &layout.columns[*place];
+            let values = in_si(values, unit.as_ref());
+            Column { name: column.name.clone(), label: column.label.clone(), unit, values }
+        });
+        Ok(Table { columns: columns.collect(), notes: layout.notes })
+    })
+}
+
+/// Reads the channels of the table at `path` over its column of time.
+///
+/// Holds one line, the time and the wanted columns: 8 bytes a value.
+pub fn measure(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
+    with_lines(path, |lines| {
+        let mut layout = Layout::read(lines, wanted)?;
+        let time = layout.time(wanted)?;
+        let time_unit = layout.time_unit(time, wanted)?;
+        let places = selected(&layout, wanted, Some(time))?;
+        let units = places.iter().map(|place| layout.unit(*place, wanted)).collect::<Result<Vec<_>, _>>()?;
+        let kept: Vec<usize> = std::iter::once(time).chain(places.iter().copied()).collect();
+        let mut values = Rows::new(&layout, &kept, Some(time)).read(&mut layout, lines)?.into_iter();
+        let time: Arc<[f64]> = in_si(values.next().unwrap_or_default(), time_unit.as_ref()).into();
+        let channels = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
+            let column = &layout.columns[*place];
+            let series = Series::new(Arc::clone(&time), in_si(values, unit.as_ref()));
+            Measured { name: column.name.clone(), label: column.label.clone(), unit, filtered: None, series }
+        });
+        Ok(Measurement { channels: channels.collect(), notes: layout.notes })
+    })
+}
+
+/// Opens the file and says in every mistake where it is.
+fn with_lines<T>(
+    path: &Path,
+    read: impl FnOnce(&mut Lines<BufReader<File>>) -> Result<T, Mistake>,
+) -> Result<T, ReadError> {
+    text::open(path).and_then(|mut lines| read(&mut lines)).map_err(|mistake| mistake.of(path))
+}
+
+/// Places of the wanted columns; the time is none of them unless it is asked for by name.
+fn selected(layout: &Layout, wanted: &Wanted, time: Option<usize>) -> Result<Vec<usize>, Mistake> {
+    let all: Vec<usize> = (0..layout.columns.len()).filter(|place| Some(*place) != time).collect();
+    let names = || all.iter().map(|place| layout.columns[*place].label.clone()).collect();
+    match &wanted.channels {
+        _ if all.is_empty() => Err(layout.at_header(Fault::NoChannel)),
+        Selection::All => Ok(all),
+        Selection::Named(names) => names.iter().map(|name| layout.find(name)).collect(),
+        Selection::Only if all.len() == 1 => Ok(all),
+        Selection::Only => Err(layout.at_header(Fault::NotOne { found: names() })),
+    }
+}
+
+fn in_si(mut values: Vec<f64>, unit: Option<&Unit>) -> Vec<f64> {
+    if let Some(unit) = unit.filter(|unit| !unit.is_si()) {
+        values.iter_mut().for_each(|value| *value = unit.to_si(*value));
+    }
+    values
+}
+
+/// The columns while they are being read.
+struct Rows {
+    /// For every column of the file where its values go; none where they are not kept.
+    slots: Vec<Vec<usize>>,
+    values: Vec<Vec<f64>>,
+    /// Place of the time among the columns of the file, where time is needed.
+    time: Option<usize>,
+    latest: f64,
+    mark: Mark,
+}
+
+impl Rows {
+    fn new(layout: &Layout, kept: &[usize], time: Option<usize>) -> Rows {
+        let slots = |place| (0..kept.len()).filter(|slot| kept[*slot] == place).collect();
+        Rows {
+            slots: (0..layout.columns.len()).map(slots).collect(),
+            values: vec![Vec::new(); kept.len()],
+            time,
+            latest: f64::NEG_INFINITY,
+            mark: Mark::between(layout.separator),
+        }
+    }
+
+    fn read(mut self, layout: &mut Layout, lines: &mut Lines<impl BufRead>) -> Result<Vec<Vec<f64>>, Mistake> {
+        while let Some(line) = layout.rows.pop_front() {
+            self.push(&line, layout)?;
+        }
+        while let Some(line) = lines.line()? {
+            let text = line.text.trim_start();
+            if !text.is_empty() && !text.starts_with('#') {
+                self.push(&line, layout)?;
+            }
+        }
+        Ok(self.values)
+    }
+
+    fn push(&mut self, line: &Line, layout: &Layout) -> Result<(), Mistake> {
+        let mut found = 0;
+        for (place, cell) in layout.separator.cells(&line.text).enumerate() {
+            found += 1;
+            let Some(slots) = self.slots.get(place).filter(|slots| !slots.is_empty()) else { continue };
+            let at = |fault| at_cell(line, layout.separator, place, fault);
+            let name = &layout.columns[place].name;
+            let value = match cell.text {
+                "" => f64::NAN,
+                text => self.mark.number(text, name).map_err(at)?,
+            };
+            if self.time == Some(place) {
+                self.latest = later(value, self.latest).map_err(at)?;
+            }
+            for slot in slots {
+                self.values[*slot].push(value);
+            }
+        }
+        let expected = self.slots.len();
+        if found != expected && trimmed_to(layout.separator.cells(&line.text), expected).count() != expected {
+            let fault = if found < expected && !line.ended {
+                Fault::Truncated { expected, found }
+            } else {
+                Fault::RowLength { expected, found }
+            };
+            return Err(Mistake { line: line.number, column: 1, fault });
+        }
+        let rows = self.values.first().map_or(0, Vec::len);
+        if rows * self.values.len() > MOST_CELLS {
+            return Err(Mistake { line: line.number, column: 1, fault: Fault::TooLarge });
+        }
+        Ok(())
+    }
+}
+
+/// `time`, if it comes after `previous`.
+fn later(time: f64, previous: f64) -> Result<f64, Fault> {
+    if time.is_nan() {
+        return Err(Fault::NoTimeValue);
+    }
+    if time > previous { Ok(time) } else { Err(Fault::TimeNotIncreasing { time, previous }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Memory is bounded by construction: there is a place for the wanted columns and for no other.
+    #[test]
+    fn only_wanted_columns_have_a_place() {
+        let text = "time,a,b,c\n0,1,2,3\n1,2,3,4\n";
+        let mut lines = Lines::new(text.as_bytes());
+        let mut layout = Layout::read(&mut lines, &Wanted::default()).unwrap();
+        let rows = Rows::new(&layout, &[0, 2], Some(0));
+        assert_eq!(rows.slots, [vec![0], vec![], vec![1], vec![]]);
+        assert_eq!(rows.read(&mut layout, &mut lines).unwrap(), [[0.0, 1.0], [2.0, 3.0]]);
+    }
+}

@@ -1,0 +1,59 @@
+//! Recordings from files of any known kind.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::{Measurement, csv, isomme};
+pub use super::{Selection, Wanted};
+
+/// Why a file cannot be read as a recording.
+#[derive(Debug, Error)]
+pub enum ReadError {
+    #[error(transparent)]
+    Csv(#[from] csv::ReadError),
+    #[error(transparent)]
+    Isomme(#[from] isomme::ReadError),
+}
+
+impl ReadError {
+    /// File, line and column (in characters), both counted from one, where the mistake is at such a place.
+    pub fn place(&self) -> Option<(PathBuf, usize, usize)> {
+        match self {
+            ReadError::Csv(error) => error.place(),
+            ReadError::Isomme(error) => error.place(),
+        }
+    }
+
+    /// What is wrong, without file and place.
+    pub fn fault(&self) -> String {
+        match self {
+            ReadError::Csv(error) => error.fault.to_string(),
+            ReadError::Isomme(error) => error.fault.to_string(),
+        }
+    }
+
+    /// What to write instead, where that can be said.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            ReadError::Csv(error) => error.fault.hint(),
+            ReadError::Isomme(error) => error.fault.hint(),
+        }
+    }
+}
+
+/// Reads what is `wanted` of the recording at `path`: a folder, `.mme`, `.chn` or `.001`, … as ISO-MME, others as tables.
+///
+/// Holds the wanted channels and nothing else of the file: 8 bytes a value, and as much again for one channel while it
+/// is finished.
+pub fn read(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
+    if isomme::is_part(path) {
+        return Ok(isomme::measure(path, wanted)?);
+    }
+    Ok(csv::measure(path, wanted)?)
+}
+
+/// Reads the columns of the table at `path` for which no time is needed, e.g. stress over strain; see [`csv::columns`].
+pub fn columns(path: &Path, wanted: &Wanted) -> Result<csv::Table, ReadError> {
+    Ok(csv::columns(path, wanted)?)
+}

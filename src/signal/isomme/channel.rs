@@ -1,0 +1,166 @@
+//! One channel file: its header, then a value a line.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use super::header::{Header, stated};
+use super::{ChannelCode, Fault, Mistake, ReadError};
+use crate::signal::csv::MOST_CELLS;
+use crate::signal::text::{self, Line, Lines};
+use crate::units::{Time, Unit};
+
+/// A channel of which only the header was read.
+#[derive(Clone, Debug)]
+pub struct ChannelHead {
+    pub path: PathBuf,
+    pub header: Header,
+    /// The channel code, or the name of the file where none is stated.
+    pub name: String,
+    /// The long name, or else the code.
+    pub label: String,
+}
+
+impl ChannelHead {
+    /// Reads the header of the file at `path`.
+    pub fn read(path: &Path) -> Result<ChannelHead, ReadError> {
+        let header = head(path).map(|(header, ..)| header).map_err(|mistake| mistake.of(path))?;
+        let file = || path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let name = header.text("Channel code").map_or_else(file, str::to_owned);
+        let label = header.text("Name of the channel").unwrap_or(&name).to_owned();
+        Ok(ChannelHead { path: path.into(), header, name, label })
+    }
+
+    /// Whether it is a time axis by its code or its dimension.
+    pub fn is_time(&self) -> bool {
+        let by_code = ChannelCode::parse(&self.name).is_some_and(|code| code.is_time());
+        by_code || self.header.text("Dimension") == Some("TI")
+    }
+
+    /// The channel frequency class that it went through: as the header says, or else as the code's letter says.
+    pub fn class(&self) -> Option<f64> {
+        let stated = self.header.text("Channel frequency class").and_then(|class| class.parse::<f64>().ok());
+        stated.or_else(|| ChannelCode::parse(&self.name)?.class())
+    }
+
+    /// The values as they are written; `NaN` where there is none.
+    pub fn values(&self) -> Result<Vec<f64>, ReadError> {
+        self.read_values(|_| Ok(()))
+    }
+
+    /// The values as times in s; a note where the header does not say their unit.
+    pub fn times(&self, notes: &mut Vec<String>) -> Result<Vec<f64>, ReadError> {
+        let mut previous = f64::NEG_INFINITY;
+        let mut times = self.read_values(|time| {
+            if time.is_nan() {
+                return Err(Fault::TimeGap { channel: self.name.clone() });
+            }
+            if time <= previous {
+                return Err(Fault::TimeNotIncreasing { time, previous });
+            }
+            previous = time;
+            Ok(())
+        })?;
+        let Some(symbol) = self.header.text("Unit") else {
+            notes.push(format!("{}: no unit of time; seconds are assumed", self.name));
+            return Ok(times);
+        };
+        let unit = Unit::parse(symbol).ok().filter(|unit| unit.measures(Time::DIMENSION));
+        let unit = unit.ok_or_else(|| {
+            let fault = Fault::TimeUnit { channel: self.name.clone(), unit: symbol.to_owned() };
+            self.at("Unit", fault)
+        })?;
+        times.iter_mut().for_each(|time| *time = unit.to_si(*time));
+        Ok(times)
+    }
+
+    /// A number of the header.
+    pub fn number(&self, key: &str) -> Result<Option<f64>, ReadError> {
+        self.header.number(key).map_err(|(line, fault)| Mistake { line, column: 1, fault }.of(&self.path))
+    }
+
+    /// A mistake in the line of a key.
+    pub fn at(&self, key: &str, fault: Fault) -> ReadError {
+        Mistake { line: self.header.line(key), column: 1, fault }.of(&self.path)
+    }
+
+    fn read_values(&self, check: impl FnMut(f64) -> Result<(), Fault>) -> Result<Vec<f64>, ReadError> {
+        let (values, last) = self.rows(check).map_err(|mistake| mistake.of(&self.path))?;
+        let (channel, found) = (self.name.clone(), values.len());
+        let at_end = |fault| Mistake { line: last, column: 1, fault }.of(&self.path);
+        match self.number("Number of samples")? {
+            Some(stated) if (found as f64) < stated => Err(at_end(Fault::Truncated { channel, stated, found })),
+            Some(stated) if found as f64 > stated => Err(at_end(Fault::TooMany { channel, stated, found })),
+            _ if found == 0 => Err(at_end(Fault::NoSamples { channel })),
+            _ => Ok(values),
+        }
+    }
+
+    /// The values, and the line that the last of them stands in.
+    fn rows(&self, mut check: impl FnMut(f64) -> Result<(), Fault>) -> Result<(Vec<f64>, usize), Mistake> {
+        let (_, first, mut lines) = head(&self.path)?;
+        let (mut values, mut last) = (Vec::new(), 0);
+        let mut push = |line: &Line| {
+            let at = |fault| Mistake { line: line.number, column: 1, fault };
+            let value = self.value(line.text.trim()).map_err(at)?;
+            check(value).map_err(at)?;
+            values.push(value);
+            last = line.number;
+            let full = values.len() > MOST_CELLS;
+            if full { Err(at(Fault::TooLarge { channel: self.name.clone() })) } else { Ok(()) }
+        };
+        first.as_ref().map(&mut push).transpose()?;
+        let mut gap = None;
+        while let Some(line) = lines.line()? {
+            // Blank lines end a file; one between values would hide that a sample is missing.
+            if line.text.trim().is_empty() {
+                gap.get_or_insert(line.number);
+            } else if let Some(line) = gap {
+                let fault = Fault::NotANumber { channel: self.name.clone(), found: String::new() };
+                return Err(Mistake { line, column: 1, fault });
+            } else {
+                push(&line)?;
+            }
+        }
+        Ok((values, last))
+    }
+
+    fn value(&self, text: &str) -> Result<f64, Fault> {
+        let channel = || self.name.clone();
+        if stated(text).is_none() {
+            return Ok(f64::NAN);
+        }
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(Fault::NotFinite { channel: channel() }),
+            Err(_) => Err(Fault::NotANumber { channel: channel(), found: text.chars().take(40).collect() }),
+        }
+    }
+}
+
+type Head = (Header, Option<Line<'static>>, Lines<BufReader<File>>);
+
+/// The header of the file at `path`, the first line of its values, and the lines that follow.
+fn head(path: &Path) -> Result<Head, Mistake> {
+    let mut lines = text::open(path)?;
+    let mut header = Header::default();
+    while let Some(line) = lines.line()? {
+        if !line.text.trim().is_empty() && !header.take(&line.text, line.number) {
+            let first = line.into_owned();
+            return Ok((header, Some(first), lines));
+        }
+    }
+    Ok((header, None, lines))
+}
+
+/// All lines of a file that has a header only; other lines count for nothing.
+pub fn read_header(path: &Path) -> Result<Header, ReadError> {
+    let read = || {
+        let (mut header, mut lines) = (Header::default(), text::open(path)?);
+        while let Some(line) = lines.line()? {
+            header.take(&line.text, line.number);
+        }
+        Ok(header)
+    };
+    read().map_err(|mistake: Mistake| mistake.of(path))
+}

@@ -1,0 +1,179 @@
+//! What was read from a file: channels with their units, each over its own time axis.
+
+use thiserror::Error;
+
+use super::{Channel, Recording, Series};
+use crate::diagnostic::closest;
+use crate::units::{Dimension, Strain, Unit};
+
+/// One channel of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Its name without the unit (`accel` of `accel [g]`), or its channel code.
+    pub name: String,
+    /// The name as the file writes it (`accel [g]`), or the long name of a channel code; it is found by this too.
+    pub label: String,
+    /// The unit that the file gives or the caller stated; none where neither is known.
+    pub unit: Option<Unit>,
+    /// The channel frequency class that the file says it went through; filtering it again would be once too often.
+    pub filtered: Option<f64>,
+    /// Values in the SI unit where the unit is known, as written where it is not; `NaN` where nothing was measured.
+    /// Time in s.
+    pub series: Series,
+}
+
+/// Why a channel cannot be taken as the quantity that is asked for.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum QuantityError {
+    #[error("`{name}` is in {found}, which is not {}", wanted.name)]
+    OtherDimension { name: String, found: String, wanted: Dimension },
+    #[error("the unit of `{name}` is not known")]
+    NoUnit { name: String, wanted: Dimension },
+}
+
+impl Measured {
+    /// The series, once it is sure to be a `dimension` in the SI unit.
+    pub fn quantity(&self, dimension: Dimension) -> Result<&Series, QuantityError> {
+        let name = || self.name.clone();
+        match &self.unit {
+            Some(unit) if unit.measures(dimension) => Ok(&self.series),
+            Some(unit) => {
+                let found = unit.symbol().to_owned();
+                Err(QuantityError::OtherDimension { name: name(), found, wanted: dimension })
+            }
+            None => Err(QuantityError::NoUnit { name: name(), wanted: dimension }),
+        }
+    }
+
+    /// The unit of the values: SI where the unit is known.
+    pub fn value_unit(&self) -> Option<String> {
+        self.unit.as_ref().map(Unit::si_symbol)
+    }
+
+    /// The name with the SI unit, as a column of ours is called: `accel_m_s2`, or else `accel [m/s2]`.
+    pub fn column_name(&self) -> String {
+        let Measured { name, label, unit, .. } = self;
+        match unit {
+            Some(unit) if unit.is_si() && label.starts_with(name.as_str()) => label.clone(),
+            Some(unit) if unit.measures(Strain::DIMENSION) => name.clone(),
+            Some(unit) => match unit.si_suffix() {
+                Some(suffix) => format!("{name}_{suffix}"),
+                None => format!("{name} [{}]", unit.si_symbol()),
+            },
+            None => name.clone(),
+        }
+    }
+}
+
+/// What a file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measurement {
+    /// In the order of the file.
+    pub channels: Vec<Measured>,
+    /// What was assumed or found odd while reading, and what the file says beside its numbers.
+    pub notes: Vec<String>,
+}
+
+/// Why a file has no such channel.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ChannelError {
+    #[error("no channel `{name}` among {}", listed(known))]
+    Missing { name: String, known: Vec<String> },
+    #[error("several channels are called `{name}`: {}", listed(labels))]
+    Ambiguous { name: String, labels: Vec<String> },
+}
+
+impl ChannelError {
+    /// What was probably meant.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            ChannelError::Missing { name, known } => {
+                closest(name, known.iter().map(String::as_str)).map(|name| format!("did you mean `{name}`?"))
+            }
+            ChannelError::Ambiguous { .. } => Some("ask for it as the file writes it, with its unit".into()),
+        }
+    }
+}
+
+impl Measurement {
+    /// The channel called `name`: as the file writes it, by its name without the unit, or by its long name.
+    pub fn channel(&self, name: &str) -> Result<&Measured, ChannelError> {
+        let index = find(name, self.channels.iter().map(|channel| (channel.name.as_str(), channel.label.as_str())))?;
+        Ok(&self.channels[index])
+    }
+
+    /// All channels over the time axis of the first, named with their SI units; none where they do not share one.
+    pub fn recording(&self) -> Option<Recording> {
+        let time = self.channels.first().map_or(&[][..], |channel| channel.series.time());
+        let shared = self.channels.iter().all(|channel| same_axis(channel.series.time(), time));
+        let channel =
+            |measured: &Measured| Channel { name: measured.column_name(), values: measured.series.values().to_vec() };
+        shared.then(|| Recording { time: time.to_vec(), channels: self.channels.iter().map(channel).collect() })
+    }
+}
+
+/// Times that differ by less than this share of a step are the same: one channel has them written out, another by start and step.
+const SAME_TIME: f64 = 1e-3;
+
+fn same_axis(a: &[f64], b: &[f64]) -> bool {
+    let step = match b {
+        [first, .., last] => (last - first) / (b.len() - 1) as f64,
+        _ => 0.0,
+    };
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_TIME * step)
+}
+
+/// Place of the one pair of name and label that `wanted` asks for: the label itself, or else the name.
+pub(super) fn find<'a>(
+    wanted: &str,
+    known: impl Iterator<Item = (&'a str, &'a str)> + Clone,
+) -> Result<usize, ChannelError> {
+    let places = |hit: &dyn Fn(&str, &str) -> bool| -> Vec<usize> {
+        known.clone().enumerate().filter(|(_, (name, label))| hit(name, label)).map(|(place, _)| place).collect()
+    };
+    let exact = places(&|_, label| label == wanted);
+    let found = if exact.len() == 1 { exact } else { places(&|name, label| name == wanted || label == wanted) };
+    match found[..] {
+        [place] => Ok(place),
+        [] => Err(ChannelError::Missing { name: wanted.into(), known: known.map(|(name, _)| name.into()).collect() }),
+        _ => {
+            let labels =
+                known.enumerate().filter(|(place, _)| found.contains(place)).map(|(_, (_, label))| label.into());
+            Err(ChannelError::Ambiguous { name: wanted.into(), labels: labels.collect() })
+        }
+    }
+}
+
+pub(super) fn listed(names: &[String]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_written_out_and_times_by_step_are_one_axis() {
+        let channel = |name: &str, time: Vec<f64>| {
+            let values = vec![1.0; time.len()];
+            Measured {
+                name: name.into(),
+                label: name.into(),
+                unit: None,
+                filtered: None,
+                series: Series::new(time, values),
+            }
+        };
+        let by_step: Vec<f64> = (0..20).map(|i| -5e-4 + f64::from(i) * 1e-4).collect();
+        let written: Vec<f64> = by_step.iter().map(|t| format!("{t:.6}").parse().unwrap()).collect();
+        assert_ne!(by_step, written);
+        let late: Vec<f64> = by_step.iter().map(|t| t + 1e-5).collect();
+        let with = |other: Vec<f64>| {
+            let channels = vec![channel("a", by_step.clone()), channel("b", other)];
+            Measurement { channels, notes: Vec::new() }.recording()
+        };
+        assert_eq!(with(written).unwrap().time, by_step);
+        assert_eq!(with(late), None);
+        assert_eq!(with(by_step[1..].to_vec()), None);
+    }
+}

@@ -1,0 +1,119 @@
+use std::f64::consts::PI;
+
+use super::*;
+
+fn sampled_at(step: f64, [from, to]: [f64; 2], f: impl Fn(f64) -> f64) -> Series {
+    let count = ((to - from) / step + 0.5) as usize;
+    let time: Vec<f64> = (0..=count).map(|i| from + i as f64 * step).collect();
+    let values: Vec<f64> = time.iter().map(|t| f(*t)).collect();
+    Series::new(time, values)
+}
+
+fn at_10_khz(f: impl Fn(f64) -> f64) -> Series {
+    sampled_at(1e-4, [0.0, 0.0999], f)
+}
+
+fn pulse(t: f64) -> f64 {
+    100.0 * (-((t - 0.05) / 0.008).powi(2)).exp()
+}
+
+#[test]
+fn a_curve_follows_itself() {
+    for curve in [at_10_khz(pulse), at_10_khz(|t| (2.0 * PI * 100.0 * t).sin()), at_10_khz(|t| 5.0 + t)] {
+        let rating = rate(&curve, &curve).unwrap();
+        assert_eq!([rating.corridor, rating.phase, rating.magnitude, rating.slope], [1.0; 4]);
+        assert!((rating.overall - 1.0).abs() < 1e-15 && rating.grade == Grade::Excellent && rating.shift == 0.0);
+        assert!(rating.notes.is_empty() && rating.samples == 1000, "{rating:?}");
+    }
+}
+
+#[test]
+fn a_shifted_curve_only_loses_phase_and_corridor() {
+    for late in [37, -52] {
+        let rating = rate(&at_10_khz(pulse), &at_10_khz(|t| pulse(t - 1e-4 * f64::from(late)))).unwrap();
+        assert!((rating.shift - 1e-4 * f64::from(late)).abs() < 1e-12, "{rating:?}");
+        assert!((rating.phase - (200.0 - f64::from(late).abs()) / 200.0).abs() < 1e-12);
+        assert!(rating.magnitude > 1.0 - 1e-9 && rating.slope > 1.0 - 1e-9 && rating.corridor < 1.0);
+    }
+}
+
+#[test]
+fn a_constant_offset_costs_corridor_and_magnitude_by_their_closed_forms() {
+    let (size, offset) = (2.0, 0.5);
+    let sine = |t: f64| size * (2.0 * PI * 10.0 * t).sin();
+    let rating = rate(&at_10_khz(sine), &at_10_khz(|t| sine(t) + offset)).unwrap();
+    let largest = at_10_khz(sine).largest().unwrap()[1];
+    let exact = ((0.5 - offset / largest) / 0.45f64).powi(2);
+    assert!((rating.corridor - exact).abs() < 1e-12, "{rating:?} for {exact}");
+    assert!(rating.phase == 1.0 && rating.slope > 1.0 - 1e-9);
+    let inside = rate(&at_10_khz(sine), &at_10_khz(|t| sine(t) + 0.049 * largest)).unwrap();
+    assert_eq!(inside.corridor, 1.0);
+    let outside = rate(&at_10_khz(sine), &at_10_khz(|t| sine(t) - 0.51 * largest)).unwrap();
+    assert_eq!(outside.corridor, 0.0);
+}
+
+#[test]
+fn a_scaled_curve_costs_slope_and_corridor_by_their_closed_forms() {
+    let rating = rate(&at_10_khz(pulse), &at_10_khz(|t| 1.2 * pulse(t))).unwrap();
+    assert_eq!((rating.phase, rating.shift), (1.0, 0.0));
+    assert!((rating.slope - (2.0 - 0.2) / 2.0).abs() < 1e-12, "{rating:?}");
+    let peak = at_10_khz(pulse).largest().unwrap()[1];
+    let score = |[_, value]: [f64; 2]| match 0.2 * value / peak {
+        d if d < 0.05 => 1.0,
+        d => ((0.5 - d) / 0.45f64).powi(2),
+    };
+    let corridor = at_10_khz(pulse).samples().map(score).sum::<f64>() / 1000.0;
+    assert!((rating.corridor - corridor).abs() < 1e-12);
+    // Warping cannot make up for a peak that is too high, and does not do worse than no warping.
+    assert!(rating.magnitude >= 0.6 - 1e-12 && rating.magnitude < 1.0);
+}
+
+#[test]
+fn what_contradicts_rates_nothing() {
+    let rating = rate(&at_10_khz(pulse), &at_10_khz(|t| -3.0 * pulse(t))).unwrap();
+    assert_eq!((rating.magnitude, rating.slope, rating.grade), (0.0, 0.0, Grade::Poor));
+}
+
+#[test]
+fn grades_are_those_of_the_specification() {
+    use Grade::*;
+    let found = [1.0, 0.941, 0.94, 0.81, 0.80, 0.59, 0.58, 0.0].map(Grade::of);
+    assert_eq!(found, [Excellent, Excellent, Good, Good, Fair, Fair, Poor, Poor]);
+}
+
+#[test]
+fn other_rates_and_spans_are_brought_together_and_said() {
+    let (fine, late) = (sampled_at(1e-6, [0.0, 0.1], pulse), sampled_at(1e-4, [0.005, 0.095], pulse));
+    let rating = rate(&fine, &late).unwrap();
+    assert_eq!(rating.samples, 901);
+    assert!(rating.overall > 1.0 - 1e-6, "{rating:?}");
+    assert_eq!(rating.notes.len(), 1);
+    assert!(rating.notes[0].starts_with("reference: 100001 samples, read linearly"), "{:?}", rating.notes);
+    let cut = rate(&at_10_khz(pulse), &late).unwrap();
+    assert_eq!(cut.notes, ["reference: cut to the common 0.005 s to 0.095 s"]);
+}
+
+#[test]
+fn what_cannot_be_rated_is_said() {
+    let curve = at_10_khz(pulse);
+    let empty = Series::new(vec![], vec![]);
+    assert_eq!(rate(&empty, &curve), Err(RatingError::Empty { curve: Curve::Reference }));
+    let later = sampled_at(1e-4, [1.0, 2.0], pulse);
+    let error = rate(&curve, &later).unwrap_err();
+    assert!(error.to_string().starts_with("the curves have no time in common"), "{error}");
+    let gap = at_10_khz(|t| if t > 0.05 { f64::NAN } else { t });
+    let error = rate(&curve, &gap).unwrap_err().to_string();
+    assert!(error.starts_with("the comparison was not measured at 0.0501"), "{error}");
+    let error = rate(&at_10_khz(|_| 0.0), &curve).unwrap_err();
+    assert!(matches!(error, RatingError::ZeroReference { .. }), "{error}");
+    let short = sampled_at(1e-4, [0.0, 0.0009], |_| 1.0);
+    assert_eq!(rate(&short, &short), Err(RatingError::TooShort { samples: 10 }));
+    let long = sampled_at(0.1, [0.0, 20.0], |t| t);
+    assert_eq!(rate(&long, &long), Err(RatingError::TooLong { samples: 200_001, pairs: 8_000_040_000 }));
+}
+
+#[test]
+fn a_constant_comparison_is_noted() {
+    let rating = rate(&at_10_khz(pulse), &at_10_khz(|_| 3.0)).unwrap();
+    assert_eq!(rating.notes, ["comparison: constant, so no shift correlates better than none"]);
+}

@@ -1,0 +1,456 @@
+//! Coupon tests: the paper's tables from its raw numbers, the virtual recordings, real metals, the command and the scripts.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use droptower::experiment::coupon::average::{Spread, mean_curve, mean_of_means, relative_difference};
+use droptower::experiment::coupon::{
+    Along, Coupon, Curve, Direction, Reading, Recorded, Reduction, Rules, Sample, yield_points,
+};
+use droptower::signal::file::{self, Selection, Wanted};
+use droptower::units::Unit;
+use serde_json::Value as Json;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A row of a table: text by column.
+type Row = BTreeMap<String, String>;
+
+fn paper(table: &str) -> Vec<Row> {
+    let path = root().join(format!("data/paper/{table}.csv"));
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).expect("a table of the paper");
+    reader.deserialize().map(|row| row.expect("a row")).collect()
+}
+
+fn number(row: &Row, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
+}
+
+/// Whether `value` can have been printed as `printed`: no further from it than half of the printed unit.
+fn assert_prints(value: f64, printed: f64, unit: f64, what: &dyn std::fmt::Debug) {
+    assert!((value - printed).abs() <= 0.5 * unit * (1.0 + 1e-9), "{what:?}: {value} is not printed as {printed}");
+}
+
+/// The printed moduli of one direction, a list a speed.
+fn printed_moduli(direction: &str) -> Vec<Vec<f64>> {
+    let mut speeds: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for row in paper("table-6").iter().filter(|row| row["direction"] == direction) {
+        speeds.entry(row["velocity_m_s"].clone()).or_default().push(number(row, "young_MPa"));
+    }
+    speeds.into_values().collect()
+}
+
+#[test]
+fn table_6_is_the_mean_of_means_that_were_not_rounded() {
+    let (md, td) = (printed_moduli("MD"), printed_moduli("TD"));
+    assert_eq!((md.concat().len(), td.concat().len()), (18, 18));
+    let [md_mean, td_mean] = [&md, &td].map(|groups| mean_of_means(groups).unwrap());
+    for row in paper("table-6-means") {
+        let groups = if row["direction"] == "MD" { &md } else { &td };
+        let speed = ["0.0002", "0.02", "0.2"].iter().position(|speed| row["velocity_m_s"] == *speed);
+        let mean = match (row["direction"].as_str(), speed) {
+            ("", _) => Spread::of(&[md_mean, td_mean]).unwrap().mean,
+            (_, Some(speed)) => Spread::of(&groups[speed]).unwrap().mean,
+            (_, None) => mean_of_means(groups).unwrap(),
+        };
+        assert_prints(mean, number(&row, "young_MPa"), 1.0, &row);
+    }
+    // Had the paper rounded before it averaged on, TD would read 45.
+    let rounded: Vec<f64> = [53.0, 52.0, 31.0].into();
+    assert_eq!(Spread::of(&rounded).unwrap().mean.round(), 45.0);
+}
+
+#[test]
+fn table_4_is_the_relative_difference_from_the_data_sheet() {
+    for row in paper("table-4") {
+        let printed = number(&row, "error_percent");
+        // The printed measurement stands for all that are rounded to it; the error was computed before that.
+        let digit = if row["experiment"].contains('.') { 0.1 } else { 1.0 };
+        let error =
+            |offset: f64| 100.0 * relative_difference(number(&row, "experiment") + offset, number(&row, "data_sheet"));
+        let unit = if printed.fract() == 0.0 { 1.0 } else { 0.1 };
+        let (low, high) = (error(-0.5 * digit), error(0.5 * digit));
+        assert!(low <= printed + 0.5 * unit && printed - 0.5 * unit <= high, "{row:?}: {low} to {high}");
+        if printed != 0.5 {
+            assert_prints(error(0.0), printed, unit, &row);
+        }
+    }
+}
+
+#[test]
+fn table_5_is_stress_times_thickness() {
+    for row in paper("table-5") {
+        let curve = Curve::new(vec![0.0, number(&row, "strain")], vec![0.0, number(&row, "stress_MPa") * 1e6]).unwrap();
+        let resultant = curve.resultant(12e-6)[1] / 1000.0;
+        let printed = number(&row, "resultant_N_mm");
+        let unit = if row["resultant_N_mm"].len() > 3 { 0.01 } else { 0.1 };
+        assert_prints(resultant, printed, unit, &row);
+    }
+}
+
+#[test]
+fn table_7_is_averaged_per_height_first() {
+    let rows = paper("table-7");
+    let groups: Vec<Vec<f64>> = ["1.0", "1.5"]
+        .map(|height| {
+            let tests = rows.iter().filter(|row| row["height_m"] == height);
+            tests.map(|row| number(row, "absorption_percent")).collect()
+        })
+        .into();
+    let printed: Vec<f64> = paper("table-7-means").iter().map(|row| number(row, "absorption_percent")).collect();
+    for (group, printed) in groups.iter().zip(&printed) {
+        assert_prints(Spread::of(group).unwrap().mean, *printed, 0.01, group);
+    }
+    assert_prints(mean_of_means(&groups).unwrap(), printed[2], 0.01, &groups);
+    // The mean of all five alike would be printed as 88.89.
+    assert!((Spread::of(&groups.concat()).unwrap().mean - 88.89).abs() < 0.005);
+}
+
+fn lldpe() -> Coupon {
+    Coupon::new(5e-3, 10e-3, 12e-6).unwrap()
+}
+
+fn virtual_coupons() -> Vec<(String, Recorded)> {
+    let reading = Reading::new(lldpe(), Rules::default());
+    let pattern = root().join("data/virtual/coupons/*.csv");
+    let paths = glob::glob(pattern.to_str().unwrap()).unwrap().map(Result::unwrap);
+    let read = |path: PathBuf| {
+        let recorded = reading.read(&path).unwrap_or_else(|error| panic!("{error}"));
+        (path.file_stem().unwrap().to_string_lossy().into_owned(), recorded)
+    };
+    paths.map(read).collect()
+}
+
+#[test]
+fn the_virtual_coupons_give_back_what_the_paper_prints() {
+    let coupons = virtual_coupons();
+    assert_eq!(coupons.len(), 66);
+    assert!(coupons.iter().all(|(_, recorded)| recorded.is_virtual && recorded.merged == 0));
+    for row in paper("table-6") {
+        let name = format!("{}-{}-{}", row["direction"].to_lowercase(), row["velocity_m_s"], row["sample"]);
+        let (_, recorded) = coupons.iter().find(|(own, _)| *own == name).expect("every coupon of Table 6");
+        assert_prints(recorded.sample.modulus.slope / 1e6, number(&row, "young_MPa"), 1.0, &row);
+    }
+    let samples: Vec<Sample> = coupons.into_iter().map(|(_, recorded)| recorded.sample).collect();
+    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let along = |direction: &str| reduction.along(direction.parse().unwrap()).unwrap();
+    for row in paper("table-6-means") {
+        let mean = match (row["direction"].as_str(), row["velocity_m_s"].parse::<f64>()) {
+            ("", _) => reduction.modulus.unwrap(),
+            (direction, Ok(velocity)) => {
+                along(direction).speeds.iter().find(|speed| speed.velocity == velocity).unwrap().modulus.mean
+            }
+            (direction, Err(_)) => along(direction).modulus.mean,
+        };
+        assert_eq!((mean / 1e6).round(), number(&row, "young_MPa"), "{row:?}");
+    }
+    for row in paper("table-5") {
+        let found = along(&row["direction"]).yields.as_ref().unwrap();
+        let [strain, stress] = if row["yield_point"] == "1" { found.first } else { found.second };
+        assert!(relative_difference(strain, number(&row, "strain")).abs() < 0.015, "{row:?}: {strain}");
+        assert!(relative_difference(stress, number(&row, "stress_MPa") * 1e6).abs() < 0.01, "{row:?}: {stress}");
+    }
+    for row in paper("table-4") {
+        let Along { strength, elongation, .. } = along(&row["direction"]);
+        let found = if row["property"] == "tensile_strength" { strength.mean / 1e6 } else { elongation.mean * 100.0 };
+        let unit = if row["property"] == "tensile_strength" { 0.1 } else { 1.0 };
+        assert_prints(found, number(&row, "experiment"), unit, &row);
+        let error = 100.0 * relative_difference(found, number(&row, "data_sheet"));
+        let printed = number(&row, "error_percent");
+        assert_prints(error, printed, if printed.fract() == 0.0 { 1.0 } else { 0.1 }, &row);
+    }
+}
+
+#[test]
+fn the_skewed_curves_lie_between_those_of_both_directions() {
+    let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
+    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let stress = |direction, strain| reduction.along(direction).unwrap().curve.at(strain).unwrap();
+    for strain in [0.4, 0.6, 0.8, 1.0, 1.2] {
+        let [md, td] = [Direction::Md, Direction::Td].map(|direction| stress(direction, strain));
+        for skewed in [Direction::D3, Direction::D4] {
+            assert!((td..md).contains(&stress(skewed, strain)), "{skewed} at {strain}");
+        }
+    }
+}
+
+fn droptower(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
+    command.current_dir(root()).args(arguments).output().expect("the binary starts")
+}
+
+fn succeed(arguments: &[&str]) -> String {
+    let output = droptower(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+#[test]
+fn the_script_makes_the_shipped_coupons_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("virtual");
+    succeed(&[
+        "script",
+        "scripts/make-virtual-tests.rhai",
+        "--quiet",
+        "--arg",
+        "part=coupons",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    let shipped = root().join("data/virtual/coupons");
+    let names = |folder: &Path| {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+        entries.collect::<std::collections::BTreeSet<_>>()
+    };
+    assert_eq!(names(&out.join("coupons")), names(&shipped));
+    for name in names(&shipped) {
+        let [made, kept] = [out.join("coupons"), shipped.clone()].map(|folder| fs::read(folder.join(&name)).unwrap());
+        assert!(made == kept, "{name:?} is made otherwise; after a change of the script, make data/virtual again");
+        assert!(kept.len() < 8000 && String::from_utf8_lossy(&kept).starts_with("# VIRTUAL"), "{name:?}");
+    }
+}
+
+const STRIP: [&str; 6] = ["--gauge", "5 mm", "--width", "10 mm", "--thickness", "12 um"];
+
+/// `tensile reduce` of `recordings` with more arguments.
+fn reduce(recordings: &str, more: &[&str]) -> Output {
+    droptower(&[&["tensile", "reduce", recordings], STRIP.as_slice(), more].concat())
+}
+
+#[test]
+fn coupons_become_a_material_that_a_scenario_uses() {
+    let folder = tempfile::tempdir().unwrap();
+    let material = folder.path().join("film.toml");
+    let path = material.to_str().unwrap();
+    let output = reduce("data/virtual/coupons/*.csv", &["-o", path, "--density", "0.915 g/cm3", "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let figures: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!((&figures["recordings"], &figures["virtual_recordings"]), (&66.into(), &66.into()));
+    assert_eq!(figures["notes"], serde_json::json!(["D4 was not measured at 0.2 m/s"]));
+    let elongation = figures["directions"][1]["break_elongation"]["mean"].as_f64().unwrap();
+    assert!((elongation - 7.01).abs() < 0.005);
+
+    let text = fs::read_to_string(&material).unwrap();
+    assert!(text.contains("66 of them are VIRTUAL") && text.contains("density   = \"915 kg/m3\"\n"), "{text}");
+    assert!(text.contains("measured_rates = [\"0.04 1/s\", \"40 1/s\"]"), "{text}");
+    assert!(succeed(&["check", path]).starts_with("ok"));
+    let assignment = format!("specimen.material={path:?}");
+    succeed(&["check", "scenarios/stretch/md-0.02.toml", "--set", &assignment]);
+
+    // What this command wrote is replaced, what a user wrote or changed is not; a refused run leaves both files.
+    assert!(reduce("data/virtual/coupons/*.csv", &["-o", path, "--quiet"]).status.success());
+    let shear = folder.path().join("film-shear.csv");
+    fs::write(&shear, "strain,stress\n1,1\n").unwrap();
+    let refused = reduce("data/virtual/coupons/*.csv", &["-o", path]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("is not replaced"));
+    assert_eq!(fs::read_to_string(&shear).unwrap(), "strain,stress\n1,1\n");
+    let kept = fs::read_to_string(&material).unwrap();
+    assert!(kept.contains("assumed: that of LLDPE"));
+    fs::remove_file(&shear).unwrap();
+    fs::write(&material, kept.replace("# absorption = 0.9", "absorption = 0.88")).unwrap();
+    assert_eq!(reduce("data/virtual/coupons/*.csv", &["-o", path]).status.code(), Some(2));
+    assert!(!shear.exists());
+}
+
+#[test]
+fn what_cannot_be_reduced_is_said_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let rows = "0,0,0\n0.5,0.0001,0.5\n1,0.0002,1\n2,0.0004,1.5\n";
+    let unnamed = put("sample.csv", &format!("time_s,displacement_m,force_N\n{rows}"));
+    let no_unit = put("md-0.02-1.csv", &format!("time_s,displacement_m,force\n{rows}"));
+    let text = put("md-0.02-2.csv", "time_s,displacement_m,force_N\n0,0,0\n1,oops,1\n");
+    let few = put("md-0.02-3.csv", "time_s,displacement_m,force_N\n0,0,0\n1,1,1\n");
+    let back = put("md-0.02-4.csv", "time_s,displacement_m,force_N\n0,0,0\n1,0.001,1\n2,0.0005,2\n");
+    let good = put("md-0.02-5.csv", &format!("time_s,displacement_m,force_N\n{rows}"));
+    let material = folder.path().join("m.toml");
+    let material = material.to_str().unwrap();
+    for (recordings, more, expected) in [
+        (unnamed.as_str(), &[][..], "sample.csv: the direction of the coupon is not known"),
+        (&no_unit, &[], "md-0.02-1.csv: the unit of `force` is not known"),
+        (&text, &[], "md-0.02-2.csv:3:"),
+        (&few, &[], "md-0.02-3.csv: 1 samples between the strains 0 and 0.04"),
+        (&back, &[], "md-0.02-4.csv: strain goes back at sample 3: 0.1 after 0.2"),
+        (&good, &["-o", material], "no material: a material needs coupons of MD, TD and D3"),
+        ("data/virtual/coupons/md-*.csv", &["-o", material], "there is none of TD"),
+        (&good, &["-o", "material.csv"], "a material file ends in .toml"),
+        (&good, &["--gauge", "0 mm"], "the gauge length of a coupon is a positive length"),
+        (&good, &["--window", "0.3", "0.1"], "0.3 to 0.1 is no window of strain"),
+        ("nothing/*.csv", &[], "no file matches"),
+    ] {
+        let arguments: Vec<&str> = ["tensile", "reduce", recordings].into_iter().chain(more.iter().copied()).collect();
+        let strip = STRIP.chunks(2).filter(|pair| !more.contains(&pair[0])).flatten().copied();
+        let output = droptower(&arguments.into_iter().chain(strip).collect::<Vec<_>>());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{recordings} {more:?}: {said}");
+        assert!(said.contains(expected), "{recordings} {more:?}: {said}");
+    }
+    assert!(!Path::new(material).exists());
+    assert!(reduce(&unnamed, &["--direction", "TD", "--velocity", "0.02 m/s"]).status.success());
+}
+
+#[test]
+fn the_scripts_print_the_papers_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("tables");
+    let text = succeed(&["script", "scripts/paper-tables.rhai", "--json", "--out", out.to_str().unwrap()]);
+    let tables = &serde_json::from_str::<Json>(&text).expect("JSON")["tables"];
+    assert_eq!(tables["table_4"].as_array().unwrap().len(), 4);
+    assert_eq!(tables["table_5"].as_array().unwrap().len(), 4);
+    let moduli = tables["table_6"].as_array().unwrap();
+    assert_eq!(moduli.len(), 36);
+    assert!(moduli.iter().all(|row| row["difference_MPa"].as_f64().unwrap().abs() <= 0.5));
+    let means = tables["table_6_means"].as_array().unwrap();
+    assert!(means.len() == 9 && means.iter().all(|row| row["difference_MPa"].as_f64().unwrap().abs() <= 0.5));
+
+    let out = folder.path().join("tensile");
+    succeed(&["script", "scripts/reduce-tensile.rhai", "--quiet", "--out", out.to_str().unwrap()]);
+    assert!(succeed(&["check", out.join("material.toml").to_str().unwrap()]).starts_with("ok"));
+    assert!(out.join("curves/md.csv").is_file());
+}
+
+const KSI: f64 = 6.894_757_293_168e6;
+
+/// A curve of the 6061 aluminium: engineering stress in ksi over strain.
+fn aluminium(name: &str) -> Curve {
+    let units = vec![
+        ("engineering_stress".into(), Unit::parse("ksi").unwrap()),
+        ("engineering_strain".into(), Unit::parse("-").unwrap()),
+    ];
+    let names = ["engineering_strain", "engineering_stress"].map(String::from).to_vec();
+    let wanted = Wanted { channels: Selection::Named(names), units, ..Wanted::default() };
+    let mut columns = file::columns(&root().join("data/tension_anisotropic_al6061").join(name), &wanted)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .columns;
+    let stress = columns.remove(1).values;
+    Curve::new(columns.remove(0).values, stress).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Window of a metal's elastic part, far below its yield strain of about 0.004.
+const METAL: [f64; 2] = [0.001, 0.003];
+
+#[test]
+fn real_aluminium_has_its_modulus_in_every_direction() {
+    let directions = [["LT-01", "LT-02"], ["RD-01", "RD-02"], ["ST-02", "ST-04"]];
+    let rules = Rules { window: METAL, ..Rules::default() };
+    let mut means = Vec::new();
+    for (pair, direction) in directions.iter().zip([Direction::Td, Direction::Md, Direction::D3]) {
+        let curves = pair.map(|name| aluminium(&format!("cleaned_CA-{name}.csv")));
+        let samples: Vec<Sample> =
+            curves.iter().map(|curve| Sample::new(direction, 1e-3, curve, &rules).unwrap()).collect();
+        let reduction = Reduction::of(&samples, &rules).unwrap();
+        let along = &reduction.directions[0];
+        let shortest = samples.iter().map(|sample| sample.rupture.strain).fold(f64::INFINITY, f64::min);
+        assert_eq!(along.curve.range()[1], shortest);
+        assert!((270e6..360e6).contains(&along.strength.mean), "{direction}: {:?}", along.strength);
+        means.push(samples.iter().map(|sample| sample.modulus.slope).collect::<Vec<f64>>());
+    }
+    // Handbooks give 68.9 GPa. Single samples scatter by a tenth: the window holds some twenty samples of an extensometer.
+    let mean = mean_of_means(&means).unwrap();
+    assert!((mean / 68.9e9 - 1.0).abs() < 0.03, "{:.1} GPa", mean / 1e9);
+    assert!(means.concat().iter().all(|modulus| (modulus / 68.9e9 - 1.0).abs() < 0.12), "{means:?}");
+}
+
+/// The curve of the 304L steel through force and displacement, as a coupon gives it. The recordings do not say how large
+/// the specimen was; their own stress over load, and strain over displacement, do.
+fn steel(name: &str) -> (Curve, Curve) {
+    let names = "time [s],displacement [in],load [lbf],engineering_strain [-],engineering_stress [ksi]";
+    let wanted = Wanted { names: names.split(',').map(String::from).collect(), ..Wanted::default() };
+    let measured = file::read(&root().join("data/tension_rates_304L").join(name), &wanted)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let channel = |name: &str| measured.channel(name).unwrap().series.clone();
+    let (load, displacement) = (channel("load"), channel("displacement"));
+    let (stress, strain) = (channel("engineering_stress"), channel("engineering_strain"));
+    let last = load.len() - 1;
+    let area = load.values()[last] / stress.values()[last];
+    let gauge = displacement.values()[last] / strain.values()[last];
+    let coupon = Coupon::new(gauge, area.sqrt(), area.sqrt()).unwrap();
+    let own = Curve::new(strain.values().to_vec(), stress.values().to_vec()).unwrap();
+    (coupon.curve(&load, &displacement).unwrap(), own)
+}
+
+#[test]
+fn real_steel_goes_from_force_to_stress_at_two_rates() {
+    let rates = ["cleaned_SML4188-Ring1-1_Pull_0.0001.csv", "cleaned_SML4188-Ring1-17_Pull_0.01.csv"];
+    let curves = rates.map(steel);
+    for (found, own) in &curves {
+        assert!(found.merged() > 0, "an extensometer jitters");
+        for strain in [0.01, 0.1, 0.3, 0.5] {
+            assert!((found.at(strain).unwrap() / own.at(strain).unwrap() - 1.0).abs() < 1e-4);
+        }
+        let rupture = found.rupture(0.5).unwrap();
+        assert!(
+            (0.6..0.9).contains(&rupture.strain) && (80.0 * KSI..90.0 * KSI).contains(&rupture.strength),
+            "{rupture:?}"
+        );
+    }
+    // Faster is stronger.
+    let [slow, fast] = [0, 1].map(|i| curves[i].0.at(0.02).unwrap());
+    assert!(fast > 1.05 * slow, "{fast} and {slow}");
+    let both: Vec<Curve> = curves.iter().map(|(curve, _)| curve.clone()).collect();
+    let mean = mean_curve(&both).unwrap();
+    assert!((mean.at(0.02).unwrap() - 0.5 * (slow + fast)).abs() < 1e-3 * slow);
+    // Handbooks give 193 GPa. The slow recording jitters by a tenth of the whole elastic strain (its slope is 250 GPa), so
+    // only the fast one tells.
+    let modulus = curves[1].0.modulus([0.0, 0.0005]).unwrap();
+    assert!((modulus.slope / 193e9 - 1.0).abs() < 0.1, "{modulus:?}");
+    // Where it begins to neck, engineering stress falls.
+    let yields = yield_points(&mean, [0.0, 0.001]).unwrap();
+    assert!(yields.first[0] < 0.02 && yields.slopes[1] > 0.0 && yields.slopes[2] < 0.0, "{yields:?}");
+}
+
+/// A bilinear film: the material file holds its mean curve instead of yield points.
+#[test]
+fn a_film_without_a_double_yield_point_becomes_a_material_too() {
+    let folder = tempfile::tempdir().unwrap();
+    for direction in ["md", "td", "d3"] {
+        let rows = (0..=400).map(|i| 0.003 * f64::from(i)).map(|strain| {
+            let stress = 30e6 * strain.min(0.3) + 5e6 * (strain - 0.3).max(0.0);
+            format!("{},{},{}\n", strain / 4.0, strain * 5e-3, stress * 1.2e-7)
+        });
+        let text = format!("time_s,displacement_m,force_N\n{}", rows.collect::<String>());
+        fs::write(folder.path().join(format!("{direction}-0.02-1.csv")), text).unwrap();
+    }
+    let (recordings, material) = (folder.path().join("*.csv"), folder.path().join("film.toml"));
+    let output = reduce(recordings.to_str().unwrap(), &["-o", material.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("note: MD: the curve has no second yield point"), "{said}");
+    assert!(said.contains("the record ends under load; its end counts as the break"), "{said}");
+    assert!(fs::read_to_string(&material).unwrap().contains("md = { curve = [["));
+    assert!(succeed(&["check", material.to_str().unwrap()]).starts_with("ok"));
+}
+
+/// The whole way round: recordings, material, simulated coupon, and back to the mean of the recordings (the paper's Figure 14).
+#[test]
+fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
+    let folder = tempfile::tempdir().unwrap();
+    let (material, out) = (folder.path().join("film.toml"), folder.path().join("run"));
+    assert!(reduce("data/virtual/coupons/*.csv", &["-q", "-o", material.to_str().unwrap()]).status.success());
+    let samples: Vec<Sample> = virtual_coupons().into_iter().map(|(_, recorded)| recorded.sample).collect();
+    let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+    let assignment = format!("specimen.material={:?}", material.to_str().unwrap());
+    for (direction, scenario) in [(Direction::Md, "md-0.2"), (Direction::Td, "td-0.2")] {
+        let scenario = format!("scenarios/stretch/{scenario}.toml");
+        succeed(&["run", &scenario, "--quiet", "--set", &assignment, "--out", out.to_str().unwrap()]);
+        let table = file::columns(&out.join("signals.csv"), &Wanted::default()).unwrap();
+        let column = |name: &str| table.columns.iter().find(|column| column.label == name).unwrap().values.clone();
+        let simulated = Curve::new(column("strain"), column("stress_Pa")).unwrap();
+        let Along { curve, elongation, .. } = reduction.along(direction).unwrap();
+        let shared = curve.range()[1];
+        for part in [0.3, 0.5, 0.7, 0.9, 1.0] {
+            let [found, measured] = [&simulated, curve].map(|curve| curve.at(part * shared).unwrap());
+            assert!((found / measured - 1.0).abs() < 0.01, "{direction} at {}: {found} for {measured}", part * shared);
+        }
+        assert!((simulated.rupture(0.5).unwrap().strain - elongation.mean).abs() < 0.02);
+    }
+}

@@ -1,0 +1,672 @@
+//! Recordings of others, read by the functions that read the user's: values, units, counts, and every mistake in place.
+
+use std::f64::consts::PI;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use droptower::signal::filter::{self, Standard};
+use droptower::signal::{Measured, Measurement, Selection, Series, Wanted, file, integrate, isomme};
+use droptower::units::{Acceleration, Force, Length, Moment, Pressure, STANDARD_GRAVITY, Strain, Unit};
+use proptest::prelude::*;
+use serde_json::Value as Json;
+
+fn data(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(path)
+}
+
+fn unit(symbol: &str) -> Unit {
+    Unit::parse(symbol).expect("a unit")
+}
+
+fn units(pairs: &[(&str, &str)]) -> Wanted {
+    let units = pairs.iter().map(|(name, symbol)| ((*name).to_owned(), unit(symbol))).collect();
+    Wanted { units, ..Wanted::default() }
+}
+
+fn close(found: f64, expected: f64, relative: f64) {
+    assert!((found - expected).abs() <= relative * expected.abs(), "{found} instead of {expected}");
+}
+
+/// What a file says in a cell, found without the reader under test.
+fn cell(text: &str, line: usize, column: usize, separator: impl Fn(char) -> bool + Copy) -> f64 {
+    let line = text.lines().nth(line - 1).expect("a line");
+    let cell = line.split(separator).filter(|cell| !cell.is_empty()).nth(column - 1);
+    cell.expect("a cell").trim().parse().expect("a number")
+}
+
+#[test]
+fn curves_without_a_header_are_over_time() {
+    let path = data("iso18571/reference.csv");
+    let text = fs::read_to_string(&path).expect("the file");
+    let read = file::read(&path, &Wanted::one(None)).expect("readable");
+    let series = &read.channels[0].series;
+    assert_eq!(series.len(), 600);
+    assert_eq!(series.values()[0], cell(&text, 1, 2, |c| c == ','));
+    close(series.time()[599], 0.0599, 1e-12);
+    assert!(read.channels[0].unit.is_none());
+    assert!(read.notes.iter().any(|note| note.contains("no header")), "{:?}", read.notes);
+    assert!(read.notes.iter().any(|note| note.contains("seconds are assumed")), "{:?}", read.notes);
+}
+
+#[test]
+fn steel_in_tension_is_read_in_customary_units() {
+    let wanted =
+        units(&[("displacement", "in"), ("load", "lbf"), ("engineering_strain", "-"), ("engineering_stress", "ksi")]);
+    for file in ["cleaned_SML4188-Ring1-17_Pull_0.01.csv", "cleaned_SML4188-Ring1-1_Pull_0.0001.csv"] {
+        let path = data("tension_rates_304L").join(file);
+        let text = fs::read_to_string(&path).expect("the file");
+        let read = file::read(&path, &wanted).expect("readable");
+        let channel = |name| read.channel(name).expect("a channel");
+        let travel = channel("displacement").quantity(Length::DIMENSION).expect("a length");
+        let load = channel("load").quantity(Force::DIMENSION).expect("a force");
+        let strain = channel("engineering_strain").quantity(Strain::DIMENSION).expect("a strain");
+        let stress = channel("engineering_stress").quantity(Pressure::DIMENSION).expect("a stress");
+        assert_eq!(load.len(), 99);
+        assert_eq!(load.time()[0], cell(&text, 3, 1, |c| c == ','));
+        // One pound-force is 4.4482216152605 N, one inch 25.4 mm (exact).
+        close(load.values()[0], cell(&text, 3, 3, |c| c == ',') * 4.448_221_615_260_5, 1e-14);
+        close(travel.values()[98], cell(&text, 101, 2, |c| c == ',') * 0.0254, 1e-14);
+        // Force over stress is one area, travel over strain one length: the units agree with one another.
+        let area = load.values()[50] / stress.values()[50];
+        for row in 0..99 {
+            close(load.values()[row] / stress.values()[row], area, 1e-9);
+            close(travel.values()[row] / strain.values()[row], 0.25 * 0.0254, 1e-6);
+        }
+        assert!(read.notes.iter().any(|note| note.contains("'engineering_strain_rate'")), "{:?}", read.notes);
+    }
+}
+
+#[test]
+fn aluminium_in_three_directions_has_no_time() {
+    let wanted = units(&[("engineering_stress", "ksi"), ("engineering_strain", "-")]);
+    let folder = fs::read_dir(data("tension_anisotropic_al6061")).expect("the folder");
+    let files: Vec<PathBuf> = folder.map(|entry| entry.expect("an entry").path()).collect();
+    let files: Vec<&PathBuf> = files.iter().filter(|file| file.extension().is_some_and(|e| e == "csv")).collect();
+    assert_eq!(files.len(), 6);
+    for path in files {
+        let text = fs::read_to_string(path).expect("the file");
+        let table = file::columns(path, &wanted).expect("readable");
+        let [stress, strain] = &table.columns[..] else { panic!("two columns") };
+        assert_eq!(stress.values.len(), text.lines().filter(|line| !line.trim().is_empty()).count() - 2);
+        assert_eq!(strain.values[0], cell(&text, 3, 2, |c| c == ','));
+        // One ksi is 1000 · 4.4482216152605 N / (25.4 mm)².
+        close(stress.values[0], cell(&text, 3, 1, |c| c == ',') * 6.894_757_293_168_361e6, 1e-12);
+        assert!(table.notes[0].contains("'direction'"), "{:?}", table.notes);
+        let error = file::read(path, &wanted).expect_err("no time").to_string();
+        assert!(error.contains("no column of time among `engineering_stress`, `engineering_strain`"), "{error}");
+    }
+}
+
+#[test]
+fn rubber_sheets_are_columns_between_blanks() {
+    let names = vec!["stress [MPa]".to_owned(), "stretch [-]".to_owned()];
+    let wanted = Wanted { names, ..Wanted::default() };
+    for author in ["Treloar_1944", "Kawabata_1981", "Meunier_2008"] {
+        for kind in ["UT", "ET", "PS"] {
+            let path = data("rubber_sheet").join(author).join(kind).with_extension("txt");
+            let text = fs::read_to_string(&path).expect("the file");
+            let table = file::columns(&path, &wanted).expect("readable");
+            let [stress, stretch] = &table.columns[..] else { panic!("two columns") };
+            let rows = text.lines().filter(|line| !line.trim().is_empty()).count();
+            assert_eq!([stress.values.len(), stretch.values.len()], [rows; 2], "{author} {kind}");
+            close(stress.values[1], cell(&text, 2, 1, char::is_whitespace) * 1e6, 1e-14);
+            assert_eq!(stretch.values[1], cell(&text, 2, 2, char::is_whitespace));
+            // Stress rises with stretch; it would not, were the columns changed over or the decimals lost.
+            assert!(stretch.values.windows(2).all(|pair| pair[0] < pair[1]), "{author} {kind}");
+        }
+    }
+}
+
+#[test]
+fn a_container_is_read_with_both_kinds_of_time() {
+    for path in ["isomme_fixture", "isomme_fixture/test.mme", "isomme_fixture/Channel/test.chn"] {
+        let read = file::read(&data(path), &Wanted::default()).expect("readable");
+        let codes: Vec<&str> = read.channels.iter().map(|channel| channel.name.as_str()).collect();
+        assert_eq!(codes, ["11HEADCG0000ACXP", "11CHST0000H3DSXP"]);
+        let head = read.channel("Head CG X acceleration").expect("by its long name");
+        let acceleration = head.quantity(Acceleration::DIMENSION).expect("an acceleration");
+        assert_eq!(acceleration.values()[15], 42.0 * STANDARD_GRAVITY);
+        assert_eq!(acceleration.time()[0], -5e-4);
+        assert_eq!(head.filtered, Some(1000.0));
+        let chest = read.channel("11CHST0000H3DSXP").expect("by its code").quantity(Length::DIMENSION);
+        let chest = chest.expect("a length");
+        close(chest.values()[6], 35e-6, 1e-12);
+        assert!(chest.values()[12].is_nan(), "NOVALUE was not measured");
+        assert_eq!(chest.values().iter().filter(|value| value.is_nan()).count(), 1);
+        close(chest.time()[19], 0.0014, 1e-12);
+        let comment = "Time zero: first contact with the barrier face".to_owned();
+        assert_eq!(read.notes.contains(&comment), !path.ends_with("chn"), "{:?}", read.notes);
+    }
+}
+
+#[test]
+fn the_measured_channel_has_the_extremes_of_its_header() {
+    let read = file::read(&data("isomme_real_channel"), &Wanted::one(None)).expect("readable");
+    let channel = &read.channels[0];
+    let moment = channel.quantity(Moment::DIMENSION).expect("a moment");
+    assert_eq!((channel.name.as_str(), moment.len()), ("24NECKUP00P2MOZP", 6000));
+    assert_eq!(channel.filtered, None);
+    for ([time, value], stated) in [
+        (moment.largest().expect("samples"), [1.417e-1, 2.171756]),
+        (moment.smallest().expect("samples"), [3.31e-2, -1.540194]),
+    ] {
+        assert_eq!(value, stated[1]);
+        close(time, stated[0], 1e-9);
+    }
+    let absent = "78 of 79 listed channels are not there; the first is M0MBARLEMIUPACXP".to_owned();
+    assert_eq!(read.notes, ["there is no test (.mme)".to_owned(), absent]);
+}
+
+#[test]
+fn what_a_header_states_is_checked_against_the_samples() {
+    let text = fs::read_to_string(data("isomme_real_channel/test.001")).expect("the channel");
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("T.001");
+    for (from, to, expected) in [
+        ("value  :2.171756E+0", "value  :2.271756E+0", "the header states the maximum 2.271756"),
+        (
+            "maximum value       :1.417000E-1",
+            "maximum value       :1.427000E-1",
+            "the header states the maximum at 0.1427 s",
+        ),
+        ("Reference channel           :implicit\n", "", "implicit is assumed"),
+        ("Time of first sample        :-0.1\n", "", "0 is assumed"),
+        ("Unit                        :Nm", "Unit                        :furlong", "the unit `furlong` is not known"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        fs::write(&path, text.replacen(from, to, 1)).expect("written");
+        let notes = file::read(&path, &Wanted::default()).expect("readable").notes.join("; ");
+        assert!(notes.contains(expected), "{to}: {notes}");
+    }
+    for (from, to, place, expected) in [
+        (
+            "samples           :6000",
+            "samples           :6001",
+            Some(6033),
+            "`24NECKUP00P2MOZP` is truncated: 6000 of 6001 samples",
+        ),
+        ("samples           :6000", "samples           :10", Some(6033), "has 6000 samples, but its header says 10"),
+        ("samples           :6000", "samples           :x", Some(24), "`Number of samples` is not a number: `x`"),
+        (
+            "interval           :0.0001",
+            "interval           :0",
+            Some(21),
+            "the sampling interval of `24NECKUP00P2MOZP` is 0 s",
+        ),
+        (
+            "interval           :0.0001",
+            "interval           :NOVALUE",
+            Some(4),
+            "neither a sampling interval nor a reference",
+        ),
+        ("\n1.642828E-2\n", "\n1.6x\n", None, "expected a number for `24NECKUP00P2MOZP`, found `1.6x`"),
+        ("\n1.642828E-2\n", "\nNaN\n", None, "`24NECKUP00P2MOZP` is not finite"),
+        ("\n1.642828E-2\n", "\n\n", None, "expected a number for `24NECKUP00P2MOZP`, found ``"),
+        (
+            "channel           :implicit",
+            "channel           :explicit",
+            Some(4),
+            "neither a sampling interval nor a reference",
+        ),
+    ] {
+        assert!(text.contains(from), "{from}");
+        fs::write(&path, text.replacen(from, to, 1)).expect("written");
+        let error = file::read(&path, &Wanted::default()).expect_err("a mistake");
+        let (file, line, _) = error.place().expect("a place");
+        assert_eq!(file, path);
+        assert!(place.is_none_or(|expected| expected == line), "{to}: line {line}");
+        assert!(error.to_string().contains(expected), "{to}: {error}");
+    }
+}
+
+#[test]
+fn a_container_with_mistakes_is_refused_by_name() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| bench.path().join(name);
+    let refused = |path: &Path, expected: &str| {
+        let error = file::read(path, &Wanted::default()).expect_err("a mistake").to_string();
+        assert!(error.contains(expected), "{error}");
+    };
+    refused(bench.path(), "neither a test (.mme) nor a list of channels (.chn)");
+    fs::write(path("a.mme"), "").expect("written");
+    refused(&path("a.mme"), "no folder `Channel` beside the test");
+    fs::create_dir(path("CHANNEL")).expect("a folder");
+    refused(bench.path(), "no channel files (`a.001`, …)");
+    let axis = "Channel code:11TIRS000000TIRP\nUnit:ms\nNumber of samples:3\n";
+    let value = "Channel code:11HEAD000000ACXP\nUnit:g\nReference channel:explicit\nReference channel name:";
+    fs::write(path("CHANNEL/A.001"), format!("{axis}0\n1\n1\n")).expect("written");
+    fs::write(path("CHANNEL/A.002"), format!("{value}11TIRS000000TIRP\n1\n2\n3\n")).expect("written");
+    refused(bench.path(), "A.001:6:1: time does not increase: 1 after 1");
+    fs::write(path("CHANNEL/A.001"), format!("{axis}0\nNOVALUE\n1\n")).expect("written");
+    refused(bench.path(), "A.001:5:1: a sample of the time axis `11TIRS000000TIRP` was not measured");
+    fs::write(path("CHANNEL/A.001"), format!("{axis}0\n1\n2\n")).expect("written");
+    let read = file::read(bench.path(), &Wanted::default()).expect("readable now");
+    assert_eq!(read.channels[0].series.time(), [0.0, 1e-3, 2e-3]);
+    fs::write(path("CHANNEL/A.002"), format!("{value}11TIRS000000TIRP\n1\n2\n")).expect("written");
+    refused(bench.path(), "`11HEAD000000ACXP` has 2 samples over 3 times of `11TIRS000000TIRP`");
+    fs::write(path("CHANNEL/A.002"), format!("{value}11TIRS000000TIXX\n1\n2\n")).expect("written");
+    refused(bench.path(), "the time of `11HEAD000000ACXP` is in `11TIRS000000TIXX`, which is not there");
+    fs::write(path("b.mme"), "").expect("written");
+    refused(bench.path(), "several tests in the folder: `a.mme`, `b.mme`");
+}
+
+#[test]
+fn written_containers_read_back_to_the_same_bits() {
+    let uneven = Series::new(vec![0.0, 1e-4, 3.5e-4], vec![0.1 + 0.2, f64::NAN, -1.0 / 3.0]);
+    let even = Series::new(vec![-0.1, -0.0999, -0.0998], vec![1e-300, 6.02e23, -0.0]);
+    let channel = |name: &str, symbol: Option<&str>, series: &Series| Measured {
+        name: name.into(),
+        label: format!("the {name}"),
+        unit: symbol.map(unit),
+        filtered: (name == "head" || name.ends_with("0B")).then_some(600.0),
+        series: series.clone(),
+    };
+    let measurement = Measurement {
+        channels: vec![
+            channel("11HEADCG0000ACXP", Some("m/s2"), &even),
+            channel("head", Some("m/s2"), &uneven),
+            channel("load", Some("N"), &uneven),
+            channel("volts", None, &even),
+            channel("delay", Some("s"), &even),
+            // Written before by droptower, and in the way of the number of the second channel.
+            channel("000000000200AC0B", Some("m/s2"), &even),
+        ],
+        notes: vec!["virtual: no instrument made it".into()],
+    };
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("out/T.mme");
+    isomme::write(&path, &measurement).expect("written");
+    let read = file::read(&path, &Wanted::default()).expect("readable");
+    assert_eq!(read.channels.len(), 6);
+    for (read, written) in read.channels.iter().zip(&measurement.channels) {
+        let bits = |series: &Series| series.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&read.series), bits(&written.series), "{}", written.name);
+        let late = read.series.time().iter().zip(written.series.time()).map(|(a, b)| (a - b).abs());
+        assert!(late.fold(0.0, f64::max) < 1e-15);
+        assert_eq!((&read.label, &read.unit), (&written.label, &written.unit));
+        assert_eq!(read.filtered, written.filtered);
+    }
+    assert_eq!(read.channels[0].name, "11HEADCG0000ACXP");
+    assert_eq!(read.notes[0], "virtual: no instrument made it");
+    assert!(read.notes.iter().all(|note| !note.contains("states")), "{:?}", read.notes);
+    let text = fs::read_to_string(bench.path().join("out/Channel/T.001")).expect("the channel");
+    assert!(text.starts_with("Channel code                :11HEADCG0000ACXP\r\n"), "{text}");
+    assert!(isomme::write(&path, &measurement).is_err(), "nothing that exists is replaced");
+    let left: Vec<_> = fs::read_dir(bench.path().join("out")).expect("the folder").collect();
+    assert_eq!(left.len(), 2, "nothing is left of the draft");
+}
+
+#[test]
+fn the_measured_channel_survives_being_written() {
+    let original = file::read(&data("isomme_real_channel"), &Wanted::default()).expect("readable");
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("copy.mme");
+    isomme::write(&path, &original).expect("written");
+    let copy = file::read(&path, &Wanted::default()).expect("readable");
+    assert_eq!(copy.channels, original.channels);
+}
+
+/// A drop-tower shock at 1 MHz, which may not be copied.
+#[test]
+fn drop_tower_shocks_are_read_filtered_and_integrated() {
+    let folder = std::env::var_os("DROPTOWER_SHARED_DATA").map(PathBuf::from);
+    let folder = folder.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
+    let path = folder.join("droptower_highrate/accel_1.csv");
+    if !path.is_file() {
+        eprintln!("skipped: {} is not there", path.display());
+        return;
+    }
+    let error = file::read(&path, &Wanted::default()).expect_err("7 names over 6 columns");
+    assert!(error.to_string().contains("7 names") && error.to_string().contains("over 6 columns"), "{error}");
+    assert!(error.hint().is_some_and(|hint| hint.contains("--columns")));
+    let names = ["time [s]", "accel 1 [kg_n]", "accel 2 [kg_n]", "accel 3 [kg_n]", "accel 4 [kg_n]", "accel 5 [kg_n]"];
+    let names = names.map(str::to_owned).to_vec();
+    let wanted = Wanted { names, ..Wanted::one(Some("accel 1")) };
+    let read = file::read(&path, &wanted).expect("readable");
+    let raw = read.channels[0].quantity(Acceleration::DIMENSION).expect("an acceleration");
+    let text = fs::read_to_string(&path).expect("the file");
+    assert_eq!(raw.len(), text.lines().count() - 2);
+    close(raw.values()[0], cell(&text, 3, 2, |c| c == ',') * 9806.65, 1e-14);
+    let smooth = filter::channel(raw, 1000.0, Standard::Iso6487).expect("filtered");
+    let [peak, smooth_peak] = [raw, &smooth].map(|series| series.largest().expect("samples")[1]);
+    assert!(0.0 < smooth_peak && smooth_peak < peak, "{smooth_peak} of {peak}");
+    // The filter passes what does not vibrate: both give the same change of velocity.
+    let [change, smooth_change] = [raw, &smooth].map(integrate::total);
+    close(smooth_change, change, 0.01);
+}
+
+/// What a table says wrongly, and what is said of it.
+#[test]
+fn tables_with_mistakes_are_refused_in_place() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("r.csv");
+    let g = units(&[("a", "g")]);
+    let named = |name: &str| Wanted::one(Some(name));
+    let names =
+        |names: &[&str]| Wanted { names: names.iter().map(|name| (*name).into()).collect(), ..Wanted::default() };
+    for (text, wanted, expected) in [
+        ("", Wanted::default(), "r.csv: no samples: the file is empty"),
+        ("# only\n\n", Wanted::default(), "r.csv: no samples: the file is empty"),
+        ("time,a\n", Wanted::default(), "r.csv:1:1: no samples: no line below the header starts with a number"),
+        ("time,a\n0,1\n0,2\n", Wanted::default(), "r.csv:3:1: time does not increase: 0 after 0"),
+        ("time,a\n1,1\n0,2\n", Wanted::default(), "r.csv:3:1: time does not increase: 0 after 1"),
+        ("a,time\n1,\n", Wanted::default(), "r.csv:2:3: the sample has no time"),
+        ("time,a\n0,1\n", named("b"), "r.csv:1:1: no channel `b` among `time`, `a`"),
+        ("time,a [g],a [N]\n0,1,2\n", named("a"), "r.csv:1:1: several channels are called `a`: `a [g]`, `a [N]`"),
+        ("time,a,b\n0,1,2\n", Wanted::one(None), "r.csv:1:1: one channel is wanted, found 2: `a`, `b`"),
+        ("time\n0\n1\n", Wanted::default(), "r.csv:1:1: no channel beside the time"),
+        ("time,a\n0,nan\n", Wanted::default(), "r.csv:2:3: `a` is not finite"),
+        ("time,a\n0,-inf\n", Wanted::default(), "r.csv:2:3: `a` is not finite"),
+        ("time;ä;b\n0;1;2\n1; 2 ;x\n", Wanted::default(), "r.csv:3:7: expected a number for `b`, found `x`"),
+        ("time,a\nx,1\n1,2\n", Wanted::default(), "r.csv:2:1: expected a number for `time`, found `x`"),
+        ("time,a\n0,1\n1,2,3\n", Wanted::default(), "r.csv:3:1: expected 2 cells, found 3"),
+        ("time,a\n0,1\n1\n2,2\n", Wanted::default(), "r.csv:3:1: expected 2 cells, found 1"),
+        ("time,a\n0,1\n1", Wanted::default(), "r.csv:3:1: the file is truncated: its last line has 1 of 2 cells"),
+        ("time,a,b\n0,1\n1,2\n", Wanted::default(), "r.csv:1:1: 3 names (`time`, `a`, `b`) over 2 columns"),
+        ("0,1\n", names(&["time"]), "r.csv:1:1: 1 names (`time`) over 2 columns"),
+        ("time,a,a\n0,1,2\n", Wanted::default(), "r.csv:1:8: two columns are called `a`"),
+        ("time,,b\n0,1,2\n", Wanted::default(), "r.csv:1:6: column 2 has no name"),
+        (
+            "time,a [g]\ns,m/s2\n0,1\n",
+            Wanted::default(),
+            "r.csv:2:3: mixed units: the header says `g` of `a`, the line of units `m/s2`",
+        ),
+        ("time,a [m/s2]\n0,1\n", g.clone(), "r.csv:1:6: mixed units: the file says `m/s2` of `a`, but `g` is given"),
+        ("time,b\n0,1\n", g, "r.csv:1:1: no channel `a` among `time`, `b`"),
+        (
+            "time,a\n0,5.2 g\n",
+            Wanted::default(),
+            "r.csv:2:3: expected a number for `a`, found `5.2 g`, which carries a unit",
+        ),
+        ("time [g],a\n0,1\n", Wanted::default(), "r.csv:1:1: time (`time`) cannot be in `g`"),
+        ("time [fortnight],a\n0,1\n", Wanted::default(), "r.csv:1:1: time (`time`) cannot be in `fortnight`"),
+        ("t,time,a\n0,0,1\n", Wanted::default(), "r.csv:1:1: several columns of time among `t`, `time`, `a`"),
+        (
+            "time;a\n0,5;1,5\n1;2.5\n",
+            Wanted::default(),
+            "r.csv:3:3: decimal point and decimal comma in one file: `2.5`",
+        ),
+    ] {
+        fs::write(&path, text).expect("written");
+        let error = file::read(&path, &wanted).expect_err(text);
+        let said = error.to_string();
+        assert!(said.contains(expected), "{text:?} gave: {said}");
+        assert_eq!(error.place().is_some(), !expected.starts_with("r.csv: "), "{text:?}");
+    }
+}
+
+#[test]
+fn tables_come_in_many_dresses() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("r.csv");
+    for (text, time, values) in [
+        ("time,a\n0,1\n0.5,-2.5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("time [ms],a [kN]\n0,0.001\n500,-0.0025\n", [0.0, 0.5], [1.0, -2.5]),
+        ("Zeit / ms;Kraft / N\n0;1\n500;-2,5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("time,a\ns,N\n0,1\n0.5,-2.5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("time_ms\ta_N\n0\t1\n500\t-2.5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("  t   a\n  0   1\n .5  -2.5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("t a\n0,0 1,0\n0,5 -2,5\n", [0.0, 0.5], [1.0, -2.5]),
+        ("a,time,\n1,0,\n-2.5,0.5,\n", [0.0, 0.5], [1.0, -2.5]),
+        ("\"time\",\"a, left\"\r\n\"0\",\"1\"\r\n\"0.5\",\"-2.5\"\r\n", [0.0, 0.5], [1.0, -2.5]),
+        ("\u{feff}Made by: nobody\nDate;2026-11-21\ntime;a\n\n0;1\n# pause\n0.5;-2.5", [0.0, 0.5], [1.0, -2.5]),
+        ("0,1\n0.5,-2.5\n", [0.0, 0.5], [1.0, -2.5]),
+    ] {
+        fs::write(&path, text).expect("written");
+        let read = file::read(&path, &Wanted::one(None)).unwrap_or_else(|error| panic!("{text:?} gave: {error}"));
+        assert_eq!(read.channels[0].series, Series::new(time.to_vec(), values.to_vec()), "{text:?}");
+    }
+    fs::write(&path, b"time;Weg [\xb5m]\n0;1\n1;\n").expect("written");
+    let read = file::read(&path, &Wanted::one(Some("Weg"))).expect("Windows-1252");
+    assert_eq!(read.channels[0].series.values()[0], 1e-6);
+    assert!(read.channels[0].series.values()[1].is_nan(), "an empty cell was not measured");
+}
+
+#[test]
+fn what_is_not_known_is_noted() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("r.csv");
+    fs::write(&path, "# virtual\nlab 3\ntime,T [°C]\n0,20\n1,21\n").expect("written");
+    let read = file::read(&path, &Wanted::default()).expect("readable");
+    let expected = [
+        "virtual",
+        "line 2 (before the header): lab 3",
+        "time (`time`) has no unit; seconds are assumed",
+        "the unit `°C` of `T [°C]` is not known; its values are as written",
+    ];
+    assert_eq!(read.notes, expected);
+    assert_eq!((read.channels[0].name.as_str(), read.channels[0].series.values()), ("T", &[20.0, 21.0][..]));
+}
+
+#[test]
+fn unwanted_columns_of_a_long_file_are_not_even_looked_at() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let path = bench.path().join("long.csv");
+    let rows = 100_000;
+    let line = |row: usize| format!("{row},{},not,numbers,at all\n", 2 * row);
+    let text: String = std::iter::once("time,a,b,c,d\n".to_owned()).chain((0..rows).map(line)).collect();
+    fs::write(&path, text).expect("written");
+    let read = file::read(&path, &Wanted::one(Some("a"))).expect("readable");
+    assert_eq!((read.channels.len(), read.channels[0].series.len()), (1, rows));
+    assert_eq!(read.channels[0].series.values()[rows - 1], 2.0 * (rows - 1) as f64);
+    let all = Wanted { channels: Selection::All, ..Wanted::default() };
+    let error = file::read(&path, &all).expect_err("no numbers").to_string();
+    assert!(error.contains("long.csv:2:5: expected a number for `b`, found `not`"), "{error}");
+}
+
+fn droptower(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
+    command.current_dir(folder).args(["signal"]).args(arguments).output().expect("the binary starts")
+}
+
+/// What a command prints as JSON.
+fn json(output: &Output) -> Json {
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{error}");
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// 1000 samples of a half sine of 50 g and 10 ms at 10 kHz, shaken at 3 kHz.
+fn shaken(folder: &Path) -> PathBuf {
+    let sample = |i: usize| {
+        let time = i as f64 * 1e-4;
+        let pulse = if (0.02..0.03).contains(&time) { 50.0 * (100.0 * PI * (time - 0.02)).sin() } else { 0.0 };
+        format!("{time:.4},{},{i}\n", pulse + 5.0 * (2.0 * PI * 3000.0 * time).sin())
+    };
+    let text: String = std::iter::once("time,accel [g],count\n".to_owned()).chain((0..1000).map(sample)).collect();
+    fs::write(folder.join("data.csv"), text).expect("written");
+    folder.join("data.csv")
+}
+
+#[test]
+fn a_filtered_channel_is_written_in_si() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let raw = shaken(bench.path());
+    let told = |more: &[&str]| {
+        let arguments = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o", "f.csv", "--json"];
+        json(&droptower(bench.path(), &[&arguments, more].concat()))
+    };
+    let figures = told(&[]);
+    let text = fs::read_to_string(bench.path().join("f.csv")).expect("the output");
+    assert!(text.starts_with("time_s,value\n0.0,"), "{}", &text[..40]);
+    assert_eq!(text.lines().count(), 1001);
+    let wanted = Wanted { unit: Some(unit("m/s2")), ..Wanted::one(None) };
+    let written = file::read(&bench.path().join("f.csv"), &wanted).expect("readable").channels.remove(0);
+    let accel = file::read(&raw, &Wanted::one(Some("accel"))).expect("readable").channels.remove(0);
+    let expected = filter::channel(&accel.series, 180.0, Standard::Iso6487).expect("filtered");
+    assert_eq!(written.series.values(), expected.values());
+    assert_eq!(figures["largest_after"], Json::from(expected.largest().expect("samples")[1]));
+    assert_eq!(figures["unit"], "m/s2");
+    let sae = told(&["--standard", "sae"]);
+    assert_ne!(sae["largest_after"], figures["largest_after"]);
+    assert_eq!(told(&["--resample", "20 kHz"])["samples"], 1999);
+}
+
+#[test]
+fn what_cannot_be_filtered_leaves_nothing_behind() {
+    let bench = tempfile::tempdir().expect("a folder");
+    shaken(bench.path());
+    let file = |name: &str, text: &str| fs::write(bench.path().join(name), text).expect("written");
+    file("gap.csv", "time,a [g]\n0,1\n0.0001,\n0.0002,3\n");
+    file("uneven.csv", "time,a [g]\n0,1\n0.0001,2\n0.0003,3\n");
+    file("wrong.csv", "time,a [g]\n0,1\n0.0001,2x\n");
+    for (arguments, expected) in [
+        (&["filter", "data.csv", "--column", "accel", "--class", "60", "-o", "data.csv"][..], "data.csv is the input"),
+        (
+            &["filter", "data.csv", "--class", "60", "-o", "o.csv"],
+            "one channel is wanted, found 2: `accel [g]`, `count`",
+        ),
+        (&["filter", "data.csv", "--column", "acel", "--class", "60", "-o", "o.csv"], "did you mean `accel`?"),
+        (&["filter", "data.csv", "--column", "accel", "--unit", "N", "--class", "60", "-o", "o.csv"], "mixed units"),
+        (
+            &["filter", "data.csv", "--column", "accel", "--class", "2000", "-o", "o.csv"],
+            "CFC 2000 needs at least 20000",
+        ),
+        (&["filter", "gap.csv", "--class", "60", "-o", "o.csv"], "nothing was measured at 0.0001 s"),
+        (&["filter", "gap.csv", "--class", "60", "--resample", "10 kHz", "-o", "o.csv"], "nothing was measured"),
+        (&["filter", "uneven.csv", "--class", "60", "-o", "o.csv"], "--resample"),
+        (&["filter", "wrong.csv", "--class", "60", "-o", "o.csv"], "3 | 0.0001,2x\n  |        ^"),
+        (&["filter", "none.csv", "--class", "60", "-o", "o.csv"], "none.csv: cannot be read"),
+        (&["filter", "data.csv", "--column", "accel", "--class", "60", "-o", "o.001"], "is the name of ISO-MME"),
+        (&["convert", "data.csv", "-o", "./data.csv"], "data.csv is the input"),
+        (&["convert", "data.csv", "-o", "o.xls"], "o.xls is neither .csv nor .mme"),
+        (&["convert", "data.csv", "--unit", "count", "-o", "o.csv"], "expected a channel and its unit, found `count`"),
+        (&["convert", "data.csv", "--unit", "count=furlong", "-o", "o.csv"], "unknown unit `furlong`"),
+        (&["info", "data.csv", "wrong.csv"], "wrong.csv:3:8"),
+    ] {
+        let output = droptower(bench.path(), arguments);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(expected), "{arguments:?}: {said}");
+        assert!(output.stdout.is_empty());
+    }
+    let left = fs::read_dir(bench.path()).expect("the folder").count();
+    assert_eq!(left, 4, "only the inputs are there");
+}
+
+#[test]
+fn info_says_what_files_hold() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let fixture = data("isomme_fixture");
+    let metal = data("tension_anisotropic_al6061/cleaned_CA-LT-01.csv");
+    let [fixture, metal] = [&fixture, &metal].map(|path| path.to_str().expect("UTF-8"));
+    let unit = "engineering_stress=ksi";
+    let told = json(&droptower(bench.path(), &["info", metal, "--unit", unit, "--json"]));
+    assert_eq!(told[0]["channels"][0]["unit"], "Pa");
+    assert_eq!(told[0]["channels"][0]["start_s"], Json::Null);
+    let told = json(&droptower(bench.path(), &["info", fixture, "--json"]));
+    let [head, chest] = [0, 1].map(|place| &told[0]["channels"][place]);
+    assert_eq!(
+        (&head["name"], &head["unit"], &head["written_unit"]),
+        (&"11HEADCG0000ACXP".into(), &"m/s2".into(), &"g".into())
+    );
+    assert_eq!((&chest["gaps"], &chest["samples"]), (&1.into(), &20.into()));
+    close(head["step_s"].as_f64().expect("even steps"), 1e-4, 1e-9);
+    assert_eq!(head["filtered"], 1000.0);
+    let output = droptower(bench.path(), &["info", fixture, metal]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("there is no column of time") && text.contains("11CHST0000H3DSXP"), "{text}");
+    assert!(droptower(bench.path(), &["info", fixture, "--quiet"]).stdout.is_empty());
+}
+
+#[test]
+fn formats_are_converted_there_and_back() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let raw = shaken(bench.path());
+    let done = |arguments: &[&str]| json(&droptower(bench.path(), &[&["convert"], arguments, &["--json"]].concat()));
+    done(&["data.csv", "-o", "test/T.mme", "--unit", "count=-"]);
+    let told = done(&["test", "-o", "back.csv"]);
+    assert_eq!(told["channels"].as_array().map(Vec::len), Some(2));
+    let [original, back] = [raw, bench.path().join("back.csv")].map(|path| {
+        let wanted = Wanted { channels: Selection::All, ..Wanted::default() };
+        file::read(&path, &wanted).expect("readable")
+    });
+    for (original, back) in original.channels.iter().zip(&back.channels) {
+        assert_eq!(original.series.values(), back.series.values());
+        assert_eq!(original.series.time(), back.series.time());
+    }
+    assert_eq!(back.channels[0].unit, Some(unit("m/s2")));
+    let again = droptower(bench.path(), &["convert", "data.csv", "-o", "test/T.mme"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("T.mme is there already"));
+    // The filter is told that the channel was filtered before.
+    let fixture = data("isomme_fixture/Channel/test.002");
+    let fixture = fixture.to_str().expect("UTF-8");
+    let told = json(&droptower(bench.path(), &["filter", fixture, "--class", "1000", "-o", "f.csv", "--json"]));
+    assert!(told["notes"][0].as_str().is_some_and(|note| note.contains("went through CFC 1000 already")), "{told}");
+}
+
+/// Pieces that tables and containers are made of, in any order.
+fn pieces() -> impl Strategy<Value = String> {
+    let piece = prop::sample::select(vec![
+        "time",
+        "a [g]",
+        "0",
+        "1.5",
+        "-2,5e3",
+        "NaN",
+        "inf",
+        "1e999",
+        ",",
+        ";",
+        "\t",
+        " ",
+        "\n",
+        "\r\n",
+        "\"",
+        "#",
+        ":",
+        "[",
+        "]",
+        "(",
+        ")",
+        "/",
+        "_",
+        "µ",
+        "\u{feff}",
+        "Channel code",
+        "Number of samples",
+        "Sampling interval",
+        "Reference channel",
+        "explicit",
+        "implicit",
+        "NOVALUE",
+        "Unit",
+        "Name of channel 001",
+        "11HEADCG0000ACXP",
+    ]);
+    prop_oneof![prop::collection::vec(piece, 0..60).prop_map(|pieces| pieces.concat()), ".{0,80}"]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn no_text_makes_the_readers_panic(text in pieces(), bytes in prop::collection::vec(any::<u8>(), 0..40)) {
+        let bench = tempfile::tempdir().expect("a folder");
+        for name in ["r.csv", "r.001", "r.chn"] {
+            let path = bench.path().join(name);
+            fs::write(&path, [text.as_bytes(), &bytes].concat()).expect("written");
+            let _ = file::read(&path, &Wanted::default());
+            let _ = file::columns(&path, &Wanted::one(Some("a")));
+            fs::write(&path, &text).expect("written");
+            let _ = file::read(&path, &Wanted::default());
+            let _ = file::read(&path, &Wanted { unit: Unit::parse("g").ok(), ..Wanted::one(None) });
+        }
+    }
+
+    #[test]
+    fn whatever_is_read_is_in_order(text in pieces()) {
+        let bench = tempfile::tempdir().expect("a folder");
+        let path = bench.path().join("r.csv");
+        fs::write(&path, format!("time,a\n0,1\n1,2\n{text}\n")).expect("written");
+        if let Ok(read) = file::read(&path, &Wanted::default()) {
+            for channel in &read.channels {
+                prop_assert_eq!(channel.series.time().len(), channel.series.values().len());
+                prop_assert!(channel.series.time().windows(2).all(|pair| pair[0] < pair[1]));
+                prop_assert!(channel.series.values().iter().all(|value| !value.is_infinite()));
+            }
+        }
+    }
+}

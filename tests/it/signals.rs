@@ -1,0 +1,247 @@
+//! Recordings on the command line and through the library: measures of impact and ratings.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::Instant;
+
+use droptower::signal::clip::{Counting, clip};
+use droptower::signal::file::{self, Wanted};
+use droptower::signal::filter::{self, Standard};
+use droptower::signal::hic::head_injury_criterion;
+use droptower::signal::rating::{self, Rating};
+use droptower::signal::{Series, integrate};
+use droptower::units::{Acceleration, STANDARD_GRAVITY};
+use serde_json::Value as Json;
+
+/// Ratings that the authors of the curves in `data/iso18571` state for them: yeonsoo-p/ISO18571, `examples/quickstart.ipynb`, 00b2488.
+const STATED: [(&str, f64); 5] = [
+    ("corridor", 0.652_890_716_899_321_8),
+    ("phase", 0.941_666_666_666_666_7),
+    ("magnitude", 0.950_654_019_291_195_4),
+    ("slope", 0.956_686_509_230_894_4),
+    ("overall", 0.830_957_725_797_480_1),
+];
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name)
+}
+
+fn droptower(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
+    command.arg("signal").args(arguments).output().expect("the binary starts")
+}
+
+fn json(arguments: &[&str]) -> Json {
+    let output = droptower(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// What is said of a mistake; nothing may be printed beside it.
+fn mistake(arguments: &[&str]) -> String {
+    let output = droptower(arguments);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    String::from_utf8(output.stderr).expect("UTF-8")
+}
+
+fn number(figures: &Json, key: &str) -> f64 {
+    figures[key].as_f64().unwrap_or_else(|| panic!("`{key}` is no number in {figures}"))
+}
+
+/// A folder with files of these names and texts.
+fn folder(files: &[(&str, String)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).expect("written");
+    }
+    folder
+}
+
+fn table(header: &str, step: f64, count: usize, value: impl Fn(f64) -> f64) -> String {
+    let row = |i: usize| format!("{},{}\n", i as f64 * step, value(i as f64 * step));
+    format!("{header}\n{}", (0..count).map(row).collect::<String>())
+}
+
+fn square(t: f64) -> f64 {
+    if (0.0295..0.0505).contains(&t) { 50.0 } else { 0.0 }
+}
+
+#[test]
+fn reference_curves_get_the_stated_ratings() {
+    let figures = json(&[
+        "rate",
+        data("iso18571/reference.csv").to_str().expect("UTF-8"),
+        data("iso18571/comparison.csv").to_str().expect("UTF-8"),
+        "--json",
+    ]);
+    for (name, stated) in STATED {
+        assert!((number(&figures, name) - stated).abs() < 1e-12, "{name}: {figures}");
+    }
+    assert_eq!(figures["grade"], "good");
+    assert_eq!(figures["samples"], 600);
+    assert!((number(&figures, "shift_s") - 7e-4).abs() < 1e-12, "{figures}");
+}
+
+#[test]
+fn the_channel_filter_leaves_a_recording_where_it_is() {
+    // What the reference curve holds lies far below the classes, so filtering it changes little and rating it nothing.
+    let wanted = Wanted { names: vec!["time_s".into(), "value".into()], ..Wanted::default() };
+    let measurement = file::read(&data("iso18571/reference.csv"), &wanted).expect("readable");
+    let curve = &measurement.channel("value").expect("there").series;
+    for class in [1000.0, 600.0, 180.0] {
+        let filtered = filter::channel(curve, class, Standard::Iso6487).expect("complete and even");
+        let Rating { overall, shift, .. } = rating::rate(curve, &filtered).expect("rated");
+        assert!(overall > 0.99 && shift == 0.0, "CFC {class}: {overall} at {shift} s");
+    }
+}
+
+/// The shared folder of real recordings that may not be copied here; none where it is not there.
+fn shared(name: &str) -> Option<PathBuf> {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(|folder| folder.join("shared/data"));
+    let folder = std::env::var_os("DROPTOWER_SHARED_DATA").map(PathBuf::from).or_else(beside)?;
+    let path = folder.join(name);
+    if !path.exists() {
+        println!("skipped: {} is not there", path.display());
+        return None;
+    }
+    Some(path)
+}
+
+/// Shocks in a drop tower at 1 MHz (Dodson, Hong and Beliveau 2019, data set 1), up to tens of thousands of g and full of ringing.
+#[test]
+fn real_shocks_have_measures_within_their_bounds() {
+    let Some(path) = shared("droptower_highrate/accel_1.csv") else {
+        return;
+    };
+    let names = ["time [s]", "1 [kg_n]", "2 [kg_n]", "3 [kg_n]", "4 [kg_n]", "5 [kg_n]"].map(str::to_owned).to_vec();
+    let shocks = file::read(&path, &Wanted { names, ..Wanted::default() }).expect("readable");
+    assert_eq!(shocks.channels.len(), 5);
+    for shock in &shocks.channels {
+        let raw = shock.quantity(Acceleration::DIMENSION).expect("an acceleration");
+        let filtered = filter::channel(raw, 1000.0, Standard::Iso6487).expect("complete and even");
+        let (peak, whole) = (raw.largest().expect("samples")[1], integrate::total(raw));
+        // The gain at rest is one: filtering moves speed about and keeps it, but for what leaves at the ends.
+        let kept = integrate::total(&filtered) / whole;
+        assert!((kept - 1.0).abs() < 0.05, "{}: {kept}", shock.name);
+        let hic = head_injury_criterion(raw, 0.015).expect("a shock");
+        let bound = (hic.end - hic.start) * (peak / STANDARD_GRAVITY).powf(2.5);
+        assert!(hic.value > 0.0 && hic.value <= bound && hic.end - hic.start <= 0.005, "{}: {hic:?}", shock.name);
+        let [cumulative, contiguous] = [Counting::Cumulative, Counting::Contiguous]
+            .map(|counting| clip(&filtered, 5e-4, counting).expect("long enough").level);
+        assert!(contiguous <= cumulative && cumulative < peak, "{}: {contiguous} {cumulative} {peak}", shock.name);
+        let Rating { overall, .. } = rating::rate(raw, raw).expect("rated");
+        assert!((overall - 1.0).abs() < 1e-12, "{}: {overall}", shock.name);
+    }
+}
+
+#[test]
+fn a_square_pulse_has_its_criterion_and_its_clip() {
+    let folder = folder(&[("a.csv", table("time [ms],accel", 1.0, 81, |t| square(1e-3 * t)))]);
+    let path = folder.path().join("a.csv");
+    let path = path.to_str().expect("UTF-8");
+    let hic = json(&["hic", path, "--column", "accel", "--unit", "g", "--window", "15", "--json"]);
+    assert!((number(&hic, "hic") - 265.165).abs() < 1e-3, "{hic}");
+    assert_eq!((number(&hic, "window_ms"), number(&hic, "duration_ms")), (15.0, 15.0));
+    assert!(
+        (number(&hic, "mean_g") - 50.0).abs() < 1e-9 && number(&hic, "t1_s") >= 0.03 && number(&hic, "t2_s") <= 0.05
+    );
+    assert!(hic.get("filter_class").is_none(), "{hic}");
+    for counting in ["cumulative", "contiguous"] {
+        let clip = json(&["clip", path, "--unit", "g", "--counting", counting, "--json"]);
+        assert!((number(&clip, "clip_g") - 50.0).abs() < 1e-9, "{clip}");
+        assert_eq!(clip["counting"], counting);
+    }
+}
+
+#[test]
+fn a_class_filters_first() {
+    // A whistle of 4 kHz above a half-sine.
+    let half_sine =
+        |t: f64| if (0.01..0.03).contains(&t) { 80.0 * (std::f64::consts::PI * (t - 0.01) / 0.02).sin() } else { 0.0 };
+    let whistle = |t: f64| 30.0 * (2.0 * std::f64::consts::PI * 4000.0 * t).sin();
+    let folder = folder(&[
+        ("clean.csv", table("time_s,accel [g]", 2e-5, 2500, half_sine)),
+        ("loud.csv", table("time_s,accel [g]", 2e-5, 2500, |t| half_sine(t) + whistle(t))),
+    ]);
+    let clip = |name: &str, more: &[&str]| {
+        let path = folder.path().join(name);
+        json(&[&["clip", path.to_str().expect("UTF-8"), "--json"], more].concat())
+    };
+    let (clean, loud) = (number(&clip("clean.csv", &[]), "clip_g"), number(&clip("loud.csv", &[]), "clip_g"));
+    let filtered = clip("loud.csv", &["--class", "600"]);
+    assert_eq!(number(&filtered, "filter_class"), 600.0);
+    assert!((loud / clean - 1.0).abs() > 0.02, "{loud} {clean}");
+    assert!((number(&filtered, "clip_g") / clean - 1.0).abs() < 2e-3, "{filtered} {clean}");
+}
+
+#[test]
+fn people_get_a_line_and_silence_when_asked() {
+    let folder = folder(&[("a.csv", table("time_s,accel [g]", 1e-3, 81, square))]);
+    let path = folder.path().join("a.csv");
+    let path = path.to_str().expect("UTF-8");
+    let said = |arguments: &[&str]| String::from_utf8(droptower(arguments).stdout).expect("UTF-8");
+    assert!(said(&["hic", path]).starts_with("HIC15  265.165  50.00 g over 15.000 ms"), "{}", said(&["hic", path]));
+    assert!(said(&["clip", path]).starts_with("3 ms clip  50.000 g  cumulative"), "{}", said(&["clip", path]));
+    assert!(said(&["rate", path, path]).contains("overall    1.000  excellent"), "{}", said(&["rate", path, path]));
+    assert_eq!(said(&["rate", path, path, "--quiet"]), "");
+}
+
+#[test]
+fn mistakes_name_file_and_channel() {
+    let folder = folder(&[
+        ("a.csv", table("time_s,accel [g]", 1e-3, 81, square)),
+        ("force.csv", table("time_s,force [N]", 1e-3, 81, square)),
+        ("bare.csv", table("time_s,accel", 1e-3, 81, square)),
+        ("falling.csv", table("time_s,accel [g]", 1e-3, 81, |t| -square(t))),
+        ("gap.csv", "time_s,accel [g]\n0,1\n0.001,\n0.002,3\n".into()),
+        ("zero.csv", table("time_s,accel [g]", 1e-3, 81, |_| 0.0)),
+        ("late.csv", table("time_s,accel [g]", 1e-3, 81, square).replace("\n0", "\n9")),
+    ]);
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    for (arguments, expected) in [
+        (vec!["hic", "force.csv"], vec!["force.csv: `force` is in N, which is not an acceleration"]),
+        (vec!["hic", "bare.csv"], vec!["the unit of `accel` is not known", "--unit"]),
+        (vec!["hic", "falling.csv"], vec!["falling.csv: the acceleration is never positive"]),
+        (vec!["hic", "gap.csv"], vec!["gap.csv: nothing was measured at 0.001 s"]),
+        (vec!["clip", "gap.csv", "--duration", "1"], vec!["gap.csv: nothing was measured at 0.001 s"]),
+        (
+            vec!["hic", "a.csv", "--class", "1000"],
+            vec!["a.csv: CFC 1000 needs at least 10000 samples a second, found 1000"],
+        ),
+        (vec!["rate", "a.csv", "force.csv"], vec!["a.csv is in m/s2, ", "force.csv in N"]),
+        (vec!["rate", "zero.csv", "a.csv"], vec!["the reference is zero everywhere", "zero.csv"]),
+        (vec!["rate", "a.csv", "gap.csv"], vec!["the comparison was not measured at 0.001 s", "gap.csv"]),
+        (vec!["rate", "missing.csv", "gone.csv"], vec!["missing.csv", "gone.csv"]),
+    ] {
+        let arguments: Vec<String> =
+            arguments.iter().map(|word| if word.ends_with(".csv") { path(word) } else { (*word).to_owned() }).collect();
+        let said = mistake(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+        for part in expected {
+            assert!(said.contains(part), "{arguments:?} gave: {said}");
+        }
+    }
+}
+
+/// `cargo bench --bench signal` measures it: it takes less than a tenth of a second. Here it may take ten times as much,
+/// or more where the machine or the build is so slow that a plain pass over the samples takes more than half a millisecond.
+#[test]
+fn a_million_samples_are_filtered_integrated_and_rated_in_no_time() {
+    let time: Vec<f64> = (0..1_000_000).map(|i| 1e-6 * f64::from(i)).collect();
+    let shock = |late: f64| {
+        let value = |t: &f64| 500.0 * (-((t - 0.4 - late) / 0.02).powi(2)).exp() * (1.0 + 0.1 * (6e4 * t).sin());
+        Series::new(time.clone(), time.iter().map(value).collect::<Vec<_>>())
+    };
+    let (reference, comparison) = (shock(0.0), shock(0.003));
+    let plain = Instant::now();
+    let power: f64 = comparison.values().iter().map(|value| value * value).sum();
+    let plain = plain.elapsed().as_secs_f64();
+    let begin = Instant::now();
+    let filtered = filter::channel(&comparison, 1000.0, Standard::Iso6487).expect("even");
+    let speed = integrate::once(&filtered, 0.0);
+    let rating = rating::rate(&reference, &filtered).expect("rated");
+    let spent = begin.elapsed().as_secs_f64();
+    assert!((rating.shift - 0.003).abs() < 1.5e-4 && speed.len() == 1_000_000, "{rating:?}");
+    assert!(spent < f64::max(1.0, 2000.0 * plain) && power > 0.0, "{spent} s, one pass takes {plain} s");
+}

@@ -1,0 +1,334 @@
+//! Virtual drops: made, reduced, and held against the truth that was simulated; the command, the reference and the scripts.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use droptower::experiment::absorption::{Body, energy_absorption};
+use droptower::experiment::drop::{self, Drop, Height, Names, Reduction, Sensed, Tower};
+use droptower::experiment::sensor::{Fall, Laser, Sensors, virtual_drop};
+use droptower::model::{self, Loading, Model};
+use droptower::post::{Measures, Plan};
+use droptower::scenario::{Assignment, Document};
+use droptower::signal::Series;
+use droptower::signal::file::{self, Wanted};
+use droptower::simulate;
+use serde_json::Value as Json;
+
+const BODY: Body = Body { mass: 10.72, gravity: 9.81 };
+const TESTS: [&str; 5] = ["1008", "1009", "1010", "1509", "1510"];
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn droptower(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
+    command.current_dir(root()).args(arguments).output().expect("the binary starts")
+}
+
+/// What was simulated.
+#[derive(Clone, Debug)]
+struct Truth {
+    height: f64,
+    speed: f64,
+    contact_time: f64,
+    displacement: f64,
+    absorption: f64,
+}
+
+/// The requirement: speed within 0.5 %, contact within 0.2 ms, absorption within 1 point, travel within 1 %.
+fn assert_found(drop: &Drop, truth: &Truth, what: &str) {
+    let figures = drop.figures();
+    let displacement = figures.peak_displacement_m.expect("a largest travel");
+    let absorption = figures.energy_absorption.expect("an absorption");
+    assert!((figures.impact_velocity_m_s / truth.speed - 1.0).abs() < 5e-3, "{what}: {figures:?} for {truth:?}");
+    assert!((figures.contact_time_s - truth.contact_time).abs() < 2e-4, "{what}: {figures:?} for {truth:?}");
+    assert!((absorption - truth.absorption).abs() < 0.01, "{what}: {figures:?} for {truth:?}");
+    assert!((displacement / truth.displacement - 1.0).abs() < 0.01, "{what}: {figures:?} for {truth:?}");
+    assert!(figures.total_energy_drift < 1e-3, "{what}: {figures:?}");
+}
+
+fn reduced(acceleration: &Series, laser: Option<&Series>, height: f64) -> Drop {
+    let tower = Tower { body: BODY, height: Height::Known(height) };
+    drop::reduce(acceleration, laser, &tower, &Reduction::default()).expect("a drop")
+}
+
+fn truths() -> Vec<(String, Truth)> {
+    let mut reader = csv::Reader::from_path(root().join("data/virtual/tables/drops.csv")).expect("a table");
+    let rows = reader.records().map(|row| row.expect("a row"));
+    let truth = |row: csv::StringRecord| {
+        let number = |column: usize| row[column].parse::<f64>().expect("a number");
+        let [height, speed, contact_time] = [1, 3, 4].map(number);
+        (row[0].to_owned(), Truth { height, speed, contact_time, displacement: number(5), absorption: number(6) })
+    };
+    rows.map(truth).collect()
+}
+
+#[test]
+fn shipped_recordings_hide_the_truth_of_their_table() {
+    let truths = truths();
+    assert_eq!(truths.iter().map(|(test, _)| test.as_str()).collect::<Vec<_>>(), TESTS);
+    for (test, truth) in truths {
+        let path = root().join(format!("data/virtual/{test}.csv"));
+        let measurement = file::read(&path, &Wanted::default()).expect("a recording");
+        let sensed = Sensed::find(&measurement, &Names::default()).expect("an accelerometer");
+        assert_eq!(sensed.laser.is_none(), test == "1509");
+        assert_found(&reduced(&sensed.acceleration, sensed.laser.as_ref(), truth.height), &truth, &test);
+    }
+}
+
+#[test]
+fn shipped_recordings_are_small_and_say_that_they_are_virtual() {
+    for test in TESTS {
+        let text = fs::read_to_string(root().join(format!("data/virtual/{test}.csv"))).expect("a text");
+        assert!(text.starts_with("# VIRTUAL drop test"), "{test}");
+        assert!(text.len() < 200_000, "{test}: {} bytes", text.len());
+    }
+}
+
+#[test]
+fn shipped_recordings_are_made_again_bit_for_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("virtual");
+    let out_text = out.to_str().expect("UTF-8");
+    let script = ["script", "scripts/make-virtual-tests.rhai", "--arg", "part=drops", "--out", out_text, "--quiet"];
+    let output = droptower(&script);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let files = TESTS.iter().map(|test| format!("{test}.csv")).chain(["tables/drops.csv".into()]);
+    for file in files {
+        let read = |folder: &Path| fs::read(folder.join(&file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+        assert!(read(&out) == read(&root().join("data/virtual")), "{file} differs from the shipped one");
+    }
+    assert!(!out.join("coupons").exists());
+}
+
+/// A shipped scenario on a mesh of 20 mm.
+fn coarse(test: &str) -> Model {
+    let path = root().join(format!("scenarios/drop/{test}.toml"));
+    let change = Assignment::from_argument("specimen.mesh.size=20mm").expect("a change");
+    model::check(&Document::read(&path).expect("a scenario").with(&[change])).expect("a model")
+}
+
+/// What is simulated has each test's own height and speed; other clocks, noises, and with the laser failed or not.
+#[test]
+fn other_seeds_and_clocks_are_reduced_as_well() {
+    for (test, height) in [("1008", 1.0), ("1509", 1.5)] {
+        let model = coarse(test);
+        let Loading::Impact { velocity: speed, gravity, .. } = model.loading else { panic!("no impact") };
+        let run = simulate::run(&model, &mut |_| {}).expect("a run").signals;
+        let channel = |name| run.series(name).expect("a channel");
+        let (acceleration, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
+        let absorption = energy_absorption(BODY, channel("velocity_m_s").values(), displacement.values());
+        let [_, deepest] = displacement.smallest().expect("a turn");
+        let fall = Fall { height, speed, gravity, letting_go: 0.032 };
+        for seed in 0..12 {
+            let rests = [[0.1, 0.2], [0.03, 0.05], [0.5, 0.6]];
+            let laser = (seed % 2 == 0 || test == "1008").then(Laser::default);
+            let sensors = Sensors { rest: rests[seed % 3], laser, ..Sensors::default() };
+            let made = virtual_drop(&acceleration, &displacement, &fall, &sensors, seed as u64).expect("a recording");
+            let truth = Truth {
+                height,
+                speed,
+                contact_time: made.contact_time,
+                displacement: deepest,
+                absorption: absorption.expect("a rebound"),
+            };
+            let reading = made.recording.series("accelerometer_m_s2").expect("a reading");
+            let drop = reduced(&reading, made.recording.series("laser_m").as_ref(), height);
+            assert_found(&drop, &truth, &format!("{test}, seed {seed}"));
+        }
+    }
+}
+
+/// Simulated with its own curves, each test meets its own recording; the coarse mesh stands for what a model leaves out.
+#[test]
+fn shipped_scenarios_meet_their_own_recordings() {
+    for test in TESTS {
+        let model = coarse(test);
+        let plan = Plan::prepare(&model).expect("a reference");
+        let outcome = simulate::run(&model, &mut |_| {}).expect("a run");
+        let Measures::Impact(impact) = plan.measure(&model, &outcome).expect("measures").measures else {
+            panic!("no impact")
+        };
+        let errors = [impact.acceleration_error, impact.displacement_error].map(|error| error.expect("an error"));
+        assert!(errors[0] < 0.03 && errors[1] < 0.01, "{test}: {errors:?}");
+        // The loading phase of a drop, as simulated.
+        let [from, to] = plan.comparison().expect("a reference").window;
+        let turn = impact.time_of_peak_displacement_s.expect("a turn");
+        assert!(from == 0.0 && (to - turn).abs() < 1e-3, "{test}: window to {to}, turn at {turn}");
+    }
+}
+
+#[test]
+fn the_command_prints_figures_and_writes_signals() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("reduced.csv");
+    let call = ["signal", "drop", "data/virtual/1010.csv", "--mass", "10.72 kg", "--height", "10 dm", "--json"];
+    let output = droptower(&[&call[..], &["-o", out.to_str().expect("UTF-8")]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let figures: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+    let (_, truth) = truths().remove(2);
+    let figure = |name: &str| figures[name].as_f64().unwrap_or_else(|| panic!("{name} in {figures}"));
+    assert!((figure("impact_velocity_m_s") / truth.speed - 1.0).abs() < 5e-3);
+    assert!((figure("ideal_velocity_m_s") - 4.43).abs() < 5e-3);
+    assert!((figure("energy_absorption") - truth.absorption).abs() < 0.01);
+    assert!((figure("laser_residual_m") / 5e-5 - 1.0).abs() < 0.3);
+    assert_eq!(figures["speed_from"], "laser");
+    let written = file::read(&out, &Wanted::default()).expect("the reduced signals");
+    let travel = &written.channel("displacement_m").expect("a channel").series;
+    assert_eq!((travel.time()[0], travel.values()[0]), (0.0, 0.0));
+    assert_eq!(travel.smallest().map(|[_, place]| place), Some(figure("peak_displacement_m")));
+    // Without the laser the same recording gives nearly the same.
+    let output = droptower(&[&call[..], &["--without-laser"]].concat());
+    let blind: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(blind["speed_from"], "fall");
+    assert!((blind["impact_velocity_m_s"].as_f64().expect("a speed") / truth.speed - 1.0).abs() < 5e-3);
+}
+
+#[test]
+fn bad_input_exits_with_two_and_writes_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out.csv");
+    let shipped = fs::read_to_string(root().join("data/virtual/1008.csv")).expect("a text");
+    let lines: Vec<&str> = shipped.lines().collect();
+    let header = lines.iter().position(|line| line.starts_with("time_s")).expect("a header");
+    let cut =
+        |from: usize, to: usize| [&lines[..=header], &lines[header + 1 + from..header + 1 + to]].concat().join("\n");
+    let gap = shipped.replacen("\n0.3,", "\n0.3,,\n0.30001,", 1);
+    let backwards = shipped.replacen("\n0.3,", "\n0.2,", 1);
+    for (text, with, expected) in [
+        (cut(0, 6000), "", "no contact is seen"),
+        (cut(3000, lines.len() - header - 1), "", "no release is seen"),
+        (gap, "", "nothing was measured at 0.3 s"),
+        (backwards, "", "time does not increase"),
+        (shipped.replace("laser_m", "laser_kg").replace("accelerometer_m_s2", "force_N"), "", "is an acceleration"),
+        (shipped.clone(), "--laser=lasr", "no channel `lasr`"),
+        (shipped.clone(), "--laser=accelerometer", "not a length"),
+        (shipped.clone(), "--class=2000", "CFC 2000 needs at least 20000 samples a second"),
+        (shipped.clone(), "--time-constant=-1 s", "the time constant is -1, but must be positive"),
+        (shipped.clone(), "--gravity=1 kg", "expected an acceleration"),
+        (String::new(), "", "recording.csv"),
+    ] {
+        let path = folder.path().join("recording.csv");
+        fs::write(&path, text).expect("a recording");
+        let mut call = vec!["signal", "drop", path.to_str().expect("UTF-8"), "--mass", "10.72 kg", "--height", "1 m"];
+        call.extend(["-o", out.to_str().expect("UTF-8")]);
+        call.extend((!with.is_empty()).then_some(with));
+        let output = droptower(&call);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{expected}: {error}");
+        assert!(error.contains(expected), "{expected}: {error}");
+        assert!(!out.exists(), "{expected}");
+    }
+}
+
+#[test]
+fn a_recording_is_never_replaced_by_its_own_signals() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("1008.csv");
+    fs::copy(root().join("data/virtual/1008.csv"), &path).expect("a copy");
+    let name = path.to_str().expect("UTF-8");
+    let output = droptower(&["signal", "drop", name, "--mass", "10.72 kg", "--height", "1 m", "-o", name]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(fs::read(&path).expect("a file"), fs::read(root().join("data/virtual/1008.csv")).expect("a file"));
+}
+
+/// Other names and units, as a laboratory may write them.
+#[test]
+fn a_raw_reference_may_be_written_in_any_units_and_names() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shipped = file::read(&root().join("data/virtual/1008.csv"), &Wanted::default()).expect("a recording");
+    let [reading, laser] =
+        ["accelerometer_m_s2", "laser_m"].map(|name| &shipped.channel(name).expect("a channel").series);
+    let row = |i: usize| {
+        let place = 1e3 * laser.values()[i];
+        let place = if place.is_finite() { place.to_string() } else { String::new() };
+        format!("{},{},{place},1\n", 1e3 * reading.time()[i], reading.values()[i] / 9.80665)
+    };
+    let rows: String = (0..reading.len()).map(row).collect();
+    fs::write(folder.path().join("raw.csv"), format!("t [ms],head [g],optoNCDT [mm],stage [m]\n{rows}"))
+        .expect("a table");
+    let scenario = folder.path().join("raw.toml");
+    let write = |keys: &str| {
+        let base = root().join("scenarios/drop/1008.toml");
+        let text = format!("extends = {base:?}\n[reference]\nsignals = \"raw.csv\"\n{keys}\n");
+        fs::write(&scenario, text).expect("a scenario");
+        let model = model::check(&Document::read(&scenario).expect("a scenario")).expect("a model");
+        Plan::prepare(&model).map_err(|error| error.to_string())
+    };
+    let of_file = |test: &str| Plan::prepare(&coarse(test)).expect("a reference").comparison().cloned().expect("one");
+    let named = write("displacement = \"optoNCDT\"").expect("a reference");
+    let [found, expected] = [named.comparison().cloned().expect("one"), of_file("1008")];
+    let peak = |comparison: &droptower::post::Comparison| comparison.acceleration.as_ref().and_then(Series::largest);
+    let (found, expected) = (peak(&found).expect("a peak"), peak(&expected).expect("a peak"));
+    assert!((found[1] / expected[1] - 1.0).abs() < 1e-3, "{found:?} for {expected:?}");
+    for (keys, expected) in [
+        ("", "the channels `optoNCDT`, `stage` are each a length"),
+        ("acceleration = \"had\"\ndisplacement = \"optoNCDT\"", "no channel `had`"),
+    ] {
+        let error = write(keys).expect_err("a mistake");
+        assert!(error.contains(expected) && error.contains("raw.csv"), "{error}");
+    }
+}
+
+#[test]
+fn the_scripts_of_the_drops_give_the_tables_of_the_paper() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = |script: &str, table: &str| {
+        let out = folder.path().join(script);
+        let path = format!("scripts/{script}.rhai");
+        let output = droptower(&["script", &path, "--out", out.to_str().expect("UTF-8"), "--quiet"]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let summary = fs::read_to_string(out.join("summary.json")).expect("a summary");
+        let summary: Json = serde_json::from_str(&summary).expect("JSON");
+        summary["tables"][table].as_array().cloned().unwrap_or_else(|| panic!("no {table}"))
+    };
+    for row in rows("reduce-drop", "drops") {
+        let figure = |name: &str| row[name].as_f64().unwrap_or_else(|| panic!("{name} in {row}"));
+        assert!((figure("impact_velocity_m_s") / figure("paper_velocity_m_s") - 1.0).abs() < 5e-3, "{row}");
+        assert!((figure("absorption_percent") - figure("simulated_absorption_percent")).abs() < 1.0, "{row}");
+        assert!((figure("absorption_percent") - figure("paper_absorption_percent")).abs() < 1.5, "{row}");
+        assert!(figure("contact_error_ms").abs() < 0.2, "{row}");
+    }
+    let table_3 = rows("paper-tables", "table_3");
+    assert!(table_3.len() == 6 && table_3.iter().all(|row| row["same"] == true), "{table_3:?}");
+    let summary: Json =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("paper-tables/summary.json")).expect("a summary"))
+            .expect("JSON");
+    let means = summary["tables"]["table_7_means"].as_array().expect("means");
+    assert_eq!(means.len(), 3);
+    for row in means {
+        // Printed with two digits: from the printed values the same averages come out.
+        let gap = row["of_printed_percent"].as_f64().expect("a mean") - row["paper_percent"].as_f64().expect("a mean");
+        assert!(gap.abs() < 0.0051, "{row}");
+        assert!(row["difference"].as_f64().expect("a difference").abs() < 1.0, "{row}");
+    }
+}
+
+/// Real shocks of a drop tower (High-Rate-SHM-Working-Group; no licence to copy): 5 ms at 1 MHz without the fall before them.
+#[test]
+fn real_shocks_without_their_fall_are_refused_by_name() {
+    let beside = root().join("../shared/data");
+    let shared = std::env::var_os("DROPTOWER_SHARED_DATA").map_or(beside, PathBuf::from);
+    let path = shared.join("droptower_highrate/accel_1.csv");
+    if !path.exists() {
+        println!("skipped: {} is not here", path.display());
+        return;
+    }
+    let output = droptower(&[
+        "signal",
+        "drop",
+        path.to_str().expect("UTF-8"),
+        "--mass",
+        "1 kg",
+        "--height",
+        "1 m",
+        "--column",
+        "accel 1",
+    ]);
+    assert_eq!(output.status.code(), Some(2));
+    let error = String::from_utf8_lossy(&output.stderr);
+    println!("{error}");
+    assert!(error.contains("accel_1.csv"), "{error}");
+}
