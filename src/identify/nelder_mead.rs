@@ -30,6 +30,9 @@ pub trait Values {
     fn confine(&self, _x: &mut [f64]) {}
 }
 
+/// What an iteration's need counts for in the next one, when it is guessed what that will need.
+const FORGET: f64 = 0.9;
+
 /// When a search ends; both tolerances have to be met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
@@ -73,8 +76,8 @@ pub struct Simplex {
     pub evaluations: usize,
     /// What the last iteration did to it.
     pub step: Step,
-    /// How often an iteration needed each of its second points: expanded, contracted outside, contracted inside.
-    needed: [usize; 3],
+    /// How often, of late, an iteration needed each of its second points: expanded, contracted outside, contracted inside.
+    needed: [f64; 3],
 }
 
 /// A point and its value.
@@ -82,6 +85,8 @@ pub struct Simplex {
 pub struct Corner {
     pub x: Vec<f64>,
     pub f: f64,
+    /// Number of the evaluation that it came from.
+    pub born: usize,
 }
 
 impl Simplex {
@@ -101,9 +106,10 @@ impl Simplex {
         };
         let points: Vec<Vec<f64>> = std::iter::once(start.to_vec()).chain((0..start.len()).map(beside)).collect();
         values.expect(&points);
-        let corners = points.into_iter().map(|x| corner(x, values)).collect::<Result<Vec<_>, _>>()?;
+        let corners =
+            points.into_iter().zip(1..).map(|(x, born)| corner(x, born, values)).collect::<Result<Vec<_>, _>>()?;
         let evaluations = corners.len();
-        let mut simplex = Simplex { corners, iterations: 1, evaluations, step: Step::Initial, needed: [0; 3] };
+        let mut simplex = Simplex { corners, iterations: 1, evaluations, step: Step::Initial, needed: [0.0; 3] };
         simplex.sort();
         Ok(simplex)
     }
@@ -143,21 +149,18 @@ impl Simplex {
         };
         let [reflected, expanded, outside, inside] =
             [REFLECT, REFLECT * EXPAND, REFLECT * CONTRACT, -CONTRACT].map(along);
-        values.expect(&self.likeliest(&reflected, [&expanded, &outside, &inside]));
+        values.expect(&self.likeliest(&reflected, [&expanded, &outside, &inside], values));
         let reflected = self.try_at(reflected, values)?;
         let (moved, step) = if reflected.f < best {
-            self.needed[0] += 1;
-            let expanded = self.try_at(expanded, values)?;
+            let expanded = self.try_second(0, expanded, values)?;
             if expanded.f < reflected.f { (Some(expanded), Step::Expanded) } else { (Some(reflected), Step::Reflected) }
         } else if reflected.f < second_worst {
             (Some(reflected), Step::Reflected)
         } else if reflected.f < worst {
-            self.needed[1] += 1;
-            let outside = self.try_at(outside, values)?;
+            let outside = self.try_second(1, outside, values)?;
             ((outside.f <= reflected.f).then_some(outside), Step::ContractedOutside)
         } else {
-            self.needed[2] += 1;
-            let inside = self.try_at(inside, values)?;
+            let inside = self.try_second(2, inside, values)?;
             ((inside.f < worst).then_some(inside), Step::ContractedInside)
         };
         match moved {
@@ -172,12 +175,33 @@ impl Simplex {
         Ok(())
     }
 
-    /// The points of an iteration, the likeliest to be asked for first.
-    fn likeliest(&self, reflected: &[f64], second: [&Vec<f64>; 3]) -> Vec<Vec<f64>> {
+    /// The points of an iteration and the first of the next one, the likeliest to be asked for first.
+    fn likeliest<V: Values>(&self, reflected: &[f64], second: [&Vec<f64>; 3], values: &V) -> Vec<Vec<f64>> {
         let mut order = [2, 0, 1];
-        order.sort_by_key(|place| std::cmp::Reverse(self.needed[*place]));
-        let second = order.map(|place| second[place].clone());
-        std::iter::once(reflected.to_vec()).chain(second).collect()
+        order.sort_by(|a, b| self.needed[*b].total_cmp(&self.needed[*a]));
+        let [likely, others @ ..] = order.map(|place| second[place].clone());
+        let next = self.next_reflected(reflected, values);
+        [reflected.to_vec(), likely, next].into_iter().chain(others).collect()
+    }
+
+    /// The reflected point of the next iteration where this one takes `x`, and that is not the worst corner then.
+    fn next_reflected<V: Values>(&self, x: &[f64], values: &V) -> Vec<f64> {
+        let n = self.corners.len() - 1;
+        let taken = Corner { x: x.into(), f: f64::NAN, born: self.evaluations };
+        let kept: Vec<&Corner> = self.corners[..n - 1].iter().chain([&taken]).collect();
+        let worst = &self.corners[n - 1].x;
+        let mut next: Vec<f64> =
+            centre(kept).iter().zip(worst).map(|(c, w)| (1.0 + REFLECT) * c - REFLECT * w).collect();
+        values.confine(&mut next);
+        next
+    }
+
+    /// The second point of an iteration.
+    fn try_second<V: Values>(&mut self, which: usize, x: Vec<f64>, values: &mut V) -> Result<Corner, V::Error> {
+        self.needed = self.needed.map(|often| FORGET * often);
+        self.needed[which] += 1.0;
+        values.expect(&[x.clone(), self.next_reflected(&x, values)]);
+        self.try_at(x, values)
     }
 
     fn shrink<V: Values>(&mut self, values: &mut V) -> Result<(), V::Error> {
@@ -194,14 +218,12 @@ impl Simplex {
 
     /// Mean of all corners but the worst.
     fn centre(&self) -> Vec<f64> {
-        let n = self.corners.len() - 1;
-        let mean = |axis: usize| self.corners[..n].iter().map(|corner| corner.x[axis]).sum::<f64>() / n as f64;
-        (0..n).map(mean).collect()
+        centre(self.corners[..self.corners.len() - 1].iter().collect())
     }
 
     fn try_at<V: Values>(&mut self, x: Vec<f64>, values: &mut V) -> Result<Corner, V::Error> {
         self.evaluations += 1;
-        corner(x, values)
+        corner(x, self.evaluations, values)
     }
 
     /// The same simplex as the next one of a search that has already gone on for so long.
@@ -215,9 +237,17 @@ impl Simplex {
     }
 }
 
-fn corner<V: Values>(x: Vec<f64>, values: &mut V) -> Result<Corner, V::Error> {
+fn corner<V: Values>(x: Vec<f64>, born: usize, values: &mut V) -> Result<Corner, V::Error> {
     let f = values.value(&x)?;
-    Ok(Corner { x, f: if f.is_finite() { f } else { f64::INFINITY } })
+    Ok(Corner { x, f: if f.is_finite() { f } else { f64::INFINITY }, born })
+}
+
+/// Mean of `corners`, added up in the order of their birth: so it is known to the bit before their ranks are.
+fn centre(mut corners: Vec<&Corner>) -> Vec<f64> {
+    corners.sort_by_key(|corner| corner.born);
+    let count = corners.len();
+    let mean = |axis: usize| corners.iter().map(|corner| corner.x[axis]).sum::<f64>() / count as f64;
+    (0..count).map(mean).collect()
 }
 
 /// Distance from `value` to the next larger number of its size.
