@@ -204,13 +204,11 @@ impl Board<'_> {
             return Some(point);
         }
         let ahead = self.running.iter().filter(|point| !self.awaited.contains(point)).count();
-        while ahead + 1 < threads {
-            let point = self.expected.pop_front()?;
-            if !self.is_begun(&point) {
-                return Some(point);
-            }
+        if ahead + 1 >= threads {
+            return None;
         }
-        None
+        let fresh = self.expected.iter().position(|point| !self.is_begun(point))?;
+        self.expected.drain(..=fresh).next_back()
     }
 
     fn keep(&mut self, x: &[f64], found: &Evaluation, seconds: f64, objective: &dyn Objective) {
