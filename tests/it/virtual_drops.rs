@@ -88,6 +88,11 @@ fn shipped_recordings_are_small_and_say_that_they_are_virtual() {
 }
 
 #[test]
+fn the_folder_of_virtual_recordings_may_be_made_anew_in_its_place() {
+    droptower::store::check_places(&[root().join("data/virtual")]).expect("nothing in it but what the script left");
+}
+
+#[test]
 fn shipped_recordings_are_made_again_bit_for_bit() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("virtual");
@@ -158,6 +163,17 @@ fn shipped_scenarios_meet_their_own_recordings() {
         let turn = impact.time_of_peak_displacement_s.expect("a turn");
         assert!(from == 0.0 && (to - turn).abs() < 1e-3, "{test}: window to {to}, turn at {turn}");
     }
+}
+
+/// A scenario that names a recording without laser and not the height: its own speed closes the fall.
+#[test]
+fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
+    let mut model = coarse("1509");
+    let with_height = Plan::prepare(&model).expect("a reference");
+    model.reference.as_mut().expect("a reference").drop_height = None;
+    let without = Plan::prepare(&model).expect("a reference");
+    let window = |plan: &Plan| plan.comparison().expect("a comparison").window[1];
+    assert!((window(&with_height) - window(&without)).abs() < 5e-4);
 }
 
 #[test]
