@@ -1,8 +1,7 @@
 //! Recordings on the command line and through the library: measures of impact and ratings.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use std::time::Instant;
 
 use droptower::signal::clip::{Counting, clip};
@@ -14,6 +13,8 @@ use droptower::signal::{Series, integrate};
 use droptower::units::{Acceleration, STANDARD_GRAVITY};
 use serde_json::Value as Json;
 
+use crate::workbench::{self, SHOCK_NAMES, data, shocks};
+
 /// Ratings that the authors of the curves in `data/iso18571` state for them: yeonsoo-p/ISO18571, `examples/quickstart.ipynb`, 00b2488.
 const STATED: [(&str, f64); 5] = [
     ("corridor", 0.652_890_716_899_321_8),
@@ -23,19 +24,12 @@ const STATED: [(&str, f64); 5] = [
     ("overall", 0.830_957_725_797_480_1),
 ];
 
-fn data(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name)
-}
-
 fn droptower(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    command.arg("signal").args(arguments).output().expect("the binary starts")
+    workbench::droptower(&workbench::root(), &[&["signal"], arguments].concat())
 }
 
 fn json(arguments: &[&str]) -> Json {
-    let output = droptower(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("JSON")
+    workbench::figures(&droptower(arguments))
 }
 
 /// What is said of a mistake; nothing may be printed beside it.
@@ -97,25 +91,12 @@ fn the_channel_filter_leaves_a_recording_where_it_is() {
     }
 }
 
-/// The shared folder of real recordings that may not be copied here; none where it is not there.
-fn shared(name: &str) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(|folder| folder.join("shared/data"));
-    let folder = std::env::var_os("DROPTOWER_SHARED_DATA").map(PathBuf::from).or_else(beside)?;
-    let path = folder.join(name);
-    if !path.exists() {
-        println!("skipped: {} is not there", path.display());
-        return None;
-    }
-    Some(path)
-}
-
-/// Shocks in a drop tower at 1 MHz (Dodson, Hong and Beliveau 2019, data set 1), up to tens of thousands of g and full of ringing.
 #[test]
 fn real_shocks_have_measures_within_their_bounds() {
-    let Some(path) = shared("droptower_highrate/accel_1.csv") else {
+    let Some(path) = shocks() else {
         return;
     };
-    let names = ["time [s]", "1 [kg_n]", "2 [kg_n]", "3 [kg_n]", "4 [kg_n]", "5 [kg_n]"].map(str::to_owned).to_vec();
+    let names = SHOCK_NAMES.map(str::to_owned).to_vec();
     let shocks = file::read(&path, &Wanted { names, ..Wanted::default() }).expect("readable");
     assert_eq!(shocks.channels.len(), 5);
     for shock in &shocks.channels {

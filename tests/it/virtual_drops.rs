@@ -1,8 +1,8 @@
 //! Virtual drops: made, reduced, and held against the truth that was simulated; the command, the reference and the scripts.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 use droptower::experiment::absorption::{Body, energy_absorption};
 use droptower::experiment::drop::{self, Drop, Height, Names, Reduction, Sensed, Tower};
@@ -15,16 +15,13 @@ use droptower::signal::file::{self, Wanted};
 use droptower::simulate;
 use serde_json::Value as Json;
 
+use crate::workbench::{self, SHOCK_NAMES, root, shocks};
+
 const BODY: Body = Body { mass: 10.72, gravity: 9.81 };
 const TESTS: [&str; 5] = ["1008", "1009", "1010", "1509", "1510"];
 
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
-
 fn droptower(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    command.current_dir(root()).args(arguments).output().expect("the binary starts")
+    workbench::droptower(&root(), arguments)
 }
 
 /// What was simulated.
@@ -322,22 +319,16 @@ fn the_scripts_of_the_drops_give_the_tables_of_the_paper() {
     }
 }
 
-/// Real shocks of a drop tower (High-Rate-SHM-Working-Group; no licence to copy): 5 ms at 1 MHz without the fall before them.
+/// 5 ms at 1 MHz without the fall before them.
 #[test]
 fn real_shocks_without_their_fall_are_refused_by_name() {
-    let beside = root().join("../shared/data");
-    let shared = std::env::var_os("DROPTOWER_SHARED_DATA").map_or(beside, PathBuf::from);
-    let path = shared.join("droptower_highrate/accel_1.csv");
-    if !path.exists() {
-        println!("skipped: {} is not here", path.display());
+    let Some(path) = shocks() else {
         return;
-    }
-    let names = ["time [s]", "accel 1 [g]", "accel 2 [g]", "accel 3 [g]", "accel 4 [g]", "top [g]"].map(String::from);
-    let found = file::read(&path, &Wanted { names: names.into(), ..Wanted::default() }).expect("a recording");
+    };
+    let names = SHOCK_NAMES.map(String::from).into();
+    let found = file::read(&path, &Wanted { names, ..Wanted::default() }).expect("a recording");
     let shock = &found.channel("accel 1").expect("a channel").series;
-    // The file counts in thousands of g.
-    let shock = shock.with_values(shock.values().iter().map(|a| 1e3 * a).collect());
     let tower = Tower { body: BODY, height: Height::Known(1.0) };
-    let refused = drop::reduce(&shock, None, &tower, &Reduction::default());
+    let refused = drop::reduce(shock, None, &tower, &Reduction::default());
     assert!(matches!(refused, Err(drop::DropError::Release(_))), "{refused:?}");
 }
