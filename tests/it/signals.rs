@@ -184,7 +184,7 @@ fn mistakes_name_file_and_channel() {
     for (arguments, expected) in [
         (vec!["hic", "force.csv"], vec!["force.csv: `force` is in N, which is not an acceleration"]),
         (vec!["hic", "bare.csv"], vec!["the unit of `accel` is not known", "--unit"]),
-        (vec!["hic", "falling.csv"], vec!["falling.csv: the acceleration is never positive"]),
+        (vec!["hic", "falling.csv"], vec!["falling.csv: the mean acceleration is positive between no two samples"]),
         (vec!["hic", "gap.csv"], vec!["gap.csv: nothing was measured at 0.001 s"]),
         (vec!["clip", "gap.csv", "--duration", "1"], vec!["gap.csv: nothing was measured at 0.001 s"]),
         (

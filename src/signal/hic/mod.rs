@@ -34,7 +34,7 @@ pub enum HicError {
     NotMeasured { time: f64 },
     #[error("no two samples lie within a window of {window} s")]
     TooCoarse { window: f64 },
-    #[error("the acceleration is never positive (braking must be, or give the resultant)")]
+    #[error("the mean acceleration is positive between no two samples (braking must be, or give the resultant)")]
     NeverPositive,
 }
 
@@ -61,6 +61,10 @@ pub fn head_injury_criterion(series: &Series, window: f64) -> Result<Hic, HicErr
     let [start, end] = pulse.refined(pair, window);
     let length = end - start;
     let mean = peak * (pulse.speed_at(end) - pulse.speed_at(start)) / length;
+    // A lone positive sample between negative ones lifts no pair of samples above zero.
+    if mean <= 0.0 {
+        return Err(HicError::NeverPositive);
+    }
     Ok(Hic { value: length * (mean / STANDARD_GRAVITY).powf(2.5), start, end, mean })
 }
 
@@ -272,6 +276,7 @@ mod tests {
         assert_eq!(hic(vec![1.0], 0.015), HicError::TooShort { count: 1 });
         assert_eq!(hic(vec![1.0, f64::NAN], 0.015), HicError::NotMeasured { time: 1.0 });
         assert_eq!(hic(vec![-1.0, -2.0], 2.0), HicError::NeverPositive);
+        assert_eq!(hic(vec![-10.0, 1.0, -10.0], 2.0), HicError::NeverPositive);
         assert_eq!(hic(vec![1.0, 2.0], 0.015), HicError::TooCoarse { window: 0.015 });
         assert_eq!(hic(vec![1.0, 2.0], 0.0), HicError::Window { window: 0.0 });
     }
