@@ -6,13 +6,13 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use super::{Shared, print, print_json, report};
+use super::{Shared, functions, print, print_json, report};
 use crate::diagnostic::{Diagnostic, closest};
 use crate::scenario::grammar::{self, Key, Rule, TableRule};
 
 #[derive(Debug, Args)]
 pub struct ExplainArgs {
-    /// Key path, e.g. specimen.mesh; the top tables where it is left out
+    /// Key path, e.g. specimen.mesh; the top tables where it is left out; `functions` for those of scripts
     #[arg(value_name = "KEY")]
     pub path: Option<String>,
 }
@@ -37,6 +37,9 @@ struct Choice {
 }
 
 pub fn run(args: &ExplainArgs, shared: &Shared) -> ExitCode {
+    if args.path.as_deref() == Some(functions::WORD) {
+        return functions::run(shared);
+    }
     let explanations = match &args.path {
         Some(path) => match find(path) {
             Ok((name, key)) => under(&name, key),

@@ -7,6 +7,7 @@ mod explain;
 mod faults;
 mod folder;
 mod forecast;
+mod functions;
 mod list;
 mod new;
 mod progress;
@@ -63,7 +64,7 @@ enum Command {
     Check(check::CheckArgs),
     /// Print the JSON Schema of the scenario language, for editors
     Schema,
-    /// Say what a key means: unit, range, default
+    /// Say what a key means (unit, range, default), or what functions scripts have
     Explain(explain::ExplainArgs),
     /// Write a commented scenario to start from
     New(new::NewArgs),

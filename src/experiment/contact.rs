@@ -15,6 +15,8 @@ pub enum SpeedFrom {
     Laser,
     /// The acceleration integrated from rest over the known height.
     Fall,
+    /// It was known: the acceleration integrated from rest reaches it at contact.
+    Given,
 }
 
 /// First contact of impactor and film.
@@ -44,6 +46,8 @@ pub enum ContactError {
     NoCrossing { near: f64 },
     #[error("acceleration: integrated from rest it does not fall through {height} m; is the height right?")]
     NotSoDeep { height: f64 },
+    #[error("acceleration: integrated from rest it does not reach {speed} m/s; is the speed right?")]
+    NotSoFast { speed: f64 },
     #[error("acceleration: too few samples around {near:.4} s to see the onset of the force")]
     NoOnset { near: f64 },
     #[error("the contact time did not settle within {MOST_ROUNDS} rounds")]
@@ -134,44 +138,88 @@ impl Matched {
     }
 }
 
-/// When a place is first at or below `level`, having been above it.
-fn crossing(place: &Series, level: f64) -> Option<f64> {
-    let (time, z) = (place.time(), place.values());
-    let k = (1..place.len()).find(|k| z[k - 1] > level && z[*k] <= level)?;
+/// When a signal is first at or below `level`, having been above it.
+fn crossing(signal: &Series, level: f64) -> Option<f64> {
+    let (time, z) = (signal.time(), signal.values());
+    let k = (1..signal.len()).find(|k| z[k - 1] > level && z[*k] <= level)?;
     Some(time[k - 1] + (time[k] - time[k - 1]) * (z[k - 1] - level) / (z[k - 1] - z[k]))
 }
 
-/// How far the onset of the force may lie from where the integrated fall has covered the height, s.
+/// How far the onset of the force may lie from where the integrated fall has come to what is known of it, s.
 const ONSET_SEARCH: f64 = 0.003;
+/// Last part of the fall that tells how fast what is known is reached, s.
+const RATE_OVER: f64 = 0.01;
 /// Stretch around it that is described by fall and onset, s.
 const ONSET_SPAN: [f64; 2] = [-0.05, 0.006];
 
-/// A fall without laser: from rest over the `height` (m), with the sensor's offset as the unknown that closes it.
+/// What is known of a fall that no laser saw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Known {
+    /// Height that it covers, m.
+    Height(f64),
+    /// Speed that it reaches, m/s.
+    Speed(f64),
+}
+
+impl Known {
+    /// The integral of an acceleration that reaches [`Known::level`] at contact.
+    fn integral(self, acceleration: &Series) -> Series {
+        match self {
+            Known::Height(_) => integrate::twice(acceleration, 0.0, 0.0),
+            Known::Speed(_) => integrate::once(acceleration, 0.0),
+        }
+    }
+
+    fn level(self) -> f64 {
+        match self {
+            Known::Height(value) | Known::Speed(value) => -value,
+        }
+    }
+
+    fn speed_from(self) -> SpeedFrom {
+        match self {
+            Known::Height(_) => SpeedFrom::Fall,
+            Known::Speed(_) => SpeedFrom::Given,
+        }
+    }
+
+    fn unreached(self) -> ContactError {
+        match self {
+            Known::Height(height) => ContactError::NotSoDeep { height },
+            Known::Speed(speed) => ContactError::NotSoFast { speed },
+        }
+    }
+}
+
+/// A fall without laser: from rest to what is `known` of it, with the sensor's offset as the unknown that closes it.
 ///
 /// `acceleration` gives the corrected acceleration (m/s²) from rest on, where the offset is larger by its argument (m/s²) than the
 /// mean of `rest` samples. In each round the onset of the force is looked for near the time at which the fall with the offset of
-/// the rest has covered the height, and the offset becomes the one with which the height is covered exactly then. Returns
+/// the rest has come to what is known, and the offset becomes the one with which it comes there exactly then. Returns
 /// contact and offset.
-pub fn by_fall(acceleration: impl Fn(f64) -> Series, height: f64, rest: usize) -> Result<(Contact, f64), ContactError> {
-    let place = |offset: f64| integrate::twice(&acceleration(offset), 0.0, 0.0);
-    let too_high = ContactError::NotSoDeep { height };
-    let place_at = |offset: f64, time: f64| place(offset).at(time).ok_or(too_high);
-    let fallen = crossing(&place(0.0), -height).ok_or(too_high)?;
-    let speed = integrate::once(&acceleration(0.0), 0.0).at(fallen).ok_or(too_high)?;
-    // The place depends on the offset in proportion.
-    let sway = place_at(1.0, fallen)? - place_at(0.0, fallen)?;
-    // Noise moves the mean of the rest, and twice integrated the fall as much again; both in proportion to the noise, whose
-    // square the sum over the onset is measured in.
-    let trust = 0.5 * rest as f64 * (speed / sway).powi(2);
+pub fn by_fall(
+    acceleration: impl Fn(f64) -> Series,
+    known: Known,
+    rest: usize,
+) -> Result<(Contact, f64), ContactError> {
+    let reached = |offset: f64| known.integral(&acceleration(offset));
+    let reached_at = |offset: f64, time: f64| reached(offset).at(time).ok_or(known.unreached());
+    let fallen = crossing(&reached(0.0), known.level()).ok_or(known.unreached())?;
+    let rate = (reached_at(0.0, fallen)? - reached_at(0.0, fallen - RATE_OVER)?) / RATE_OVER;
+    // What is reached depends on the offset in proportion.
+    let sway = reached_at(1.0, fallen)? - reached_at(0.0, fallen)?;
+    // Noise moves the mean of the rest, and integrated the fall as much again; both in proportion to the noise, whose square
+    // the sum over the onset is measured in.
+    let trust = 0.5 * rest as f64 * (rate / sway).powi(2);
     let (mut offset, mut presumed) = (0.0, fallen);
     for round in 1..=MOST_ROUNDS {
         let corrected = acceleration(offset);
         let time = onset(&corrected, presumed, |time| trust * (time - fallen).powi(2))?;
-        let (without, with) = (place_at(0.0, time)?, place_at(1.0, time)?);
-        offset = (-height - without) / (with - without);
+        let (without, with) = (reached_at(0.0, time)?, reached_at(1.0, time)?);
+        offset = (known.level() - without) / (with - without);
         if (time - presumed).abs() <= 1.01 * step(&corrected) {
-            let velocity = integrate::once(&acceleration(offset), 0.0).at(time).ok_or(too_high)?;
-            let speed_from = SpeedFrom::Fall;
+            let velocity = integrate::once(&acceleration(offset), 0.0).at(time).ok_or(known.unreached())?;
+            let speed_from = known.speed_from();
             return Ok((Contact { time, velocity, iterations: round, laser_residual: None, speed_from }, offset));
         }
         presumed = time;
@@ -263,10 +311,10 @@ mod tests {
     }
 
     #[test]
-    fn a_fall_over_a_known_height_gives_them_too() {
-        let height = 0.5 * NET * CONTACT * CONTACT;
-        for wrong in [0.0, 0.02, -0.03] {
-            let (contact, offset) = by_fall(|offset| sampled(|t| acceleration(t) + wrong - offset), height, 1).unwrap();
+    fn a_fall_of_which_height_or_speed_is_known_gives_them_too() {
+        let known = [Known::Height(0.5 * NET * CONTACT * CONTACT), Known::Speed(NET * CONTACT)];
+        for (known, wrong) in known.into_iter().flat_map(|known| [0.0, 0.02, -0.03].map(|wrong| (known, wrong))) {
+            let (contact, offset) = by_fall(|offset| sampled(|t| acceleration(t) + wrong - offset), known, 1).unwrap();
             assert!((contact.time - CONTACT).abs() < STEP, "{contact:?}");
             assert!((contact.velocity / (-NET * CONTACT) - 1.0).abs() < 5e-4, "{contact:?}");
             assert!((offset - wrong).abs() < 5e-3, "{offset}");
@@ -274,8 +322,9 @@ mod tests {
     }
 
     #[test]
-    fn a_height_that_is_never_covered_is_refused() {
-        let fall = |offset: f64| sampled(|t| acceleration(t) - offset);
-        assert_eq!(by_fall(fall, 9.0, 1), Err(ContactError::NotSoDeep { height: 9.0 }));
+    fn what_a_fall_never_comes_to_is_refused() {
+        let fall = |known| by_fall(|offset| sampled(|t| acceleration(t) - offset), known, 1);
+        assert_eq!(fall(Known::Height(9.0)), Err(ContactError::NotSoDeep { height: 9.0 }));
+        assert_eq!(fall(Known::Speed(9.0)), Err(ContactError::NotSoFast { speed: 9.0 }));
     }
 }

@@ -15,14 +15,22 @@ mod study;
 mod tests;
 mod trial;
 
+use crate::script::Chapter;
+
 pub use audit::{Audit, Histogram};
-pub use coupon_material::ENTRIES as COUPON_MATERIAL_ENTRIES;
 pub use impact::Impact;
 pub use indent::Indent;
 pub use inflation::Inflation;
 pub use plan::{Plan, PrepareError};
 pub use reference::{Comparison, ReferenceError};
 pub use results::{EvaluateError, Measures, Results};
-pub use run::{ENTRIES as RUN_ENTRIES, Run};
+pub use run::Run;
 pub use stretch::Stretch;
-pub use study::{ENTRIES as STUDY_ENTRIES, Study, register as register_studies};
+pub use study::{Study, register as register_studies};
+
+/// The reference of what runs and scenarios offer to scripts.
+pub const REFERENCE: &[Chapter] = &[
+    Chapter { title: "the run ([post] script)", entries: run::ENTRIES },
+    Chapter { title: "scenarios (droptower script)", entries: study::ENTRIES },
+    Chapter { title: "materials from coupon tests (droptower script)", entries: coupon_material::ENTRIES },
+];

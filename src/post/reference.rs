@@ -120,7 +120,7 @@ impl Signals {
         let sensed = sensed.map_err(|source| ReferenceError::Sensed { path: path(), source: source.into() })?;
         let height = match reference.drop_height {
             Some(height) => Height::Known(height),
-            None => Height::Presumed(0.5 * velocity * velocity / gravity),
+            None => Height::OfSpeed(0.5 * velocity * velocity / gravity),
         };
         let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height };
         let reduction = Reduction { class: sensed.class_to_apply(model.output.filter), ..Reduction::default() };

@@ -251,7 +251,7 @@ fn a_script_that_does_not_compile_is_refused_before_the_run() {
 
 #[test]
 fn the_examples_of_the_reference_hold() {
-    for entry in RUN_ENTRIES {
+    for entry in run::ENTRIES {
         let held = with_script(&format!("measure(\"held\", {{ {} }})", entry.example));
         let held = held.map(|results| results.findings.measures["held"].clone());
         assert_eq!(held, Ok(true.into()), "{}", entry.call);

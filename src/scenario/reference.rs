@@ -20,8 +20,8 @@ pub struct Reference {
     /// Laser of a raw recording, upward from the film's upper face; the only channel that is a length where it is
     /// left out.
     pub displacement: Option<String>,
-    /// Height from which a raw recording's impactor fell; without it the search for contact starts from the ideal fall to the
-    /// run's own speed, for which a laser is needed.
+    /// Height from which a raw recording's impactor fell. Without it the search for contact starts from the ideal fall to the run's own
+    /// speed, which also closes the fall where there is no laser.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drop_height: Option<Length>,
     /// Part of the run that errors are taken over: the loading phase, all of it, or from–to.

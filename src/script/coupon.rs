@@ -248,29 +248,11 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use rhai::Engine;
-
-    use crate::script::{Limits, register_recordings};
-
-    fn engine() -> Engine {
-        let mut engine = crate::script::engine(Limits::POST);
-        register_recordings(&mut engine);
-        engine
-    }
-
-    #[test]
-    fn the_examples_of_the_reference_hold() {
-        let engine = engine();
-        for entry in super::ENTRIES {
-            let held = engine.eval::<bool>(entry.example);
-            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
-        }
-    }
+    use crate::script::reference::check::{assert_refused, engine};
 
     #[test]
     fn mistakes_are_said() {
-        let engine = engine();
-        for (text, expected) in [
+        let cases = [
             (r#"coupon(#{ gauge: "5 kg", width: 1, thickness: 1 })"#, "gauge: expected a length, found \"5 kg\""),
             (
                 "coupon(#{ gauge: 1, width: 1, thickness: -1 })",
@@ -281,9 +263,7 @@ mod tests {
             ("reduce_coupons([])", "there is no coupon to reduce"),
             ("reduce_coupons([1])", "a coupon's test is a map of direction, velocity and curve, not i64"),
             ("reduce_coupons([], #{ windov: 1 })", "unknown rule `windov`"),
-        ] {
-            let error = engine.run(text).unwrap_err().to_string();
-            assert!(error.contains(expected), "{text} gave: {error}");
-        }
+        ];
+        assert_refused(&engine(), &cases);
     }
 }

@@ -21,17 +21,27 @@ mod table;
 mod value;
 
 pub use arguments::Arguments;
-pub use coupon::{ENTRIES as COUPON_ENTRIES, Reduced};
-pub use curve::ENTRIES as CURVE_ENTRIES;
-pub use drop::ENTRIES as DROP_ENTRIES;
+pub use coupon::Reduced;
 pub use fault::{Fault, refuse};
-pub use files::{ENTRIES as FILE_ENTRIES, File, FileError, Files};
-pub use findings::{ENTRIES as LEDGER_ENTRIES, Findings, Ledger, NameError, Row};
+pub use files::{File, FileError, Files};
+pub use findings::{Findings, Ledger, NameError, Row};
 pub use host::{Limits, ReadError, STACK, Script, engine};
-pub use random::ENTRIES as RANDOM_ENTRIES;
-pub use recording::{ENTRIES as RECORDING_ENTRIES, register as register_recordings};
-pub use reference::Entry;
+pub use recording::register as register_recordings;
+pub use reference::{Chapter, Entry};
 pub use session::{Session, Trial, content};
-pub use signal::{ENTRIES as SIGNAL_ENTRIES, MEASURE_ENTRIES, register as register_signals};
-pub use table::ENTRIES as TABLE_ENTRIES;
+pub use signal::register as register_signals;
 pub use value::{from_json, number, to_json, window};
+
+/// The reference of what the host itself offers to scripts.
+pub const REFERENCE: &[Chapter] = &[
+    Chapter { title: "signals", entries: signal::ENTRIES },
+    Chapter { title: "measures of signals", entries: signal::MEASURE_ENTRIES },
+    Chapter { title: "results", entries: findings::ENTRIES },
+    Chapter { title: "files", entries: files::ENTRIES },
+    Chapter { title: "curves", entries: curve::ENTRIES },
+    Chapter { title: "coupon tests", entries: coupon::ENTRIES },
+    Chapter { title: "drop tests", entries: drop::ENTRIES },
+    Chapter { title: "random numbers", entries: random::ENTRIES },
+    Chapter { title: "tables (droptower script)", entries: table::ENTRIES },
+    Chapter { title: "recordings (droptower script)", entries: recording::ENTRIES },
+];

@@ -76,24 +76,7 @@ pub const ENTRIES: &[Entry] = &[Entry {
 
 #[cfg(test)]
 mod tests {
-    use rhai::Engine;
-
-    use crate::script::{Limits, register_recordings};
-
-    fn engine() -> Engine {
-        let mut engine = crate::script::engine(Limits::POST);
-        register_recordings(&mut engine);
-        engine
-    }
-
-    #[test]
-    fn the_examples_of_the_reference_hold() {
-        let engine = engine();
-        for entry in super::ENTRIES {
-            let held = engine.eval::<bool>(entry.example);
-            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
-        }
-    }
+    use crate::script::reference::check::engine;
 
     #[test]
     fn cells_are_numbers_text_or_nothing() {

@@ -1,20 +1,19 @@
 //! The built binary, for the commands that do not simulate.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use droptower::scenario::grammar::{self, Rule};
 use serde_json::Value as Json;
 
+use crate::workbench;
+
 fn droptower(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    command.args(arguments).output().expect("the binary starts")
+    workbench::droptower(&workbench::root(), arguments)
 }
 
 fn standard_output(arguments: &[&str]) -> String {
-    let output = droptower(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("UTF-8")
+    workbench::printed(&droptower(arguments))
 }
 
 #[test]

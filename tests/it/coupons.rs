@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 use droptower::experiment::coupon::average::{Spread, mean_curve, mean_of_means, relative_difference};
 use droptower::experiment::coupon::{
@@ -13,9 +13,7 @@ use droptower::signal::file::{self, Selection, Wanted};
 use droptower::units::Unit;
 use serde_json::Value as Json;
 
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
+use crate::workbench::{self, root};
 
 /// A row of a table: text by column.
 type Row = BTreeMap<String, String>;
@@ -179,14 +177,11 @@ fn the_skewed_curves_lie_between_those_of_both_directions() {
 }
 
 fn droptower(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    command.current_dir(root()).args(arguments).output().expect("the binary starts")
+    workbench::droptower(&root(), arguments)
 }
 
 fn succeed(arguments: &[&str]) -> String {
-    let output = droptower(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("UTF-8")
+    workbench::printed(&droptower(arguments))
 }
 
 #[test]

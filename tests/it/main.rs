@@ -16,3 +16,4 @@ mod signals;
 mod slow;
 mod verification;
 mod virtual_drops;
+mod workbench;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 use droptower::signal::filter::{self, Standard};
 use droptower::signal::{Measured, Measurement, Selection, Series, Wanted, file, integrate, isomme};
@@ -11,9 +11,7 @@ use droptower::units::{Acceleration, Force, Length, Moment, Pressure, STANDARD_G
 use proptest::prelude::*;
 use serde_json::Value as Json;
 
-fn data(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(path)
-}
+use crate::workbench::{self, SHOCK_NAMES, data, figures, shocks};
 
 fn unit(symbol: &str) -> Unit {
     Unit::parse(symbol).expect("a unit")
@@ -307,21 +305,15 @@ fn the_measured_channel_survives_being_written() {
     assert_eq!(copy.channels, original.channels);
 }
 
-/// A drop-tower shock at 1 MHz, which may not be copied.
 #[test]
 fn drop_tower_shocks_are_read_filtered_and_integrated() {
-    let folder = std::env::var_os("DROPTOWER_SHARED_DATA").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
-    let path = folder.join("droptower_highrate/accel_1.csv");
-    if !path.is_file() {
-        eprintln!("skipped: {} is not there", path.display());
+    let Some(path) = shocks() else {
         return;
-    }
+    };
     let error = file::read(&path, &Wanted::default()).expect_err("7 names over 6 columns");
     assert!(error.to_string().contains("7 names") && error.to_string().contains("over 6 columns"), "{error}");
     assert!(error.hint().is_some_and(|hint| hint.contains("--columns")));
-    let names = ["time [s]", "accel 1 [kg_n]", "accel 2 [kg_n]", "accel 3 [kg_n]", "accel 4 [kg_n]", "accel 5 [kg_n]"];
-    let names = names.map(str::to_owned).to_vec();
+    let names = SHOCK_NAMES.map(str::to_owned).to_vec();
     let wanted = Wanted { names, ..Wanted::one(Some("accel 1")) };
     let read = file::read(&path, &wanted).expect("readable");
     let raw = read.channels[0].quantity(Acceleration::DIMENSION).expect("an acceleration");
@@ -456,15 +448,7 @@ fn unwanted_columns_of_a_long_file_are_not_even_looked_at() {
 }
 
 fn droptower(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    command.current_dir(folder).args(["signal"]).args(arguments).output().expect("the binary starts")
-}
-
-/// What a command prints as JSON.
-fn json(output: &Output) -> Json {
-    let error = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{error}");
-    serde_json::from_slice(&output.stdout).expect("JSON")
+    workbench::droptower(folder, &[&["signal"], arguments].concat())
 }
 
 /// 1000 samples of a half sine of 50 g and 10 ms at 10 kHz, shaken at 3 kHz.
@@ -485,7 +469,7 @@ fn a_filtered_channel_is_written_in_si() {
     let raw = shaken(bench.path());
     let told = |more: &[&str]| {
         let arguments = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o", "f.csv", "--json"];
-        json(&droptower(bench.path(), &[&arguments, more].concat()))
+        figures(&droptower(bench.path(), &[&arguments, more].concat()))
     };
     let figures = told(&[]);
     let text = fs::read_to_string(bench.path().join("f.csv")).expect("the output");
@@ -552,10 +536,10 @@ fn info_says_what_files_hold() {
     let metal = data("tension_anisotropic_al6061/cleaned_CA-LT-01.csv");
     let [fixture, metal] = [&fixture, &metal].map(|path| path.to_str().expect("UTF-8"));
     let unit = "engineering_stress=ksi";
-    let told = json(&droptower(bench.path(), &["info", metal, "--unit", unit, "--json"]));
+    let told = figures(&droptower(bench.path(), &["info", metal, "--unit", unit, "--json"]));
     assert_eq!(told[0]["channels"][0]["unit"], "Pa");
     assert_eq!(told[0]["channels"][0]["start_s"], Json::Null);
-    let told = json(&droptower(bench.path(), &["info", fixture, "--json"]));
+    let told = figures(&droptower(bench.path(), &["info", fixture, "--json"]));
     let [head, chest] = [0, 1].map(|place| &told[0]["channels"][place]);
     assert_eq!(
         (&head["name"], &head["unit"], &head["written_unit"]),
@@ -574,7 +558,7 @@ fn info_says_what_files_hold() {
 fn formats_are_converted_there_and_back() {
     let bench = tempfile::tempdir().expect("a folder");
     let raw = shaken(bench.path());
-    let done = |arguments: &[&str]| json(&droptower(bench.path(), &[&["convert"], arguments, &["--json"]].concat()));
+    let done = |arguments: &[&str]| figures(&droptower(bench.path(), &[&["convert"], arguments, &["--json"]].concat()));
     done(&["data.csv", "-o", "test/T.mme", "--unit", "count=-"]);
     let told = done(&["test", "-o", "back.csv"]);
     assert_eq!(told["channels"].as_array().map(Vec::len), Some(2));
@@ -593,7 +577,7 @@ fn formats_are_converted_there_and_back() {
     // The filter is told that the channel was filtered before.
     let fixture = data("isomme_fixture/Channel/test.002");
     let fixture = fixture.to_str().expect("UTF-8");
-    let told = json(&droptower(bench.path(), &["filter", fixture, "--class", "1000", "-o", "f.csv", "--json"]));
+    let told = figures(&droptower(bench.path(), &["filter", fixture, "--class", "1000", "-o", "f.csv", "--json"]));
     assert!(told["notes"][0].as_str().is_some_and(|note| note.contains("went through CFC 1000 already")), "{told}");
 }
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value as Json;
@@ -14,6 +14,8 @@ use droptower::model::{self, Model};
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::Recording;
 use droptower::simulate::{self, Checkpoint, Checkpoints, Manner, Outcome, RunError, Saved};
+
+use crate::workbench::{command, droptower, error};
 
 /// Some tens of milliseconds of computing between two checkpoints: time enough to kill it there.
 const SLOW: [&str; 6] =
@@ -26,22 +28,8 @@ fn bench() -> TempDir {
     folder
 }
 
-fn command(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    command.current_dir(folder).args(arguments);
-    command
-}
-
-fn droptower(folder: &Path, arguments: &[&str]) -> Output {
-    command(folder, arguments).output().expect("the binary starts")
-}
-
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     droptower(folder, &[&["run", "drop.toml"], arguments].concat())
-}
-
-fn error(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// Checkpoints in the folder of `drop.toml`, oldest first.

@@ -2,16 +2,18 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use rhai::{Engine, Map, Scope};
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
-use droptower::post::{self, STUDY_ENTRIES};
+use droptower::post;
 use droptower::report::Figure;
-use droptower::script::{self, Arguments, LEDGER_ENTRIES, Ledger, Limits};
+use droptower::script::{self, Arguments, Ledger, Limits};
 use droptower::signal::csv;
+
+use crate::workbench::{droptower, error};
 
 /// Coarse and short: what is tested is everything around the simulation.
 const QUICK: [&str; 4] = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=40ms"];
@@ -24,21 +26,12 @@ fn bench() -> TempDir {
     folder
 }
 
-fn droptower(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    command.current_dir(folder).args(arguments).output().expect("the binary starts")
-}
-
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     droptower(folder, &[&["run"], arguments, &QUICK].concat())
 }
 
 fn code(output: &Output) -> Option<i32> {
     output.status.code()
-}
-
-fn error(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 fn json(path: &Path) -> Json {
@@ -319,9 +312,11 @@ fn the_examples_of_the_scripting_reference_hold() {
     Ledger::new(Vec::new(), |_| {}).register(&mut engine);
     let changes =
         [QUICK[1], QUICK[3]].map(|set| droptower::scenario::Assignment::from_argument(set).expect("a change"));
+    script::register_recordings(&mut engine);
     post::register_studies(&mut engine, changes.into());
     Arguments::register(&mut engine);
-    for entry in STUDY_ENTRIES.iter().chain(LEDGER_ENTRIES) {
+    // What post scripts find as `run` is tested beside it.
+    for entry in post::REFERENCE[1..].iter().flat_map(|chapter| chapter.entries) {
         let mut scope = Scope::new();
         let scenario = path.to_str().expect("UTF-8").to_owned();
         scope.push_constant("args", Arguments::new(Map::from([("scenario".into(), scenario.into())])));

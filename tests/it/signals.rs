@@ -1,8 +1,7 @@
 //! Recordings on the command line and through the library: measures of impact and ratings.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use std::time::Instant;
 
 use droptower::signal::clip::{Counting, clip};
@@ -14,6 +13,8 @@ use droptower::signal::{Series, integrate};
 use droptower::units::{Acceleration, STANDARD_GRAVITY};
 use serde_json::Value as Json;
 
+use crate::workbench::{self, SHOCK_NAMES, data, shocks};
+
 /// Ratings that the authors of the curves in `data/iso18571` state for them: yeonsoo-p/ISO18571, `examples/quickstart.ipynb`, 00b2488.
 const STATED: [(&str, f64); 5] = [
     ("corridor", 0.652_890_716_899_321_8),
@@ -23,19 +24,12 @@ const STATED: [(&str, f64); 5] = [
     ("overall", 0.830_957_725_797_480_1),
 ];
 
-fn data(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name)
-}
-
 fn droptower(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    command.arg("signal").args(arguments).output().expect("the binary starts")
+    workbench::droptower(&workbench::root(), &[&["signal"], arguments].concat())
 }
 
 fn json(arguments: &[&str]) -> Json {
-    let output = droptower(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("JSON")
+    workbench::figures(&droptower(arguments))
 }
 
 /// What is said of a mistake; nothing may be printed beside it.
@@ -97,25 +91,12 @@ fn the_channel_filter_leaves_a_recording_where_it_is() {
     }
 }
 
-/// The shared folder of real recordings that may not be copied here; none where it is not there.
-fn shared(name: &str) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(|folder| folder.join("shared/data"));
-    let folder = std::env::var_os("DROPTOWER_SHARED_DATA").map(PathBuf::from).or_else(beside)?;
-    let path = folder.join(name);
-    if !path.exists() {
-        println!("skipped: {} is not there", path.display());
-        return None;
-    }
-    Some(path)
-}
-
-/// Shocks in a drop tower at 1 MHz (Dodson, Hong and Beliveau 2019, data set 1), up to tens of thousands of g and full of ringing.
 #[test]
 fn real_shocks_have_measures_within_their_bounds() {
-    let Some(path) = shared("droptower_highrate/accel_1.csv") else {
+    let Some(path) = shocks() else {
         return;
     };
-    let names = ["time [s]", "1 [kg_n]", "2 [kg_n]", "3 [kg_n]", "4 [kg_n]", "5 [kg_n]"].map(str::to_owned).to_vec();
+    let names = SHOCK_NAMES.map(str::to_owned).to_vec();
     let shocks = file::read(&path, &Wanted { names, ..Wanted::default() }).expect("readable");
     assert_eq!(shocks.channels.len(), 5);
     for shock in &shocks.channels {
@@ -186,6 +167,9 @@ fn people_get_a_line_and_silence_when_asked() {
     assert!(said(&["clip", path]).starts_with("3 ms clip  50.000 g  cumulative"), "{}", said(&["clip", path]));
     assert!(said(&["rate", path, path]).contains("overall    1.000  excellent"), "{}", said(&["rate", path, path]));
     assert_eq!(said(&["rate", path, path, "--quiet"]), "");
+    let falling = self::folder(&[("f.csv", table("time_s,accel [g]", 1e-3, 81, |t| -square(t)))]);
+    let clip = said(&["clip", falling.path().join("f.csv").to_str().expect("UTF-8")]);
+    assert!(clip.contains("  0.000 g") && clip.contains("note: no positive level is held that long"), "{clip}");
 }
 
 #[test]
@@ -196,6 +180,7 @@ fn mistakes_name_file_and_channel() {
         ("bare.csv", table("time_s,accel", 1e-3, 81, square)),
         ("falling.csv", table("time_s,accel [g]", 1e-3, 81, |t| -square(t))),
         ("gap.csv", "time_s,accel [g]\n0,1\n0.001,\n0.002,3\n".into()),
+        ("hole.csv", table("time_s,accel [g]", 1e-3, 81, square).replace("\n0.03", "\n# 0.03")),
         ("zero.csv", table("time_s,accel [g]", 1e-3, 81, |_| 0.0)),
         ("late.csv", table("time_s,accel [g]", 1e-3, 81, square).replace("\n0", "\n9")),
     ]);
@@ -203,16 +188,19 @@ fn mistakes_name_file_and_channel() {
     for (arguments, expected) in [
         (vec!["hic", "force.csv"], vec!["force.csv: `force` is in N, which is not an acceleration"]),
         (vec!["hic", "bare.csv"], vec!["the unit of `accel` is not known", "--unit"]),
-        (vec!["hic", "falling.csv"], vec!["falling.csv: the acceleration is never positive"]),
+        (vec!["hic", "falling.csv"], vec!["falling.csv: the mean acceleration is positive between no two samples"]),
         (vec!["hic", "gap.csv"], vec!["gap.csv: nothing was measured at 0.001 s"]),
         (vec!["clip", "gap.csv", "--duration", "1"], vec!["gap.csv: nothing was measured at 0.001 s"]),
+        (vec!["hic", "hole.csv"], vec!["hole.csv: there are no samples between 0.029 s and 0.04 s"]),
+        (vec!["clip", "hole.csv"], vec!["hole.csv: there are no samples between 0.029 s and 0.04 s"]),
+        (vec!["rate", "a.csv", "hole.csv"], vec!["comparison: there are no samples between 0.029 s and 0.04 s"]),
         (
             vec!["hic", "a.csv", "--class", "1000"],
             vec!["a.csv: CFC 1000 needs at least 10000 samples a second, found 1000"],
         ),
         (vec!["rate", "a.csv", "force.csv"], vec!["a.csv is in m/s2, ", "force.csv in N"]),
         (vec!["rate", "zero.csv", "a.csv"], vec!["the reference is zero everywhere", "zero.csv"]),
-        (vec!["rate", "a.csv", "gap.csv"], vec!["the comparison was not measured at 0.001 s", "gap.csv"]),
+        (vec!["rate", "a.csv", "gap.csv"], vec!["comparison: nothing was measured at 0.001 s", "gap.csv"]),
         (vec!["rate", "missing.csv", "gone.csv"], vec!["missing.csv", "gone.csv"]),
     ] {
         let arguments: Vec<String> =

@@ -2,23 +2,20 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
 use droptower::signal::{Recording, csv};
 
+use crate::workbench::droptower;
+
 /// A folder with the template of a slow test in it, made coarse and quick.
 fn bench(kind: &str) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     assert!(droptower(folder.path(), &["new", kind, "slow.toml"]).status.success());
     folder
-}
-
-fn droptower(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    command.current_dir(folder).args(arguments).output().expect("the binary starts")
 }
 
 /// Runs the scenario with changes; its exit status, signals and summary.

@@ -1,8 +1,8 @@
 //! Virtual drops: made, reduced, and held against the truth that was simulated; the command, the reference and the scripts.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 use droptower::experiment::absorption::{Body, energy_absorption};
 use droptower::experiment::drop::{self, Drop, Height, Names, Reduction, Sensed, Tower};
@@ -15,16 +15,13 @@ use droptower::signal::file::{self, Wanted};
 use droptower::simulate;
 use serde_json::Value as Json;
 
+use crate::workbench::{self, SHOCK_NAMES, root, shocks};
+
 const BODY: Body = Body { mass: 10.72, gravity: 9.81 };
 const TESTS: [&str; 5] = ["1008", "1009", "1010", "1509", "1510"];
 
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
-
 fn droptower(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    command.current_dir(root()).args(arguments).output().expect("the binary starts")
+    workbench::droptower(&root(), arguments)
 }
 
 /// What was simulated.
@@ -85,6 +82,11 @@ fn shipped_recordings_are_small_and_say_that_they_are_virtual() {
         assert!(text.starts_with("# VIRTUAL drop test"), "{test}");
         assert!(text.len() < 200_000, "{test}: {} bytes", text.len());
     }
+}
+
+#[test]
+fn the_folder_of_virtual_recordings_may_be_made_anew_in_its_place() {
+    droptower::store::check_places(&[root().join("data/virtual")]).expect("nothing in it but what the script left");
 }
 
 #[test]
@@ -158,6 +160,17 @@ fn shipped_scenarios_meet_their_own_recordings() {
         let turn = impact.time_of_peak_displacement_s.expect("a turn");
         assert!(from == 0.0 && (to - turn).abs() < 1e-3, "{test}: window to {to}, turn at {turn}");
     }
+}
+
+/// A scenario that names a recording without laser and not the height: its own speed closes the fall.
+#[test]
+fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
+    let mut model = coarse("1509");
+    let with_height = Plan::prepare(&model).expect("a reference");
+    model.reference.as_mut().expect("a reference").drop_height = None;
+    let without = Plan::prepare(&model).expect("a reference");
+    let window = |plan: &Plan| plan.comparison().expect("a comparison").window[1];
+    assert!((window(&with_height) - window(&without)).abs() < 5e-4);
 }
 
 #[test]
@@ -306,29 +319,16 @@ fn the_scripts_of_the_drops_give_the_tables_of_the_paper() {
     }
 }
 
-/// Real shocks of a drop tower (High-Rate-SHM-Working-Group; no licence to copy): 5 ms at 1 MHz without the fall before them.
+/// 5 ms at 1 MHz without the fall before them.
 #[test]
 fn real_shocks_without_their_fall_are_refused_by_name() {
-    let beside = root().join("../shared/data");
-    let shared = std::env::var_os("DROPTOWER_SHARED_DATA").map_or(beside, PathBuf::from);
-    let path = shared.join("droptower_highrate/accel_1.csv");
-    if !path.exists() {
-        println!("skipped: {} is not here", path.display());
+    let Some(path) = shocks() else {
         return;
-    }
-    let output = droptower(&[
-        "signal",
-        "drop",
-        path.to_str().expect("UTF-8"),
-        "--mass",
-        "1 kg",
-        "--height",
-        "1 m",
-        "--column",
-        "accel 1",
-    ]);
-    assert_eq!(output.status.code(), Some(2));
-    let error = String::from_utf8_lossy(&output.stderr);
-    println!("{error}");
-    assert!(error.contains("accel_1.csv"), "{error}");
+    };
+    let names = SHOCK_NAMES.map(String::from).into();
+    let found = file::read(&path, &Wanted { names, ..Wanted::default() }).expect("a recording");
+    let shock = &found.channel("accel 1").expect("a channel").series;
+    let tower = Tower { body: BODY, height: Height::Known(1.0) };
+    let refused = drop::reduce(shock, None, &tower, &Reduction::default());
+    assert!(matches!(refused, Err(drop::DropError::Release(_))), "{refused:?}");
 }

@@ -177,6 +177,7 @@ fn text(args: &DropArgs, figures: &Figures) -> String {
         (SpeedFrom::Laser, Some(residual)) => format!("laser, {:.3} mm off", 1e3 * residual),
         (SpeedFrom::Laser, None) => "laser".into(),
         (SpeedFrom::Fall, _) => "fall from the known height".into(),
+        (SpeedFrom::Given, _) => "given".into(),
     };
     let correction = match (figures.time_constant_s, figures.ramp_duration_s) {
         (Some(time_constant), _) => format!("AC coupling, time constant {:.1} ms", 1e3 * time_constant),

@@ -12,7 +12,7 @@ pub use channels::{Names, Sensed, SensedError};
 pub use figures::Figures;
 
 use super::absorption::{AbsorptionError, Body, energy_absorption};
-use super::contact::{self, Contact, ContactError, SpeedFrom};
+use super::contact::{self, Contact, ContactError, Known, SpeedFrom};
 use super::coupling::{self, CouplingError};
 use super::ramp::{GravityRamp, RampError};
 use super::release::{Release, ReleaseError};
@@ -33,14 +33,29 @@ pub struct Tower {
 pub enum Height {
     /// As set on the tower, m.
     Known(f64),
-    /// That of the ideal fall to an impact speed, m: enough to start the search at a laser, not to do without one.
-    Presumed(f64),
+    /// That of the ideal fall to the impact speed that is known in its place, m.
+    OfSpeed(f64),
 }
 
 impl Height {
     fn metres(self) -> f64 {
         match self {
-            Height::Known(height) | Height::Presumed(height) => height,
+            Height::Known(height) | Height::OfSpeed(height) => height,
+        }
+    }
+}
+
+impl Tower {
+    /// Speed of the ideal fall √(2gH), m/s.
+    fn ideal_speed(&self) -> f64 {
+        (2.0 * self.body.gravity * self.height.metres()).sqrt()
+    }
+
+    /// What closes a fall that no laser saw.
+    fn known(&self) -> Known {
+        match self.height {
+            Height::Known(height) => Known::Height(height),
+            Height::OfSpeed(_) => Known::Speed(self.ideal_speed()),
         }
     }
 }
@@ -111,8 +126,6 @@ pub enum DropError {
     Coupling(#[from] CouplingError),
     #[error(transparent)]
     Contact(#[from] ContactError),
-    #[error("without a laser the height of fall must be known")]
-    HeightNeeded,
     #[error("without a laser the gravity ramp tells no speed: use the correction by coupling")]
     LaserNeeded,
     #[error("acceleration: the recording ends with first contact at {contact:.4} s")]
@@ -157,13 +170,12 @@ impl Fall<'_> {
             None => coupling::time_constant(&self.zeroed, self.undisturbed())?,
         };
         let restored = |offset: f64| restored(&self.zeroed, offset, time_constant);
-        let (contact, beyond) = match (self.laser, self.tower.height) {
-            (Some(laser), _) => {
+        let (contact, beyond) = match self.laser {
+            Some(laser) => {
                 let restored = restored(0.0);
                 (contact::by_laser(|_| restored.clone(), laser, self.start(), self.ideal_contact())?, 0.0)
             }
-            (None, Height::Known(height)) => contact::by_fall(restored, height, self.release.rest)?,
-            (None, Height::Presumed(_)) => return Err(DropError::HeightNeeded),
+            None => contact::by_fall(restored, self.tower.known(), self.release.rest)?,
         };
         let drop = Drop::of(&restored(beyond), contact, self.tower, self.reduction)?;
         Ok(Drop { time_constant: Some(time_constant), offset: self.release.offset + beyond, ..drop })
@@ -245,18 +257,14 @@ impl Drop {
         };
         let signals = motion::signals(corrected, &filtered, &contact, tower.body)?;
         let mut notes = Vec::new();
-        if contact.speed_from == SpeedFrom::Fall {
-            notes.push(
-                "no laser: contact and speed from the fall over the known height and the onset of the force".into(),
-            );
-        }
+        notes.extend(without_laser(contact.speed_from).map(String::from));
         let channel = |name| signals.channel(name).unwrap_or_default();
         let absorption = energy_absorption(tower.body, channel("velocity_m_s"), channel("displacement_m"));
         let energy_absorption = absorption.map_err(|reason| notes.push(without_absorption(reason))).ok();
         let total_energy_drift = motion::drift(channel("total_energy_J"));
         Ok(Drop {
             contact,
-            ideal_speed: (2.0 * tower.body.gravity * tower.height.metres()).sqrt(),
+            ideal_speed: tower.ideal_speed(),
             time_constant: None,
             ramp: None,
             offset: 0.0,
@@ -265,6 +273,19 @@ impl Drop {
             signals,
             notes,
         })
+    }
+}
+
+/// What stands in for a laser.
+fn without_laser(speed_from: SpeedFrom) -> Option<&'static str> {
+    match speed_from {
+        SpeedFrom::Laser => None,
+        SpeedFrom::Fall => {
+            Some("no laser: contact and speed from the fall over the known height and the onset of the force")
+        }
+        SpeedFrom::Given => {
+            Some("no laser and no height: contact from the fall to the known speed and the onset of the force")
+        }
     }
 }
 

@@ -88,6 +88,18 @@ fn without_a_step_at_contact_the_fall_still_gives_the_speed() {
 }
 
 #[test]
+fn without_laser_and_height_a_known_speed_gives_the_contact() {
+    let tower = Tower { height: Height::OfSpeed(0.5 * SPEED * SPEED / GRAVITY), ..TOWER };
+    for seed in 0..SEEDS {
+        let (recording, contact_time, absorption) = recorded(&Sensors { laser: None, ..Sensors::default() }, seed);
+        let drop = reduce(&reading(&recording), None, &tower, &Reduction::default()).unwrap();
+        assert!((drop.contact.time - contact_time).abs() < 2e-4, "seed {seed}: {:?}", drop.contact);
+        assert!((drop.contact.velocity + SPEED).abs() < 1e-12 && drop.contact.speed_from == SpeedFrom::Given);
+        assert!((drop.energy_absorption.unwrap() - absorption).abs() < 0.01, "seed {seed}");
+    }
+}
+
+#[test]
 fn a_time_constant_that_is_known_is_used() {
     let (recording, ..) = recorded(&Sensors::default(), 1);
     let given = Correction::Coupling { time_constant: Some(0.15) };
@@ -150,7 +162,7 @@ fn what_cannot_be_reduced_is_refused_by_channel() {
         reduce(series, None, tower, reduction).unwrap_err().to_string()
     };
     let ramp = Reduction { correction: Correction::Ramp, ..default };
-    let presumed = Tower { height: Height::Presumed(1.3), ..TOWER };
+    let too_fast = Tower { height: Height::OfSpeed(1.3), ..TOWER };
     let weightless = Tower { body: Body { mass: 0.0, ..BODY }, ..TOWER };
     let gap = reading.with_values(reading.samples().map(|[t, v]| if t == 0.3 { f64::NAN } else { v }).collect());
     let slow = Series::new(
@@ -161,7 +173,7 @@ fn what_cannot_be_reduced_is_refused_by_channel() {
         (told(&reading, &weightless, &default), "the mass is 0, but must be positive"),
         (told(&gap, &TOWER, &default), "acceleration: nothing was measured at 0.3 s"),
         (told(&reading, &TOWER, &ramp), "without a laser the gravity ramp tells no speed"),
-        (told(&reading, &presumed, &default), "without a laser the height of fall must be known"),
+        (told(&reading, &too_fast, &default), "acceleration: integrated from rest it does not reach 5.05"),
         (told(&slow, &TOWER, &default), "acceleration: CFC 1000 needs at least 10000 samples a second, found 1000.0"),
         (told(&reading.window([0.0, contact_time]), &TOWER, &default), "acceleration: no contact is seen"),
         (told(&reading.window([0.0, 0.0]), &TOWER, &default), "acceleration: a series of 1 samples"),

@@ -197,21 +197,11 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use crate::script::{Limits, engine};
-
-    #[test]
-    fn the_examples_of_the_reference_hold() {
-        let engine = engine(Limits::POST);
-        for entry in super::ENTRIES {
-            let held = engine.eval::<bool>(entry.example);
-            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
-        }
-    }
+    use crate::script::reference::check::{assert_refused, engine};
 
     #[test]
     fn mistakes_are_said() {
-        let engine = engine(Limits::POST);
-        for (text, expected) in [
+        let cases = [
             ("signal([0, 0], [1, 2])", "time does not increase"),
             ("signal([0], [1, 2])", "1 times for 2 values"),
             ("signal([], []).max()", "the signal has no samples"),
@@ -219,9 +209,7 @@ mod tests {
             ("signal([0, 1], [1, 2]).at(2)", "the signal has no value at 2 s"),
             ("signal([0, 1], [1, 2]).filtered(60)", "CFC 60 needs at least 600 samples a second"),
             ("let s = signal([0, 1], [1, 2]); relative_error(s, s, 3)", "expected a window [from, to]"),
-        ] {
-            let error = engine.run(text).unwrap_err().to_string();
-            assert!(error.contains(expected), "{text} gave: {error}");
-        }
+        ];
+        assert_refused(&engine(), &cases);
     }
 }

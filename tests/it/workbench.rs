@@ -1,0 +1,61 @@
+//! What the tests of the built binary share: the program, the repository, and recordings from outside of it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value as Json;
+
+/// The repository.
+pub fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A file or folder of `data/`.
+pub fn data(path: &str) -> PathBuf {
+    root().join("data").join(path)
+}
+
+/// The program with `arguments`, ready to start in `folder`.
+pub fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
+    command.current_dir(folder).args(arguments);
+    command
+}
+
+/// What the program leaves when started in `folder`.
+pub fn droptower(folder: &Path, arguments: &[&str]) -> Output {
+    command(folder, arguments).output().expect("the binary starts")
+}
+
+/// What it says on standard error.
+pub fn error(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// What it prints where it succeeds.
+pub fn printed(output: &Output) -> String {
+    assert!(output.status.success(), "{}", error(output));
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
+/// The figures that it prints where it succeeds.
+pub fn figures(output: &Output) -> Json {
+    serde_json::from_str(&printed(output)).expect("JSON")
+}
+
+/// Shocks in a drop tower at 1 MHz (Dodson, Hong and Beliveau 2019, data set 1), up to tens of thousands of g and full of ringing, in
+/// six columns without usable names. They may not be copied: see data/README.md. None where they are not there, which is said.
+pub fn shocks() -> Option<PathBuf> {
+    let beside = || root().parent().map(|folder| folder.join("shared/data"));
+    let folder = std::env::var_os("DROPTOWER_SHARED_DATA").map(PathBuf::from).or_else(beside)?;
+    let path = folder.join("droptower_highrate/accel_1.csv");
+    if !path.is_file() {
+        println!("skipped: {} is not there", path.display());
+        return None;
+    }
+    Some(path)
+}
+
+/// Names for those six columns: time, accelerometers 1 to 4, and one of the two that follow; in thousands of g.
+pub const SHOCK_NAMES: [&str; 6] =
+    ["time [s]", "accel 1 [kg_n]", "accel 2 [kg_n]", "accel 3 [kg_n]", "accel 4 [kg_n]", "accel 5 [kg_n]"];
