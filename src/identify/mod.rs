@@ -16,6 +16,7 @@ mod script;
 mod search;
 mod starts;
 
+use crate::script::Chapter;
 pub use bounds::{Bounds, BoundsError};
 pub use crew::{Crew, CrewError};
 pub use history::{History, HistoryError, Identity, Logged};
@@ -23,5 +24,8 @@ pub use nelder_mead::{Limits, Simplex, Step, Values};
 pub use objective::{Answer, Evaluation, Objective};
 pub use options::{Method, OnFailure, OnRupture, OptionsError, Search, Starts};
 pub use progress::Progress;
-pub use script::{ENTRIES, Heard, Laboratory, register};
+pub use script::{Heard, Laboratory, register};
 pub use search::{Best, Ended, Iteration, SearchError, minimise};
+
+/// The reference of searches.
+pub const REFERENCE: &[Chapter] = &[Chapter { title: "searches (droptower script)", entries: script::ENTRIES }];
