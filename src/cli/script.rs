@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use super::faults::{WRITE_FAILURE, reading, script, storing};
 use super::{Shared, digest, folder, print, print_json, report, scenarios, table};
-use crate::diagnostic::{Diagnostic, shown_path};
+use crate::diagnostic::{Diagnostic, printable, shown_path};
 use crate::post;
 use crate::report::{StudyPage, study_page};
 use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine, register_recordings, to_json};
@@ -78,7 +78,7 @@ fn studied(args: &ScriptArgs, name: String, quiet: bool) -> Result<Studied, Vec<
     let ledger = Ledger::new(RESERVED.map(String::from).into(), move |line| {
         if !quiet {
             // Nobody may be listening; the line is kept for the report anyway.
-            let _ = writeln!(io::stderr(), "{line}");
+            let _ = writeln!(io::stderr(), "{}", printable(line));
         }
     });
     let mut engine = engine(Limits::STUDY);
