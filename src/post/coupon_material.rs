@@ -1,12 +1,10 @@
 //! Materials of coupon tests in scripts.
 
-use rhai::{Dynamic, Engine, EvalAltResult, INT, Map};
+use rhai::{Dynamic, Engine, INT, Map};
 
 use crate::experiment::coupon::Coupon;
 use crate::scenario::coupon_material::CouponMaterial;
-use crate::script::{Entry, Reduced, number, refuse};
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
+use crate::script::{Answer, Entry, Reduced, number, refuse};
 
 /// Name of the shear curve's file where a script gives none.
 const SHEAR_FILE: &str = "material-shear.csv";

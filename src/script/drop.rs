@@ -1,14 +1,12 @@
 //! Drop tests in scripts: virtual recordings, and the reduction of recordings.
 
-use rhai::{Dynamic, Engine, EvalAltResult, Map};
+use rhai::{Dynamic, Engine, Map};
 
-use super::{Entry, from_json, number, refuse};
+use super::{Answer, Entry, from_json, number, refuse};
 use crate::experiment::absorption::Body;
 use crate::experiment::drop::{self, Correction, Drop, Height, Reduction, Tower};
 use crate::experiment::sensor::{self, Accelerometer, Fall, Laser, Sensors};
 use crate::signal::{Recording, Series};
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
 
 /// Gravity where a script gives none, m/s²: equation 9 of the paper.
 const GRAVITY: f64 = 9.81;
