@@ -75,6 +75,53 @@ fn shipped_recordings_hide_the_truth_of_their_table() {
     }
 }
 
+fn shipped(test: &str) -> Sensed {
+    let measurement = file::read(&root().join(format!("data/virtual/{test}.csv")), &Wanted::default());
+    Sensed::find(&measurement.expect("a recording"), &Names::default()).expect("an accelerometer")
+}
+
+/// Of 1509, which fell 1.5 m and has no laser, other heights are no explanation.
+#[test]
+fn without_a_laser_a_wrong_height_is_refused_or_doubted() {
+    let reading = shipped("1509").acceleration;
+    let close = |height: f64| {
+        let tower = Tower { body: BODY, height: Height::Known(height) };
+        drop::reduce(&reading, None, &tower, &Reduction::default())
+    };
+    for height in [0.3, 0.5, 1.0, 1.3, 1.4, 1.45, 1.47, 1.48, 1.52, 1.55, 1.6, 1.7, 2.5] {
+        let refused = close(height).expect_err("another height").to_string();
+        assert!(refused.ends_with("is the height right?"), "{height}: {refused}");
+    }
+    let doubted =
+        |height: f64| close(height).expect("nearly the height").notes.iter().any(|note| note.ends_with("right?"));
+    assert_eq!([1.49, 1.5, 1.51].map(doubted), [false, false, true]);
+}
+
+/// 1008 fell 1 m: with a laser another height gives the same figures, unless nothing can fall so fast.
+#[test]
+fn with_a_laser_a_wrong_height_is_said() {
+    let Sensed { acceleration, laser, .. } = shipped("1008");
+    let reduce = |height: f64| {
+        let tower = Tower { body: BODY, height: Height::Known(height) };
+        drop::reduce(&acceleration, laser.as_ref(), &tower, &Reduction::default())
+    };
+    let right = reduce(1.0).expect("a drop");
+    assert_eq!(right.notes, [""; 0]);
+    for height in [0.9, 1.5, 3.0] {
+        let drop = reduce(height).expect("a drop");
+        assert!((drop.contact.velocity / right.contact.velocity - 1.0).abs() < 1e-3, "{height}: {:?}", drop.contact);
+        assert!(
+            drop.notes.iter().any(|note| note.contains("covers 1.00 m up to contact")),
+            "{height}: {:?}",
+            drop.notes
+        );
+    }
+    for height in [0.5, 0.8] {
+        let refused = reduce(height).expect_err("an impossible speed");
+        assert!(matches!(refused, drop::DropError::FasterThanFall { .. }), "{refused}");
+    }
+}
+
 #[test]
 fn shipped_recordings_are_small_and_say_that_they_are_virtual() {
     for test in TESTS {
