@@ -155,6 +155,11 @@ pub fn closest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> O
         .map(|(_, name)| name)
 }
 
+/// The folder that the file at `path` is in; `.` where the path does not name one.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 /// `path` without `..` detours, relative to the working directory where it lies below it.
 pub fn shown_path(path: &Path) -> String {
     let tidy = tidy_path(path);

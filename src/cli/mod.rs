@@ -10,6 +10,7 @@ mod forecast;
 mod functions;
 mod list;
 mod new;
+mod output;
 mod progress;
 mod run;
 mod scenarios;

@@ -74,6 +74,12 @@ pub struct Measurement {
     pub notes: Vec<String>,
 }
 
+/// Whether notes say that nothing was measured: one of them holds the word `virtual`.
+pub fn says_virtual(notes: &[String]) -> bool {
+    let is_it = |word: &str| word.eq_ignore_ascii_case("virtual");
+    notes.iter().any(|note| note.split(|letter: char| !letter.is_alphanumeric()).any(is_it))
+}
+
 /// Why a file has no such channel.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ChannelError {

@@ -56,6 +56,9 @@ pub struct DropArgs {
     /// File for the reduced signals, from contact on
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Replace the file where it is there already
+    #[arg(long, requires = "out")]
+    pub force: bool,
 }
 
 /// The corrections by name.
@@ -90,7 +93,7 @@ fn reduced(args: &DropArgs) -> Result<Drop, (u8, Vec<Diagnostic>)> {
     let bad_input = |mistake: Diagnostic| (BAD_INPUT, vec![mistake]);
     let (tower, correction) = conditions(args).map_err(|mistakes| (BAD_INPUT, mistakes))?;
     if let Some(out) = &args.out {
-        output::check_table(out, &args.path).map_err(one)?;
+        output::check_table(out, &args.path, args.force).map_err(one)?;
     }
     let sensed = sensed(args).map_err(bad_input)?;
     let laser = sensed.laser.as_ref().filter(|_| !args.without_laser);

@@ -11,7 +11,7 @@ use super::output::{self, Failure};
 use crate::cli::{BAD_INPUT, Shared, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::filter::{self, FilterError, Standard};
-use crate::signal::{Channel, Recording, Series, resample};
+use crate::signal::{Channel, Recording, Series, resample, says_virtual};
 use crate::units::{Dimension, Frequency};
 
 #[derive(Debug, Args)]
@@ -27,9 +27,12 @@ pub struct FilterArgs {
     /// Bring uneven samples to this rate first, e.g. "10 kHz"
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub resample: Option<f64>,
-    /// The file to write, with the columns time_s and value (SI)
+    /// The file to write, with the columns time_s and value (SI); what is said of a virtual recording stands above
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
+    /// Replace the file where it is there already
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// The standards by their short names.
@@ -73,7 +76,7 @@ pub fn run(args: &FilterArgs, shared: &Shared) -> ExitCode {
 }
 
 fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
-    output::check_table(&args.out, &args.input.path)?;
+    output::check_table(&args.out, &args.input.path, args.force)?;
     let Chosen { channel, mut notes } = args.input.read().map_err(|mistake| (BAD_INPUT, mistake))?;
     if let Some(class) = channel.filtered {
         notes.push(format!("`{}` went through CFC {class} already, as its file says", channel.name));
@@ -82,7 +85,8 @@ fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
     let series = filter::channel(&even, args.class, args.standard.into()).map_err(|error| mistake(args, &error))?;
     let values = Channel { name: "value".into(), values: series.values().to_vec() };
     let recording = Recording { time: series.time().to_vec(), channels: vec![values] };
-    output::write_csv(&args.out, &[], &recording)?;
+    let marks = if says_virtual(&notes) { &notes[..] } else { &[] };
+    output::write_csv(&args.out, marks, &recording)?;
     let value = |extreme: Option<[f64; 2]>| extreme.map(|[_, value]| value);
     Ok(Filtered {
         path: shown_path(&args.input.path),

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::ChannelCode;
+use crate::diagnostic::folder_of;
 use crate::signal::csv::clean_time;
 use crate::signal::{Measured, Measurement, Series, resample};
 use crate::units::Time;
@@ -51,7 +52,7 @@ pub fn write(path: &Path, measurement: &Measurement) -> Result<(), WriteError> {
     if count > MOST_CHANNELS {
         return Err(WriteError::TooMany { count });
     }
-    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let folder = folder_of(path);
     let channels = folder.join("Channel");
     for place in [path, &channels] {
         if place.exists() {
