@@ -11,7 +11,7 @@ use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::experiment::absorption::Body;
 use crate::experiment::contact::SpeedFrom;
-use crate::experiment::drop::{self, Correction, Drop, Figures, Height, Names, Reduction, Sensed, SensedError, Tower};
+use crate::experiment::drop::{Correction, Drop, Figures, Height, Names, Reduction, Sensed, SensedError, Tower};
 use crate::signal::QuantityError;
 use crate::signal::file::{self, Selection, Wanted};
 use crate::units::{Acceleration, Dimension, Length, Mass, STANDARD_GRAVITY, Time};
@@ -95,19 +95,16 @@ fn reduced(args: &DropArgs) -> Result<Drop, (u8, Vec<Diagnostic>)> {
     if let Some(out) = &args.out {
         output::check_table(out, &args.path, args.force).map_err(one)?;
     }
-    let sensed = sensed(args).map_err(bad_input)?;
-    let laser = sensed.laser.as_ref().filter(|_| !args.without_laser);
+    let mut sensed = sensed(args).map_err(bad_input)?;
+    sensed.laser = sensed.laser.filter(|_| !args.without_laser);
     let class = args.class.or_else(|| sensed.class_to_apply(Some(1000.0)));
-    let drop = drop::reduce(&sensed.acceleration, laser, &tower, &Reduction { correction, class });
+    let drop = sensed.reduce(&tower, &Reduction { correction, class });
     let mut drop = drop.map_err(|error| bad_input(Diagnostic::new(format!("{}: {error}", shown_path(&args.path)))))?;
-    if let Some(before) = sensed.class {
-        let again =
-            class.map_or_else(|| "is not filtered again".into(), |class| format!("is filtered again with CFC {class}"));
-        drop.notes.push(format!("the acceleration went through CFC {before} already, as its file says, and {again}"));
-    }
+    drop.notes.splice(..0, sensed.notes);
     if let Some(out) = &args.out {
-        let comments =
-            [format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&args.path))];
+        let origin =
+            format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&args.path));
+        let comments: Vec<String> = std::iter::once(origin).chain(drop.notes.iter().cloned()).collect();
         output::write_csv(out, &comments, &drop.signals).map_err(one)?;
     }
     Ok(drop)
