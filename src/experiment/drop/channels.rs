@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::{Drop, DropError, Reduction, Tower};
-use crate::signal::{ChannelError, Measured, Measurement, QuantityError, Series};
+use crate::signal::{ChannelError, Measured, Measurement, QuantityError, Series, listed};
 use crate::units::{Acceleration, Dimension, Length};
 
 /// Channels as the user names them.
@@ -39,10 +39,6 @@ pub enum SensedError {
     NoAcceleration { names: Vec<String> },
     #[error("the channels {} are each {}: name one", listed(names), dimension.name)]
     Several { dimension: Dimension, names: Vec<String> },
-}
-
-fn listed(names: &[String]) -> String {
-    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 impl Sensed {

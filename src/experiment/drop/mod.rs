@@ -262,8 +262,14 @@ fn even(acceleration: &Series) -> Result<Series, DropError> {
     if resample::common_step(acceleration.time()).is_some() {
         return Ok(acceleration.clone());
     }
-    let shortest = acceleration.time().windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-    Ok(resample::uniform(acceleration, shortest)?)
+    Ok(resample::uniform(acceleration, median_step(acceleration.time()))?)
+}
+
+/// s; few times that are written twice or left out do not move it.
+fn median_step(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// The reading from the end of the rest on, without the sensor's offset.
