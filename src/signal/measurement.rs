@@ -150,7 +150,8 @@ pub(super) fn find<'a>(
     }
 }
 
-pub(super) fn listed(names: &[String]) -> String {
+/// Names in a sentence.
+pub(crate) fn listed(names: &[String]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 

@@ -16,6 +16,7 @@ mod series;
 pub mod text;
 mod wanted;
 
+pub(crate) use measurement::listed;
 pub use measurement::{ChannelError, Measured, Measurement, QuantityError, says_virtual};
 pub use series::Series;
 pub use wanted::{Selection, Wanted};

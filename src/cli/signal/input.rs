@@ -101,6 +101,11 @@ impl Input {
     }
 }
 
+/// The number in SI of a quantity with its unit, for clap.
+pub fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
+    dimension.parse(text).map_err(|error| format!("{error}; {}", error.hint()))
+}
+
 /// The unit that the user wrote.
 pub fn unit(text: &str) -> Result<Unit, Diagnostic> {
     let hint = "known are e.g. g, m/s2, N, kN, lbf, MPa, psi, mm, in, s, ms, -, %";
