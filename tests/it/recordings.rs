@@ -226,6 +226,7 @@ fn a_container_with_mistakes_is_refused_by_name() {
         let error = file::read(path, &Wanted::default()).expect_err("a mistake").to_string();
         assert!(error.contains(expected), "{error}");
     };
+    refused(&path("gone.mme"), "gone.mme: cannot be read: no such file or folder");
     refused(bench.path(), "neither a test (.mme) nor a list of channels (.chn)");
     fs::write(path("a.mme"), "").expect("written");
     refused(&path("a.mme"), "no folder `Channel` beside the test");
@@ -355,6 +356,11 @@ fn tables_with_mistakes_are_refused_in_place() {
         ("time,a\n0,1\n1,2,3\n", Wanted::default(), "r.csv:3:1: expected 2 cells, found 3"),
         ("time,a\n0,1\n1\n2,2\n", Wanted::default(), "r.csv:3:1: expected 2 cells, found 1"),
         ("time,a\n0,1\n1", Wanted::default(), "r.csv:3:1: the file is truncated: its last line has 1 of 2 cells"),
+        (
+            "time,a\n0,1\n0.002,1\n0.00",
+            Wanted::default(),
+            "r.csv:4:1: the file is truncated: its last line has 1 of 2 cells",
+        ),
         ("time,a,b\n0,1\n1,2\n", Wanted::default(), "r.csv:1:1: 3 names (`time`, `a`, `b`) over 2 columns"),
         ("0,1\n", names(&["time"]), "r.csv:1:1: 1 names (`time`) over 2 columns"),
         ("time,a,a\n0,1,2\n", Wanted::default(), "r.csv:1:8: two columns are called `a`"),

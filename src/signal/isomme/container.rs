@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -114,7 +114,8 @@ impl Files {
             return Files::locate(&test_in(path)?);
         }
         if !path.is_file() {
-            return Err(fail(Fault::Text(TextError::Open(ErrorKind::NotFound.into()))));
+            let missing = io::Error::new(ErrorKind::NotFound, "no such file or folder");
+            return Err(fail(Fault::Text(TextError::Open(missing))));
         }
         let is_test = has_extension(path, "mme");
         let folder = if is_test { channel_folder(path)? } else { folder_of(path).to_owned() };
