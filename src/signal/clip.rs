@@ -6,6 +6,7 @@
 use thiserror::Error;
 
 use super::Series;
+use super::gap::{self, Gap};
 
 /// How the time above a level is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,8 +36,8 @@ pub enum ClipError {
     Duration { duration: f64 },
     #[error("a series of {span} s holds no level for {duration} s")]
     TooShort { span: f64, duration: f64 },
-    #[error("nothing was measured at {time} s")]
-    NotMeasured { time: f64 },
+    #[error(transparent)]
+    NotMeasured(Gap),
 }
 
 /// The highest level that `series`, linear between samples, holds for `duration` s.
@@ -44,8 +45,8 @@ pub fn clip(series: &Series, duration: f64, counting: Counting) -> Result<Clip, 
     if duration.is_nan() || duration <= 0.0 {
         return Err(ClipError::Duration { duration });
     }
-    if let Some([time, _]) = series.samples().find(|[_, value]| !value.is_finite()) {
-        return Err(ClipError::NotMeasured { time });
+    if let Some(gap) = gap::first(series) {
+        return Err(ClipError::NotMeasured(gap));
     }
     let (Some([_, lowest]), Some([_, highest])) = (series.smallest(), series.largest()) else {
         return Err(ClipError::TooShort { span: 0.0, duration });
@@ -69,7 +70,8 @@ pub fn clip(series: &Series, duration: f64, counting: Counting) -> Result<Clip, 
         let found = Held::above(series, middle, counting);
         if long_enough(&found) { (level, held) = (middle, found) } else { missed = middle }
     }
-    Ok(Clip { level, start: held.start, end: held.end })
+    // Without the sign of a zero.
+    Ok(Clip { level: level + 0.0, start: held.start, end: held.end })
 }
 
 /// How long, and between what times, a series is at or above a level.
@@ -190,6 +192,6 @@ mod tests {
         assert_eq!(clip(&empty, 0.003, Counting::Cumulative), Err(ClipError::TooShort { span: 0.0, duration: 0.003 }));
         assert_eq!(clip(&flat, -1.0, Counting::Cumulative), Err(ClipError::Duration { duration: -1.0 }));
         let gap = Series::new(vec![0.0, 1.0], vec![1.0, f64::NAN]);
-        assert_eq!(clip(&gap, 0.003, Counting::Cumulative), Err(ClipError::NotMeasured { time: 1.0 }));
+        assert_eq!(clip(&gap, 0.003, Counting::Cumulative), Err(ClipError::NotMeasured(Gap::Sample { time: 1.0 })));
     }
 }

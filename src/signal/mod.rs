@@ -4,6 +4,7 @@ pub mod clip;
 pub mod csv;
 pub mod file;
 pub mod filter;
+pub mod gap;
 pub mod hic;
 pub mod integrate;
 pub mod isomme;

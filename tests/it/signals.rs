@@ -170,6 +170,9 @@ fn people_get_a_line_and_silence_when_asked() {
     assert!(said(&["clip", path]).starts_with("3 ms clip  50.000 g  cumulative"), "{}", said(&["clip", path]));
     assert!(said(&["rate", path, path]).contains("overall    1.000  excellent"), "{}", said(&["rate", path, path]));
     assert_eq!(said(&["rate", path, path, "--quiet"]), "");
+    let falling = self::folder(&[("f.csv", table("time_s,accel [g]", 1e-3, 81, |t| -square(t)))]);
+    let clip = said(&["clip", falling.path().join("f.csv").to_str().expect("UTF-8")]);
+    assert!(clip.contains("  0.000 g") && clip.contains("note: no positive level is held that long"), "{clip}");
 }
 
 #[test]
@@ -180,6 +183,7 @@ fn mistakes_name_file_and_channel() {
         ("bare.csv", table("time_s,accel", 1e-3, 81, square)),
         ("falling.csv", table("time_s,accel [g]", 1e-3, 81, |t| -square(t))),
         ("gap.csv", "time_s,accel [g]\n0,1\n0.001,\n0.002,3\n".into()),
+        ("hole.csv", table("time_s,accel [g]", 1e-3, 81, square).replace("\n0.03", "\n# 0.03")),
         ("zero.csv", table("time_s,accel [g]", 1e-3, 81, |_| 0.0)),
         ("late.csv", table("time_s,accel [g]", 1e-3, 81, square).replace("\n0", "\n9")),
     ]);
@@ -190,13 +194,16 @@ fn mistakes_name_file_and_channel() {
         (vec!["hic", "falling.csv"], vec!["falling.csv: the mean acceleration is positive between no two samples"]),
         (vec!["hic", "gap.csv"], vec!["gap.csv: nothing was measured at 0.001 s"]),
         (vec!["clip", "gap.csv", "--duration", "1"], vec!["gap.csv: nothing was measured at 0.001 s"]),
+        (vec!["hic", "hole.csv"], vec!["hole.csv: there are no samples between 0.029 s and 0.04 s"]),
+        (vec!["clip", "hole.csv"], vec!["hole.csv: there are no samples between 0.029 s and 0.04 s"]),
+        (vec!["rate", "a.csv", "hole.csv"], vec!["comparison: there are no samples between 0.029 s and 0.04 s"]),
         (
             vec!["hic", "a.csv", "--class", "1000"],
             vec!["a.csv: CFC 1000 needs at least 10000 samples a second, found 1000"],
         ),
         (vec!["rate", "a.csv", "force.csv"], vec!["a.csv is in m/s2, ", "force.csv in N"]),
         (vec!["rate", "zero.csv", "a.csv"], vec!["the reference is zero everywhere", "zero.csv"]),
-        (vec!["rate", "a.csv", "gap.csv"], vec!["the comparison was not measured at 0.001 s", "gap.csv"]),
+        (vec!["rate", "a.csv", "gap.csv"], vec!["comparison: nothing was measured at 0.001 s", "gap.csv"]),
         (vec!["rate", "missing.csv", "gone.csv"], vec!["missing.csv", "gone.csv"]),
     ] {
         let arguments: Vec<String> =

@@ -66,9 +66,12 @@ pub fn run(args: &ClipArgs, shared: &Shared) -> ExitCode {
 }
 
 fn figures(args: &ClipArgs) -> Result<Figures, Diagnostic> {
-    let read = args.acceleration.read()?;
+    let mut read = args.acceleration.read()?;
     let found = clip(&read.series, 1e-3 * args.duration, args.counting.into());
     let found = found.map_err(|error| args.acceleration.mistake(error))?;
+    if found.level <= 0.0 {
+        read.notes.push("no positive level is held that long; braking must be positive, or give the resultant".into());
+    }
     Ok(Figures {
         clip_g: found.level / STANDARD_GRAVITY,
         clip_m_s2: found.level,

@@ -7,6 +7,7 @@ mod search;
 use thiserror::Error;
 
 use super::Series;
+use super::gap::{self, Gap};
 use crate::units::STANDARD_GRAVITY;
 use search::Search;
 
@@ -30,8 +31,8 @@ pub enum HicError {
     Window { window: f64 },
     #[error("the head injury criterion needs two samples, found {count}")]
     TooShort { count: usize },
-    #[error("nothing was measured at {time} s")]
-    NotMeasured { time: f64 },
+    #[error(transparent)]
+    NotMeasured(Gap),
     #[error("no two samples lie within a window of {window} s")]
     TooCoarse { window: f64 },
     #[error("the mean acceleration is positive between no two samples (braking must be, or give the resultant)")]
@@ -49,8 +50,8 @@ pub fn head_injury_criterion(series: &Series, window: f64) -> Result<Hic, HicErr
     if series.len() < 2 {
         return Err(HicError::TooShort { count: series.len() });
     }
-    if let Some([time, _]) = series.samples().find(|[_, value]| !value.is_finite()) {
-        return Err(HicError::NotMeasured { time });
+    if let Some(gap) = gap::first(series) {
+        return Err(HicError::NotMeasured(gap));
     }
     let peak = series.values().iter().copied().fold(0.0, f64::max);
     if peak == 0.0 {
@@ -274,7 +275,7 @@ mod tests {
         let line = |values: Vec<f64>| Series::new((0..values.len()).map(|i| i as f64).collect::<Vec<_>>(), values);
         let hic = |values: Vec<f64>, window| head_injury_criterion(&line(values), window).unwrap_err();
         assert_eq!(hic(vec![1.0], 0.015), HicError::TooShort { count: 1 });
-        assert_eq!(hic(vec![1.0, f64::NAN], 0.015), HicError::NotMeasured { time: 1.0 });
+        assert_eq!(hic(vec![1.0, f64::NAN], 0.015), HicError::NotMeasured(Gap::Sample { time: 1.0 }));
         assert_eq!(hic(vec![-1.0, -2.0], 2.0), HicError::NeverPositive);
         assert_eq!(hic(vec![-10.0, 1.0, -10.0], 2.0), HicError::NeverPositive);
         assert_eq!(hic(vec![1.0, 2.0], 0.015), HicError::TooCoarse { window: 0.015 });

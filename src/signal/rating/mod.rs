@@ -13,6 +13,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::csv::clean_time;
+use super::gap::{self, Gap};
 use super::{Series, resample};
 
 /// Samples a second at which curves are rated.
@@ -109,8 +110,8 @@ pub enum RatingError {
     #[error("the curves have no time in common: the reference is from {} s to {} s, the comparison from {} s to {} s",
         reference[0], reference[1], comparison[0], comparison[1])]
     NoOverlap { reference: [f64; 2], comparison: [f64; 2] },
-    #[error("the {curve} was not measured at {time} s")]
-    NotMeasured { curve: Curve, time: f64 },
+    #[error("{curve}: {gap}")]
+    NotMeasured { curve: Curve, gap: Gap },
     #[error("the curves have {samples} samples at 10 kHz in common, a rating needs at least {FEWEST}")]
     TooShort { samples: usize },
     #[error(
@@ -127,9 +128,8 @@ pub fn rate(reference: &Series, comparison: &Series) -> Result<Rating, RatingErr
     let span = common_span(reference, comparison)?;
     let curves = [(Curve::Reference, reference), (Curve::Comparison, comparison)];
     for (curve, series) in curves {
-        let gap = series.window(span).samples().find(|[_, value]| !value.is_finite());
-        if let Some([time, _]) = gap {
-            return Err(RatingError::NotMeasured { curve, time });
+        if let Some(gap) = gap::first(&series.window(span)) {
+            return Err(RatingError::NotMeasured { curve, gap });
         }
     }
     let samples = sample_count(span)?;

@@ -103,7 +103,7 @@ fn what_cannot_be_rated_is_said() {
     assert!(error.to_string().starts_with("the curves have no time in common"), "{error}");
     let gap = at_10_khz(|t| if t > 0.05 { f64::NAN } else { t });
     let error = rate(&curve, &gap).unwrap_err().to_string();
-    assert!(error.starts_with("the comparison was not measured at 0.0501"), "{error}");
+    assert!(error.starts_with("comparison: nothing was measured at 0.0501"), "{error}");
     let error = rate(&at_10_khz(|_| 0.0), &curve).unwrap_err();
     assert!(matches!(error, RatingError::ZeroReference { .. }), "{error}");
     let short = sampled_at(1e-4, [0.0, 0.0009], |_| 1.0);

@@ -1,0 +1,66 @@
+//! Where a series was not measured: samples without a value, and samples that are missing altogether.
+
+use thiserror::Error;
+
+use super::{Series, resample};
+
+/// A step that is longer than this many usual ones is a hole.
+const HOLE: f64 = 2.5;
+
+/// The first place at which a series was not measured.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum Gap {
+    #[error("nothing was measured at {time} s")]
+    Sample { time: f64 },
+    #[error("there are no samples between {from} s and {to} s, where {step} s is the usual step")]
+    Hole { from: f64, to: f64, step: f64 },
+}
+
+/// The first gap of `series`, if it has one: a sample without value, or else a hole.
+pub fn first(series: &Series) -> Option<Gap> {
+    let unmeasured = series.samples().find(|[_, value]| !value.is_finite());
+    let sample = unmeasured.map(|[time, _]| Gap::Sample { time });
+    sample.or_else(|| holes(series.time()).next())
+}
+
+/// Steps of `time` (s) that are longer than two and a half of its median.
+pub fn holes(time: &[f64]) -> impl Iterator<Item = Gap> {
+    let step = usual_step(time);
+    let long = time.windows(2).filter(move |pair| pair[1] - pair[0] > HOLE * step);
+    long.map(move |pair| Gap::Hole { from: pair[0], to: pair[1], step })
+}
+
+/// The median step; that of all where they are equal.
+fn usual_step(time: &[f64]) -> f64 {
+    if let Some(step) = resample::common_step(time) {
+        return step;
+    }
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() { f64::INFINITY } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn series(time: &[f64]) -> Series {
+        Series::new(time, vec![1.0; time.len()])
+    }
+
+    #[test]
+    fn missing_rows_are_a_hole_and_uneven_steps_are_none() {
+        let hole = series(&[0.0, 1.0, 2.0, 8.0, 9.0]);
+        assert_eq!(first(&hole), Some(Gap::Hole { from: 2.0, to: 8.0, step: 1.0 }));
+        for whole in [&[0.0, 1.0, 2.0][..], &[0.0, 0.8, 2.1, 3.0, 5.0], &[0.0], &[]] {
+            assert_eq!(first(&series(whole)), None, "{whole:?}");
+        }
+    }
+
+    #[test]
+    fn a_sample_without_value_comes_first() {
+        let empty = Series::new(vec![0.0, 1.0, 9.0, 10.0], vec![1.0, 1.0, f64::NAN, 1.0]);
+        assert_eq!(first(&empty), Some(Gap::Sample { time: 9.0 }));
+        assert_eq!(holes(empty.time()).count(), 1);
+    }
+}
