@@ -98,6 +98,9 @@ pub struct Measurement {
     pub channels: Vec<Measured>,
     /// What was assumed or found odd while reading, and what the file says beside its numbers.
     pub notes: Vec<String>,
+    /// Those of the notes that the file itself says: its comments and what stands before its numbers. They hold as long as
+    /// the numbers do; the others are about this reading.
+    pub remarks: Vec<String>,
 }
 
 /// Why a file has no such channel.
@@ -233,7 +236,7 @@ mod tests {
             channel("A", "a", None),
             channel("time", "time [ms]", Some("ms")),
         ];
-        let recording = Measurement { channels, notes: Vec::new() }.recording().unwrap();
+        let recording = Measurement { channels, ..Measurement::default() }.recording().unwrap();
         let names: Vec<&str> = recording.channels.iter().map(|channel| channel.name.as_str()).collect();
         let expected = ["accel_g [m/s2]", "accel_m_s2 [m/s2]", "force_N", "a", "2 a", "time [ms] [s]"];
         assert_eq!(names, expected);
@@ -257,7 +260,7 @@ mod tests {
         let late: Vec<f64> = by_step.iter().map(|t| t + 1e-5).collect();
         let with = |other: Vec<f64>| {
             let channels = vec![channel("a", by_step.clone()), channel("b", other)];
-            Measurement { channels, notes: Vec::new() }.recording()
+            Measurement { channels, ..Measurement::default() }.recording()
         };
         assert_eq!(with(written).unwrap().time, by_step);
         assert_eq!(with(late), None);

@@ -271,7 +271,8 @@ fn written_containers_read_back_to_the_same_bits() {
             // Written before by droptower, and in the way of the number of the second channel.
             channel("000000000200AC0B", Some("m/s2"), &even),
         ],
-        notes: vec!["virtual: no instrument made it".into()],
+        remarks: vec!["virtual: no instrument made it".into()],
+        ..Measurement::default()
     };
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("out/T.mme");
@@ -585,6 +586,76 @@ fn formats_are_converted_there_and_back() {
     let fixture = fixture.to_str().expect("UTF-8");
     let told = figures(&droptower(bench.path(), &["filter", fixture, "--class", "1000", "-o", "f.csv", "--json"]));
     assert!(told["notes"][0].as_str().is_some_and(|note| note.contains("went through CFC 1000 already")), "{told}");
+}
+
+/// The lines of a file without those that start so.
+fn lines_but(path: &Path, keys: &[&str]) -> Vec<String> {
+    let text = fs::read_to_string(path).expect("the file").replace('\r', "");
+    let lines = text.lines().filter(|line| line.contains(':') && !keys.iter().any(|key| line.starts_with(key)));
+    let said = |value: &str| if value.trim().is_empty() { "NOVALUE".into() } else { value.trim().to_owned() };
+    let parts = lines.map(|line| line.split_once(':').expect("a colon"));
+    parts.map(|(key, value)| format!("{}: {}", key.trim(), said(value))).collect()
+}
+
+#[test]
+fn what_a_test_says_is_said_again_after_conversion() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let fixture = data("isomme_fixture");
+    droptower(bench.path(), &["convert", fixture.to_str().expect("UTF-8"), "-o", "T.mme"]);
+    let written = bench.path().join("T.mme");
+    assert_eq!(lines_but(&written, &[]), lines_but(&fixture.join("test.mme"), &[]));
+    // The list is without the time axis, which is implicit now.
+    let [read, list] = [fixture.join("Channel/test.chn"), bench.path().join("Channel/T.chn")]
+        .map(|path| lines_but(&path, &["Number of channels", "Name of channel"]));
+    assert_eq!(read, list);
+    let decided =
+        ["Unit", "First global", "Time of", "Number of", "Sampling", "Reference channel", "Channel amplitude class"];
+    for (old, new) in [("test.002", "T.001"), ("test.003", "T.002")] {
+        let [read, again] = [fixture.join("Channel").join(old), bench.path().join("Channel").join(new)]
+            .map(|path| lines_but(&path, &decided));
+        assert_eq!(read, again);
+        let unit = fs::read_to_string(bench.path().join("Channel").join(new)).expect("the channel");
+        assert_eq!(unit.matches("\nUnit  ").count(), 1, "{unit}");
+    }
+    let [original, again] = [&fixture, &written].map(|path| file::read(path, &Wanted::default()).expect("readable"));
+    assert_eq!(original.remarks, again.remarks);
+    for (original, again) in original.channels.iter().zip(&again.channels) {
+        assert_eq!((&original.name, &original.label, original.filtered), (&again.name, &again.label, again.filtered));
+        assert_eq!(original.value_unit(), again.value_unit());
+    }
+}
+
+#[test]
+fn units_and_names_survive_conversion() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| fs::write(bench.path().join(name), text).expect("written");
+    file("a.csv", "# virtual\ntime,accel,laser [mm],T [°C]\n0,1,2,20\n0.001,3,4,21\n");
+    file("two.csv", "time_s,accel_g,accel_m_s2\n0,1,2\n0.001,3,4\n");
+    let convert = |arguments: &[&str]| {
+        let output = droptower(bench.path(), &[&["convert"], arguments].concat());
+        workbench::printed(&output)
+    };
+    convert(&["a.csv", "--unit", "accel=m/s2", "-o", "m/T.mme"]);
+    convert(&["a.csv", "--unit", "accel=m/s2", "-o", "there.csv"]);
+    let said = convert(&["m/T.mme", "-o", "back.csv"]);
+    assert!(said.contains("000000000100AC00 (accel)"), "{said}");
+    for name in ["m/T.mme", "there.csv", "back.csv"] {
+        let read = file::read(&bench.path().join(name), &Wanted::default()).expect("readable");
+        for (channel, unit) in [("accel", Some("m/s2")), ("laser", Some("m")), ("T", None)] {
+            let found = read.channel(channel).or_else(|_| read.channel("T [°C]")).expect("a channel");
+            assert_eq!(found.value_unit().as_deref(), unit, "{name}: {channel}");
+        }
+        // That it is virtual holds still; that its time had no unit does not.
+        assert!(read.notes.contains(&"virtual".to_owned()), "{name}: {:?}", read.notes);
+        assert!(read.notes.iter().all(|note| !note.contains("assumed")), "{name}: {:?}", read.notes);
+    }
+    convert(&["two.csv", "-o", "apart.csv"]);
+    let apart = file::read(&bench.path().join("apart.csv"), &Wanted::default()).expect("readable");
+    let names: Vec<&str> = apart.channels.iter().map(|channel| channel.label.as_str()).collect();
+    assert_eq!(names, ["accel_g [m/s2]", "accel_m_s2 [m/s2]"]);
+    assert_eq!(apart.channels[0].series.values(), [STANDARD_GRAVITY, 3.0 * STANDARD_GRAVITY]);
+    let picked = droptower(bench.path(), &["filter", "m/T.mme", "--column", "accel", "--class", "60", "-o", "f.csv"]);
+    assert!(picked.status.success(), "{}", workbench::error(&picked));
 }
 
 /// Pieces that tables and containers are made of, in any order.

@@ -72,7 +72,7 @@ pub fn measure(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
             let series = Series::new(Arc::clone(&time), in_si(values, unit.as_ref()));
             Measured { name: column.name.clone(), label: column.label.clone(), unit, filtered: None, series }
         });
-        Ok(Measurement { channels: channels.collect(), notes: layout.notes })
+        Ok(Measurement { channels: channels.collect(), notes: layout.notes, remarks: layout.remarks })
     })
 }
 
