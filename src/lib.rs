@@ -19,5 +19,6 @@ pub mod simulate;
 pub mod store;
 pub mod script;
 pub mod post;
+pub mod identify;
 pub mod report;
 pub mod cli;

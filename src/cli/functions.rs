@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use serde::Serialize;
 
 use super::{Shared, print, print_json};
+use crate::identify;
 use crate::post;
 use crate::script::{self, Chapter};
 
@@ -22,7 +23,7 @@ struct Function {
 
 /// Prints the reference of scripts.
 pub fn run(shared: &Shared) -> ExitCode {
-    let chapters = post::REFERENCE.iter().chain(script::REFERENCE);
+    let chapters = post::REFERENCE.iter().chain(identify::REFERENCE).chain(script::REFERENCE);
     if !shared.json {
         return print(chapters.map(text).collect::<String>().trim_end());
     }

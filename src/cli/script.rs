@@ -11,6 +11,7 @@ use serde_json::{Map, Value, json};
 use super::faults::{WRITE_FAILURE, reading, script, storing};
 use super::{Shared, digest, folder, print, print_json, report, scenarios, table};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::identify::{self, Heard, Identity, Laboratory};
 use crate::post;
 use crate::report::{StudyPage, study_page};
 use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine, register_recordings, to_json};
@@ -62,7 +63,7 @@ fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>
     }
     let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| vec![storing(&error)])?;
-    let studied = studied(args, name, shared.quiet)?;
+    let studied = studied(args, name, &place, shared.quiet)?;
     Ok(keep(&studied, &place).map_or_else(
         |error| {
             report(&[storing(&error)]);
@@ -72,19 +73,25 @@ fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>
     ))
 }
 
-/// Runs the script; what it logs is heard at once.
-fn studied(args: &ScriptArgs, name: String, quiet: bool) -> Result<Studied, Vec<Diagnostic>> {
+/// Runs the script, whose results go to `place`; what it logs is heard at once.
+fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result<Studied, Vec<Diagnostic>> {
     let changes = scenarios::assignments(&args.set)?;
-    let ledger = Ledger::new(RESERVED.map(String::from).into(), move |line| {
+    let say = move |line: &str| {
         if !quiet {
-            // Nobody may be listening; the line is kept for the report anyway.
+            // Nobody may be listening; what a script logs is kept for the report anyway.
             let _ = writeln!(io::stderr(), "{line}");
         }
+    };
+    let ledger = Ledger::new(RESERVED.map(String::from).into(), say);
+    let laboratory = Laboratory::new(Some(store::history_of(place)), move |heard| match heard {
+        Heard::Progress(progress) => say(&progress.to_string()),
+        Heard::Note(note) => say(&format!("note: {note}")),
     });
     let mut engine = engine(Limits::STUDY);
     ledger.register(&mut engine);
     register_recordings(&mut engine);
     post::register_studies(&mut engine, changes);
+    identify::register(&mut engine, &laboratory);
     Arguments::register(&mut engine);
     let mut scope = Scope::new();
     let given = arguments(args)?;
@@ -92,6 +99,7 @@ fn studied(args: &ScriptArgs, name: String, quiet: bool) -> Result<Studied, Vec<
     scope.push_constant("args", Arguments::new(given.clone()));
     let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
     check_read(&program, &given)?;
+    laboratory.identify(Identity { script: program.text().into(), given: decisive(&call) });
     program.run(&engine, scope).map_err(|fault| vec![script(&fault)])?;
     Ok(Studied { name, call, text: program.text().into(), findings: ledger.findings() })
 }
@@ -121,6 +129,11 @@ fn call(args: &ScriptArgs, given: &rhai::Map) -> Result<Map<String, Value>, Vec<
         ("args", Value::Object(own)),
     ];
     Ok(call.map(|(name, value)| (name.into(), value)).into_iter().collect())
+}
+
+/// What of the call decides the values of a search's trials: all but the place of the script.
+fn decisive(call: &Map<String, Value>) -> Map<String, Value> {
+    call.iter().filter(|(name, _)| *name != "script").map(|(name, value)| (name.clone(), value.clone())).collect()
 }
 
 fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {

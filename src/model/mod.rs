@@ -14,7 +14,7 @@ mod size;
 mod solver;
 mod specimen;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::diagnostic::Diagnostic;
 use crate::material::Material;
@@ -101,6 +101,19 @@ pub struct Model {
 }
 
 impl Model {
+    /// Files of the specimen's and the impactor's meshes.
+    pub fn meshes(&self) -> impl Iterator<Item = &Path> {
+        let specimen = match &self.specimen.shape {
+            Shape::Mesh(path) => Some(path),
+            _ => None,
+        };
+        let impactor = match self.impactor.as_ref().map(|impactor| &impactor.shape) {
+            Some(ImpactorShape::Mesh(path)) => Some(path),
+            _ => None,
+        };
+        [specimen, impactor].into_iter().flatten().map(PathBuf::as_path)
+    }
+
     /// What reports call the film: one word where all faces are of the same, else "film".
     pub fn film(&self) -> &str {
         let mut names = self.faces.iter().map(|face| face.film.as_deref());

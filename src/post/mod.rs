@@ -13,6 +13,7 @@ mod stretch;
 mod study;
 #[cfg(test)]
 mod tests;
+mod trial;
 
 use crate::script::Chapter;
 

@@ -42,6 +42,12 @@ impl Plan {
         Ok(Plan { comparison, script })
     }
 
+    /// Whether what is prepared for one model serves for another: nothing that it is made of differs.
+    pub(super) fn is_common(one: &Model, other: &Model) -> bool {
+        let of = |model: &Model| format!("{:?} {:?}", model.impactor, model.loading);
+        one.reference == other.reference && one.post == other.post && one.output == other.output && of(one) == of(other)
+    }
+
     /// Measures the run and lets the post script add to it; `listener` hears what the script logs.
     pub fn evaluate(
         &self,

@@ -1,19 +1,19 @@
 //! Scenarios in scripts: read, change, simulate, one or many.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use rhai::{Array, Dynamic, Engine, EvalAltResult, Map};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, Map, NativeCallContext};
 
 use super::coupon_material;
 use super::run::{self, ReferenceSignals};
-use super::{Plan, Run};
+use super::{Plan, Run, trial};
 use crate::diagnostic::Diagnostic;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
-use crate::script::{Entry, refuse, to_json};
-use crate::simulate;
+use crate::script::{Entry, Session, refuse, to_json};
+use crate::simulate::{self, RunError};
 
 type Answer<T> = Result<T, Box<EvalAltResult>>;
 
@@ -29,27 +29,48 @@ struct Parts {
 
 impl Study {
     /// Reads the scenario at `path`, relative to the working directory, lays `changes` over it and checks it.
-    pub fn read(path: &Path, changes: &[Assignment]) -> Answer<Study> {
-        Study::check(Document::read(path).map_err(mistakes)?.with(changes))
+    ///
+    /// The session learns which files that takes.
+    pub fn read(path: &Path, changes: &[Assignment], session: &Session) -> Answer<Study> {
+        Study::check(Document::read(path).map_err(mistakes)?.with(changes), None, session)
     }
 
-    fn check(document: Document) -> Answer<Study> {
+    /// Proves `document`, which may be a variant of another study.
+    fn check(document: Document, other: Option<&Parts>, session: &Session) -> Answer<Study> {
         let model = model::check(&document).map_err(mistakes)?;
-        let plan = Plan::prepare(&model).map_err(refuse)?;
+        for path in document.files().iter().map(PathBuf::as_path).chain(model.meshes()) {
+            session.reads(path);
+        }
+        if let Some(reference) = &model.reference {
+            session.reads_recording(&reference.signals);
+        }
+        let plan = match other.filter(|other| Plan::is_common(&model, &other.model)) {
+            Some(other) => other.plan.clone(),
+            None => Plan::prepare(&model).map_err(refuse)?,
+        };
         Ok(Study(Arc::new(Parts { document, model, plan })))
     }
 
     /// The same scenario with values laid over its keys.
-    fn with(&mut self, changes: Map) -> Answer<Study> {
+    fn with(&self, changes: Map, session: &Session) -> Answer<Study> {
         let changes = changes.iter().map(|(key, value)| assignment(key, value));
         let changes = changes.collect::<Answer<Vec<_>>>()?;
-        Study::check(self.0.document.with(&changes))
+        Study::check(self.0.document.with(&changes), Some(&*self.0), session)
     }
 
-    fn simulate(&mut self) -> Answer<Run> {
+    fn simulate(&self, session: &Session) -> Answer<Run> {
         let Parts { model, plan, .. } = &*self.0;
-        let failed = |error| refuse(format!("{}: {error}", model.name));
+        let cut = session.is_trial().then(|| trial::cut(model, plan.comparison()));
+        let model = cut.as_ref().unwrap_or(model);
+        let failed = |error: RunError| {
+            let cause = format!("{}: {error}", model.name);
+            session.failed(&cause);
+            refuse(cause)
+        };
         let outcome = simulate::run(model, &mut |_| {}).map_err(failed)?;
+        if let Some(time) = outcome.rupture_time {
+            session.ruptured(&model.name, time);
+        }
         let results = plan.measure(model, &outcome).map_err(refuse)?;
         Ok(Run::new(model, &outcome, &results))
     }
@@ -69,14 +90,15 @@ impl Study {
 }
 
 /// All at once on all cores; the runs in the order of the scenarios.
-fn simulate_all(scenarios: Array) -> Answer<Array> {
+fn simulate_all(context: NativeCallContext, scenarios: Array) -> Answer<Array> {
+    let session = Session::of(&context);
     let study = |item: Dynamic| {
         let found = item.type_name();
         let study = item.try_cast::<Study>();
         study.ok_or_else(|| refuse(format!("expected a list of scenarios, found {found} in it")))
     };
-    let mut studies = scenarios.into_iter().map(study).collect::<Answer<Vec<_>>>()?;
-    let runs = studies.par_iter_mut().map(Study::simulate);
+    let studies = scenarios.into_iter().map(study).collect::<Answer<Vec<_>>>()?;
+    let runs = studies.par_iter().map(|study| study.simulate(&session));
     runs.map(|run| run.map(Dynamic::from)).collect()
 }
 
@@ -104,9 +126,13 @@ pub fn register(engine: &mut Engine, changes: Vec<Assignment>) {
     coupon_material::register(engine);
     engine
         .register_type_with_name::<Study>("scenario")
-        .register_fn("scenario", move |path: &str| Study::read(Path::new(path), &changes))
-        .register_fn("with", Study::with)
-        .register_fn("simulate", Study::simulate)
+        .register_fn("scenario", move |context: NativeCallContext, path: &str| {
+            Study::read(Path::new(path), &changes, &Session::of(&context))
+        })
+        .register_fn("with", |context: NativeCallContext, study: &mut Study, changes: Map| {
+            study.with(changes, &Session::of(&context))
+        })
+        .register_fn("simulate", |context: NativeCallContext, study: &mut Study| study.simulate(&Session::of(&context)))
         .register_fn("simulate_all", simulate_all)
         .register_get("reference", Study::reference)
         .register_get("window", Study::window)
@@ -138,7 +164,8 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "scenario.simulate()",
-        gives: "the run: everything that a post script finds as `run`",
+        gives: "the run: everything that a post script finds as `run`; within an objective it ends with the window of the \
+                reference and what the channel filter needs behind it, so that rebound and energy absorption are missing",
         example: "scenario(args.scenario).simulate().summary.elements > 0",
     },
     Entry {

@@ -18,6 +18,8 @@ pub struct Document {
     root: Node,
     path: PathBuf,
     rule: &'static Rule,
+    /// The files it was read from.
+    files: Vec<PathBuf>,
     /// Files that could not be read in place of the paths that name them.
     mistakes: Vec<Diagnostic>,
 }
@@ -42,7 +44,10 @@ impl Document {
     fn read_by(path: &Path, rule: &'static Rule) -> Result<Document, Vec<Diagnostic>> {
         let mut reader = Reader::default();
         match reader.read(path, Some(rule), None) {
-            Some(root) => Ok(Document { root, path: path.to_owned(), rule, mistakes: reader.mistakes }),
+            Some(root) => {
+                let Reader { files, mistakes, .. } = reader;
+                Ok(Document { root, path: path.to_owned(), rule, files, mistakes })
+            }
             None => Err(reader.mistakes),
         }
     }
@@ -63,8 +68,9 @@ impl Document {
             root = merge(root, over, rule);
         }
         root.span = self.root.span.clone();
-        let mistakes = self.mistakes.iter().cloned();
-        Document { root, path: self.path.clone(), rule: self.rule, mistakes: mistakes.chain(reader.mistakes).collect() }
+        let mistakes = self.mistakes.iter().cloned().chain(reader.mistakes).collect();
+        let files = self.files.iter().cloned().chain(reader.files).collect();
+        Document { root, path: self.path.clone(), rule: self.rule, files, mistakes }
     }
 
     /// The scenario as its structs, and everything that is wrong with how it is written. Values that are
@@ -100,6 +106,11 @@ impl Document {
     /// The same text with the post script read from a copy called `name` beside it.
     pub fn resolved_beside_script(&self, name: &str) -> String {
         resolved::text_with(&self.root, self.rule, &[("post.script", name)])
+    }
+
+    /// Every file that it was read from: its own, what it extends, materials and curves. Meshes and recordings are only named.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// The file that was read.

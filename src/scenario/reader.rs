@@ -23,6 +23,8 @@ const LONGEST_CHAIN: usize = 32;
 #[derive(Default)]
 pub struct Reader {
     pub mistakes: Vec<Diagnostic>,
+    /// Every file that was read, in order.
+    pub files: Vec<PathBuf>,
     /// The files being read, each named by the one before it.
     chain: Vec<PathBuf>,
     /// Bytes read so far.
@@ -145,7 +147,10 @@ impl Reader {
 
     fn text(&mut self, path: &Path, named: Option<&Span>) -> Option<Arc<Source>> {
         match self.read_text(path) {
-            Ok(text) => Some(Source::file(path, text)),
+            Ok(text) => {
+                self.files.push(path.to_owned());
+                Some(Source::file(path, text))
+            }
             Err(why) => {
                 let message = format!("cannot read {}: {why}", shown_path(path));
                 self.report(Diagnostic::new(message), named);

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 
 use super::curve::{list, numbers, spread_map, strains, yield_map};
-use super::{Entry, number, refuse};
+use super::{Entry, Session, number, refuse};
 use crate::experiment::coupon::{Along, AtSpeed, Coupon, Curve, Machine, Reading, Recorded, Reduction, Rules, Sample};
 use crate::signal::Series;
 use crate::units::{Dimension, Length, Velocity};
@@ -46,16 +46,23 @@ pub(super) fn register(engine: &mut Engine) {
 /// Offers `read_coupons` to scripts that may read files.
 pub(super) fn register_reading(engine: &mut Engine) {
     engine
-        .register_fn("read_coupons", |pattern: &str, coupon: Coupon| read_all(pattern, coupon, &Map::new()))
-        .register_fn("read_coupons", |pattern: &str, coupon: Coupon, rules: Map| read_all(pattern, coupon, &rules));
+        .register_fn("read_coupons", |context: NativeCallContext, pattern: &str, coupon: Coupon| {
+            read_all(&Session::of(&context), pattern, coupon, &Map::new())
+        })
+        .register_fn("read_coupons", |context: NativeCallContext, pattern: &str, coupon: Coupon, rules: Map| {
+            read_all(&Session::of(&context), pattern, coupon, &rules)
+        });
 }
 
 /// The coupons whose files match `pattern`, each with its figures.
-fn read_all(pattern: &str, coupon: Coupon, given: &Map) -> Answer<Array> {
+fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> Answer<Array> {
     let paths = glob::glob(pattern).map_err(|error| refuse(format!("`{pattern}`: {error}")))?;
     let paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(refuse)?;
     if paths.is_empty() {
         return Err(refuse(format!("no file matches `{pattern}`")));
+    }
+    for path in &paths {
+        session.reads(path);
     }
     let reading = Reading::new(coupon, rules(given)?);
     let read = |path: &PathBuf| reading.read(path).map(|recorded| recorded_map(&recorded).into());

@@ -14,13 +14,13 @@ use rhai::packages::{
 use rhai::{AST, Engine, OptimizationLevel, Scope, Token, TokenizeState};
 use thiserror::Error;
 
-use super::{Fault, calls};
+use super::{Fault, Session, calls};
 
 /// Longest script that is read, bytes.
 const LONGEST: u64 = 1 << 20;
 
-/// Stack of the interpreter, bytes; only what is used takes memory.
-const STACK: usize = 256 << 20;
+/// Stack of a thread that interprets scripts, bytes; only what is used takes memory.
+pub const STACK: usize = 256 << 20;
 
 /// How much a script may do.
 #[derive(Clone, Copy, Debug)]
@@ -74,6 +74,7 @@ pub fn engine(limits: Limits) -> Engine {
         .set_max_string_size(100_000)
         .set_max_array_size(10_000)
         .set_max_map_size(10_000);
+    engine.set_default_tag(Session::default());
     let start = Instant::now();
     engine.on_progress(move |operations| {
         let late = operations % 256 == 0 && start.elapsed() > limits.time;

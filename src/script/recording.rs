@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, NativeCallContext};
 
-use super::{Entry, refuse};
+use super::{Entry, Session, refuse};
 use crate::signal::file::{self, Wanted};
 use crate::signal::{ChannelError, Measurement, Series};
 
@@ -25,7 +25,8 @@ pub fn register(engine: &mut Engine) {
 }
 
 /// The path is relative to the working directory.
-fn read(path: &str) -> Answer<Measurement> {
+fn read(context: NativeCallContext, path: &str) -> Answer<Measurement> {
+    Session::of(&context).reads_recording(Path::new(path));
     file::read(Path::new(path), &Wanted::default()).map_err(|error| hinted(&error, error.hint()))
 }
 

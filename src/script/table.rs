@@ -4,10 +4,10 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use rhai::{Array, Dynamic, Engine, Map};
+use rhai::{Array, Dynamic, Engine, Map, NativeCallContext};
 use thiserror::Error;
 
-use super::{Entry, refuse};
+use super::{Entry, Session, refuse};
 
 /// Longest table that is read, bytes.
 const LONGEST: u64 = 1 << 20;
@@ -28,7 +28,10 @@ enum TableError {
 
 /// Offers `read_table` to scripts that may read files.
 pub(super) fn register(engine: &mut Engine) {
-    engine.register_fn("read_table", |path: &str| read(Path::new(path)).map_err(refuse));
+    engine.register_fn("read_table", |context: NativeCallContext, path: &str| {
+        Session::of(&context).reads(Path::new(path));
+        read(Path::new(path)).map_err(refuse)
+    });
 }
 
 /// A map a row, by the names of the first line; `#` lines are comments, an empty cell is `()`.

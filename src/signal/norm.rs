@@ -20,22 +20,42 @@ pub enum NormError {
 /// The signal `s` is read between its samples at the times of the reference. Samples at which the
 /// reference was not measured do not count. The norm is Euclidean over samples (Polymers 2021, 13,
 /// 1537, equations 14 and 15; equation 16 prints the same sum without the norm).
-pub fn relative_error(signal: &Series, reference: &Series, [from, to]: [f64; 2]) -> Result<f64, NormError> {
-    let (mut difference, mut size, mut count) = (0.0, 0.0, 0_usize);
+pub fn relative_error(signal: &Series, reference: &Series, window: [f64; 2]) -> Result<f64, NormError> {
+    let Compared { difference, size, .. } = compare(signal, reference, window)?;
+    Ok((difference.iter().map(|d| d * d).sum::<f64>() / size).sqrt())
+}
+
+/// The differences (s − e)/‖e‖ at the samples that [`relative_error`] counts; their norm is that error.
+pub fn relative_residuals(signal: &Series, reference: &Series, window: [f64; 2]) -> Result<Series, NormError> {
+    let Compared { time, difference, size } = compare(signal, reference, window)?;
+    let norm = size.sqrt();
+    Ok(Series::new(time, difference.iter().map(|d| d / norm).collect::<Vec<f64>>()))
+}
+
+struct Compared {
+    time: Vec<f64>,
+    /// s − e
+    difference: Vec<f64>,
+    /// ‖e‖²
+    size: f64,
+}
+
+fn compare(signal: &Series, reference: &Series, [from, to]: [f64; 2]) -> Result<Compared, NormError> {
+    let mut compared = Compared { time: vec![], difference: vec![], size: 0.0 };
     let window = reference.window([from, to]);
     for [time, expected] in window.samples().filter(|[_, value]| value.is_finite()) {
         let found = signal.at(time).ok_or(NormError::NotCovered { time })?;
-        difference += (found - expected).powi(2);
-        size += expected.powi(2);
-        count += 1;
+        compared.time.push(time);
+        compared.difference.push(found - expected);
+        compared.size += expected.powi(2);
     }
-    if count == 0 {
+    if compared.time.is_empty() {
         return Err(NormError::NoSamples { from, to });
     }
-    if size == 0.0 {
+    if compared.size == 0.0 {
         return Err(NormError::ZeroReference { from, to });
     }
-    Ok((difference / size).sqrt())
+    Ok(compared)
 }
 
 #[cfg(test)]

@@ -62,6 +62,11 @@ impl StoreError {
     }
 }
 
+/// Where a script whose results go to `target` keeps the histories of its searches.
+pub fn history_of(target: &Path) -> PathBuf {
+    sibling_name(target, ".history")
+}
+
 /// Where the run called `name` (`/` between its parts) is stored below `root`.
 pub fn place(root: &Path, name: &str) -> Result<PathBuf, StoreError> {
     let parts = Path::new(name);

@@ -6,6 +6,7 @@ mod coupons;
 mod diagnostics;
 mod language;
 mod golden;
+mod identification;
 mod mesh;
 mod recordings;
 mod resume;

@@ -1,0 +1,55 @@
+//! What is to be small.
+
+/// Something with a value at every point; asked from several threads at once, in any order, some points in vain.
+pub trait Objective: Sync {
+    /// What is found at `x`; the same whenever it is asked.
+    fn evaluate(&self, x: &[f64]) -> Evaluation;
+
+    /// Files that were read since the objective was made, with what they held: found again changed, its answers are void.
+    fn inputs(&self) -> Vec<(std::path::PathBuf, String)> {
+        Vec::new()
+    }
+}
+
+/// What came of one trial.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Evaluation {
+    Answer(Answer),
+    /// There is no value here, and why.
+    Failed(String),
+    /// The whole search cannot go on.
+    Broken(String),
+}
+
+/// What an objective answers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    Value(f64),
+    /// Differences whose squares are to be small together.
+    Residuals(Vec<f64>),
+}
+
+impl Answer {
+    /// The value, or the Euclidean norm of the residuals.
+    pub fn value(&self) -> f64 {
+        match self {
+            Answer::Value(value) => *value,
+            Answer::Residuals(residuals) => residuals.iter().map(|r| r * r).sum::<f64>().sqrt(),
+        }
+    }
+
+    /// The answer where all of it is finite.
+    pub(super) fn checked(self) -> Evaluation {
+        let finite = match &self {
+            Answer::Value(value) => value.is_finite(),
+            Answer::Residuals(residuals) => residuals.iter().all(|r| r.is_finite()),
+        };
+        if finite { Evaluation::Answer(self) } else { Evaluation::Failed("the objective is not a number".into()) }
+    }
+}
+
+impl<F: Fn(&[f64]) -> f64 + Sync> Objective for F {
+    fn evaluate(&self, x: &[f64]) -> Evaluation {
+        Answer::Value(self(x)).checked()
+    }
+}

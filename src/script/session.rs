@@ -1,0 +1,129 @@
+//! What the host remembers while one script runs: the files that it read, and the trial that a host function is called in.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rhai::{Dynamic, NativeCallContext};
+
+/// What host functions share while a script runs; every engine has one, as its tag. Cheap to clone.
+#[derive(Clone, Debug, Default)]
+pub struct Session {
+    inputs: Arc<Mutex<BTreeMap<PathBuf, String>>>,
+    trial: Option<Arc<Mutex<Trial>>>,
+}
+
+/// What host functions tell about one evaluation of an objective.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trial {
+    /// Scenarios whose film broke, and when.
+    pub ruptures: Vec<String>,
+    /// Simulations that went wrong numerically, and why.
+    pub failures: Vec<String>,
+}
+
+impl Session {
+    /// The session of the script that calls a host function.
+    pub fn of(context: &NativeCallContext) -> Session {
+        let session = context.tag().and_then(|tag| tag.read_lock::<Session>().map(|session| session.clone()));
+        session.unwrap_or_default()
+    }
+
+    /// The same session within an evaluation of an objective.
+    pub fn with_trial(&self) -> Session {
+        Session { inputs: Arc::clone(&self.inputs), trial: Some(Arc::default()) }
+    }
+
+    /// Whether an objective is being evaluated.
+    pub fn is_trial(&self) -> bool {
+        self.trial.is_some()
+    }
+
+    /// What was told about the evaluation so far.
+    pub fn trial(&self) -> Trial {
+        self.trial.as_ref().map(|trial| lock(trial).clone()).unwrap_or_default()
+    }
+
+    /// The film of `scenario` broke at `time` (s).
+    pub fn ruptured(&self, scenario: &str, time: f64) {
+        self.tell(|trial| trial.ruptures.push(format!("{scenario}: the film broke at {:.1} ms", 1e3 * time)));
+    }
+
+    /// A simulation went wrong numerically.
+    pub fn failed(&self, cause: &str) {
+        self.tell(|trial| trial.failures.push(cause.into()));
+    }
+
+    fn tell(&self, tell: impl FnOnce(&mut Trial)) {
+        if let Some(trial) = &self.trial {
+            tell(&mut lock(trial));
+        }
+    }
+
+    /// Remembers that the script read the file at `path`, and what it held when it was read first.
+    pub fn reads(&self, path: &Path) {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
+        lock(&self.inputs).entry(path).or_insert_with_key(|path| content(path));
+    }
+
+    /// Remembers the files of a recording: an ISO-MME test keeps its channels in a folder beside it.
+    pub fn reads_recording(&self, path: &Path) {
+        self.reads(path);
+        for entry in fs::read_dir(path.with_file_name("Channel")).into_iter().flatten().flatten() {
+            self.reads(&entry.path());
+        }
+    }
+
+    /// The files that were read so far, and what they held.
+    pub fn inputs(&self) -> BTreeMap<PathBuf, String> {
+        lock(&self.inputs).clone()
+    }
+}
+
+impl From<Session> for Dynamic {
+    fn from(session: Session) -> Dynamic {
+        Dynamic::from(session)
+    }
+}
+
+/// Length and checksum of the file at `path`, or that it cannot be read.
+pub fn content(path: &Path) -> String {
+    match fs::read(path) {
+        Ok(bytes) => format!("{} bytes, checksum {:08x}", bytes.len(), crc32fast::hash(&bytes)),
+        Err(error) => format!("unreadable: {error}"),
+    }
+}
+
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::script::{Limits, engine};
+
+    #[test]
+    fn a_file_is_known_by_what_it_held_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        fs::write(&path, "1").unwrap();
+        let session = Session::default();
+        session.reads(&path);
+        fs::write(&path, "2").unwrap();
+        session.clone().reads(&path);
+        let inputs = session.inputs();
+        assert_eq!(inputs.len(), 1);
+        assert_ne!(inputs[&path], content(&path));
+    }
+
+    #[test]
+    fn host_functions_find_the_session_of_their_engine() {
+        let mut engine = engine(Limits::POST);
+        engine.register_fn("trial", |context: NativeCallContext| Session::of(&context).is_trial());
+        assert!(!engine.eval::<bool>("trial()").unwrap());
+        engine.set_default_tag(Session::default().with_trial());
+        assert!(engine.eval::<bool>("[1].map(|x| trial())[0]").unwrap());
+    }
+}

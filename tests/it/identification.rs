@@ -1,0 +1,235 @@
+//! Searches: killed and taken up again, on any number of threads, cheap and right; and what can go wrong in them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use droptower::diagnostic;
+use droptower::identify::{self, Laboratory};
+use droptower::post;
+use droptower::scenario::Assignment;
+use droptower::script::{self, Limits};
+use rhai::Engine;
+use serde_json::Value as Json;
+use tempfile::TempDir;
+
+/// A search of some ten milliseconds a trial.
+const SEARCH: &str = r#"
+let test = scenario(args.scenario);
+let best = minimize("nelder-mead", [2.0, 3.0, 1.1], #{ max_evaluations: 24, names: ["k1", "ke", "ky"] }, |k| {
+    let run = test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: k[2] } }).simulate();
+    relative_error(run.acceleration, test.reference.acceleration, test.window)
+});
+table("history", best.history);
+table("best", #{ k1: best.x[0], ke: best.x[1], ky: best.x[2], f: best.f, evaluations: best.evaluations });
+"#;
+
+/// A folder with the recording of a coarse run of 1008 in `recording/signals.csv`, its multipliers those of Table 8, and the
+/// script of a search.
+struct Bench {
+    folder: TempDir,
+    mesh: String,
+}
+
+impl Bench {
+    fn new(mesh: &str) -> Bench {
+        let bench =
+            Bench { folder: tempfile::tempdir().expect("a folder"), mesh: format!("specimen.mesh.size={mesh}") };
+        fs::write(bench.path("search.rhai"), SEARCH).expect("writable");
+        let recorded =
+            bench.droptower(&["run", &shipped("scenarios/drop/1008.toml"), "--set", &bench.mesh, "--out", "recording"]);
+        assert!(recorded.status.success(), "{}", error(&recorded));
+        bench
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
+        command.current_dir(self.folder.path()).args(arguments).arg("--quiet");
+        command
+    }
+
+    fn droptower(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().expect("the binary starts")
+    }
+
+    /// The arguments of a script over the run that was recorded.
+    fn over_the_recording<'a>(&'a self, script: &'a str, scenario: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+        let set = ["--set", self.mesh.as_str(), "--set", "reference.signals=recording/signals.csv"];
+        [&["script", script, "--scenario", scenario][..], &set, more].concat()
+    }
+
+    /// The search over the first milliseconds, with its results in `out`.
+    fn search<'a>(&'a self, scenario: &'a str, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+        let window = ["--set", "reference.window=[0, \"8 ms\"]", "--out", out];
+        self.over_the_recording("search.rhai", scenario, &[&window, more].concat())
+    }
+
+    /// Trials in the history of the results `out`, one line each.
+    fn trials(&self, out: &str) -> Vec<String> {
+        let files = fs::read_dir(self.path(&format!("{out}.history"))).into_iter().flatten().flatten();
+        let texts = files.map(|file| fs::read_to_string(file.path()).expect("text"));
+        let lines: Vec<String> = texts.flat_map(|text| text.lines().map(str::to_owned).collect::<Vec<_>>()).collect();
+        lines.into_iter().filter(|line| line.contains("\"seconds\"")).collect()
+    }
+
+    fn table(&self, out: &str, name: &str) -> Vec<u8> {
+        fs::read(self.path(&format!("{out}/tables/{name}.csv"))).expect("a table")
+    }
+}
+
+fn shipped(path: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path).display().to_string()
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn a_killed_search_goes_on_to_the_same_bits_without_repeating_a_trial() {
+    let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
+    let through = bench.droptower(&bench.search(&scenario, "through", &["--threads", "2"]));
+    assert!(through.status.success(), "{}", error(&through));
+
+    let mut command = bench.command(&bench.search(&scenario, "killed", &["--threads", "2"]));
+    let mut child: Child = command.stderr(Stdio::null()).stdout(Stdio::null()).spawn().expect("the binary starts");
+    let begin = Instant::now();
+    while bench.trials("killed").len() < 5 {
+        assert!(child.try_wait().expect("a state").is_none(), "the search ended before it could be killed");
+        assert!(begin.elapsed() < Duration::from_secs(120), "no five trials within two minutes");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let another = bench.droptower(&bench.search(&scenario, "killed", &[]));
+    assert_eq!(another.status.code(), Some(2));
+    assert!(error(&another).contains("another search is writing the history"), "{}", error(&another));
+    child.kill().expect("killed");
+    child.wait().expect("gone");
+    assert!(!bench.path("killed").exists());
+
+    let before = bench.trials("killed").len();
+    let last = bench.droptower(&bench.search(&scenario, "killed", &["--threads", "1"]));
+    assert!(last.status.success(), "{}", error(&last));
+    for name in ["history", "best"] {
+        assert!(bench.table("through", name) == bench.table("killed", name), "{name} differs");
+    }
+    let trials = bench.trials("killed");
+    assert!(trials.len() > before);
+    let places =
+        |trials: &[String]| trials.iter().map(|line| line.split("\"f\"").next().map(str::to_owned)).collect::<Vec<_>>();
+    let (mut once, all) = (places(&trials), places(&trials).len());
+    once.sort();
+    once.dedup();
+    assert_eq!(once.len(), all, "a trial was repeated");
+
+    let again = bench.droptower(&bench.search(&scenario, "killed", &[]));
+    assert!(again.status.success(), "{}", error(&again));
+    assert_eq!(bench.trials("killed"), trials, "a search that is done needs no more trials");
+}
+
+#[test]
+fn known_multipliers_are_found_from_a_run_s_own_signals() {
+    let (bench, scenario) = (Bench::new("20 mm"), shipped("scenarios/drop/1008.toml"));
+    let script = shipped("scripts/identify.rhai");
+    let arguments = bench.over_the_recording(&script, &scenario, &["--arg", "method=levenberg-marquardt", "--json"]);
+    let output = bench.droptower(&arguments);
+    assert!(output.status.success(), "{}", error(&output));
+    let summary: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+    let found = &summary["tables"]["coefficients"][0];
+    for (name, expected) in [("k1", 2.75), ("ke", 3.41), ("ky", 1.0)] {
+        let value = found[name].as_f64().expect("a number");
+        assert!((value - expected).abs() < 0.02 * expected, "{name} {value} for {expected}: {found}");
+    }
+}
+
+/// An engine in which `recorded` is the scenario 1008 on a coarse mesh with the recording of `bench` as its reference.
+fn engine(bench: &Bench, changes: &[&str]) -> Engine {
+    let recording = format!("reference.signals={}", bench.path("recording/signals.csv").display());
+    let changes = [bench.mesh.as_str(), recording.as_str()].into_iter().chain(changes.iter().copied());
+    let read =
+        |change| Assignment::from_argument(change).unwrap_or_else(|m| panic!("{}", diagnostic::render(&m, false)));
+    let mut engine = script::engine(Limits::STUDY);
+    post::register_studies(&mut engine, changes.map(read).collect());
+    identify::register(&mut engine, &Laboratory::new(None, |_| {}));
+    engine
+}
+
+fn script(body: &str) -> String {
+    format!(
+        "let test = scenario({:?});\nlet once = #{{ max_evaluations: 1, on_failure: \"worst\" }};\n{body}",
+        shipped("scenarios/drop/1008.toml")
+    )
+}
+
+#[test]
+fn a_run_within_an_objective_ends_with_the_window_and_has_the_same_errors() {
+    let bench = Bench::new("40 mm");
+    let engine = engine(&bench, &[]);
+    let text = script(
+        r#"
+        let other = test.with(#{ "specimen.material.fabric.scale.ky": 1.3 });
+        let whole = other.simulate();
+        let r = test.reference;
+        let a = relative_error(whole.acceleration, r.acceleration, test.window);
+        let d = relative_error(whole.displacement, r.displacement, test.window);
+        let in_trials = |f| minimize("nelder-mead", [1.0], once, |x| f.call(other.simulate())).f;
+        [
+            in_trials.call(|run| relative_error(run.acceleration, r.acceleration, test.window)) / a - 1,
+            in_trials.call(|run| relative_error(run.displacement, r.displacement, test.window)) - d,
+            in_trials.call(|run| run.time.end()) - test.window[1],
+            whole.time.end(),
+        ]"#,
+    );
+    let found = engine.eval::<rhai::Array>(&text).unwrap_or_else(|error| panic!("{error}"));
+    let found: Vec<f64> = found.iter().map(|value| value.as_float().expect("a number")).collect();
+    println!("relative change of the error of acceleration: {:.1e}", found[0]);
+    assert!(found[0].abs() < 1e-6, "{found:?}");
+    assert_eq!(found[1], 0.0);
+    // CFC 1000: 2 ms, and three samples of 0.1 ms.
+    assert!(found[2] > 0.0019 && found[2] < 0.0024 && found[3] > 0.119, "{found:?}");
+}
+
+#[test]
+fn a_run_that_ruptures_counts_as_the_script_says() {
+    let bench = Bench::new("40 mm");
+    let engine = engine(&bench, &[]);
+    let warnings = |rule: &str| {
+        let text = script(&format!(
+            r#"
+            once.on_rupture = "{rule}";
+            let best = minimize("nelder-mead", [1.0], once, |x| {{
+                let run = test.with(#{{ "layers.count": if x[0] > 1 {{ 2 }} else {{ 8 }} }}).simulate();
+                relative_error(run.acceleration, test.reference.acceleration, test.window) + 1
+            }});
+            best.warnings.reduce(|all, one| all + one + "; ", "")"#
+        ));
+        engine.eval::<String>(&text).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let told = warnings("fail");
+    assert!(told.contains("1 trials failed and counted as worst") && told.contains("the film broke at"), "{told}");
+    assert_eq!(warnings("keep"), "not converged: max_evaluations was reached; ");
+}
+
+#[test]
+fn what_goes_wrong_in_a_search_has_a_name() {
+    let bench = Bench::new("40 mm");
+    let short = "reference.window=[\"0.11 ms\", \"0.12 ms\"]";
+    for (body, expected) in [
+        (
+            r#"minimize("nelder-mead", [1.0], |x| relative_error(test.simulate().acceleration, test.reference.acceleration, test.window))"#,
+            "no value at the start [1.0]: the reference has no sample between 0.00011 s",
+        ),
+        (
+            r#"minimize("nelder-mead", [1.0], |x| test.with(#{ "layers.cuont": x[0] }).simulate().time.end())"#,
+            "unknown key `cuont`",
+        ),
+        (r#"minimize("nelder-mead", [1.0], |x| test.simulate().nosuch)"#, "a run has no `nosuch`"),
+    ] {
+        let error = engine(&bench, &[short]).run(&script(body)).expect_err("a mistake").to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
