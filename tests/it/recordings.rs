@@ -525,6 +525,7 @@ fn what_cannot_be_filtered_leaves_nothing_behind() {
         (&["convert", "data.csv", "--unit", "count", "-o", "o.csv"], "expected a channel and its unit, found `count`"),
         (&["convert", "data.csv", "--unit", "count=furlong", "-o", "o.csv"], "unknown unit `furlong`"),
         (&["info", "data.csv", "wrong.csv"], "wrong.csv:3:8"),
+        (&["info", "data.csv", "wrong.csv"], "nothing is printed of data.csv, which can be read"),
     ] {
         let output = droptower(bench.path(), arguments);
         let said = String::from_utf8_lossy(&output.stderr);
@@ -558,7 +559,28 @@ fn info_says_what_files_hold() {
     let output = droptower(bench.path(), &["info", fixture, metal]);
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(text.contains("there is no column of time") && text.contains("11CHST0000H3DSXP"), "{text}");
+    assert!(text.contains("Head CG X acceleration") && text.contains("CFC 1000"), "{text}");
     assert!(droptower(bench.path(), &["info", fixture, "--quiet"]).stdout.is_empty());
+}
+
+#[test]
+fn info_tells_channels_apart_and_where_samples_are_missing() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let row = |i: usize| format!("{},1,2\n", f64::from(u32::try_from(i).expect("small")) * 1e-3);
+    let rows: String = (0..100).filter(|i| !(48..=52).contains(i) && *i != 90 && *i != 91).map(row).collect();
+    fs::write(bench.path().join("a.csv"), format!("time_s,accel_g,accel_m_s2\n{rows}")).expect("written");
+    let text = workbench::printed(&droptower(bench.path(), &["info", "a.csv"]));
+    for expected in ["accel_g", "accel_m_s2", "hole of 6 ms after 0.047 s\n", "hole of 3 ms after 0.089 s\n", "uneven"]
+    {
+        assert_eq!(text.matches(expected).count(), if expected == "uneven" { 2 } else { 1 }, "{expected}: {text}");
+    }
+    let told = figures(&droptower(bench.path(), &["info", "a.csv", "--json"]));
+    let holes = &told[0]["channels"][1]["holes"];
+    assert_eq!(holes.as_array().map(Vec::len), Some(2));
+    assert_eq!((holes[0]["after_s"].as_f64(), holes[0]["duration_s"].as_f64()), (Some(0.047), Some(0.006)));
+    fs::write(bench.path().join("b.csv"), "time_s,a\n0,1\n1,2\n2,3\n").expect("written");
+    let text = workbench::printed(&droptower(bench.path(), &["info", "b.csv"]));
+    assert!(!text.contains("hole") && !text.contains("written as"), "{text}");
 }
 
 #[test]
