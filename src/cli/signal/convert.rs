@@ -9,10 +9,11 @@ use serde::Serialize;
 use super::input::FileArgs;
 use super::output::{self, Failure};
 use crate::cli::output::ends_in;
-use crate::cli::{BAD_INPUT, Shared, print, print_json, report};
+use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::file::Selection;
-use crate::signal::isomme::{self, WriteError};
+use crate::signal::isomme::{self, Headers, WriteError};
+use crate::signal::{Measured, Measurement};
 
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
@@ -37,6 +38,9 @@ struct Converted {
     path: String,
     out: String,
     channels: Vec<String>,
+    /// Names with the long names of codes, to be read by people.
+    #[serde(skip)]
+    called: Vec<String>,
     notes: Vec<String>,
 }
 
@@ -55,7 +59,7 @@ pub fn run(args: &ConvertArgs, shared: &Shared) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let notes: String = done.notes.iter().map(|note| format!("  note: {note}\n")).collect();
-    print(&format!("{}\n{notes}  {}: {}", done.path, done.out, done.channels.join(", ")))
+    print(&format!("{}\n{notes}  {}: {}", done.path, done.out, done.called.join(", ")))
 }
 
 fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
@@ -73,7 +77,11 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
     };
     let found = args.file.read(&args.path, channels).map_err(bad)?;
     if as_test {
-        isomme::write(&args.out, &found).map_err(|error| match error {
+        let headers = match isomme::is_part(&args.path) {
+            true => Headers::read(&args.path).map_err(|error| bad(faults::recording(&error.into())))?,
+            false => Headers::default(),
+        };
+        isomme::rewrite(&args.out, &found, &headers).map_err(|error| match error {
             WriteError::Write { .. } => output::failed(&args.out, &error),
             _ => bad(Diagnostic::new(error.to_string())),
         })?;
@@ -82,12 +90,27 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
             let mistake = format!("{}: its channels do not share one time axis", shown_path(&args.path));
             bad(Diagnostic::new(mistake).hint("take those that do: --column NAME --column NAME"))
         };
-        output::write_csv(&args.out, &found.notes, &found.recording().ok_or_else(several)?)?;
+        output::write_csv(&args.out, &comments(&found), &found.recording().ok_or_else(several)?)?;
     }
     Ok(Converted {
         path: shown_path(&args.path),
         out: shown_path(&args.out),
+        called: found.channels.iter().map(called).collect(),
         channels: found.channels.into_iter().map(|channel| channel.name).collect(),
         notes: found.notes,
     })
+}
+
+/// What the file says, and the long names of codes: what reading it assumed is settled, since the table says it.
+fn comments(found: &Measurement) -> Vec<String> {
+    let is_long = |channel: &&Measured| !channel.label.starts_with(&channel.name);
+    let names: Vec<String> = found.channels.iter().filter(is_long).map(called).collect();
+    let names = (!names.is_empty()).then(|| format!("channels: {}", names.join(", ")));
+    found.remarks.iter().cloned().chain(names).collect()
+}
+
+/// A channel by its name, and by its long name where that is another.
+fn called(channel: &Measured) -> String {
+    let Measured { name, label, .. } = channel;
+    if label.starts_with(name.as_str()) { name.clone() } else { format!("{name} ({label})") }
 }

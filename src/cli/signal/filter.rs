@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::input::{Chosen, Input};
+use super::input::{self, Chosen, Input};
 use super::output::{self, Failure};
 use crate::cli::{BAD_INPUT, Shared, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
@@ -18,8 +18,8 @@ use crate::units::{Dimension, Frequency};
 pub struct FilterArgs {
     #[command(flatten)]
     pub input: Input,
-    /// Channel frequency class: 1000, 600, 180, 60 (a name, not hertz)
-    #[arg(long, value_name = "CFC")]
+    /// Channel frequency class: 1000 or CFC1000, 600, 180, 60 (a name, not hertz)
+    #[arg(long, value_name = "CFC", value_parser = input::class)]
     pub class: f64,
     /// Whose filter it is; the two differ in one constant
     #[arg(long, value_enum, default_value = "iso")]
@@ -81,6 +81,7 @@ fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
     if let Some(class) = channel.filtered {
         notes.push(format!("`{}` went through CFC {class} already, as its file says", channel.name));
     }
+    notes.extend(input::note_on_class(args.class));
     let even = even(args, &channel.series)?;
     let series = filter::channel(&even, args.class, args.standard.into()).map_err(|error| mistake(args, &error))?;
     let values = Channel { name: "value".into(), values: series.values().to_vec() };

@@ -111,7 +111,7 @@ mod tests {
             unit: Unit::parse(unit).ok().filter(|_| !unit.is_empty()),
             series: Series::new(vec![0.0], vec![name.len() as f64]),
         };
-        Measurement { channels: channels.iter().map(channel).collect(), notes: Vec::new() }
+        Measurement { channels: channels.iter().map(channel).collect(), ..Measurement::default() }
     }
 
     #[test]
