@@ -6,7 +6,8 @@ use std::process::Output;
 
 use droptower::experiment::absorption::{Body, energy_absorption};
 use droptower::experiment::drop::{self, Drop, Height, Names, Reduction, Sensed, Tower};
-use droptower::experiment::sensor::{Fall, Laser, Sensors, virtual_drop};
+use droptower::experiment::fall::Fall;
+use droptower::experiment::sensor::{Laser, Sensors, virtual_drop};
 use droptower::model::{self, Loading, Model};
 use droptower::post::{Measures, Plan};
 use droptower::scenario::{Assignment, Document};
