@@ -349,10 +349,14 @@ fn a_raw_reference_may_be_written_in_any_units_and_names() {
     let rows: String = (0..reading.len()).map(row).collect();
     fs::write(folder.path().join("raw.csv"), format!("t [ms],head [g],optoNCDT [mm],stage [m]\n{rows}"))
         .expect("a table");
+    let noted = rows.replace(",1\n", ",1,armed\n");
+    fs::write(folder.path().join("noted.csv"), format!("t [ms],head [g],optoNCDT [mm],stage [m],status\n{noted}"))
+        .expect("a table");
     let scenario = folder.path().join("raw.toml");
     let write = |keys: &str| {
         let base = root().join("scenarios/drop/1008.toml");
-        let text = format!("extends = {base:?}\n[reference]\nsignals = \"raw.csv\"\n{keys}\n");
+        let signals = if keys.starts_with("signals") { "" } else { "signals = \"raw.csv\"\n" };
+        let text = format!("extends = {base:?}\n[reference]\n{signals}{keys}\n");
         fs::write(&scenario, text).expect("a scenario");
         let model = model::check(&Document::read(&scenario).expect("a scenario")).expect("a model");
         Plan::prepare(&model).map_err(|error| error.to_string())
@@ -363,6 +367,8 @@ fn a_raw_reference_may_be_written_in_any_units_and_names() {
     let peak = |comparison: &droptower::post::Comparison| comparison.acceleration.as_ref().and_then(Series::largest);
     let (found, expected) = (peak(&found).expect("a peak"), peak(&expected).expect("a peak"));
     assert!((found[1] / expected[1] - 1.0).abs() < 1e-3, "{found:?} for {expected:?}");
+    // A text column is no obstacle where the channels are named.
+    write("signals = \"noted.csv\"\nacceleration = \"head\"\ndisplacement = \"optoNCDT\"").expect("a reference");
     for (keys, expected) in [
         ("", "the channels `optoNCDT`, `stage` are each a length"),
         ("acceleration = \"had\"\ndisplacement = \"optoNCDT\"", "no channel `had`"),
