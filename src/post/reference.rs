@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::experiment::absorption::Body;
 use crate::experiment::drop::{DropError, Height, Names, Reduction, Sensed, SensedError, Tower};
 use crate::model::{Impactor, Loading, Model, Reference, Window};
-use crate::signal::file::{self, Wanted};
+use crate::signal::file::{self, Selection, Wanted};
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::norm::{NormError, relative_error};
 use crate::signal::resample::{self, ResampleError};
@@ -53,7 +53,8 @@ impl Comparison {
         let Some(reference) = &model.reference else {
             return Ok(None);
         };
-        let measurement = file::read(&reference.signals, &Wanted::default())?;
+        let measurement =
+            file::read(&reference.signals, &Wanted { channels: channels(reference), ..Wanted::default() })?;
         let Signals { raw, filtered, displacement, reduced } =
             match Signals::from_contact(&measurement, model, reference)? {
                 Some(signals) => signals,
@@ -141,6 +142,14 @@ impl Signals {
         let channel = |name| drop.signals.series(name);
         let (raw, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
         Ok(Signals { raw, filtered: channel("acceleration_filtered_m_s2"), displacement, reduced: drop.notes })
+    }
+}
+
+/// Channels that are named are read alone, so that what is wrong with another one does not count.
+fn channels(reference: &Reference) -> Selection {
+    match (&reference.acceleration, &reference.displacement) {
+        (Some(acceleration), Some(displacement)) => Selection::Named(vec![acceleration.clone(), displacement.clone()]),
+        _ => Selection::All,
     }
 }
 
