@@ -14,6 +14,8 @@ const SHORTEST_REST: f64 = 0.02;
 const MARGIN: f64 = 0.005;
 /// Share of gravity that the reading must fall by to be a release.
 const FALL: f64 = 0.3;
+/// A fall by so many times what the reading rises by, or gravity, is the blow of a sensor that counts downward.
+const UPSIDE_DOWN: f64 = 2.0;
 /// Rise over the rest, in gravities, that is a blow.
 const BLOW: f64 = 1.0;
 
@@ -37,6 +39,10 @@ pub struct Release {
 pub enum ReleaseError {
     #[error("acceleration: {0}")]
     Filter(#[from] FilterError),
+    #[error(
+        "acceleration: the blow goes down, by {lowest:.1} m/s²: braking must be positive, so the sign looks turned round"
+    )]
+    UpsideDown { lowest: f64 },
     #[error("acceleration: no contact is seen: the largest reading is {largest:.2} m/s² over the first, less than 1 g")]
     NoContact { largest: f64 },
     #[error(
@@ -57,6 +63,10 @@ impl Release {
         let level = level(&smooth);
         let peak = smooth.largest().unwrap_or([f64::NAN, f64::NAN]);
         let largest = peak[1] - level;
+        let lowest = level - smooth.smallest().unwrap_or(peak)[1];
+        if lowest > UPSIDE_DOWN * largest.max(gravity) {
+            return Err(ReleaseError::UpsideDown { lowest });
+        }
         if largest.is_nan() || largest < BLOW * gravity {
             return Err(ReleaseError::NoContact { largest });
         }

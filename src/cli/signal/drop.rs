@@ -161,7 +161,7 @@ fn text(args: &DropArgs, figures: &Figures) -> String {
     let from = match (figures.speed_from, figures.laser_residual_m) {
         (SpeedFrom::Laser, Some(residual)) => format!("laser, {:.3} mm off", 1e3 * residual),
         (SpeedFrom::Laser, None) => "laser".into(),
-        (SpeedFrom::Fall, _) => "fall from the known height".into(),
+        (SpeedFrom::Fall, _) => "the known height".into(),
         (SpeedFrom::Given, _) => "given".into(),
     };
     let correction = match (figures.time_constant_s, figures.ramp_duration_s) {
@@ -173,8 +173,11 @@ fn text(args: &DropArgs, figures: &Figures) -> String {
         (
             "impact speed",
             format!(
-                "{:.3} m/s (ideal fall {:.3}), from {from}; {} rounds",
-                figures.impact_velocity_m_s, figures.ideal_velocity_m_s, figures.iterations
+                "{:.3} m/s (ideal fall {:.3}), from {from}; {} round{}",
+                figures.impact_velocity_m_s,
+                figures.ideal_velocity_m_s,
+                figures.iterations,
+                if figures.iterations == 1 { "" } else { "s" },
             ),
         ),
         (
@@ -182,12 +185,24 @@ fn text(args: &DropArgs, figures: &Figures) -> String {
             or_none(peak.map(|(a, t)| format!("{:.2} g at {:.1} ms", a / STANDARD_GRAVITY, 1e3 * t))),
         ),
         ("displacement", or_none(travel.map(|(d, t)| format!("{:.1} mm at {:.1} ms", 1e3 * d, 1e3 * t)))),
+        ("energy", energy(figures)),
         ("energy absorbed", or_none(figures.energy_absorption.map(|d| format!("{:.1} %", 100.0 * d)))),
-        ("total energy", format!("drifts by {:.4} % at most", 100.0 * figures.total_energy_drift)),
+        ("filtering", format!("moves the total energy by {:.4} % at most", 100.0 * figures.total_energy_drift)),
         ("correction", correction),
     ];
     let rows = rows.map(|(name, value)| format!("  {name:<18} {value}\n"));
     let notes: String = figures.notes.iter().map(|note| format!("  note: {note}\n")).collect();
     let out = args.out.as_ref().map(|out| format!("  {}\n", shown_path(out))).unwrap_or_default();
     format!("{}\n{}{notes}{out}", shown_path(&args.path), rows.concat()).trim_end().to_owned()
+}
+
+/// What the impactor brought and what the film had of it.
+fn energy(figures: &Figures) -> String {
+    let joule = |energy: Option<f64>| energy.map_or_else(|| "none".into(), |energy| format!("{energy:.2} J"));
+    format!(
+        "{} at contact; in the film at most {}, {} at the end",
+        joule(figures.impact_energy),
+        joule(figures.peak_absorbed_energy),
+        joule(figures.final_absorbed_energy)
+    )
 }

@@ -50,11 +50,13 @@ impl Sensed {
             SensedError::NoAcceleration { names }
         })?;
         let laser = sought(measurement, names.laser.as_deref(), Length::DIMENSION)?;
+        let mut notes = measurement.notes.clone();
+        notes.extend(laser.is_none().then(|| without_unit(measurement)).flatten());
         Ok(Sensed {
             acceleration: acceleration.series.clone(),
             class: acceleration.filtered,
             laser: laser.map(|channel| channel.series.clone()),
-            notes: measurement.notes.clone(),
+            notes,
         })
     }
 
@@ -77,6 +79,22 @@ impl Sensed {
         drop.notes.extend(self.filtered_before(reduction.class));
         Ok(drop)
     }
+}
+
+/// What a recording without a length may have in its place.
+fn without_unit(measurement: &Measurement) -> Option<String> {
+    let unknown: Vec<String> = measurement
+        .channels
+        .iter()
+        .filter(|channel| channel.unit.is_none())
+        .map(|channel| channel.name.clone())
+        .collect();
+    (!unknown.is_empty()).then(|| {
+        format!(
+            "the unit of {} is not known: a laser needs a length's, as in `laser [mm]`, to be taken for one",
+            listed(&unknown)
+        )
+    })
 }
 
 fn sought<'a>(

@@ -7,7 +7,7 @@ use crate::experiment::contact::SpeedFrom;
 use crate::signal::Series;
 use crate::signal::csv::clean_time;
 
-/// Figures of a drop; times of peaks count from contact.
+/// Figures of a drop, units in their names; times of peaks count from contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
     /// On the recording's clock.
@@ -22,6 +22,14 @@ pub struct Figures {
     /// Largest travel below first contact; negative.
     pub peak_displacement_m: Option<f64>,
     pub time_of_peak_displacement_s: Option<f64>,
+    /// ½Mv² at contact.
+    #[serde(rename = "impact_energy_J")]
+    pub impact_energy: Option<f64>,
+    /// Largest work that the film had taken (W of equation 10), and what of it was still in it at the end.
+    #[serde(rename = "peak_absorbed_energy_J")]
+    pub peak_absorbed_energy: Option<f64>,
+    #[serde(rename = "final_absorbed_energy_J")]
+    pub final_absorbed_energy: Option<f64>,
     /// D of the paper's equation 11; none where the impactor did not turn round.
     pub energy_absorption: Option<f64>,
     /// Largest deviation of the total energy (equation 10) from its first value, over that.
@@ -54,6 +62,9 @@ impl Drop {
             time_of_peak_acceleration_s: peak.map(|[time, _]| clean_time(time)),
             peak_displacement_m: deepest.map(|[_, value]| value),
             time_of_peak_displacement_s: deepest.map(|[time, _]| clean_time(time)),
+            impact_energy: channel("kinetic_energy_J").values().first().copied(),
+            peak_absorbed_energy: channel("absorbed_energy_J").largest().map(|[_, work]| work),
+            final_absorbed_energy: channel("absorbed_energy_J").values().last().copied(),
             energy_absorption: self.energy_absorption,
             total_energy_drift: self.total_energy_drift,
             iterations: self.contact.iterations,

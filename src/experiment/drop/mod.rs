@@ -2,7 +2,9 @@
 
 mod channels;
 mod figures;
+mod laser;
 mod motion;
+mod plausibility;
 #[cfg(test)]
 mod tests;
 
@@ -17,6 +19,7 @@ use super::coupling::{self, CouplingError};
 use super::ramp::{GravityRamp, RampError};
 use super::release::{Release, ReleaseError};
 use crate::signal::filter::{self, ChannelFilter, FilterError, Standard};
+use crate::signal::gap::{self, Gap};
 use crate::signal::resample::{self, ResampleError};
 use crate::signal::{Recording, Series, integrate};
 
@@ -112,8 +115,8 @@ pub struct Drop {
 pub enum DropError {
     #[error("the {what} is {value}, but must be positive")]
     NotPositive { what: &'static str, value: f64 },
-    #[error("acceleration: nothing was measured at {time} s")]
-    NotMeasured { time: f64 },
+    #[error("acceleration: {0}")]
+    NotMeasured(Gap),
     #[error("acceleration: {0}")]
     Filter(#[from] FilterError),
     #[error("acceleration: {0}")]
@@ -122,7 +125,7 @@ pub enum DropError {
     Release(#[from] ReleaseError),
     #[error(transparent)]
     Ramp(#[from] RampError),
-    #[error("acceleration: {0}; give the time constant")]
+    #[error("acceleration: {0}; give the time constant (a DC-coupled sensor has an endless one, such as 1000 s)")]
     Coupling(#[from] CouplingError),
     #[error(transparent)]
     Contact(#[from] ContactError),
@@ -150,11 +153,18 @@ pub fn reduce(
         ChannelFilter::new(class, step, Standard::Iso6487)?;
     }
     let release = Release::find(&reading, tower.body.gravity)?;
+    let rest_end = release.rest_end;
+    let seen = laser.map(laser::seen);
+    let laser = seen.as_ref().map(|seen| &seen.series);
     let fall = Fall { zeroed: zeroed(&reading, &release), release, laser, tower, reduction };
-    match reduction.correction {
+    let mut drop = match reduction.correction {
         Correction::Coupling { time_constant } => fall.by_coupling(time_constant),
         Correction::Ramp => fall.by_ramp(),
-    }
+    }?;
+    drop.notes.extend(seen.as_ref().and_then(laser::Seen::note));
+    let doubts = plausibility::doubts(&drop, &reading, rest_end);
+    drop.notes.extend(doubts);
+    Ok(drop)
 }
 
 /// A fall that covers a height which differs by a larger share is another one: a time constant that is 1 % off makes 1 %.
@@ -252,8 +262,8 @@ fn check(tower: &Tower, reduction: &Reduction) -> Result<(), DropError> {
 
 /// The reading on equal steps.
 fn even(acceleration: &Series) -> Result<Series, DropError> {
-    if let Some([time, _]) = acceleration.samples().find(|[_, value]| !value.is_finite()) {
-        return Err(DropError::NotMeasured { time });
+    if let Some(gap) = gap::first(acceleration) {
+        return Err(DropError::NotMeasured(gap));
     }
     let count = acceleration.len();
     if count < 2 {

@@ -99,6 +99,63 @@ fn without_laser_and_height_a_known_speed_gives_the_contact() {
     }
 }
 
+/// What a laser holds, or writes, while it sees nothing.
+#[test]
+fn a_laser_that_stands_still_out_of_its_range_saw_nothing() {
+    let (recording, contact_time, _) = recorded(&Sensors::default(), 5);
+    let laser = recording.series("laser_m").unwrap();
+    let mut last = 0.015;
+    let held = laser.with_values(
+        laser
+            .values()
+            .iter()
+            .map(|v| {
+                if v.is_finite() {
+                    last = *v;
+                }
+                last
+            })
+            .collect(),
+    );
+    let zero = laser.with_values(laser.values().iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect());
+    for laser in [held, zero] {
+        let drop = reduce(&reading(&recording), Some(&laser), &TOWER, &Reduction::default()).unwrap();
+        assert!((drop.contact.time - contact_time).abs() < 2e-4, "{:?}", drop.contact);
+        assert!(drop.notes.iter().any(|note| note.contains("stand still")), "{:?}", drop.notes);
+    }
+}
+
+#[test]
+fn doubtful_figures_are_doubted() {
+    let (recording, ..) = recorded(&Sensors::default(), 6);
+    let (reading, laser) = (reading(&recording), recording.series("laser_m").unwrap());
+    let noted = |reading: &Series, laser: &Series, reduction: Reduction| {
+        reduce(reading, Some(laser), &TOWER, &reduction).unwrap().notes.join("; ")
+    };
+    assert_eq!(noted(&reading, &laser, Reduction::default()), "");
+    let changed = |f: &dyn Fn([f64; 2]) -> f64| reading.with_values(reading.samples().map(f).collect());
+    let short = Correction::Coupling { time_constant: Some(0.03) };
+    for (reading, reduction, expected) in [
+        (reading.clone(), Reduction { correction: short, ..Reduction::default() }, "is impossible"),
+        (changed(&|[_, v]| v.min(80.0)), Reduction::default(), "the end of its range?"),
+        (changed(&|[t, v]| v + 3.0 * t), Reduction::default(), "the reading at rest drifts by 3.0"),
+    ] {
+        let notes = noted(&reading, &laser, reduction);
+        assert!(notes.contains(expected), "{expected}: {notes}");
+    }
+    let mut hit = reduce(&reading, Some(&laser), &TOWER, &Reduction::default()).unwrap();
+    let filtered =
+        hit.signals.channels.iter_mut().find(|channel| channel.name == "acceleration_filtered_m_s2").unwrap();
+    *filtered.values.last_mut().unwrap() = 1e3;
+    let doubts = plausibility::doubts(&hit, &reading, 0.1);
+    assert!(doubts[0].contains("is not that of the impact"), "{doubts:?}");
+    let wavy = laser.with_values(laser.samples().map(|[t, v]| v + 0.004 * (300.0 * t).sin()).collect());
+    assert!(noted(&reading, &wavy, Reduction::default()).contains("apart: check the laser's unit"));
+    let turned = changed(&|[_, v]| -v);
+    let refused = reduce(&turned, Some(&laser), &TOWER, &Reduction::default()).unwrap_err().to_string();
+    assert!(refused.contains("the sign looks turned round"), "{refused}");
+}
+
 #[test]
 fn a_time_constant_that_is_known_is_used() {
     let (recording, ..) = recorded(&Sensors::default(), 1);
