@@ -1,13 +1,11 @@
 //! Materials of coupon tests in scripts.
 
-use rhai::{Dynamic, Engine, EvalAltResult, Map};
+use rhai::{Dynamic, Engine, Map};
 
 use crate::experiment::coupon::Coupon;
 use crate::scenario::coupon_material::CouponMaterial;
-use crate::script::{Entry, Options, Reduced, refuse};
+use crate::script::{Answer, Entry, Options, Reduced, refuse};
 use crate::units::Density;
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
 
 /// Name of the shear curve's file where a script gives none.
 const SHEAR_FILE: &str = "material-shear.csv";

@@ -3,15 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
 use super::curve::{list, numbers, spread_map, strains, yield_map};
-use super::{Entry, Options, Session, refuse};
+use super::{Answer, Entry, Options, Session, refuse};
 use crate::experiment::coupon::{Along, AtSpeed, Coupon, Curve, Machine, Reading, Recorded, Reduction, Rules, Sample};
 use crate::signal::Series;
 use crate::units::{Length, Velocity};
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
 
 /// Coupons that were reduced together, in a script. Cheap to clone.
 #[derive(Clone)]

@@ -1,9 +1,7 @@
-use rhai::{Dynamic, EvalAltResult, ImmutableString, Map};
+use rhai::{Dynamic, ImmutableString, Map};
 
-use super::{number, refuse};
+use super::{Answer, number, refuse};
 use crate::units::Dimension;
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
 
 /// What a script gives a function by name.
 pub struct Options<'a> {

@@ -27,6 +27,9 @@ impl Standard {
     }
 }
 
+/// The channel frequency classes that both standards define.
+pub const CLASSES: [f64; 4] = [1000.0, 600.0, 180.0, 60.0];
+
 /// Why a series cannot be filtered.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FilterError {
@@ -160,7 +163,6 @@ pub fn channel(series: &Series, class: f64, standard: Standard) -> Result<Series
 mod tests {
     use super::*;
 
-    const CLASSES: [f64; 4] = [1000.0, 600.0, 180.0, 60.0];
     const INTERVAL: f64 = 1e-5;
 
     fn filter(class: f64) -> ChannelFilter {

@@ -1,7 +1,11 @@
 //! What was read from a file: channels with their units, each over its own time axis.
 
+use std::collections::{HashMap, HashSet};
+
 use thiserror::Error;
 
+use super::csv::{ColumnName, TIME};
+use super::isomme::ChannelCode;
 use super::{Channel, Recording, Series};
 use crate::diagnostic::closest;
 use crate::units::{Dimension, Strain, Unit};
@@ -50,19 +54,41 @@ impl Measured {
         self.unit.as_ref().map(Unit::si_symbol)
     }
 
-    /// The name with the SI unit, as a column of ours is called: `accel_m_s2`, or else `accel [m/s2]`.
+    /// The name with the SI unit, as a column of ours is called: `accel_m_s2`, or else `accel [m/s2]`. A name that the
+    /// file writes with its unit stays as it is where that is the SI unit, or one that is not known.
     pub fn column_name(&self) -> String {
-        let Measured { name, label, unit, .. } = self;
-        match unit {
-            Some(unit) if unit.is_si() && label.starts_with(name.as_str()) => label.clone(),
-            Some(unit) if unit.measures(Strain::DIMENSION) => name.clone(),
-            Some(unit) => match unit.si_suffix() {
-                Some(suffix) => format!("{name}_{suffix}"),
-                None => format!("{name} [{}]", unit.si_symbol()),
-            },
-            None => name.clone(),
+        let name = if is_counted(&self.name) { &self.label } else { &self.name };
+        let says_it = self.label == *name || self.label.starts_with(&self.name);
+        let written = ColumnName::read(if says_it { &self.label } else { name });
+        let Some(unit) = &self.unit else {
+            return written.label;
+        };
+        if unit.is_si() && written.unit.as_ref() == Some(unit) {
+            return written.label;
+        }
+        match unit.si_suffix() {
+            Some(suffix) => format!("{name}_{suffix}"),
+            None => format!("{name} [{}]", column_unit(unit)),
         }
     }
+
+    /// The name as the file writes it, before the SI unit: keeps channels apart that differ in their written units alone.
+    fn labelled_column_name(&self) -> String {
+        match &self.unit {
+            Some(unit) => format!("{} [{}]", self.label, column_unit(unit)),
+            None => self.label.clone(),
+        }
+    }
+}
+
+/// Whether the name is a code that only counts, since the channel had a name and no code when it was written.
+fn is_counted(name: &str) -> bool {
+    ChannelCode::parse(name).is_some_and(|code| code.is_counted())
+}
+
+/// The SI unit in brackets; a number without unit is a dash.
+fn column_unit(unit: &Unit) -> String {
+    if unit.measures(Strain::DIMENSION) { "-".into() } else { unit.si_symbol() }
 }
 
 /// What a file holds.
@@ -72,6 +98,15 @@ pub struct Measurement {
     pub channels: Vec<Measured>,
     /// What was assumed or found odd while reading, and what the file says beside its numbers.
     pub notes: Vec<String>,
+    /// Those of the notes that the file itself says: its comments and what stands before its numbers. They hold as long as
+    /// the numbers do; the others are about this reading.
+    pub remarks: Vec<String>,
+}
+
+/// Whether notes say that nothing was measured: one of them holds the word `virtual`.
+pub fn says_virtual(notes: &[String]) -> bool {
+    let is_it = |word: &str| word.eq_ignore_ascii_case("virtual");
+    notes.iter().any(|note| note.split(|letter: char| !letter.is_alphanumeric()).any(is_it))
 }
 
 /// Why a file has no such channel.
@@ -102,13 +137,30 @@ impl Measurement {
         Ok(&self.channels[index])
     }
 
-    /// All channels over the time axis of the first, named with their SI units; none where they do not share one.
+    /// All channels over the time axis of the first, named with their SI units, each differently; none where they do not
+    /// share one.
     pub fn recording(&self) -> Option<Recording> {
         let time = self.channels.first().map_or(&[][..], |channel| channel.series.time());
         let shared = self.channels.iter().all(|channel| same_axis(channel.series.time(), time));
-        let channel =
-            |measured: &Measured| Channel { name: measured.column_name(), values: measured.series.values().to_vec() };
-        shared.then(|| Recording { time: time.to_vec(), channels: self.channels.iter().map(channel).collect() })
+        let channels = self.column_names().into_iter().zip(&self.channels);
+        let channels = channels.map(|(name, measured)| Channel { name, values: measured.series.values().to_vec() });
+        shared.then(|| Recording { time: time.to_vec(), channels: channels.collect() })
+    }
+
+    /// Names of columns of which no two are equal, and none is that of the time.
+    fn column_names(&self) -> Vec<String> {
+        let short: Vec<String> = self.channels.iter().map(Measured::column_name).collect();
+        let mut uses: HashMap<&str, usize> = HashMap::from([(TIME, 1)]);
+        short.iter().for_each(|name| *uses.entry(name).or_default() += 1);
+        let mut taken: HashSet<String> = HashSet::from([TIME.to_owned()]);
+        let mut distinct = |(measured, short): (&Measured, &String)| {
+            let name = if uses[short.as_str()] == 1 { short.clone() } else { measured.labelled_column_name() };
+            let numbered = (2..).map(|number| format!("{number} {name}"));
+            let name = std::iter::once(name.clone()).chain(numbered).find(|name| !taken.contains(name)).unwrap_or(name);
+            taken.insert(name.clone());
+            name
+        };
+        self.channels.iter().zip(&short).map(&mut distinct).collect()
     }
 }
 
@@ -144,13 +196,58 @@ pub(super) fn find<'a>(
     }
 }
 
-pub(super) fn listed(names: &[String]) -> String {
+/// Names in a sentence.
+pub(crate) fn listed(names: &[String]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn channel(name: &str, label: &str, symbol: Option<&str>) -> Measured {
+        let series = Series::new(vec![0.0, 1.0], vec![1.0, 2.0]);
+        let unit = symbol.map(|symbol| Unit::parse(symbol).unwrap());
+        Measured { name: name.into(), label: label.into(), unit, filtered: None, series }
+    }
+
+    #[test]
+    fn a_column_says_its_unit() {
+        for (name, label, unit, expected) in [
+            ("11HEAD0000H3ACXP", "11HEAD0000H3ACXP", Some("m/s2"), "11HEAD0000H3ACXP_m_s2"),
+            ("11HEAD0000H3ACXP", "Head", Some("g"), "11HEAD0000H3ACXP_m_s2"),
+            ("000000000100AC00", "accel", Some("m/s2"), "accel_m_s2"),
+            ("accel", "accel", Some("m/s2"), "accel_m_s2"),
+            ("accel", "accel [g]", Some("g"), "accel_m_s2"),
+            ("accel", "accel_m_s2", Some("m/s2"), "accel_m_s2"),
+            ("accel", "accel [m/s2]", Some("m/s2"), "accel [m/s2]"),
+            ("strain", "strain [%]", Some("%"), "strain [-]"),
+            ("T", "T [°C]", None, "T [°C]"),
+            ("count", "count", None, "count"),
+        ] {
+            let measured = channel(name, label, unit);
+            let column = measured.column_name();
+            assert_eq!(column, expected);
+            let read = ColumnName::read(&column).unit.map(|unit| unit.si_symbol());
+            assert_eq!(read, measured.value_unit(), "{column}");
+        }
+    }
+
+    #[test]
+    fn no_two_columns_have_one_name() {
+        let channels = vec![
+            channel("accel", "accel_g", Some("g")),
+            channel("accel", "accel_m_s2", Some("m/s2")),
+            channel("force", "force [kN]", Some("kN")),
+            channel("A", "a", None),
+            channel("A", "a", None),
+            channel("time", "time [ms]", Some("ms")),
+        ];
+        let recording = Measurement { channels, ..Measurement::default() }.recording().unwrap();
+        let names: Vec<&str> = recording.channels.iter().map(|channel| channel.name.as_str()).collect();
+        let expected = ["accel_g [m/s2]", "accel_m_s2 [m/s2]", "force_N", "a", "2 a", "time [ms] [s]"];
+        assert_eq!(names, expected);
+    }
 
     #[test]
     fn times_written_out_and_times_by_step_are_one_axis() {
@@ -170,7 +267,7 @@ mod tests {
         let late: Vec<f64> = by_step.iter().map(|t| t + 1e-5).collect();
         let with = |other: Vec<f64>| {
             let channels = vec![channel("a", by_step.clone()), channel("b", other)];
-            Measurement { channels, notes: Vec::new() }.recording()
+            Measurement { channels, ..Measurement::default() }.recording()
         };
         assert_eq!(with(written).unwrap().time, by_step);
         assert_eq!(with(late), None);

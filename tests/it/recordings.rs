@@ -11,7 +11,7 @@ use droptower::units::{Acceleration, Force, Length, Moment, Pressure, STANDARD_G
 use proptest::prelude::*;
 use serde_json::Value as Json;
 
-use crate::workbench::{self, SHOCK_NAMES, data, figures, shocks};
+use crate::workbench::{self, SHOCK_NAMES, data, figures, printed, shocks};
 
 fn unit(symbol: &str) -> Unit {
     Unit::parse(symbol).expect("a unit")
@@ -226,6 +226,7 @@ fn a_container_with_mistakes_is_refused_by_name() {
         let error = file::read(path, &Wanted::default()).expect_err("a mistake").to_string();
         assert!(error.contains(expected), "{error}");
     };
+    refused(&path("gone.mme"), "gone.mme: cannot be read: no such file or folder");
     refused(bench.path(), "neither a test (.mme) nor a list of channels (.chn)");
     fs::write(path("a.mme"), "").expect("written");
     refused(&path("a.mme"), "no folder `Channel` beside the test");
@@ -270,7 +271,8 @@ fn written_containers_read_back_to_the_same_bits() {
             // Written before by droptower, and in the way of the number of the second channel.
             channel("000000000200AC0B", Some("m/s2"), &even),
         ],
-        notes: vec!["virtual: no instrument made it".into()],
+        remarks: vec!["virtual: no instrument made it".into()],
+        ..Measurement::default()
     };
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("out/T.mme");
@@ -355,6 +357,11 @@ fn tables_with_mistakes_are_refused_in_place() {
         ("time,a\n0,1\n1,2,3\n", Wanted::default(), "r.csv:3:1: expected 2 cells, found 3"),
         ("time,a\n0,1\n1\n2,2\n", Wanted::default(), "r.csv:3:1: expected 2 cells, found 1"),
         ("time,a\n0,1\n1", Wanted::default(), "r.csv:3:1: the file is truncated: its last line has 1 of 2 cells"),
+        (
+            "time,a\n0,1\n0.002,1\n0.00",
+            Wanted::default(),
+            "r.csv:4:1: the file is truncated: its last line has 1 of 2 cells",
+        ),
         ("time,a,b\n0,1\n1,2\n", Wanted::default(), "r.csv:1:1: 3 names (`time`, `a`, `b`) over 2 columns"),
         ("0,1\n", names(&["time"]), "r.csv:1:1: 1 names (`time`) over 2 columns"),
         ("time,a,a\n0,1,2\n", Wanted::default(), "r.csv:1:8: two columns are called `a`"),
@@ -471,6 +478,8 @@ fn a_filtered_channel_is_written_in_si() {
         let arguments = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o", "f.csv", "--json"];
         figures(&droptower(bench.path(), &[&arguments, more].concat()))
     };
+    // An empty file, as `mktemp` leaves one, is no loss.
+    fs::write(bench.path().join("f.csv"), "").expect("written");
     let figures = told(&[]);
     let text = fs::read_to_string(bench.path().join("f.csv")).expect("the output");
     assert!(text.starts_with("time_s,value\n0.0,"), "{}", &text[..40]);
@@ -482,9 +491,55 @@ fn a_filtered_channel_is_written_in_si() {
     assert_eq!(written.series.values(), expected.values());
     assert_eq!(figures["largest_after"], Json::from(expected.largest().expect("samples")[1]));
     assert_eq!(figures["unit"], "m/s2");
-    let sae = told(&["--standard", "sae"]);
+    let sae = told(&["--standard", "sae", "--force"]);
     assert_ne!(sae["largest_after"], figures["largest_after"]);
-    assert_eq!(told(&["--resample", "20 kHz"])["samples"], 1999);
+    assert_eq!(told(&["--resample", "20 kHz", "--force"])["samples"], 1999);
+}
+
+#[test]
+fn virtual_recordings_stay_virtual() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let drop = data("virtual/1008.csv");
+    let drop = drop.to_str().expect("UTF-8");
+    let filter = ["filter", drop, "--column", "accelerometer", "--class", "180", "-o", "f.csv"];
+    for call in
+        [&filter[..], &["convert", drop, "-o", "c.csv"], &["convert", "f.csv", "-o", "f.mme", "--unit", "value=m/s2"]]
+    {
+        printed(&droptower(bench.path(), call));
+        let text =
+            fs::read_to_string(bench.path().join(call[call.iter().position(|word| *word == "-o").expect("-o") + 1]));
+        assert!(text.expect("written").contains("VIRTUAL drop test: nothing fell"), "{call:?}");
+    }
+    let filtered = fs::read_to_string(bench.path().join("f.csv")).expect("written");
+    assert_eq!(filtered.lines().find(|line| !line.starts_with('#')), Some("time_s,value"));
+}
+
+#[test]
+fn only_its_own_kind_of_file_is_written_and_none_is_replaced_unasked() {
+    let bench = tempfile::tempdir().expect("a folder");
+    shaken(bench.path());
+    let place = |name: &str| bench.path().join(name);
+    fs::write(place("notes.toml"), "mine\n").expect("written");
+    fs::write(place("notes.csv"), "mine\n").expect("written");
+    let filter = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o"];
+    for (call, expected) in [
+        ([&filter[..], &["notes.toml"]].concat(), "does not end in .csv"),
+        ([&filter[..], &["notes.toml", "--force"]].concat(), "does not end in .csv"),
+        ([&filter[..], &["notes.csv"]].concat(), "notes.csv is there already"),
+        ([&filter[..], &["data.csv", "--force"]].concat(), "data.csv is the input"),
+        ([&filter[..], &["/dev/null"]].concat(), "does not end in .csv"),
+        (vec!["convert", "data.csv", "-o", "notes.csv"], "say --force"),
+    ] {
+        let refused = droptower(bench.path(), &call);
+        assert_eq!(refused.status.code(), Some(2), "{call:?}");
+        let said = String::from_utf8_lossy(&refused.stderr);
+        assert!(said.contains(expected), "{call:?}: {said}");
+    }
+    for name in ["notes.toml", "notes.csv"] {
+        assert_eq!(fs::read_to_string(place(name)).expect("a file"), "mine\n");
+    }
+    printed(&droptower(bench.path(), &[&filter[..], &["notes.csv", "--force"]].concat()));
+    assert!(fs::read_to_string(place("notes.csv")).expect("a file").starts_with("time_s,value\n"));
 }
 
 #[test]
@@ -518,6 +573,7 @@ fn what_cannot_be_filtered_leaves_nothing_behind() {
         (&["convert", "data.csv", "--unit", "count", "-o", "o.csv"], "expected a channel and its unit, found `count`"),
         (&["convert", "data.csv", "--unit", "count=furlong", "-o", "o.csv"], "unknown unit `furlong`"),
         (&["info", "data.csv", "wrong.csv"], "wrong.csv:3:8"),
+        (&["info", "data.csv", "wrong.csv"], "nothing is printed of data.csv, which can be read"),
     ] {
         let output = droptower(bench.path(), arguments);
         let said = String::from_utf8_lossy(&output.stderr);
@@ -551,7 +607,28 @@ fn info_says_what_files_hold() {
     let output = droptower(bench.path(), &["info", fixture, metal]);
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(text.contains("there is no column of time") && text.contains("11CHST0000H3DSXP"), "{text}");
+    assert!(text.contains("Head CG X acceleration") && text.contains("CFC 1000"), "{text}");
     assert!(droptower(bench.path(), &["info", fixture, "--quiet"]).stdout.is_empty());
+}
+
+#[test]
+fn info_tells_channels_apart_and_where_samples_are_missing() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let row = |i: usize| format!("{},1,2\n", f64::from(u32::try_from(i).expect("small")) * 1e-3);
+    let rows: String = (0..100).filter(|i| !(48..=52).contains(i) && *i != 90 && *i != 91).map(row).collect();
+    fs::write(bench.path().join("a.csv"), format!("time_s,accel_g,accel_m_s2\n{rows}")).expect("written");
+    let text = workbench::printed(&droptower(bench.path(), &["info", "a.csv"]));
+    for expected in ["accel_g", "accel_m_s2", "hole of 6 ms after 0.047 s\n", "hole of 3 ms after 0.089 s\n", "uneven"]
+    {
+        assert_eq!(text.matches(expected).count(), if expected == "uneven" { 2 } else { 1 }, "{expected}: {text}");
+    }
+    let told = figures(&droptower(bench.path(), &["info", "a.csv", "--json"]));
+    let holes = &told[0]["channels"][1]["holes"];
+    assert_eq!(holes.as_array().map(Vec::len), Some(2));
+    assert_eq!((holes[0]["after_s"].as_f64(), holes[0]["duration_s"].as_f64()), (Some(0.047), Some(0.006)));
+    fs::write(bench.path().join("b.csv"), "time_s,a\n0,1\n1,2\n2,3\n").expect("written");
+    let text = workbench::printed(&droptower(bench.path(), &["info", "b.csv"]));
+    assert!(!text.contains("hole") && !text.contains("written as"), "{text}");
 }
 
 #[test]
@@ -579,6 +656,76 @@ fn formats_are_converted_there_and_back() {
     let fixture = fixture.to_str().expect("UTF-8");
     let told = figures(&droptower(bench.path(), &["filter", fixture, "--class", "1000", "-o", "f.csv", "--json"]));
     assert!(told["notes"][0].as_str().is_some_and(|note| note.contains("went through CFC 1000 already")), "{told}");
+}
+
+/// The lines of a file without those that start so.
+fn lines_but(path: &Path, keys: &[&str]) -> Vec<String> {
+    let text = fs::read_to_string(path).expect("the file").replace('\r', "");
+    let lines = text.lines().filter(|line| line.contains(':') && !keys.iter().any(|key| line.starts_with(key)));
+    let said = |value: &str| if value.trim().is_empty() { "NOVALUE".into() } else { value.trim().to_owned() };
+    let parts = lines.map(|line| line.split_once(':').expect("a colon"));
+    parts.map(|(key, value)| format!("{}: {}", key.trim(), said(value))).collect()
+}
+
+#[test]
+fn what_a_test_says_is_said_again_after_conversion() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let fixture = data("isomme_fixture");
+    droptower(bench.path(), &["convert", fixture.to_str().expect("UTF-8"), "-o", "T.mme"]);
+    let written = bench.path().join("T.mme");
+    assert_eq!(lines_but(&written, &[]), lines_but(&fixture.join("test.mme"), &[]));
+    // The list is without the time axis, which is implicit now.
+    let [read, list] = [fixture.join("Channel/test.chn"), bench.path().join("Channel/T.chn")]
+        .map(|path| lines_but(&path, &["Number of channels", "Name of channel"]));
+    assert_eq!(read, list);
+    let decided =
+        ["Unit", "First global", "Time of", "Number of", "Sampling", "Reference channel", "Channel amplitude class"];
+    for (old, new) in [("test.002", "T.001"), ("test.003", "T.002")] {
+        let [read, again] = [fixture.join("Channel").join(old), bench.path().join("Channel").join(new)]
+            .map(|path| lines_but(&path, &decided));
+        assert_eq!(read, again);
+        let unit = fs::read_to_string(bench.path().join("Channel").join(new)).expect("the channel");
+        assert_eq!(unit.matches("\nUnit  ").count(), 1, "{unit}");
+    }
+    let [original, again] = [&fixture, &written].map(|path| file::read(path, &Wanted::default()).expect("readable"));
+    assert_eq!(original.remarks, again.remarks);
+    for (original, again) in original.channels.iter().zip(&again.channels) {
+        assert_eq!((&original.name, &original.label, original.filtered), (&again.name, &again.label, again.filtered));
+        assert_eq!(original.value_unit(), again.value_unit());
+    }
+}
+
+#[test]
+fn units_and_names_survive_conversion() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| fs::write(bench.path().join(name), text).expect("written");
+    file("a.csv", "# virtual\ntime,accel,laser [mm],T [°C]\n0,1,2,20\n0.001,3,4,21\n");
+    file("two.csv", "time_s,accel_g,accel_m_s2\n0,1,2\n0.001,3,4\n");
+    let convert = |arguments: &[&str]| {
+        let output = droptower(bench.path(), &[&["convert"], arguments].concat());
+        workbench::printed(&output)
+    };
+    convert(&["a.csv", "--unit", "accel=m/s2", "-o", "m/T.mme"]);
+    convert(&["a.csv", "--unit", "accel=m/s2", "-o", "there.csv"]);
+    let said = convert(&["m/T.mme", "-o", "back.csv"]);
+    assert!(said.contains("000000000100AC00 (accel)"), "{said}");
+    for name in ["m/T.mme", "there.csv", "back.csv"] {
+        let read = file::read(&bench.path().join(name), &Wanted::default()).expect("readable");
+        for (channel, unit) in [("accel", Some("m/s2")), ("laser", Some("m")), ("T", None)] {
+            let found = read.channel(channel).or_else(|_| read.channel("T [°C]")).expect("a channel");
+            assert_eq!(found.value_unit().as_deref(), unit, "{name}: {channel}");
+        }
+        // That it is virtual holds still; that its time had no unit does not.
+        assert!(read.notes.contains(&"virtual".to_owned()), "{name}: {:?}", read.notes);
+        assert!(read.notes.iter().all(|note| !note.contains("assumed")), "{name}: {:?}", read.notes);
+    }
+    convert(&["two.csv", "-o", "apart.csv"]);
+    let apart = file::read(&bench.path().join("apart.csv"), &Wanted::default()).expect("readable");
+    let names: Vec<&str> = apart.channels.iter().map(|channel| channel.label.as_str()).collect();
+    assert_eq!(names, ["accel_g [m/s2]", "accel_m_s2 [m/s2]"]);
+    assert_eq!(apart.channels[0].series.values(), [STANDARD_GRAVITY, 3.0 * STANDARD_GRAVITY]);
+    let picked = droptower(bench.path(), &["filter", "m/T.mme", "--column", "accel", "--class", "60", "-o", "f.csv"]);
+    assert!(picked.status.success(), "{}", workbench::error(&picked));
 }
 
 /// Pieces that tables and containers are made of, in any order.

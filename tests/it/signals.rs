@@ -153,6 +153,9 @@ fn a_class_filters_first() {
     let (clean, loud) = (number(&clip("clean.csv", &[]), "clip_g"), number(&clip("loud.csv", &[]), "clip_g"));
     let filtered = clip("loud.csv", &["--class", "600"]);
     assert_eq!(number(&filtered, "filter_class"), 600.0);
+    assert_eq!(clip("loud.csv", &["--class", "CFC600"]), filtered);
+    let other = clip("loud.csv", &["--class", "999"])["notes"].to_string();
+    assert!(other.contains("CFC 999 is none of the standards' classes"), "{other}");
     assert!((loud / clean - 1.0).abs() > 0.02, "{loud} {clean}");
     assert!((number(&filtered, "clip_g") / clean - 1.0).abs() < 2e-3, "{filtered} {clean}");
 }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::input::{Chosen, Input};
+use super::input::{self, Chosen, Input};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::Series;
 use crate::signal::filter::{self, Standard};
@@ -13,7 +13,7 @@ pub struct AccelerationArgs {
     #[command(flatten)]
     pub input: Input,
     /// Filter with this channel frequency class first (ISO 6487), e.g. 1000
-    #[arg(long, value_name = "CFC")]
+    #[arg(long, value_name = "CFC", value_parser = input::class)]
     pub class: Option<f64>,
 }
 
@@ -33,6 +33,7 @@ impl AccelerationArgs {
         if let Some(before) = channel.filtered {
             notes.push(format!("`{}` went through CFC {before} already, as its file says", channel.name));
         }
+        notes.extend(input::note_on_class(class));
         let series = filter::channel(&channel.series, class, Standard::Iso6487).map_err(|error| self.mistake(error))?;
         Ok(Read { series, notes })
     }

@@ -8,10 +8,12 @@ use serde::Serialize;
 
 use super::input::FileArgs;
 use super::output::{self, Failure};
-use crate::cli::{BAD_INPUT, Shared, print, print_json, report};
+use crate::cli::output::ends_in;
+use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::file::Selection;
-use crate::signal::isomme::{self, WriteError};
+use crate::signal::isomme::{self, Headers, WriteError};
+use crate::signal::{Measured, Measurement};
 
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
@@ -25,6 +27,9 @@ pub struct ConvertArgs {
     /// A table (.csv), or a test (.mme) with its folder Channel; values in SI
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
+    /// Replace the table where it is there already; a test never is
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// What was written.
@@ -33,6 +38,9 @@ struct Converted {
     path: String,
     out: String,
     channels: Vec<String>,
+    /// Names with the long names of codes, to be read by people.
+    #[serde(skip)]
+    called: Vec<String>,
     notes: Vec<String>,
 }
 
@@ -51,22 +59,17 @@ pub fn run(args: &ConvertArgs, shared: &Shared) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let notes: String = done.notes.iter().map(|note| format!("  note: {note}\n")).collect();
-    print(&format!("{}\n{notes}  {}: {}", done.path, done.out, done.channels.join(", ")))
+    print(&format!("{}\n{notes}  {}: {}", done.path, done.out, done.called.join(", ")))
 }
 
 fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
     let bad = |mistake| (BAD_INPUT, mistake);
-    let kind = args.out.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    let as_test = match kind.as_deref() {
-        Some("mme") => true,
-        Some("csv") => false,
-        _ => {
-            let mistake = Diagnostic::new(format!("{} is neither .csv nor .mme", shown_path(&args.out)));
-            return Err(bad(mistake));
-        }
-    };
+    let as_test = ends_in(&args.out, "mme");
+    if !as_test && !ends_in(&args.out, "csv") {
+        return Err(bad(Diagnostic::new(format!("{} is neither .csv nor .mme", shown_path(&args.out)))));
+    }
     if !as_test {
-        output::check_table(&args.out, &args.path)?;
+        output::check_table(&args.out, &args.path, args.force)?;
     }
     let channels = match &args.column[..] {
         [] => Selection::All,
@@ -74,7 +77,11 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
     };
     let found = args.file.read(&args.path, channels).map_err(bad)?;
     if as_test {
-        isomme::write(&args.out, &found).map_err(|error| match error {
+        let headers = match isomme::is_part(&args.path) {
+            true => Headers::read(&args.path).map_err(|error| bad(faults::recording(&error.into())))?,
+            false => Headers::default(),
+        };
+        isomme::rewrite(&args.out, &found, &headers).map_err(|error| match error {
             WriteError::Write { .. } => output::failed(&args.out, &error),
             _ => bad(Diagnostic::new(error.to_string())),
         })?;
@@ -83,12 +90,27 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
             let mistake = format!("{}: its channels do not share one time axis", shown_path(&args.path));
             bad(Diagnostic::new(mistake).hint("take those that do: --column NAME --column NAME"))
         };
-        output::write_csv(&args.out, &found.notes, &found.recording().ok_or_else(several)?)?;
+        output::write_csv(&args.out, &comments(&found), &found.recording().ok_or_else(several)?)?;
     }
     Ok(Converted {
         path: shown_path(&args.path),
         out: shown_path(&args.out),
+        called: found.channels.iter().map(called).collect(),
         channels: found.channels.into_iter().map(|channel| channel.name).collect(),
         notes: found.notes,
     })
+}
+
+/// What the file says, and the long names of codes: what reading it assumed is settled, since the table says it.
+fn comments(found: &Measurement) -> Vec<String> {
+    let is_long = |channel: &&Measured| !channel.label.starts_with(&channel.name);
+    let names: Vec<String> = found.channels.iter().filter(is_long).map(called).collect();
+    let names = (!names.is_empty()).then(|| format!("channels: {}", names.join(", ")));
+    found.remarks.iter().cloned().chain(names).collect()
+}
+
+/// A channel by its name, and by its long name where that is another.
+fn called(channel: &Measured) -> String {
+    let Measured { name, label, .. } = channel;
+    if label.starts_with(name.as_str()) { name.clone() } else { format!("{name} ({label})") }
 }

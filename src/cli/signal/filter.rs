@@ -6,20 +6,20 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::input::{Chosen, Input};
+use super::input::{self, Chosen, Input};
 use super::output::{self, Failure};
 use crate::cli::{BAD_INPUT, Shared, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::filter::{self, FilterError, Standard};
-use crate::signal::{Channel, Recording, Series, resample};
+use crate::signal::{Channel, Recording, Series, resample, says_virtual};
 use crate::units::{Dimension, Frequency};
 
 #[derive(Debug, Args)]
 pub struct FilterArgs {
     #[command(flatten)]
     pub input: Input,
-    /// Channel frequency class: 1000, 600, 180, 60 (a name, not hertz)
-    #[arg(long, value_name = "CFC")]
+    /// Channel frequency class: 1000 or CFC1000, 600, 180, 60 (a name, not hertz)
+    #[arg(long, value_name = "CFC", value_parser = input::class)]
     pub class: f64,
     /// Whose filter it is; the two differ in one constant
     #[arg(long, value_enum, default_value = "iso")]
@@ -27,9 +27,12 @@ pub struct FilterArgs {
     /// Bring uneven samples to this rate first, e.g. "10 kHz"
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub resample: Option<f64>,
-    /// The file to write, with the columns time_s and value (SI)
+    /// The file to write, with the columns time_s and value (SI); what is said of a virtual recording stands above
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
+    /// Replace the file where it is there already
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// The standards by their short names.
@@ -73,16 +76,18 @@ pub fn run(args: &FilterArgs, shared: &Shared) -> ExitCode {
 }
 
 fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
-    output::check_table(&args.out, &args.input.path)?;
+    output::check_table(&args.out, &args.input.path, args.force)?;
     let Chosen { channel, mut notes } = args.input.read().map_err(|mistake| (BAD_INPUT, mistake))?;
     if let Some(class) = channel.filtered {
         notes.push(format!("`{}` went through CFC {class} already, as its file says", channel.name));
     }
+    notes.extend(input::note_on_class(args.class));
     let even = even(args, &channel.series)?;
     let series = filter::channel(&even, args.class, args.standard.into()).map_err(|error| mistake(args, &error))?;
     let values = Channel { name: "value".into(), values: series.values().to_vec() };
     let recording = Recording { time: series.time().to_vec(), channels: vec![values] };
-    output::write_csv(&args.out, &[], &recording)?;
+    let marks = if says_virtual(&notes) { &notes[..] } else { &[] };
+    output::write_csv(&args.out, marks, &recording)?;
     let value = |extreme: Option<[f64; 2]>| extreme.map(|[_, value]| value);
     Ok(Filtered {
         path: shown_path(&args.input.path),

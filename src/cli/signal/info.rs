@@ -9,12 +9,14 @@ use serde::Serialize;
 use super::input::FileArgs;
 use crate::cli::{Shared, faults, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::signal::csv::clean_time;
 use crate::signal::file::{self, Selection, Wanted};
+use crate::signal::gap::{self, Gap};
 use crate::signal::{Measured, csv, resample};
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// The recordings: CSV or ISO-MME
+    /// The recordings: CSV or ISO-MME; nothing is printed unless all can be read
     #[arg(required = true)]
     pub paths: Vec<PathBuf>,
     #[command(flatten)]
@@ -65,16 +67,24 @@ struct Sampling {
     step_s: Option<f64>,
     time_of_smallest_s: Option<f64>,
     time_of_largest_s: Option<f64>,
+    /// Where samples are missing altogether.
+    holes: Vec<Hole>,
+}
+
+#[derive(Clone, PartialEq, Serialize)]
+struct Hole {
+    after_s: f64,
+    duration_s: f64,
 }
 
 pub fn run(args: &InfoArgs, shared: &Shared) -> ExitCode {
     let found: Vec<Result<Contents, Diagnostic>> = args.paths.iter().map(|path| contents(path, &args.file)).collect();
     let (found, mistakes): (Vec<_>, Vec<_>) = found.into_iter().partition(Result::is_ok);
     let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();
-    if !mistakes.is_empty() {
-        return report(&mistakes);
-    }
     let found: Vec<Contents> = found.into_iter().filter_map(Result::ok).collect();
+    if !mistakes.is_empty() {
+        return report(&[mistakes, silence(&found)].concat());
+    }
     if shared.json {
         return print_json(&found);
     }
@@ -82,6 +92,13 @@ pub fn run(args: &InfoArgs, shared: &Shared) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     print(found.iter().map(text).collect::<Vec<_>>().join("\n").trim_end())
+}
+
+/// That nothing is printed of the files that can be read, where others cannot: figures are complete or missing.
+fn silence(found: &[Contents]) -> Vec<Diagnostic> {
+    let paths: Vec<&str> = found.iter().map(|contents| contents.path.as_str()).collect();
+    let said = || Diagnostic::new(format!("nothing is printed of {}, which can be read", paths.join(", ")));
+    if found.is_empty() { Vec::new() } else { vec![said().hint("leave out what cannot be read")] }
 }
 
 fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
@@ -119,6 +136,7 @@ fn contained(channel: &Measured) -> Contained {
         step_s: resample::common_step(series.time()),
         time_of_smallest_s: time_of(series.smallest()),
         time_of_largest_s: time_of(series.largest()),
+        holes: gap::holes(series.time()).filter_map(hole).collect(),
     };
     Contained {
         name: name.clone(),
@@ -128,6 +146,13 @@ fn contained(channel: &Measured) -> Contained {
         filtered: *filtered,
         samples: Figures::of(series.values()),
         time: Some(time),
+    }
+}
+
+fn hole(found: Gap) -> Option<Hole> {
+    match found {
+        Gap::Hole { from, to, .. } => Some(Hole { after_s: from, duration_s: clean_time(to - from) }),
+        Gap::Sample { .. } => None,
     }
 }
 
@@ -144,23 +169,76 @@ impl Figures {
 }
 
 fn text(contents: &Contents) -> String {
-    let header =
-        ["channel", "unit", "samples", "gaps", "from s", "to s", "step s", "smallest", "at s", "largest", "at s"];
+    let header = [
+        "channel",
+        "written as",
+        "unit",
+        "class",
+        "samples",
+        "gaps",
+        "from s",
+        "to s",
+        "step s",
+        "smallest",
+        "at s",
+        "largest",
+        "at s",
+    ];
     let rows = contents.channels.iter().map(row);
     let lines: Vec<Vec<String>> = std::iter::once(header.map(str::to_owned).to_vec()).chain(rows).collect();
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..header.len()).map(width).collect();
+    // Names are set to the left, figures to the right; what the file calls a channel only where that is more than its name.
+    let shown = |column: &usize| *column != 1 || contents.channels.iter().any(|channel| channel.label != channel.name);
     let line = |cells: &Vec<String>| {
-        let name = format!("{:1$}", cells[0], widths[0]);
-        let others = cells.iter().zip(&widths).skip(1).map(|(cell, width)| format!("  {cell:>width$}"));
-        format!("  {name}{}\n", others.collect::<String>())
+        let cell = |column: usize| match column {
+            0 | 1 => format!("  {:1$}", cells[column], widths[column]),
+            _ => format!("  {:>1$}", cells[column], widths[column]),
+        };
+        format!("{}\n", (0..header.len()).filter(shown).map(cell).collect::<String>())
     };
+    let holes = holes(contents).into_iter().map(|hole| format!("  {hole}\n"));
     let notes = contents.notes.iter().map(|note| format!("  note: {note}\n"));
-    format!("{}\n{}{}", contents.path, lines.iter().map(line).collect::<String>(), notes.collect::<String>())
+    let lines: String = lines.iter().map(line).chain(holes).chain(notes).collect();
+    format!("{}\n{lines}", contents.path)
+}
+
+/// Most holes that are told one by one; all of them are in the JSON.
+const MOST_HOLES: usize = 5;
+
+/// Where samples are missing, once for the channels that share it.
+fn holes(contents: &Contents) -> Vec<String> {
+    let mut told: Vec<(&[Hole], Vec<&str>)> = Vec::new();
+    for channel in &contents.channels {
+        let holes = channel.time.as_ref().map_or(&[][..], |time| &time.holes);
+        match told.iter_mut().find(|(known, _)| *known == holes) {
+            Some((_, names)) => names.push(&channel.label),
+            None if holes.is_empty() => {}
+            None => told.push((holes, vec![&channel.label])),
+        }
+    }
+    let mut lines = Vec::new();
+    for (holes, names) in told {
+        let whose =
+            if names.len() == contents.channels.len() { String::new() } else { format!(" in {}", names.join(", ")) };
+        let one =
+            |hole: &Hole| format!("hole of {} ms after {} s{whose}", short(1e3 * hole.duration_s), short(hole.after_s));
+        lines.extend(holes.iter().take(MOST_HOLES).map(one));
+        if holes.len() > MOST_HOLES {
+            lines.push(format!("and {} more holes{whose}", holes.len() - MOST_HOLES));
+        }
+    }
+    lines
+}
+
+/// Six decimals without the zeros behind them.
+fn short(value: f64) -> String {
+    let text = format!("{value:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn row(channel: &Contained) -> Vec<String> {
-    let Contained { name, unit, samples, time, .. } = channel;
+    let Contained { name, label, unit, filtered, samples, time, .. } = channel;
     let at = |of: fn(&Sampling) -> Option<f64>| match time.as_ref().and_then(of) {
         Some(value) => format!("{value:.7}"),
         None => "-".into(),
@@ -172,7 +250,9 @@ fn row(channel: &Contained) -> Vec<String> {
     let figure = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5e}"));
     vec![
         name.clone(),
+        label.clone(),
         unit.clone().unwrap_or_else(|| "unknown".into()),
+        filtered.map_or_else(|| "-".into(), |class| format!("CFC {class}")),
         samples.samples.to_string(),
         samples.gaps.to_string(),
         at(|time| time.start_s),

@@ -7,6 +7,7 @@ use clap::Args;
 use crate::cli::faults;
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::file::{self, Selection, Wanted};
+use crate::signal::filter::CLASSES;
 use crate::signal::{Measured, Measurement};
 use crate::units::{Dimension, Unit};
 
@@ -101,8 +102,51 @@ impl Input {
     }
 }
 
+/// The number in SI of a quantity with its unit, for clap.
+pub fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
+    dimension.parse(text).map_err(|error| format!("{error}; {}", error.hint()))
+}
+
+/// A channel frequency class as the user wrote it: `1000`, `CFC1000`, `CFC 1000`.
+pub fn class(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let digits = match text.get(..3) {
+        Some(word) if word.eq_ignore_ascii_case("CFC") => text[3..].trim_start_matches([' ', '_', '-']),
+        _ => text,
+    };
+    let class = digits.parse::<f64>().ok().filter(|class| class.is_finite() && *class > 0.0);
+    class.ok_or_else(|| "expected a channel frequency class such as 1000 or CFC1000".into())
+}
+
+/// What is said of a class that the standards do not define; it is a filter all the same.
+pub fn note_on_class(class: f64) -> Option<String> {
+    let note =
+        || format!("CFC {class} is none of the standards' classes ({})", CLASSES.map(|c| c.to_string()).join(", "));
+    (!CLASSES.contains(&class)).then(note)
+}
+
 /// The unit that the user wrote.
 pub fn unit(text: &str) -> Result<Unit, Diagnostic> {
     let hint = "known are e.g. g, m/s2, N, kN, lbf, MPa, psi, mm, in, s, ms, -, %";
     Unit::parse(text).map_err(|error| Diagnostic::new(error.to_string()).hint(hint))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_are_written_with_and_without_their_name() {
+        for text in ["1000", "CFC1000", "cfc 1000", "CFC_1000", " 1e3 "] {
+            assert_eq!(class(text), Ok(1000.0), "{text}");
+        }
+        for text in ["", "CFC", "CFC x", "-60", "CFC-", "NaN", "inf", "0", "ÄÖ1000"] {
+            assert!(class(text).is_err(), "{text}");
+        }
+        assert_eq!(note_on_class(180.0), None);
+        assert_eq!(
+            note_on_class(999.0).as_deref(),
+            Some("CFC 999 is none of the standards' classes (1000, 600, 180, 60)")
+        );
+    }
 }

@@ -25,6 +25,8 @@ pub struct Layout {
     /// Rows that were read to find all this out.
     pub rows: VecDeque<Line<'static>>,
     pub notes: Vec<String>,
+    /// Those of the notes that the file itself says.
+    pub remarks: Vec<String>,
 }
 
 impl Layout {
@@ -40,16 +42,18 @@ impl Layout {
         if !wanted.names.is_empty() {
             notes.extend(lines.iter().map(|line| said(line, "not used, since names are given")));
             let columns = wanted.names.iter().map(|name| ColumnName::read(name)).collect();
-            return Layout { separator, columns, header: None, rows, notes }.checked(wanted);
+            let remarks = notes.clone();
+            return Layout { separator, columns, header: None, rows, notes, remarks }.checked(wanted);
         }
         let units = take_units(&mut lines, separator);
         let header = lines.pop();
         notes.extend(lines.iter().map(|line| said(line, "before the header")));
+        let remarks = notes.clone();
         let columns = match &header {
             Some(header) => trimmed(separator.cells(&header.text)).map(|cell| ColumnName::read(cell.text)).collect(),
             None => numbered(separator, &rows[0], &mut notes),
         };
-        let mut layout = Layout { separator, columns, header, rows, notes };
+        let mut layout = Layout { separator, columns, header, rows, notes, remarks };
         if let Some((line, units)) = units {
             layout.add_units(&line, units)?;
         }

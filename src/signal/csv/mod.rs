@@ -21,6 +21,7 @@ use super::text::{self, Line, TextError};
 use super::{Recording, Wanted};
 use cell::Separator;
 
+pub(super) use name::ColumnName;
 pub use table::{Column, Table, columns, measure};
 
 /// Name of the time axis in our own recordings.

@@ -72,7 +72,7 @@ pub fn measure(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
             let series = Series::new(Arc::clone(&time), in_si(values, unit.as_ref()));
             Measured { name: column.name.clone(), label: column.label.clone(), unit, filtered: None, series }
         });
-        Ok(Measurement { channels: channels.collect(), notes: layout.notes })
+        Ok(Measurement { channels: channels.collect(), notes: layout.notes, remarks: layout.remarks })
     })
 }
 
@@ -141,6 +141,7 @@ impl Rows {
     }
 
     fn push(&mut self, line: &Line, layout: &Layout) -> Result<(), Mistake> {
+        self.check_end(line, layout)?;
         let mut found = 0;
         for (place, cell) in layout.separator.cells(&line.text).enumerate() {
             found += 1;
@@ -160,18 +161,25 @@ impl Rows {
         }
         let expected = self.slots.len();
         if found != expected && trimmed_to(layout.separator.cells(&line.text), expected).count() != expected {
-            let fault = if found < expected && !line.ended {
-                Fault::Truncated { expected, found }
-            } else {
-                Fault::RowLength { expected, found }
-            };
-            return Err(Mistake { line: line.number, column: 1, fault });
+            return Err(Mistake { line: line.number, column: 1, fault: Fault::RowLength { expected, found } });
         }
         let rows = self.values.first().map_or(0, Vec::len);
         if rows * self.values.len() > MOST_CELLS {
             return Err(Mistake { line: line.number, column: 1, fault: Fault::TooLarge });
         }
         Ok(())
+    }
+
+    /// A last line without end and with too few cells was cut off, within its last cell or before the next: what is
+    /// wrong with its numbers follows from that.
+    fn check_end(&self, line: &Line, layout: &Layout) -> Result<(), Mistake> {
+        let expected = self.slots.len();
+        if line.ended {
+            return Ok(());
+        }
+        let found = layout.separator.cells(&line.text).count();
+        let fault = || Fault::Truncated { expected, found };
+        if found < expected { Err(Mistake { line: line.number, column: 1, fault: fault() }) } else { Ok(()) }
     }
 }
 

@@ -29,6 +29,12 @@ impl ChannelCode {
         ChannelCode(format!("000000{:04}00TI00", number % 10_000))
     }
 
+    /// Whether the code only counts: the channel that droptower wrote under it has no code of its own.
+    pub fn is_counted(&self) -> bool {
+        let number = &self.0[6..10];
+        self.0.starts_with("000000") && number != "0000" && number.bytes().all(|digit| digit.is_ascii_digit())
+    }
+
     /// Test object, e.g. 1 for the driver's side.
     pub fn object(&self) -> &str {
         &self.0[..1]

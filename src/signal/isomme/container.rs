@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::channel::{ChannelHead, read_header};
+use super::header::Header;
 use super::{Fault, Mistake, ReadError};
+use crate::diagnostic::folder_of;
 use crate::signal::measurement::find;
 use crate::signal::text::TextError;
 use crate::signal::{Measured, Measurement, Selection, Series, Wanted};
@@ -24,14 +26,41 @@ pub fn measure(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
     if wanted.time.is_some() || !wanted.names.is_empty() {
         return Err(failed(Fault::NoTable));
     }
-    let Container { heads, single, mut notes } = Container::open(path)?;
+    let Container { heads, single, mut notes, remarks } = Container::open(path)?;
     let places = selected(&heads, single, wanted).map_err(failed)?;
     let mut axes = Axes { heads: &heads, known: BTreeMap::new() };
     let mut channels = Vec::new();
     for place in places {
         channels.push(measured(&heads[place], &mut axes, wanted, &mut notes)?);
     }
-    Ok(Measurement { channels, notes })
+    Ok(Measurement { channels, notes, remarks })
+}
+
+/// What the files of a container say in their headers, to be said again when it is written anew.
+#[derive(Clone, Debug, Default)]
+pub struct Headers {
+    /// Of the test; empty where there is none.
+    pub test: Header,
+    /// Of the list of channels; empty where there is none.
+    pub list: Header,
+    channels: Vec<ChannelHead>,
+}
+
+impl Headers {
+    /// Reads the headers of the container that the file or folder at `path` belongs to.
+    pub fn read(path: &Path) -> Result<Headers, ReadError> {
+        let files = Files::locate(path)?;
+        let read = |file: Option<PathBuf>| file.map_or_else(|| Ok(Header::default()), |file| read_header(&file));
+        let channels = Container::open(path)?.heads;
+        Ok(Headers { test: read(files.test)?, list: read(files.list)?, channels })
+    }
+
+    /// The header that `channel` was read with; none where it is of another container.
+    pub fn of(&self, channel: &Measured) -> Option<&Header> {
+        let named = || self.channels.iter().filter(|head| head.name == channel.name);
+        let head = named().find(|head| head.label == channel.label).or_else(|| named().next());
+        head.map(|head| &head.header)
+    }
 }
 
 /// A container of which only the headers were read.
@@ -40,6 +69,8 @@ struct Container {
     /// The one channel that was named, where a channel file was.
     single: Option<usize>,
     notes: Vec<String>,
+    /// Those of the notes that the test says.
+    remarks: Vec<String>,
 }
 
 impl Container {
@@ -48,12 +79,13 @@ impl Container {
         let heads = files.channels.iter().map(|file| ChannelHead::read(file)).collect::<Result<Vec<_>, _>>()?;
         let named = number(path);
         let single = files.channels.iter().position(|file| named.is_some() && number(file) == named);
-        let mut container = Container { heads, single, notes: Vec::new() };
+        let mut container = Container { heads, single, notes: Vec::new(), remarks: Vec::new() };
         match &files.test {
             Some(test) => {
                 let header = read_header(test)?;
                 let comments = header.entries().iter().filter(|entry| entry.key.eq_ignore_ascii_case("Comments"));
-                container.notes.extend(comments.filter_map(|entry| entry.value.clone()));
+                container.remarks.extend(comments.filter_map(|entry| entry.value.clone()));
+                container.notes.clone_from(&container.remarks);
             }
             None if single.is_none() => container.notes.push("there is no test (.mme)".into()),
             None => {}
@@ -114,7 +146,8 @@ impl Files {
             return Files::locate(&test_in(path)?);
         }
         if !path.is_file() {
-            return Err(fail(Fault::Text(TextError::Open(ErrorKind::NotFound.into()))));
+            let missing = io::Error::new(ErrorKind::NotFound, "no such file or folder");
+            return Err(fail(Fault::Text(TextError::Open(missing))));
         }
         let is_test = has_extension(path, "mme");
         let folder = if is_test { channel_folder(path)? } else { folder_of(path).to_owned() };
@@ -152,10 +185,6 @@ fn channel_folder(test: &Path) -> Result<PathBuf, ReadError> {
     let is_it = |entry: &PathBuf| entry.is_dir() && name_of(entry).eq_ignore_ascii_case("channel");
     let found = entries(folder_of(test))?.into_iter().find(is_it);
     found.ok_or_else(|| Mistake::whole(Fault::NoChannelFolder).of(test))
-}
-
-fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
 /// What a folder holds, in the order of the names.

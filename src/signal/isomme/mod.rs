@@ -18,9 +18,9 @@ use super::measurement::{ChannelError, listed};
 use super::text::{self, TextError};
 
 pub use code::ChannelCode;
-pub use container::measure;
+pub use container::{Headers, measure};
 pub use header::{Entry, Header};
-pub use write::{WriteError, write};
+pub use write::{WriteError, rewrite, write};
 
 /// Why files are no container, and where.
 pub type ReadError = text::ReadError<Fault>;

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::ChannelCode;
+use super::{ChannelCode, Entry, Header, Headers};
+use crate::diagnostic::folder_of;
 use crate::signal::csv::clean_time;
 use crate::signal::{Measured, Measurement, Series, resample};
 use crate::units::Time;
@@ -42,6 +43,12 @@ const KEY: usize = 28;
 /// # Errors
 /// Nothing that exists is replaced.
 pub fn write(path: &Path, measurement: &Measurement) -> Result<(), WriteError> {
+    rewrite(path, measurement, &Headers::default())
+}
+
+/// Writes `measurement` as [`write()`] does, and says again what the `headers` of the container that it comes from say, in
+/// their order: all but what the SI units and the samples decide.
+pub fn rewrite(path: &Path, measurement: &Measurement, headers: &Headers) -> Result<(), WriteError> {
     let stem = path.file_stem().filter(|stem| !stem.is_empty());
     let stem = stem.ok_or_else(|| WriteError::NoName { path: path.into() })?.to_string_lossy();
     if let Some(channel) = measurement.channels.iter().find(|channel| channel.series.is_empty()) {
@@ -51,14 +58,15 @@ pub fn write(path: &Path, measurement: &Measurement) -> Result<(), WriteError> {
     if count > MOST_CHANNELS {
         return Err(WriteError::TooMany { count });
     }
-    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let folder = folder_of(path);
     let channels = folder.join("Channel");
     for place in [path, &channels] {
         if place.exists() {
             return Err(WriteError::Exists { path: place.into() });
         }
     }
-    lay_down(path, folder, &channels, &stem, &sheets(measurement), &measurement.notes)
+    let test = test_lines(&headers.test, &stem, &measurement.remarks);
+    lay_down(path, folder, &channels, &stem, &sheets(measurement, headers), [&test, &list_head(&headers.list)])
         .map_err(|source| WriteError::Write { path: path.into(), source })
 }
 
@@ -68,7 +76,7 @@ fn lay_down(
     channels: &Path,
     stem: &str,
     sheets: &[Sheet],
-    notes: &[String],
+    [test_lines, list_head]: [&[Pair]; 2],
 ) -> io::Result<()> {
     fs::create_dir_all(folder)?;
     let draft = tempfile::Builder::new().prefix(".isomme-").tempdir_in(folder)?;
@@ -78,9 +86,12 @@ fn lay_down(
     for (number, sheet) in (1..).zip(sheets) {
         sheet.write(file(inner.join(format!("{stem}.{number:03}")))?)?;
     }
-    write_list(file(inner.join(format!("{stem}.chn")))?, sheets)?;
+    write_list(file(inner.join(format!("{stem}.chn")))?, list_head, sheets)?;
     let test = draft.path().join("test.mme");
-    write_test(file(test.clone())?, stem, notes)?;
+    let mut out = file(test.clone())?;
+    write_pairs(&mut out, test_lines)?;
+    out.flush()?;
+    drop(out);
     fs::rename(&inner, channels)?;
     fs::rename(&test, path).inspect_err(|_| {
         // What is left without its test is no container; that it cannot be removed either adds nothing.
@@ -91,6 +102,10 @@ fn lay_down(
 /// One channel file.
 struct Sheet<'a> {
     code: ChannelCode,
+    /// Of the channel that it comes from.
+    header: Option<&'a Header>,
+    /// Whether the values are in another unit than that of the header.
+    converted: bool,
     label: String,
     unit: Option<String>,
     class: Option<f64>,
@@ -109,7 +124,7 @@ enum Axis {
 }
 
 /// The channels, and the time axes of those whose steps differ, each once and before its first channel.
-fn sheets(measurement: &Measurement) -> Vec<Sheet<'_>> {
+fn sheets<'a>(measurement: &'a Measurement, headers: &'a Headers) -> Vec<Sheet<'a>> {
     let codes = codes(&measurement.channels);
     let (mut sheets, mut axes): (Vec<Sheet>, Vec<(&[f64], ChannelCode)>) = (Vec::new(), Vec::new());
     for (channel, code) in measurement.channels.iter().zip(codes) {
@@ -127,16 +142,27 @@ fn sheets(measurement: &Measurement) -> Vec<Sheet<'_>> {
                 }))
             }
         };
-        let (label, unit, class) = (channel.label.clone(), channel.value_unit(), channel.filtered);
-        sheets.push(Sheet { code, label, unit, class, axis, time, values: channel.series.values() });
+        let (header, label) = (headers.of(channel), long_name(channel, &measurement.channels));
+        let converted = channel.unit.as_ref().is_some_and(|unit| !unit.is_si());
+        let (unit, class, values) = (channel.value_unit(), channel.filtered, channel.series.values());
+        sheets.push(Sheet { code, header, converted, label, unit, class, axis, time, values });
     }
     sheets
+}
+
+/// What a channel is called: without the unit that a table writes behind the name, where that tells it from the others.
+fn long_name(channel: &Measured, all: &[Measured]) -> String {
+    let Measured { name, label, .. } = channel;
+    let alone = all.iter().filter(|other| other.name == *name).count() == 1;
+    let is_short = channel.unit.is_some() && label.starts_with(name.as_str()) && ChannelCode::parse(name).is_none();
+    if alone && is_short { name.clone() } else { label.clone() }
 }
 
 fn time_sheet(time: &[f64], number: usize) -> Sheet<'_> {
     let unit = Some(Time::DIMENSION.unit.to_owned());
     let code = ChannelCode::time_axis(number);
-    Sheet { code, label: "time".into(), unit, class: None, axis: Axis::Itself, time, values: time }
+    let (header, converted, label) = (None, false, "time".into());
+    Sheet { code, header, converted, label, unit, class: None, axis: Axis::Itself, time, values: time }
 }
 
 /// The names of the channels where they are codes, each once; codes that count for the others.
@@ -168,75 +194,160 @@ fn even(time: &[f64]) -> Option<[f64; 2]> {
     time.iter().enumerate().all(close).then_some([first, interval])
 }
 
+/// A line of a header.
+type Pair = (String, String);
+
+/// What is said of a value in the unit that it was recorded in, and is wrong in another.
+const IN_THE_UNIT: [&str; 3] = ["channel amplitude class", "offset pre test", "offset post test"];
+
 impl Sheet<'_> {
     fn write(&self, mut out: impl Write) -> io::Result<()> {
-        let code = self.code.to_string();
-        pair(&mut out, "Channel code", &code)?;
-        pair(&mut out, "Name of the channel", &self.label)?;
-        match &self.axis {
-            Axis::Implicit([first, interval]) => {
-                pair(&mut out, "Reference channel", "implicit")?;
-                pair(&mut out, "Reference channel name", NOTHING)?;
-                pair(&mut out, "Time of first sample", &number(*first))?;
-                pair(&mut out, "Sampling interval", &number(*interval))?;
-            }
-            Axis::Explicit(axis) => {
-                pair(&mut out, "Reference channel", "explicit")?;
-                pair(&mut out, "Reference channel name", &axis.to_string())?;
-            }
-            Axis::Itself => {}
-        }
-        pair(&mut out, "Dimension", self.code.dimension())?;
-        pair(&mut out, "Direction", self.code.direction())?;
-        let class = self.class.map(|class| class.to_string());
-        pair(&mut out, "Channel frequency class", class.as_deref().unwrap_or(NOTHING))?;
-        pair(&mut out, "Unit", self.unit.as_deref().unwrap_or(NOTHING))?;
-        pair(&mut out, "Number of samples", &self.values.len().to_string())?;
-        self.write_extremes(&mut out)?;
-        pair(&mut out, "Data status", "ok")?;
+        write_pairs(&mut out, &self.lines())?;
         for value in self.values {
             write!(out, "{}\r\n", number(*value))?;
         }
         out.flush()
     }
 
-    /// A reader's free check.
-    fn write_extremes(&self, out: &mut impl Write) -> io::Result<()> {
-        let series = Series::new(self.time, self.values);
-        for (word, extreme) in [("maximum", series.largest()), ("minimum", series.smallest())] {
-            let [time, value] = extreme.map_or([f64::NAN; 2], |extreme| extreme);
-            pair(out, &format!("First global {word} value"), &number(value))?;
-            pair(out, &format!("Time of {word} value"), &number(time))?;
+    /// The lines of the header that it comes from, in which what is written anew takes the place of what was said; then what
+    /// that header does not say.
+    fn lines(&self) -> Vec<Pair> {
+        let (mut anew, mut otherwise) = (self.decided(), self.otherwise());
+        let mut lines = Vec::new();
+        for entry in self.header.map_or(&[][..], Header::entries) {
+            let is_it = |pair: &Pair| pair.0.eq_ignore_ascii_case(&entry.key);
+            if DECIDED.iter().any(|key| key.eq_ignore_ascii_case(&entry.key)) {
+                lines.extend(anew.iter().position(is_it).map(|place| anew.remove(place)));
+            } else if !(self.converted && IN_THE_UNIT.contains(&entry.key.to_lowercase().as_str())) {
+                otherwise.retain(|pair| !is_it(pair));
+                lines.push(again(entry));
+            }
         }
-        Ok(())
+        let unit = |pair: &Pair| pair.0 == UNIT && self.unit.is_none();
+        let stated = self.header.and_then(|header| header.text(UNIT));
+        anew.extend(otherwise);
+        lines.extend(anew);
+        // A unit that is not known is that of the values still.
+        if let (Some(stated), Some(place)) = (stated, lines.iter().position(unit)) {
+            lines[place].1 = stated.to_owned();
+        }
+        lines
+    }
+
+    /// What the samples, their times and the SI unit decide.
+    fn decided(&self) -> Vec<Pair> {
+        let mut lines = vec![pair("Channel code", self.code.to_string()), pair("Name of the channel", &self.label)];
+        lines.extend(match &self.axis {
+            Axis::Implicit([first, interval]) => vec![
+                pair("Reference channel", "implicit"),
+                pair("Reference channel name", NOTHING),
+                pair("Time of first sample", number(*first)),
+                pair("Sampling interval", number(*interval)),
+            ],
+            Axis::Explicit(axis) => {
+                vec![pair("Reference channel", "explicit"), pair("Reference channel name", axis.to_string())]
+            }
+            Axis::Itself => Vec::new(),
+        });
+        lines.push(pair(UNIT, self.unit.as_deref().unwrap_or(NOTHING)));
+        lines.push(pair("Number of samples", self.values.len().to_string()));
+        lines.extend(self.extremes());
+        lines
+    }
+
+    /// What is said where the header does not.
+    fn otherwise(&self) -> Vec<Pair> {
+        let class = self.class.map_or(NOTHING.to_owned(), |class| class.to_string());
+        vec![
+            pair("Dimension", self.code.dimension()),
+            pair("Direction", self.code.direction()),
+            pair("Channel frequency class", class),
+            pair("Data status", "ok"),
+        ]
+    }
+
+    /// A reader's free check.
+    fn extremes(&self) -> Vec<Pair> {
+        let series = Series::new(self.time, self.values);
+        let extremes = [("maximum", series.largest()), ("minimum", series.smallest())];
+        let lines = extremes.into_iter().flat_map(|(word, extreme)| {
+            let [time, value] = extreme.unwrap_or([f64::NAN; 2]);
+            [
+                pair(&format!("First global {word} value"), number(value)),
+                pair(&format!("Time of {word} value"), number(time)),
+            ]
+        });
+        lines.collect()
     }
 }
 
 const NOTHING: &str = "NOVALUE";
 
-fn write_test(mut out: impl Write, stem: &str, notes: &[String]) -> io::Result<()> {
-    pair(&mut out, "Data format edition number", "1.6")?;
-    for key in ["Laboratory name", "Customer name", "Test date", "Type of the test"] {
-        pair(&mut out, key, NOTHING)?;
+const UNIT: &str = "Unit";
+
+/// What is written anew whatever a header said.
+const DECIDED: [&str; 12] = [
+    "Channel code",
+    "Name of the channel",
+    "Reference channel",
+    "Reference channel name",
+    "Time of first sample",
+    "Sampling interval",
+    UNIT,
+    "Number of samples",
+    "First global maximum value",
+    "Time of maximum value",
+    "First global minimum value",
+    "Time of minimum value",
+];
+
+fn pair(key: &str, value: impl Into<String>) -> Pair {
+    (key.to_owned(), value.into())
+}
+
+/// The line of a header once more.
+fn again(entry: &Entry) -> Pair {
+    pair(&entry.key, entry.value.as_deref().unwrap_or(NOTHING))
+}
+
+/// What the test says already, or else that nothing is known of it; then the remarks that it does not hold yet.
+fn test_lines(test: &Header, stem: &str, remarks: &[String]) -> Vec<Pair> {
+    let mut lines: Vec<Pair> = test.entries().iter().map(again).collect();
+    if lines.is_empty() {
+        lines.push(pair("Data format edition number", "1.6"));
+        let unknown = ["Laboratory name", "Customer name", "Test date", "Type of the test"];
+        lines.extend(unknown.map(|key| pair(key, NOTHING)));
     }
-    pair(&mut out, "Test number", stem)?;
-    notes.iter().try_for_each(|note| pair(&mut out, "Comments", note))?;
+    if test.text("Test number").is_none() {
+        lines.retain(|(key, _)| !key.eq_ignore_ascii_case("Test number"));
+        lines.push(pair("Test number", stem));
+    }
+    let comment = |remark: &&String| test.entries().iter().all(|entry| entry.value.as_ref() != Some(*remark));
+    lines.extend(remarks.iter().filter(comment).map(|remark| pair("Comments", remark)));
+    lines
+}
+
+/// What the list of channels says before them.
+fn list_head(list: &Header) -> Vec<Pair> {
+    let counts = |key: &str| key == "number of channels" || key.starts_with("name of channel");
+    let kept = list.entries().iter().filter(|entry| !counts(&entry.key.to_lowercase()));
+    let lines: Vec<Pair> = kept.map(again).collect();
+    if lines.is_empty() { vec![pair("Instrumentation standard", NOTHING)] } else { lines }
+}
+
+fn write_list(mut out: impl Write, head: &[Pair], sheets: &[Sheet]) -> io::Result<()> {
+    write_pairs(&mut out, head)?;
+    let names = (1..).zip(sheets).map(|(number, sheet)| {
+        pair(&format!("Name of channel {number:03}"), format!("{} / {}", sheet.code, sheet.label))
+    });
+    let count = pair("Number of channels", sheets.len().to_string());
+    write_pairs(&mut out, &std::iter::once(count).chain(names).collect::<Vec<_>>())?;
     out.flush()
 }
 
-fn write_list(mut out: impl Write, sheets: &[Sheet]) -> io::Result<()> {
-    pair(&mut out, "Instrumentation standard", NOTHING)?;
-    pair(&mut out, "Number of channels", &sheets.len().to_string())?;
-    for (number, sheet) in (1..).zip(sheets) {
-        let (key, name) = (format!("Name of channel {number:03}"), format!("{} / {}", sheet.code, sheet.label));
-        pair(&mut out, &key, &name)?;
-    }
-    out.flush()
-}
-
-/// A line of a header; what would end the line is a blank.
-fn pair(out: &mut impl Write, key: &str, value: &str) -> io::Result<()> {
-    write!(out, "{key:KEY$}:{}\r\n", value.replace(char::is_control, " "))
+/// Lines of a header; what would end a line is a blank.
+fn write_pairs(out: &mut impl Write, pairs: &[Pair]) -> io::Result<()> {
+    pairs.iter().try_for_each(|(key, value)| write!(out, "{key:KEY$}:{}\r\n", value.replace(char::is_control, " ")))
 }
 
 fn number(value: f64) -> String {
