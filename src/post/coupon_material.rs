@@ -4,7 +4,8 @@ use rhai::{Dynamic, Engine, Map};
 
 use crate::experiment::coupon::Coupon;
 use crate::scenario::coupon_material::CouponMaterial;
-use crate::script::{Answer, Entry, Reduced, number, refuse};
+use crate::script::{Answer, Entry, Options, Reduced, refuse};
+use crate::units::Density;
 
 /// Name of the shear curve's file where a script gives none.
 const SHEAR_FILE: &str = "material-shear.csv";
@@ -17,22 +18,11 @@ pub(super) fn register(engine: &mut Engine) {
 }
 
 fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> Answer<Map> {
-    let mut material =
-        CouponMaterial { reduction: &reduced.0, coupon, density: None, shear_file: SHEAR_FILE, shear: None };
-    let mut shear_file = String::new();
-    for (key, value) in more {
-        match key.as_str() {
-            "density" => material.density = Some(number(value, "the density")?),
-            "shear_file" => shear_file = value.to_string(),
-            other => {
-                let known = "density or shear_file";
-                return Err(refuse(format!("unknown key `{other}`: {known}")));
-            }
-        }
-    }
-    if !shear_file.is_empty() {
-        material.shear_file = &shear_file;
-    }
+    let more = Options { of: "coupon_material", map: more };
+    more.check(&["density", "shear_file"])?;
+    let density = more.map.get("density").map(|_| more.quantity("density", Density::DIMENSION)).transpose()?;
+    let shear_file = more.map.get("shear_file").map_or(SHEAR_FILE.into(), Dynamic::to_string);
+    let material = CouponMaterial { reduction: &reduced.0, coupon, density, shear_file: &shear_file, shear: None };
     let texts = material.texts().map_err(refuse)?;
     let pairs = [("material", texts.material), ("shear", texts.shear)];
     Ok(pairs.into_iter().map(|(name, text)| (name.into(), Dynamic::from(text))).collect())
@@ -42,7 +32,7 @@ fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> Answer<Map> {
 pub const ENTRIES: &[Entry] = &[Entry {
     call: "coupon_material(reduction, coupon), coupon_material(reduction, coupon, #{ density, shear_file })",
     gives: "a map of two texts: the material file of coupons of MD, TD and D3, and the shear curve's file that it names (material-shear.csv); both say how many coupons were virtual",
-    example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let t = read_coupons("data/virtual/coupons/*-0.2-*.csv", c); let m = coupon_material(reduce_coupons(t), c, #{ density: 915 }); m.material.contains("thickness = \"12 um\"") && m.shear.contains("VIRTUAL") && m.shear.contains("strain,stress_MPa")"#,
+    example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let t = read_coupons("data/virtual/coupons/*-0.2-*.csv", c); let m = coupon_material(reduce_coupons(t), c, #{ density: "0.915 g/cm3" }); m.material.contains("thickness = \"12 um\"") && m.shear.contains("VIRTUAL") && m.shear.contains("strain,stress_MPa")"#,
 }];
 
 #[cfg(test)]
@@ -58,7 +48,11 @@ mod tests {
         let unknown =
             "let c = coupon(#{ gauge: 1, width: 1, thickness: 1 }); let u = curve([0, 0.01, 0.02, 1], [0, 1, 2, 3]);
             let r = reduce_coupons([#{ direction: \"MD\", velocity: 1, curve: u }]); coupon_material(r, c";
-        for (end, expected) in [(")", "there is none of TD"), (", #{ depth: 1 })", "unknown key `depth`")] {
+        for (end, expected) in [
+            (")", "there is none of TD"),
+            (", #{ depth: 1 })", "coupon_material knows no `depth`; it takes density, shear_file"),
+            (", #{ density: \"5 m\" })", "density: expected a density"),
+        ] {
             let error = engine.run(&format!("{unknown}{end}")).unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");
         }

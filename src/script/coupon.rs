@@ -6,10 +6,10 @@ use std::sync::Arc;
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
 use super::curve::{list, numbers, spread_map, strains, yield_map};
-use super::{Answer, Entry, Session, number, refuse};
+use super::{Answer, Entry, Options, Session, refuse};
 use crate::experiment::coupon::{Along, AtSpeed, Coupon, Curve, Machine, Reading, Recorded, Reduction, Rules, Sample};
 use crate::signal::Series;
-use crate::units::{Dimension, Length, Velocity};
+use crate::units::{Length, Velocity};
 
 /// Coupons that were reduced together, in a script. Cheap to clone.
 #[derive(Clone)]
@@ -19,7 +19,7 @@ pub struct Reduced(pub Arc<Reduction>);
 pub(super) fn register(engine: &mut Engine) {
     engine.register_type_with_name::<Coupon>("coupon").register_type_with_name::<Reduced>("reduction");
     engine
-        .register_fn("coupon", |strip: Map| coupon(&strip))
+        .register_fn("coupon", |strip: Map| coupon(&Options { of: "coupon", map: &strip }))
         .register_fn("curve", |coupon: &mut Coupon, force: Series, displacement: Series| {
             coupon.curve(&force, &displacement).map_err(refuse)
         })
@@ -59,7 +59,7 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> An
     for path in &paths {
         session.reads(path);
     }
-    let reading = Reading::new(coupon, rules(given)?);
+    let reading = Reading::new(coupon, rules(&Options { of: "read_coupons", map: given })?);
     let read = |path: &PathBuf| reading.read(path).map(|recorded| recorded_map(&recorded).into());
     paths.iter().map(read).collect::<Result<Array, _>>().map_err(|error| match error.hint() {
         Some(hint) => refuse(format!("{error} ({hint})")),
@@ -68,42 +68,20 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> An
 }
 
 /// How curves are read, as a script gives it: `window`, `break_share`, `toe_compensation`.
-pub(super) fn rules(given: &Map) -> Answer<Rules> {
-    let mut rules = Rules::default();
-    for (key, value) in given {
-        match key.as_str() {
-            "window" => rules.window = strains(value)?,
-            "break_share" => rules.break_share = number(value, "break_share")?,
-            "toe_compensation" => {
-                let truth = value.as_bool();
-                rules.toe_compensation =
-                    truth.map_err(|found| refuse(format!("toe_compensation is true or false, not {found}")))?;
-            }
-            other => return Err(refuse(format!("unknown rule `{other}`: window, break_share or toe_compensation"))),
-        }
-    }
-    Ok(rules)
+fn rules(given: &Options<'_>) -> Answer<Rules> {
+    given.check(&["window", "break_share", "toe_compensation"])?;
+    let usual = Rules::default();
+    Ok(Rules {
+        window: given.map.get("window").map_or(Ok(usual.window), strains)?,
+        break_share: given.number("break_share", usual.break_share)?,
+        toe_compensation: given.truth("toe_compensation", usual.toe_compensation)?,
+    })
 }
 
-fn coupon(strip: &Map) -> Answer<Coupon> {
-    let known = ["gauge", "width", "thickness"];
-    if let Some(other) = strip.keys().find(|key| !known.contains(&key.as_str())) {
-        return Err(refuse(format!("unknown length `{other}`: a coupon has gauge, width and thickness")));
-    }
-    let length = |name: &str| quantity(entry(strip, name)?, Length::DIMENSION, name);
+fn coupon(strip: &Options<'_>) -> Answer<Coupon> {
+    strip.check(&["gauge", "width", "thickness"])?;
+    let length = |name: &str| strip.quantity(name, Length::DIMENSION);
     Coupon::new(length("gauge")?, length("width")?, length("thickness")?).map_err(refuse)
-}
-
-fn entry<'a>(map: &'a Map, name: &str) -> Answer<&'a Dynamic> {
-    map.get(name).ok_or_else(|| refuse(format!("`{name}` is missing")))
-}
-
-/// A number in the SI unit, or a text with its unit.
-fn quantity(value: &Dynamic, dimension: Dimension, what: &str) -> Answer<f64> {
-    match value.read_lock::<rhai::ImmutableString>() {
-        Some(text) => dimension.parse(&text).map_err(|error| refuse(format!("{what}: {error}"))),
-        None => number(value, what),
-    }
 }
 
 fn shear(coupon: &Coupon, curve: &Curve) -> Answer<Map> {
@@ -115,12 +93,14 @@ fn shear(coupon: &Coupon, curve: &Curve) -> Answer<Map> {
 }
 
 fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machine: Map) -> Answer<Map> {
+    let machine = Options { of: "pulled", map: &machine };
+    machine.check(&["velocity", "force_decimals", "displacement_decimals"])?;
     let decimals = |name: &str| {
-        let decimals = entry(&machine, name)?.as_int().ok().and_then(|count| u8::try_from(count).ok());
+        let decimals = machine.value(name)?.as_int().ok().and_then(|count| u8::try_from(count).ok());
         decimals.filter(|count| *count <= 15).ok_or_else(|| refuse(format!("{name} is a whole number from 0 to 15")))
     };
     let machine = Machine {
-        velocity: quantity(entry(&machine, "velocity")?, Velocity::DIMENSION, "velocity")?,
+        velocity: machine.quantity("velocity", Velocity::DIMENSION)?,
         force_decimals: decimals("force_decimals")?,
         displacement_decimals: decimals("displacement_decimals")?,
     };
@@ -134,7 +114,7 @@ fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machi
 }
 
 fn reduce(samples: &[Dynamic], given: &Map) -> Answer<Reduced> {
-    let rules = rules(given)?;
+    let rules = rules(&Options { of: "reduce_coupons", map: given })?;
     let samples = samples.iter().map(|item| sample(item, &rules)).collect::<Answer<Vec<_>>>()?;
     Reduction::of(&samples, &rules).map(|reduction| Reduced(Arc::new(reduction))).map_err(refuse)
 }
@@ -146,16 +126,14 @@ fn sample(item: &Dynamic, rules: &Rules) -> Answer<Sample> {
             item.type_name()
         )));
     };
-    let direction = entry(&map, "direction")?.to_string().parse().map_err(refuse)?;
-    let velocity = quantity(entry(&map, "velocity")?, Velocity::DIMENSION, "velocity")?;
-    let curve = entry(&map, "curve")?;
+    let test = Options { of: "a coupon's test", map: &map };
+    let direction = test.value("direction")?.to_string().parse().map_err(refuse)?;
+    let velocity = test.quantity("velocity", Velocity::DIMENSION)?;
+    let curve = test.value("curve")?;
     let Some(curve) = curve.clone().try_cast::<Curve>() else {
         return Err(refuse(format!("expected a curve, found {}", curve.type_name())));
     };
-    let is_virtual = match map.get("is_virtual") {
-        Some(said) => said.as_bool().map_err(|found| refuse(format!("is_virtual is true or false, not {found}")))?,
-        None => false,
-    };
+    let is_virtual = test.truth("is_virtual", false)?;
     let sample = Sample::new(direction, velocity, &curve, rules).map_err(refuse)?;
     Ok(Sample { is_virtual, ..sample })
 }
@@ -259,11 +237,14 @@ mod tests {
                 "coupon(#{ gauge: 1, width: 1, thickness: -1 })",
                 "the thickness of a coupon is a positive length, not -1 m",
             ),
-            ("coupon(#{ gauge: 1, width: 1 })", "`thickness` is missing"),
-            ("coupon(#{ gauge: 1, width: 1, length: 1 })", "unknown length `length`"),
+            ("coupon(#{ gauge: 1, width: 1 })", "coupon needs `thickness`"),
+            (
+                "coupon(#{ gauge: 1, width: 1, length: 1 })",
+                "coupon knows no `length`; it takes gauge, width, thickness",
+            ),
             ("reduce_coupons([])", "there is no coupon to reduce"),
             ("reduce_coupons([1])", "a coupon's test is a map of direction, velocity and curve, not i64"),
-            ("reduce_coupons([], #{ windov: 1 })", "unknown rule `windov`"),
+            ("reduce_coupons([], #{ windov: 1 })", "reduce_coupons knows no `windov`; it takes window"),
         ];
         assert_refused(&engine(), &cases);
     }
