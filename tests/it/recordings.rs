@@ -474,14 +474,24 @@ fn shaken(folder: &Path) -> PathBuf {
 fn a_filtered_channel_is_written_in_si() {
     let bench = tempfile::tempdir().expect("a folder");
     let raw = shaken(bench.path());
+    let measured = fs::read_to_string(&raw).expect("the file");
+    fs::write(&raw, format!("# a virtual recording\n{measured}")).expect("written");
     let told = |more: &[&str]| {
         let arguments = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o", "f.csv", "--json"];
         figures(&droptower(bench.path(), &[&arguments, more].concat()))
     };
     let figures = told(&[]);
     let text = fs::read_to_string(bench.path().join("f.csv")).expect("the output");
-    assert!(text.starts_with("time_s,value\n0.0,"), "{}", &text[..40]);
-    assert_eq!(text.lines().count(), 1001);
+    let (said, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with('#'));
+    let expected = [
+        "# value: accel [g] of data.csv",
+        "# unit of value: m/s2",
+        "# filtered by droptower: CFC 180 (ISO 6487)",
+        "# a virtual recording",
+    ];
+    assert_eq!(said, expected);
+    assert!(rows[0] == "time_s,value" && rows[1].starts_with("0.0,"), "{}", rows[1]);
+    assert_eq!(rows.len(), 1001);
     let wanted = Wanted { unit: Some(unit("m/s2")), ..Wanted::one(None) };
     let written = file::read(&bench.path().join("f.csv"), &wanted).expect("readable").channels.remove(0);
     let accel = file::read(&raw, &Wanted::one(Some("accel"))).expect("readable").channels.remove(0);
