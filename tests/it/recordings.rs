@@ -363,7 +363,7 @@ fn tables_with_mistakes_are_refused_in_place() {
             "r.csv:4:1: the file is truncated: its last line has 1 of 2 cells",
         ),
         ("time,a,b\n0,1\n1,2\n", Wanted::default(), "r.csv:1:1: 3 names (`time`, `a`, `b`) over 2 columns"),
-        ("0,1\n", names(&["time"]), "r.csv:1:1: 1 names (`time`) over 2 columns"),
+        ("0,1\n", names(&["time"]), "r.csv:1:1: 1 name (`time`) over 2 columns"),
         ("time,a,a\n0,1,2\n", Wanted::default(), "r.csv:1:8: two columns are called `a`"),
         ("time,,b\n0,1,2\n", Wanted::default(), "r.csv:1:6: column 2 has no name"),
         (
@@ -649,6 +649,14 @@ fn what_a_test_says_is_said_again_after_conversion() {
         let unit = fs::read_to_string(bench.path().join("Channel").join(new)).expect("the channel");
         assert_eq!(unit.matches("\nUnit  ").count(), 1, "{unit}");
     }
+    // A unit that is not known is that of the values still, and what was said of their range holds.
+    let text = fs::read_to_string(data("isomme_real_channel/test.001")).expect("the channel");
+    let odd = text.replacen(":Nm", ":furlong", 1);
+    fs::write(bench.path().join("odd.001"), odd).expect("written");
+    droptower(bench.path(), &["convert", "odd.001", "-o", "odd/O.mme"]);
+    let [odd, again] = ["odd.001", "odd/Channel/O.001"]
+        .map(|path| lines_but(&bench.path().join(path), &["First", "Time of", "Sampling"]));
+    assert_eq!(odd, again);
     let [original, again] = [&fixture, &written].map(|path| file::read(path, &Wanted::default()).expect("readable"));
     assert_eq!(original.remarks, again.remarks);
     for (original, again) in original.channels.iter().zip(&again.channels) {
