@@ -1,5 +1,6 @@
 //! Mistakes in what a user wrote: where, what, and what to write instead; several at once.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
@@ -122,16 +123,25 @@ impl Diagnostic {
     /// The mistake as a report with the line it is on; `styled` adds colours for a terminal.
     pub fn render(&self, styled: bool) -> String {
         let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
-        let title = Level::ERROR.primary_title(self.message.as_str());
+        let message = printable(&self.message);
+        let hint = self.hint.as_deref().map(printable);
+        let title = Level::ERROR.primary_title(message.as_ref());
         let Some(span) = &self.span else {
-            let help = self.hint.iter().map(|hint| Level::HELP.message(hint));
+            let help = hint.iter().map(|hint| Level::HELP.message(hint.as_ref()));
             return renderer.render(&[title.elements(help)]);
         };
-        let mark = AnnotationKind::Primary.span(span.range.clone()).label(self.hint.as_deref());
+        let mark = AnnotationKind::Primary.span(span.range.clone()).label(hint.as_deref());
         let snippet = Snippet::source(&span.source.text).line_start(span.source.first_line);
-        let snippet = snippet.path(&span.source.name).annotation(mark);
+        let name = printable(&span.source.name);
+        let snippet = snippet.path(name.as_ref()).annotation(mark);
         renderer.render(&[title.element(snippet)])
     }
+}
+
+/// The text without what would steer a terminal: names and notes of files are written by strangers.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let steers = |letter: char| letter.is_control() && letter != '\n' && letter != '\t';
+    if text.contains(steers) { text.replace(steers, "\u{fffd}").into() } else { text.into() }
 }
 
 /// All mistakes, one report after the other.
@@ -153,6 +163,11 @@ pub fn closest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> O
         .filter(|(likeness, _)| *likeness > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| name)
+}
+
+/// The folder that the file at `path` is in; `.` where the path does not name one.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// `path` without `..` detours, relative to the working directory where it lies below it.
@@ -199,6 +214,17 @@ error: unknown key `thicknes`
 3 | thicknes = \"12 um\"
   | ^^^^^^^^ did you mean `thickness`?";
         assert_eq!(mistake.render(false), expected);
+    }
+
+    #[test]
+    fn nothing_steers_the_terminal() {
+        assert_eq!(printable("a\tb\nc \u{b0}"), "a\tb\nc \u{b0}");
+        assert_eq!(printable("\u{1b}[31mred\r\u{9b}2J"), "\u{fffd}[31mred\u{fffd}\u{fffd}2J");
+        let source = Source::unfiled("\u{1b}[2J", "\u{1b}[31m,x\n".to_owned());
+        let mistake = Diagnostic::new("no `\u{1b}[1m`").hint("\u{7}");
+        for shown in [mistake.clone().at(&Span::position(&source, 1, 7)), mistake] {
+            assert!(!shown.render(false).contains(|c: char| c.is_control() && c != '\n'), "{shown:?}");
+        }
     }
 
     #[test]

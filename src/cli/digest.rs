@@ -1,5 +1,6 @@
 //! A run in a few lines, as the terminal shows it.
 
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -43,17 +44,18 @@ const MOST_NAMED: usize = 9;
 /// The names, where a folder holds many only the folder and how many.
 fn gathered(files: &[String]) -> Vec<String> {
     let folder = |name: &str| name.rsplit_once('/').map_or(String::new(), |(folder, _)| folder.to_owned());
-    let count = |of: &str| files.iter().filter(|name| folder(name) == of).count();
-    let mut shown: Vec<String> = Vec::new();
+    let mut counts: HashMap<String, usize> = HashMap::new();
     for name in files {
-        let folder = folder(name);
-        let many = !folder.is_empty() && count(&folder) > MOST_NAMED;
-        let entry = if many { format!("{folder}/ ({} files)", count(&folder)) } else { name.clone() };
-        if !shown.contains(&entry) {
-            shown.push(entry);
-        }
+        *counts.entry(folder(name)).or_default() += 1;
     }
-    shown
+    let mut said = HashSet::new();
+    let mut entry = |name: &String| {
+        let folder = folder(name);
+        let count = counts.get(&folder).copied().filter(|count| !folder.is_empty() && *count > MOST_NAMED);
+        let Some(count) = count else { return Some(name.clone()) };
+        said.insert(folder.clone()).then(|| format!("{folder}/ ({count} files)"))
+    };
+    files.iter().filter_map(&mut entry).collect()
 }
 
 fn cost(audit: &Audit) -> String {

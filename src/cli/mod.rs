@@ -10,6 +10,7 @@ mod forecast;
 mod functions;
 mod list;
 mod new;
+mod output;
 mod progress;
 mod run;
 mod scenarios;
@@ -110,9 +111,9 @@ pub fn report(mistakes: &[Diagnostic]) -> ExitCode {
     ExitCode::from(BAD_INPUT)
 }
 
-/// Prints text on standard output; a reader that has had enough (`| head`) is no failure.
+/// Prints text on standard output, without what would steer the terminal; a reader that has had enough (`| head`) is no failure.
 pub fn print(text: &str) -> ExitCode {
-    match writeln!(io::stdout(), "{text}") {
+    match writeln!(io::stdout(), "{}", diagnostic::printable(text)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => report(&[Diagnostic::new(format!("cannot print: {error}"))]),

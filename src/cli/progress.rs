@@ -94,7 +94,7 @@ impl Bar {
 
     fn print(&self, text: &str) {
         // A closed standard error leaves no place to complain to.
-        self.bar.suspend(|| drop(writeln!(io::stderr(), "{text}")));
+        self.bar.suspend(|| drop(writeln!(io::stderr(), "{}", diagnostic::printable(text))));
     }
 
     /// Takes the bar away.

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use super::faults::{WRITE_FAILURE, reading, script, storing};
 use super::{Shared, digest, folder, print, print_json, report, scenarios, table};
-use crate::diagnostic::{Diagnostic, shown_path};
+use crate::diagnostic::{Diagnostic, printable, shown_path};
 use crate::identify::{self, Heard, Identity, Laboratory};
 use crate::post;
 use crate::report::{StudyPage, study_page};
@@ -79,7 +79,7 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     let say = move |line: &str| {
         if !quiet {
             // Nobody may be listening; what a script logs is kept for the report anyway.
-            let _ = writeln!(io::stderr(), "{line}");
+            let _ = writeln!(io::stderr(), "{}", printable(line));
         }
     };
     let ledger = Ledger::new(RESERVED.map(String::from).into(), say);

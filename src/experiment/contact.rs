@@ -4,7 +4,7 @@
 use serde::Serialize;
 use thiserror::Error;
 
-use super::fit::least_squares;
+use super::fit::{Moments, least_squares};
 use crate::signal::{Series, integrate};
 
 /// Where contact time and impact speed were taken from.
@@ -37,7 +37,7 @@ pub struct Contact {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ContactError {
     #[error(
-        "laser: it measured at fewer than {FEWEST} times from the release at {release:.4} s to the end at {end:.4} s"
+        "laser: from the release at {release:.4} s to the end at {end:.4} s it nowhere measured at {FEWEST} times within {LASER_LENGTH} s"
     )]
     LaserNeverOverlaps { release: f64, end: f64 },
     #[error("laser: it rises while the impactor falls; its values must count upward from the film's upper face")]
@@ -48,8 +48,16 @@ pub enum ContactError {
     NotSoDeep { height: f64 },
     #[error("acceleration: integrated from rest it does not reach {speed} m/s; is the speed right?")]
     NotSoFast { speed: f64 },
-    #[error("acceleration: too few samples around {near:.4} s to see the onset of the force")]
-    NoOnset { near: f64 },
+    #[error(
+        "acceleration: no onset of the force is seen near {near:.4} s, where the fall {}; is the {} right?",
+        known.came(), known.what()
+    )]
+    NoOnset { near: f64, known: Known },
+    #[error(
+        "acceleration: a fall that {} would need the sensor's zero {offset:.3} m/s² off its mean at rest, which is known to {error:.4} m/s²; is the {} right?",
+        known.came(), known.what()
+    )]
+    NotClosed { known: Known, offset: f64, error: f64 },
     #[error("the contact time did not settle within {MOST_ROUNDS} rounds")]
     NotSettled,
 }
@@ -61,26 +69,30 @@ const MOST_ROUNDS: u32 = 50;
 const SETTLED: f64 = 1e-6;
 /// Stretch around the presumed contact in which the laser counts, s: the first pass through its range, not the rebound.
 const LASER_SPAN: [f64; 2] = [-0.02, 0.06];
+const LASER_LENGTH: f64 = 0.08;
 
 /// Matches the motion to the `laser` (m, upward from the film's upper face; `NaN` where it saw nothing).
 ///
 /// `acceleration` gives the corrected acceleration (m/s²) for a presumed contact time (s). In each round its double
 /// integral, plus place and speed at the presumed contact, is brought to the laser by linear least squares; contact is where the
-/// matched motion passes zero. The first presumption is `ideal` (s), the ideal fall's contact time.
+/// matched motion passes zero. The first presumption is where the laser first measured after the `release` (s), or, where nothing
+/// comes of that since it saw the whole fall, `ideal` (s), the ideal fall's contact time.
 pub fn by_laser(
     acceleration: impl Fn(f64) -> Series,
     laser: &Series,
     release: f64,
     ideal: f64,
 ) -> Result<Contact, ContactError> {
-    let end = laser.time().last().copied().unwrap_or(release);
-    let mut presumed = ideal;
+    let search = |from: f64| settled(&acceleration, laser, first_pass(laser, release, from)?);
+    search(release).or_else(|_| search(ideal.max(release)))
+}
+
+/// Contact after the rounds from the `presumed` time (s) on.
+fn settled(acceleration: impl Fn(f64) -> Series, laser: &Series, mut presumed: f64) -> Result<Contact, ContactError> {
     for round in 1..=MOST_ROUNDS {
-        let pass = pass(laser, presumed.max(release));
+        let pass = pass(laser, presumed);
         if pass.len() < FEWEST {
-            let later = first_measured(laser, presumed.max(release));
-            presumed = later.filter(|t| *t > presumed).ok_or(ContactError::LaserNeverOverlaps { release, end })?;
-            continue;
+            return Err(ContactError::NoCrossing { near: presumed });
         }
         let matched = Matched::find(&acceleration(presumed), &pass, presumed)?;
         let (time, velocity) = matched.crossing(presumed)?;
@@ -99,8 +111,12 @@ fn pass(laser: &Series, presumed: f64) -> Vec<[f64; 2]> {
     near.samples().filter(|[_, place]| place.is_finite()).collect()
 }
 
-fn first_measured(laser: &Series, from: f64) -> Option<f64> {
-    laser.samples().find(|[t, place]| *t > from && place.is_finite()).map(|[t, _]| t)
+/// Where the laser is first looked at, s: around the time `from`, or where it next measured.
+fn first_pass(laser: &Series, release: f64, from: f64) -> Result<f64, ContactError> {
+    let end = laser.time().last().copied().unwrap_or(release);
+    let measured = laser.samples().filter(|[t, place]| *t > from && place.is_finite()).map(|[t, _]| t);
+    let found = std::iter::once(from).chain(measured).find(|place| pass(laser, *place).len() >= FEWEST);
+    found.ok_or(ContactError::LaserNeverOverlaps { release, end })
 }
 
 /// A motion that agrees with the laser.
@@ -183,6 +199,22 @@ impl Known {
         }
     }
 
+    /// What the fall has come to.
+    fn came(self) -> String {
+        match self {
+            Known::Height(height) => format!("covers {height} m"),
+            Known::Speed(speed) => format!("reaches {speed:.3} m/s"),
+        }
+    }
+
+    /// Its name.
+    pub(super) fn what(self) -> &'static str {
+        match self {
+            Known::Height(_) => "height",
+            Known::Speed(_) => "speed",
+        }
+    }
+
     fn unreached(self) -> ContactError {
         match self {
             Known::Height(height) => ContactError::NotSoDeep { height },
@@ -191,17 +223,44 @@ impl Known {
     }
 }
 
+/// The sensor's zero as the rest before the release tells it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Zero {
+    /// Samples that it is the mean of.
+    pub samples: usize,
+    /// Standard deviation of one sample, m/s².
+    pub deviation: f64,
+}
+
+impl Zero {
+    /// Standard error of the mean, m/s².
+    pub fn error(&self) -> f64 {
+        self.deviation / (self.samples.max(1) as f64).sqrt()
+    }
+}
+
+/// A fall that was closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closed {
+    pub contact: Contact,
+    /// Offset beyond the mean of the rest that closes the fall, m/s².
+    pub offset: f64,
+    /// The offset is larger than the rest lets expect.
+    pub doubtful: bool,
+}
+
+/// Closing offsets beyond so many standard errors, and beyond so large a share of what is known, are doubtful or refused.
+const DOUBTFUL: [f64; 2] = [5.0, 0.0025];
+const REFUSED: [f64; 2] = [10.0, 0.01];
+
 /// A fall without laser: from rest to what is `known` of it, with the sensor's offset as the unknown that closes it.
 ///
 /// `acceleration` gives the corrected acceleration (m/s²) from rest on, where the offset is larger by its argument (m/s²) than the
-/// mean of `rest` samples. In each round the onset of the force is looked for near the time at which the fall with the offset of
-/// the rest has come to what is known, and the offset becomes the one with which it comes there exactly then. Returns
-/// contact and offset.
-pub fn by_fall(
-    acceleration: impl Fn(f64) -> Series,
-    known: Known,
-    rest: usize,
-) -> Result<(Contact, f64), ContactError> {
+/// mean of the rest, which is the sensor's `zero`. In each round the onset of the force is looked for near the time at which the
+/// fall with the offset of the rest has come to what is known, and the offset becomes the one with which it comes there exactly
+/// then. A fall that no onset ends, or that only an offset far beyond the scatter of the rest would close, is another one than
+/// what is `known` of it.
+pub fn by_fall(acceleration: impl Fn(f64) -> Series, known: Known, zero: Zero) -> Result<Closed, ContactError> {
     let reached = |offset: f64| known.integral(&acceleration(offset));
     let reached_at = |offset: f64, time: f64| reached(offset).at(time).ok_or(known.unreached());
     let fallen = crossing(&reached(0.0), known.level()).ok_or(known.unreached())?;
@@ -210,17 +269,25 @@ pub fn by_fall(
     let sway = reached_at(1.0, fallen)? - reached_at(0.0, fallen)?;
     // Noise moves the mean of the rest, and integrated the fall as much again; both in proportion to the noise, whose square
     // the sum over the onset is measured in.
-    let trust = 0.5 * rest as f64 * (rate / sway).powi(2);
+    let trust = 0.5 * zero.samples as f64 * (rate / sway).powi(2);
     let (mut offset, mut presumed) = (0.0, fallen);
     for round in 1..=MOST_ROUNDS {
         let corrected = acceleration(offset);
-        let time = onset(&corrected, presumed, |time| trust * (time - fallen).powi(2))?;
+        let time = onset(&corrected, presumed, |time| trust * (time - fallen).powi(2));
+        let time = time.ok_or(ContactError::NoOnset { near: presumed, known })?;
         let (without, with) = (reached_at(0.0, time)?, reached_at(1.0, time)?);
         offset = (known.level() - without) / (with - without);
         if (time - presumed).abs() <= 1.01 * step(&corrected) {
+            let beyond = |[errors, share]: [f64; 2]| {
+                offset.abs() > errors * zero.error() && (offset * sway / known.level()).abs() > share
+            };
+            if beyond(REFUSED) {
+                return Err(ContactError::NotClosed { known, offset, error: zero.error() });
+            }
             let velocity = integrate::once(&acceleration(offset), 0.0).at(time).ok_or(known.unreached())?;
             let speed_from = known.speed_from();
-            return Ok((Contact { time, velocity, iterations: round, laser_residual: None, speed_from }, offset));
+            let contact = Contact { time, velocity, iterations: round, laser_residual: None, speed_from };
+            return Ok(Closed { contact, offset, doubtful: beyond(DOUBTFUL) });
         }
         presumed = time;
     }
@@ -235,26 +302,82 @@ fn step(series: &Series) -> f64 {
     }
 }
 
+/// An onset takes at least so many variances from the sum of squares that a straight line leaves: by chance hardly ever.
+const SEEN: f64 = 60.0;
+
 /// Where a constant before and a cubic after describe the acceleration around `near` (s) best, in the sum of squares together with
-/// the `penalty` (m²/s⁴) of a time.
+/// the `penalty` (m²/s⁴) of a time; none where a straight line does as well, where the acceleration does not rise to the end, and
+/// where the best time is the first or last that is looked at.
 ///
 /// The two need not meet: the guide's friction ends with the fall. Between two samples all times are alike; the middle is given.
-fn onset(acceleration: &Series, near: f64, penalty: impl Fn(f64) -> f64) -> Result<f64, ContactError> {
+fn onset(acceleration: &Series, near: f64, penalty: impl Fn(f64) -> f64) -> Option<f64> {
     let around = acceleration.window(ONSET_SPAN.map(|span| near + span));
-    let (time, a) = (around.time(), around.values());
-    let first = time.partition_point(|t| *t < near - ONSET_SEARCH);
+    let time = around.time();
+    let first = time.partition_point(|t| *t < near - ONSET_SEARCH).max(1);
     let last = time.partition_point(|t| *t <= near + ONSET_SEARCH);
-    let left = |k: &usize| {
-        let before = (0..*k).map(|i| ([1.0], a[i]));
-        let after = (*k..time.len()).map(|i| {
-            let u = (time[i] - time[*k]) / ONSET_SEARCH;
-            ([1.0, u, u * u, u * u * u], a[i])
-        });
-        Some((least_squares(before)?.1 + least_squares(after)?.1 + penalty(time[*k]), *k))
-    };
-    let best = (first.max(1)..last).collect::<Vec<_>>().iter().filter_map(left).min_by(|a, b| a.0.total_cmp(&b.0));
-    let (_, k) = best.filter(|_| time.len() - last >= 4).ok_or(ContactError::NoOnset { near })?;
-    Ok(0.5 * (time[k - 1] + time[k]))
+    if time.len() < last + 4 {
+        return None;
+    }
+    let split = Split::new(&around, near, first..last);
+    let best = split.pieces.iter().min_by(|a, b| {
+        let sum = |piece: &Piece| piece.left + penalty(time[piece.from]);
+        sum(a).total_cmp(&sum(b))
+    })?;
+    let variance = best.left / (time.len() - 5) as f64;
+    let is_seen = split.line - best.left > SEEN * variance;
+    let is_inside = best.from > first && best.from + 1 < last;
+    (is_seen && is_inside && best.rise > 0.0).then(|| 0.5 * (time[best.from - 1] + time[best.from]))
+}
+
+/// All ways to part a signal into a constant and a cubic.
+struct Split {
+    pieces: Vec<Piece>,
+    /// Sum of squares that a straight line leaves of the whole.
+    line: f64,
+}
+
+/// One of them.
+struct Piece {
+    /// First sample of the cubic.
+    from: usize,
+    /// Sum of squares that both leave.
+    left: f64,
+    /// From the constant to the end of the cubic.
+    rise: f64,
+}
+
+impl Split {
+    /// Sums run along the signal once, so that time grows with its samples alone.
+    fn new(signal: &Series, near: f64, places: std::ops::Range<usize>) -> Split {
+        let mean = signal.values().iter().sum::<f64>() / signal.len().max(1) as f64;
+        let row = |[t, a]: [f64; 2]| ((t - near) / ONSET_SEARCH, a - mean);
+        let rows: Vec<(f64, f64)> = signal.samples().map(row).collect();
+        let cubic = |u: f64| [1.0, u, u * u, u * u * u];
+        let mut after = Moments::default();
+        let mut tails: Vec<_> = rows
+            .iter()
+            .enumerate()
+            .rev()
+            .filter_map(|(k, (u, a))| {
+                after.add(cubic(*u), *a);
+                places.contains(&k).then(|| after.solve())
+            })
+            .collect();
+        let (mut before, mut line) = (Moments::default(), Moments::default());
+        let mut pieces = Vec::new();
+        for (k, (u, a)) in rows.iter().enumerate() {
+            if places.contains(&k)
+                && let (Some(([constant], head)), Some((tail, rest))) = (before.solve(), tails.pop().flatten())
+            {
+                let end = rows.last().map_or([0.0; 4], |(u, _)| cubic(*u));
+                let rise = tail.iter().zip(end).map(|(c, x)| c * x).sum::<f64>() - constant;
+                pieces.push(Piece { from: k, left: head + rest, rise });
+            }
+            before.add([1.0], *a);
+            line.add([1.0, *u], *a);
+        }
+        Split { pieces, line: line.solve().map_or(0.0, |(_, left)| left) }
+    }
 }
 
 #[cfg(test)]
@@ -264,6 +387,7 @@ mod tests {
     const STEP: f64 = 1e-4;
     const CONTACT: f64 = 0.48317;
     const NET: f64 = 8.6;
+    const ZERO: Zero = Zero { samples: 1, deviation: 0.05 };
 
     /// Falls with NET from t = 0; from CONTACT on −9.8 + 400 u + 3000 u² m/s².
     fn acceleration(t: f64) -> f64 {
@@ -314,7 +438,8 @@ mod tests {
     fn a_fall_of_which_height_or_speed_is_known_gives_them_too() {
         let known = [Known::Height(0.5 * NET * CONTACT * CONTACT), Known::Speed(NET * CONTACT)];
         for (known, wrong) in known.into_iter().flat_map(|known| [0.0, 0.02, -0.03].map(|wrong| (known, wrong))) {
-            let (contact, offset) = by_fall(|offset| sampled(|t| acceleration(t) + wrong - offset), known, 1).unwrap();
+            let fall = |offset: f64| sampled(|t| acceleration(t) + wrong - offset);
+            let Closed { contact, offset, .. } = by_fall(fall, known, ZERO).unwrap();
             assert!((contact.time - CONTACT).abs() < STEP, "{contact:?}");
             assert!((contact.velocity / (-NET * CONTACT) - 1.0).abs() < 5e-4, "{contact:?}");
             assert!((offset - wrong).abs() < 5e-3, "{offset}");
@@ -323,8 +448,36 @@ mod tests {
 
     #[test]
     fn what_a_fall_never_comes_to_is_refused() {
-        let fall = |known| by_fall(|offset| sampled(|t| acceleration(t) - offset), known, 1);
+        let fall = |known| by_fall(|offset| sampled(|t| acceleration(t) - offset), known, ZERO);
         assert_eq!(fall(Known::Height(9.0)), Err(ContactError::NotSoDeep { height: 9.0 }));
         assert_eq!(fall(Known::Speed(9.0)), Err(ContactError::NotSoFast { speed: 9.0 }));
+    }
+
+    /// The guide goes on rubbing less and less, without an impact; and one whose force falls off.
+    #[test]
+    fn what_does_not_rise_at_once_is_no_onset() {
+        let known = Known::Height(1.0);
+        for end in [0.0, -40.0] {
+            let after = |t: f64| if t < CONTACT { 0.0 } else { end * (t - CONTACT) };
+            let found = by_fall(|offset| sampled(|t| 0.5 * t - NET + after(t) - offset), known, ZERO);
+            assert!(matches!(found, Err(ContactError::NoOnset { .. })), "{end}: {found:?}");
+        }
+    }
+
+    /// So slow that a wrong height leaves the onset within the search: only the offset shows it.
+    #[test]
+    fn an_offset_that_the_rest_contradicts_closes_no_fall() {
+        let time = 0.15;
+        let height = 0.5 * NET * time * time;
+        let zero = Zero { samples: 100, deviation: 0.1 };
+        let close = |share: f64| {
+            let fall = |offset: f64| sampled(|t| acceleration(t + CONTACT - time) - offset);
+            by_fall(fall, Known::Height(share * height), zero)
+        };
+        assert!(!close(1.0).unwrap().doubtful);
+        assert!(close(1.007).unwrap().doubtful);
+        for share in [0.98, 1.02] {
+            assert!(matches!(close(share), Err(ContactError::NotClosed { .. })), "{share}: {:?}", close(share));
+        }
     }
 }

@@ -5,6 +5,7 @@ pub mod contact;
 pub mod coupling;
 pub mod coupon;
 pub mod drop;
+pub mod fall;
 mod fit;
 pub mod ramp;
 pub mod release;

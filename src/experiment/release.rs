@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::contact::Zero;
 use crate::signal::Series;
 use crate::signal::filter::{self, FilterError, Standard};
 
@@ -21,8 +22,8 @@ const BLOW: f64 = 1.0;
 pub struct Release {
     /// Mean reading at rest, m/s²: the sensor's zero.
     pub offset: f64,
-    /// Samples that it is the mean of.
-    pub rest: usize,
+    /// The rest that it is the mean of.
+    pub zero: Zero,
     /// End of the rest, s.
     pub rest_end: f64,
     /// Where the reading falls: from a tenth to nearly all of the depth that it reaches, s.
@@ -75,7 +76,9 @@ impl Release {
             return Err(ReleaseError::NoRest { rest: length.max(0.0), release: time[top] });
         }
         let offset = rest.values().iter().sum::<f64>() / rest.len() as f64;
-        Ok(Release { offset, rest: rest.len(), rest_end, flank: [time[top], time[bottom]], blow: time[blow] })
+        let squares = rest.values().iter().map(|r| (r - offset).powi(2)).sum::<f64>();
+        let zero = Zero { samples: rest.len(), deviation: (squares / (rest.len() - 1) as f64).sqrt() };
+        Ok(Release { offset, zero, rest_end, flank: [time[top], time[bottom]], blow: time[blow] })
     }
 }
 

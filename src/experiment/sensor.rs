@@ -9,35 +9,20 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use thiserror::Error;
 
 use super::coupling::high_pass;
+use super::fall::{Fall, FallError, Motion};
 use crate::signal::csv::clean_time;
 use crate::signal::{Channel, Recording, Series};
 use crate::units::STANDARD_GRAVITY;
 
-/// The fall before a simulated impact: rest, the magnet letting go, then a constant net acceleration.
-///
-/// The net acceleration is what covers the height and reaches the speed; the guide's friction has the rest of gravity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fall {
-    /// m.
-    pub height: f64,
-    /// Speed at first contact, m/s, positive.
-    pub speed: f64,
-    /// m/s².
-    pub gravity: f64,
-    /// Time over which the magnet's force falls to zero as a parabola with its vertex at the end, s. The paper sees
-    /// the reading fall over 32 ms.
-    pub letting_go: f64,
-}
-
-/// Why there is no such fall or recording.
+/// Why there is no such recording.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SensorError {
     #[error("{what} is {value}, but must be {must_be}")]
     Value { what: &'static str, value: f64, must_be: &'static str },
-    #[error("a fall over {height} m does not reach {speed} m/s: {needed:.2} m/s² would be needed, more than gravity")]
-    TooFast { height: f64, speed: f64, needed: f64 },
-    #[error("the simulated impact has no {channel} at {time} s after contact")]
-    NoImpact { channel: &'static str, time: f64 },
+    #[error(transparent)]
+    Fall(#[from] FallError),
+    #[error("{length} s at {rate} samples a second are more than {MOST_SAMPLES} samples")]
+    TooLong { length: f64, rate: f64 },
 }
 
 /// Piezoelectric accelerometer, AC-coupled, digitised.
@@ -109,6 +94,8 @@ pub struct VirtualDrop {
 
 /// Steps of the true motion per sample of the recording.
 const OVERSAMPLING: usize = 10;
+/// Most samples of a recording: more is a mistake before it is a wish.
+pub const MOST_SAMPLES: usize = 1_000_000;
 
 /// What the `sensors` read in a drop whose impact was simulated: `acceleration` (m/s², coordinate acceleration, upward) and
 /// `displacement` (m) from contact on. The same `seed` gives the same recording, bit for bit.
@@ -124,15 +111,14 @@ pub fn virtual_drop(
     let release = release_time(sensors.rest, seed);
     let contact_time = release + motion.fall_time();
     let step = 1.0 / sensors.sample_rate;
-    let end = contact_time + motion.last;
-    let count = (end / step).floor() as usize;
+    let count = samples(contact_time + motion.last, sensors.sample_rate)?;
     let time: Vec<f64> = (0..=count).map(|i| clean_time(i as f64 * step)).collect();
 
     let fine = (0..=count * OVERSAMPLING).map(|j| j as f64 * step / OVERSAMPLING as f64);
     let fine: Vec<f64> = fine.collect();
     let proper = fine.iter().map(|t| Some(motion.acceleration(t - release)? + fall.gravity));
     let proper = proper.collect::<Option<Vec<f64>>>();
-    let proper = proper.ok_or(SensorError::NoImpact { channel: "acceleration", time: motion.last })?;
+    let proper = proper.ok_or(FallError::NoImpact { channel: "acceleration", time: motion.last })?;
     let coupled = high_pass(&Series::new(fine, proper), sensors.accelerometer.time_constant);
     let sampled = coupled.values().iter().step_by(OVERSAMPLING).copied();
     let mut channels = vec![Channel {
@@ -141,10 +127,17 @@ pub fn virtual_drop(
     }];
     if let Some(laser) = &sensors.laser {
         let places = time.iter().map(|t| motion.place(t - release)).collect::<Option<Vec<f64>>>();
-        let places = places.ok_or(SensorError::NoImpact { channel: "displacement", time: motion.last })?;
+        let places = places.ok_or(FallError::NoImpact { channel: "displacement", time: motion.last })?;
         channels.push(Channel { name: "laser_m".into(), values: laser.read(&places, &mut noise(seed, 2)) });
     }
     Ok(VirtualDrop { recording: Recording { time, channels }, contact_time })
+}
+
+/// Steps that a recording of `length` (s) takes.
+fn samples(length: f64, rate: f64) -> Result<usize, SensorError> {
+    let count = (length / (1.0 / rate)).floor();
+    let fits = count < MOST_SAMPLES as f64;
+    fits.then_some(count as usize).ok_or(SensorError::TooLong { length, rate })
 }
 
 /// One source of noise; the others do not change where one is left out.
@@ -165,14 +158,15 @@ impl Sensors {
         let Accelerometer { time_constant, noise, offset, range, bits } = accelerometer;
         let positive =
             [("the time constant", *time_constant), ("the range", *range), ("the sample rate", *sample_rate)];
-        let mut ranges = vec![(rest[0] >= 0.0 && rest[1] >= rest[0], "the rest", rest[1], "a range of times")];
+        let is_range = rest[0] >= 0.0 && rest[1] >= rest[0] && rest[1].is_finite();
+        let mut ranges = vec![(is_range, "the rest", rest[1], "a range of times")];
         ranges.extend(positive.map(|(what, value)| (value > 0.0 && value.is_finite(), what, value, "positive")));
-        ranges.push((*noise >= 0.0, "the noise", *noise, "zero or more"));
+        ranges.push((*noise >= 0.0 && noise.is_finite(), "the noise", *noise, "zero or more"));
         ranges.push((offset.is_finite(), "the offset", *offset, "finite"));
         ranges.push(((1..=32).contains(bits), "the number of bits", f64::from(*bits), "1 to 32"));
         if let Some(Laser { range, noise, bits }) = laser {
             ranges.push((range[1] > range[0], "the laser's upper limit", range[1], "above its lower one"));
-            ranges.push((*noise >= 0.0, "the laser's noise", *noise, "zero or more"));
+            ranges.push((*noise >= 0.0 && noise.is_finite(), "the laser's noise", *noise, "zero or more"));
             ranges.push(((1..=32).contains(bits), "the laser's number of bits", f64::from(*bits), "1 to 32"));
         }
         let wrong = ranges.into_iter().find(|(holds, ..)| !holds);
@@ -211,86 +205,6 @@ impl Laser {
 fn rounded(value: f64, per_unit: f64) -> f64 {
     // Adding zero makes −0 a 0.
     (value * per_unit).round() / per_unit + 0.0
-}
-
-/// The true motion; times count from the release.
-struct Motion<'a> {
-    fall: &'a Fall,
-    /// Time from the magnet's last force to contact, s.
-    free: f64,
-    /// Net acceleration of the fall, m/s², positive.
-    net: f64,
-    acceleration: &'a Series,
-    displacement: &'a Series,
-    /// Last simulated time after contact, s.
-    last: f64,
-}
-
-impl Motion<'_> {
-    fn new<'a>(fall: &'a Fall, acceleration: &'a Series, displacement: &'a Series) -> Result<Motion<'a>, SensorError> {
-        let (free, net) = fall.solve()?;
-        let ends = [acceleration, displacement].map(|series| series.time().last().copied().unwrap_or(f64::NAN));
-        let last = ends[0].min(ends[1]);
-        for (series, channel) in [(acceleration, "acceleration"), (displacement, "displacement")] {
-            if series.at(0.0).is_none() || last.is_nan() || last <= 0.0 {
-                return Err(SensorError::NoImpact { channel, time: 0.0 });
-            }
-        }
-        Ok(Motion { fall, free, net, acceleration, displacement, last })
-    }
-
-    fn fall_time(&self) -> f64 {
-        self.fall.letting_go + self.free
-    }
-
-    fn acceleration(&self, t: f64) -> Option<f64> {
-        let since_contact = t - self.fall_time();
-        if since_contact >= 0.0 {
-            return self.acceleration.at(since_contact.min(self.last));
-        }
-        let s = (t / self.fall.letting_go).clamp(0.0, 1.0);
-        Some(-self.net * (2.0 * s - s * s))
-    }
-
-    /// Height of the impactor's lowest point over the film's upper face, m.
-    fn place(&self, t: f64) -> Option<f64> {
-        let since_contact = t - self.fall_time();
-        if since_contact >= 0.0 {
-            return self.displacement.at(since_contact.min(self.last));
-        }
-        let Fall { height, letting_go, .. } = *self.fall;
-        let s = (t / letting_go).clamp(0.0, 1.0);
-        let free = (t - letting_go).max(0.0);
-        let let_go = letting_go * letting_go * (s * s * s / 3.0 - s * s * s * s / 12.0);
-        Some(height - self.net * (let_go + 2.0 / 3.0 * letting_go * free + 0.5 * free * free))
-    }
-}
-
-impl Fall {
-    /// Time from the magnet's last force to contact (s) and net acceleration (m/s²).
-    ///
-    /// With T the time of letting go, t the rest and A the acceleration: H = A(T²/4 + ⅔Tt + ½t²), v = A(⅔T + t).
-    fn solve(&self) -> Result<(f64, f64), SensorError> {
-        let Fall { height, speed, gravity, letting_go } = *self;
-        for (what, value) in [("the height", height), ("the speed", speed), ("gravity", gravity)] {
-            if value.is_nan() || value <= 0.0 {
-                return Err(SensorError::Value { what, value, must_be: "positive" });
-            }
-        }
-        if letting_go.is_nan() || letting_go <= 0.0 {
-            return Err(SensorError::Value { what: "the time of letting go", value: letting_go, must_be: "positive" });
-        }
-        let half = 1.0 / 3.0 * speed * letting_go - 0.5 * height;
-        let constant = 0.25 * speed * letting_go * letting_go - 2.0 / 3.0 * height * letting_go;
-        let free = (-half + (half * half - 0.5 * speed * constant).sqrt()) / (0.5 * speed);
-        let needed = speed / (2.0 / 3.0 * letting_go + free);
-        if free > 0.0 && needed <= gravity {
-            return Ok((free, needed));
-        }
-        // Without a solution not even the whole height at once would do.
-        let needed = if free > 0.0 { needed } else { 0.5 * speed * speed / height };
-        Err(SensorError::TooFast { height, speed, needed })
-    }
 }
 
 #[cfg(test)]
@@ -364,14 +278,23 @@ mod tests {
     }
 
     #[test]
-    fn falls_that_cannot_be_are_refused() {
+    fn recordings_that_no_memory_holds_are_refused() {
         let [acceleration, displacement] = impact();
-        let record = |fall: Fall| virtual_drop(&acceleration, &displacement, &fall, &Sensors::default(), 8).map(|_| ());
-        assert!(matches!(record(Fall { speed: 4.6, ..FALL }), Err(SensorError::TooFast { .. })));
-        assert!(matches!(record(Fall { height: 0.0, ..FALL }), Err(SensorError::Value { what: "the height", .. })));
-        assert!(matches!(record(Fall { height: 0.01, ..FALL }), Err(SensorError::TooFast { .. })));
-        let early = acceleration.window([0.01, 0.1]);
-        let missing = virtual_drop(&early, &displacement, &FALL, &Sensors::default(), 8).map(|_| ());
-        assert_eq!(missing, Err(SensorError::NoImpact { channel: "acceleration", time: 0.0 }));
+        let told = |sensors: Sensors| {
+            virtual_drop(&acceleration, &displacement, &FALL, &sensors, 8).map(|_| ()).unwrap_err().to_string()
+        };
+        let sensors = Sensors::default();
+        for (sensors, expected) in [
+            (Sensors { sample_rate: 1e12, ..sensors }, "are more than 1000000 samples"),
+            (Sensors { sample_rate: 1e20, ..sensors }, "are more than 1000000 samples"),
+            (Sensors { sample_rate: f64::MAX, ..sensors }, "are more than 1000000 samples"),
+            (Sensors { rest: [1e9, 1e9], ..sensors }, "are more than 1000000 samples"),
+            (Sensors { rest: [0.0, f64::INFINITY], ..sensors }, "the rest is inf, but must be a range of times"),
+            (Sensors { rest: [0.0, f64::NAN], ..sensors }, "the rest is NaN, but must be a range of times"),
+            (Sensors { sample_rate: f64::INFINITY, ..sensors }, "the sample rate is inf, but must be positive"),
+        ] {
+            let told = told(sensors);
+            assert!(told.ends_with(expected), "{told}");
+        }
     }
 }

@@ -1,12 +1,10 @@
 //! Materials of coupon tests in scripts.
 
-use rhai::{Dynamic, Engine, EvalAltResult, INT, Map};
+use rhai::{Dynamic, Engine, Map};
 
 use crate::experiment::coupon::Coupon;
 use crate::scenario::coupon_material::CouponMaterial;
-use crate::script::{Entry, Reduced, number, refuse};
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
+use crate::script::{Answer, Entry, Reduced, number, refuse};
 
 /// Name of the shear curve's file where a script gives none.
 const SHEAR_FILE: &str = "material-shear.csv";
@@ -19,23 +17,15 @@ pub(super) fn register(engine: &mut Engine) {
 }
 
 fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> Answer<Map> {
-    let mut material = CouponMaterial {
-        reduction: &reduced.0,
-        coupon,
-        side: coupon.gauge() / std::f64::consts::SQRT_2,
-        density: None,
-        shear_file: SHEAR_FILE,
-        virtual_recordings: 0,
-    };
+    let mut material =
+        CouponMaterial { reduction: &reduced.0, coupon, density: None, shear_file: SHEAR_FILE, shear: None };
     let mut shear_file = String::new();
     for (key, value) in more {
         match key.as_str() {
-            "side" => material.side = number(value, "the side of the square")?,
             "density" => material.density = Some(number(value, "the density")?),
-            "virtual_recordings" => material.virtual_recordings = count(value)?,
             "shear_file" => shear_file = value.to_string(),
             other => {
-                let known = "side, density, virtual_recordings or shear_file";
+                let known = "density or shear_file";
                 return Err(refuse(format!("unknown key `{other}`: {known}")));
             }
         }
@@ -48,16 +38,11 @@ fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> Answer<Map> {
     Ok(pairs.into_iter().map(|(name, text)| (name.into(), Dynamic::from(text))).collect())
 }
 
-fn count(value: &Dynamic) -> Answer<usize> {
-    let count = value.as_int().ok().and_then(|count: INT| usize::try_from(count).ok());
-    count.ok_or_else(|| refuse("virtual_recordings is a whole number"))
-}
-
 /// The reference of materials of coupon tests.
 pub const ENTRIES: &[Entry] = &[Entry {
-    call: "coupon_material(reduction, coupon), coupon_material(reduction, coupon, #{ side, density, virtual_recordings, shear_file })",
-    gives: "a map of two texts: the material file of coupons of MD, TD and D3, and the shear curve's file that it names (material-shear.csv)",
-    example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let t = read_coupons("data/virtual/coupons/*-0.2-*.csv", c); let m = coupon_material(reduce_coupons(t), c, #{ density: 915, virtual_recordings: t.len() }); m.material.contains("thickness = \"12 um\"") && m.shear.contains("strain,stress_MPa")"#,
+    call: "coupon_material(reduction, coupon), coupon_material(reduction, coupon, #{ density, shear_file })",
+    gives: "a map of two texts: the material file of coupons of MD, TD and D3, and the shear curve's file that it names (material-shear.csv); both say how many coupons were virtual",
+    example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let t = read_coupons("data/virtual/coupons/*-0.2-*.csv", c); let m = coupon_material(reduce_coupons(t), c, #{ density: 915 }); m.material.contains("thickness = \"12 um\"") && m.shear.contains("VIRTUAL") && m.shear.contains("strain,stress_MPa")"#,
 }];
 
 #[cfg(test)]

@@ -30,6 +30,8 @@ pub struct Impact {
     pub acceleration_error: Option<f64>,
     /// E_d of the paper's equation 15; none without a reference.
     pub displacement_error: Option<f64>,
+    /// What the recording says of itself, what was noted while it was read, and how it was reduced; none without a reference.
+    pub reference_notes: Option<Vec<String>>,
     #[serde(flatten)]
     pub audit: Audit,
     pub warnings: Vec<String>,
@@ -59,6 +61,7 @@ impl Impact {
         };
         let acceleration_error = error("acceleration", comparison.and_then(|c| c.acceleration_error(&acceleration)));
         let displacement_error = error("displacement", comparison.and_then(|c| c.displacement_error(&displacement)));
+        warnings.extend(comparison.into_iter().flat_map(Comparison::warnings));
         let [break_strain_md, break_strain_td] = break_strains(model);
         Impact {
             peak_acceleration_m_s2: peak.map(|[_, value]| value),
@@ -71,6 +74,7 @@ impl Impact {
             break_strain_td,
             acceleration_error,
             displacement_error,
+            reference_notes: comparison.map(|c| c.said.iter().chain(&c.reduced).cloned().collect()),
             audit: Audit::of(outcome),
             warnings,
         }

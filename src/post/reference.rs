@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::experiment::absorption::Body;
-use crate::experiment::drop::{self, DropError, Height, Names, Reduction, Sensed, SensedError, Tower};
+use crate::experiment::drop::{DropError, Height, Names, Reduction, Sensed, SensedError, Tower};
 use crate::model::{Impactor, Loading, Model, Reference, Window};
-use crate::signal::file::{self, Wanted};
+use crate::signal::file::{self, Selection, Wanted};
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::norm::{NormError, relative_error};
 use crate::signal::resample::{self, ResampleError};
-use crate::signal::{Measurement, Series, integrate};
+use crate::signal::{Measurement, Series, integrate, says_virtual};
 
 /// A recording ready for comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +22,10 @@ pub struct Comparison {
     pub displacement: Option<Series>,
     /// Part that the errors are taken over, s.
     pub window: [f64; 2],
+    /// What the recording says of itself, and what was noted while it was read.
+    pub said: Vec<String>,
+    /// What a reader of its reduction should know.
+    pub reduced: Vec<String>,
 }
 
 /// Why a recording cannot be compared with a run.
@@ -49,11 +53,13 @@ impl Comparison {
         let Some(reference) = &model.reference else {
             return Ok(None);
         };
-        let measurement = file::read(&reference.signals, &Wanted::default())?;
-        let Signals { raw, filtered, displacement } = match Signals::from_contact(&measurement, model, reference)? {
-            Some(signals) => signals,
-            None => Signals::reduced(&measurement, model, reference)?,
-        };
+        let measurement =
+            file::read(&reference.signals, &Wanted { channels: channels(reference), ..Wanted::default() })?;
+        let Signals { raw, filtered, displacement, reduced } =
+            match Signals::from_contact(&measurement, model, reference)? {
+                Some(signals) => signals,
+                None => Signals::reduced(&measurement, model, reference)?,
+            };
         let window = match reference.window {
             Window::Range(range) => range,
             Window::All => [0.0, model.run_time()],
@@ -63,7 +69,13 @@ impl Comparison {
                 [0.0, turn.ok_or_else(|| ReferenceError::NoTurn { path: reference.signals.clone() })?]
             }
         };
-        Ok(Some(Comparison { acceleration: filtered, displacement, window }))
+        Ok(Some(Comparison { acceleration: filtered, displacement, window, said: measurement.notes, reduced }))
+    }
+
+    /// What a reader of the errors must know: that the recording is virtual, and what was assumed and doubted in its reduction.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        let marks = self.said.iter().filter(|note| says_virtual(std::slice::from_ref(note)));
+        marks.chain(&self.reduced).map(|note| format!("reference: {note}"))
     }
 
     /// Error of a filtered acceleration (paper, equation 14).
@@ -86,6 +98,8 @@ struct Signals {
     /// Through the run's channel filter.
     filtered: Option<Series>,
     displacement: Option<Series>,
+    /// Notes of the reduction.
+    reduced: Vec<String>,
 }
 
 impl Signals {
@@ -104,7 +118,7 @@ impl Signals {
             None => raw.as_ref().map(|raw| filtered(raw, model, reference)).transpose()?,
         };
         let any = filtered.is_some() || displacement.is_some();
-        Ok(any.then_some(Signals { raw, filtered, displacement }))
+        Ok(any.then(|| Signals { raw, filtered, displacement, reduced: Vec::new() }))
     }
 
     /// Of a raw recording, with the mass and gravity of the run.
@@ -124,11 +138,18 @@ impl Signals {
         };
         let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height };
         let reduction = Reduction { class: sensed.class_to_apply(model.output.filter), ..Reduction::default() };
-        let drop = drop::reduce(&sensed.acceleration, sensed.laser.as_ref(), &tower, &reduction);
-        let drop = drop.map_err(|source| ReferenceError::Drop { path: path(), source })?;
+        let drop = sensed.reduce(&tower, &reduction).map_err(|source| ReferenceError::Drop { path: path(), source })?;
         let channel = |name| drop.signals.series(name);
         let (raw, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
-        Ok(Signals { raw, filtered: channel("acceleration_filtered_m_s2"), displacement })
+        Ok(Signals { raw, filtered: channel("acceleration_filtered_m_s2"), displacement, reduced: drop.notes })
+    }
+}
+
+/// Channels that are named are read alone, so that what is wrong with another one does not count.
+fn channels(reference: &Reference) -> Selection {
+    match (&reference.acceleration, &reference.displacement) {
+        (Some(acceleration), Some(displacement)) => Selection::Named(vec![acceleration.clone(), displacement.clone()]),
+        _ => Selection::All,
     }
 }
 

@@ -12,10 +12,8 @@ use super::{Plan, Run, trial};
 use crate::diagnostic::Diagnostic;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
-use crate::script::{Entry, Session, refuse, to_json};
+use crate::script::{Answer, Entry, Session, refuse, to_json};
 use crate::simulate::{self, RunError};
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
 
 /// A checked scenario in a script. Cheap to clone.
 #[derive(Clone)]

@@ -5,8 +5,9 @@ use std::fmt::Write;
 use thiserror::Error;
 
 use crate::experiment::coupon::average::Spread;
+use crate::experiment::coupon::label;
 use crate::experiment::coupon::shear::Shear;
-use crate::experiment::coupon::{Along, Coupon, CouponError, Direction, Reduction};
+use crate::experiment::coupon::{Along, Coupon, CurveError, Direction, Reduction};
 
 /// Density of LLDPE film, kg/m³, where the user gives none.
 const LLDPE_DENSITY: f64 = 915.0;
@@ -17,7 +18,7 @@ const CURVE_POINTS: usize = 24;
 /// Points of the shear curve that is written.
 const SHEAR_POINTS: usize = 16;
 
-/// The first words of both files.
+/// The first words of the material, and of a shear curve from D3.
 const MARK: &str = "# Written by droptower from coupon tests";
 
 /// What a material file is made of.
@@ -25,14 +26,21 @@ const MARK: &str = "# Written by droptower from coupon tests";
 pub struct CouponMaterial<'a> {
     pub reduction: &'a Reduction,
     pub coupon: Coupon,
-    /// Side L of the square of equations 4 to 8, m.
-    pub side: f64,
     /// kg/m³; that of LLDPE where it is not known.
     pub density: Option<f64>,
     /// Name of the shear curve's file, which lies beside the material's.
     pub shear_file: &'a str,
-    /// How many of the recordings say that they are virtual.
-    pub virtual_recordings: usize,
+    /// A shear curve from elsewhere, in place of one from D3.
+    pub shear: Option<GivenShear<'a>>,
+}
+
+/// A shear curve that was not measured with the coupons.
+#[derive(Clone, Copy, Debug)]
+pub struct GivenShear<'a> {
+    /// Where it comes from, as the files name it.
+    pub source: &'a str,
+    /// CSV with the columns `strain` (shear angle, rad) and `stress`, as materials read it.
+    pub text: &'a str,
 }
 
 /// A material file and the shear curve's file beside it.
@@ -49,8 +57,10 @@ pub enum CouponMaterialError {
     Missing { direction: Direction },
     #[error("{direction}: stress falls between the points {}, which a material's curve does not", shown(points))]
     Falls { direction: Direction, points: [[f64; 2]; 2] },
+    #[error("a density is positive, not {0} kg/m3")]
+    Density(f64),
     #[error("shear: {0}")]
-    Shear(#[from] CouponError),
+    Shear(#[from] CurveError),
     #[error("shear: stress falls at the angle {angle} rad, which a material's curve does not")]
     ShearFalls { angle: f64 },
 }
@@ -64,12 +74,15 @@ impl CouponMaterial<'_> {
     /// The files' texts.
     ///
     /// The curves of MD and TD are the yield points of the mean curve, or else that curve itself, and the mean break
-    /// elongation with the mean stress at the break. The shear curve comes from the mean curve of D3.
+    /// elongation with the mean stress at the break. The shear curve comes from the mean curve of D3, or is a copy of what is
+    /// given.
     pub fn texts(&self) -> Result<Texts, CouponMaterialError> {
         let (md, td) = (self.along(Direction::Md)?, self.along(Direction::Td)?);
-        let skewed = self.along(Direction::D3)?;
+        let (shear, remark) = match &self.shear {
+            Some(given) => given.copy(),
+            None => self.sheared(self.along(Direction::D3)?)?,
+        };
         let (md_fibre, td_fibre) = (fibre(md)?, fibre(td)?);
-        let (shear, remark) = self.shear(skewed)?;
         let mut material = self.head();
         let rates = self.reduction.velocities().map(|velocity| digits(velocity / self.coupon.gauge()));
         let _ = write!(
@@ -82,7 +95,7 @@ impl CouponMaterial<'_> {
              # Slowest and fastest jaws over the gauge length.\nmeasured_rates = [\"{} 1/s\", \"{} 1/s\"]\n",
             rates[0],
             rates[1],
-            density = self.density_line(),
+            density = self.density_line()?,
             thickness = digits(self.coupon.thickness() * 1e6),
             file = toml::Value::from(self.shear_file),
         );
@@ -94,28 +107,30 @@ impl CouponMaterial<'_> {
     }
 
     fn head(&self) -> String {
-        let count: usize = self.reduction.directions.iter().map(|along| along.elongation.count).sum();
-        let mut head = format!("{MARK}: {count} recordings.\n");
-        if self.virtual_recordings > 0 {
-            let _ = writeln!(head, "# {} of them are VIRTUAL: nothing was pulled.", self.virtual_recordings);
-        }
+        let reduction = self.reduction;
+        let mut head = format!("{MARK}: {}.\n", counted(reduction.recordings(), reduction.virtual_recordings()));
         head.extend(self.reduction.directions.iter().map(summary));
         head
     }
 
-    fn density_line(&self) -> String {
+    fn density_line(&self) -> Result<String, CouponMaterialError> {
         match self.density {
-            Some(density) => format!("density   = \"{} kg/m3\"", digits(density)),
-            None => format!("density   = \"{LLDPE_DENSITY} kg/m3\" # assumed: that of LLDPE, since none was given"),
+            Some(density) if density.is_finite() && density > 0.0 => {
+                Ok(format!("density   = \"{} kg/m3\"", digits(density)))
+            }
+            Some(density) => Err(CouponMaterialError::Density(density)),
+            None => Ok(format!("density   = \"{LLDPE_DENSITY} kg/m3\" # assumed: that of LLDPE, since none was given")),
         }
     }
 
-    /// The shear curve's file, and the remark that belongs to it.
-    fn shear(&self, skewed: &Along) -> Result<(String, String), CouponMaterialError> {
-        let sheared = self.coupon.shear(&skewed.curve, self.side)?;
+    /// The shear curve's file from D3, and the remark that belongs to it.
+    fn sheared(&self, skewed: &Along) -> Result<(String, String), CouponMaterialError> {
+        let sheared = self.coupon.shear(&skewed.curve)?;
         let [start, _] = sheared.curve.range();
         let (end, why) = shear_end(&sheared);
-        let mut file = format!("{MARK}: shear angle (rad) and stress of the film, from D3.\nstrain,stress_MPa\n");
+        let count = counted(skewed.recordings(), skewed.virtual_recordings);
+        let mut file =
+            format!("{MARK} of D3: {count}.\n# Shear angle (rad) and stress of the film.\nstrain,stress_MPa\n");
         let mut before = 0.0;
         for i in 1..=SHEAR_POINTS {
             let part = i as f64 / SHEAR_POINTS as f64;
@@ -126,13 +141,34 @@ impl CouponMaterial<'_> {
             let _ = writeln!(file, "{},{}", digits(angle), digits(stress * 1e-6));
             before = stress;
         }
-        let side = digits(self.side * 1e3);
         let remark = format!(
             "# From D3 by equations 4 to 8 of Polymers 2021, 13, 1537, up to the angle {}{why}.\n\
-             # Assumed: a square of the side {side} mm that carries its share of the coupon's width.\n",
+             # Assumed: the same stress and strain all over the coupon, so that any square in it shears alike.\n",
             digits(end)
         );
         Ok((file, remark))
+    }
+}
+
+impl GivenShear<'_> {
+    /// The shear curve's file, and the remark that belongs to it.
+    fn copy(&self) -> (String, String) {
+        let said = self.text.lines().filter_map(|line| line.trim().strip_prefix('#').map(str::to_owned));
+        let made_up = if label::is_virtual(&said.collect::<Vec<_>>()) { ", which says that it is VIRTUAL" } else { "" };
+        let source = self.source.replace(char::is_control, " ");
+        let text = self.text.trim_start_matches('\u{feff}').trim_end();
+        (
+            format!("# Written by droptower: a copy of {source}{made_up}.\n{text}\n"),
+            format!("# Given, not measured with these coupons: a copy of {source}{made_up}.\n"),
+        )
+    }
+}
+
+/// How many recordings there are, and how many of them nobody measured.
+fn counted(recordings: usize, made_up: usize) -> String {
+    match made_up {
+        0 => format!("{recordings} recordings"),
+        _ => format!("{recordings} recordings, {made_up} of them VIRTUAL: nothing was pulled"),
     }
 }
 
@@ -205,11 +241,11 @@ fn points(along: &Along) -> Vec<[f64; 2]> {
 
 fn check_rising(direction: Direction, points: &[[f64; 2]]) -> Result<(), CouponMaterialError> {
     let mut before = [0.0, 0.0];
-    for point in points {
+    for point in points.iter().map(|point| point.map(rounded)) {
         if point[0] <= before[0] || point[1] < before[1] {
-            return Err(CouponMaterialError::Falls { direction, points: [before, *point] });
+            return Err(CouponMaterialError::Falls { direction, points: [before, point] });
         }
-        before = *point;
+        before = point;
     }
     Ok(())
 }
@@ -225,8 +261,11 @@ fn thinned(along: &Along) -> Vec<[f64; 2]> {
 
 /// Four significant digits.
 fn digits(value: f64) -> String {
-    let rounded = format!("{value:.3e}").parse::<f64>();
-    rounded.unwrap_or(value).to_string()
+    rounded(value).to_string()
+}
+
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]
@@ -249,8 +288,8 @@ mod tests {
 
     fn texts(reduction: &Reduction) -> Result<Texts, CouponMaterialError> {
         let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
-        let (side, density) = (3.5e-3, Some(915.0));
-        CouponMaterial { reduction, coupon, side, density, shear_file: "film-shear.csv", virtual_recordings: 0 }.texts()
+        let density = Some(915.0);
+        CouponMaterial { reduction, coupon, density, shear_file: "film-shear.csv", shear: None }.texts()
     }
 
     /// What the reader of materials says of the texts as files.
@@ -280,7 +319,54 @@ mod tests {
     }
 
     #[test]
+    fn a_given_shear_curve_is_copied_with_its_source() {
+        let mut reduction = reduction(&[[0.26, 8.4], [0.84, 20.0], [1.39, 29.3]]);
+        reduction.directions.retain(|along| along.direction != Direction::D3);
+        let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
+        let given = |text| {
+            let shear = Some(GivenShear { source: "lab/shear.csv", text });
+            let reduction = &reduction;
+            CouponMaterial { reduction, coupon, density: None, shear_file: "film-shear.csv", shear }.texts().unwrap()
+        };
+        let texts = given("\u{feff}strain,stress_MPa\n0.5,4\n");
+        assert_eq!(texts.shear, "# Written by droptower: a copy of lab/shear.csv.\nstrain,stress_MPa\n0.5,4\n");
+        assert!(texts.material.contains("# Given, not measured with these coupons: a copy of lab/shear.csv.\n"));
+        assert_eq!(mistakes(&texts), [""; 0]);
+        let made_up = given("# Virtual: guessed\nstrain,stress_MPa\n0.5,4\n");
+        assert!(
+            made_up
+                .shear
+                .starts_with("# Written by droptower: a copy of lab/shear.csv, which says that it is VIRTUAL.\n")
+        );
+        assert!(made_up.material.contains("which says that it is VIRTUAL"));
+    }
+
+    #[test]
+    fn virtual_coupons_mark_both_files() {
+        let mut reduction = reduction(&[[0.26, 8.4], [0.84, 20.0], [1.39, 29.3]]);
+        assert!(!texts(&reduction).unwrap().material.contains("VIRTUAL"));
+        reduction.directions.iter_mut().for_each(|along| along.virtual_recordings = 1);
+        let texts = texts(&reduction).unwrap();
+        let [material, shear] = [&texts.material, &texts.shear].map(|text| text.lines().next().unwrap());
+        assert_eq!(
+            material,
+            "# Written by droptower from coupon tests: 3 recordings, 3 of them VIRTUAL: nothing was pulled."
+        );
+        assert_eq!(
+            shear,
+            "# Written by droptower from coupon tests of D3: 1 recordings, 1 of them VIRTUAL: nothing was pulled."
+        );
+    }
+
+    #[test]
     fn what_no_material_can_be_is_refused() {
+        let good = reduction(&[[0.26, 8.4], [0.84, 20.0], [1.39, 29.3]]);
+        let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
+        for density in [-5.0, 0.0, f64::INFINITY] {
+            let material =
+                CouponMaterial { reduction: &good, coupon, density: Some(density), shear_file: "s.csv", shear: None };
+            assert_eq!(material.texts(), Err(CouponMaterialError::Density(density)));
+        }
         let falling = texts(&reduction(&[[0.3, 9.0], [0.8, 10.0], [1.2, 7.0]])).unwrap_err().to_string();
         assert!(falling.starts_with("MD: stress falls between the points (0."), "{falling}");
         let mut no_td = reduction(&[[0.26, 8.4], [0.84, 20.0], [1.39, 29.3]]);

@@ -1,6 +1,6 @@
-use rhai::{Array, Dynamic, Engine, EvalAltResult, ImmutableString, Map};
+use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
 
-use super::refuse;
+use super::{Answer, refuse};
 
 /// What a script was given on the command line, as it finds it under `args`.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +23,7 @@ impl Arguments {
             });
     }
 
-    fn get(&mut self, name: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
+    fn get(&mut self, name: ImmutableString) -> Answer<Dynamic> {
         let how = if name == "scenario" { "--scenario FILE".into() } else { format!("--arg {name}=…") };
         self.0.get(name.as_str()).cloned().ok_or_else(|| refuse(format!("the script needs `{name}`: give {how}")))
     }

@@ -3,15 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
 use super::curve::{list, numbers, spread_map, strains, yield_map};
-use super::{Entry, Session, number, refuse};
+use super::{Answer, Entry, Session, number, refuse};
 use crate::experiment::coupon::{Along, AtSpeed, Coupon, Curve, Machine, Reading, Recorded, Reduction, Rules, Sample};
 use crate::signal::Series;
 use crate::units::{Dimension, Length, Velocity};
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
 
 /// Coupons that were reduced together, in a script. Cheap to clone.
 #[derive(Clone)]
@@ -28,18 +26,15 @@ pub(super) fn register(engine: &mut Engine) {
         .register_get("area", |coupon: &mut Coupon| coupon.area())
         .register_get("gauge", |coupon: &mut Coupon| coupon.gauge())
         .register_get("thickness", |coupon: &mut Coupon| coupon.thickness())
-        .register_fn("shear", |coupon: &mut Coupon, curve: Curve| {
-            shear(coupon, &curve, coupon.gauge() / std::f64::consts::SQRT_2)
-        })
-        .register_fn("shear", |coupon: &mut Coupon, curve: Curve, side: Dynamic| {
-            shear(coupon, &curve, quantity(&side, Length::DIMENSION, "the side of the square")?)
-        })
+        .register_fn("shear", |coupon: &mut Coupon, curve: Curve| shear(coupon, &curve))
         .register_fn("pulled", pulled)
         .register_fn("reduce_coupons", |samples: Array| reduce(&samples, &Map::new()))
         .register_fn("reduce_coupons", |samples: Array, rules: Map| reduce(&samples, &rules))
         .register_get("directions", |reduced: &mut Reduced| {
             reduced.0.directions.iter().map(|along| along_map(along).into()).collect::<Array>()
         })
+        .register_get("recordings", |reduced: &mut Reduced| reduced.0.recordings() as INT)
+        .register_get("virtual_recordings", |reduced: &mut Reduced| reduced.0.virtual_recordings() as INT)
         .register_get("modulus", |reduced: &mut Reduced| reduced.0.modulus.map_or(Dynamic::UNIT, Dynamic::from));
 }
 
@@ -111,8 +106,8 @@ fn quantity(value: &Dynamic, dimension: Dimension, what: &str) -> Answer<f64> {
     }
 }
 
-fn shear(coupon: &Coupon, curve: &Curve, side: f64) -> Answer<Map> {
-    let sheared = coupon.shear(curve, side).map_err(refuse)?;
+fn shear(coupon: &Coupon, curve: &Curve) -> Answer<Map> {
+    let sheared = coupon.shear(curve).map_err(refuse)?;
     let mut map = Map::new();
     map.insert("curve".into(), Dynamic::from(sheared.curve));
     map.insert("cut".into(), (sheared.cut as INT).into());
@@ -157,7 +152,12 @@ fn sample(item: &Dynamic, rules: &Rules) -> Answer<Sample> {
     let Some(curve) = curve.clone().try_cast::<Curve>() else {
         return Err(refuse(format!("expected a curve, found {}", curve.type_name())));
     };
-    Sample::new(direction, velocity, &curve, rules).map_err(refuse)
+    let is_virtual = match map.get("is_virtual") {
+        Some(said) => said.as_bool().map_err(|found| refuse(format!("is_virtual is true or false, not {found}")))?,
+        None => false,
+    };
+    let sample = Sample::new(direction, velocity, &curve, rules).map_err(refuse)?;
+    Ok(Sample { is_virtual, ..sample })
 }
 
 fn recorded_map(recorded: &Recorded) -> Map {
@@ -170,7 +170,7 @@ fn recorded_map(recorded: &Recorded) -> Map {
         ("modulus", sample.modulus.slope.into()),
         ("strength", sample.rupture.strength.into()),
         ("elongation", sample.rupture.strain.into()),
-        ("is_virtual", recorded.is_virtual.into()),
+        ("is_virtual", sample.is_virtual.into()),
     ])
 }
 
@@ -188,6 +188,7 @@ fn along_map(along: &Along) -> Map {
         ("curve", Dynamic::from(along.curve.clone())),
         ("yield_points", yields),
         ("no_yield_points", why),
+        ("virtual_recordings", (along.virtual_recordings as INT).into()),
         ("speeds", along.speeds.iter().map(|speed| speed_map(speed).into()).collect::<Array>().into()),
     ])
 }
@@ -220,8 +221,8 @@ pub const ENTRIES: &[Entry] = &[
         example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let s = c.curve(signal([0, 1], [0, 1.2]), signal([0, 1], [0, 0.001])); (s.at(0.2) / 1e7 - 1).abs() < 1e-12"#,
     },
     Entry {
-        call: "coupon.shear(curve), coupon.shear(curve, side)",
-        gives: "a map: the curve of shear stress over shear angle (rad) of a square from a curve at 45 degrees (equations 4 to 8), and how many samples were cut; its diagonal is the gauge length (assumed) where no side is given",
+        call: "coupon.shear(curve)",
+        gives: "a map: the curve of shear stress over shear angle (rad) of a square from a curve at 45 degrees (equations 4 to 8), and how many samples were cut; stress is assumed to be the same all over the coupon, so any square in it gives this curve",
         example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let s = c.shear(curve([0, 0.1, 0.2, 0.5], [0, 1e6, 2e6, 5e6])); s.cut == 1 && s.curve.len() == 3"#,
     },
     Entry {
@@ -230,19 +231,19 @@ pub const ENTRIES: &[Entry] = &[
         example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let p = c.pulled(curve([0, 1], [0, 1e7]), [0, 0.5, 2], [0, 0, 0.001], #{ velocity: "0.02 m/s", force_decimals: 4, displacement_decimals: 7 }); p.force == [0.0, 0.6, 0.001] && p.time[1] == 0.125"#,
     },
     Entry {
-        call: "reduce_coupons([#{ direction, velocity, curve }, …]), reduce_coupons(tests, #{ window, break_share, toe_compensation })",
-        gives: "a reduction: means per direction and speed, then over the speeds of each direction",
+        call: "reduce_coupons([#{ direction, velocity, curve, is_virtual }, …]), reduce_coupons(tests, #{ window, break_share, toe_compensation })",
+        gives: "a reduction: means per direction and speed, then over the speeds of each direction; is_virtual (false) may be left out and stays with the reduction",
         example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let r = reduce_coupons([#{ direction: "MD", velocity: "0.02 m/s", curve: c }], #{ window: [0, 0.02] }); r.directions[0].elongation.mean == 1.0"#,
     },
     Entry {
         call: "read_coupons(pattern, coupon), read_coupons(pattern, coupon, rules)",
         gives: "a list of maps for reduce_coupons: file, direction, velocity (from header or name), curve up to the break, modulus, strength, elongation, is_virtual",
-        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let tests = read_coupons("data/virtual/coupons/md-0.2-*.csv", c); tests.len() == 6 && tests[0].is_virtual && reduce_coupons(tests).directions[0].modulus.count == 6"#,
+        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let tests = read_coupons("data/virtual/coupons/md-0.2-*.csv", c); tests.len() == 6 && tests[0].is_virtual && reduce_coupons(tests).virtual_recordings == 6"#,
     },
     Entry {
-        call: "reduction.directions, reduction.modulus",
-        gives: "a list of maps (direction, modulus, strength, elongation, break_stress, curve, yield_points or (), no_yield_points or (), speeds), and the mean modulus of MD and TD, Pa",
-        example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let t = |d| #{ direction: d, velocity: 0.02, curve: c }; let r = reduce_coupons([t.call("MD"), t.call("TD")], #{ window: [0, 0.02] }); (r.modulus / 5e7 - 1).abs() < 1e-9 && r.directions[1].speeds[0].moduli.len() == 1 && r.directions[0].yield_points == ()"#,
+        call: "reduction.directions, reduction.modulus, reduction.recordings, reduction.virtual_recordings",
+        gives: "a list of maps (direction, modulus, strength, elongation, break_stress, curve, yield_points or (), no_yield_points or (), virtual_recordings, speeds), the mean modulus of MD and TD, Pa, and how many coupons there are and are virtual",
+        example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let t = |d| #{ direction: d, velocity: 0.02, curve: c }; let r = reduce_coupons([t.call("MD"), t.call("TD")], #{ window: [0, 0.02] }); (r.modulus / 5e7 - 1).abs() < 1e-9 && r.directions[1].speeds[0].moduli.len() == 1 && r.directions[0].yield_points == () && r.recordings == 2 && r.virtual_recordings == 0"#,
     },
 ];
 

@@ -2,11 +2,9 @@
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map};
 
-use super::{Entry, number, refuse};
+use super::{Answer, Entry, number, refuse};
 use crate::experiment::coupon::average::{Spread, mean_curve, mean_of_means, relative_difference};
 use crate::experiment::coupon::{BREAK_SHARE, Curve, Ending, WINDOW, YieldPoints, yield_points};
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
 
 /// Offers the type `curve`, its functions and means to scripts.
 pub(super) fn register(engine: &mut Engine) {

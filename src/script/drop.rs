@@ -1,14 +1,13 @@
 //! Drop tests in scripts: virtual recordings, and the reduction of recordings.
 
-use rhai::{Dynamic, Engine, EvalAltResult, Map};
+use rhai::{Dynamic, Engine, Map};
 
-use super::{Entry, from_json, number, refuse};
+use super::{Answer, Entry, from_json, number, refuse};
 use crate::experiment::absorption::Body;
 use crate::experiment::drop::{self, Correction, Drop, Height, Reduction, Tower};
-use crate::experiment::sensor::{self, Accelerometer, Fall, Laser, Sensors};
+use crate::experiment::fall::Fall;
+use crate::experiment::sensor::{self, Accelerometer, Laser, Sensors};
 use crate::signal::{Recording, Series};
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
 
 /// Gravity where a script gives none, m/s²: equation 9 of the paper.
 const GRAVITY: f64 = 9.81;
@@ -43,7 +42,11 @@ fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) ->
     about.check(&["mass", "height", "gravity", "class", "correction", "time_constant"])?;
     let body = Body { mass: about.needed("mass")?, gravity: about.number("gravity", GRAVITY)? };
     let tower = Tower { body, height: Height::Known(about.needed("height")?) };
-    let reduction = Reduction { correction: correction(about)?, class: Some(about.number("class", 1000.0)?) };
+    let class = match about.map.get("class") {
+        Some(none) if none.is_unit() => None,
+        _ => Some(about.number("class", 1000.0)?),
+    };
+    let reduction = Reduction { correction: correction(about)?, class };
     let drop = drop::reduce(acceleration, laser, &tower, &reduction).map_err(refuse)?;
     reduced(&drop)
 }
@@ -169,7 +172,7 @@ pub const ENTRIES: &[Entry] = &[
         call: "reduce_drop(acceleration, laser, #{ mass, height })",
         gives: "the drop that was recorded, from a reading that starts at rest; () in place of a laser that failed. Figures as of `droptower signal drop` \
                 and the signals displacement, velocity, acceleration (filtered), acceleration_raw, kinetic_energy, potential_energy, absorbed_energy, \
-                total_energy from contact on; also gravity, class, correction: \"ramp\", time_constant",
+                total_energy from contact on; also gravity, class (1000; () where the recording was filtered before), correction: \"ramp\", time_constant",
         example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
                    let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
                    let drop = reduce_drop(v.accelerometer, (), #{ mass: 10.72, height: 1 });
@@ -182,6 +185,20 @@ mod tests {
     use crate::script::reference::check::{assert_refused, engine};
 
     #[test]
+    fn without_a_class_nothing_is_filtered() {
+        let same = |class: &str| {
+            let script = format!(
+                "let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
+                 let v = virtual_drop(a, d, #{{ height: 1, velocity: 4.16, seed: 1 }});
+                 let drop = reduce_drop(v.accelerometer, (), #{{ mass: 10.72, height: 1, class: {class} }});
+                 (drop.acceleration - drop.acceleration_raw).max() == 0.0"
+            );
+            engine().eval::<bool>(&script).unwrap()
+        };
+        assert_eq!(["()", "1000"].map(same), [true, false]);
+    }
+
+    #[test]
     fn mistakes_are_said() {
         let cases = [
             ("reduce_drop(s, (), #{ mass: 1 })", "reduce_drop needs `height`"),
@@ -190,6 +207,18 @@ mod tests {
             ("reduce_drop(s, (), #{ mass: -1, height: 1 })", "the mass is -1, but must be positive"),
             ("virtual_drop(s, s, #{ height: 1, velocity: 4 })", "virtual_drop needs `seed`"),
             ("virtual_drop(s, s, #{ height: 1, velocity: 9, seed: 1 })", "does not reach 9 m/s"),
+            (
+                "virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, sample_rate: 1e12 })",
+                "more than 1000000 samples",
+            ),
+            (
+                "virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, sample_rate: 1e20 })",
+                "more than 1000000 samples",
+            ),
+            (
+                "virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, rest: [0, 1.0 / 0.0] })",
+                "must be a range of times",
+            ),
             ("virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, laser: 2 })", "expected true or false"),
         ];
         let said = cases.map(|(call, expected)| (format!("let s = signal([0, 0.1], [0, 1]); {call}"), expected));

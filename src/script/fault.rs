@@ -67,6 +67,9 @@ fn lower_first(message: &str) -> String {
     first.unwrap_or_default() + letters.as_str()
 }
 
+/// What a host function gives back to the script.
+pub type Answer<T> = Result<T, Box<EvalAltResult>>;
+
 /// An error that a host function answers with; the engine adds the place of the call.
 pub fn refuse(message: impl Display) -> Box<EvalAltResult> {
     message.to_string().into()

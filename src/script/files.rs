@@ -1,11 +1,11 @@
 //! Files that a script leaves beside its figures and tables: curves, recordings, materials.
 
-use std::io;
+use std::collections::BTreeMap;
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult};
+use rhai::{Array, Dynamic, Engine};
 use thiserror::Error;
 
-use super::{Entry, Ledger, number, refuse};
+use super::{Answer, Entry, Ledger, number, refuse};
 use crate::signal::Series;
 
 /// Endings that a file may have: what people and programs read as text.
@@ -43,47 +43,61 @@ pub enum FileError {
 
 /// The files of one script, no two of which share a name on any file system.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Files(Vec<File>);
+pub struct Files {
+    files: Vec<File>,
+    /// Where the file of a name, in lower case, is among them.
+    places: BTreeMap<String, usize>,
+    /// What they hold together, bytes.
+    bytes: usize,
+}
 
 impl Files {
     /// The files in the order in which they were first given.
     pub fn iter(&self) -> impl Iterator<Item = &File> {
-        self.0.iter()
+        self.files.iter()
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.files.is_empty()
     }
 
     /// Their places in the folder of the results.
     pub fn names(&self) -> Vec<String> {
-        self.0.iter().map(|file| file.name.clone()).collect()
+        self.files.iter().map(|file| file.name.clone()).collect()
     }
 
     /// Adds the file, or replaces the one of this name; `reserved` names, and what lies in folders of such a name, are refused.
     pub(super) fn put(&mut self, file: File, reserved: &[&str]) -> Result<(), FileError> {
         check_name(&file.name, reserved)?;
         let lower = file.name.to_ascii_lowercase();
-        let inside = |inner: &str, outer: &str| inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with('/'));
-        let clash = self.0.iter().find(|other| {
-            let other = other.name.to_ascii_lowercase();
-            inside(&other, &lower) || inside(&lower, &other)
-        });
-        if let Some(other) = clash {
-            return Err(FileError::Folder { name: file.name, other: other.name.clone() });
+        if let Some(place) = self.clash(&lower) {
+            return Err(FileError::Folder { name: file.name, other: self.files[place].name.clone() });
         }
-        let same = self.0.iter().position(|other| other.name.eq_ignore_ascii_case(&file.name));
-        let others = self.0.iter().enumerate().filter(|(place, _)| Some(*place) != same);
-        let bytes: usize = others.map(|(_, other)| other.content.len()).sum();
-        if bytes + file.content.len() > MOST_BYTES || (same.is_none() && self.0.len() >= MOST_FILES) {
+        let same = self.places.get(&lower).copied();
+        let others = self.bytes - same.map_or(0, |place| self.files[place].content.len());
+        let bytes = others + file.content.len();
+        if bytes > MOST_BYTES || (same.is_none() && self.files.len() >= MOST_FILES) {
             return Err(FileError::TooMuch);
         }
+        self.bytes = bytes;
         match same {
-            Some(place) => self.0[place] = file,
-            None => self.0.push(file),
+            Some(place) => self.files[place] = file,
+            None => {
+                self.places.insert(lower, self.files.len());
+                self.files.push(file);
+            }
         }
         Ok(())
+    }
+
+    /// The file that would be a folder of the one called `lower`, or would lie in it.
+    fn clash(&self, lower: &str) -> Option<usize> {
+        let above = lower.match_indices('/').find_map(|(end, _)| self.places.get(&lower[..end]));
+        let within = format!("{lower}/");
+        let first = self.places.range(within.clone()..).next();
+        let below = first.filter(|(name, _)| name.starts_with(&within)).map(|(_, place)| place);
+        above.or(below).copied()
     }
 }
 
@@ -118,32 +132,41 @@ pub(super) fn register(ledger: &Ledger, engine: &mut Engine) {
 }
 
 /// Comments, a header and a row a value; a number that is not finite leaves its cell empty.
-fn csv(names: &Array, columns: &Array, comments: &Array) -> Result<String, Box<EvalAltResult>> {
-    let columns = columns.iter().map(column).collect::<Result<Vec<_>, _>>()?;
+fn csv(names: &Array, columns: &Array, comments: &Array) -> Answer<String> {
     if names.len() != columns.len() {
         return Err(refuse(format!("{} names for {} columns", names.len(), columns.len())));
     }
-    let rows = columns.first().map_or(0, Vec::len);
+    let columns = columns.iter().map(Column::of).collect::<Answer<Vec<_>>>()?;
+    let columns: Vec<&[f64]> = columns.iter().map(Column::values).collect();
+    let rows = columns.first().map_or(0, |column| column.len());
     if let Some(place) = columns.iter().position(|column| column.len() != rows) {
         let message = format!("column `{}` has {} rows, the first has {rows}", names[place], columns[place].len());
         return Err(refuse(message));
     }
+    // Every cell takes a byte at least, for what stands before the next.
+    if rows.saturating_mul(columns.len()) > MOST_BYTES {
+        return Err(refuse(FileError::TooMuch));
+    }
     let comments: String = comments.iter().flat_map(|comment| comment_lines(&comment.to_string())).collect();
-    Ok(comments + table(names, &columns, rows).map_err(refuse)?.as_str())
+    table(comments, names, &columns, MOST_BYTES)
 }
 
 fn comment_lines(comment: &str) -> Vec<String> {
     comment.lines().map(|line| format!("# {line}\n")).collect()
 }
 
-fn table(names: &Array, columns: &[Vec<f64>], rows: usize) -> io::Result<String> {
-    let mut out = csv::Writer::from_writer(Vec::new());
-    out.write_record(names.iter().map(Dynamic::to_string))?;
-    for row in 0..rows {
-        out.write_record(columns.iter().map(|column| cell(column[row])))?;
+/// The `comments` with the table behind them; given up as soon as that is longer than `most` bytes.
+fn table(comments: String, names: &Array, columns: &[&[f64]], most: usize) -> Answer<String> {
+    let mut out = csv::Writer::from_writer(comments.into_bytes());
+    out.write_record(names.iter().map(Dynamic::to_string)).map_err(refuse)?;
+    for row in 0..columns.first().map_or(0, |column| column.len()) {
+        out.write_record(columns.iter().map(|column| cell(column[row]))).map_err(refuse)?;
+        if out.get_ref().len() > most {
+            return Err(refuse(FileError::TooMuch));
+        }
     }
-    let bytes = out.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
-    String::from_utf8(bytes).map_err(io::Error::other)
+    let bytes = out.into_inner().map_err(|error| refuse(error.error()))?;
+    String::from_utf8(bytes).map_err(refuse)
 }
 
 /// The shortest digits that read back to the same number.
@@ -151,15 +174,31 @@ fn cell(value: f64) -> String {
     if value.is_finite() { value.to_string() } else { String::new() }
 }
 
-/// The values of a signal, or the numbers of a list; `()` is a value that was not measured.
-fn column(column: &Dynamic) -> Result<Vec<f64>, Box<EvalAltResult>> {
-    if let Some(series) = column.read_lock::<Series>() {
-        return Ok(series.values().to_vec());
+/// What a script gives for a column; a signal shares its values with it.
+enum Column {
+    Signal(Series),
+    List(Vec<f64>),
+}
+
+impl Column {
+    /// The values of a signal, or the numbers of a list; `()` is a value that was not measured.
+    fn of(column: &Dynamic) -> Answer<Column> {
+        if let Some(series) = column.read_lock::<Series>() {
+            return Ok(Column::Signal(series.clone()));
+        }
+        let Some(items) = column.read_lock::<Array>() else {
+            return Err(refuse(format!("a column is a signal or a list of numbers, not {}", column.type_name())));
+        };
+        let value = |item: &Dynamic| if item.is_unit() { Ok(f64::NAN) } else { number(item, "a cell") };
+        items.iter().map(value).collect::<Answer<_>>().map(Column::List)
     }
-    let Some(items) = column.read_lock::<Array>() else {
-        return Err(refuse(format!("a column is a signal or a list of numbers, not {}", column.type_name())));
-    };
-    items.iter().map(|item| if item.is_unit() { Ok(f64::NAN) } else { number(item, "a cell") }).collect()
+
+    fn values(&self) -> &[f64] {
+        match self {
+            Column::Signal(series) => series.values(),
+            Column::List(values) => values,
+        }
+    }
 }
 
 /// The reference of what a script writes into files.
@@ -210,6 +249,27 @@ mod tests {
         assert!(matches!(put(&mut files, "a.csv/x.csv"), Err(FileError::Folder { .. })));
         put(&mut files, "e.txt/f.csv").unwrap();
         assert!(matches!(put(&mut files, "e.txt"), Err(FileError::Folder { .. })));
+    }
+
+    #[test]
+    fn what_is_replaced_no_longer_counts() {
+        let half = "x".repeat(MOST_BYTES / 2 + 1);
+        let mut files = Files::default();
+        let mut put = |name: &str| files.put(File { name: name.into(), content: half.clone() }, &[]);
+        put("a.csv").unwrap();
+        put("A.csv").unwrap();
+        assert_eq!(put("b.csv"), Err(FileError::TooMuch));
+    }
+
+    /// As text or as copies of the columns it would take gigabytes.
+    #[test]
+    fn a_table_that_is_too_large_is_refused_before_it_is_written() {
+        let long = Dynamic::from(Series::new(vec![0.0; 1_000_000], vec![0.0; 1_000_000]));
+        let error = csv(&vec!["a".into(); 9_000], &vec![long; 9_000], &Array::new()).unwrap_err().to_string();
+        assert!(error.contains("256 MB"), "{error}");
+        let digits = vec![-1e-300; 1_000];
+        assert!(table(String::new(), &vec!["a".into()], &[&digits], 100_000).is_err(), "digits count too");
+        assert!(table(String::new(), &vec!["a".into()], &[&digits], 400_000).is_ok());
     }
 
     #[test]

@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, Map};
+use rhai::{Array, Dynamic, Engine, Map};
 use serde_json::Value;
 use thiserror::Error;
 
 use super::files::{self, File, FileError, Files};
-use super::{Entry, refuse, to_json};
+use super::{Answer, Entry, refuse, to_json};
 use crate::store;
 
 /// One row of a table: column name and value, in order.
@@ -73,7 +73,7 @@ impl Ledger {
         engine.on_print(move |line| drop(ledger.log(line)));
     }
 
-    fn measure(&self, name: &str, value: &Dynamic) -> Result<(), Box<EvalAltResult>> {
+    fn measure(&self, name: &str, value: &Dynamic) -> Answer<()> {
         self.check(name).map_err(refuse)?;
         let value = to_json(value)?;
         let measures = &mut self.lock().measures;
@@ -84,7 +84,7 @@ impl Ledger {
         Ok(())
     }
 
-    fn table(&self, name: &str, columns: Option<&Array>, rows: &Dynamic) -> Result<(), Box<EvalAltResult>> {
+    fn table(&self, name: &str, columns: Option<&Array>, rows: &Dynamic) -> Answer<()> {
         self.check(name).map_err(refuse)?;
         let rows = rows_of(rows, columns)?;
         let tables = &mut self.lock().tables;
@@ -97,7 +97,7 @@ impl Ledger {
         Ok(())
     }
 
-    fn log(&self, line: &str) -> Result<(), Box<EvalAltResult>> {
+    fn log(&self, line: &str) -> Answer<()> {
         if self.lock().log.len() >= MOST_ENTRIES {
             return Err(refuse(NameError::TooMany));
         }
@@ -126,7 +126,7 @@ impl Ledger {
     }
 }
 
-fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> Result<Vec<Row>, Box<EvalAltResult>> {
+fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> Answer<Vec<Row>> {
     if let Some(map) = rows.read_lock::<Map>() {
         return Ok(vec![row_of(&map, columns)?]);
     }
@@ -140,7 +140,7 @@ fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> Result<Vec<Row>, Box<Eval
     rows.iter().map(row).collect()
 }
 
-fn row_of(map: &Map, columns: Option<&Array>) -> Result<Row, Box<EvalAltResult>> {
+fn row_of(map: &Map, columns: Option<&Array>) -> Answer<Row> {
     let Some(columns) = columns else {
         return map.iter().map(|(key, value)| Ok((key.to_string(), to_json(value)?))).collect();
     };

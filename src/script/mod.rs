@@ -22,7 +22,7 @@ mod value;
 
 pub use arguments::Arguments;
 pub use coupon::Reduced;
-pub use fault::{Fault, refuse};
+pub use fault::{Answer, Fault, refuse};
 pub use files::{File, FileError, Files};
 pub use findings::{Findings, Ledger, NameError, Row};
 pub use host::{Limits, ReadError, STACK, Script, engine};

@@ -4,11 +4,9 @@ use std::path::Path;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, NativeCallContext};
 
-use super::{Entry, Session, refuse};
+use super::{Answer, Entry, Session, refuse};
 use crate::signal::file::{self, Wanted};
 use crate::signal::{ChannelError, Measurement, Series};
-
-type Answer<T> = Result<T, Box<EvalAltResult>>;
 
 /// Offers the type `measurement` to scripts that may read files.
 pub fn register(engine: &mut Engine) {

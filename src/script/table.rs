@@ -1,7 +1,8 @@
 //! Tables in scripts: published numbers to compare with.
 
-use std::fs;
-use std::io;
+use std::collections::HashSet;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use rhai::{Array, Dynamic, Engine, Map, NativeCallContext};
@@ -22,6 +23,12 @@ enum TableError {
     Open { path: PathBuf, source: io::Error },
     #[error("{} is longer than {LONGEST} bytes or has more than {MOST_CELLS} cells; read_recording is for signals", path.display())]
     TooLong { path: PathBuf },
+    #[error("{} is not a file", path.display())]
+    NoFile { path: PathBuf },
+    #[error("{}: two columns are called `{name}`", path.display())]
+    Duplicate { path: PathBuf, name: String },
+    #[error("{}: `{name}` of row {row} is not finite; leave the cell empty where there is no number", path.display())]
+    NotFinite { path: PathBuf, row: usize, name: String },
     #[error("{}: {source}", path.display())]
     Malformed { path: PathBuf, source: csv::Error },
 }
@@ -36,35 +43,52 @@ pub(super) fn register(engine: &mut Engine) {
 
 /// A map a row, by the names of the first line; `#` lines are comments, an empty cell is `()`.
 fn read(path: &Path) -> Result<Array, TableError> {
-    let open = |source| TableError::Open { path: path.into(), source };
     let malformed = |source| TableError::Malformed { path: path.into(), source };
-    let too_long = || TableError::TooLong { path: path.into() };
-    if fs::metadata(path).map_err(open)?.len() > LONGEST {
-        return Err(too_long());
-    }
-    let text = fs::read_to_string(path).map_err(open)?;
+    let text = text(path)?;
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
     let names = reader.headers().map_err(malformed)?.clone();
+    let mut seen = HashSet::new();
+    if let Some(name) = names.iter().find(|name| !seen.insert(*name)) {
+        return Err(TableError::Duplicate { path: path.into(), name: name.into() });
+    }
     let mut rows = Array::new();
     for record in reader.records() {
         let record = record.map_err(malformed)?;
-        let row: Map = names.iter().zip(&record).map(|(name, text)| (name.into(), cell(text))).collect();
+        let row = rows.len() + 1;
+        let not_finite = |name: &str| TableError::NotFinite { path: path.into(), row, name: name.into() };
+        let pair = |(name, text): (&str, &str)| Ok((name.into(), cell(text).ok_or_else(|| not_finite(name))?));
+        let row = names.iter().zip(&record).map(pair).collect::<Result<Map, _>>()?;
         rows.push(row.into());
         if rows.len() * names.len() > MOST_CELLS {
-            return Err(too_long());
+            return Err(TableError::TooLong { path: path.into() });
         }
     }
     Ok(rows)
 }
 
-/// Numbers are such, the rest is text.
-fn cell(text: &str) -> Dynamic {
-    if text.is_empty() {
-        return Dynamic::UNIT;
+/// The text of a file; a device or a pipe may have no end, or never begin.
+fn text(path: &Path) -> Result<String, TableError> {
+    let open = |source| TableError::Open { path: path.into(), source };
+    if !fs::metadata(path).map_err(open)?.is_file() {
+        return Err(TableError::NoFile { path: path.into() });
     }
-    let integer = text.parse::<i64>().map(Dynamic::from);
-    let number = integer.or_else(|_| text.parse::<f64>().map(Dynamic::from));
-    number.unwrap_or_else(|_| text.to_owned().into())
+    let mut text = String::new();
+    File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(open)?;
+    if text.len() as u64 > LONGEST { Err(TableError::TooLong { path: path.into() }) } else { Ok(text) }
+}
+
+/// Numbers are such, the rest is text; none for a number that is not finite.
+fn cell(text: &str) -> Option<Dynamic> {
+    if text.is_empty() {
+        return Some(Dynamic::UNIT);
+    }
+    if let Ok(integer) = text.parse::<i64>() {
+        return Some(integer.into());
+    }
+    match text.parse::<f64>() {
+        Ok(number) => number.is_finite().then(|| number.into()),
+        Err(_) => Some(text.to_owned().into()),
+    }
 }
 
 /// The reference of tables.
@@ -90,6 +114,24 @@ mod tests {
         std::fs::write(&path, "a,b\n1\n").unwrap();
         let error = engine().run(&format!("read_table({path:?})")).unwrap_err().to_string();
         assert!(error.contains("t.csv: ") && error.contains("record"), "{error}");
+        for (text, expected) in
+            [("a,b,a\n1,2,3\n", "two columns are called `a`"), ("a,b\n1,2\n# c\n3,nan\n", "`b` of row 2 is not finite")]
+        {
+            std::fs::write(&path, text).unwrap();
+            let error = engine().run(&format!("read_table({path:?})")).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
         assert!(engine().run("read_table(\"no.csv\")").unwrap_err().to_string().contains("cannot read no.csv"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_has_no_end_is_no_table() {
+        let error = engine().run("read_table(\"/dev/zero\")").unwrap_err().to_string();
+        assert!(error.contains("/dev/zero is not a file"), "{error}");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        std::fs::write(&path, "x".repeat((1 << 20) + 1)).unwrap();
+        assert!(engine().run(&format!("read_table({path:?})")).unwrap_err().to_string().contains("is longer than"));
     }
 }

@@ -1,15 +1,15 @@
 //! Values on their way between scripts and files.
 
-use rhai::{Array, Dynamic, EvalAltResult, Map};
+use rhai::{Array, Dynamic, Map};
 use serde_json::{Number, Value};
 
-use super::refuse;
+use super::{Answer, refuse};
 
 /// Deepest nesting of lists and maps that leaves a script.
 const DEEPEST: usize = 8;
 
 /// The number in `value`, whether written `1` or `1.0`; `what` names it in the error.
-pub fn number(value: &Dynamic, what: &str) -> Result<f64, Box<EvalAltResult>> {
+pub fn number(value: &Dynamic, what: &str) -> Answer<f64> {
     if let Ok(float) = value.as_float() {
         return Ok(float);
     }
@@ -18,7 +18,7 @@ pub fn number(value: &Dynamic, what: &str) -> Result<f64, Box<EvalAltResult>> {
 }
 
 /// A window of time `[from, to]` in s.
-pub fn window(value: &Dynamic) -> Result<[f64; 2], Box<EvalAltResult>> {
+pub fn window(value: &Dynamic) -> Answer<[f64; 2]> {
     let bounds = value.read_lock::<Array>();
     let bounds = bounds.as_deref().map(Vec::as_slice);
     let Some([from, to]) = bounds else {
@@ -28,11 +28,11 @@ pub fn window(value: &Dynamic) -> Result<[f64; 2], Box<EvalAltResult>> {
 }
 
 /// The value as JSON; numbers that are not finite become null, host values are refused.
-pub fn to_json(value: &Dynamic) -> Result<Value, Box<EvalAltResult>> {
+pub fn to_json(value: &Dynamic) -> Answer<Value> {
     nested_to_json(value, DEEPEST)
 }
 
-fn nested_to_json(value: &Dynamic, depth: usize) -> Result<Value, Box<EvalAltResult>> {
+fn nested_to_json(value: &Dynamic, depth: usize) -> Answer<Value> {
     let Some(depth) = depth.checked_sub(1) else {
         return Err(refuse(format!("values are nested more than {DEEPEST} deep")));
     };
@@ -47,7 +47,7 @@ fn nested_to_json(value: &Dynamic, depth: usize) -> Result<Value, Box<EvalAltRes
     plain_to_json(value)
 }
 
-fn plain_to_json(value: &Dynamic) -> Result<Value, Box<EvalAltResult>> {
+fn plain_to_json(value: &Dynamic) -> Answer<Value> {
     if value.is_unit() {
         return Ok(Value::Null);
     }

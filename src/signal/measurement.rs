@@ -103,6 +103,12 @@ pub struct Measurement {
     pub remarks: Vec<String>,
 }
 
+/// Whether notes say that nothing was measured: one of them holds the word `virtual`.
+pub fn says_virtual(notes: &[String]) -> bool {
+    let is_it = |word: &str| word.eq_ignore_ascii_case("virtual");
+    notes.iter().any(|note| note.split(|letter: char| !letter.is_alphanumeric()).any(is_it))
+}
+
 /// Why a file has no such channel.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ChannelError {
@@ -190,7 +196,8 @@ pub(super) fn find<'a>(
     }
 }
 
-pub(super) fn listed(names: &[String]) -> String {
+/// Names in a sentence.
+pub(crate) fn listed(names: &[String]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 

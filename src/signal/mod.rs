@@ -16,7 +16,8 @@ mod series;
 pub mod text;
 mod wanted;
 
-pub use measurement::{ChannelError, Measured, Measurement, QuantityError};
+pub(crate) use measurement::listed;
+pub use measurement::{ChannelError, Measured, Measurement, QuantityError, says_virtual};
 pub use series::Series;
 pub use wanted::{Selection, Wanted};
 

@@ -12,6 +12,8 @@ use serde_json::Value;
 use tempfile::TempDir;
 use thiserror::Error;
 
+use crate::diagnostic::folder_of;
+
 pub use shelf::Shelf;
 
 /// Files and folders of a run folder that are always ours. What a script wrote is listed in the summary; anything else
@@ -186,10 +188,7 @@ fn discard(folder: &Path) {
 }
 
 fn sibling(target: &Path) -> Result<TempDir, StoreError> {
-    let parent = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let parent = folder_of(target);
     let error = |source| StoreError::write(parent, source);
     fs::create_dir_all(parent).map_err(error)?;
     let mut builder = tempfile::Builder::new();

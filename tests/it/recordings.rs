@@ -11,7 +11,7 @@ use droptower::units::{Acceleration, Force, Length, Moment, Pressure, STANDARD_G
 use proptest::prelude::*;
 use serde_json::Value as Json;
 
-use crate::workbench::{self, SHOCK_NAMES, data, figures, shocks};
+use crate::workbench::{self, SHOCK_NAMES, data, figures, printed, shocks};
 
 fn unit(symbol: &str) -> Unit {
     Unit::parse(symbol).expect("a unit")
@@ -480,6 +480,8 @@ fn a_filtered_channel_is_written_in_si() {
         let arguments = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o", "f.csv", "--json"];
         figures(&droptower(bench.path(), &[&arguments, more].concat()))
     };
+    // An empty file, as `mktemp` leaves one, is no loss.
+    fs::write(bench.path().join("f.csv"), "").expect("written");
     let figures = told(&[]);
     let text = fs::read_to_string(bench.path().join("f.csv")).expect("the output");
     let (said, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with('#'));
@@ -499,9 +501,55 @@ fn a_filtered_channel_is_written_in_si() {
     assert_eq!(written.series.values(), expected.values());
     assert_eq!(figures["largest_after"], Json::from(expected.largest().expect("samples")[1]));
     assert_eq!(figures["unit"], "m/s2");
-    let sae = told(&["--standard", "sae"]);
+    let sae = told(&["--standard", "sae", "--force"]);
     assert_ne!(sae["largest_after"], figures["largest_after"]);
-    assert_eq!(told(&["--resample", "20 kHz"])["samples"], 1999);
+    assert_eq!(told(&["--resample", "20 kHz", "--force"])["samples"], 1999);
+}
+
+#[test]
+fn virtual_recordings_stay_virtual() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let drop = data("virtual/1008.csv");
+    let drop = drop.to_str().expect("UTF-8");
+    let filter = ["filter", drop, "--column", "accelerometer", "--class", "180", "-o", "f.csv"];
+    for call in
+        [&filter[..], &["convert", drop, "-o", "c.csv"], &["convert", "f.csv", "-o", "f.mme", "--unit", "value=m/s2"]]
+    {
+        printed(&droptower(bench.path(), call));
+        let text =
+            fs::read_to_string(bench.path().join(call[call.iter().position(|word| *word == "-o").expect("-o") + 1]));
+        assert!(text.expect("written").contains("VIRTUAL drop test: nothing fell"), "{call:?}");
+    }
+    let filtered = fs::read_to_string(bench.path().join("f.csv")).expect("written");
+    assert_eq!(filtered.lines().find(|line| !line.starts_with('#')), Some("time_s,value"));
+}
+
+#[test]
+fn only_its_own_kind_of_file_is_written_and_none_is_replaced_unasked() {
+    let bench = tempfile::tempdir().expect("a folder");
+    shaken(bench.path());
+    let place = |name: &str| bench.path().join(name);
+    fs::write(place("notes.toml"), "mine\n").expect("written");
+    fs::write(place("notes.csv"), "mine\n").expect("written");
+    let filter = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o"];
+    for (call, expected) in [
+        ([&filter[..], &["notes.toml"]].concat(), "does not end in .csv"),
+        ([&filter[..], &["notes.toml", "--force"]].concat(), "does not end in .csv"),
+        ([&filter[..], &["notes.csv"]].concat(), "notes.csv is there already"),
+        ([&filter[..], &["data.csv", "--force"]].concat(), "data.csv is the input"),
+        ([&filter[..], &["/dev/null"]].concat(), "does not end in .csv"),
+        (vec!["convert", "data.csv", "-o", "notes.csv"], "say --force"),
+    ] {
+        let refused = droptower(bench.path(), &call);
+        assert_eq!(refused.status.code(), Some(2), "{call:?}");
+        let said = String::from_utf8_lossy(&refused.stderr);
+        assert!(said.contains(expected), "{call:?}: {said}");
+    }
+    for name in ["notes.toml", "notes.csv"] {
+        assert_eq!(fs::read_to_string(place(name)).expect("a file"), "mine\n");
+    }
+    printed(&droptower(bench.path(), &[&filter[..], &["notes.csv", "--force"]].concat()));
+    assert!(fs::read_to_string(place("notes.csv")).expect("a file").contains("\ntime_s,value\n"));
 }
 
 #[test]

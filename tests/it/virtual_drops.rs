@@ -6,7 +6,8 @@ use std::process::Output;
 
 use droptower::experiment::absorption::{Body, energy_absorption};
 use droptower::experiment::drop::{self, Drop, Height, Names, Reduction, Sensed, Tower};
-use droptower::experiment::sensor::{Fall, Laser, Sensors, virtual_drop};
+use droptower::experiment::fall::Fall;
+use droptower::experiment::sensor::{Laser, Sensors, virtual_drop};
 use droptower::model::{self, Loading, Model};
 use droptower::post::{Measures, Plan};
 use droptower::scenario::{Assignment, Document};
@@ -43,7 +44,6 @@ fn assert_found(drop: &Drop, truth: &Truth, what: &str) {
     assert!((figures.contact_time_s - truth.contact_time).abs() < 2e-4, "{what}: {figures:?} for {truth:?}");
     assert!((absorption - truth.absorption).abs() < 0.01, "{what}: {figures:?} for {truth:?}");
     assert!((displacement / truth.displacement - 1.0).abs() < 0.01, "{what}: {figures:?} for {truth:?}");
-    assert!(figures.total_energy_drift < 1e-3, "{what}: {figures:?}");
 }
 
 fn reduced(acceleration: &Series, laser: Option<&Series>, height: f64) -> Drop {
@@ -52,7 +52,7 @@ fn reduced(acceleration: &Series, laser: Option<&Series>, height: f64) -> Drop {
 }
 
 fn truths() -> Vec<(String, Truth)> {
-    let mut reader = csv::Reader::from_path(root().join("data/virtual/tables/drops.csv")).expect("a table");
+    let mut reader = csv::Reader::from_path(root().join("data/virtual/tables/virtual_drops.csv")).expect("a table");
     let rows = reader.records().map(|row| row.expect("a row"));
     let truth = |row: csv::StringRecord| {
         let number = |column: usize| row[column].parse::<f64>().expect("a number");
@@ -72,6 +72,53 @@ fn shipped_recordings_hide_the_truth_of_their_table() {
         let sensed = Sensed::find(&measurement, &Names::default()).expect("an accelerometer");
         assert_eq!(sensed.laser.is_none(), test == "1509");
         assert_found(&reduced(&sensed.acceleration, sensed.laser.as_ref(), truth.height), &truth, &test);
+    }
+}
+
+fn shipped(test: &str) -> Sensed {
+    let measurement = file::read(&root().join(format!("data/virtual/{test}.csv")), &Wanted::default());
+    Sensed::find(&measurement.expect("a recording"), &Names::default()).expect("an accelerometer")
+}
+
+/// Of 1509, which fell 1.5 m and has no laser, other heights are no explanation.
+#[test]
+fn without_a_laser_a_wrong_height_is_refused_or_doubted() {
+    let reading = shipped("1509").acceleration;
+    let close = |height: f64| {
+        let tower = Tower { body: BODY, height: Height::Known(height) };
+        drop::reduce(&reading, None, &tower, &Reduction::default())
+    };
+    for height in [0.3, 0.5, 1.0, 1.3, 1.4, 1.45, 1.47, 1.48, 1.52, 1.55, 1.6, 1.7, 2.5] {
+        let refused = close(height).expect_err("another height").to_string();
+        assert!(refused.ends_with("is the height right?"), "{height}: {refused}");
+    }
+    let doubted =
+        |height: f64| close(height).expect("nearly the height").notes.iter().any(|note| note.ends_with("right?"));
+    assert_eq!([1.49, 1.5, 1.51].map(doubted), [false, false, true]);
+}
+
+/// 1008 fell 1 m: with a laser another height gives the same figures, unless nothing can fall so fast.
+#[test]
+fn with_a_laser_a_wrong_height_is_said() {
+    let Sensed { acceleration, laser, .. } = shipped("1008");
+    let reduce = |height: f64| {
+        let tower = Tower { body: BODY, height: Height::Known(height) };
+        drop::reduce(&acceleration, laser.as_ref(), &tower, &Reduction::default())
+    };
+    let right = reduce(1.0).expect("a drop");
+    assert_eq!(right.notes, [""; 0]);
+    for height in [0.9, 1.5, 3.0] {
+        let drop = reduce(height).expect("a drop");
+        assert!((drop.contact.velocity / right.contact.velocity - 1.0).abs() < 1e-3, "{height}: {:?}", drop.contact);
+        assert!(
+            drop.notes.iter().any(|note| note.contains("covers 1.00 m up to contact")),
+            "{height}: {:?}",
+            drop.notes
+        );
+    }
+    for height in [0.5, 0.8] {
+        let refused = reduce(height).expect_err("an impossible speed");
+        assert!(matches!(refused, drop::DropError::FasterThanFall { .. }), "{refused}");
     }
 }
 
@@ -97,7 +144,7 @@ fn shipped_recordings_are_made_again_bit_for_bit() {
     let script = ["script", "scripts/make-virtual-tests.rhai", "--arg", "part=drops", "--out", out_text, "--quiet"];
     let output = droptower(&script);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let files = TESTS.iter().map(|test| format!("{test}.csv")).chain(["tables/drops.csv".into()]);
+    let files = TESTS.iter().map(|test| format!("{test}.csv")).chain(["tables/virtual_drops.csv".into()]);
     for file in files {
         let read = |folder: &Path| fs::read(folder.join(&file)).unwrap_or_else(|error| panic!("{file}: {error}"));
         assert!(read(&out) == read(&root().join("data/virtual")), "{file} differs from the shipped one");
@@ -162,15 +209,49 @@ fn shipped_scenarios_meet_their_own_recordings() {
     }
 }
 
-/// A scenario that names a recording without laser and not the height: its own speed closes the fall.
+/// A scenario that names a recording without laser and not the height: its own speed closes the fall, which is said, and another
+/// speed than that of the test is refused.
 #[test]
 fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
     let mut model = coarse("1509");
-    let with_height = Plan::prepare(&model).expect("a reference");
     model.reference.as_mut().expect("a reference").drop_height = None;
-    let without = Plan::prepare(&model).expect("a reference");
-    let window = |plan: &Plan| plan.comparison().expect("a comparison").window[1];
-    assert!((window(&with_height) - window(&without)).abs() < 5e-4);
+    let with_speed = |speed: f64| {
+        let mut model = model.clone();
+        let Loading::Impact { velocity, .. } = &mut model.loading else { panic!("no impact") };
+        *velocity = speed;
+        Plan::prepare(&model).map_err(|error| error.to_string())
+    };
+    let (_, truth) = truths().remove(3);
+    let plan = with_speed(truth.speed).expect("a reference");
+    let reference = plan.comparison().expect("a comparison");
+    let travel = reference.displacement.as_ref().and_then(Series::smallest).expect("a turn");
+    assert!((travel[1] / truth.displacement - 1.0).abs() < 0.01, "{travel:?} for {truth:?}");
+    let warnings: Vec<String> = reference.warnings().collect();
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
+    assert!(warnings[0].starts_with("reference: VIRTUAL drop test: nothing fell"), "{warnings:?}");
+    assert!(warnings[2].starts_with("reference: no laser and no height"), "{warnings:?}");
+    for share in [0.9, 0.97, 1.03, 1.1] {
+        let refused = with_speed(share * truth.speed).expect_err("another speed");
+        assert!(refused.contains("is the speed right?"), "{share}: {refused}");
+    }
+}
+
+/// What is virtual stays virtual in figures and warnings of whatever is compared with it.
+#[test]
+fn a_run_says_what_its_reference_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    let short = ["--set", "specimen.mesh.size=40mm", "--set", "loading.impact.duration=2ms", "--quiet"];
+    let call = [&["run", "scenarios/drop/1008.toml", "--out", out.to_str().expect("UTF-8")][..], &short].concat();
+    let output = droptower(&call);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let summary = fs::read_to_string(out.join("summary.json")).expect("a summary");
+    let summary: Json = serde_json::from_str(&summary).expect("JSON");
+    let notes = summary["reference_notes"].as_array().expect("notes");
+    assert!(notes[0].as_str().expect("a note").starts_with("VIRTUAL drop test"), "{notes:?}");
+    let warnings = summary["warnings"].as_array().expect("warnings");
+    let says = |warning: &Json| warning.as_str().is_some_and(|text| text.starts_with("reference: VIRTUAL"));
+    assert!(warnings.iter().any(says), "{warnings:?}");
 }
 
 #[test]
@@ -188,6 +269,12 @@ fn the_command_prints_figures_and_writes_signals() {
     assert!((figure("energy_absorption") - truth.absorption).abs() < 0.01);
     assert!((figure("laser_residual_m") / 5e-5 - 1.0).abs() < 0.3);
     assert_eq!(figures["speed_from"], "laser");
+    assert!(figures["notes"][0].as_str().expect("a note").starts_with("VIRTUAL drop test"), "{figures}");
+    let text = fs::read_to_string(&out).expect("the reduced signals");
+    assert!(text.lines().any(|line| line.starts_with("# VIRTUAL drop test: nothing fell")), "{}", &text[..500]);
+    let shown = droptower(&call[..call.len() - 1]);
+    let shown = String::from_utf8_lossy(&shown.stdout);
+    assert!(shown.contains("note: VIRTUAL drop test: nothing fell"), "{shown}");
     let written = file::read(&out, &Wanted::default()).expect("the reduced signals");
     let travel = &written.channel("displacement_m").expect("a channel").series;
     assert_eq!((travel.time()[0], travel.values()[0]), (0.0, 0.0));
@@ -262,10 +349,14 @@ fn a_raw_reference_may_be_written_in_any_units_and_names() {
     let rows: String = (0..reading.len()).map(row).collect();
     fs::write(folder.path().join("raw.csv"), format!("t [ms],head [g],optoNCDT [mm],stage [m]\n{rows}"))
         .expect("a table");
+    let noted = rows.replace(",1\n", ",1,armed\n");
+    fs::write(folder.path().join("noted.csv"), format!("t [ms],head [g],optoNCDT [mm],stage [m],status\n{noted}"))
+        .expect("a table");
     let scenario = folder.path().join("raw.toml");
     let write = |keys: &str| {
         let base = root().join("scenarios/drop/1008.toml");
-        let text = format!("extends = {base:?}\n[reference]\nsignals = \"raw.csv\"\n{keys}\n");
+        let signals = if keys.starts_with("signals") { "" } else { "signals = \"raw.csv\"\n" };
+        let text = format!("extends = {base:?}\n[reference]\n{signals}{keys}\n");
         fs::write(&scenario, text).expect("a scenario");
         let model = model::check(&Document::read(&scenario).expect("a scenario")).expect("a model");
         Plan::prepare(&model).map_err(|error| error.to_string())
@@ -276,6 +367,8 @@ fn a_raw_reference_may_be_written_in_any_units_and_names() {
     let peak = |comparison: &droptower::post::Comparison| comparison.acceleration.as_ref().and_then(Series::largest);
     let (found, expected) = (peak(&found).expect("a peak"), peak(&expected).expect("a peak"));
     assert!((found[1] / expected[1] - 1.0).abs() < 1e-3, "{found:?} for {expected:?}");
+    // A text column is no obstacle where the channels are named.
+    write("signals = \"noted.csv\"\nacceleration = \"head\"\ndisplacement = \"optoNCDT\"").expect("a reference");
     for (keys, expected) in [
         ("", "the channels `optoNCDT`, `stage` are each a length"),
         ("acceleration = \"had\"\ndisplacement = \"optoNCDT\"", "no channel `had`"),
@@ -297,7 +390,7 @@ fn the_scripts_of_the_drops_give_the_tables_of_the_paper() {
         let summary: Json = serde_json::from_str(&summary).expect("JSON");
         summary["tables"][table].as_array().cloned().unwrap_or_else(|| panic!("no {table}"))
     };
-    for row in rows("reduce-drop", "drops") {
+    for row in rows("reduce-drop", "virtual_drops") {
         let figure = |name: &str| row[name].as_f64().unwrap_or_else(|| panic!("{name} in {row}"));
         assert!((figure("impact_velocity_m_s") / figure("paper_velocity_m_s") - 1.0).abs() < 5e-3, "{row}");
         assert!((figure("absorption_percent") - figure("simulated_absorption_percent")).abs() < 1.0, "{row}");

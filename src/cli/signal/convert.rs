@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::input::FileArgs;
 use super::output::{self, Failure};
+use crate::cli::output::ends_in;
 use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::file::Selection;
@@ -26,6 +27,9 @@ pub struct ConvertArgs {
     /// A table (.csv), or a test (.mme) with its folder Channel; values in SI
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
+    /// Replace the table where it is there already; a test never is
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// What was written.
@@ -60,17 +64,12 @@ pub fn run(args: &ConvertArgs, shared: &Shared) -> ExitCode {
 
 fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
     let bad = |mistake| (BAD_INPUT, mistake);
-    let kind = args.out.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    let as_test = match kind.as_deref() {
-        Some("mme") => true,
-        Some("csv") => false,
-        _ => {
-            let mistake = Diagnostic::new(format!("{} is neither .csv nor .mme", shown_path(&args.out)));
-            return Err(bad(mistake));
-        }
-    };
+    let as_test = ends_in(&args.out, "mme");
+    if !as_test && !ends_in(&args.out, "csv") {
+        return Err(bad(Diagnostic::new(format!("{} is neither .csv nor .mme", shown_path(&args.out)))));
+    }
     if !as_test {
-        output::check_table(&args.out, &args.path)?;
+        output::check_table(&args.out, &args.path, args.force)?;
     }
     let channels = match &args.column[..] {
         [] => Selection::All,

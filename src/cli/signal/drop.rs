@@ -5,27 +5,27 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
-use super::input::{self, TableArgs};
+use super::input::{self, TableArgs, quantity};
 use super::output::{self, Failure};
 use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::experiment::absorption::Body;
 use crate::experiment::contact::SpeedFrom;
-use crate::experiment::drop::{self, Correction, Drop, Figures, Height, Names, Reduction, Sensed, SensedError, Tower};
+use crate::experiment::drop::{Correction, Drop, Figures, Height, Names, Reduction, Sensed, SensedError, Tower};
 use crate::signal::QuantityError;
 use crate::signal::file::{self, Selection, Wanted};
-use crate::units::{Acceleration, Dimension, Length, Mass, STANDARD_GRAVITY, Time};
+use crate::units::{Acceleration, Length, Mass, STANDARD_GRAVITY, Time};
 
 #[derive(Debug, Args)]
 pub struct DropArgs {
     /// The recording: CSV or ISO-MME, from the rest before the release on
     pub path: PathBuf,
     /// Mass of the impactor, e.g. "10.72 kg"
-    #[arg(long)]
-    pub mass: String,
+    #[arg(long, value_parser = |text: &str| quantity(Mass::DIMENSION, text))]
+    pub mass: f64,
     /// Height of fall, e.g. "1 m"
-    #[arg(long)]
-    pub height: String,
+    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    pub height: f64,
     /// The channel of the accelerometer, where there are several
     #[arg(long, value_name = "NAME")]
     pub column: Option<String>,
@@ -41,8 +41,8 @@ pub struct DropArgs {
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
     /// Gravity
-    #[arg(long, value_name = "ACCELERATION", default_value = "9.81 m/s2")]
-    pub gravity: String,
+    #[arg(long, value_name = "ACCELERATION", default_value = "9.81 m/s2", value_parser = |text: &str| quantity(Acceleration::DIMENSION, text))]
+    pub gravity: f64,
     /// Channel frequency class of the filtered acceleration (ISO 6487); 1000, where the file does not say that it was
     /// filtered before
     #[arg(long, value_name = "CFC")]
@@ -51,11 +51,14 @@ pub struct DropArgs {
     #[arg(long, value_enum, default_value_t = Method::Coupling)]
     pub correction: Method,
     /// Time constant of the accelerometer's coupling, in place of the one that the fall tells, e.g. "150 ms"
-    #[arg(long, value_name = "TIME")]
-    pub time_constant: Option<String>,
+    #[arg(long, value_name = "TIME", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
+    pub time_constant: Option<f64>,
     /// File for the reduced signals, from contact on
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Replace the file where it is there already
+    #[arg(long, requires = "out")]
+    pub force: bool,
 }
 
 /// The corrections by name.
@@ -88,54 +91,36 @@ pub fn run(args: &DropArgs, shared: &Shared) -> ExitCode {
 fn reduced(args: &DropArgs) -> Result<Drop, (u8, Vec<Diagnostic>)> {
     let one = |(status, mistake): Failure| (status, vec![mistake]);
     let bad_input = |mistake: Diagnostic| (BAD_INPUT, vec![mistake]);
-    let (tower, correction) = conditions(args).map_err(|mistakes| (BAD_INPUT, mistakes))?;
+    let (tower, correction) = conditions(args).map_err(bad_input)?;
     if let Some(out) = &args.out {
-        output::check_table(out, &args.path).map_err(one)?;
+        output::check_table(out, &args.path, args.force).map_err(one)?;
     }
-    let sensed = sensed(args).map_err(bad_input)?;
-    let laser = sensed.laser.as_ref().filter(|_| !args.without_laser);
+    let mut sensed = sensed(args).map_err(bad_input)?;
+    sensed.laser = sensed.laser.filter(|_| !args.without_laser);
     let class = args.class.or_else(|| sensed.class_to_apply(Some(1000.0)));
-    let drop = drop::reduce(&sensed.acceleration, laser, &tower, &Reduction { correction, class });
+    let drop = sensed.reduce(&tower, &Reduction { correction, class });
     let mut drop = drop.map_err(|error| bad_input(Diagnostic::new(format!("{}: {error}", shown_path(&args.path)))))?;
-    if let Some(before) = sensed.class {
-        let again =
-            class.map_or_else(|| "is not filtered again".into(), |class| format!("is filtered again with CFC {class}"));
-        drop.notes.push(format!("the acceleration went through CFC {before} already, as its file says, and {again}"));
-    }
+    drop.notes.splice(..0, sensed.notes);
     if let Some(out) = &args.out {
-        let comments =
-            [format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&args.path))];
+        let origin =
+            format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&args.path));
+        let comments: Vec<String> = std::iter::once(origin).chain(drop.notes.iter().cloned()).collect();
         output::write_csv(out, &comments, &drop.signals).map_err(one)?;
     }
     Ok(drop)
 }
 
-/// Everything that is wrong with the quantities at once.
-fn conditions(args: &DropArgs) -> Result<(Tower, Correction), Vec<Diagnostic>> {
-    let mut mistakes = Vec::new();
-    let mut quantity = |name: &str, text: &str, dimension: Dimension| match dimension.parse(text) {
-        Ok(value) => value,
-        Err(error) => {
-            mistakes.push(Diagnostic::new(format!("--{name}: {error}")));
-            f64::NAN
+fn conditions(args: &DropArgs) -> Result<(Tower, Correction), Diagnostic> {
+    let correction = match (args.correction, args.time_constant) {
+        (Method::Coupling, time_constant) => Correction::Coupling { time_constant },
+        (Method::Ramp, None) => Correction::Ramp,
+        (Method::Ramp, Some(_)) => {
+            let message = "--time-constant belongs to the correction by coupling, not to the ramp";
+            return Err(Diagnostic::new(message));
         }
     };
-    let mass = quantity("mass", &args.mass, Mass::DIMENSION);
-    let height = quantity("height", &args.height, Length::DIMENSION);
-    let gravity = quantity("gravity", &args.gravity, Acceleration::DIMENSION);
-    let given = args.time_constant.as_ref().map(|text| quantity("time-constant", text, Time::DIMENSION));
-    if args.correction == Method::Ramp && given.is_some() {
-        mistakes.push(Diagnostic::new("--time-constant belongs to the correction by coupling, not to the ramp"));
-    }
-    if !mistakes.is_empty() {
-        return Err(mistakes);
-    }
-    let correction = match args.correction {
-        Method::Coupling => Correction::Coupling { time_constant: given },
-        Method::Ramp => Correction::Ramp,
-    };
-    let tower = Tower { body: Body { mass, gravity }, height: Height::Known(height) };
-    Ok((tower, correction))
+    let body = Body { mass: args.mass, gravity: args.gravity };
+    Ok((Tower { body, height: Height::Known(args.height) }, correction))
 }
 
 fn sensed(args: &DropArgs) -> Result<Sensed, Diagnostic> {

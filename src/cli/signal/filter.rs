@@ -30,6 +30,9 @@ pub struct FilterArgs {
     /// The file to write: what it is in lines with `#`, then the columns time_s and value (SI)
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
+    /// Replace the file where it is there already
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// The standards by their short names.
@@ -73,7 +76,7 @@ pub fn run(args: &FilterArgs, shared: &Shared) -> ExitCode {
 }
 
 fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
-    output::check_table(&args.out, &args.input.path)?;
+    output::check_table(&args.out, &args.input.path, args.force)?;
     let Chosen { channel, mut notes, remarks } = args.input.read().map_err(|mistake| (BAD_INPUT, mistake))?;
     if let Some(class) = channel.filtered {
         notes.push(format!("`{}` went through CFC {class} already, as its file says", channel.name));

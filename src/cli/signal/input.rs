@@ -104,6 +104,11 @@ impl Input {
     }
 }
 
+/// The number in SI of a quantity with its unit, for clap.
+pub fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
+    dimension.parse(text).map_err(|error| format!("{error}; {}", error.hint()))
+}
+
 /// A channel frequency class as the user wrote it: `1000`, `CFC1000`, `CFC 1000`.
 pub fn class(text: &str) -> Result<f64, String> {
     let text = text.trim();

@@ -1,62 +1,28 @@
-//! Files that commands make from recordings: whole, or not at all.
+//! Tables that commands make from recordings.
 
-use std::fs;
-use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use crate::cli::BAD_INPUT;
-use crate::cli::faults::WRITE_FAILURE;
+use crate::cli::output;
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::{Recording, csv, isomme};
 
-/// Exit status and what is to be said.
-pub type Failure = (u8, Diagnostic);
+pub use crate::cli::output::{Failure, failed};
 
-/// Refuses a table that would replace an input, or a file of a container.
-pub fn check_table(out: &Path, input: &Path) -> Result<(), Failure> {
-    let shown = shown_path(out);
-    let refused = |message, hint: &str| Err((BAD_INPUT, Diagnostic::new(message).hint(hint)));
+/// Refuses a table that is not called so, would replace the input or, without `force`, anything that is there.
+pub fn check_table(out: &Path, input: &Path, force: bool) -> Result<(), Failure> {
     if isomme::is_part(out) {
-        return refused(format!("{shown} is the name of ISO-MME, but a table is written"), "name it .csv");
+        let message = format!("{} is the name of ISO-MME, but a table is written", shown_path(out));
+        return Err((crate::cli::BAD_INPUT, Diagnostic::new(message).hint("name it .csv")));
     }
-    let canonical = |path: &Path| fs::canonicalize(path).ok();
-    if canonical(out).is_some_and(|out| canonical(input) == Some(out)) {
-        return refused(format!("{shown} is the input"), "write to another file");
-    }
-    Ok(())
+    output::check(out, "csv", Some(input), Some(force))
 }
 
-/// Writes `recording` with `comments` before it to a file of its own that takes the place of `out` when it is whole.
+/// Writes `recording` with `comments` before it, whole or not at all.
 pub fn write_csv(out: &Path, comments: &[String], recording: &Recording) -> Result<(), Failure> {
-    let written = || -> io::Result<()> {
-        let folder = out.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-        fs::create_dir_all(folder)?;
-        let mut draft = draft(folder)?;
-        let mut text = BufWriter::new(&mut draft);
+    output::write(out, |text| {
         for line in comments {
             writeln!(text, "# {}", line.replace(char::is_control, " "))?;
         }
-        csv::write(recording, &mut text)?;
-        text.flush()?;
-        drop(text);
-        draft.persist(out)?;
-        Ok(())
-    };
-    written().map_err(|error| failed(out, &error))
-}
-
-/// An output that could not be written.
-pub fn failed(out: &Path, error: &impl std::fmt::Display) -> Failure {
-    (WRITE_FAILURE, Diagnostic::new(format!("cannot write {}: {error}", shown_path(out))))
-}
-
-/// A temporary file is its owner's alone; what it becomes is read by whom the user's mask lets.
-fn draft(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
+        csv::write(recording, text)
+    })
 }

@@ -71,8 +71,8 @@ impl Figures {
             notes.push("the density in the material file is assumed (LLDPE); give --density".into());
         }
         Figures {
-            recordings: reduced.recorded.len(),
-            virtual_recordings: reduced.virtual_recordings(),
+            recordings: reduced.reduction.recordings(),
+            virtual_recordings: reduced.reduction.virtual_recordings(),
             young_modulus_pa: reduced.reduction.modulus,
             directions: reduced.reduction.directions.iter().map(along).collect(),
             notes,

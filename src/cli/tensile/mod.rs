@@ -1,6 +1,7 @@
 //! `droptower tensile`: what is done to coupon tests.
 
 mod figures;
+mod material;
 mod output;
 mod reduce;
 

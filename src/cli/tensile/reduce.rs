@@ -6,17 +6,16 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::figures::Figures;
-use super::output;
+use super::{material, output};
 use crate::cli::faults::{self, WRITE_FAILURE};
 use crate::cli::scenarios::expanded;
-use crate::cli::signal::input::TableArgs;
+use crate::cli::signal::input::FileArgs;
 use crate::cli::{Shared, print, print_json, report};
 use crate::diagnostic::Diagnostic;
 use crate::experiment::coupon::{
     BREAK_SHARE, Coupon, Direction, Label, Reading, Recorded, RecordingError, Reduction, Rules, WINDOW,
 };
-use crate::scenario::coupon_material::CouponMaterial;
-use crate::signal::file::Wanted;
+use crate::signal::file::Selection;
 use crate::units::{Density, Dimension, Length, Velocity};
 
 #[derive(Debug, Args)]
@@ -35,7 +34,10 @@ pub struct ReduceArgs {
     pub thickness: f64,
     /// The material file to write; the shear curve goes beside it
     #[arg(long, short, value_name = "FILE")]
-    pub output: Option<PathBuf>,
+    pub out: Option<PathBuf>,
+    /// A shear curve for the material file, in place of one from D3: CSV with strain (shear angle, rad) and stress
+    #[arg(long, value_name = "FILE", requires = "out")]
+    pub shear: Option<PathBuf>,
     /// Density of the film, for the material file: "915 kg/m3"
     #[arg(long, value_parser = |text: &str| quantity(Density::DIMENSION, text))]
     pub density: Option<f64>,
@@ -54,9 +56,6 @@ pub struct ReduceArgs {
     /// Count strain from where the elastic line meets zero stress (ASTM D882), not from the recording's zero
     #[arg(long)]
     pub toe: bool,
-    /// Side of the square that D3 shears; the gauge length is its diagonal where it is left out
-    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
-    pub side: Option<f64>,
     /// Name of the channel of force
     #[arg(long, value_name = "NAME", default_value = "force")]
     pub force: String,
@@ -64,7 +63,7 @@ pub struct ReduceArgs {
     #[arg(long, value_name = "NAME", default_value = "displacement")]
     pub displacement: String,
     #[command(flatten)]
-    pub table: TableArgs,
+    pub file: FileArgs,
 }
 
 /// A length, density or speed with its unit.
@@ -80,7 +79,7 @@ pub struct Reduced {
 }
 
 pub fn run(args: &ReduceArgs, shared: &Shared) -> ExitCode {
-    match reduced(args).and_then(|reduced| Ok((texts(args, &reduced)?, reduced))) {
+    match reduced(args).and_then(|reduced| Ok((material::texts(args, &reduced)?, reduced))) {
         Ok((texts, reduced)) => keep(args, &reduced, texts, shared),
         Err(mistakes) => report(&mistakes),
     }
@@ -89,23 +88,23 @@ pub fn run(args: &ReduceArgs, shared: &Shared) -> ExitCode {
 fn reduced(args: &ReduceArgs) -> Result<Reduced, Vec<Diagnostic>> {
     let one = |error: String| vec![Diagnostic::new(error)];
     let coupon = Coupon::new(args.gauge, args.width, args.thickness).map_err(|error| one(error.to_string()))?;
-    let reading = reading(args, coupon);
+    let reading = reading(args, coupon).map_err(|mistake| vec![mistake])?;
     let recorded = all(paths(&args.recordings)?.iter().map(|path| reading.read(path).map_err(|error| fault(&error))))?;
     let samples: Vec<_> = recorded.iter().map(|recorded| recorded.sample.clone()).collect();
     let reduction = Reduction::of(&samples, &reading.rules).map_err(|error| one(error.to_string()))?;
     Ok(Reduced { coupon, recorded, reduction })
 }
 
-fn reading(args: &ReduceArgs, coupon: Coupon) -> Reading {
+fn reading(args: &ReduceArgs, coupon: Coupon) -> Result<Reading, Diagnostic> {
     let window = [args.window[0], args.window[1]];
     let rules = Rules { window, break_share: args.break_share, toe_compensation: args.toe };
-    Reading {
+    Ok(Reading {
         given: Label { direction: args.direction, velocity: args.velocity },
         force: args.force.clone(),
         displacement: args.displacement.clone(),
-        table: args.table.over(Wanted::default()),
+        table: args.file.wanted(Selection::All)?,
         ..Reading::new(coupon, rules)
-    }
+    })
 }
 
 /// The files that paths and globs name, each once, in the order of the arguments.
@@ -127,33 +126,6 @@ fn fault(error: &RecordingError) -> Diagnostic {
     match error {
         RecordingError::Read(error) => faults::recording(error),
         other => Diagnostic { hint: other.hint(), ..Diagnostic::new(other.to_string()) },
-    }
-}
-
-/// The files to write and their texts; none where no file is asked for.
-fn texts(args: &ReduceArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, String)>, Vec<Diagnostic>> {
-    let Some(path) = &args.output else {
-        return Ok(Vec::new());
-    };
-    let [material, shear] = output::places(path).map_err(|mistake| vec![mistake])?;
-    let shear_file = shear.file_name().unwrap_or_default().to_string_lossy();
-    let texts = CouponMaterial {
-        reduction: &reduced.reduction,
-        coupon: reduced.coupon,
-        side: args.side.unwrap_or(reduced.coupon.gauge() / std::f64::consts::SQRT_2),
-        density: args.density,
-        shear_file: &shear_file,
-        virtual_recordings: reduced.virtual_recordings(),
-    }
-    .texts();
-    let texts = texts.map_err(|error| vec![Diagnostic::new(format!("no material: {error}"))])?;
-    Ok(vec![(shear, texts.shear), (material, texts.material)])
-}
-
-impl Reduced {
-    /// How many of the recordings say that nothing was pulled.
-    pub fn virtual_recordings(&self) -> usize {
-        self.recorded.iter().filter(|recorded| recorded.is_virtual).count()
     }
 }
 

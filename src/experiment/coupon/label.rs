@@ -5,6 +5,9 @@ use thiserror::Error;
 use super::{Direction, DirectionError};
 use crate::units::{UnitError, Velocity};
 
+/// What a file's name can say of the speed of jaws at most, m/s: tensile machines end at some 20 m/s, years begin beyond.
+pub const FASTEST: f64 = 100.0;
+
 /// Direction and speed of a test, as far as they are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Label {
@@ -50,7 +53,8 @@ impl LabelError {
 }
 
 /// Direction and speed (m/s) of a test: what is `given` counts before what the file says, in the lines of its header
-/// (`direction: MD`, `velocity: 0.02 m/s`) or in its name without the ending (`md-0.02-3`: m/s), which must agree.
+/// (`direction: MD`, `velocity: 0.02 m/s`) or in its name without the ending, which must agree. A name counts where it is
+/// direction, speed in m/s up to [`FASTEST`] and, perhaps, a number: `md-0.02-3`.
 pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, f64), LabelError> {
     let (named, headed) = (named(name), headed(header, given)?);
     let direction = match (given.direction, named.direction, headed.direction) {
@@ -80,11 +84,29 @@ pub fn is_same_speed(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
 
+/// What a name says that is `<direction>-<speed>` or `<direction>-<speed>-<number>` and nothing else; a date is no speed.
 fn named(name: &str) -> Label {
-    let mut parts = name.split('-');
-    let direction = parts.next().and_then(|part| part.parse().ok());
-    let velocity = parts.next().and_then(|part| part.parse().ok()).filter(|v: &f64| v.is_finite());
-    Label { direction, velocity: velocity.filter(|_| direction.is_some()) }
+    let parts: Vec<&str> = name.split('-').collect();
+    let (direction, velocity) = match parts[..] {
+        [direction, velocity] => (direction, velocity),
+        [direction, velocity, number] if is_digits(number) => (direction, velocity),
+        _ => return Label::default(),
+    };
+    match (direction.parse(), speed(velocity)) {
+        (Ok(direction), Some(velocity)) => Label { direction: Some(direction), velocity: Some(velocity) },
+        _ => Label::default(),
+    }
+}
+
+/// A speed in m/s of digits and a point, as far as jaws are so fast.
+fn speed(text: &str) -> Option<f64> {
+    let (whole, part) = text.split_once('.').unwrap_or((text, "0"));
+    let velocity = if is_digits(whole) && is_digits(part) { text.parse().ok() } else { None };
+    velocity.filter(|velocity| (f64::MIN_POSITIVE..=FASTEST).contains(velocity))
+}
+
+fn is_digits(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 /// A line that is overruled is not read.
@@ -113,7 +135,7 @@ mod tests {
         for (name, header) in [
             ("md-0.0002-3", &[][..]),
             ("sample 7", &["VIRTUAL recording", "direction: md", "velocity: 0.2 mm/s"]),
-            ("MD-x", &["# Velocity: 0.0002 m/s"]),
+            ("MD-x", &["# direction: MD", "# Velocity: 0.0002 m/s"]),
         ] {
             let (direction, velocity) = labelled(name, header).unwrap();
             assert_eq!(direction, Direction::Md);
@@ -125,7 +147,8 @@ mod tests {
     fn what_is_open_or_contradicted_is_refused() {
         for (name, header, expected) in [
             ("sample", &[][..], "the direction of the coupon is not known"),
-            ("md", &[], "the speed of the jaws is not known"),
+            ("md", &[], "the direction of the coupon is not known"),
+            ("md", &["direction: MD"], "the speed of the jaws is not known"),
             ("md-0.02-1", &["direction: TD"], "its name says MD, its header TD"),
             ("md-0.02-1", &["velocity: 0.2 m/s"], "its name says 0.02 m/s, its header 0.2 m/s"),
             ("x", &["direction: north"], "its header: `north` is no direction of the film: MD, TD, D3 or D4"),
@@ -133,6 +156,17 @@ mod tests {
         ] {
             assert_eq!(labelled(name, header).unwrap_err().to_string(), expected);
         }
+    }
+
+    #[test]
+    fn dates_and_other_names_are_no_speeds() {
+        for name in
+            ["md-2024-05-01", "md-2024-05", "md-20240501", "md-0.02-1-2", "md-0.02-a", "md-1e1-1", "md-0-1", "md-inf"]
+        {
+            assert_eq!(labelled(name, &[]), Err(LabelError::NoDirection), "{name}");
+        }
+        let header = ["direction: TD", "velocity: 0.2 m/s"];
+        assert_eq!(labelled("md-2024-05-01", &header), Ok((Direction::Td, 0.2)));
     }
 
     #[test]

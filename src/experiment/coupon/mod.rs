@@ -18,7 +18,7 @@ use thiserror::Error;
 use crate::signal::Series;
 
 pub use curve::{Curve, CurveError, JITTER};
-pub use label::{Label, LabelError};
+pub use label::{FASTEST, Label, LabelError};
 pub use machine::{Machine, MachineError, Pull};
 pub use modulus::{FEWEST_SAMPLES, Modulus, ModulusError, WINDOW};
 pub use recording::{Reading, Recorded, RecordingError, RecordingFault};
@@ -94,27 +94,20 @@ impl Coupon {
         Ok(Curve::new(strain, stress)?)
     }
 
-    /// The share √2 L/w of the coupon's force that a square of its film with the side L (m) carries.
+    /// Shear of the film from a `curve` recorded at 45° (D3), by equations 4 to 8.
     ///
-    /// The paper supposes a square and does not say how much of the coupon it is; that stress is the same over the
-    /// width is **assumed**.
-    pub fn share_of(&self, side: f64) -> f64 {
-        std::f64::consts::SQRT_2 * side / self.width
-    }
-
-    /// Shear of the film from a `curve` recorded at 45° (D3), by equations 4 to 8, for a square of the `side` L (m).
+    /// The paper supposes a square that is pulled along its diagonal and does not say how much of the coupon it is. Stress
+    /// and strain are **assumed** the same everywhere, so that a square with the diagonal √2 L carries √2 L/w of the force
+    /// and has √2 L/l₀ of the displacement: then L cancels, τ = σ/(1 + ε). Here it is the largest that fits the coupon.
     ///
     /// # Errors
-    /// A side that is no length, and what makes no [`Curve`].
-    pub fn shear(&self, curve: &Curve, side: f64) -> Result<shear::Shear, CouponError> {
-        if !(side.is_finite() && side > 0.0) {
-            return Err(CouponError::NotPositive { what: "side of the square", value: side });
-        }
-        let square = shear::Square { side, thickness: self.thickness };
-        let force = self.area() * self.share_of(side);
+    /// What makes no [`Curve`].
+    pub fn shear(&self, curve: &Curve) -> Result<shear::Shear, CurveError> {
+        let square = shear::Square::with_diagonal(self.gauge.min(self.width), self.thickness);
+        let force = self.area() * square.diagonal() / self.width;
         let forces: Vec<f64> = curve.stress().iter().map(|stress| stress * force).collect();
         let displacements: Vec<f64> = curve.strain().iter().map(|strain| strain * square.diagonal()).collect();
-        Ok(square.shear(&forces, &displacements)?)
+        square.shear(&forces, &displacements)
     }
 }
 
@@ -132,6 +125,21 @@ mod tests {
         let curve = coupon().curve(&force, &displacement).unwrap();
         assert!((curve.strain()[1] - 0.2).abs() < 1e-15);
         assert!((curve.stress()[1] / 10e6 - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn shear_does_not_depend_on_the_size_of_the_coupon() {
+        let curve = Curve::new(vec![0.0, 0.1, 0.2, 0.4], vec![0.0, 4e6, 6e6, 8e6]).unwrap();
+        for [gauge, width] in [[5e-3, 10e-3], [50e-3, 10e-3], [100e-3, 15e-3]] {
+            let sheared = Coupon::new(gauge, width, 12e-6).unwrap().shear(&curve).unwrap();
+            assert_eq!(sheared.cut, 0);
+            for ([strain, stress], [angle, shear]) in curve.samples().zip(sheared.curve.samples()) {
+                // ψ = π/2 − γ is the angle at the pulled corners: the diagonal √2 L (1 + ε) is 2 L cos ψ/2.
+                let diagonal = 2.0 * (0.5 * (std::f64::consts::FRAC_PI_2 - angle)).cos();
+                assert!((diagonal / std::f64::consts::SQRT_2 - (1.0 + strain)).abs() < 1e-12, "{gauge}: {angle}");
+                assert!((shear - stress / (1.0 + strain)).abs() < 1e-6, "{gauge}: {shear}");
+            }
+        }
     }
 
     #[test]

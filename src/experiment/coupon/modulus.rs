@@ -1,6 +1,7 @@
 use thiserror::Error;
 
 use super::Curve;
+use crate::experiment::fit::least_squares;
 
 /// Strains between which the modulus is fitted where nothing else is said: the elastic part of a polyethylene film.
 pub const WINDOW: [f64; 2] = [0.0, 0.04];
@@ -46,23 +47,22 @@ impl Curve {
             return Err(ModulusError::Window { from, to });
         }
         let inside: Vec<[f64; 2]> = self.samples().filter(|[strain, _]| (from..=to).contains(strain)).collect();
-        if inside.len() < FEWEST_SAMPLES {
-            return Err(ModulusError::TooFew { found: inside.len(), from, to });
-        }
-        let modulus = line(&inside);
+        let too_few = ModulusError::TooFew { found: inside.len(), from, to };
+        let line = if inside.len() < FEWEST_SAMPLES { None } else { line(&inside) };
+        let modulus = line.ok_or(too_few)?;
         if modulus.slope > 0.0 { Ok(modulus) } else { Err(ModulusError::NotRising { from, to }) }
     }
 }
 
-/// Least squares; the points have more than one abscissa.
-fn line(points: &[[f64; 2]]) -> Modulus {
-    let count = points.len() as f64;
-    let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
-    let [x, y] = [mean(0), mean(1)];
-    let moment: f64 = points.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
-    let spread: f64 = points.iter().map(|point| (point[0] - x).powi(2)).sum();
-    let slope = moment / spread;
-    Modulus { slope, intercept: y - slope * x, samples: points.len() }
+/// The line through `points`; none where they lie at one abscissa.
+fn line(points: &[[f64; 2]]) -> Option<Modulus> {
+    let [start, end] = [points.first()?[0], points.last()?[0]];
+    let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
+    // Strain from the middle in halves of the stretch: columns of one magnitude.
+    let rows = points.iter().map(|[strain, stress]| ([1.0, (strain - middle) / half], *stress));
+    let ([stress, rise], _) = least_squares(rows)?;
+    let slope = rise / half;
+    Some(Modulus { slope, intercept: stress - slope * middle, samples: points.len() })
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::label::{self, Label, LabelError};
 use super::{Coupon, CouponError, Rules, Sample, SampleError};
-use crate::signal::file::{self, Wanted};
+use crate::signal::file::{self, Selection, Wanted};
 use crate::signal::{ChannelError, Measurement, QuantityError};
 use crate::units::{Force, Length};
 
@@ -19,7 +19,7 @@ pub struct Reading {
     pub force: String,
     /// Name of the channel of displacement.
     pub displacement: String,
-    /// What the tables leave open.
+    /// What the tables leave open; their other columns are not read.
     pub table: Wanted,
 }
 
@@ -28,8 +28,6 @@ pub struct Reading {
 pub struct Recorded {
     pub path: PathBuf,
     pub sample: Sample,
-    /// Whether the file says that nothing was pulled.
-    pub is_virtual: bool,
     /// Samples that were merged because the displacement did not increase.
     pub merged: usize,
 }
@@ -90,7 +88,8 @@ impl Reading {
 
     /// Reads the recording at `path` and reduces it; see [`label::label`] for how its direction and speed are found.
     pub fn read(&self, path: &Path) -> Result<Recorded, RecordingError> {
-        let measurement = file::read(path, &self.table)?;
+        let channels = Selection::Named(vec![self.force.clone(), self.displacement.clone()]);
+        let measurement = file::read(path, &Wanted { channels, ..self.table.clone() })?;
         let content = self.reduce(path, &measurement);
         content.map_err(|fault| RecordingError::Content { path: path.into(), fault: Box::new(fault) })
     }
@@ -102,8 +101,8 @@ impl Reading {
         let displacement = measurement.channel(&self.displacement)?.quantity(Length::DIMENSION)?;
         let curve = self.coupon.curve(force, displacement)?;
         let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
-        let is_virtual = label::is_virtual(&measurement.notes);
-        Ok(Recorded { path: path.into(), sample, is_virtual, merged: curve.merged() })
+        let sample = Sample { is_virtual: label::is_virtual(&measurement.notes), ..sample };
+        Ok(Recorded { path: path.into(), sample, merged: curve.merged() })
     }
 }
 
@@ -127,8 +126,15 @@ mod tests {
         let text = format!("# virtual\ntime [s],displacement [mm],force [N]\n{ROWS}");
         let recorded = read("td-0.02-1.csv", &text).unwrap();
         assert_eq!((recorded.sample.direction, recorded.sample.velocity), (Direction::Td, 0.02));
-        assert!((recorded.sample.rupture.strain - 0.8).abs() < 1e-12 && recorded.is_virtual);
+        assert!((recorded.sample.rupture.strain - 0.8).abs() < 1e-12 && recorded.sample.is_virtual);
         assert!((recorded.sample.modulus.slope / (1.0 / 1.2e-7 / 0.16) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn columns_beside_force_and_displacement_do_not_matter() {
+        let rows: String = ROWS.lines().map(|row| format!("{row},ok\n")).collect();
+        let recorded = read("td-0.02-1.csv", &format!("time_s,displacement_mm,force_N,status\n{rows}")).unwrap();
+        assert!((recorded.sample.rupture.strain - 0.8).abs() < 1e-12 && !recorded.sample.is_virtual);
     }
 
     #[test]
@@ -139,7 +145,7 @@ mod tests {
                 format!("time_s,displacement_m,force_N\n{ROWS}"),
                 "x.csv: the direction of the coupon is not known",
             ),
-            ("md-0.02.csv", format!("time_s,displacement_m,load_N\n{ROWS}"), "md-0.02.csv: no channel `force`"),
+            ("md-0.02.csv", format!("time_s,displacement_m,load_N\n{ROWS}"), "md-0.02.csv:1:1: no channel `force`"),
             ("md-0.02.csv", format!("time_s,displacement_m,force_mm\n{ROWS}"), "md-0.02.csv: `force` is in mm"),
             (
                 "md-0.02.csv",

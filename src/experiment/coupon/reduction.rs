@@ -85,6 +85,8 @@ pub struct Sample {
     pub rupture: Rupture,
     /// Up to the break.
     pub curve: Curve,
+    /// Whether its recording says that nothing was pulled.
+    pub is_virtual: bool,
 }
 
 /// Why a coupon's curve cannot be read.
@@ -101,7 +103,7 @@ pub enum SampleError {
 }
 
 impl Sample {
-    /// Reads modulus and break of `curve` by the `rules`, and keeps the curve up to the break.
+    /// Reads modulus and break of `curve` by the `rules`, and keeps the curve up to the break. It counts as pulled.
     pub fn new(direction: Direction, velocity: f64, curve: &Curve, rules: &Rules) -> Result<Sample, SampleError> {
         if !(velocity.is_finite() && velocity > 0.0) {
             return Err(SampleError::Velocity(velocity));
@@ -114,7 +116,7 @@ impl Sample {
         let (modulus, rupture) = (curve.modulus(rules.window)?, curve.rupture(rules.break_share)?);
         let whole = curve.within([f64::NEG_INFINITY, rupture.strain]);
         let curve = whole.ok_or(SampleError::BrokeAtOnce { at: rupture.strain })?;
-        Ok(Sample { direction, velocity, modulus, rupture, curve })
+        Ok(Sample { direction, velocity, modulus, rupture, curve, is_virtual: false })
     }
 }
 
@@ -153,6 +155,8 @@ pub struct Along {
     pub curve: Curve,
     /// Yield points of that mean curve.
     pub yields: Result<YieldPoints, YieldError>,
+    /// How many of the coupons are virtual: nothing was pulled.
+    pub virtual_recordings: usize,
 }
 
 /// All coupons of a film, reduced direction by direction.
@@ -193,10 +197,27 @@ impl Reduction {
         self.directions.iter().find(|along| along.direction == direction)
     }
 
+    /// How many coupons there are.
+    pub fn recordings(&self) -> usize {
+        self.directions.iter().map(Along::recordings).sum()
+    }
+
+    /// How many of them are virtual: nothing was pulled.
+    pub fn virtual_recordings(&self) -> usize {
+        self.directions.iter().map(|along| along.virtual_recordings).sum()
+    }
+
     /// The slowest and the fastest speed of the jaws, m/s.
     pub fn velocities(&self) -> [f64; 2] {
         let speeds = self.directions.iter().flat_map(|along| &along.speeds).map(|speed| speed.velocity);
         speeds.fold([f64::INFINITY, 0.0], |[slowest, fastest], speed| [slowest.min(speed), fastest.max(speed)])
+    }
+}
+
+impl Along {
+    /// How many coupons there are.
+    pub fn recordings(&self) -> usize {
+        self.elongation.count
     }
 }
 
@@ -248,6 +269,7 @@ fn over_speeds(
         elongation: spread(|sample| sample.rupture.strain)?,
         break_stress: spread(|sample| sample.rupture.stress)?,
         yields: yield_points(&curve, rules.window),
+        virtual_recordings: groups.iter().flatten().filter(|sample| sample.is_virtual).count(),
         curve,
         speeds,
     })
@@ -293,6 +315,16 @@ mod tests {
         let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
         assert!((reduction.modulus.unwrap() / 50e6 - 1.0).abs() < 1e-9);
         assert_eq!(reduction.directions[0].direction, Direction::Md);
+    }
+
+    #[test]
+    fn what_is_virtual_stays_so() {
+        let pulled = sample(Direction::Md, 0.02, 40e6, 1.0);
+        let made_up = |direction| Sample { is_virtual: true, ..sample(direction, 0.2, 60e6, 1.0) };
+        let samples = [pulled, made_up(Direction::Md), made_up(Direction::Td)];
+        let reduction = Reduction::of(&samples, &Rules::default()).unwrap();
+        assert_eq!((reduction.recordings(), reduction.virtual_recordings()), (3, 2));
+        assert_eq!(reduction.along(Direction::Md).unwrap().virtual_recordings, 1);
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub struct Shear {
 }
 
 impl Square {
-    /// The square whose diagonal √2 L is `diagonal` (m), for which a coupon's gauge length is **assumed**.
+    /// The square whose diagonal √2 L is `diagonal` (m).
     pub fn with_diagonal(diagonal: f64, thickness: f64) -> Square {
         Square { side: diagonal / SQRT_2, thickness }
     }

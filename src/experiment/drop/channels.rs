@@ -2,7 +2,8 @@
 
 use thiserror::Error;
 
-use crate::signal::{ChannelError, Measured, Measurement, QuantityError, Series};
+use super::{Drop, DropError, Reduction, Tower};
+use crate::signal::{ChannelError, Measured, Measurement, QuantityError, Series, listed};
 use crate::units::{Acceleration, Dimension, Length};
 
 /// Channels as the user names them.
@@ -23,6 +24,8 @@ pub struct Sensed {
     pub class: Option<f64>,
     /// m; none where the recording has no laser.
     pub laser: Option<Series>,
+    /// What was noted while the recording was read, and what it says of itself.
+    pub notes: Vec<String>,
 }
 
 /// Why a recording has no such channels.
@@ -38,10 +41,6 @@ pub enum SensedError {
     Several { dimension: Dimension, names: Vec<String> },
 }
 
-fn listed(names: &[String]) -> String {
-    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-}
-
 impl Sensed {
     /// The channels of `measurement` that are named, or the only ones of their kind.
     pub fn find(measurement: &Measurement, names: &Names) -> Result<Sensed, SensedError> {
@@ -55,12 +54,28 @@ impl Sensed {
             acceleration: acceleration.series.clone(),
             class: acceleration.filtered,
             laser: laser.map(|channel| channel.series.clone()),
+            notes: measurement.notes.clone(),
         })
     }
 
     /// The class that the acceleration is still to be filtered with where `class` is asked for: a filter is used once.
     pub fn class_to_apply(&self, class: Option<f64>) -> Option<f64> {
         class.filter(|_| self.class.is_none())
+    }
+
+    /// What is to be said where the file's own filter meets the `class` of the reduction.
+    fn filtered_before(&self, class: Option<f64>) -> Option<String> {
+        let before = self.class?;
+        let again =
+            class.map_or_else(|| "is not filtered again".into(), |class| format!("is filtered again with CFC {class}"));
+        Some(format!("the acceleration went through CFC {before} already, as its file says, and {again}"))
+    }
+
+    /// The drop that was recorded, as [`reduce`](super::reduce).
+    pub fn reduce(&self, tower: &Tower, reduction: &Reduction) -> Result<Drop, DropError> {
+        let mut drop = super::reduce(&self.acceleration, self.laser.as_ref(), tower, reduction)?;
+        drop.notes.extend(self.filtered_before(reduction.class));
+        Ok(drop)
     }
 }
 

@@ -18,7 +18,7 @@ use super::ramp::{GravityRamp, RampError};
 use super::release::{Release, ReleaseError};
 use crate::signal::filter::{self, ChannelFilter, FilterError, Standard};
 use crate::signal::resample::{self, ResampleError};
-use crate::signal::{Recording, Series};
+use crate::signal::{Recording, Series, integrate};
 
 /// What is known of a drop before its recording is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,6 +126,10 @@ pub enum DropError {
     Coupling(#[from] CouplingError),
     #[error(transparent)]
     Contact(#[from] ContactError),
+    #[error(
+        "the impact speed of {speed:.3} m/s is above the {ideal:.3} m/s of an ideal fall over {height} m; is the height right?"
+    )]
+    FasterThanFall { speed: f64, ideal: f64, height: f64 },
     #[error("without a laser the gravity ramp tells no speed: use the correction by coupling")]
     LaserNeeded,
     #[error("acceleration: the recording ends with first contact at {contact:.4} s")]
@@ -153,6 +157,11 @@ pub fn reduce(
     }
 }
 
+/// A fall that covers a height which differs by a larger share is another one: a time constant that is 1 % off makes 1 %.
+const OTHER_HEIGHT: f64 = 0.05;
+/// Speeds above that of the ideal fall by a larger share are refused; a laser tells them to half of it.
+const FASTER: f64 = 0.01;
+
 /// A recording whose rest and release are known.
 struct Fall<'a> {
     /// The reading from the end of the rest on, without the sensor's offset.
@@ -170,15 +179,39 @@ impl Fall<'_> {
             None => coupling::time_constant(&self.zeroed, self.undisturbed())?,
         };
         let restored = |offset: f64| restored(&self.zeroed, offset, time_constant);
-        let (contact, beyond) = match self.laser {
-            Some(laser) => {
-                let restored = restored(0.0);
-                (contact::by_laser(|_| restored.clone(), laser, self.start(), self.ideal_contact())?, 0.0)
-            }
-            None => contact::by_fall(restored, self.tower.known(), self.release.rest)?,
+        let Some(laser) = self.laser else {
+            let closed = contact::by_fall(restored, self.tower.known(), self.release.zero)?;
+            let mut drop = Drop::of(&restored(closed.offset), closed.contact, self.tower, self.reduction)?;
+            drop.notes.extend(closed.doubtful.then(|| self.doubt(closed.offset)));
+            return Ok(Drop {
+                time_constant: Some(time_constant),
+                offset: self.release.offset + closed.offset,
+                ..drop
+            });
         };
-        let drop = Drop::of(&restored(beyond), contact, self.tower, self.reduction)?;
-        Ok(Drop { time_constant: Some(time_constant), offset: self.release.offset + beyond, ..drop })
+        let restored = restored(0.0);
+        let contact = contact::by_laser(|_| restored.clone(), laser, self.start(), self.ideal_contact())?;
+        let mut drop = Drop::of(&restored, contact, self.tower, self.reduction)?;
+        drop.notes.extend(self.other_height(&restored, contact.time));
+        Ok(Drop { time_constant: Some(time_constant), offset: self.release.offset, ..drop })
+    }
+
+    /// What an offset that only just closes the fall without a laser makes one ask.
+    fn doubt(&self, offset: f64) -> String {
+        let (error, what) = (self.release.zero.error(), self.tower.known().what());
+        format!(
+            "closing the fall moves the sensor's zero by {offset:.3} m/s², though the rest tells it to {error:.4} m/s²: is the {what} right?"
+        )
+    }
+
+    /// Said where the restored acceleration, integrated from rest, covers another height than the one that is known.
+    fn other_height(&self, restored: &Series, contact: f64) -> Option<String> {
+        let height = self.tower.height.metres();
+        let covered = -integrate::twice(restored, 0.0, 0.0).at(contact)?;
+        let differs = (covered / height - 1.0).abs() > OTHER_HEIGHT;
+        differs.then(|| {
+            format!("integrated from rest the fall covers {covered:.2} m up to contact, not {height} m: is the height right?")
+        })
     }
 
     fn by_ramp(&self) -> Result<Drop, DropError> {
@@ -229,8 +262,14 @@ fn even(acceleration: &Series) -> Result<Series, DropError> {
     if resample::common_step(acceleration.time()).is_some() {
         return Ok(acceleration.clone());
     }
-    let shortest = acceleration.time().windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-    Ok(resample::uniform(acceleration, shortest)?)
+    Ok(resample::uniform(acceleration, median_step(acceleration.time()))?)
+}
+
+/// s; few times that are written twice or left out do not move it.
+fn median_step(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// The reading from the end of the rest on, without the sensor's offset.
@@ -257,6 +296,7 @@ impl Drop {
         };
         let signals = motion::signals(corrected, &filtered, &contact, tower.body)?;
         let mut notes = Vec::new();
+        notes.extend(faster_than_fall(-contact.velocity, tower)?);
         notes.extend(without_laser(contact.speed_from).map(String::from));
         let channel = |name| signals.channel(name).unwrap_or_default();
         let absorption = energy_absorption(tower.body, channel("velocity_m_s"), channel("displacement_m"));
@@ -274,6 +314,22 @@ impl Drop {
             notes,
         })
     }
+}
+
+/// Friction only takes speed: one above that of the ideal fall is noted, or refused where no error of measurement explains it.
+fn faster_than_fall(speed: f64, tower: &Tower) -> Result<Option<String>, DropError> {
+    let (ideal, height) = (tower.ideal_speed(), tower.height.metres());
+    let above = speed / ideal - 1.0;
+    if above > FASTER {
+        return Err(DropError::FasterThanFall { speed, ideal, height });
+    }
+    // Beyond rounding: a speed that is known stands for both.
+    Ok((above > 1e-9).then(|| {
+        format!(
+            "the impact speed is {:.2} % above that of an ideal fall over {height} m: is the height right?",
+            100.0 * above
+        )
+    }))
 }
 
 /// What stands in for a laser.

@@ -1,7 +1,8 @@
 //! Drops whose truth is known, and recordings that are none.
 
 use super::*;
-use crate::experiment::sensor::{Accelerometer, Fall, Sensors, virtual_drop};
+use crate::experiment::fall::Fall;
+use crate::experiment::sensor::{Accelerometer, Sensors, virtual_drop};
 use crate::signal::integrate;
 
 const GRAVITY: f64 = 9.81;
@@ -62,7 +63,6 @@ fn with_and_without_laser_the_truth_is_found() {
             assert!((travel / deepest - 1.0).abs() < 0.01, "seed {seed}: {travel} for {deepest}");
             let found = drop.energy_absorption.unwrap();
             assert!((found - absorption).abs() < 0.01, "seed {seed}: {found} for {absorption}");
-            assert!(drop.total_energy_drift < 1e-3, "{}", drop.total_energy_drift);
         }
     }
 }
@@ -127,6 +127,48 @@ fn the_ramp_gives_travel_but_errs_in_absorption_by_the_time_constant() {
     let errors = [0.15, 0.3, 0.6].map(error);
     assert!(errors[0] > errors[1] && errors[1] > errors[2], "{errors:?}");
     assert!(errors[0] > 0.03, "{errors:?}");
+}
+
+/// The magnet lets go over 32 ms as a parabola; behind the coupling the reading turns after τ ln(1 + T/τ) already, and the ramp is
+/// fitted to the reading.
+#[test]
+fn the_ramp_lasts_as_long_as_the_reading_falls() {
+    let quiet = Accelerometer { noise: 0.0, bits: 32, ..Accelerometer::default() };
+    for time_constant in [0.15, 0.3, 1.0, 20.0] {
+        let accelerometer = Accelerometer { time_constant, ..quiet };
+        let (recording, ..) = recorded(&Sensors { accelerometer, ..Sensors::default() }, 3);
+        let ramp = Reduction { correction: Correction::Ramp, class: Some(1000.0) };
+        let found = reduced(&recording, &ramp).unwrap().ramp.unwrap().duration;
+        let falls = time_constant * (0.032 / time_constant).ln_1p();
+        assert!((found - falls).abs() < 1e-3, "{found} for {falls} with {time_constant}");
+    }
+}
+
+/// Of the motion's own acceleration the work is exact, so that all of the drift is what the filter took.
+#[test]
+fn the_total_energy_drifts_by_what_the_filter_takes() {
+    let (recording, ..) = recorded(&Sensors::default(), 6);
+    let drift = |class| {
+        let correction = Correction::Coupling { time_constant: None };
+        reduced(&recording, &Reduction { correction, class }).unwrap().total_energy_drift
+    };
+    let [none, cfc_1000, cfc_60] = [None, Some(1000.0), Some(60.0)].map(drift);
+    assert!(none < 1e-10 && none < cfc_1000 && 10.0 * cfc_1000 < cfc_60, "{none} {cfc_1000} {cfc_60}");
+}
+
+#[test]
+fn one_time_that_is_nearly_written_twice_does_no_harm() {
+    let (recording, contact_time, _) = recorded(&Sensors::default(), 2);
+    let reading = reading(&recording);
+    let mut samples: Vec<[f64; 2]> = reading.samples().collect();
+    let [time, value] = samples[1000];
+    samples.insert(1001, [time + 1e-13, value]);
+    let twice = Series::new(
+        samples.iter().map(|[t, _]| *t).collect::<Vec<_>>(),
+        samples.iter().map(|[_, v]| *v).collect::<Vec<_>>(),
+    );
+    let drop = reduce(&twice, recording.series("laser_m").as_ref(), &TOWER, &Reduction::default()).unwrap();
+    assert!((drop.contact.time - contact_time).abs() < 2e-4);
 }
 
 #[test]

@@ -4,13 +4,12 @@ mod measures;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT};
 
-use super::{Entry, number, refuse, window};
+use super::{Answer, Entry, number, refuse, window};
 use crate::signal::filter::{self, Standard};
 use crate::signal::{Series, integrate, norm};
 
 pub use measures::ENTRIES as MEASURE_ENTRIES;
 
-type Answer<T> = Result<T, Box<EvalAltResult>>;
 type Operator = fn(f64, f64) -> f64;
 
 /// Offers the type `signal` and its functions to scripts.

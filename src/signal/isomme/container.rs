@@ -10,6 +10,7 @@ use std::sync::Arc;
 use super::channel::{ChannelHead, read_header};
 use super::header::Header;
 use super::{Fault, Mistake, ReadError};
+use crate::diagnostic::folder_of;
 use crate::signal::measurement::find;
 use crate::signal::text::TextError;
 use crate::signal::{Measured, Measurement, Selection, Series, Wanted};
@@ -184,10 +185,6 @@ fn channel_folder(test: &Path) -> Result<PathBuf, ReadError> {
     let is_it = |entry: &PathBuf| entry.is_dir() && name_of(entry).eq_ignore_ascii_case("channel");
     let found = entries(folder_of(test))?.into_iter().find(is_it);
     found.ok_or_else(|| Mistake::whole(Fault::NoChannelFolder).of(test))
-}
-
-fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
 /// What a folder holds, in the order of the names.

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::{ChannelCode, Entry, Header, Headers};
+use crate::diagnostic::folder_of;
 use crate::signal::csv::clean_time;
 use crate::signal::{Measured, Measurement, Series, resample};
 use crate::units::Time;
@@ -57,7 +58,7 @@ pub fn rewrite(path: &Path, measurement: &Measurement, headers: &Headers) -> Res
     if count > MOST_CHANNELS {
         return Err(WriteError::TooMany { count });
     }
-    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let folder = folder_of(path);
     let channels = folder.join("Channel");
     for place in [path, &channels] {
         if place.exists() {

@@ -1,0 +1,205 @@
+//! Files that commands leave where the user says: whole or not at all, and never over what somebody else wrote.
+
+use std::fs::{self, File, Metadata};
+use std::io::{self, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use super::BAD_INPUT;
+use super::faults::WRITE_FAILURE;
+use crate::diagnostic::{Diagnostic, folder_of, shown_path};
+
+/// Exit status and what is to be said.
+pub type Failure = (u8, Diagnostic);
+
+/// What stands before the checksum in the last line of a text that may be replaced while it is unchanged.
+const SEAL: &str = "# Replaced by the next reduction only while it is unchanged: ";
+
+/// Longest text that is looked through for its seal, bytes.
+const LONGEST_SEALED: u64 = 16 << 20;
+
+/// Refuses an output that does not end in `.{ending}`, is no plain file, or is the `input`.
+///
+/// What is there already stays there, unless it is empty, was sealed here and left as it was, or the user says `force`;
+/// none where the command has no such option.
+pub fn check(out: &Path, ending: &str, input: Option<&Path>, force: Option<bool>) -> Result<(), Failure> {
+    let shown = shown_path(out);
+    let refused = |message, hint: &str| Err((BAD_INPUT, Diagnostic::new(message).hint(hint)));
+    if !ends_in(out, ending) {
+        return refused(format!("{shown} does not end in .{ending}"), "the ending says what is written");
+    }
+    let Some((place, there)) = there(out).map_err(|error| (BAD_INPUT, failed(out, &error).1))? else {
+        return Ok(());
+    };
+    if !there.is_file() {
+        return refused(format!("{shown} is not a file that can be replaced"), "give another name");
+    }
+    if input.and_then(|input| fs::canonicalize(input).ok()).is_some_and(|input| input == place) {
+        return refused(format!("{shown} is the input"), "write to another file");
+    }
+    if there.len() == 0 || force == Some(true) || is_sealed(&place, &there) {
+        return Ok(());
+    }
+    let hint = if force.is_some() { ", remove it first, or say --force" } else { ", or remove it first" };
+    refused(format!("{shown} is there already and is not replaced"), &format!("give another name{hint}"))
+}
+
+/// Whether the name ends in `.{ending}`, however it is capitalised.
+pub fn ends_in(out: &Path, ending: &str) -> bool {
+    out.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
+}
+
+/// Writes a file of its own that takes the place of `out`, or of what the link `out` points to, when it is whole.
+pub fn write(out: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    let written = || Draft::write(out, content)?.keep();
+    written().map_err(|error| failed(out, &error))
+}
+
+/// Writes texts that know whether they were changed since; none is put in its place before all of them are written.
+pub fn write_sealed(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
+    let mut drafts = Vec::new();
+    for (out, text) in texts {
+        let draft = Draft::write(out, |file| file.write_all(sealed(text).as_bytes()));
+        drafts.push((out, draft.map_err(|error| failed(out, &error))?));
+    }
+    drafts.into_iter().try_for_each(|(out, draft)| draft.keep().map_err(|error| failed(out, &error)))
+}
+
+/// An output that could not be written.
+pub fn failed(out: &Path, error: &impl std::fmt::Display) -> Failure {
+    (WRITE_FAILURE, Diagnostic::new(format!("cannot write {}: {error}", shown_path(out))))
+}
+
+/// What is at `out`, and where it really is; none where the place is free.
+fn there(out: &Path) -> io::Result<Option<(PathBuf, Metadata)>> {
+    match fs::symlink_metadata(out) {
+        Ok(_) => {
+            let place = fs::canonicalize(out)?;
+            let found = fs::metadata(&place)?;
+            Ok(Some((place, found)))
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// A file under another name beside the place that it is to take.
+struct Draft {
+    file: NamedTempFile,
+    place: PathBuf,
+}
+
+impl Draft {
+    fn write(out: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Draft> {
+        let place = there(out)?.map_or_else(|| out.to_owned(), |(place, _)| place);
+        let folder = folder_of(&place);
+        fs::create_dir_all(folder)?;
+        let mut file = draft(folder)?;
+        let mut text = BufWriter::new(&mut file);
+        content(&mut text)?;
+        text.flush()?;
+        drop(text);
+        Ok(Draft { file, place })
+    }
+
+    fn keep(self) -> io::Result<()> {
+        // A device or a pipe that came to stand there meanwhile is not unlinked.
+        if there(&self.place)?.is_some_and(|(_, found)| !found.is_file()) {
+            return Err(io::Error::other("it is no file that can be replaced"));
+        }
+        self.file.persist(&self.place)?;
+        Ok(())
+    }
+}
+
+/// A temporary file is its owner's alone; what it becomes is read by whom the user's mask lets.
+fn draft(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".droptower-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
+/// The text with a last line that tells whether it is still the same.
+fn sealed(text: &str) -> String {
+    format!("{text}{SEAL}{:08x}\n", crc32fast::hash(text.as_bytes()))
+}
+
+/// Whether the file was sealed here and left as it was; what cannot be read was not.
+fn is_sealed(place: &Path, there: &Metadata) -> bool {
+    let mut content = String::new();
+    let mut read = || File::open(place)?.take(LONGEST_SEALED).read_to_string(&mut content);
+    there.len() < LONGEST_SEALED && read().is_ok() && has_seal(&content)
+}
+
+fn has_seal(content: &str) -> bool {
+    content.rfind(SEAL).is_some_and(|place| sealed(&content[..place]) == content)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(out: &Path, input: Option<&Path>, force: Option<bool>) -> String {
+        let refused = check(out, "csv", input, force).map_err(|(status, mistake)| (status, mistake.message));
+        let (status, message) = refused.expect_err("a refusal");
+        assert_eq!(status, BAD_INPUT);
+        message
+    }
+
+    #[test]
+    fn a_text_that_was_changed_is_not_sealed() {
+        let text = sealed("density = 915\n");
+        assert!(has_seal(&text));
+        for changed in
+            [text.replace("915", "920"), text.replace("density", "# mine\ndensity"), format!("{text}\n"), String::new()]
+        {
+            assert!(!has_seal(&changed), "{changed}");
+        }
+    }
+
+    #[test]
+    fn what_somebody_else_wrote_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        let out = place("o.csv");
+        assert!(check(&out, "csv", None, None).is_ok());
+        assert!(refusal(&place("notes.toml"), None, Some(true)).contains("does not end in .csv"));
+        fs::write(&out, "").unwrap();
+        assert!(check(&out, "csv", None, None).is_ok(), "nothing is lost");
+        fs::write(&out, "mine\n").unwrap();
+        for force in [None, Some(false)] {
+            assert!(refusal(&out, None, force).contains("is there already"));
+        }
+        assert!(check(&out, "csv", None, Some(true)).is_ok());
+        assert!(refusal(&out, Some(&folder.path().join(".").join("o.csv")), Some(true)).contains("is the input"));
+        write_sealed(&[(out.clone(), "a\n".into())]).unwrap();
+        assert!(check(&out, "csv", None, None).is_ok());
+        fs::create_dir(place("d.csv")).unwrap();
+        assert!(refusal(&place("d.csv"), None, Some(true)).contains("is not a file"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_devices_left_alone() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let [link, aim, null] = ["o.csv", "aim.csv", "null.csv"].map(|name| folder.path().join(name));
+        fs::write(&aim, "old").unwrap();
+        symlink(&aim, &link).unwrap();
+        assert!(refusal(&link, None, Some(false)).contains("is there already"));
+        assert!(refusal(&link, Some(&aim), Some(true)).contains("is the input"));
+        write(&link, |file| file.write_all(b"new")).unwrap();
+        assert_eq!(fs::read_to_string(&aim).unwrap(), "new");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        symlink("/dev/null", &null).unwrap();
+        assert!(refusal(&null, None, Some(true)).contains("is not a file"));
+        fs::remove_file(&aim).unwrap();
+        assert!(refusal(&link, None, Some(true)).contains("cannot write"));
+    }
+}

@@ -1,0 +1,110 @@
+//! The material file of reduced coupons: its texts, once it is sure that the reader of materials takes them.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::output;
+use super::reduce::{ReduceArgs, Reduced};
+use crate::diagnostic::{Diagnostic, shown_path};
+use crate::experiment::coupon::Direction;
+use crate::model;
+use crate::scenario::Document;
+use crate::scenario::coupon_material::{CouponMaterial, CouponMaterialError, GivenShear};
+
+/// Bytes of a shear curve; what is larger is something else.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// The files to write and their texts; none where no file is asked for.
+pub fn texts(args: &ReduceArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, String)>, Vec<Diagnostic>> {
+    let Some(path) = &args.out else {
+        return Ok(Vec::new());
+    };
+    let one = |mistake| vec![mistake];
+    check_folder(path).map_err(one)?;
+    let places = output::places(path).map_err(one)?;
+    let given = args.shear.as_deref().map(|file| given(file, &places)).transpose().map_err(one)?;
+    let [material, shear] = places;
+    let source = args.shear.as_deref().map(shown_path).unwrap_or_default();
+    let shear_file = shear.file_name().unwrap_or_default().to_string_lossy();
+    let written = CouponMaterial {
+        reduction: &reduced.reduction,
+        coupon: reduced.coupon,
+        density: args.density,
+        shear_file: &shear_file,
+        shear: given.as_deref().map(|text| GivenShear { source: &source, text }),
+    };
+    let texts = written.texts().map_err(|error| one(fault(&error)))?;
+    check(&written, args.shear.as_deref())?;
+    Ok(vec![(shear, texts.shear), (material, texts.material)])
+}
+
+fn fault(error: &CouponMaterialError) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("no material: {error}"));
+    match error {
+        CouponMaterialError::Missing { direction: Direction::D3 } => {
+            mistake.hint("give a shear curve from elsewhere: --shear FILE")
+        }
+        _ => mistake,
+    }
+}
+
+fn check_folder(material: &Path) -> Result<(), Diagnostic> {
+    match material.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        Some(folder) if !folder.is_dir() => {
+            let message =
+                format!("{} cannot be written: there is no folder {}", shown_path(material), shown_path(folder));
+            Err(Diagnostic::new(message).hint("make it first"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The text of a shear curve that is none of the files to be written.
+fn given(file: &Path, places: &[PathBuf]) -> Result<String, Diagnostic> {
+    let canonical = |path: &Path| fs::canonicalize(path).ok();
+    let is_written = places.iter().any(|place| canonical(place).is_some_and(|place| canonical(file) == Some(place)));
+    if is_written {
+        let message = format!("{} is the shear curve, and would be written over", shown_path(file));
+        return Err(Diagnostic::new(message).hint("give the material another name"));
+    }
+    read(file).map_err(|error| Diagnostic::new(format!("cannot read {}: {error}", shown_path(file))))
+}
+
+fn read(file: &Path) -> io::Result<String> {
+    // Asked first: opening a pipe would wait for its writer.
+    if !fs::metadata(file)?.is_file() {
+        return Err(io::Error::other("it is not a file"));
+    }
+    let mut text = String::new();
+    File::open(file)?.take(MOST_BYTES + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MOST_BYTES {
+        return Err(io::Error::other(format!("a shear curve may have {} MB", MOST_BYTES >> 20)));
+    }
+    Ok(text)
+}
+
+/// Refuses a material that `droptower check` would refuse, with the place of a mistake in the `given` shear curve.
+fn check(written: &CouponMaterial<'_>, given: Option<&Path>) -> Result<(), Vec<Diagnostic>> {
+    let scratch = scratch(written, given).map_err(|error| vec![Diagnostic::new(format!("no material: {error}"))])?;
+    let document = Document::read_material(&scratch.path().join(DRAFT))?;
+    model::check_material(&document).map(|_| ())
+}
+
+const DRAFT: &str = "material.toml";
+
+/// A folder of its own with the material, which reads the `given` shear curve where that lies.
+fn scratch(written: &CouponMaterial<'_>, given: Option<&Path>) -> io::Result<tempfile::TempDir> {
+    let scratch = tempfile::tempdir()?;
+    let shear = match given {
+        Some(file) => fs::canonicalize(file)?,
+        None => scratch.path().join("shear.csv"),
+    };
+    let shear_file = shear.to_string_lossy();
+    let draft = CouponMaterial { shear_file: &shear_file, ..written.clone() }.texts().map_err(io::Error::other)?;
+    if given.is_none() {
+        fs::write(&shear, draft.shear)?;
+    }
+    fs::write(scratch.path().join(DRAFT), draft.material)?;
+    Ok(scratch)
+}
