@@ -363,7 +363,7 @@ fn tables_with_mistakes_are_refused_in_place() {
             "r.csv:4:1: the file is truncated: its last line has 1 of 2 cells",
         ),
         ("time,a,b\n0,1\n1,2\n", Wanted::default(), "r.csv:1:1: 3 names (`time`, `a`, `b`) over 2 columns"),
-        ("0,1\n", names(&["time"]), "r.csv:1:1: 1 names (`time`) over 2 columns"),
+        ("0,1\n", names(&["time"]), "r.csv:1:1: 1 name (`time`) over 2 columns"),
         ("time,a,a\n0,1,2\n", Wanted::default(), "r.csv:1:8: two columns are called `a`"),
         ("time,,b\n0,1,2\n", Wanted::default(), "r.csv:1:6: column 2 has no name"),
         (
@@ -474,6 +474,8 @@ fn shaken(folder: &Path) -> PathBuf {
 fn a_filtered_channel_is_written_in_si() {
     let bench = tempfile::tempdir().expect("a folder");
     let raw = shaken(bench.path());
+    let measured = fs::read_to_string(&raw).expect("the file");
+    fs::write(&raw, format!("# a virtual recording\n{measured}")).expect("written");
     let told = |more: &[&str]| {
         let arguments = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o", "f.csv", "--json"];
         figures(&droptower(bench.path(), &[&arguments, more].concat()))
@@ -482,8 +484,16 @@ fn a_filtered_channel_is_written_in_si() {
     fs::write(bench.path().join("f.csv"), "").expect("written");
     let figures = told(&[]);
     let text = fs::read_to_string(bench.path().join("f.csv")).expect("the output");
-    assert!(text.starts_with("time_s,value\n0.0,"), "{}", &text[..40]);
-    assert_eq!(text.lines().count(), 1001);
+    let (said, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with('#'));
+    let expected = [
+        "# value: accel [g] of data.csv",
+        "# unit of value: m/s2",
+        "# filtered by droptower: CFC 180 (ISO 6487)",
+        "# a virtual recording",
+    ];
+    assert_eq!(said, expected);
+    assert!(rows[0] == "time_s,value" && rows[1].starts_with("0.0,"), "{}", rows[1]);
+    assert_eq!(rows.len(), 1001);
     let wanted = Wanted { unit: Some(unit("m/s2")), ..Wanted::one(None) };
     let written = file::read(&bench.path().join("f.csv"), &wanted).expect("readable").channels.remove(0);
     let accel = file::read(&raw, &Wanted::one(Some("accel"))).expect("readable").channels.remove(0);
@@ -539,7 +549,7 @@ fn only_its_own_kind_of_file_is_written_and_none_is_replaced_unasked() {
         assert_eq!(fs::read_to_string(place(name)).expect("a file"), "mine\n");
     }
     printed(&droptower(bench.path(), &[&filter[..], &["notes.csv", "--force"]].concat()));
-    assert!(fs::read_to_string(place("notes.csv")).expect("a file").starts_with("time_s,value\n"));
+    assert!(fs::read_to_string(place("notes.csv")).expect("a file").contains("\ntime_s,value\n"));
 }
 
 #[test]
@@ -687,6 +697,14 @@ fn what_a_test_says_is_said_again_after_conversion() {
         let unit = fs::read_to_string(bench.path().join("Channel").join(new)).expect("the channel");
         assert_eq!(unit.matches("\nUnit  ").count(), 1, "{unit}");
     }
+    // A unit that is not known is that of the values still, and what was said of their range holds.
+    let text = fs::read_to_string(data("isomme_real_channel/test.001")).expect("the channel");
+    let odd = text.replacen(":Nm", ":furlong", 1);
+    fs::write(bench.path().join("odd.001"), odd).expect("written");
+    droptower(bench.path(), &["convert", "odd.001", "-o", "odd/O.mme"]);
+    let [odd, again] = ["odd.001", "odd/Channel/O.001"]
+        .map(|path| lines_but(&bench.path().join(path), &["First", "Time of", "Sampling"]));
+    assert_eq!(odd, again);
     let [original, again] = [&fixture, &written].map(|path| file::read(path, &Wanted::default()).expect("readable"));
     assert_eq!(original.remarks, again.remarks);
     for (original, again) in original.channels.iter().zip(&again.channels) {

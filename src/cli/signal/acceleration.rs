@@ -26,7 +26,7 @@ pub struct Read {
 impl AccelerationArgs {
     /// The acceleration asked for.
     pub fn read(&self) -> Result<Read, Diagnostic> {
-        let Chosen { channel, mut notes } = self.input.read_as(Acceleration::DIMENSION)?;
+        let Chosen { channel, mut notes, .. } = self.input.read_as(Acceleration::DIMENSION)?;
         let Some(class) = self.class else {
             return Ok(Read { series: channel.series, notes });
         };

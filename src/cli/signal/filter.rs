@@ -11,7 +11,7 @@ use super::output::{self, Failure};
 use crate::cli::{BAD_INPUT, Shared, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::filter::{self, FilterError, Standard};
-use crate::signal::{Channel, Recording, Series, resample, says_virtual};
+use crate::signal::{Channel, Measured, Recording, Series, resample};
 use crate::units::{Dimension, Frequency};
 
 #[derive(Debug, Args)]
@@ -27,7 +27,7 @@ pub struct FilterArgs {
     /// Bring uneven samples to this rate first, e.g. "10 kHz"
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub resample: Option<f64>,
-    /// The file to write, with the columns time_s and value (SI); what is said of a virtual recording stands above
+    /// The file to write: what it is in lines with `#`, then the columns time_s and value (SI)
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Replace the file where it is there already
@@ -77,7 +77,7 @@ pub fn run(args: &FilterArgs, shared: &Shared) -> ExitCode {
 
 fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
     output::check_table(&args.out, &args.input.path, args.force)?;
-    let Chosen { channel, mut notes } = args.input.read().map_err(|mistake| (BAD_INPUT, mistake))?;
+    let Chosen { channel, mut notes, remarks } = args.input.read().map_err(|mistake| (BAD_INPUT, mistake))?;
     if let Some(class) = channel.filtered {
         notes.push(format!("`{}` went through CFC {class} already, as its file says", channel.name));
     }
@@ -86,8 +86,8 @@ fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
     let series = filter::channel(&even, args.class, args.standard.into()).map_err(|error| mistake(args, &error))?;
     let values = Channel { name: "value".into(), values: series.values().to_vec() };
     let recording = Recording { time: series.time().to_vec(), channels: vec![values] };
-    let marks = if says_virtual(&notes) { &notes[..] } else { &[] };
-    output::write_csv(&args.out, marks, &recording)?;
+    let comments: Vec<String> = origin(args, &channel).into_iter().chain(remarks).collect();
+    output::write_csv(&args.out, &comments, &recording)?;
     let value = |extreme: Option<[f64; 2]>| extreme.map(|[_, value]| value);
     Ok(Filtered {
         path: shown_path(&args.input.path),
@@ -103,6 +103,16 @@ fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
         out: shown_path(&args.out),
         notes,
     })
+}
+
+/// What the columns of the output do not say: what the value is, where it comes from, and how it was filtered.
+fn origin(args: &FilterArgs, channel: &Measured) -> Vec<String> {
+    let unit = channel.value_unit().unwrap_or_else(|| "unknown, as written".into());
+    vec![
+        format!("value: {} of {}", channel.label, shown_path(&args.input.path)),
+        format!("unit of value: {unit}"),
+        format!("filtered by droptower: CFC {} ({})", args.class, args.standard.text()),
+    ]
 }
 
 /// The series on equal steps, brought there only where the user wants it.
@@ -136,7 +146,8 @@ fn text(done: &Filtered) -> String {
         format!("  {word:8}  {} {unit} before, {} {unit} after\n", number(before), number(after))
     });
     let head = format!("{}: `{}` through CFC {} ({})", done.path, done.channel, done.class, done.standard);
-    format!("{head}\n{}{notes}  {}: {} samples", extremes.concat(), done.out, done.samples)
+    let samples = if done.samples == 1 { "sample" } else { "samples" };
+    format!("{head}\n{}{notes}  {}: {} {samples}", extremes.concat(), done.out, done.samples)
 }
 
 /// A rate in Hz, or with its unit.

@@ -51,6 +51,8 @@ pub struct FileArgs {
 pub struct Chosen {
     pub channel: Measured,
     pub notes: Vec<String>,
+    /// Those of the notes that the file itself says.
+    pub remarks: Vec<String>,
 }
 
 impl TableArgs {
@@ -88,10 +90,10 @@ impl Input {
         let unit = self.unit.as_deref().map(unit).transpose()?;
         let wanted = Wanted { unit, ..Wanted::one(self.column.as_deref()) };
         let found = file::read(&self.path, &self.table.over(wanted)).map_err(|error| faults::recording(&error))?;
-        let notes = found.notes;
-        let channel = found.channels.into_iter().next();
+        let Measurement { channels, notes, remarks } = found;
+        let channel = channels.into_iter().next();
         let channel = channel.ok_or_else(|| Diagnostic::new(format!("{}: no channel", shown_path(&self.path))))?;
-        Ok(Chosen { channel, notes })
+        Ok(Chosen { channel, notes, remarks })
     }
 
     /// The channel asked for in the SI unit, once it is sure to be a `dimension`.

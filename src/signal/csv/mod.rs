@@ -46,7 +46,7 @@ pub enum Fault {
     NoRows,
     #[error("no samples: none of the first {lines} lines starts with a number")]
     NoNumbers { lines: usize },
-    #[error("{} names ({}) over {columns} columns", names.len(), listed(names))]
+    #[error("{} ({}) over {}", counted(names.len(), "name"), listed(names), counted(*columns, "column"))]
     NamesAndColumns { names: Vec<String>, columns: usize },
     #[error("no column of time among {}", listed(found))]
     NoTime { found: Vec<String> },
@@ -104,6 +104,11 @@ impl Fault {
         };
         Some(hint.into())
     }
+}
+
+/// `1 name`, `2 names`.
+fn counted(count: usize, word: &str) -> String {
+    format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }
 
 /// A mistake in the cell at `place` of a line.
