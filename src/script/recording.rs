@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, Identifier, Map, NativeCallContext};
 
 use super::{Answer, Entry, Session, refuse};
 use crate::signal::file::{self, Wanted};
 use crate::signal::{ChannelError, Measurement, Series};
+use crate::units::Unit;
 
 /// Offers the type `measurement` to scripts that may read files.
 pub fn register(engine: &mut Engine) {
@@ -14,18 +15,62 @@ pub fn register(engine: &mut Engine) {
     super::coupon::register_reading(engine);
     engine
         .register_type_with_name::<Measurement>("measurement")
-        .register_fn("read_recording", read)
+        .register_fn("read_recording", |context: NativeCallContext, path: &str| {
+            read(&context, path, &Wanted::default())
+        })
+        .register_fn("read_recording", |context: NativeCallContext, path: &str, more: Map| {
+            read(&context, path, &wanted(&more)?)
+        })
         .register_fn("names", names)
         .register_fn("notes", |m: &mut Measurement| texts(m.notes.iter()))
         .register_fn("unit", unit)
+        .register_fn("filter_class", filter_class)
         .register_fn("channel", |m: &mut Measurement, name: &str| channel(m, name))
         .register_indexer_get(|m: &mut Measurement, name: &str| channel(m, name));
 }
 
 /// The path is relative to the working directory.
-fn read(context: NativeCallContext, path: &str) -> Answer<Measurement> {
-    Session::of(&context).reads_recording(Path::new(path));
-    file::read(Path::new(path), &Wanted::default()).map_err(|error| hinted(&error, error.hint()))
+fn read(context: &NativeCallContext, path: &str, wanted: &Wanted) -> Answer<Measurement> {
+    Session::of(context).reads_recording(Path::new(path));
+    file::read(Path::new(path), wanted).map_err(|error| hinted(&error, error.hint()))
+}
+
+/// What a script says of a file: `#{ time: name, columns: [name, …], units: #{ name: unit } }`, each as on the command line.
+pub(super) fn wanted(more: &Map) -> Answer<Wanted> {
+    let mut wanted = Wanted::default();
+    for (key, value) in more {
+        match key.as_str() {
+            "time" => wanted.time = Some(text(value, "the name of the column of time")?),
+            "columns" => wanted.names = list(value)?,
+            "units" => wanted.units = units(value)?,
+            other => {
+                return Err(refuse(format!("unknown key `{other}`; a recording is read with time, columns or units")));
+            }
+        }
+    }
+    Ok(wanted)
+}
+
+fn text(value: &Dynamic, what: &str) -> Answer<String> {
+    let text = value.clone().into_string();
+    text.map_err(|found| refuse(format!("expected {what} as text, found {found}")))
+}
+
+fn list(value: &Dynamic) -> Answer<Vec<String>> {
+    let names = value.read_lock::<Array>();
+    let names = names.ok_or_else(|| refuse(format!("expected a list of columns, found {}", value.type_name())))?;
+    names.iter().map(|name| text(name, "the name of a column")).collect()
+}
+
+fn units(value: &Dynamic) -> Answer<Vec<(String, Unit)>> {
+    let units = value.read_lock::<Map>();
+    let units =
+        units.ok_or_else(|| refuse(format!("expected units as #{{ name: unit }}, found {}", value.type_name())))?;
+    let unit = |(name, symbol): (&Identifier, &Dynamic)| {
+        let unit = Unit::parse(&text(symbol, "a unit")?).map_err(refuse)?;
+        Ok((name.to_string(), unit))
+    };
+    units.iter().map(unit).collect()
 }
 
 fn names(m: &mut Measurement) -> Array {
@@ -42,6 +87,11 @@ fn channel(m: &Measurement, name: &str) -> Answer<Series> {
 
 fn unit(m: &mut Measurement, name: &str) -> Answer<String> {
     m.channel(name).map(|channel| channel.value_unit().unwrap_or_default()).map_err(missing)
+}
+
+fn filter_class(m: &mut Measurement, name: &str) -> Answer<Dynamic> {
+    let class = m.channel(name).map_err(missing)?.filtered;
+    Ok(class.map_or(Dynamic::UNIT, Dynamic::from))
 }
 
 fn missing(error: ChannelError) -> Box<EvalAltResult> {
@@ -63,6 +113,11 @@ pub const ENTRIES: &[Entry] = &[
         example: "read_recording(args.recording).names().len() > 0",
     },
     Entry {
+        call: "read_recording(path, #{ time, columns, units })",
+        gives: "the same where the file does not say all: the column of time, names for all columns, units of channels",
+        example: r#"read_recording(args.recording, #{ time: "time", units: #{ acceleration: "g" } }).unit("acceleration") == "m/s2""#,
+    },
+    Entry {
         call: "recording.names()",
         gives: "the names of its channels",
         example: "read_recording(args.recording).names().contains(\"acceleration\")",
@@ -78,6 +133,11 @@ pub const ENTRIES: &[Entry] = &[
         example: "read_recording(args.recording).unit(\"acceleration\") == \"m/s2\"",
     },
     Entry {
+        call: "recording.filter_class(name)",
+        gives: "the channel frequency class that the file says the channel went through already, or ()",
+        example: "read_recording(args.recording).filter_class(\"acceleration\") == ()",
+    },
+    Entry {
         call: "recording.notes()",
         gives: "what was assumed or found odd while reading",
         example: "read_recording(args.recording).notes().len() == 0",
@@ -89,14 +149,33 @@ mod tests {
     use crate::script::reference::check::{assert_refused, engine};
 
     #[test]
+    fn what_a_file_leaves_open_is_given() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.csv");
+        std::fs::write(&path, "clock,a\n0,1\n1,2\n").unwrap();
+        for more in [r#"time: "clock", units: #{ a: "kN", clock: "ms" }"#, r#"columns: ["time [ms]", "a [kN]"]"#] {
+            let script = format!(
+                "let r = read_recording({path:?}, #{{ {more} }}); r.unit(\"a\") == \"N\" && r.a.max() == 2000.0 && r.a.times() == [0.0, 0.001] && r.filter_class(\"a\") == ()"
+            );
+            assert!(engine().eval::<bool>(&script).unwrap(), "{more}");
+        }
+    }
+
+    #[test]
     fn mistakes_are_said() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("r.csv");
         std::fs::write(&path, "time [ms],acceleration [g]\n0,1\n1,2\n").unwrap();
         let misspelt = format!("read_recording({path:?})[\"accelration\"]");
+        let contradicted = format!("read_recording({path:?}, #{{ units: #{{ acceleration: \"N\" }} }})");
         let cases = [
             ("read_recording(\"no.csv\")", "no.csv: cannot be read: "),
             (misspelt.as_str(), "(did you mean `acceleration`?)"),
+            ("read_recording(\"r.csv\", #{ tim: 1 })", "unknown key `tim`"),
+            ("read_recording(\"r.csv\", #{ time: 1 })", "expected the name of the column of time as text"),
+            ("read_recording(\"r.csv\", #{ columns: \"a\" })", "expected a list of columns"),
+            ("read_recording(\"r.csv\", #{ units: #{ a: \"furlong\" } })", "furlong"),
+            (contradicted.as_str(), "mixed units"),
         ];
         assert_refused(&engine(), &cases);
     }

@@ -116,6 +116,8 @@ pub enum ChannelError {
     Missing { name: String, known: Vec<String> },
     #[error("several channels are called `{name}`: {}", listed(labels))]
     Ambiguous { name: String, labels: Vec<String> },
+    #[error("{count} channels are called `{name}`, and nothing tells them apart")]
+    Alike { name: String, count: usize },
 }
 
 impl ChannelError {
@@ -125,7 +127,8 @@ impl ChannelError {
             ChannelError::Missing { name, known } => {
                 closest(name, known.iter().map(String::as_str)).map(|name| format!("did you mean `{name}`?"))
             }
-            ChannelError::Ambiguous { .. } => Some("ask for it as the file writes it, with its unit".into()),
+            ChannelError::Ambiguous { .. } => Some("ask for one of these".into()),
+            ChannelError::Alike { .. } => Some("read the file of that channel alone, or mend the names".into()),
         }
     }
 }
@@ -189,9 +192,13 @@ pub(super) fn find<'a>(
         [place] => Ok(place),
         [] => Err(ChannelError::Missing { name: wanted.into(), known: known.map(|(name, _)| name.into()).collect() }),
         _ => {
-            let labels =
-                known.enumerate().filter(|(place, _)| found.contains(place)).map(|(_, (_, label))| label.into());
-            Err(ChannelError::Ambiguous { name: wanted.into(), labels: labels.collect() })
+            let found: Vec<(&str, &str)> =
+                known.enumerate().filter(|(place, _)| found.contains(place)).map(|(_, pair)| pair).collect();
+            let name = wanted.into();
+            if found.iter().all(|pair| *pair == found[0]) {
+                return Err(ChannelError::Alike { name, count: found.len() });
+            }
+            Err(ChannelError::Ambiguous { name, labels: found.iter().map(|(_, label)| (*label).into()).collect() })
         }
     }
 }
@@ -247,6 +254,15 @@ mod tests {
         let names: Vec<&str> = recording.channels.iter().map(|channel| channel.name.as_str()).collect();
         let expected = ["accel_g [m/s2]", "accel_m_s2 [m/s2]", "force_N", "a", "2 a", "time [ms] [s]"];
         assert_eq!(names, expected);
+    }
+
+    #[test]
+    fn channels_of_one_name_are_told_apart_or_refused() {
+        let twice = [("a", "a [g]"), ("a", "a [m/s2]"), ("b", "b"), ("b", "b")];
+        let found = |wanted: &str| find(wanted, twice.into_iter());
+        assert_eq!(found("a [g]"), Ok(0));
+        assert!(matches!(found("a"), Err(ChannelError::Ambiguous { labels, .. }) if labels == ["a [g]", "a [m/s2]"]));
+        assert_eq!(found("b"), Err(ChannelError::Alike { name: "b".into(), count: 2 }));
     }
 
     #[test]

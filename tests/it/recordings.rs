@@ -503,7 +503,41 @@ fn a_filtered_channel_is_written_in_si() {
     assert_eq!(figures["unit"], "m/s2");
     let sae = told(&["--standard", "sae", "--force"]);
     assert_ne!(sae["largest_after"], figures["largest_after"]);
-    assert_eq!(told(&["--resample", "20 kHz", "--force"])["samples"], 1999);
+    let finer = told(&["--resample", "20 kHz", "--force"]);
+    assert_eq!(finer["samples"], 1999);
+    let coarser = told(&["--resample", "4 kHz", "--force"]);
+    let warned = |told: &Json| told["notes"].to_string().contains("without an anti-aliasing filter");
+    assert!(warned(&coarser) && !warned(&finer), "{coarser}");
+}
+
+#[test]
+fn a_channel_is_read_whatever_is_wrong_with_the_others() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let place = |name: &str| bench.path().join(name);
+    let head = "Channel code:11HEADCG0000ACXP\nUnit:m/s2\nSampling interval:1e-4\nReference channel:implicit\n\
+                Time of first sample:0\nChannel frequency class:CFC 600\n";
+    fs::write(place("t.001"), format!("{head}1\n2\n")).expect("written");
+    fs::write(place("t.002"), b"Channel code:X\n\0").expect("written");
+    fs::write(place("t.chn"), "Number of channels:1\nName of channel 001:11HEADCG0000ACXP\nstray\n").expect("written");
+    let found = file::read(&place("t.001"), &Wanted::default()).expect("readable");
+    assert_eq!(found.channels[0].series.values(), [1.0, 2.0]);
+    assert_eq!(found.channels[0].filtered, Some(600.0));
+    for expected in ["a channel beside it cannot be read", "the number of samples is not stated"] {
+        assert!(found.notes.iter().any(|note| note.contains(expected)), "{expected}: {:?}", found.notes);
+    }
+    assert!(file::read(&place("t.002"), &Wanted::default()).is_err());
+    assert!(file::read(&place("t.chn"), &Wanted::default()).is_err());
+    fs::write(place("t.002"), head.replace("CFC 600", "odd") + "1\n2\n").expect("written");
+    let found = file::read(&place("t.chn"), &Wanted::default()).expect("readable");
+    assert_eq!(found.channels[1].filtered, None);
+    for expected in ["t.chn: lines without a colon are left out: 1", "class `odd` is not known"] {
+        assert!(found.notes.iter().any(|note| note.contains(expected)), "{expected}: {:?}", found.notes);
+    }
+    let error = file::read(&place("t.chn"), &Wanted::one(Some("11HEADCG0000ACXP"))).expect_err("two of one code");
+    assert!(error.to_string().contains("2 channels are called `11HEADCG0000ACXP`"), "{error}");
+    fs::write(place("t.chn"), "a:b\n".repeat(30_000)).expect("written");
+    let error = file::read(&place("t.chn"), &Wanted::default()).expect_err("no header is so long");
+    assert!(error.to_string().contains("t.chn:20001:1: the header is too long"), "{error}");
 }
 
 #[test]

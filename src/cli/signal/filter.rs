@@ -83,6 +83,7 @@ fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
     }
     notes.extend(input::note_on_class(args.class));
     let even = even(args, &channel.series)?;
+    notes.extend(folded(&channel.series, &even));
     let series = filter::channel(&even, args.class, args.standard.into()).map_err(|error| mistake(args, &error))?;
     let values = Channel { name: "value".into(), values: series.values().to_vec() };
     let recording = Recording { time: series.time().to_vec(), channels: vec![values] };
@@ -125,6 +126,14 @@ fn even(args: &FilterArgs, series: &Series) -> Result<Series, Failure> {
         return Err(mistake(args, &FilterError::NotMeasured { time }));
     }
     resample::uniform(series, 1.0 / rate).map_err(|error| (BAD_INPUT, Diagnostic::new(format!("{name}: {error}"))))
+}
+
+/// What is said where samples are left out: nothing keeps what is faster than the new ones can show from folding into them.
+fn folded(before: &Series, after: &Series) -> Option<String> {
+    (after.len() < before.len()).then(|| {
+        let counts = format!("{} samples from {}", after.len(), before.len());
+        format!("{counts}, interpolated without an anti-aliasing filter: faster vibrations fold into slower ones")
+    })
 }
 
 fn mistake(args: &FilterArgs, error: &FilterError) -> Failure {

@@ -1,6 +1,6 @@
 //! How a table is laid out, found out from the lines before its numbers and from the first row.
 
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 use std::io::BufRead;
 
 use super::cell::{Cell, Mark, Separator};
@@ -167,11 +167,12 @@ impl Layout {
                 fault: Fault::NamesAndColumns { names, columns: cells },
             });
         }
+        let mut labels = HashSet::new();
         for (place, column) in self.columns.iter().enumerate() {
             if column.label.is_empty() {
                 return Err(self.at_column(place, Fault::Unnamed { column: place + 1 }));
             }
-            if self.columns[..place].iter().any(|other| other.label == column.label) {
+            if !labels.insert(column.label.as_str()) {
                 return Err(self.at_column(place, Fault::Duplicate { name: column.label.clone() }));
             }
         }

@@ -117,9 +117,10 @@ struct Rows {
 
 impl Rows {
     fn new(layout: &Layout, kept: &[usize], time: Option<usize>) -> Rows {
-        let slots = |place| (0..kept.len()).filter(|slot| kept[*slot] == place).collect();
+        let mut slots = vec![Vec::new(); layout.columns.len()];
+        kept.iter().enumerate().for_each(|(slot, place)| slots[*place].push(slot));
         Rows {
-            slots: (0..layout.columns.len()).map(slots).collect(),
+            slots,
             values: vec![Vec::new(); kept.len()],
             time,
             latest: f64::NEG_INFINITY,
@@ -131,12 +132,20 @@ impl Rows {
         while let Some(line) = layout.rows.pop_front() {
             self.push(&line, layout)?;
         }
+        let [mut comments, mut blanks, mut ending] = [Passed::default(); 3];
         while let Some(line) = lines.line()? {
             let text = line.text.trim_start();
-            if !text.is_empty() && !text.starts_with('#') {
+            if text.starts_with('#') {
+                comments.join(Passed { first: line.number, count: 1 });
+            } else if text.is_empty() {
+                ending.join(Passed { first: line.number, count: 1 });
+            } else {
+                blanks.join(std::mem::take(&mut ending));
                 self.push(&line, layout)?;
             }
         }
+        layout.notes.extend(comments.note("start with `#`"));
+        layout.notes.extend(blanks.note("are blank"));
         Ok(self.values)
     }
 
@@ -183,6 +192,28 @@ impl Rows {
     }
 }
 
+/// Lines among the rows that are none.
+#[derive(Clone, Copy, Default)]
+struct Passed {
+    first: usize,
+    count: usize,
+}
+
+impl Passed {
+    fn join(&mut self, later: Passed) {
+        if self.count == 0 {
+            self.first = later.first;
+        }
+        self.count += later.count;
+    }
+
+    fn note(&self, what: &str) -> Option<String> {
+        let Passed { first, count } = self;
+        (*count > 0)
+            .then(|| format!("lines below the first row that {what} are left out: {count}, the first is line {first}"))
+    }
+}
+
 /// `time`, if it comes after `previous`.
 fn later(time: f64, previous: f64) -> Result<f64, Fault> {
     if time.is_nan() {
@@ -194,6 +225,32 @@ fn later(time: f64, previous: f64) -> Result<f64, Fault> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_that_are_no_rows_are_noted() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.csv");
+        for (text, expected) in [
+            ("time_s,a\n0,1\n1,2\n\n\n", &[][..]),
+            ("time_s,a\n0,1\n\n\n1,2\n\n3,4\n\n", &["are blank are left out: 3, the first is line 3"]),
+            ("time_s,a\n0,1\n#1,2\n2,3\n# end\n", &["start with `#` are left out: 2, the first is line 3"]),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            let notes = measure(&path, &Wanted::default()).unwrap().notes;
+            assert_eq!(notes.len(), expected.len(), "{notes:?}");
+            assert!(notes.iter().zip(expected).all(|(note, expected)| note.ends_with(expected)), "{notes:?}");
+        }
+    }
+
+    /// Quadratic in the columns this takes minutes.
+    #[test]
+    fn many_columns_are_read_in_their_number() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("wide.csv");
+        let header: String = (0..60_000).map(|place| format!(",a{place}")).collect();
+        std::fs::write(&path, format!("t{header}\n0{}\n", ",1".repeat(60_000))).unwrap();
+        assert_eq!(measure(&path, &Wanted::default()).unwrap().channels.len(), 60_000);
+    }
 
     /// Memory is bounded by construction: there is a place for the wanted columns and for no other.
     #[test]

@@ -37,10 +37,15 @@ impl ChannelHead {
         by_code || self.header.text("Dimension") == Some("TI")
     }
 
-    /// The channel frequency class that it went through: as the header says, or else as the code's letter says.
-    pub fn class(&self) -> Option<f64> {
-        let stated = self.header.text("Channel frequency class").and_then(|class| class.parse::<f64>().ok());
-        stated.or_else(|| ChannelCode::parse(&self.name)?.class())
+    /// The channel frequency class that it went through: as the header says, or else as the code's letter says; a note
+    /// where the header says what is not understood.
+    pub fn class(&self, notes: &mut Vec<String>) -> Option<f64> {
+        let stated = self.header.text("Channel frequency class");
+        let class = stated.and_then(class_of);
+        if let (Some(stated), None) = (stated, class) {
+            notes.push(format!("{}: the channel frequency class `{stated}` is not known", self.name));
+        }
+        class.or_else(|| ChannelCode::parse(&self.name)?.class())
     }
 
     /// The values as they are written; `NaN` where there is none.
@@ -145,7 +150,7 @@ fn head(path: &Path) -> Result<Head, Mistake> {
     let mut lines = text::open(path)?;
     let mut header = Header::default();
     while let Some(line) = lines.line()? {
-        if !line.text.trim().is_empty() && !header.take(&line.text, line.number) {
+        if !line.text.trim().is_empty() && !take(&mut header, &line)? {
             let first = line.into_owned();
             return Ok((header, Some(first), lines));
         }
@@ -153,14 +158,49 @@ fn head(path: &Path) -> Result<Head, Mistake> {
     Ok((header, None, lines))
 }
 
-/// All lines of a file that has a header only; other lines count for nothing.
-pub fn read_header(path: &Path) -> Result<Header, ReadError> {
-    let read = || {
+/// All lines of a file that has a header only; other lines are noted.
+pub fn read_header(path: &Path, notes: &mut Vec<String>) -> Result<Header, ReadError> {
+    let (mut others, mut first) = (0, 0);
+    let mut read = || {
         let (mut header, mut lines) = (Header::default(), text::open(path)?);
         while let Some(line) = lines.line()? {
-            header.take(&line.text, line.number);
+            if !line.text.trim().is_empty() && !take(&mut header, &line)? {
+                others += 1;
+                first = if others == 1 { line.number } else { first };
+            }
         }
         Ok(header)
     };
-    read().map_err(|mistake: Mistake| mistake.of(path))
+    let header = read().map_err(|mistake: Mistake| mistake.of(path))?;
+    if others > 0 {
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        notes.push(format!("{file}: lines without a colon are left out: {others}, the first is line {first}"));
+    }
+    Ok(header)
+}
+
+fn take(header: &mut Header, line: &Line) -> Result<bool, Mistake> {
+    header.take(&line.text, line.number).map_err(|fault| Mistake { line: line.number, column: 1, fault })
+}
+
+/// The class that a header states: `1000`, `CFC 1000`, `CFC1000`, `CFC_1000`.
+fn class_of(stated: &str) -> Option<f64> {
+    let upper = stated.to_ascii_uppercase();
+    let number = upper.strip_prefix("CFC").map_or(upper.as_str(), |rest| rest.trim_start_matches([' ', '_', '-']));
+    number.parse::<f64>().ok().filter(|class| class.is_finite() && *class > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_as_they_are_written() {
+        for stated in ["1000", "CFC 1000", "cfc1000", "CFC_1000"] {
+            assert_eq!(class_of(stated), Some(1000.0), "{stated}");
+        }
+        for stated in ["P", "prefiltered", "0", "-60", "inf", "CFC"] {
+            assert_eq!(class_of(stated), None, "{stated}");
+        }
+    }
 }

@@ -50,7 +50,10 @@ impl Headers {
     /// Reads the headers of the container that the file or folder at `path` belongs to.
     pub fn read(path: &Path) -> Result<Headers, ReadError> {
         let files = Files::locate(path)?;
-        let read = |file: Option<PathBuf>| file.map_or_else(|| Ok(Header::default()), |file| read_header(&file));
+        // What is odd about them was noted when the recording was read.
+        let read = |file: Option<PathBuf>| {
+            file.map_or_else(|| Ok(Header::default()), |file| read_header(&file, &mut Vec::new()))
+        };
         let channels = Container::open(path)?.heads;
         Ok(Headers { test: read(files.test)?, list: read(files.list)?, channels })
     }
@@ -76,16 +79,29 @@ struct Container {
 impl Container {
     fn open(path: &Path) -> Result<Container, ReadError> {
         let files = Files::locate(path)?;
-        let heads = files.channels.iter().map(|file| ChannelHead::read(file)).collect::<Result<Vec<_>, _>>()?;
         let named = number(path);
-        let single = files.channels.iter().position(|file| named.is_some() && number(file) == named);
-        let mut container = Container { heads, single, notes: Vec::new(), remarks: Vec::new() };
+        let mut container = Container { heads: Vec::new(), single: None, notes: Vec::new(), remarks: Vec::new() };
+        for file in &files.channels {
+            let is_named = named.is_some() && number(file) == named;
+            match ChannelHead::read(file) {
+                Ok(head) => {
+                    container.single = container.single.or(is_named.then_some(container.heads.len()));
+                    container.heads.push(head);
+                }
+                // Who asks for one channel gets it whatever is wrong with the others.
+                Err(error) if named.is_some() && !is_named => {
+                    container.notes.push(format!("a channel beside it cannot be read: {error}"));
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        let single = container.single;
         match &files.test {
             Some(test) => {
-                let header = read_header(test)?;
+                let header = read_header(test, &mut container.notes)?;
                 let comments = header.entries().iter().filter(|entry| entry.key.eq_ignore_ascii_case("Comments"));
                 container.remarks.extend(comments.filter_map(|entry| entry.value.clone()));
-                container.notes.clone_from(&container.remarks);
+                container.notes.extend(container.remarks.iter().cloned());
             }
             None if single.is_none() => container.notes.push("there is no test (.mme)".into()),
             None => {}
@@ -100,7 +116,7 @@ impl Container {
 
     /// Lays the list of channels beside the files that are there; they are the same where their codes are.
     fn compare(&mut self, list: &Path) -> Result<(), ReadError> {
-        let header = read_header(list)?;
+        let header = read_header(list, &mut self.notes)?;
         let names = header.entries().iter().filter(|entry| entry.key.to_lowercase().starts_with("name of channel"));
         let listed: Vec<(&str, Option<&str>)> =
             names.filter_map(|entry| entry.value.as_deref()).map(code_and_name).collect();
@@ -245,13 +261,17 @@ fn measured(
 ) -> Result<Measured, ReadError> {
     let unit = unit(head, wanted, notes)?;
     let mut values = head.values()?;
+    if head.header.text("Number of samples").is_none() {
+        notes.push(format!("{}: the number of samples is not stated; whether some are missing is not seen", head.name));
+    }
+    let filtered = head.class(notes);
     let time = axes.of(head, values.len(), notes)?;
     check_extremes(head, &time, &values, notes)?;
     if let Some(unit) = unit.as_ref().filter(|unit| !unit.is_si()) {
         values.iter_mut().for_each(|value| *value = unit.to_si(*value));
     }
     let series = Series::new(time, values);
-    Ok(Measured { name: head.name.clone(), label: head.label.clone(), unit, filtered: head.class(), series })
+    Ok(Measured { name: head.name.clone(), label: head.label.clone(), unit, filtered, series })
 }
 
 /// The unit from the header or the caller; both where they agree. What is not known is noted.

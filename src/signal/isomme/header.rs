@@ -2,9 +2,19 @@
 
 use super::Fault;
 
+/// Most lines of a header: a list of as many channels as can be counted, and more.
+const MOST_LINES: usize = 20_000;
+
+/// Longest header, bytes.
+const LONGEST: usize = 4 << 20;
+
 /// Keys and values in the order of the file; keys may stand several times, as comments do.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Header(Vec<Entry>);
+pub struct Header {
+    entries: Vec<Entry>,
+    /// Of the lines that were taken in.
+    bytes: usize,
+}
 
 /// One line of a header.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,17 +28,21 @@ pub struct Entry {
 
 impl Header {
     /// Takes in a line; whether it was one of a header, with a key and a colon.
-    pub fn take(&mut self, line: &str, number: usize) -> bool {
+    pub fn take(&mut self, line: &str, number: usize) -> Result<bool, Fault> {
         let Some((key, value)) = line.split_once(':') else {
-            return false;
+            return Ok(false);
         };
-        self.0.push(Entry { key: key.trim().to_owned(), value: stated(value), line: number });
-        true
+        self.bytes += line.len();
+        if self.entries.len() >= MOST_LINES || self.bytes > LONGEST {
+            return Err(Fault::HeaderTooLong);
+        }
+        self.entries.push(Entry { key: key.trim().to_owned(), value: stated(value), line: number });
+        Ok(true)
     }
 
     /// All lines.
     pub fn entries(&self) -> &[Entry] {
-        &self.0
+        &self.entries
     }
 
     /// The value of the first line with this key, however it is capitalised; none where nothing is stated.
@@ -52,7 +66,7 @@ impl Header {
     }
 
     fn entry(&self, key: &str) -> Option<&Entry> {
-        self.0.iter().find(|entry| entry.key.eq_ignore_ascii_case(key))
+        self.entries.iter().find(|entry| entry.key.eq_ignore_ascii_case(key))
     }
 }
 
@@ -66,6 +80,17 @@ pub fn stated(value: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_header_has_an_end() {
+        let mut header = Header::default();
+        let taken = (1..).map(|line| header.take("Comments:", line)).take_while(Result::is_ok).count();
+        assert_eq!(taken, MOST_LINES);
+        let long = format!("Comments:{}", "x".repeat(1 << 20));
+        let mut header = Header::default();
+        let taken = (1..).map(|line| header.take(&long, line)).take_while(Result::is_ok).count();
+        assert_eq!(taken, 3);
+    }
 
     #[test]
     fn keys_and_values_as_they_occur() {
@@ -82,9 +107,9 @@ mod tests {
         .iter()
         .enumerate()
         {
-            assert!(header.take(line, number + 1));
+            assert!(header.take(line, number + 1).unwrap());
         }
-        assert!(!header.take("1.5E+00", 8));
+        assert!(!header.take("1.5E+00", 8).unwrap());
         assert_eq!(header.text("channel CODE"), Some("11HEADCG0000ACXP"));
         assert_eq!(header.text("Movie reference"), None);
         assert_eq!(header.text("Regulation"), None);

@@ -40,6 +40,8 @@ pub enum Fault {
     NoChannelFolder,
     #[error("no channel files (`{stem}.001`, …)")]
     NoChannelFiles { stem: String },
+    #[error("the header is too long")]
+    HeaderTooLong,
     #[error("`{key}` is not a number: `{found}`")]
     HeaderNumber { key: String, found: String },
     #[error("expected a number for `{channel}`, found `{found}`")]
