@@ -4,9 +4,9 @@
 //! build on derivatives or on a distribution, search without bounds in u, from which x follows by MINUIT's *transform*
 //! (James and Roos, Comput. Phys. Commun. 10, 1975):
 //!
-//!     both bounds   x = lo + (hi − lo)(1 + sin u)/2
-//!     lower only    x = lo − 1 + √(u² + 1)
-//!     upper only    x = hi + 1 − √(u² + 1)
+//! - both bounds: x = lo + (hi − lo)(1 + sin u)/2
+//! - lower only: x = lo − 1 + √(u² + 1)
+//! - upper only: x = hi + 1 − √(u² + 1)
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -2,7 +2,7 @@
 
 use rhai::{Dynamic, Engine, Map};
 
-use super::{Answer, Entry, from_json, number, refuse};
+use super::{Answer, Entry, Options, from_json, refuse};
 use crate::experiment::absorption::Body;
 use crate::experiment::drop::{self, Correction, Drop, Height, Reduction, Tower};
 use crate::experiment::fall::Fall;
@@ -40,8 +40,8 @@ pub(super) fn register(engine: &mut Engine) {
 
 fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) -> Answer<Map> {
     about.check(&["mass", "height", "gravity", "class", "correction", "time_constant"])?;
-    let body = Body { mass: about.needed("mass")?, gravity: about.number("gravity", GRAVITY)? };
-    let tower = Tower { body, height: Height::Known(about.needed("height")?) };
+    let body = Body { mass: about.needed_number("mass")?, gravity: about.number("gravity", GRAVITY)? };
+    let tower = Tower { body, height: Height::Known(about.needed_number("height")?) };
     let class = match about.map.get("class") {
         Some(none) if none.is_unit() => None,
         _ => Some(about.number("class", 1000.0)?),
@@ -56,7 +56,7 @@ fn correction(about: &Options<'_>) -> Answer<Correction> {
     match name.as_deref() {
         None | Some("coupling") => {
             let given = about.map.contains_key("time_constant");
-            let time_constant = given.then(|| about.needed("time_constant")).transpose()?;
+            let time_constant = given.then(|| about.needed_number("time_constant")).transpose()?;
             Ok(Correction::Coupling { time_constant })
         }
         Some("ramp") => Ok(Correction::Ramp),
@@ -89,8 +89,8 @@ fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> 
         "sample_rate",
     ])?;
     let fall = Fall {
-        height: about.needed("height")?,
-        speed: about.needed("velocity")?,
+        height: about.needed_number("height")?,
+        speed: about.needed_number("velocity")?,
         gravity: about.number("gravity", GRAVITY)?,
         letting_go: about.number("letting_go", 0.032)?,
     };
@@ -132,30 +132,6 @@ fn sensors(about: &Options<'_>) -> Answer<Sensors> {
 /// The channel as a signal, `()` where there is none.
 fn signal(recording: &Recording, column: &str) -> Dynamic {
     recording.series(column).map_or(Dynamic::UNIT, Dynamic::from)
-}
-
-/// What a script gives a function by name.
-struct Options<'a> {
-    of: &'static str,
-    map: &'a Map,
-}
-
-impl Options<'_> {
-    /// A name that nobody reads is a mistake.
-    fn check(&self, known: &[&str]) -> Answer<()> {
-        let unknown = self.map.keys().find(|key| !known.contains(&key.as_str()));
-        let message = |key| format!("{} knows no `{key}`; it takes {}", self.of, known.join(", "));
-        unknown.map_or(Ok(()), |key| Err(refuse(message(key))))
-    }
-
-    fn needed(&self, name: &str) -> Answer<f64> {
-        let value = self.map.get(name).ok_or_else(|| refuse(format!("{} needs `{name}`", self.of)))?;
-        number(value, name)
-    }
-
-    fn number(&self, name: &str, otherwise: f64) -> Answer<f64> {
-        self.map.get(name).map_or(Ok(otherwise), |value| number(value, name))
-    }
 }
 
 /// The reference of drop tests.

@@ -23,6 +23,11 @@ impl Options<'_> {
         self.map.get(name).ok_or_else(|| refuse(format!("{} needs `{name}`", self.of)))
     }
 
+    /// The number called `name`.
+    pub fn needed_number(&self, name: &str) -> Answer<f64> {
+        number(self.value(name)?, name)
+    }
+
     /// The number called `name`, or else another.
     pub fn number(&self, name: &str, otherwise: f64) -> Answer<f64> {
         self.map.get(name).map_or(Ok(otherwise), |value| number(value, name))

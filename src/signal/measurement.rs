@@ -219,6 +219,12 @@ mod tests {
     }
 
     #[test]
+    fn virtual_recordings_say_so() {
+        assert!(says_virtual(&["VIRTUAL recording: nothing was pulled".into()]));
+        assert!(!says_virtual(&["virtually nothing was pulled".into()]));
+    }
+
+    #[test]
     fn a_column_says_its_unit() {
         for (name, label, unit, expected) in [
             ("11HEAD0000H3ACXP", "11HEAD0000H3ACXP", Some("m/s2"), "11HEAD0000H3ACXP_m_s2"),

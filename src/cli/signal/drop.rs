@@ -45,7 +45,7 @@ pub struct DropArgs {
     pub gravity: f64,
     /// Channel frequency class of the filtered acceleration (ISO 6487); 1000, where the file does not say that it was
     /// filtered before
-    #[arg(long, value_name = "CFC")]
+    #[arg(long, value_name = "CFC", value_parser = input::class)]
     pub class: Option<f64>,
     /// How what an AC-coupled accelerometer does not show is put back
     #[arg(long, value_enum, default_value_t = Method::Coupling)]
@@ -101,6 +101,7 @@ fn reduced(args: &DropArgs) -> Result<Drop, (u8, Vec<Diagnostic>)> {
     let drop = sensed.reduce(&tower, &Reduction { correction, class });
     let mut drop = drop.map_err(|error| bad_input(Diagnostic::new(format!("{}: {error}", shown_path(&args.path)))))?;
     drop.notes.splice(..0, sensed.notes);
+    drop.notes.extend(args.class.and_then(input::note_on_class));
     if let Some(out) = &args.out {
         let origin =
             format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&args.path));

@@ -9,14 +9,14 @@ use super::figures::Figures;
 use super::{material, output};
 use crate::cli::faults::{self, WRITE_FAILURE};
 use crate::cli::scenarios::expanded;
-use crate::cli::signal::input::FileArgs;
+use crate::cli::signal::input::{FileArgs, quantity};
 use crate::cli::{Shared, print, print_json, report};
 use crate::diagnostic::Diagnostic;
 use crate::experiment::coupon::{
     BREAK_SHARE, Coupon, Direction, Label, Reading, Recorded, RecordingError, Reduction, Rules, WINDOW,
 };
 use crate::signal::file::Selection;
-use crate::units::{Density, Dimension, Length, Velocity};
+use crate::units::{Density, Length, Velocity};
 
 #[derive(Debug, Args)]
 pub struct ReduceArgs {
@@ -64,11 +64,6 @@ pub struct ReduceArgs {
     pub displacement: String,
     #[command(flatten)]
     pub file: FileArgs,
-}
-
-/// A length, density or speed with its unit.
-fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
-    dimension.parse(text).map_err(|error| format!("{error}; {}", error.hint()))
 }
 
 /// What the recordings gave.

@@ -72,13 +72,6 @@ pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, 
     Ok((direction, velocity))
 }
 
-/// Whether the header says that nothing was pulled: one of its lines holds the word `virtual`.
-pub fn is_virtual(header: &[String]) -> bool {
-    let words =
-        |line: &String| line.split(|c: char| !c.is_alphanumeric()).any(|word| word.eq_ignore_ascii_case("virtual"));
-    header.iter().any(words)
-}
-
 /// Whether two speeds differ by no more than the digits of their units.
 pub fn is_same_speed(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
@@ -174,11 +167,5 @@ mod tests {
         let given = Label { direction: Some(Direction::D3), velocity: Some(1.0) };
         let header = ["direction: north".to_owned(), "velocity: 3 kg".to_owned()];
         assert_eq!(label("md-0.02", &header, given), Ok((Direction::D3, 1.0)));
-    }
-
-    #[test]
-    fn virtual_recordings_say_so() {
-        assert!(is_virtual(&["VIRTUAL recording: nothing was pulled".into()]));
-        assert!(!is_virtual(&["virtually nothing was pulled".into()]));
     }
 }

@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::label::{self, Label, LabelError};
 use super::{Coupon, CouponError, Rules, Sample, SampleError};
 use crate::signal::file::{self, Selection, Wanted};
-use crate::signal::{ChannelError, Measurement, QuantityError};
+use crate::signal::{ChannelError, Measurement, QuantityError, says_virtual};
 use crate::units::{Force, Length};
 
 /// How recordings of coupons are read.
@@ -101,7 +101,7 @@ impl Reading {
         let displacement = measurement.channel(&self.displacement)?.quantity(Length::DIMENSION)?;
         let curve = self.coupon.curve(force, displacement)?;
         let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
-        let sample = Sample { is_virtual: label::is_virtual(&measurement.notes), ..sample };
+        let sample = Sample { is_virtual: says_virtual(&measurement.notes), ..sample };
         Ok(Recorded { path: path.into(), sample, merged: curve.merged() })
     }
 }
