@@ -74,8 +74,8 @@ impl Comparison {
 
     /// What a reader of the errors must know: that the recording is virtual, and what was assumed and doubted in its reduction.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
-        let marks = self.said.iter().filter(|note| says_virtual(std::slice::from_ref(note)));
-        marks.chain(&self.reduced).map(|note| format!("reference: {note}"))
+        let mark = self.said.iter().find(|note| says_virtual(std::slice::from_ref(note)));
+        mark.into_iter().chain(&self.reduced).map(|note| format!("reference: {note}"))
     }
 
     /// Error of a filtered acceleration (paper, equation 14).

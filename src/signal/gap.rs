@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::csv::clean_time;
 use super::{Series, resample};
 
 /// A step that is longer than this many usual ones is a hole.
@@ -27,7 +28,7 @@ pub fn first(series: &Series) -> Option<Gap> {
 pub fn holes(time: &[f64]) -> impl Iterator<Item = Gap> {
     let step = usual_step(time);
     let long = time.windows(2).filter(move |pair| pair[1] - pair[0] > HOLE * step);
-    long.map(move |pair| Gap::Hole { from: pair[0], to: pair[1], step })
+    long.map(move |pair| Gap::Hole { from: pair[0], to: pair[1], step: clean_time(step) })
 }
 
 /// The median step; that of all where they are equal.
