@@ -1,7 +1,8 @@
 //! What the host remembers while one script runs: the files that it read, and the trial that a host function is called in.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -87,11 +88,29 @@ impl From<Session> for Dynamic {
     }
 }
 
-/// Length and checksum of the file at `path`, or that it cannot be read.
+/// Length and checksum of the file at `path`, or that it cannot be read; a device or a pipe is not looked into.
 pub fn content(path: &Path) -> String {
-    match fs::read(path) {
-        Ok(bytes) => format!("{} bytes, checksum {:08x}", bytes.len(), crc32fast::hash(&bytes)),
+    match summed(path) {
+        Ok(Some((length, checksum))) => format!("{length} bytes, checksum {checksum:08x}"),
+        Ok(None) => "not a file".into(),
         Err(error) => format!("unreadable: {error}"),
+    }
+}
+
+fn summed(path: &Path) -> io::Result<Option<(u64, u32)>> {
+    if !fs::metadata(path)?.is_file() {
+        return Ok(None);
+    }
+    let mut file = File::open(path)?;
+    let (mut sum, mut length) = (crc32fast::Hasher::new(), 0);
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        let count = file.read(&mut buffer)?;
+        if count == 0 {
+            return Ok(Some((length, sum.finalize())));
+        }
+        sum.update(&buffer[..count]);
+        length += count as u64;
     }
 }
 

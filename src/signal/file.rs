@@ -25,6 +25,11 @@ impl ReadError {
         }
     }
 
+    /// Whether all that is wrong is that a table has no column of time, which [`columns`] does without.
+    pub fn lacks_time(&self) -> bool {
+        matches!(self, ReadError::Csv(error) if matches!(error.fault, csv::Fault::NoTime { .. }))
+    }
+
     /// What is wrong, without file and place.
     pub fn fault(&self) -> String {
         match self {

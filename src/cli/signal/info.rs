@@ -109,7 +109,7 @@ fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
             channels: found.channels.iter().map(contained).collect(),
             notes: found.notes,
         }),
-        Err(file::ReadError::Csv(error)) if matches!(error.fault, csv::Fault::NoTime { .. }) => columns(path, &wanted),
+        Err(error) if error.lacks_time() => columns(path, &wanted),
         Err(error) => Err(faults::recording(&error)),
     }
 }

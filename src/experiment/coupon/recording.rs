@@ -89,7 +89,12 @@ impl Reading {
     /// Reads the recording at `path` and reduces it; see [`label::label`] for how its direction and speed are found.
     pub fn read(&self, path: &Path) -> Result<Recorded, RecordingError> {
         let channels = Selection::Named(vec![self.force.clone(), self.displacement.clone()]);
-        let measurement = file::read(path, &Wanted { channels, ..self.table.clone() })?;
+        let wanted = Wanted { channels, ..self.table.clone() };
+        // Force over displacement needs no time: the speed is known from elsewhere.
+        let measurement = match file::read(path, &wanted) {
+            Err(error) if error.lacks_time() => file::columns(path, &wanted)?.over_samples(),
+            read => read?,
+        };
         let content = self.reduce(path, &measurement);
         content.map_err(|fault| RecordingError::Content { path: path.into(), fault: Box::new(fault) })
     }
@@ -120,6 +125,14 @@ mod tests {
     }
 
     const ROWS: &str = "0,0,0\n1,0.4,0.5\n2,0.8,1\n3,4,2\n4,4.1,0\n";
+
+    #[test]
+    fn a_table_without_time_will_do() {
+        let with_time = read("td-0.02-1.csv", &format!("time [s],displacement [mm],force [N]\n{ROWS}")).unwrap();
+        let rows: String = ROWS.lines().map(|row| format!("{}\n", &row[2..])).collect();
+        let without = read("td-0.02-1.csv", &format!("displacement [mm],force [N]\n{rows}")).unwrap();
+        assert_eq!(without.sample, with_time.sample);
+    }
 
     #[test]
     fn units_are_those_of_the_header() {

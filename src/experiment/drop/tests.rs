@@ -149,7 +149,7 @@ fn doubtful_figures_are_doubted() {
     *filtered.values.last_mut().unwrap() = 1e3;
     let doubts = plausibility::doubts(&hit, &reading, 0.1);
     assert!(doubts[0].contains("is not that of the impact"), "{doubts:?}");
-    let wavy = laser.with_values(laser.samples().map(|[t, v]| v + 0.004 * (300.0 * t).sin()).collect());
+    let wavy = laser.with_values(laser.samples().map(|[t, v]| v + 0.0025 * (3000.0 * t).sin()).collect());
     assert!(noted(&reading, &wavy, Reduction::default()).contains("apart: check the laser's unit"));
     let turned = changed(&|[_, v]| -v);
     let refused = reduce(&turned, Some(&laser), &TOWER, &Reduction::default()).unwrap_err().to_string();

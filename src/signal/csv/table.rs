@@ -33,6 +33,20 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
+impl Table {
+    /// The columns as channels over the number of the sample, which stands in for a time that nobody wrote down.
+    pub fn over_samples(self) -> Measurement {
+        let rows = self.columns.first().map_or(0, |column| column.values.len());
+        let number: Arc<[f64]> = (0..rows).map(|row| row as f64).collect();
+        let channel = |Column { name, label, unit, values }: Column| {
+            let series = Series::new(Arc::clone(&number), values);
+            Measured { name, label, unit, filtered: None, series }
+        };
+        let channels = self.columns.into_iter().map(channel).collect();
+        Measurement { channels, notes: self.notes, ..Measurement::default() }
+    }
+}
+
 /// Reads the columns of the table at `path` for which no time is needed, e.g. stress over strain.
 ///
 /// Holds one line and the wanted columns: 8 bytes a value.
