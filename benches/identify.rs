@@ -36,11 +36,17 @@ fn main() -> Outcome<()> {
     println!("## Drop test 1008 from a cold start, {} threads\n\n{HEAD}", rayon::current_num_threads());
     first.identify(&[])?;
     first.identify(&[QUICK])?;
-    println!("\n## All five, the first from a cold start and the others from what it found\n\n{HEAD}");
+    println!("\n## All five, the first from a cold start and the others from what it found where that holds\n\n{HEAD}");
     let (mut total, found) = first.identify(&[QUICK])?;
     let start = found.map(|k| k.to_string()).join(",");
     for other in others {
-        total += other?.identify(&[QUICK, ("start", &start)])?.0;
+        let other = other?;
+        // Where the first one's film is too weak, the search has no value to begin with.
+        let warm = other.identify(&[QUICK, ("start", &start)]).or_else(|refused| {
+            println!("| {} | {refused}; from a cold start: |", other.test);
+            other.identify(&[QUICK])
+        });
+        total += warm?.0;
     }
     println!("\nTogether {total:.0} s.");
     Ok(())
