@@ -119,21 +119,20 @@ impl<'a> Crew<'a> {
             if !board.is_begun(point) && !board.asked.contains(point) {
                 board.asked.push_back(point.clone());
             }
+            if !board.done.contains_key(point) {
+                board.awaited.push(point.clone());
+            }
         }
-        board.awaited.extend(points.iter().cloned());
         self.changed.notify_all();
         loop {
             if board.error.is_some() {
                 return Err(CrewError::Over);
             }
             let found: Option<Vec<Evaluation>> = points.iter().map(|point| board.done.get(point).cloned()).collect();
-            match found {
-                Some(found) => {
-                    board.awaited.retain(|point| !points.contains(point));
-                    return Ok(found);
-                }
-                None => board = self.changed.wait(board).unwrap_or_else(PoisonError::into_inner),
+            if let Some(found) = found {
+                return Ok(found);
             }
+            board = self.changed.wait(board).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
@@ -153,6 +152,7 @@ impl<'a> Crew<'a> {
             let mut board = self.board();
             board.keep(&x, &found, seconds, self.objective);
             board.running.retain(|other| *other != point);
+            board.awaited.retain(|other| *other != point);
             board.done.insert(point, found);
             drop(board);
             self.changed.notify_all();
@@ -198,10 +198,14 @@ impl Board<'_> {
         self.done.contains_key(point) || self.running.contains(point)
     }
 
-    /// What is asked for, or else what is expected, as long as that leaves a thread free.
+    /// What is asked for; or else, while the search waits, what is expected, as long as that leaves a thread free. A search
+    /// that finds everything it asks for among what is done makes no trial at all.
     fn take(&mut self, threads: usize) -> Option<Point> {
         if let Some(point) = self.asked.pop_front() {
             return Some(point);
+        }
+        if self.awaited.is_empty() {
+            return None;
         }
         let ahead = self.running.iter().filter(|point| !self.awaited.contains(point)).count();
         if ahead + 1 >= threads {
