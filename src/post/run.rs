@@ -115,13 +115,15 @@ impl Columns {
 }
 
 impl ReferenceSignals {
-    fn get(&mut self, name: ImmutableString) -> Result<Series, Box<EvalAltResult>> {
-        let series = match name.as_str() {
-            "acceleration" => self.0.acceleration.clone(),
-            "displacement" => self.0.displacement.clone(),
+    fn get(&mut self, name: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
+        let Comparison { acceleration, displacement, energy_absorption, .. } = &self.0;
+        let found = match name.as_str() {
+            "acceleration" => acceleration.clone().map(Dynamic::from),
+            "displacement" => displacement.clone().map(Dynamic::from),
+            "energy_absorption" => Some(energy_absorption.map_or(Dynamic::UNIT, Dynamic::from)),
             _ => None,
         };
-        series.ok_or_else(|| unknown("reference", &name, ["acceleration", "displacement"]))
+        found.ok_or_else(|| unknown("reference", &name, ["acceleration", "displacement", "energy_absorption"]))
     }
 }
 

@@ -196,9 +196,10 @@ pub const ENTRIES: &[Entry] = &[
         example: "scenario(args.scenario).with(#{ \"output.frames\": 10, title: \"other\" }).title == \"other\"",
     },
     Entry {
-        call: "scenario.reference.acceleration, scenario.reference.displacement, scenario.window",
-        gives: "the recording it is compared with (acceleration through the run's filter) and the window of the errors, s",
-        example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0",
+        call: "scenario.reference.acceleration, .displacement, .energy_absorption; scenario.window",
+        gives: "the recording it is compared with (acceleration through the run's filter; the energy absorption of a raw one, else ()) and the \
+                window of the errors, s",
+        example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0 && t.reference.energy_absorption != 1",
     },
     Entry {
         call: "scenario.curve(\"md\" | \"td\" | \"shear\"), scenario.curve(name, face)",
