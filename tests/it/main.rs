@@ -8,6 +8,7 @@ mod language;
 mod golden;
 mod identification;
 mod mesh;
+mod paper_study;
 mod recordings;
 mod resume;
 mod runs;
