@@ -2,6 +2,7 @@
 
 mod architecture;
 mod commands;
+mod conversions;
 mod coupons;
 mod diagnostics;
 mod language;
