@@ -411,7 +411,7 @@ mod tests {
         let found = Confidence::of(&tangent(&[1.0, 2.0], &[0.0; 10], jacobian), &question(2, Colour::Coloured));
         assert_eq!((&found.intervals[..], &found.standard_errors[..]), (&[[1.0; 2], [2.0; 2]][..], &[0.0; 2][..]));
         assert!(found.correlation.iter().chain(&found.unfinished).all(|value| value.is_finite()));
-        assert!(found.warnings.iter().any(|warning| warning.contains("the model's own roughness")), "{found:?}");
+        assert!(found.warnings.iter().any(|warning| warning.contains("what the model itself does beside")), "{found:?}");
     }
 
     #[test]
