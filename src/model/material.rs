@@ -29,9 +29,8 @@ fn elastic(written: &scenario::Elastic) -> Law {
 }
 
 fn fabric(written: &scenario::Fabric, path: &str, findings: &mut Findings<'_>) -> Option<Fabric> {
-    let scale = written.scale;
-    let md = fibre(&written.md, scale, &format!("{path}.md"), findings);
-    let td = fibre(&written.td, scale, &format!("{path}.td"), findings);
+    let md = fibre(&written.md, written.scale, &format!("{path}.md"), findings);
+    let td = fibre(&written.td, written.scale, &format!("{path}.td"), findings);
     let shear_path = format!("{path}.shear.curve");
     let place = |index: usize| format!("{shear_path}.{index}");
     let shear = curve(&written.shear.curve, &shear_path, place, findings);
@@ -40,8 +39,8 @@ fn fabric(written: &scenario::Fabric, path: &str, findings: &mut Findings<'_>) -
     Some(Fabric::new(md?, td?, shear?, absorption?))
 }
 
-/// The curve of one fibre set, moved by the multipliers.
-fn fibre(written: &Fibre, scale: Scale, path: &str, findings: &mut Findings<'_>) -> Option<Curve> {
+/// The curve of one fibre set, moved by its multipliers or else by those of the `fabric`.
+fn fibre(written: &Fibre, fabric: Scale, path: &str, findings: &mut Findings<'_>) -> Option<Curve> {
     let (curve, yields) = match (&written.curve, written.yield_points, written.break_point) {
         (Some(points), _, _) => general(written, points, path, findings)?,
         (None, Some([first, second]), Some(end)) => {
@@ -58,7 +57,10 @@ fn fibre(written: &Fibre, scale: Scale, path: &str, findings: &mut Findings<'_>)
         }
         _ => return None,
     };
-    moved(curve, yields, scale, path, findings)
+    let own = format!("{path}.scale");
+    let of_fabric = path.rsplit_once('.').map_or(own.clone(), |(fabric, _)| format!("{fabric}.scale"));
+    let (scale, scale_path) = written.scale.map_or((fabric, of_fabric), |scale| (scale, own));
+    moved(curve, yields, scale, [path, &scale_path], findings)
 }
 
 /// A curve of any points; its yield strains must lie on it, in order.
@@ -88,13 +90,12 @@ fn moved(
     curve: Curve,
     yields: Option<[f64; 2]>,
     scale: Scale,
-    path: &str,
+    [path, scale_path]: [&str; 2],
     findings: &mut Findings<'_>,
 ) -> Option<Curve> {
     if scale == Scale::default() {
         return Some(curve);
     }
-    let fabric = path.rsplit_once('.').map_or(path, |(fabric, _)| fabric);
     let Some(yields) = yields else {
         findings.report_with(
             &format!("{path}.curve"),
@@ -111,7 +112,7 @@ fn moved(
         Ok(curve) => Some(curve),
         Err(error) => {
             let message = format!("the multipliers leave no curve: {error}");
-            findings.report(&format!("{fabric}.scale"), message);
+            findings.report(scale_path, message);
             None
         }
     }

@@ -22,6 +22,8 @@ pub struct Comparison {
     pub displacement: Option<Series>,
     /// Part that the errors are taken over, s.
     pub window: [f64; 2],
+    /// Share of the energy that the film kept (paper, equation 11); of raw recordings in which the impactor rebounds.
+    pub energy_absorption: Option<f64>,
     /// What the recording says of itself, and what was noted while it was read.
     pub said: Vec<String>,
     /// What a reader of its reduction should know.
@@ -55,7 +57,7 @@ impl Comparison {
         };
         let measurement =
             file::read(&reference.signals, &Wanted { channels: channels(reference), ..Wanted::default() })?;
-        let Signals { raw, filtered, displacement, reduced } =
+        let Signals { raw, filtered, displacement, energy_absorption, reduced } =
             match Signals::from_contact(&measurement, model, reference)? {
                 Some(signals) => signals,
                 None => Signals::reduced(&measurement, model, reference)?,
@@ -69,7 +71,8 @@ impl Comparison {
                 [0.0, turn.ok_or_else(|| ReferenceError::NoTurn { path: reference.signals.clone() })?]
             }
         };
-        Ok(Some(Comparison { acceleration: filtered, displacement, window, said: measurement.notes, reduced }))
+        let (acceleration, said) = (filtered, measurement.notes);
+        Ok(Some(Comparison { acceleration, displacement, window, energy_absorption, said, reduced }))
     }
 
     /// What a reader of the errors must know: that the recording is virtual, and what was assumed and doubted in its reduction.
@@ -98,6 +101,8 @@ struct Signals {
     /// Through the run's channel filter.
     filtered: Option<Series>,
     displacement: Option<Series>,
+    /// Of a raw recording.
+    energy_absorption: Option<f64>,
     /// Notes of the reduction.
     reduced: Vec<String>,
 }
@@ -118,7 +123,7 @@ impl Signals {
             None => raw.as_ref().map(|raw| filtered(raw, model, reference)).transpose()?,
         };
         let any = filtered.is_some() || displacement.is_some();
-        Ok(any.then(|| Signals { raw, filtered, displacement, reduced: Vec::new() }))
+        Ok(any.then(|| Signals { raw, filtered, displacement, energy_absorption: None, reduced: Vec::new() }))
     }
 
     /// Of a raw recording, with the mass and gravity of the run.
@@ -141,7 +146,8 @@ impl Signals {
         let drop = sensed.reduce(&tower, &reduction).map_err(|source| ReferenceError::Drop { path: path(), source })?;
         let channel = |name| drop.signals.series(name);
         let (raw, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
-        Ok(Signals { raw, filtered: channel("acceleration_filtered_m_s2"), displacement, reduced: drop.notes })
+        let (filtered, energy_absorption) = (channel("acceleration_filtered_m_s2"), drop.energy_absorption);
+        Ok(Signals { raw, filtered, displacement, energy_absorption, reduced: drop.notes })
     }
 }
 

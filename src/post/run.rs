@@ -12,7 +12,7 @@ use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
 
 /// Short names of channels: what a script writes, and the column it means.
-const CHANNELS: [(&str, &str); 17] = [
+const CHANNELS: [(&str, &str); 19] = [
     ("displacement", "displacement_m"),
     ("velocity", "velocity_m_s"),
     ("acceleration", "acceleration_filtered_m_s2"),
@@ -24,6 +24,8 @@ const CHANNELS: [(&str, &str); 17] = [
     ("total_energy", "total_energy_J"),
     ("max_strain_md", "max_strain_md"),
     ("max_strain_td", "max_strain_td"),
+    ("frame_force_x", "frame_force_x_N"),
+    ("frame_force_y", "frame_force_y_N"),
     ("force", "force_N"),
     ("strain", "strain"),
     ("stress", "stress_Pa"),
@@ -115,13 +117,15 @@ impl Columns {
 }
 
 impl ReferenceSignals {
-    fn get(&mut self, name: ImmutableString) -> Result<Series, Box<EvalAltResult>> {
-        let series = match name.as_str() {
-            "acceleration" => self.0.acceleration.clone(),
-            "displacement" => self.0.displacement.clone(),
+    fn get(&mut self, name: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
+        let Comparison { acceleration, displacement, energy_absorption, .. } = &self.0;
+        let found = match name.as_str() {
+            "acceleration" => acceleration.clone().map(Dynamic::from),
+            "displacement" => displacement.clone().map(Dynamic::from),
+            "energy_absorption" => Some(energy_absorption.map_or(Dynamic::UNIT, Dynamic::from)),
             _ => None,
         };
-        series.ok_or_else(|| unknown("reference", &name, ["acceleration", "displacement"]))
+        found.ok_or_else(|| unknown("reference", &name, ["acceleration", "displacement", "energy_absorption"]))
     }
 }
 
@@ -131,12 +135,14 @@ fn unknown<'a>(owner: &str, name: &str, known: impl IntoIterator<Item = &'a str>
 }
 
 /// What was run, as far as scripts reckon with it.
-fn facts(model: &Model) -> serde_json::Map<String, Value> {
+pub(super) fn facts(model: &Model) -> serde_json::Map<String, Value> {
     let mut facts = serde_json::Map::new();
     facts.insert("name".into(), json!(model.name));
     facts.insert("title".into(), json!(model.title));
     let layers: Vec<u32> = model.faces.iter().map(|face| face.layers).collect();
     facts.insert("layers".into(), json!(layers));
+    let prestrain: Vec<[f64; 2]> = model.faces.iter().map(|face| face.prestrain).collect();
+    facts.insert("prestrain".into(), json!(prestrain));
     if let Some(impactor) = model.impactor.as_ref().filter(|impactor| impactor.mass.is_finite()) {
         facts.insert("mass".into(), json!(impactor.mass));
     }
@@ -206,7 +212,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "run.model.<fact>",
-        gives: "what was run: name, title, layers (a list, one a face), and of its loading mass (kg), velocity (m/s), gravity (m/s²), duration (s), \
+        gives: "what was run: name, title, layers and prestrain ([md, td]; lists, one a face), and of its loading mass (kg), velocity (m/s), gravity (m/s²), duration (s), \
                 angle (rad), until, depth (m), pressure (Pa), ramp (s)",
         example: "run.model.layers[0] == 8 && run.model.mass > 10",
     },

@@ -4,15 +4,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use rhai::{Array, Dynamic, Engine, EvalAltResult, Map, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
+use serde_json::Value;
 
 use super::coupon_material;
 use super::run::{self, ReferenceSignals};
 use super::{Plan, Run, trial};
 use crate::diagnostic::Diagnostic;
+use crate::experiment::coupon::Curve;
+use crate::material::Law;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
-use crate::script::{Answer, Entry, Session, refuse, to_json};
+use crate::script::{Answer, Entry, Session, from_json, refuse, to_json};
 use crate::simulate::{self, RunError};
 
 /// A checked scenario in a script. Cheap to clone.
@@ -81,10 +84,44 @@ impl Study {
         Ok(self.comparison()?.window.map(Dynamic::from).into())
     }
 
+    /// The curve of one fibre set or of shear, with its multipliers, of all faces or of one.
+    fn curve(&self, name: &str, face: Option<INT>) -> Answer<Curve> {
+        let faces = &self.0.model.faces;
+        let chosen = match face {
+            Some(face) => usize::try_from(face).ok().and_then(|face| faces.get(face)).map(std::slice::from_ref),
+            None => Some(&faces[..]),
+        };
+        let Some([first, others @ ..]) = chosen else {
+            return Err(refuse(format!("there is no such face; {} has {}", self.0.model.name, faces.len())));
+        };
+        let found = points(&first.material.law, name)?;
+        for other in others {
+            if points(&other.material.law, name)? != found {
+                return Err(refuse(format!("the faces differ in their curves: say which, `curve({name:?}, 0)`")));
+            }
+        }
+        let (strains, stresses) = found.into_iter().map(|[strain, stress]| (strain, stress)).unzip();
+        Curve::new(strains, stresses).map_err(refuse)
+    }
+
     fn comparison(&self) -> Answer<&super::Comparison> {
         let comparison = self.0.plan.comparison();
         comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
     }
+}
+
+/// Corners of a curve of fabric, with the origin: strain, stress (Pa).
+fn points(law: &Law, name: &str) -> Answer<Vec<[f64; 2]>> {
+    let Law::Fabric(fabric) = law else {
+        return Err(refuse("only a fabric has curves"));
+    };
+    let curve = match name {
+        "md" => fabric.md(),
+        "td" => fabric.td(),
+        "shear" => fabric.shear(),
+        _ => return Err(refuse(format!("there is no curve `{name}`; a fabric has md, td and shear"))),
+    };
+    Ok(std::iter::once([0.0, 0.0]).chain(curve.points().iter().copied()).collect())
 }
 
 /// All at once on all cores; the runs in the order of the scenarios.
@@ -134,6 +171,9 @@ pub fn register(engine: &mut Engine, changes: Vec<Assignment>) {
         .register_fn("simulate_all", simulate_all)
         .register_get("reference", Study::reference)
         .register_get("window", Study::window)
+        .register_fn("curve", |study: &mut Study, name: &str| study.curve(name, None))
+        .register_fn("curve", |study: &mut Study, name: &str, face: INT| study.curve(name, Some(face)))
+        .register_get("model", |study: &mut Study| from_json(&Value::Object(run::facts(&study.0.model))))
         .register_get("name", |study: &mut Study| study.0.model.name.clone())
         .register_get("title", |study: &mut Study| study.0.model.title.clone());
 }
@@ -156,9 +196,20 @@ pub const ENTRIES: &[Entry] = &[
         example: "scenario(args.scenario).with(#{ \"output.frames\": 10, title: \"other\" }).title == \"other\"",
     },
     Entry {
-        call: "scenario.reference.acceleration, scenario.reference.displacement, scenario.window",
-        gives: "the recording it is compared with (acceleration through the run's filter) and the window of the errors, s",
-        example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0",
+        call: "scenario.reference.acceleration, .displacement, .energy_absorption; scenario.window",
+        gives: "the recording it is compared with (acceleration through the run's filter; the energy absorption of a raw one, else ()) and the \
+                window of the errors, s",
+        example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0 && t.reference.energy_absorption != 1",
+    },
+    Entry {
+        call: "scenario.curve(\"md\" | \"td\" | \"shear\"), scenario.curve(name, face)",
+        gives: "a curve of its fabric with the multipliers in it, from the origin to the break: of all faces, which must agree, or of one",
+        example: r#"let t = scenario(args.scenario); t.curve("md").len() == 4 && t.curve("md", 0).end() < t.curve("td").end()"#,
+    },
+    Entry {
+        call: "scenario.model.<fact>",
+        gives: "what would be run, as in `run.model`",
+        example: "scenario(args.scenario).model.layers == [8, 8]",
     },
     Entry {
         call: "scenario.simulate()",

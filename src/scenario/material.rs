@@ -43,7 +43,7 @@ pub struct Fabric {
     pub td: Fibre,
     /// Shear stress over shear angle.
     pub shear: Shear,
-    /// Multipliers that make a dynamic curve of a quasi-static one (paper, equations 12 and 13).
+    /// Multipliers that make a dynamic curve of a quasi-static one (paper, equations 12 and 13), of both fibre sets.
     #[serde(default)]
     pub scale: Scale,
     /// Share of the stored energy that is lost on unloading.
@@ -76,6 +76,8 @@ pub struct Fibre {
     /// Strains of the two yield points of `curve`, needed where `scale` moves it.
     #[schemars(transform = schema::positive_items)]
     pub yield_strains: Option<[f64; 2]>,
+    /// Multipliers of these fibres alone, in place of those of the fabric.
+    pub scale: Option<Scale>,
 }
 
 /// The shear curve.

@@ -3,7 +3,9 @@
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map};
 
 use super::{Answer, Entry, number, refuse};
-use crate::experiment::coupon::average::{Spread, mean_curve, mean_of_means, relative_difference};
+use crate::experiment::coupon::average::{
+    AverageError, Spread, mean_curve, mean_law, mean_of_means, relative_difference,
+};
 use crate::experiment::coupon::{BREAK_SHARE, Curve, Ending, WINDOW, YieldPoints, yield_points};
 
 /// Offers the type `curve`, its functions and means to scripts.
@@ -29,7 +31,8 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("rupture", |curve: &mut Curve, share: Dynamic| rupture(curve, number(&share, "the share")?))
         .register_fn("yield_points", |curve: &mut Curve| yields(curve, WINDOW))
         .register_fn("yield_points", |curve: &mut Curve, window: Dynamic| yields(curve, strains(&window)?))
-        .register_fn("mean_curve", mean)
+        .register_fn("mean_curve", |curves: Array| mean(&curves, mean_curve))
+        .register_fn("mean_law", |curves: Array| mean(&curves, mean_law))
         .register_fn("mean_of_means", |groups: Array| mean_of_groups(&groups))
         .register_fn("relative_difference", |measured: Dynamic, reference: Dynamic| {
             let reference = number(&reference, "the reference")?;
@@ -117,12 +120,12 @@ fn yields(curve: &Curve, window: [f64; 2]) -> Answer<Map> {
     yield_points(curve, window).map(|found| yield_map(&found)).map_err(refuse)
 }
 
-fn mean(curves: Array) -> Answer<Curve> {
+fn mean(curves: &Array, of: fn(&[Curve]) -> Result<Curve, AverageError>) -> Answer<Curve> {
     let curve = |item: &Dynamic| {
         let found = item.clone().try_cast::<Curve>();
         found.ok_or_else(|| refuse(format!("expected a curve, found {}", item.type_name())))
     };
-    mean_curve(&curves.iter().map(curve).collect::<Answer<Vec<_>>>()?).map_err(refuse)
+    of(&curves.iter().map(curve).collect::<Answer<Vec<_>>>()?).map_err(refuse)
 }
 
 fn mean_of_groups(groups: &[Dynamic]) -> Answer<f64> {
@@ -184,6 +187,11 @@ pub const ENTRIES: &[Entry] = &[
         call: "curve.yield_points(), curve.yield_points([from, to])",
         gives: "a map: first and second [strain, stress], slopes, residual, of three straight pieces beyond the elastic window",
         example: "let e = []; let s = []; for i in 0..141 { let x = i * 0.01; e.push(x); s.push(32 * min(x, 0.26) + 20 * min(max(x - 0.26, 0.0), 0.58) + 10 * max(x - 0.84, 0.0)); } let y = curve(e, s).yield_points(); (y.first[0] - 0.26).abs() < 1e-6 && (y.second[0] - 0.84).abs() < 1e-6",
+    },
+    Entry {
+        call: "mean_law([curve, …])",
+        gives: "the exact mean of curves of straight pieces, up to the mean of their ends; one that has ended goes on along its last piece",
+        example: "let m = mean_law([curve([0, 1], [0, 10]), curve([0, 0.5, 2], [0, 10, 10])]); m.strains() == [0.0, 0.5, 1.0, 1.5] && m.at(1.5) == 12.5",
     },
     Entry {
         call: "mean_curve([curve, …])",

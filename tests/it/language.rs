@@ -134,5 +134,13 @@ fn multipliers_move_a_general_curve_like_its_yield_points() {
         extends = \"tower.toml\"
         specimen.material.fabric.scale = { k1 = 2.75, ke = 3.41, ky = 1.2 }
         ";
-    assert_eq!(model("a", general).faces[0].material, model("b", named).faces[0].material);
+    let apart = "
+        extends = \"tower.toml\"
+        specimen.material.fabric.scale = { k1 = 5, ke = 5, ky = 5 }
+        specimen.material.fabric.md.scale = { k1 = 2.75, ke = 3.41, ky = 1.2 }
+        specimen.material.fabric.td.scale = { k1 = 2.75, ke = 3.41, ky = 1.2 }
+        ";
+    let named = &model("b", named).faces[0].material;
+    assert_eq!(&model("a", general).faces[0].material, named);
+    assert_eq!(&model("c", apart).faces[0].material, named);
 }

@@ -81,6 +81,23 @@ pub fn mean_curve(curves: &[Curve]) -> Result<Curve, AverageError> {
     stress.and_then(|stress| Curve::new(strain, stress).ok()).ok_or(none)
 }
 
+/// The mean of piecewise straight `laws` from their latest beginning to the mean of their ends, exact: it has the corners of
+/// all. A law that has ended goes on along its last piece, as a curve does in the film until an element breaks.
+pub fn mean_law(laws: &[Curve]) -> Result<Curve, AverageError> {
+    let mean = |figure: &dyn Fn(&Curve) -> f64| laws.iter().map(figure).sum::<f64>() / laws.len() as f64;
+    if laws.is_empty() {
+        return Err(AverageError::Nothing);
+    }
+    let start = laws.iter().map(|law| law.range()[0]).fold(f64::NEG_INFINITY, f64::max);
+    let end = mean(&|law| law.range()[1]);
+    let corners = laws.iter().flat_map(Curve::strain).copied().filter(|strain| (start..end).contains(strain));
+    let mut strain: Vec<f64> = corners.chain([start, end]).collect();
+    strain.sort_by(f64::total_cmp);
+    strain.dedup();
+    let stress = strain.iter().map(|strain| mean(&|law| law.continued(*strain))).collect();
+    Curve::new(strain, stress).map_err(|_| AverageError::NoCommonStrain { start, end })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,6 +127,21 @@ mod tests {
         let mean = mean_curve(&[line(2.0, [0.0, 1.0], 7), line(4.0, [0.1, 0.8], 300)]).unwrap();
         assert_eq!(mean.range(), [0.1, 0.8]);
         assert!(mean.samples().all(|[strain, stress]| (stress - 3.0 * strain).abs() < 1e-12));
+    }
+
+    /// By hand: the first law goes on beyond its end at 0.4 with its slope of 5, the mean ends at (0.4 + 0.8)/2.
+    #[test]
+    fn laws_are_averaged_at_their_corners_and_beyond_an_end() {
+        let first = Curve::new(vec![0.0, 0.1, 0.4], vec![0.0, 1.0, 2.5]).unwrap();
+        let second = Curve::new(vec![0.0, 0.2, 0.8], vec![0.0, 4.0, 4.0]).unwrap();
+        let mean = mean_law(&[first.clone(), second]).unwrap();
+        let expected = [[0.0, 0.0], [0.1, 1.5], [0.2, 2.75], [0.4, 3.25], [0.6, 3.75]];
+        assert_eq!(mean.strain().len(), expected.len());
+        for (found, expected) in mean.samples().zip(expected) {
+            assert!((found[0] - expected[0]).abs() < 1e-12 && (found[1] - expected[1]).abs() < 1e-12, "{found:?}");
+        }
+        assert_eq!(mean_law(std::slice::from_ref(&first)), Ok(first));
+        assert_eq!(mean_law(&[]), Err(AverageError::Nothing));
     }
 
     #[test]

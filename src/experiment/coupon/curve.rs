@@ -77,6 +77,13 @@ impl Curve {
         [self.strain[0], self.strain[self.strain.len() - 1]]
     }
 
+    /// Stress (Pa) at `strain`, linear between samples; beyond the last, on the line through the last two.
+    pub fn continued(&self, strain: f64) -> f64 {
+        let last = self.strain.len() - 1;
+        let slope = (self.stress[last] - self.stress[last - 1]) / (self.strain[last] - self.strain[last - 1]);
+        self.at(strain).unwrap_or(self.stress[last] + (strain - self.strain[last]) * slope)
+    }
+
     /// Stress (Pa) at `strain`, linear between samples; none outside of them.
     pub fn at(&self, strain: f64) -> Option<f64> {
         resample::at(&self.strain, &self.stress, strain)
