@@ -6,6 +6,7 @@
 mod bounds;
 mod cma_es;
 mod crew;
+mod foresight;
 mod history;
 mod levenberg_marquardt;
 mod nelder_mead;
@@ -18,7 +19,7 @@ mod starts;
 
 use crate::script::Chapter;
 pub use bounds::{Bounds, BoundsError};
-pub use crew::{Crew, CrewError};
+pub use crew::{Crew, CrewError, Desk, Task};
 pub use history::{History, HistoryError, Identity, Logged};
 pub use nelder_mead::{Limits, Simplex, Step, Values};
 pub use objective::{Answer, Evaluation, Objective};

@@ -12,8 +12,8 @@ use super::{Plan, Run, trial};
 use crate::diagnostic::Diagnostic;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
-use crate::script::{Answer, Entry, Session, refuse, to_json};
-use crate::simulate::{self, RunError};
+use crate::script::{Answer, Entry, Session, refuse, to_json, went_wrong};
+use crate::simulate::{self, Manner, RunError};
 
 /// A checked scenario in a script. Cheap to clone.
 #[derive(Clone)]
@@ -63,9 +63,10 @@ impl Study {
         let failed = |error: RunError| {
             let cause = format!("{}: {error}", model.name);
             session.failed(&cause);
-            refuse(cause)
+            if matches!(error, RunError::Failure(_)) { went_wrong(cause) } else { refuse(cause) }
         };
-        let outcome = simulate::run(model, &mut |_| {}).map_err(failed)?;
+        let manner = Manner { cancellation: session.cancellation().clone(), ..Manner::default() };
+        let outcome = simulate::run_in(model, manner, &mut |_| {}).map_err(failed)?;
         if let Some(time) = outcome.rupture_time {
             session.ruptured(&model.name, time);
         }
