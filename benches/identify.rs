@@ -1,7 +1,9 @@
 //! What an identification costs: `cargo bench --bench identify`.
 //!
 //! The signals of a drop test's own run are its recording: the multipliers that are to be found are those of its scenario. A
-//! cold start is [1, 1, 1], the quasi-static curves. Wall times are of one search each.
+//! cold start is [1, 1, 1], the quasi-static curves. The first test is searched from there, the others at the same time from
+//! what it found, or from a cold start where that film breaks at once. Beside the wall time stands that of all threads: the
+//! machine was shared where the wall time is more than that over their number.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -13,9 +15,10 @@ use droptower::identify::{self, Laboratory};
 use droptower::model;
 use droptower::post::{self, Plan};
 use droptower::scenario::{Assignment, Document};
-use droptower::script::{self, Arguments, Ledger, Limits, Row, Script};
+use droptower::script::{self, Arguments, Findings, Ledger, Limits, Row, Script};
 use droptower::signal::csv;
 use droptower::simulate;
+use rayon::prelude::*;
 use rhai::{Map, Scope};
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -24,31 +27,46 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 const TESTS: [&str; 5] = ["1008", "1009", "1010", "1509", "1510"];
 
 /// Columns of the printed table.
-const HEAD: &str = "| test | method | s | iterations | evaluations | k1 | ke | ky | off by | E_a |\n|---|---|---|---|---|---|---|---|---|---|";
+const HEAD: &str =
+    "| test | iterations | evaluations | k1 | ke | ky | off by | error |\n|---|---|---|---|---|---|---|---|";
 
-const QUICK: (&str, &str) = ("method", "levenberg-marquardt");
+/// The search of `scripts/identify.rhai`, for one test after `first` from its result: both as the study does it.
+const SCRIPT: &str = r#"
+let options = #{
+    tol_x: 1e-4, tol_f: 1e-4, max_iterations: 400, max_evaluations: 800, difference: 0.01,
+    lower: [0.2, 0.2, 0.2], upper: [10, 10, 5], fallback: [[1.0, 1, 1]],
+};
+let scaled = |test, k| test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: k[2] } });
+let objective = |place| {
+    let test = scenario(args[`test${place}`]).with(#{ "reference.signals": args[`recording${place}`] });
+    |k| relative_residuals(scaled.call(test, k).simulate().acceleration, test.reference.acceleration, test.window)
+};
+let row = |best| #{ k1: best.x[0], ke: best.x[1], ky: best.x[2], f: best.f, iterations: best.iterations,
+    evaluations: best.evaluations };
+let starts = args.start.split(",").map(|k| parse_float(k));
+let calls = [];
+for place in 0..args.count { calls.push(objective.call(place)); }
+let found = minimize_all(args.method, calls.map(|call| starts), options, calls);
+table("found", found.map(|best| row.call(best)));
+for best in found { for warning in best.warnings { log(warning); } }
+"#;
 
 fn main() -> Outcome<()> {
     let folder = tempfile::tempdir()?;
-    let recorded = TESTS.map(|test| record(test, folder.path()));
-    let [first, others @ ..] = recorded;
-    let first = first?;
-    println!("## Drop test 1008 from a cold start, {} threads\n\n{HEAD}", rayon::current_num_threads());
-    first.identify(&[])?;
-    first.identify(&[QUICK])?;
-    println!("\n## All five, the first from a cold start and the others from what it found where that holds\n\n{HEAD}");
-    let (mut total, found) = first.identify(&[QUICK])?;
-    let start = found.map(|k| k.to_string()).join(",");
-    for other in others {
-        let other = other?;
-        // Where the first one's film is too weak, the search has no value to begin with.
-        let warm = other.identify(&[QUICK, ("start", &start)]).or_else(|refused| {
-            println!("| {} | {refused}; from a cold start: |", other.test);
-            other.identify(&[QUICK])
-        });
-        total += warm?.0;
+    let recorded = TESTS.map(|test| record(test, folder.path())).into_iter().collect::<Outcome<Vec<_>>>()?;
+    let (first, others) = recorded.split_at(1);
+    for method in ["levenberg-marquardt", "nelder-mead"] {
+        println!("## {method}, {} threads\n\n{HEAD}", rayon::current_num_threads());
+        let (found, one) = identify(first, method, [1.0; 3])?;
+        let (_, four) = identify(others, method, found)?;
+        let five = averaged(&recorded)?;
+        println!("\n| | wall, s | all threads, s |\n|---|---|---|");
+        for (what, cost) in [("1008", &one), ("the other four", &four), ("five runs with one film", &five)] {
+            println!("| {what} | {:.1} | {:.1} |", cost.wall, cost.busy);
+        }
+        let [wall, busy] = [one.wall + four.wall + five.wall, one.busy + four.busy + five.busy];
+        println!("| together | {wall:.1} | {busy:.1} |\n");
     }
-    println!("\nTogether {total:.0} s.");
     Ok(())
 }
 
@@ -58,6 +76,27 @@ struct Recorded {
     recording: PathBuf,
     /// The multipliers that are to be found: those of the scenario (Table 8).
     expected: [f64; 3],
+}
+
+/// Seconds by the clock, and those that the process computed.
+struct Cost {
+    wall: f64,
+    busy: f64,
+}
+
+/// Calls `work` and says what it cost.
+fn timed<T>(work: impl FnOnce() -> Outcome<T>) -> Outcome<(T, Cost)> {
+    let (begin, before) = (Instant::now(), busy());
+    let done = work()?;
+    Ok((done, Cost { wall: begin.elapsed().as_secs_f64(), busy: busy() - before }))
+}
+
+/// Seconds that all threads of this process have computed so far, as Linux counts them in hundredths; not a number elsewhere.
+fn busy() -> f64 {
+    let stat = fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields = stat.rsplit(')').next().unwrap_or_default();
+    let tick = |place: usize| fields.split_whitespace().nth(place).and_then(|f| f.parse::<f64>().ok());
+    tick(11).zip(tick(12)).map_or(f64::NAN, |(user, system)| (user + system) / 100.0)
 }
 
 fn scenario(test: &str) -> PathBuf {
@@ -79,46 +118,56 @@ fn record(test: &'static str, folder: &Path) -> Outcome<Recorded> {
     Ok(Recorded { test, recording, expected })
 }
 
-impl Recorded {
-    /// Searches as `scripts/identify.rhai` does and prints what is found; the seconds that it took, and the multipliers.
-    fn identify(&self, given: &[(&str, &str)]) -> Outcome<(f64, [f64; 3])> {
-        let reference = change(&format!("reference.signals={}", self.recording.display()))?;
-        let mut engine = script::engine(Limits::STUDY);
-        let ledger = Ledger::new(Vec::new(), |_| {});
-        ledger.register(&mut engine);
-        post::register_studies(&mut engine, vec![reference]);
-        identify::register(&mut engine, &Laboratory::new(None, |_| {}));
-        Arguments::register(&mut engine);
-        let mut args: Map = given.iter().map(|(name, value)| ((*name).into(), (*value).into())).collect();
-        args.insert("scenario".into(), scenario(self.test).display().to_string().into());
-        let mut scope = Scope::new();
-        scope.push_constant("args", Arguments::new(args));
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/identify.rhai");
-        let script = Script::compile(&engine, &scope, &path, &fs::read_to_string(&path)?);
-        let begin = Instant::now();
-        script.map_err(|faults| faults[0].clone())?.run(&engine, scope)?;
-        let seconds = begin.elapsed().as_secs_f64();
-        let findings = ledger.findings();
-        let row = findings.tables.iter().find(|(name, _)| name == "coefficients").map(|(_, rows)| &rows[0]);
-        Ok((seconds, self.print(given, seconds, row.ok_or("the script left no coefficients")?)))
+/// Searches the multipliers of all of `tests` from `start` and prints them; those of the first, and what it cost.
+fn identify(tests: &[Recorded], method: &str, start: [f64; 3]) -> Outcome<([f64; 3], Cost)> {
+    let mut args = Map::new();
+    args.insert("method".into(), method.into());
+    args.insert("start".into(), start.map(|k| k.to_string()).join(",").into());
+    args.insert("count".into(), i64::try_from(tests.len())?.into());
+    for (place, test) in tests.iter().enumerate() {
+        args.insert(format!("test{place}").into(), scenario(test.test).display().to_string().into());
+        args.insert(format!("recording{place}").into(), test.recording.display().to_string().into());
     }
+    let (findings, cost) = timed(|| run(args))?;
+    let rows = findings.tables.iter().find(|(name, _)| name == "found").map(|(_, rows)| rows);
+    let found: Vec<[f64; 3]> =
+        tests.iter().zip(rows.ok_or("the script left no table")?).map(|(test, row)| test.print(row)).collect();
+    findings.log.iter().for_each(|line| println!("\n{line}"));
+    Ok((*found.first().ok_or("no test was searched")?, cost))
+}
 
-    fn print(&self, given: &[(&str, &str)], seconds: f64, row: &Row) -> [f64; 3] {
+/// Runs the script with `args`.
+fn run(args: Map) -> Outcome<Findings> {
+    let mut engine = script::engine(Limits::STUDY);
+    let ledger = Ledger::new(Vec::new(), |_| {});
+    ledger.register(&mut engine);
+    post::register_studies(&mut engine, vec![]);
+    identify::register(&mut engine, &Laboratory::new(None, |_| {}));
+    Arguments::register(&mut engine);
+    let mut scope = Scope::new();
+    scope.push_constant("args", Arguments::new(args));
+    let script = Script::compile(&engine, &scope, Path::new("benches/identify.rs"), SCRIPT);
+    script.map_err(|faults| faults[0].clone())?.run(&engine, scope)?;
+    Ok(ledger.findings())
+}
+
+/// All tests with one film, as for Table 9: its figures do not matter here, so each test has its own.
+fn averaged(tests: &[Recorded]) -> Outcome<Cost> {
+    let models =
+        tests.iter().map(|test| Ok(model::check(&Document::read(&scenario(test.test)).map_err(told)?).map_err(told)?));
+    let models = models.collect::<Outcome<Vec<_>>>()?;
+    let runs = || models.par_iter().map(|model| simulate::run(model, &mut |_| {}).map(drop)).collect::<Result<(), _>>();
+    Ok(timed(|| Ok(runs()?))?.1)
+}
+
+impl Recorded {
+    fn print(&self, row: &Row) -> [f64; 3] {
         let number = |name: &str| row[name].as_f64().unwrap_or(f64::NAN);
-        let method = given.iter().find(|(name, _)| *name == "method").map_or("nelder-mead", |(_, method)| method);
         let k = ["k1", "ke", "ky"].map(number);
         let off = k.iter().zip(self.expected).map(|(k, expected)| (k / expected - 1.0).abs()).fold(0.0, f64::max);
-        println!(
-            "| {} | {method} | {seconds:.1} | {} | {} | {:.3} | {:.3} | {:.3} | {:.2} % | {:.2e} |",
-            self.test,
-            row["iterations"],
-            row["evaluations"],
-            k[0],
-            k[1],
-            k[2],
-            100.0 * off,
-            number("error")
-        );
+        let [iterations, evaluations] = ["iterations", "evaluations"].map(|name| &row[name]);
+        print!("| {} | {iterations} | {evaluations} | {:.3} | {:.3} | {:.3} ", self.test, k[0], k[1], k[2]);
+        println!("| {:.2} % | {:.2e} |", 100.0 * off, number("f"));
         k
     }
 }

@@ -153,7 +153,7 @@ impl Job {
             }
         };
         let checkpoints = every.map(|every| Checkpoints { every, keep: &mut keep });
-        let outcome = simulate::run_in(model, Manner { saved, checkpoints, team: None }, &mut progress);
+        let outcome = simulate::run_in(model, Manner { saved, checkpoints, ..Manner::default() }, &mut progress);
         if lost > 1 {
             bar.complain(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));
         }

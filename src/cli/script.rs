@@ -9,12 +9,12 @@ use rhai::{Dynamic, Scope};
 use serde_json::{Map, Value, json};
 
 use super::faults::{WRITE_FAILURE, reading, script, storing};
-use super::{Shared, digest, folder, print, print_json, report, scenarios, table};
+use super::{NUMERICAL_FAILURE, Shared, digest, folder, print, print_json, report, scenarios, table};
 use crate::diagnostic::{Diagnostic, printable, shown_path};
 use crate::identify::{self, Heard, Identity, Laboratory};
 use crate::post;
 use crate::report::{StudyPage, study_page};
-use crate::script::{Arguments, Findings, Ledger, Limits, Script, engine, register_recordings, to_json};
+use crate::script::{Arguments, Fault, Findings, Ledger, Limits, Script, engine, register_recordings, to_json};
 use crate::store::{self, Draft, StoreError};
 
 #[derive(Debug, Args)]
@@ -49,17 +49,34 @@ struct Studied {
     findings: Findings,
 }
 
-pub fn run(args: &ScriptArgs, shared: &Shared) -> ExitCode {
-    match study(args, shared) {
-        Ok(status) => status,
-        Err(mistakes) => report(&mistakes),
+/// Why there are no results.
+struct Stopped {
+    mistakes: Vec<Diagnostic>,
+    /// Whether a simulation went wrong numerically, and nobody made a mistake.
+    numerical: bool,
+}
+
+impl From<Vec<Diagnostic>> for Stopped {
+    fn from(mistakes: Vec<Diagnostic>) -> Stopped {
+        Stopped { mistakes, numerical: false }
     }
 }
 
-fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>> {
+pub fn run(args: &ScriptArgs, shared: &Shared) -> ExitCode {
+    match study(args, shared) {
+        Ok(status) => status,
+        Err(Stopped { mistakes, numerical: false }) => report(&mistakes),
+        Err(Stopped { mistakes, numerical: true }) => {
+            report(&mistakes);
+            ExitCode::from(NUMERICAL_FAILURE)
+        }
+    }
+}
+
+fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Stopped> {
     if args.path.extension().is_some_and(|extension| extension == "toml") {
         let mistake = Diagnostic::new(format!("{} is a scenario", shown_path(&args.path)));
-        return Err(vec![mistake.hint(format!("run it with `droptower run {}`", shown_path(&args.path)))]);
+        return Err(vec![mistake.hint(format!("run it with `droptower run {}`", shown_path(&args.path)))].into());
     }
     let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| vec![storing(&error)])?;
@@ -74,7 +91,7 @@ fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Vec<Diagnostic>
 }
 
 /// Runs the script, whose results go to `place`; what it logs is heard at once.
-fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result<Studied, Vec<Diagnostic>> {
+fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result<Studied, Stopped> {
     let changes = scenarios::assignments(&args.set)?;
     let say = move |line: &str| {
         if !quiet {
@@ -100,7 +117,8 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
     check_read(&program, &given)?;
     laboratory.identify(Identity { script: program.text().into(), given: decisive(&call) });
-    program.run(&engine, scope).map_err(|fault| vec![script(&fault)])?;
+    let stopped = |fault: Fault| Stopped { mistakes: vec![script(&fault)], numerical: fault.numerical };
+    program.run(&engine, scope).map_err(stopped)?;
     Ok(Studied { name, call, text: program.text().into(), findings: ledger.findings() })
 }
 

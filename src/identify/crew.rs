@@ -1,11 +1,14 @@
 //! Trials on all cores.
 //!
-//! A search asks for one point after the other and says which ones it may ask for next. Those that it waits for come first;
-//! cores that are idle meanwhile work ahead, all but one, so that what is asked for never waits for what is not. Nothing is
-//! evaluated twice, and what a search finds depends neither on the number of threads nor on who was quicker.
+//! A search asks for one point after the other and says which ones it may ask for next. Those that a search waits for come
+//! first, in the order in which they were asked for; cores that are idle while all searches wait work ahead, all but one, so
+//! that what is asked for never waits for what is not. Nothing is evaluated twice, and what a search finds depends neither on
+//! the number of threads, nor on who was quicker, nor on the searches beside it.
 
 use std::collections::{HashMap, VecDeque};
+use std::panic::resume_unwind;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
 use std::time::Instant;
 
 use rayon::ThreadPoolBuilder;
@@ -14,17 +17,32 @@ use thiserror::Error;
 use super::history::{History, HistoryError};
 use super::objective::{Evaluation, Objective};
 use super::options::OnFailure;
+use crate::simulate::Cancellation;
 
 /// Relative step aside of a trial that is repeated.
 const ASIDE: f64 = 1e-6;
 
-/// Evaluates trials in parallel, remembers them, and writes them down.
+/// Evaluates the trials of one or several searches in parallel, remembers them, and writes them down.
 pub struct Crew<'a> {
-    objective: &'a dyn Objective,
-    on_failure: OnFailure,
     threads: usize,
-    board: Mutex<Board<'a>>,
+    rules: Vec<Rule<'a>>,
+    floor: Mutex<Floor<'a>>,
     changed: Condvar,
+}
+
+/// What one search has evaluated, and where that is kept.
+pub struct Task<'a> {
+    pub objective: &'a dyn Objective,
+    pub on_failure: OnFailure,
+    /// Trials in it are taken from there, others are added to it.
+    pub history: Option<&'a mut History>,
+}
+
+/// Where one search asks for its trials.
+#[derive(Clone, Copy)]
+pub struct Desk<'c, 'a> {
+    crew: &'c Crew<'a>,
+    number: usize,
 }
 
 /// Why no more trials are made.
@@ -45,64 +63,159 @@ pub enum CrewError {
 /// The bits of a point.
 type Point = Vec<u64>;
 
-#[derive(Default)]
+struct Rule<'a> {
+    objective: &'a dyn Objective,
+    on_failure: OnFailure,
+}
+
+/// What all searches share.
+struct Floor<'a> {
+    boards: Vec<Board<'a>>,
+    /// What is waited for and nobody has begun, by search.
+    asked: VecDeque<(usize, Point)>,
+    running: Vec<Job>,
+}
+
+/// What concerns one search.
 struct Board<'a> {
     done: HashMap<Point, Evaluation>,
-    running: Vec<Point>,
     /// What the search waits for.
     awaited: Vec<Point>,
-    /// What of it nobody has begun.
-    asked: VecDeque<Point>,
     /// What it may ask for next, the likeliest first.
     expected: VecDeque<Point>,
     history: Option<&'a mut History>,
     error: Option<CrewError>,
-    closed: bool,
+    over: bool,
 }
 
-/// Closes the board when dropped, so that the crew goes home even where the search panics.
-struct Close<'c, 'a>(&'c Crew<'a>);
+/// A trial on its way.
+#[derive(Clone)]
+struct Job {
+    search: usize,
+    point: Point,
+    cancellation: Cancellation,
+}
 
-impl Drop for Close<'_, '_> {
+/// Says that a search is over when dropped, so that the crew goes home even where the search panics.
+struct Leave<'c, 'a> {
+    desk: Desk<'c, 'a>,
+    found: bool,
+}
+
+impl Drop for Leave<'_, '_> {
     fn drop(&mut self) {
-        self.0.board().closed = true;
-        self.0.changed.notify_all();
+        let Desk { crew, number } = self.desk;
+        crew.floor().leave(number);
+        if !self.found {
+            (number + 1..crew.rules.len()).for_each(|later| crew.floor().leave(later));
+        }
+        crew.changed.notify_all();
     }
 }
 
 impl<'a> Crew<'a> {
-    /// A crew of `threads` for the trials of `objective`; those in `history` are taken from there, others are added to it.
-    pub fn new(
-        objective: &'a dyn Objective,
-        on_failure: OnFailure,
-        threads: usize,
-        history: Option<&'a mut History>,
-    ) -> Crew<'a> {
-        let done = history.iter().flat_map(|history| history.trials()).map(|(x, found)| (bits(x), found.clone()));
-        let board = Board { done: done.collect(), history, ..Board::default() };
-        Crew { objective, on_failure, threads: threads.max(1), board: Mutex::new(board), changed: Condvar::new() }
+    /// A crew of `threads` for the trials of `tasks`, one a search.
+    pub fn new(tasks: Vec<Task<'a>>, threads: usize) -> Crew<'a> {
+        let rules = tasks
+            .iter()
+            .map(|Task { objective, on_failure, .. }| Rule { objective: *objective, on_failure: *on_failure });
+        let rules = rules.collect();
+        let boards = tasks.into_iter().map(|task| Board::new(task.history)).collect();
+        let floor = Floor { boards, asked: VecDeque::new(), running: vec![] };
+        Crew { threads: threads.max(1), rules, floor: Mutex::new(floor), changed: Condvar::new() }
     }
 
-    /// Runs `search` while the crew is at work; its threads have stacks of `stack` bytes.
+    /// Runs `search` for every task at the same time while the crew is at work, whose threads have stacks of `stack` bytes.
+    /// What was found, in the order of the tasks.
     ///
     /// # Errors
-    /// The threads cannot be started, the objective cannot go on, or the history cannot be written.
-    pub fn at_work<T: Send>(&self, stack: usize, search: impl FnOnce(&Crew<'a>) -> T + Send) -> Result<T, CrewError> {
+    /// The number of the first task whose search failed, and why: its objective cannot go on, its history cannot be written, or
+    /// whatever `search` says. Searches before it have run to their ends, those behind it were broken off: it is the failure that
+    /// would have come first had they been made one after the other.
+    pub fn at_work<T: Send, E: From<CrewError> + Send>(
+        &self,
+        stack: usize,
+        search: impl Fn(&Desk<'_, 'a>, usize) -> Result<T, E> + Sync,
+    ) -> Result<Vec<T>, (usize, E)> {
         // Simulations within a pool of threads take one thread each.
-        let pool = ThreadPoolBuilder::new().num_threads(self.threads).stack_size(stack).build()?;
+        let pool = ThreadPoolBuilder::new().num_threads(self.threads).stack_size(stack).build();
+        let pool = pool.map_err(|error| (0, CrewError::from(error).into()))?;
+        let at_desk = |number| self.at_desk(number, &search);
         let found = pool.in_place_scope(|scope| {
             for _ in 0..self.threads {
                 scope.spawn(|_| self.serve());
             }
-            let _close = Close(self);
-            search(self)
+            thread::scope(|threads| {
+                let others: Vec<_> =
+                    (1..self.rules.len()).map(|number| threads.spawn(move || at_desk(number))).collect();
+                let first = (!self.rules.is_empty()).then(|| at_desk(0));
+                let others = others.into_iter().map(|other| other.join().unwrap_or_else(|panic| resume_unwind(panic)));
+                first.into_iter().chain(others).collect::<Vec<_>>()
+            })
         });
-        self.board().error.take().map_or(Ok(found), Err)
+        found.into_iter().enumerate().map(|(number, found)| found.map_err(|error| (number, error))).collect()
     }
 
+    fn at_desk<T, E: From<CrewError>>(
+        &self,
+        number: usize,
+        search: &impl Fn(&Desk<'_, 'a>, usize) -> Result<T, E>,
+    ) -> Result<T, E> {
+        let desk = Desk { crew: self, number };
+        let mut leave = Leave { desk, found: false };
+        let found = search(&desk, number);
+        let error = self.floor().boards[number].error.take();
+        let found = error.map_or(found, |error| Err(error.into()));
+        leave.found = found.is_ok();
+        found
+    }
+
+    fn serve(&self) {
+        while let Some(job) = self.next() {
+            let x: Vec<f64> = job.point.iter().map(|bits| f64::from_bits(*bits)).collect();
+            let rule = &self.rules[job.search];
+            let begin = Instant::now();
+            let found = rule.evaluate(&x, &job.cancellation);
+            let seconds = begin.elapsed().as_secs_f64();
+            let mut floor = self.floor();
+            floor.running.retain(|other| !other.cancellation.is(&job.cancellation));
+            if !job.cancellation.is_cancelled() {
+                floor.boards[job.search].keep(job.point, found, seconds, rule.objective);
+            }
+            drop(floor);
+            self.changed.notify_all();
+        }
+    }
+
+    /// The next trial to make; none once all searches are over.
+    fn next(&self) -> Option<Job> {
+        let mut floor = self.floor();
+        loop {
+            if floor.boards.iter().all(|board| board.over) {
+                return None;
+            }
+            if let Some((search, point)) = floor.take(self.threads) {
+                let job = Job { search, point, cancellation: Cancellation::default() };
+                floor.running.push(job.clone());
+                return Some(job);
+            }
+            floor = self.wait(floor);
+        }
+    }
+
+    fn floor(&self) -> MutexGuard<'_, Floor<'a>> {
+        self.floor.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn wait<'f>(&self, floor: MutexGuard<'f, Floor<'a>>) -> MutexGuard<'f, Floor<'a>> {
+        self.changed.wait(floor).unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Desk<'_, '_> {
     /// Number of threads.
     pub fn threads(&self) -> usize {
-        self.threads
+        self.crew.threads
     }
 
     /// What is found at `x`; waits for it.
@@ -114,117 +227,132 @@ impl<'a> Crew<'a> {
     /// What is found at every one of `points`; waits for them all.
     pub fn evaluate_all(&self, points: &[Vec<f64>]) -> Result<Vec<Evaluation>, CrewError> {
         let points: Vec<Point> = points.iter().map(|x| bits(x)).collect();
-        let mut board = self.board();
-        for point in &points {
-            if !board.is_begun(point) && !board.asked.contains(point) {
-                board.asked.push_back(point.clone());
-            }
-            if !board.done.contains_key(point) {
-                board.awaited.push(point.clone());
-            }
-        }
-        self.changed.notify_all();
+        let mut floor = self.crew.floor();
+        points.iter().for_each(|point| floor.ask(self.number, point));
+        self.crew.changed.notify_all();
         loop {
-            if board.error.is_some() {
+            let board = &floor.boards[self.number];
+            if board.error.is_some() || board.over {
                 return Err(CrewError::Over);
             }
             let found: Option<Vec<Evaluation>> = points.iter().map(|point| board.done.get(point).cloned()).collect();
             if let Some(found) = found {
                 return Ok(found);
             }
-            board = self.changed.wait(board).unwrap_or_else(PoisonError::into_inner);
+            floor = self.crew.wait(floor);
         }
     }
 
-    /// Points of which some will be asked for next, the likeliest first, in place of those said before.
+    /// What was found at `x`, if that is known by now.
+    pub fn known(&self, x: &[f64]) -> Option<Evaluation> {
+        self.crew.floor().boards[self.number].done.get(&bits(x)).cloned()
+    }
+
+    /// Points of which some will be asked for next, the likeliest first, in place of those said before. A trial that was begun
+    /// ahead and is not among them is given up.
     pub fn expect(&self, points: &[Vec<f64>]) {
-        let mut board = self.board();
-        board.expected = points.iter().map(|x| bits(x)).collect();
-        self.changed.notify_all();
+        let points: VecDeque<Point> = points.iter().map(|x| bits(x)).collect();
+        let mut floor = self.crew.floor();
+        let awaited = &floor.boards[self.number].awaited;
+        let in_vain =
+            |job: &&Job| job.search == self.number && !awaited.contains(&job.point) && !points.contains(&job.point);
+        floor.running.iter().filter(in_vain).for_each(|job| job.cancellation.cancel());
+        floor.boards[self.number].expected = points;
+        self.crew.changed.notify_all();
     }
+}
 
-    fn serve(&self) {
-        while let Some(point) = self.next() {
-            let x: Vec<f64> = point.iter().map(|bits| f64::from_bits(*bits)).collect();
-            let begin = Instant::now();
-            let found = self.try_at(&x);
-            let seconds = begin.elapsed().as_secs_f64();
-            let mut board = self.board();
-            board.keep(&x, &found, seconds, self.objective);
-            board.running.retain(|other| *other != point);
-            board.awaited.retain(|other| *other != point);
-            board.done.insert(point, found);
-            drop(board);
-            self.changed.notify_all();
-        }
-    }
-
-    /// The next point to work on; none once the search is over.
-    fn next(&self) -> Option<Point> {
-        let mut board = self.board();
-        loop {
-            if board.closed || board.error.is_some() {
-                return None;
-            }
-            if let Some(point) = board.take(self.threads) {
-                board.running.push(point.clone());
-                return Some(point);
-            }
-            board = self.changed.wait(board).unwrap_or_else(PoisonError::into_inner);
-        }
-    }
-
-    fn try_at(&self, x: &[f64]) -> Evaluation {
-        let found = self.objective.evaluate(x);
+impl Rule<'_> {
+    fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
+        let found = self.objective.evaluate(x, cancellation);
         match found {
-            Evaluation::Failed(_) if self.on_failure == OnFailure::Retry => {
+            Evaluation::Failed { .. } if self.on_failure == OnFailure::Retry => {
                 let aside: Vec<f64> = x.iter().map(|x| x * (1.0 + ASIDE)).collect();
-                match self.objective.evaluate(&aside) {
-                    Evaluation::Failed(_) => found,
+                match self.objective.evaluate(&aside, cancellation) {
+                    Evaluation::Failed { .. } => found,
                     other => other,
                 }
             }
             _ => found,
         }
     }
-
-    fn board(&self) -> MutexGuard<'_, Board<'a>> {
-        self.board.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
-impl Board<'_> {
-    fn is_begun(&self, point: &Point) -> bool {
-        self.done.contains_key(point) || self.running.contains(point)
+impl Floor<'_> {
+    fn ask(&mut self, search: usize, point: &Point) {
+        if self.boards[search].done.contains_key(point) {
+            return;
+        }
+        let asked = self.asked.iter().any(|(other, asked)| *other == search && asked == point);
+        if !asked && !self.is_running(search, point) {
+            self.asked.push_back((search, point.clone()));
+        }
+        self.boards[search].awaited.push(point.clone());
     }
 
-    /// What is asked for; or else, while the search waits, what is expected, as long as that leaves a thread free. A search
+    fn is_running(&self, search: usize, point: &Point) -> bool {
+        let mut running = self.running.iter();
+        running.any(|job| job.search == search && job.point == *point && !job.cancellation.is_cancelled())
+    }
+
+    /// What is asked for; or else, while all searches wait, what is expected, as long as that leaves a thread free. A search
     /// that finds everything it asks for among what is done makes no trial at all.
-    fn take(&mut self, threads: usize) -> Option<Point> {
-        if let Some(point) = self.asked.pop_front() {
-            return Some(point);
+    fn take(&mut self, threads: usize) -> Option<(usize, Point)> {
+        if let Some(asked) = self.asked.pop_front() {
+            return Some(asked);
         }
-        if self.awaited.is_empty() {
+        if self.boards.iter().any(|board| !board.over && board.awaited.is_empty()) {
             return None;
         }
-        let ahead = self.running.iter().filter(|point| !self.awaited.contains(point)).count();
+        let ahead = self.running.iter().filter(|job| !self.boards[job.search].awaited.contains(&job.point)).count();
         if ahead + 1 >= threads {
             return None;
         }
-        let fresh = self.expected.iter().position(|point| !self.is_begun(point))?;
-        self.expected.drain(..=fresh).next_back()
+        (0..self.boards.len()).find_map(|search| Some((search, self.take_ahead(search)?)))
     }
 
-    fn keep(&mut self, x: &[f64], found: &Evaluation, seconds: f64, objective: &dyn Objective) {
-        if let Evaluation::Broken(cause) = found {
-            self.error = Some(CrewError::Broken(cause.clone()));
-            return;
+    fn take_ahead(&mut self, search: usize) -> Option<Point> {
+        let board = &self.boards[search];
+        let is_fresh = |point: &Point| !board.done.contains_key(point) && !self.is_running(search, point);
+        let fresh = board.expected.iter().position(is_fresh)?;
+        self.boards[search].expected.drain(..=fresh).next_back()
+    }
+
+    /// The search is over: nothing more of it is begun, and what is on its way is given up.
+    fn leave(&mut self, search: usize) {
+        self.boards[search].over = true;
+        self.boards[search].expected.clear();
+        self.asked.retain(|(other, _)| *other != search);
+        self.running.iter().filter(|job| job.search == search).for_each(|job| job.cancellation.cancel());
+    }
+}
+
+impl<'a> Board<'a> {
+    fn new(history: Option<&'a mut History>) -> Board<'a> {
+        let done = history.iter().flat_map(|history| history.trials()).map(|(x, found)| (bits(x), found.clone()));
+        let (awaited, expected) = Default::default();
+        Board { done: done.collect(), awaited, expected, history, error: None, over: false }
+    }
+
+    fn keep(&mut self, point: Point, found: Evaluation, seconds: f64, objective: &dyn Objective) {
+        let x: Vec<f64> = point.iter().map(|bits| f64::from_bits(*bits)).collect();
+        if let Err(error) = self.write(&x, &found, seconds, objective) {
+            self.error.get_or_insert(error.into());
         }
-        let Some(history) = &mut self.history else { return };
-        let kept = history.add_inputs(objective.inputs()).and_then(|()| history.add(x, found, seconds));
-        if let Err(error) = kept {
-            self.error = Some(error.into());
-        }
+        self.awaited.retain(|other| *other != point);
+        self.done.insert(point, found);
+    }
+
+    fn write(
+        &mut self,
+        x: &[f64],
+        found: &Evaluation,
+        seconds: f64,
+        objective: &dyn Objective,
+    ) -> Result<(), HistoryError> {
+        let Some(history) = &mut self.history else { return Ok(()) };
+        history.add_inputs(objective.inputs())?;
+        history.add(x, found, seconds)
     }
 }
 

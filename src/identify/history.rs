@@ -63,6 +63,9 @@ pub enum Logged {
         f: Option<f64>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         failed: Option<String>,
+        /// Whether a simulation went wrong numerically.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        numerical: bool,
         /// Wall time.
         seconds: f64,
         /// Bits of x, then those of the value or of the residuals: little-endian doubles in base64.
@@ -134,16 +137,17 @@ impl History {
         let (values, failed, residuals) = match found {
             Evaluation::Answer(Answer::Value(value)) => (vec![*value], None, false),
             Evaluation::Answer(Answer::Residuals(residuals)) => (residuals.clone(), None, true),
-            Evaluation::Failed(why) => (vec![], Some(why.clone()), false),
+            Evaluation::Failed { cause, .. } => (vec![], Some(cause.clone()), false),
             Evaluation::Broken(_) => return Ok(()),
         };
+        let numerical = matches!(found, Evaluation::Failed { numerical: true, .. });
         let f = match found {
             Evaluation::Answer(answer) => Some(answer.value()),
             _ => None,
         };
         let bytes: Vec<u8> = x.iter().chain(&values).flat_map(|value| value.to_le_bytes()).collect();
         let bits = BASE64_STANDARD.encode(bytes);
-        self.add_line(&Logged::Trial { x: x.into(), f, failed, seconds, bits, residuals })
+        self.add_line(&Logged::Trial { x: x.into(), f, failed, numerical, seconds, bits, residuals })
     }
 
     /// Writes down files that were not known to be read before.
@@ -239,7 +243,7 @@ fn set_aside(path: &Path) -> io::Result<PathBuf> {
 }
 
 fn evaluation(trial: Logged) -> Option<(Vec<f64>, Evaluation)> {
-    let Logged::Trial { x, failed, bits, residuals, .. } = trial else {
+    let Logged::Trial { x, failed, numerical, bits, residuals, .. } = trial else {
         return None;
     };
     let bytes = BASE64_STANDARD.decode(bits).ok()?;
@@ -247,7 +251,7 @@ fn evaluation(trial: Logged) -> Option<(Vec<f64>, Evaluation)> {
     let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
     let values = numbers.get(x.len()..).filter(|_| rest.is_empty())?;
     let found = match (failed, values) {
-        (Some(why), []) => Evaluation::Failed(why),
+        (Some(cause), []) => Evaluation::Failed { cause, numerical },
         (None, values) if residuals => Evaluation::Answer(Answer::Residuals(values.into())),
         (None, [value]) => Evaluation::Answer(Answer::Value(*value)),
         _ => return None,
@@ -267,7 +271,8 @@ mod tests {
         vec![
             (vec![0.1, 1.0 / 3.0], Evaluation::Answer(Answer::Value(std::f64::consts::PI))),
             (vec![-0.0, 5e-324], Evaluation::Answer(Answer::Residuals(vec![0.1 + 0.2, -7.5]))),
-            (vec![1.0, 2.0], Evaluation::Failed("the film broke".into())),
+            (vec![1.0, 2.0], Evaluation::failed("the film broke")),
+            (vec![1.0, 3.0], Evaluation::Failed { cause: "not a number".into(), numerical: true }),
         ]
     }
 
@@ -298,8 +303,8 @@ mod tests {
             let bytes = fs::read(&path).unwrap();
             fs::write(&path, &bytes[..bytes.len() - cut]).unwrap();
             let mut history = open(folder.path()).unwrap();
-            assert_eq!(bits(history.trials()), bits(&trials()[..2]));
-            history.add(&[1.0, 2.0], &trials()[2].1, 0.25).unwrap();
+            assert_eq!(bits(history.trials()), bits(&trials()[..3]));
+            history.add(&[1.0, 3.0], &trials()[3].1, 0.25).unwrap();
             drop(history);
             assert_eq!(bits(open(folder.path()).unwrap().trials()), bits(&trials()));
         }
@@ -350,7 +355,7 @@ mod tests {
         fs::write(&read, "1").unwrap();
         let path = written(folder.path());
         open(folder.path()).unwrap().add_inputs(vec![(read.clone(), script::content(&read))]).unwrap();
-        assert_eq!(open(folder.path()).unwrap().trials().len(), 3);
+        assert_eq!(open(folder.path()).unwrap().trials().len(), 4);
         fs::write(&read, "2").unwrap();
         let history = open(folder.path()).unwrap();
         assert!(history.trials().is_empty() && history.notes[0].contains("read.csv has changed"));

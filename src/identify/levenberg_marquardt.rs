@@ -171,8 +171,11 @@ impl Problem<'_, '_, '_> {
         u[place] -= step;
         let x = self.x_of(&u);
         let answer = self.state.borrow().course.trials.answer(&x)?;
-        let failed =
-            || SearchError::Failed { x: x.clone(), cause: "it is failing all around, there is no slope".into() };
+        let failed = || SearchError::Failed {
+            x: x.clone(),
+            cause: "it is failing all around, there is no slope".into(),
+            numerical: false,
+        };
         self.checked(&x, answer)?.ok_or_else(failed)
     }
 

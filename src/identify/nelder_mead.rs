@@ -26,6 +26,11 @@ pub trait Values {
     /// meanwhile.
     fn expect(&mut self, _points: &[Vec<f64>]) {}
 
+    /// What `simplex` will ask for next, where that can be foreseen.
+    fn foresee(&self, _simplex: &Simplex) -> Vec<Vec<f64>> {
+        vec![]
+    }
+
     /// Moves a point to where it may be tried.
     fn confine(&self, _x: &mut [f64]) {}
 }
@@ -137,6 +142,7 @@ impl Simplex {
 
     /// One iteration: the worst corner is moved, or all but the best are drawn in.
     pub fn advance<V: Values>(&mut self, values: &mut V) -> Result<(), V::Error> {
+        let before = self.clone();
         let n = self.corners.len() - 1;
         let centre = self.centre();
         let [best, second_worst, worst] = [0, n - 1, n].map(|place| self.corners[place].f);
@@ -149,18 +155,19 @@ impl Simplex {
         };
         let [reflected, expanded, outside, inside] =
             [REFLECT, REFLECT * EXPAND, REFLECT * CONTRACT, -CONTRACT].map(along);
-        values.expect(&self.likeliest(&reflected, [&expanded, &outside, &inside], values));
+        let foreseen = values.foresee(&before);
+        values.expect(&[foreseen, self.likeliest(&reflected, [&expanded, &outside, &inside], values)].concat());
         let reflected = self.try_at(reflected, values)?;
         let (moved, step) = if reflected.f < best {
-            let expanded = self.try_second(0, expanded, values)?;
+            let expanded = self.try_second(0, expanded, &before, values)?;
             if expanded.f < reflected.f { (Some(expanded), Step::Expanded) } else { (Some(reflected), Step::Reflected) }
         } else if reflected.f < second_worst {
             (Some(reflected), Step::Reflected)
         } else if reflected.f < worst {
-            let outside = self.try_second(1, outside, values)?;
+            let outside = self.try_second(1, outside, &before, values)?;
             ((outside.f <= reflected.f).then_some(outside), Step::ContractedOutside)
         } else {
-            let inside = self.try_second(2, inside, values)?;
+            let inside = self.try_second(2, inside, &before, values)?;
             ((inside.f < worst).then_some(inside), Step::ContractedInside)
         };
         match moved {
@@ -196,11 +203,18 @@ impl Simplex {
         next
     }
 
-    /// The second point of an iteration.
-    fn try_second<V: Values>(&mut self, which: usize, x: Vec<f64>, values: &mut V) -> Result<Corner, V::Error> {
+    /// The second point of an iteration that began with the simplex `before`.
+    fn try_second<V: Values>(
+        &mut self,
+        which: usize,
+        x: Vec<f64>,
+        before: &Simplex,
+        values: &mut V,
+    ) -> Result<Corner, V::Error> {
         self.needed = self.needed.map(|often| FORGET * often);
         self.needed[which] += 1.0;
-        values.expect(&[x.clone(), self.next_reflected(&x, values)]);
+        let foreseen = values.foresee(before);
+        values.expect(&[vec![x.clone()], foreseen, vec![self.next_reflected(&x, values)]].concat());
         self.try_at(x, values)
     }
 

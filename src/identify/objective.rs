@@ -1,9 +1,11 @@
 //! What is to be small.
 
+use crate::simulate::Cancellation;
+
 /// Something with a value at every point; asked from several threads at once, in any order, some points in vain.
 pub trait Objective: Sync {
-    /// What is found at `x`; the same whenever it is asked.
-    fn evaluate(&self, x: &[f64]) -> Evaluation;
+    /// What is found at `x`; the same whenever it is asked. Once it is cancelled, whatever comes soonest will do.
+    fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation;
 
     /// Files that were read since the objective was made, with what they held: found again changed, its answers are void.
     fn inputs(&self) -> Vec<(std::path::PathBuf, String)> {
@@ -15,8 +17,13 @@ pub trait Objective: Sync {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Evaluation {
     Answer(Answer),
-    /// There is no value here, and why.
-    Failed(String),
+    /// There is no value here.
+    Failed {
+        /// Why.
+        cause: String,
+        /// Whether a simulation went wrong numerically.
+        numerical: bool,
+    },
     /// The whole search cannot go on.
     Broken(String),
 }
@@ -27,6 +34,13 @@ pub enum Answer {
     Value(f64),
     /// Differences whose squares are to be small together.
     Residuals(Vec<f64>),
+}
+
+impl Evaluation {
+    /// No value, for a cause that is not numerical.
+    pub fn failed(cause: impl Into<String>) -> Evaluation {
+        Evaluation::Failed { cause: cause.into(), numerical: false }
+    }
 }
 
 impl Answer {
@@ -44,12 +58,12 @@ impl Answer {
             Answer::Value(value) => value.is_finite(),
             Answer::Residuals(residuals) => residuals.iter().all(|r| r.is_finite()),
         };
-        if finite { Evaluation::Answer(self) } else { Evaluation::Failed("the objective is not a number".into()) }
+        if finite { Evaluation::Answer(self) } else { Evaluation::failed("the objective is not a number") }
     }
 }
 
 impl<F: Fn(&[f64]) -> f64 + Sync> Objective for F {
-    fn evaluate(&self, x: &[f64]) -> Evaluation {
+    fn evaluate(&self, x: &[f64], _: &Cancellation) -> Evaluation {
         Answer::Value(self(x)).checked()
     }
 }

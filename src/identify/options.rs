@@ -73,6 +73,8 @@ pub struct Search {
     /// Of the random numbers of CMA-ES and of the Latin hypercube.
     pub seed: u64,
     pub starts: Starts,
+    /// Where to begin in place of a start without a value: the first of these that has one.
+    pub fallback: Vec<Vec<f64>>,
     pub on_failure: OnFailure,
     pub on_rupture: OnRupture,
     /// Relative step of the differences that make a Jacobian.
@@ -116,6 +118,7 @@ impl Search {
             bounds: Bounds::none(unknowns),
             seed: 1,
             starts: Starts::One,
+            fallback: vec![],
             on_failure: OnFailure::Worst,
             on_rupture: OnRupture::Fail,
             difference: 1e-3,
@@ -162,7 +165,7 @@ impl Search {
             }
             Starts::Given(starts) => starts,
         };
-        for (number, start) in std::iter::once(&self.start).chain(starts).enumerate() {
+        for (number, start) in std::iter::once(&self.start).chain(starts).chain(&self.fallback).enumerate() {
             if start.len() != unknowns {
                 return Err(OptionsError::Count { number: number + 1, found: start.len(), unknowns });
             }

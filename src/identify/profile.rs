@@ -14,10 +14,11 @@ use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
 use super::confidence::{Confidence, ConfidenceError, Reach};
-use super::crew::{Crew, CrewError};
+use super::crew::{CrewError, Desk};
 use super::objective::Evaluation;
 use super::options::{OnFailure, Search};
-use super::tangent::{Tangent, TangentError, residuals};
+use super::search::Unfound;
+use super::tangent::{Failed, Tangent, TangentError, residuals};
 
 /// Farthest place, in half-widths of the interval.
 const FARTHEST: f64 = 2.0;
@@ -77,7 +78,17 @@ pub enum ProfileError {
     #[error(transparent)]
     Confidence(#[from] ConfidenceError),
     #[error("a trial failed at {x:?}: {cause}")]
-    Failed { x: Vec<f64>, cause: String },
+    Failed { x: Vec<f64>, cause: String, numerical: bool },
+}
+
+impl Unfound for ProfileError {
+    fn is_numerical(&self) -> bool {
+        match self {
+            ProfileError::Tangent(error) => error.is_numerical(),
+            ProfileError::Failed { numerical, .. } => *numerical,
+            ProfileError::Crew(_) | ProfileError::Confidence(_) => false,
+        }
+    }
 }
 
 /// Profiles along all parameters, with `count` places on each side of the estimate as far as bounds allow; `listener` hears
@@ -90,7 +101,7 @@ pub fn profiles(
     tangent: &Tangent,
     confidence: &Confidence,
     count: usize,
-    crew: &Crew<'_>,
+    desk: &Desk<'_, '_>,
     listener: &mut (dyn FnMut(usize) + Send),
 ) -> Result<Vec<Profile>, ProfileError> {
     let mut walks: Vec<Walk> = (0..tangent.x.len())
@@ -104,7 +115,7 @@ pub fn profiles(
         }
         listener(open.len());
         let points: Vec<Vec<f64>> = open.iter().filter_map(|walk| walk.next.clone()).collect();
-        let found = crew.evaluate_all(&points)?;
+        let found = desk.evaluate_all(&points)?;
         for ((walk, x), found) in open.into_iter().zip(points).zip(found) {
             let residuals = checked(search, tangent, &x, found)?;
             walk.take(search, x, residuals);
@@ -128,7 +139,9 @@ fn checked(
     match residuals(found)? {
         Ok(found) if found.len() == expected => Ok(Some(DVector::from_vec(found))),
         Ok(found) => Err(TangentError::Residuals { x: x.into(), found: found.len(), expected }.into()),
-        Err(cause) if search.on_failure == OnFailure::Stop => Err(ProfileError::Failed { x: x.into(), cause }),
+        Err(Failed { cause, numerical }) if search.on_failure == OnFailure::Stop => {
+            Err(ProfileError::Failed { x: x.into(), cause, numerical })
+        }
         Err(_) => Ok(None),
     }
 }
@@ -363,11 +376,13 @@ mod tests {
     use super::super::noise::tests::normals;
     use super::*;
     use crate::identify::{Answer, Bounds, Method, Objective};
+    use crate::identify::{Crew, Task};
+    use crate::simulate::Cancellation;
 
     struct Residuals<F>(F);
 
     impl<F: Fn(&[f64]) -> Vec<f64> + Sync> Objective for Residuals<F> {
-        fn evaluate(&self, x: &[f64]) -> Evaluation {
+        fn evaluate(&self, x: &[f64], _: &Cancellation) -> Evaluation {
             Answer::Residuals((self.0)(x)).checked()
         }
     }
@@ -383,13 +398,14 @@ mod tests {
             trials.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
             f(x)
         });
-        let crew = Crew::new(&counted, search.on_failure, 2, None);
-        let profiles = crew.at_work(1 << 20, |crew| {
-            let tangent = Tangent::at_start(search, crew)?;
+        let task = Task { objective: &counted, on_failure: search.on_failure, history: None };
+        let found = Crew::new(vec![task], 2).at_work(1 << 20, |desk, _| {
+            let tangent = Tangent::at_start(search, desk)?;
             let confidence = Confidence::of(&tangent, question)?;
-            profiles(search, &tangent, &confidence, 3, crew, &mut |_| {})
+            profiles(search, &tangent, &confidence, 3, desk, &mut |_| {})
         });
-        (profiles.unwrap().unwrap(), trials.into_inner())
+        let found: Result<Vec<Vec<Profile>>, (usize, ProfileError)> = found;
+        (found.unwrap().remove(0), trials.into_inner())
     }
 
     fn at(x: &[f64]) -> Search {

@@ -13,6 +13,8 @@ const TELLING: usize = 8;
 /// Where a search stands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
+    /// Which of several searches that go on at the same time, from one.
+    pub search: Option<usize>,
     pub iteration: Iteration,
     pub to_go: ToGo,
 }
@@ -31,6 +33,7 @@ pub enum ToGo {
 /// Follows a search on the clock.
 pub(super) struct Watch<'s> {
     search: &'s Search,
+    number: Option<usize>,
     seen: Vec<Seen>,
 }
 
@@ -43,8 +46,9 @@ struct Seen {
 }
 
 impl Watch<'_> {
-    pub(super) fn new(search: &Search) -> Watch<'_> {
-        Watch { search, seen: vec![] }
+    /// `number` says which of several searches it is, from one.
+    pub(super) fn new(search: &Search, number: Option<usize>) -> Watch<'_> {
+        Watch { search, number, seen: vec![] }
     }
 
     /// Where the search stands after an iteration that ended just now.
@@ -63,7 +67,7 @@ impl Watch<'_> {
         if self.seen.len() > LOOK_BACK {
             self.seen.remove(0);
         }
-        Progress { iteration: iteration.clone(), to_go: self.to_go() }
+        Progress { search: self.number, iteration: iteration.clone(), to_go: self.to_go() }
     }
 
     fn to_go(&self) -> ToGo {
@@ -99,6 +103,9 @@ fn left(before: [f64; 2], now: [f64; 2], done: f64) -> Option<f64> {
 impl fmt::Display for Progress {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Iteration { iteration, evaluations, x, f, size, .. } = &self.iteration;
+        if let Some(number) = self.search {
+            write!(out, "search {number}")?;
+        }
         let x: Vec<String> = x.iter().map(|x| format!("{x:.5}")).collect();
         write!(out, "{iteration:>5}  f {f:<11.6}  x {}", x.join(" "))?;
         if let Some(size) = size {
@@ -134,7 +141,7 @@ mod tests {
     /// A search that halves its simplex in every iteration and takes 2 s for each.
     fn told(search: &Search, halves: bool) -> Vec<ToGo> {
         let begin = Instant::now();
-        let mut watch = Watch::new(search);
+        let mut watch = Watch::new(search, None);
         let look = |iteration: usize| {
             let size = if halves { 0.5_f64.powi(iteration as i32) } else { 1.0 };
             let evaluations = 2 * iteration;

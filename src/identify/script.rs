@@ -1,7 +1,6 @@
 //! Searches in scripts: `minimize(method, start, options, |x| …)`.
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -9,17 +8,18 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, GlobalRuntimeState, INT, Map, NativeCallContext};
 
 use super::bounds::Bounds;
-use super::crew::{Crew, CrewError};
+use super::crew::{Crew, CrewError, Desk, Task};
 use super::history::{History, Identity};
 use super::objective::{Answer, Evaluation, Objective};
 use super::options::{Method, OnFailure, OnRupture, Search, Starts};
 use super::progress::{Progress, Watch};
-use super::search::{self, Best, Ended, Iteration};
+use super::search::{self, Best, Ended, Iteration, Unfound};
 use super::trust;
 use crate::diagnostic::closest;
-use crate::script::{Entry, STACK, Session, number, refuse, window};
+use crate::script::{Entry, STACK, Session, is_numerical, number, refuse, thrown, went_wrong, window};
 use crate::signal::Series;
 use crate::signal::norm;
+use crate::simulate::Cancellation;
 
 pub(super) type Reply<T> = Result<T, Box<EvalAltResult>>;
 
@@ -62,31 +62,49 @@ impl Laboratory {
         self.identity.get_or_init(|| identity);
     }
 
-    fn minimise(&self, context: &NativeCallContext, search: &Search, call: &FnPtr) -> Reply<Best> {
-        let mut watch = Watch::new(search);
-        let mut listener = |iteration: &Iteration| (self.listener)(Heard::Progress(&watch.look(iteration)));
-        self.at_work(context, search, call, |crew| search::minimise(search, crew, &mut listener))
+    /// Searches on the same cores at the same time; what each found, in their order.
+    fn minimise(&self, context: &NativeCallContext, searches: &[(Search, FnPtr)]) -> Reply<Vec<Best>> {
+        let several = searches.len() > 1;
+        self.at_work(context, searches, |desk, number| {
+            let search = &searches[number].0;
+            let mut watch = Watch::new(search, several.then_some(number + 1));
+            let mut listener = |iteration: &Iteration| (self.listener)(Heard::Progress(&watch.look(iteration)));
+            search::minimise(search, desk, &mut listener)
+        })
     }
 
-    /// Does `job` with a crew for the trials of `call`, which are written down like those of a search.
-    pub(super) fn at_work<T: Send, E: From<CrewError> + Display + Send>(
+    /// Does `job` for every one of `searches` with a crew for the trials of their objectives, which are written down.
+    pub(super) fn at_work<T: Send, E: Unfound + From<CrewError> + Send>(
         &self,
         context: &NativeCallContext,
-        search: &Search,
-        call: &FnPtr,
-        job: impl FnOnce(&Crew<'_>) -> Result<T, E> + Send,
-    ) -> Reply<T> {
+        searches: &[(Search, FnPtr)],
+        job: impl Fn(&Desk<'_, '_>, usize) -> Result<T, E> + Sync,
+    ) -> Reply<Vec<T>> {
         let session = Session::of(context);
         if session.is_trial() {
-            let name = context.fn_name();
-            return Err(refuse(format!("an objective cannot search: `{name}` is called within one")));
+            return Err(refuse(format!("an objective cannot search: `{}` is called within one", context.fn_name())));
         }
-        search.check().map_err(refuse)?;
-        let mut history = self.history(session.inputs())?;
-        let objective = Closure::new(context, session, search.on_rupture, call);
-        let crew = Crew::new(&objective, search.on_failure, rayon::current_num_threads(), history.as_mut());
-        let found = crew.at_work(STACK, job);
-        found.map_err(E::from).flatten().map_err(|error| objective.mistake().unwrap_or_else(|| refuse(error)))
+        let several = searches.len() > 1;
+        let nth = |number: usize| if several { format!("search {}: ", number + 1) } else { String::new() };
+        for (number, (search, _)) in searches.iter().enumerate() {
+            search.check().map_err(|error| refuse(format!("{}{error}", nth(number))))?;
+        }
+        let histories = searches.iter().map(|_| self.history(session.inputs()));
+        let mut histories = histories.collect::<Reply<Vec<_>>>()?;
+        let objective =
+            |(search, call): &(Search, FnPtr)| Closure::new(context, session.clone(), search.on_rupture, call);
+        let objectives: Vec<Closure<'_>> = searches.iter().map(objective).collect();
+        let tasks = objectives.iter().zip(searches).zip(&mut histories);
+        let tasks = tasks.map(|((objective, (search, _)), history)| Task {
+            objective,
+            on_failure: search.on_failure,
+            history: history.as_mut(),
+        });
+        let crew = Crew::new(tasks.collect(), rayon::current_num_threads());
+        crew.at_work(STACK, job).map_err(|(number, error)| {
+            let mistake = objectives.get(number).and_then(Closure::mistake);
+            mistake.unwrap_or_else(|| unfound(&error, &nth(number)))
+        })
     }
 
     /// Tells the user something.
@@ -110,6 +128,12 @@ impl Laboratory {
         }
         Ok(Some(history))
     }
+}
+
+/// Why a search found nothing, as the script hears it.
+fn unfound(error: &impl Unfound, nth: &str) -> Box<EvalAltResult> {
+    let text = format!("{nth}{error}");
+    if error.is_numerical() { went_wrong(text) } else { refuse(text) }
 }
 
 /// A script's closure as an objective that may be asked from several threads.
@@ -164,7 +188,7 @@ impl<'c> Closure<'c> {
         };
         match (answer(&found), session.trial().ruptures.first()) {
             (Err(error), _) => self.broken(error),
-            (Ok(_), Some(rupture)) if self.on_rupture == OnRupture::Fail => Evaluation::Failed(rupture.clone()),
+            (Ok(_), Some(rupture)) if self.on_rupture == OnRupture::Fail => Evaluation::failed(rupture),
             (Ok(answer), _) => answer.checked(),
         }
     }
@@ -172,7 +196,9 @@ impl<'c> Closure<'c> {
     /// What was thrown is a failed trial; what the interpreter finds fault with is a mistake in the script.
     fn failure(&self, error: Box<EvalAltResult>) -> Evaluation {
         match error.unwrap_inner() {
-            EvalAltResult::ErrorRuntime(thrown, _) => Evaluation::Failed(thrown.to_string()),
+            EvalAltResult::ErrorRuntime(value, _) => {
+                Evaluation::Failed { cause: thrown(value), numerical: is_numerical(&error) }
+            }
             _ => self.broken(error),
         }
     }
@@ -185,8 +211,8 @@ impl<'c> Closure<'c> {
 }
 
 impl Objective for Closure<'_> {
-    fn evaluate(&self, x: &[f64]) -> Evaluation {
-        let session = self.session.with_trial();
+    fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
+        let session = self.session.with_trial(cancellation);
         let found = self.ask(x, &session);
         self.evaluation(found, &session)
     }
@@ -232,7 +258,7 @@ fn answer(found: &Dynamic) -> Reply<Answer> {
 }
 
 /// Options as a script writes them.
-pub(super) const OPTIONS: [&str; 13] = [
+pub(super) const OPTIONS: [&str; 14] = [
     "tol_x",
     "tol_f",
     "max_iterations",
@@ -241,6 +267,7 @@ pub(super) const OPTIONS: [&str; 13] = [
     "upper",
     "seed",
     "starts",
+    "fallback",
     "on_failure",
     "on_rupture",
     "difference",
@@ -274,8 +301,11 @@ pub(super) fn written(method: &str, start: &Array, options: &Map) -> Reply<(Sear
             "seed" => search.seed = whole(value, option)?.cast_unsigned(),
             "lower" => sides[0] = Some(sided(&list()?, f64::NEG_INFINITY, option)?),
             "upper" => sides[1] = Some(sided(&list()?, f64::INFINITY, option)?),
-            "starts" if value.is_array() => search.starts = Starts::Given(points(&list()?)?),
+            "starts" if value.is_array() => {
+                search.starts = Starts::Given(points(&list()?, "a number or a list", option)?)
+            }
             "starts" => search.starts = Starts::Spread(count(value, option)?),
+            "fallback" => search.fallback = points(&list()?, "a list", option)?,
             "on_failure" => search.on_failure = word(option, &text()?, &ON_FAILURE)?,
             "on_rupture" => search.on_rupture = word(option, &text()?, &ON_RUPTURE)?,
             "names" => names = list()?.iter().map(Dynamic::to_string).collect(),
@@ -330,10 +360,10 @@ fn sided(list: &Array, none: f64, what: &str) -> Reply<Vec<f64>> {
     list.iter().map(|item| if item.is_unit() { Ok(none) } else { number(item, what) }).collect()
 }
 
-fn points(list: &Array) -> Reply<Vec<Vec<f64>>> {
+fn points(list: &Array, kind: &str, option: &str) -> Reply<Vec<Vec<f64>>> {
     let point = |item: &Dynamic| match item.read_lock::<Array>() {
-        Some(point) => numbers(&point, "starts"),
-        None => Err(refuse(format!("`starts` is a number or a list of lists, with {} in it", item.type_name()))),
+        Some(point) => numbers(&point, option),
+        None => Err(refuse(format!("`{option}` is {kind} of lists, with {} in it", item.type_name()))),
     };
     list.iter().map(point).collect()
 }
@@ -393,30 +423,79 @@ fn integer(count: usize) -> Dynamic {
     INT::try_from(count).unwrap_or(INT::MAX).into()
 }
 
-/// Offers `minimize`, `confidence`, `profiles` and `relative_residuals` to scripts.
+/// Searches that were written, with the names of their unknowns; what each found.
+fn minimise(
+    laboratory: &Laboratory,
+    context: &NativeCallContext,
+    searches: Vec<(Search, Vec<String>, FnPtr)>,
+) -> Reply<Vec<Map>> {
+    let (names, searches): (Vec<_>, Vec<_>) =
+        searches.into_iter().map(|(search, names, call)| (names, (search, call))).unzip();
+    let found = laboratory.minimise(context, &searches)?;
+    Ok(found.iter().zip(&names).map(|(best, names)| result(best, names)).collect())
+}
+
+fn minimise_one(
+    laboratory: &Laboratory,
+    context: &NativeCallContext,
+    (method, start, options): (&str, &Array, &Map),
+    call: FnPtr,
+) -> Reply<Map> {
+    let (search, names) = written(method, start, options)?;
+    let mut found = minimise(laboratory, context, vec![(search, names, call)])?;
+    found.pop().ok_or_else(|| refuse("the search was not made"))
+}
+
+/// Independent searches at the same time. `options` are those of all, or a list with those of each.
+fn minimise_all(
+    laboratory: &Laboratory,
+    context: &NativeCallContext,
+    (method, starts, options): (&str, &Array, &Dynamic),
+    calls: Array,
+) -> Reply<Array> {
+    let count = calls.len();
+    let of_each = |list: &Array, what: &str| match list.len() {
+        found if found == count => Ok(()),
+        found => Err(refuse(format!("minimize_all has {found} {what} for {count} objectives"))),
+    };
+    of_each(starts, "starts")?;
+    let options: Vec<Dynamic> = match options.read_lock::<Array>() {
+        Some(list) => of_each(&list, "maps of options").map(|()| list.clone())?,
+        None => vec![options.clone(); count],
+    };
+    let searches = starts.iter().zip(options).zip(calls).enumerate().map(|(number, ((start, options), call))| {
+        let part = |error: Box<EvalAltResult>| refuse(format!("search {}: {error}", number + 1));
+        let start = start.read_lock::<Array>().ok_or_else(|| part(refuse("its start is a list of numbers")))?;
+        let options = options.read_lock::<Map>().ok_or_else(|| part(refuse("its options are a map")))?;
+        let call =
+            call.try_cast::<FnPtr>().ok_or_else(|| part(refuse("its objective is a function, as in `|x| …`")))?;
+        written(method, &start, &options).map(|(search, names)| (search, names, call)).map_err(part)
+    });
+    let found = minimise(laboratory, context, searches.collect::<Reply<Vec<_>>>()?)?;
+    Ok(found.into_iter().map(Dynamic::from).collect())
+}
+
+/// Offers `minimize`, `minimize_all`, `confidence`, `profiles` and `relative_residuals` to scripts.
 pub fn register(engine: &mut Engine, laboratory: &Laboratory) {
     trust::register(engine, laboratory);
-    let minimise = |laboratory: &Laboratory,
-                    context: &NativeCallContext,
-                    method: &str,
-                    start: &Array,
-                    options: &Map,
-                    call: &FnPtr| {
-        let (search, names) = written(method, start, options)?;
-        let best = laboratory.minimise(context, &search, call)?;
-        Ok::<Map, Box<EvalAltResult>>(result(&best, &names))
-    };
     let own = laboratory.clone();
     engine.register_fn(
         "minimize",
         move |context: NativeCallContext, method: &str, start: Array, options: Map, call: FnPtr| {
-            minimise(&own, &context, method, &start, &options, &call)
+            minimise_one(&own, &context, (method, &start, &options), call)
         },
     );
     let own = laboratory.clone();
     engine.register_fn("minimize", move |context: NativeCallContext, method: &str, start: Array, call: FnPtr| {
-        minimise(&own, &context, method, &start, &Map::new(), &call)
+        minimise_one(&own, &context, (method, &start, &Map::new()), call)
     });
+    let own = laboratory.clone();
+    engine.register_fn(
+        "minimize_all",
+        move |context: NativeCallContext, method: &str, starts: Array, options: Dynamic, calls: Array| {
+            minimise_all(&own, &context, (method, &starts, &options), calls)
+        },
+    );
     engine.register_fn("relative_residuals", |signal: Series, reference: Series, bounds: Dynamic| {
         norm::relative_residuals(&signal, &reference, window(&bounds)?).map_err(refuse)
     });
@@ -430,9 +509,17 @@ pub const ENTRIES: &[Entry] = &[
                 warnings }. Methods: \"nelder-mead\" (as MATLAB's fminsearch), \"levenberg-marquardt\" (residuals), \"cma-es\" (rough \
                 objectives). The objective gives a number, or a signal or list of residuals, of which \"nelder-mead\" and \"cma-es\" take \
                 the norm. It is called from several threads, and sees what it captures as it was when the search began. A trial has \
-                1 000 000 steps of its own",
+                1 000 000 steps of its own; all searches of a script share the week that it may take",
         example: r#"let best = minimize("nelder-mead", [-1.2, 1], #{}, |x| 100 * (x[1] - x[0] ** 2) ** 2 + (1 - x[0]) ** 2);
                     best.iterations == 85 && best.evaluations == 159 && best.converged"#,
+    },
+    Entry {
+        call: "minimize_all(method, [start, …], options, [|x| …, …])",
+        gives: "what `minimize` finds for every one of independent objectives, in their order and to the same bit, searched at the same \
+                time on all cores; options are one map for all or a list of maps. Where a search fails, those before it are ended, those \
+                behind it are broken off, and the first failure is the call's",
+        example: r#"let found = minimize_all("nelder-mead", [[2.0], [3.0]], #{ tol_f: 1e-6 }, [|x| x[0] ** 2, |x| (x[0] - 1) ** 2]);
+                    found[1].f == minimize("nelder-mead", [3.0], #{ tol_f: 1e-6 }, |x| (x[0] - 1) ** 2).f"#,
     },
     Entry {
         call: "#{ tol_x, tol_f, max_iterations, max_evaluations }",
@@ -452,6 +539,13 @@ pub const ENTRIES: &[Entry] = &[
         example: r#"let o = #{ lower: [-3], upper: [3], starts: 4 };
                     let best = minimize("nelder-mead", [1.2], o, |x| (x[0] ** 2 - 1) ** 2 + 0.3 * x[0]);
                     best.x[0] < 0 && best.warnings[0].contains("local minima")"#,
+    },
+    Entry {
+        call: "#{ fallback: [[..], ..] }",
+        gives: "where to begin in place of a start at which the objective has no value: the first of these at which it has one; noted in \
+                warnings",
+        example: r#"let best = minimize("nelder-mead", [0.5], #{ fallback: [[2.0]] }, |x| if x[0] < 1 { throw "too small" } else { x[0] });
+                    best.history[0].x0 >= 1 && best.warnings[0].contains("begun at [2.0] instead")"#,
     },
     Entry {
         call: "#{ on_failure: \"worst\" | \"retry\" | \"stop\", on_rupture: \"fail\" | \"keep\" }",

@@ -1,14 +1,15 @@
 //! One search: a method, one or several starts, and what the user should know about the result.
 
+use std::fmt::Display;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use thiserror::Error;
 
-use super::crew::{Crew, CrewError};
+use super::crew::{CrewError, Desk};
 use super::nelder_mead::{Limits, Simplex, Values};
 use super::objective::{Answer, Evaluation};
 use super::options::{Method, OnFailure, Search};
-use super::{cma_es, levenberg_marquardt, starts};
+use super::{cma_es, foresight, levenberg_marquardt, starts};
 
 /// New simplices around a best point on a bound, at most.
 const MOST_RESTARTS: usize = 5;
@@ -63,9 +64,9 @@ pub enum SearchError {
     #[error(transparent)]
     Crew(#[from] CrewError),
     #[error("the objective has no value at the start {x:?}: {cause}")]
-    Start { x: Vec<f64>, cause: String },
+    Start { x: Vec<f64>, cause: String, numerical: bool },
     #[error("a trial failed at {x:?}: {cause}")]
-    Failed { x: Vec<f64>, cause: String },
+    Failed { x: Vec<f64>, cause: String, numerical: bool },
     #[error(
         "levenberg-marquardt needs residuals, and the objective gave a number: return a signal or a list, or use nelder-mead"
     )]
@@ -78,25 +79,38 @@ pub enum SearchError {
     CmaEs(String),
 }
 
-/// Searches from every start; `listener` hears of every iteration.
+/// Why nothing was found.
+pub(super) trait Unfound: Display {
+    /// Whether a simulation went wrong numerically.
+    fn is_numerical(&self) -> bool;
+}
+
+impl Unfound for SearchError {
+    fn is_numerical(&self) -> bool {
+        matches!(self, SearchError::Start { numerical: true, .. } | SearchError::Failed { numerical: true, .. })
+    }
+}
+
+/// Searches from every start; trials are asked for at `desk`, `listener` hears of every iteration.
 ///
 /// # Errors
 /// A start without a value, a failed trial where that is to stop the search, an objective that is broken or not of the
 /// method's kind.
 pub fn minimise(
     search: &Search,
-    crew: &Crew<'_>,
+    desk: &Desk<'_, '_>,
     listener: &mut (dyn FnMut(&Iteration) + Send),
 ) -> Result<Best, SearchError> {
     let mut ended = Vec::new();
     let mut warnings = Vec::new();
     let mut failures = Failures::default();
     for (number, start) in starts::all(search).into_iter().enumerate() {
+        let trials = Trials::new(search, desk);
+        let (start, note) = trials.beginning(start)?;
+        warnings.extend(note);
         if let [first, ..] = search.bounds.touched(&start)[..] {
             warnings.push(format!("start {} lies on the bound of x[{first}]", number + 1));
         }
-        let trials = Trials::new(search, crew);
-        trials.at_start(&start)?;
         let course = Course { search, trials: &trials, number, listener };
         ended.push(match search.method {
             Method::NelderMead => nelder_mead(&start, course)?,
@@ -122,7 +136,7 @@ pub fn minimise(
 /// The trials of one start, counted.
 pub(super) struct Trials<'c, 'a> {
     pub(super) search: &'c Search,
-    crew: &'c Crew<'a>,
+    desk: &'c Desk<'c, 'a>,
     tally: Mutex<Tally>,
 }
 
@@ -162,35 +176,62 @@ impl Failures {
 }
 
 impl<'c, 'a> Trials<'c, 'a> {
-    fn new(search: &'c Search, crew: &'c Crew<'a>) -> Trials<'c, 'a> {
-        Trials { search, crew, tally: Mutex::default() }
+    fn new(search: &'c Search, desk: &'c Desk<'c, 'a>) -> Trials<'c, 'a> {
+        Trials { search, desk, tally: Mutex::default() }
+    }
+
+    /// Where a search begins that was to begin at `start`: there, or else at the first fallback that has a value, and what the
+    /// user should know about that.
+    fn beginning(&self, start: Vec<f64>) -> Result<(Vec<f64>, Option<String>), SearchError> {
+        let refused = match self.at_start(&start) {
+            Err(refused @ SearchError::Start { .. }) => refused,
+            found => return found.map(|_| (start, None)),
+        };
+        for fallback in &self.search.fallback {
+            match self.at_start(fallback) {
+                Ok(_) => return Ok((fallback.clone(), Some(format!("{refused}; begun at {fallback:?} instead")))),
+                Err(SearchError::Start { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Err(refused)
     }
 
     /// What the objective answers at a start, without which there is nothing to compare with. Not counted: the search asks
     /// for it again.
     pub(super) fn at_start(&self, x: &[f64]) -> Result<Answer, SearchError> {
-        match self.crew.evaluate(x)? {
+        match self.desk.evaluate(x)? {
             Evaluation::Answer(answer) => Ok(answer),
-            Evaluation::Failed(cause) => Err(SearchError::Start { x: x.into(), cause }),
+            Evaluation::Failed { cause, numerical } => Err(SearchError::Start { x: x.into(), cause, numerical }),
             Evaluation::Broken(cause) => Err(CrewError::Broken(cause).into()),
         }
     }
 
     /// What the objective answers at `x`; none where the trial failed and counts as worst.
     pub(super) fn answer(&self, x: &[f64]) -> Result<Option<Answer>, SearchError> {
-        let found = self.crew.evaluate(x)?;
+        let found = self.desk.evaluate(x)?;
         self.count(x, found)
     }
 
     /// What it answers at all of `points`.
     pub(super) fn answers(&self, points: &[Vec<f64>]) -> Result<Vec<Option<Answer>>, SearchError> {
-        let found = self.crew.evaluate_all(points)?;
+        let found = self.desk.evaluate_all(points)?;
         points.iter().zip(found).map(|(x, found)| self.count(x, found)).collect()
     }
 
     /// Points that may be asked for next, the likeliest first.
     pub(super) fn expect(&self, points: &[Vec<f64>]) {
-        self.crew.expect(points);
+        self.desk.expect(points);
+    }
+
+    /// What was found at `x`, if that is known by now; not counted.
+    pub(super) fn known(&self, x: &[f64]) -> Option<Evaluation> {
+        self.desk.known(x)
+    }
+
+    /// Points that are worth foreseeing: two for every core that may work ahead.
+    fn foreseeable(&self) -> usize {
+        2 * (self.desk.threads() - 1)
     }
 
     /// Points that were asked for.
@@ -208,10 +249,10 @@ impl<'c, 'a> Trials<'c, 'a> {
         match found {
             Evaluation::Answer(answer) => Ok(Some(answer)),
             Evaluation::Broken(cause) => Err(CrewError::Broken(cause).into()),
-            Evaluation::Failed(cause) if self.search.on_failure == OnFailure::Stop => {
-                Err(SearchError::Failed { x: x.into(), cause })
+            Evaluation::Failed { cause, numerical } if self.search.on_failure == OnFailure::Stop => {
+                Err(SearchError::Failed { x: x.into(), cause, numerical })
             }
-            Evaluation::Failed(cause) => {
+            Evaluation::Failed { cause, .. } => {
                 tally.failures.add(Failures { count: 1, first: Some((x.into(), cause)) });
                 Ok(None)
             }
@@ -235,6 +276,13 @@ impl Values for Confined<'_, '_, '_> {
 
     fn expect(&mut self, points: &[Vec<f64>]) {
         self.0.expect(points);
+    }
+
+    fn foresee(&self, simplex: &Simplex) -> Vec<Vec<f64>> {
+        match self.0.foreseeable() {
+            0 => vec![],
+            most => foresight::points(simplex, self.0, most),
+        }
     }
 
     fn confine(&self, x: &mut [f64]) {
@@ -312,21 +360,23 @@ pub(super) fn limit(iterations: usize, search: &Search) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::{Bounds, Objective};
+    use crate::identify::{Bounds, Crew, Objective, Task};
+    use crate::simulate::Cancellation;
 
     fn banana(x: &[f64]) -> f64 {
         100.0 * (x[1] - x[0] * x[0]).powi(2) + (1.0 - x[0]).powi(2)
     }
 
     fn found(search: &Search, objective: &dyn Objective, threads: usize) -> Result<Best, SearchError> {
-        let crew = Crew::new(objective, search.on_failure, threads, None);
-        crew.at_work(1 << 20, |crew| minimise(search, crew, &mut |_| {})).unwrap()
+        let task = Task { objective, on_failure: search.on_failure, history: None };
+        let found = Crew::new(vec![task], threads).at_work(1 << 20, |desk, _| minimise(search, desk, &mut |_| {}));
+        found.map(|mut best| best.remove(0)).map_err(|(_, error)| error)
     }
 
     fn residuals(f: impl Fn(&[f64]) -> Vec<f64> + Sync) -> impl Objective {
         struct Residuals<F>(F);
         impl<F: Fn(&[f64]) -> Vec<f64> + Sync> Objective for Residuals<F> {
-            fn evaluate(&self, x: &[f64]) -> Evaluation {
+            fn evaluate(&self, x: &[f64], _: &Cancellation) -> Evaluation {
                 Answer::Residuals((self.0)(x)).checked()
             }
         }

@@ -3,9 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
-use super::crew::{Crew, CrewError};
+use super::crew::{CrewError, Desk};
 use super::objective::{Answer, Evaluation};
 use super::options::{OnFailure, Search};
+use super::search::Unfound;
 
 /// r(x̂ + δ) ≈ r(x̂) + J δ
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +29,7 @@ pub enum TangentError {
     #[error(transparent)]
     Crew(#[from] CrewError),
     #[error("the objective has no value at the estimate {x:?}: {cause}")]
-    Estimate { x: Vec<f64>, cause: String },
+    Estimate { x: Vec<f64>, cause: String, numerical: bool },
     #[error(
         "the objective gave a number, and what a parameter is worth shows in residuals only: return a signal or a list"
     )]
@@ -38,7 +39,13 @@ pub enum TangentError {
     #[error("the objective gave {found} residuals for {unknowns} parameters: their scatter needs more than that")]
     TooFew { found: usize, unknowns: usize },
     #[error("the trials beside x[{place}] failed, there is no slope: at {x:?}: {cause}")]
-    NoSlope { place: usize, x: Vec<f64>, cause: String },
+    NoSlope { place: usize, x: Vec<f64>, cause: String, numerical: bool },
+}
+
+impl Unfound for TangentError {
+    fn is_numerical(&self) -> bool {
+        matches!(self, TangentError::Estimate { numerical: true, .. } | TangentError::NoSlope { numerical: true, .. })
+    }
 }
 
 impl Tangent {
@@ -47,7 +54,7 @@ impl Tangent {
     ///
     /// # Errors
     /// No residuals at the estimate, fewer than needed, or no trial without failure on either side.
-    pub fn at_start(search: &Search, crew: &Crew<'_>) -> Result<Tangent, TangentError> {
+    pub fn at_start(search: &Search, desk: &Desk<'_, '_>) -> Result<Tangent, TangentError> {
         let x = &search.start;
         let steps: Vec<[Option<f64>; 2]> = (0..x.len()).map(|place| steps(search, place)).collect();
         let mut points = vec![x.clone()];
@@ -57,9 +64,13 @@ impl Tangent {
                 .enumerate()
                 .flat_map(|(place, steps)| steps.iter().flatten().map(move |step| beside(x, place, *step))),
         );
-        let mut found = crew.evaluate_all(&points)?.into_iter();
+        let mut found = desk.evaluate_all(&points)?.into_iter();
         let residuals = match found.next() {
-            Some(found) => residuals(found)?.map_err(|cause| TangentError::Estimate { x: x.clone(), cause })?,
+            Some(found) => residuals(found)?.map_err(|Failed { cause, numerical }| TangentError::Estimate {
+                x: x.clone(),
+                cause,
+                numerical,
+            })?,
             None => return Err(CrewError::Broken("the trial was not made".into()).into()),
         };
         if residuals.len() <= x.len() {
@@ -92,7 +103,9 @@ impl Tangent {
             let x = beside(&self.x, place, step);
             match residuals(found)? {
                 Ok(there) => slopes.push((step, self.difference(&x, there)?)),
-                Err(cause) => failure = Some(TangentError::NoSlope { place, x, cause }),
+                Err(Failed { cause, numerical }) => {
+                    failure = Some(TangentError::NoSlope { place, x, cause, numerical });
+                }
             }
         }
         let slope = match (&slopes[..], failure) {
@@ -110,7 +123,7 @@ impl Tangent {
         };
         if slope.iter().any(|slope| !slope.is_finite()) {
             let cause = "the residuals change by more than numbers can hold".into();
-            return Err(TangentError::NoSlope { place, x: self.x.clone(), cause });
+            return Err(TangentError::NoSlope { place, x: self.x.clone(), cause, numerical: false });
         }
         self.jacobian.set_column(place, &slope);
         Ok(())
@@ -141,12 +154,19 @@ fn beside(x: &[f64], place: usize, step: f64) -> Vec<f64> {
     x
 }
 
+/// Why a trial has no residuals.
+pub(super) struct Failed {
+    pub(super) cause: String,
+    /// Whether a simulation went wrong numerically.
+    pub(super) numerical: bool,
+}
+
 /// Residuals, or why the trial failed.
-pub(super) fn residuals(found: Evaluation) -> Result<Result<Vec<f64>, String>, TangentError> {
+pub(super) fn residuals(found: Evaluation) -> Result<Result<Vec<f64>, Failed>, TangentError> {
     match found {
         Evaluation::Answer(Answer::Residuals(residuals)) => Ok(Ok(residuals)),
         Evaluation::Answer(Answer::Value(_)) => Err(TangentError::NotResiduals),
-        Evaluation::Failed(cause) => Ok(Err(cause)),
+        Evaluation::Failed { cause, numerical } => Ok(Err(Failed { cause, numerical })),
         Evaluation::Broken(cause) => Err(CrewError::Broken(cause).into()),
     }
 }

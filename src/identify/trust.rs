@@ -80,8 +80,11 @@ fn ask_confidence(
     call: &FnPtr,
 ) -> Reply<Map> {
     let Asked { search, question, .. } = Asked::new(best, options)?;
-    let tangent = laboratory.at_work(context, &search, call, |crew| Tangent::at_start(&search, crew))?;
-    Ok(result(&Confidence::of(&tangent, &question).map_err(refuse)?))
+    let task = [(search, call.clone())];
+    let confidences = laboratory.at_work::<_, ProfileError>(context, &task, |desk, _| {
+        Ok(Confidence::of(&Tangent::at_start(&task[0].0, desk)?, &question)?)
+    })?;
+    first(confidences).map(|confidence| result(&confidence))
 }
 
 fn ask_profiles(
@@ -92,13 +95,20 @@ fn ask_profiles(
     call: &FnPtr,
 ) -> Reply<Map> {
     let Asked { search, question, points } = Asked::new(best, options)?;
-    let mut listener = |left: usize| laboratory.note(&format!("profiles: {left} places are searched"));
-    let profiles = laboratory.at_work::<_, ProfileError>(context, &search, call, |crew| {
-        let tangent = Tangent::at_start(&search, crew)?;
+    let task = [(search, call.clone())];
+    let profiles = laboratory.at_work::<_, ProfileError>(context, &task, |desk, _| {
+        let search = &task[0].0;
+        let tangent = Tangent::at_start(search, desk)?;
         let confidence = Confidence::of(&tangent, &question)?;
-        profile::profiles(&search, &tangent, &confidence, points, crew, &mut listener)
+        let mut listener = |left: usize| laboratory.note(&format!("profiles: {left} places are searched"));
+        profile::profiles(search, &tangent, &confidence, points, desk, &mut listener)
     })?;
-    Ok(profiled(&profiles, &question.names))
+    first(profiles).map(|profiles| profiled(&profiles, &question.names))
+}
+
+/// What was found for the only task.
+fn first<T>(found: Vec<T>) -> Reply<T> {
+    found.into_iter().next().ok_or_else(|| refuse("nothing was found"))
 }
 
 /// What a script gets of a confidence.

@@ -15,8 +15,8 @@ use crate::experiment::coupon::Curve;
 use crate::material::Law;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
-use crate::script::{Answer, Entry, Session, from_json, refuse, to_json};
-use crate::simulate::{self, RunError};
+use crate::script::{Answer, Entry, Session, from_json, refuse, to_json, went_wrong};
+use crate::simulate::{self, Manner, RunError};
 
 /// A checked scenario in a script. Cheap to clone.
 #[derive(Clone)]
@@ -66,9 +66,10 @@ impl Study {
         let failed = |error: RunError| {
             let cause = format!("{}: {error}", model.name);
             session.failed(&cause);
-            refuse(cause)
+            if matches!(error, RunError::Failure(_)) { went_wrong(cause) } else { refuse(cause) }
         };
-        let outcome = simulate::run(model, &mut |_| {}).map_err(failed)?;
+        let manner = Manner { cancellation: session.cancellation().clone(), ..Manner::default() };
+        let outcome = simulate::run_in(model, manner, &mut |_| {}).map_err(failed)?;
         if let Some(time) = outcome.rupture_time {
             session.ruptured(&model.name, time);
         }

@@ -2,7 +2,7 @@ use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use rhai::{EvalAltResult, ParseError, Position};
+use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, ParseError, Position};
 use thiserror::Error;
 
 /// A mistake in a script, found while reading or while running it.
@@ -17,6 +17,8 @@ pub struct Fault {
     pub message: String,
     /// What to write instead, where that can be guessed.
     pub hint: Option<String>,
+    /// Whether it is not the script's: a simulation went wrong numerically.
+    pub numerical: bool,
 }
 
 impl Fault {
@@ -29,11 +31,11 @@ impl Fault {
         let culprit = error.unwrap_inner();
         let position = culprit.position();
         let message = match culprit {
-            EvalAltResult::ErrorRuntime(value, _) => value.to_string(),
+            EvalAltResult::ErrorRuntime(value, _) => thrown(value),
             EvalAltResult::ErrorTerminated(reason, _) => reason.to_string(),
             other => without_position(&other.to_string(), position),
         };
-        Fault::at(file, position, message)
+        Fault { numerical: is_numerical(error), ..Fault::at(file, position, message) }
     }
 
     pub(super) fn starting(file: &Path, error: &io::Error) -> Fault {
@@ -47,6 +49,7 @@ impl Fault {
             column: position.position().unwrap_or(1),
             message: lower_first(&message),
             hint: None,
+            numerical: false,
         }
     }
 
@@ -65,6 +68,37 @@ fn lower_first(message: &str) -> String {
     let mut letters = message.chars();
     let first = letters.next().map(|c| c.to_lowercase().to_string());
     first.unwrap_or_default() + letters.as_str()
+}
+
+/// What a script catches where a simulation went wrong numerically: a text that remembers that it is no mistake.
+#[derive(Clone, Debug)]
+struct WentWrong(ImmutableString);
+
+/// An answer of a host function whose simulation went wrong numerically.
+pub fn went_wrong(message: impl Display) -> Box<EvalAltResult> {
+    let thrown = WentWrong(message.to_string().into());
+    Box::new(EvalAltResult::ErrorRuntime(Dynamic::from(thrown), Position::NONE))
+}
+
+/// Whether nobody caught that a simulation went wrong numerically.
+pub fn is_numerical(error: &EvalAltResult) -> bool {
+    matches!(error.unwrap_inner(), EvalAltResult::ErrorRuntime(value, _) if value.is::<WentWrong>())
+}
+
+/// What was thrown, as text.
+pub fn thrown(value: &Dynamic) -> String {
+    value.read_lock::<WentWrong>().map_or_else(|| value.to_string(), |wrong| wrong.0.to_string())
+}
+
+/// Lets scripts treat what they catch as text.
+pub(super) fn register(engine: &mut Engine) {
+    engine
+        .register_type_with_name::<WentWrong>("numerical failure")
+        .register_fn("to_string", |wrong: &mut WentWrong| wrong.0.clone())
+        .register_fn("to_debug", |wrong: &mut WentWrong| wrong.0.clone())
+        .register_fn("+", |text: ImmutableString, wrong: WentWrong| text + wrong.0)
+        .register_fn("+", |wrong: WentWrong, text: ImmutableString| wrong.0 + text)
+        .register_fn("contains", |wrong: &mut WentWrong, text: &str| wrong.0.contains(text));
 }
 
 /// What a host function gives back to the script.

@@ -80,6 +80,7 @@ pub fn engine(limits: Limits) -> Engine {
         let late = operations % 256 == 0 && start.elapsed() > limits.time;
         late.then(|| format!("the script took longer than {} s", limits.time.as_secs()).into())
     });
+    super::fault::register(&mut engine);
     super::register_signals(&mut engine);
     super::random::register(&mut engine);
     super::drop::register(&mut engine);

@@ -23,7 +23,7 @@ mod value;
 
 pub use arguments::Arguments;
 pub use coupon::Reduced;
-pub use fault::{Answer, Fault, refuse};
+pub use fault::{Answer, Fault, is_numerical, refuse, thrown, went_wrong};
 pub use files::{File, FileError, Files};
 pub use findings::{Findings, Ledger, NameError, Row};
 pub use host::{Limits, ReadError, STACK, Script, engine};

@@ -8,11 +8,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rhai::{Dynamic, NativeCallContext};
 
+use crate::simulate::Cancellation;
+
 /// What host functions share while a script runs; every engine has one, as its tag. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub struct Session {
     inputs: Arc<Mutex<BTreeMap<PathBuf, String>>>,
     trial: Option<Arc<Mutex<Trial>>>,
+    cancellation: Cancellation,
 }
 
 /// What host functions tell about one evaluation of an objective.
@@ -31,9 +34,15 @@ impl Session {
         session.unwrap_or_default()
     }
 
-    /// The same session within an evaluation of an objective.
-    pub fn with_trial(&self) -> Session {
-        Session { inputs: Arc::clone(&self.inputs), trial: Some(Arc::default()) }
+    /// The same session within an evaluation of an objective, which may be cancelled.
+    pub fn with_trial(&self, cancellation: &Cancellation) -> Session {
+        let (inputs, cancellation) = (Arc::clone(&self.inputs), cancellation.clone());
+        Session { inputs, trial: Some(Arc::default()), cancellation }
+    }
+
+    /// What ends the simulations of an evaluation that nobody waits for any more.
+    pub fn cancellation(&self) -> &Cancellation {
+        &self.cancellation
     }
 
     /// Whether an objective is being evaluated.
@@ -142,7 +151,7 @@ mod tests {
         let mut engine = engine(Limits::POST);
         engine.register_fn("trial", |context: NativeCallContext| Session::of(&context).is_trial());
         assert!(!engine.eval::<bool>("trial()").unwrap());
-        engine.set_default_tag(Session::default().with_trial());
+        engine.set_default_tag(Session::default().with_trial(&Cancellation::default()));
         assert!(engine.eval::<bool>("[1].map(|x| trial())[0]").unwrap());
     }
 }

@@ -1,6 +1,7 @@
 //! One run: from a checked model to its outcome.
 
 mod build;
+mod cancellation;
 mod checkpoint;
 mod energy_check;
 mod frame_force;
@@ -27,6 +28,7 @@ use crate::lane::Width;
 use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
 use crate::signal::Recording;
+pub use cancellation::Cancellation;
 pub use checkpoint::{Checkpoint, Checkpoints, Saved};
 use probe::Probe;
 
@@ -149,6 +151,9 @@ pub enum RunError {
     /// The impactor has no film under it.
     #[error("the impactor goes down beside the film and never touches it")]
     Missed,
+    /// Nobody waits for it any more.
+    #[error("the run was cancelled")]
+    Cancelled,
     /// The run went wrong numerically.
     #[error("{0}")]
     Failure(Box<Failure>),
@@ -181,6 +186,8 @@ pub struct Manner<'a> {
     pub checkpoints: Option<Checkpoints<'a>>,
     /// Who works on it; left out, as many threads as there are and as its elements are worth.
     pub team: Option<Team>,
+    /// Ends the run before its time, without an outcome.
+    pub cancellation: Cancellation,
 }
 
 /// The engine of a run before its first step.
@@ -194,9 +201,9 @@ pub fn engine(model: &Model) -> Result<Engine, RunError> {
 /// Simulates `model` as [`run`] does, in a given manner.
 ///
 /// # Errors
-/// As [`run`]; also a checkpoint of another scene.
+/// As [`run`]; also a checkpoint of another scene, and [`RunError::Cancelled`].
 pub fn run_in(model: &Model, manner: Manner<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, RunError> {
-    let Manner { saved, checkpoints, team } = manner;
+    let Manner { saved, checkpoints, team, cancellation } = manner;
     let begin = Instant::now();
     let scene = build::scene(model)?;
     let team = team.unwrap_or_else(|| build::team(scene.engine.elements()));
@@ -208,7 +215,10 @@ pub fn run_in(model: &Model, manner: Manner<'_>, progress: &mut dyn FnMut(Progre
         saved.put_back(&mut engine, &mut probe)?;
     }
     let wall = || before + begin.elapsed();
-    let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall).err();
+    let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall, &cancellation).err();
+    if cancellation.is_cancelled() {
+        return Err(RunError::Cancelled);
+    }
     let fault = fault.or_else(|| probe.fault());
     let outcome = probe.finish(&engine, scene.mounting, wall());
     match fault {
@@ -223,12 +233,13 @@ fn advance(
     mut checkpoints: Option<Checkpoints<'_>>,
     progress: &mut dyn FnMut(Progress),
     wall: &dyn Fn() -> Duration,
+    cancellation: &Cancellation,
 ) -> Result<(), Fault> {
     let elements = engine.elements();
     let stride = (REPORT_AFTER / elements.max(1)).max(1) as u64;
     let after = |time: f64, every: f64| ((time / every).floor() + 1.0) * every;
     let mut due = checkpoints.as_ref().map_or(f64::INFINITY, |c| after(engine.time(), c.every));
-    while !probe.is_done(engine.time()) {
+    while !probe.is_done(engine.time()) && !cancellation.is_cancelled() {
         if let Some(checkpoints) = checkpoints.as_mut().filter(|_| engine.time() >= due) {
             (checkpoints.keep)(&Checkpoint::of(engine, probe, wall()));
             due = after(engine.time(), checkpoints.every);

@@ -39,6 +39,14 @@ fn edges() -> Vec<f64> {
     (0..=bins).map(|k| 10.0_f64.powf(f64::from(DECADES.0) + k as f64 / PER_DECADE as f64)).collect()
 }
 
+/// The bin of `rate` (1/s); neighbours are strained alike, so the one of the last is tried first.
+fn bin(edges: &[f64], rate: f64, last: usize) -> usize {
+    match edges[last..] {
+        [low, high, ..] if low <= rate && rate < high => last,
+        _ => edges.partition_point(|edge| *edge <= rate).saturating_sub(1),
+    }
+}
+
 impl RateAudit {
     pub(super) fn new(measured: Vec<Option<[f64; 2]>>) -> RateAudit {
         let edges = edges();
@@ -55,13 +63,14 @@ impl RateAudit {
         };
         let dt = time - *before;
         *before = time;
+        let mut bin = 0;
         for ((face, largest), measured) in faces.iter().zip(largest).zip(&self.measured) {
             for (element, largest) in face.iter().zip(largest).filter(|(element, _)| element.volume > 0.0) {
                 for (strain, largest) in now(element).into_iter().zip(largest) {
                     let gained = strain - *largest;
                     if gained > 0.0 {
                         let rate = gained / dt;
-                        let bin = self.edges.partition_point(|edge| *edge <= rate).saturating_sub(1);
+                        bin = self::bin(&self.edges, rate, bin);
                         self.pending.count(*measured, bin, rate, gained * element.volume);
                         *largest = strain;
                     }

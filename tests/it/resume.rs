@@ -238,7 +238,8 @@ fn with_checkpoints(model: &Model, every: f64, saved: Option<Saved>) -> (Outcome
     let mut written = vec![];
     let mut keep = |checkpoint: &Checkpoint<'_>| written.push(postcard::to_stdvec(checkpoint).expect("plain numbers"));
     let checkpoints = Checkpoints { every, keep: &mut keep };
-    let outcome = simulate::run_in(model, Manner { saved, checkpoints: Some(checkpoints), team: None }, &mut |_| {});
+    let outcome =
+        simulate::run_in(model, Manner { saved, checkpoints: Some(checkpoints), ..Manner::default() }, &mut |_| {});
     (outcome.unwrap_or_else(|error| panic!("{}: {error}", model.name)), written)
 }
 
