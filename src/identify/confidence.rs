@@ -169,7 +169,10 @@ impl Spread {
         let scale: Vec<f64> = tangent.x.iter().map(|x| if *x == 0.0 { 1.0 } else { x.abs() }).collect();
         let mut scaled = tangent.jacobian.clone();
         scaled.column_iter_mut().zip(&scale).for_each(|(mut column, scale)| column *= *scale);
-        let (left, singular, right) = decomposed(scaled)?;
+        let svd = scaled.try_svd(true, true, f64::EPSILON, MOST_ROUNDS).ok_or(ConfidenceError::Singular)?;
+        let singular = svd.singular_values;
+        let left = svd.u.ok_or(ConfidenceError::Singular)?;
+        let right = svd.v_t.ok_or(ConfidenceError::Singular)?.transpose();
         let rank = singular.iter().filter(|value| **value > ROUNDING * singular[0]).count();
         let between = noise.between(&left);
         let samples = tangent.residuals.len() as f64;
@@ -278,13 +281,6 @@ impl Spread {
         let over = |(place, error): (usize, &f64)| if *error > 0.0 { step(place) / error } else { 0.0 };
         standard_errors.iter().enumerate().map(over).collect()
     }
-}
-
-/// U, Σ and V, the largest singular value first.
-fn decomposed(matrix: DMatrix<f64>) -> Result<(DMatrix<f64>, DVector<f64>, DMatrix<f64>), ConfidenceError> {
-    let svd = matrix.try_svd(true, true, f64::EPSILON, MOST_ROUNDS).ok_or(ConfidenceError::Singular)?;
-    let [left, right] = [svd.u, svd.v_t].map(|turn| turn.ok_or(ConfidenceError::Singular));
-    Ok((left?, svd.singular_values, right?.transpose()))
 }
 
 /// Student's quantile of a two-sided interval of 95 %.
