@@ -10,6 +10,7 @@ mod impact;
 mod indent;
 mod pressure;
 mod probe;
+mod pull;
 mod rates;
 mod rows;
 mod slow;
@@ -29,6 +30,7 @@ use crate::model::Model;
 use crate::signal::Recording;
 pub use checkpoint::{Checkpoint, Checkpoints, Saved};
 use probe::Probe;
+pub use pull::{Across, PullError, pull};
 
 /// What came out of a run.
 #[derive(Clone, Debug)]
