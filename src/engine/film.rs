@@ -189,9 +189,9 @@ impl Film {
         (0..self.chunks.len()).filter(move |chunk| self.chunks[*chunk].colour == colour)
     }
 
-    /// Takes the force from every element that the last forces found past its break strain; its mass stays.
-    /// Returns the number of elements broken and the energies they held.
-    pub(super) fn break_elements(&mut self, position: [&[f64]; 3]) -> (usize, ElementEnergy) {
+    /// Takes the force from every element that the last forces found past its break strain; its mass stays. `position` is that
+    /// of all nodes. Returns the number of elements broken and the energies they held.
+    pub fn break_elements(&mut self, position: [&[f64]; 3]) -> (usize, ElementEnergy) {
         let position = position.map(|axis| &axis[self.nodes.clone()]);
         let mut total = (0, ElementEnergy::default());
         for chunk in self.chunks.iter_mut().filter(|chunk| chunk.past) {

@@ -192,7 +192,8 @@ pub(super) fn scope(run: Run) -> Scope<'static> {
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "run.time, run.displacement, run.velocity, run.acceleration, …",
-        gives: "the channels as signals, SI; `acceleration` is the filtered one, `acceleration_raw` the one before",
+        gives: "the channels as signals, SI; `acceleration` is the filtered one, `acceleration_raw` the one before; \
+                of a rectangle `frame_force_x` and `frame_force_y`, the mean pull on its held sides across an axis",
         example: "run.acceleration.len() == run.acceleration_raw.len() && run.displacement.min() < 0",
     },
     Entry {

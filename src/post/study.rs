@@ -15,8 +15,8 @@ use crate::experiment::coupon::Curve;
 use crate::material::Law;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
-use crate::script::{Answer, Entry, Session, from_json, refuse, to_json, went_wrong};
-use crate::simulate::{self, Manner, RunError};
+use crate::script::{Answer, Entry, Options, Session, from_json, number, refuse, to_json, went_wrong};
+use crate::simulate::{self, Across, Manner, RunError};
 
 /// A checked scenario in a script. Cheap to clone.
 #[derive(Clone)]
@@ -105,6 +105,20 @@ impl Study {
         Curve::new(strains, stresses).map_err(refuse)
     }
 
+    /// The film pulled to `strains` as a single element.
+    fn pull(&self, strains: Vec<f64>, options: &Map) -> Answer<Curve> {
+        let options = Options { of: "pull", map: options };
+        options.check(&["across"])?;
+        let across = match options.map.get("across").map(Dynamic::to_string).as_deref() {
+            None | Some("held") => Across::Held,
+            Some("free") => Across::Free,
+            Some(other) => return Err(refuse(format!("across is \"held\" or \"free\", not \"{other}\""))),
+        };
+        let failed = |error| refuse(format!("{}: {error}", self.0.model.name));
+        let stresses = simulate::pull(&self.0.model, &strains, across).map_err(failed)?;
+        Curve::new(strains, stresses).map_err(refuse)
+    }
+
     fn comparison(&self) -> Answer<&super::Comparison> {
         let comparison = self.0.plan.comparison();
         comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
@@ -136,6 +150,10 @@ fn simulate_all(context: NativeCallContext, scenarios: Array) -> Answer<Array> {
     let studies = scenarios.into_iter().map(study).collect::<Answer<Vec<_>>>()?;
     let runs = studies.par_iter().map(|study| study.simulate(&session));
     runs.map(|run| run.map(Dynamic::from)).collect()
+}
+
+fn strains(list: &[Dynamic]) -> Answer<Vec<f64>> {
+    list.iter().map(|strain| number(strain, "a strain")).collect()
 }
 
 fn assignment(key: &str, value: &Dynamic) -> Answer<Assignment> {
@@ -170,6 +188,10 @@ pub fn register(engine: &mut Engine, changes: Vec<Assignment>) {
         })
         .register_fn("simulate", |context: NativeCallContext, study: &mut Study| study.simulate(&Session::of(&context)))
         .register_fn("simulate_all", simulate_all)
+        .register_fn("pull", |study: &mut Study, strains: Array| study.pull(self::strains(&strains)?, &Map::new()))
+        .register_fn("pull", |study: &mut Study, strains: Array, more: Map| study.pull(self::strains(&strains)?, &more))
+        .register_fn("pull", |study: &mut Study, at: Curve| study.pull(at.strain().to_vec(), &Map::new()))
+        .register_fn("pull", |study: &mut Study, at: Curve, more: Map| study.pull(at.strain().to_vec(), &more))
         .register_get("reference", Study::reference)
         .register_get("window", Study::window)
         .register_fn("curve", |study: &mut Study, name: &str| study.curve(name, None))
@@ -217,6 +239,12 @@ pub const ENTRIES: &[Entry] = &[
         gives: "the run: everything that a post script finds as `run`; within an objective it ends with the window of the \
                 reference and what the channel filter needs behind it, so that rebound and energy absorption are missing",
         example: "scenario(args.scenario).simulate().summary.elements > 0",
+    },
+    Entry {
+        call: "scenario.pull(strains), scenario.pull(curve), scenario.pull(strains, #{ across: \"held\" | \"free\" })",
+        gives: "the curve of stress (Pa) of a single element of its film, pulled as `[loading.stretch]` says from equilibrium to equilibrium, at \
+                increasing strains or at those of a curve, in microseconds; between jaws the width is held, of a long strip it is free",
+        example: r#"let t = scenario("scenarios/stretch/single-element.toml"); (t.pull([0, 0.26, 0.84]).at(0.84) / 20e6 - 1).abs() < 1e-9"#,
     },
     Entry {
         call: "simulate_all([scenario, …])",

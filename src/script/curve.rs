@@ -6,7 +6,7 @@ use super::{Answer, Entry, number, refuse};
 use crate::experiment::coupon::average::{
     AverageError, Spread, mean_curve, mean_law, mean_of_means, relative_difference,
 };
-use crate::experiment::coupon::{BREAK_SHARE, Curve, Ending, WINDOW, YieldPoints, yield_points};
+use crate::experiment::coupon::{BREAK_SHARE, Curve, Ending, WINDOW, YieldPoints, relative_residuals, yield_points};
 
 /// Offers the type `curve`, its functions and means to scripts.
 pub(super) fn register(engine: &mut Engine) {
@@ -34,6 +34,10 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("mean_curve", |curves: Array| mean(&curves, mean_curve))
         .register_fn("mean_law", |curves: Array| mean(&curves, mean_law))
         .register_fn("mean_of_means", |groups: Array| mean_of_groups(&groups))
+        .register_fn("relative_residuals", |curve: Curve, reference: Curve| {
+            let residuals = relative_residuals(&curve, &reference).map_err(refuse)?;
+            Ok::<_, Box<EvalAltResult>>(list(&residuals))
+        })
         .register_fn("relative_difference", |measured: Dynamic, reference: Dynamic| {
             let reference = number(&reference, "the reference")?;
             Ok::<_, Box<EvalAltResult>>(relative_difference(number(&measured, "a figure")?, reference))
@@ -187,6 +191,12 @@ pub const ENTRIES: &[Entry] = &[
         call: "curve.yield_points(), curve.yield_points([from, to])",
         gives: "a map: first and second [strain, stress], slopes, residual, of three straight pieces beyond the elastic window",
         example: "let e = []; let s = []; for i in 0..141 { let x = i * 0.01; e.push(x); s.push(32 * min(x, 0.26) + 20 * min(max(x - 0.26, 0.0), 0.58) + 10 * max(x - 0.84, 0.0)); } let y = curve(e, s).yield_points(); (y.first[0] - 0.26).abs() < 1e-6 && (y.second[0] - 0.84).abs() < 1e-6",
+    },
+    Entry {
+        call: "relative_residuals(curve, reference)",
+        gives: "a list, for `minimize`: the differences at the samples of the reference curve, weighted by the strain that each stands for; \
+                their norm is the relative error over strain",
+        example: "let r = curve([0, 1], [0, 5e6]); let d = relative_residuals(curve([0, 2], [0, 11e6]), r); d.len() == 2 && (d[1] - 0.1).abs() < 1e-12",
     },
     Entry {
         call: "mean_law([curve, …])",

@@ -11,6 +11,7 @@ mod impact;
 mod indent;
 mod pressure;
 mod probe;
+mod pull;
 mod rates;
 mod rows;
 mod slow;
@@ -31,6 +32,7 @@ use crate::signal::Recording;
 pub use cancellation::Cancellation;
 pub use checkpoint::{Checkpoint, Checkpoints, Saved};
 use probe::Probe;
+pub use pull::{Across, PullError, pull};
 
 /// What came out of a run.
 #[derive(Clone, Debug)]

@@ -9,6 +9,7 @@ mod machine;
 mod modulus;
 mod recording;
 mod reduction;
+mod residuals;
 mod rupture;
 pub mod shear;
 mod yield_points;
@@ -23,6 +24,7 @@ pub use machine::{Machine, MachineError, Pull};
 pub use modulus::{FEWEST_SAMPLES, Modulus, ModulusError, WINDOW};
 pub use recording::{Reading, Recorded, RecordingError, RecordingFault};
 pub use reduction::{Along, AtSpeed, Direction, DirectionError, Reduction, ReductionError, Rules, Sample, SampleError};
+pub use residuals::{ResidualError, relative_residuals};
 pub use rupture::{BREAK_SHARE, Ending, Rupture, RuptureError};
 pub use yield_points::{YieldError, YieldPoints, yield_points};
 

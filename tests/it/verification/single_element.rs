@@ -1,8 +1,9 @@
 //! One element between two jaws follows the curve that was put in, at every speed.
 
 use std::f64::consts::FRAC_PI_2;
+use std::time::Instant;
 
-use droptower::simulate::Outcome;
+use droptower::simulate::{self, Across, Outcome};
 
 use super::claims::Claims;
 use super::tower::{channel, run, shipped};
@@ -75,4 +76,74 @@ fn at_45_degrees_it_pulls_as_the_closed_form() {
         claims.at_most(&what("energy balance error"), outcome.energy_balance_error, 1e-3);
     }
     claims.judge();
+}
+
+/// An elastic film in place of the shipped fabric.
+const ELASTIC: &str =
+    "specimen.material={ density = 915, thickness = 12e-6, elastic = { young = 50e6, poisson = 0.44 } }";
+
+/// From equilibrium to equilibrium it has the stress of the run, which has inertia and a time step, at a small part of its cost.
+#[test]
+fn pulled_without_inertia_it_follows_the_run() {
+    let mut claims = Claims::of("single element, pulled");
+    for (name, changes, to) in [
+        ("md-0.02", &[][..], 1.39),
+        ("td-0.02", &[], 7.01),
+        ("45deg-0.02", &[], 0.4),
+        ("45deg-0.02", &[r#"specimen.mesh.element="tri3""#], 0.4),
+        ("md-0.02", &[ELASTIC], 1.0),
+        ("md-0.02", &[ELASTIC, r#"specimen.mesh.element="quad4-full""#], 1.0),
+    ] {
+        let model = shipped(&format!("stretch/{name}.toml"), changes);
+        let outcome = run(&model);
+        let [strains, stress] = ["strain", "stress_Pa"].map(|name| channel(&outcome.signals, name));
+        let before = Instant::now();
+        let pulled = simulate::pull(&model, strains, Across::Held).expect("a pull");
+        let share = before.elapsed().as_secs_f64() / outcome.wall.as_secs_f64();
+        let samples = strains.iter().zip(stress.iter().zip(&pulled)).filter(|(e, _)| (0.005..=to - 0.01).contains(*e));
+        let apart = samples.map(|(_, (run, pulled))| (run / pulled - 1.0).abs()).fold(0.0, f64::max);
+        let what = format!("{name} {}", changes.join(" "));
+        claims.at_most(&format!("{what}, stress of the run off the pull"), apart, 1e-3);
+        claims.at_most(&format!("{what}, time of the pull over the run's"), share, 0.2);
+    }
+    claims.judge();
+}
+
+/// St. Venant–Kirchhoff in plane stress: P = E* (1+e)(e + e²/2), with E* = E/(1−ν²) where the width is held and E where it is free.
+#[test]
+fn pulled_elastic_film_has_the_closed_form() {
+    let mut claims = Claims::of("single element, elastic");
+    let model = shipped("stretch/single-element.toml", &[ELASTIC]);
+    let strains: Vec<f64> = (0..=60).map(|k| 0.01 * f64::from(k)).collect();
+    for (across, modulus) in [(Across::Held, 50e6 / (1.0 - 0.44 * 0.44)), (Across::Free, 50e6)] {
+        let pulled = simulate::pull(&model, &strains, across).expect("a pull");
+        let exact = strains.iter().map(|e| modulus * (1.0 + e) * (e + 0.5 * e * e));
+        let apart = exact.zip(&pulled).map(|(exact, found)| (exact - found).abs()).fold(0.0, f64::max);
+        claims.at_most(&format!("width {across:?}, stress off over E"), apart / modulus, 1e-8);
+    }
+    claims.judge();
+}
+
+#[test]
+fn pulled_film_remembers_and_breaks() {
+    let model = shipped("stretch/single-element.toml", &["specimen.material.fabric.absorption=0.5"]);
+    let pulled = simulate::pull(&model, &[0.26, 0.13, 0.26, 1.38, 1.40, 1.41], Across::Held).expect("a pull");
+    let [up, down, again, most, _, broken] = pulled[..] else { panic!("{pulled:?}") };
+    assert!((up / 8.4e6 - 1.0).abs() < 1e-9 && (again / up - 1.0).abs() < 1e-9);
+    // Without loss it would be half of it.
+    assert!(down < 0.45 * up, "{down}");
+    assert!(most > 29e6 && broken == 0.0, "{most}, {broken}");
+    let free = simulate::pull(&model, &[0.13, 0.26], Across::Free).expect("a pull");
+    assert!((free[1] / 8.4e6 - 1.0).abs() < 1e-9, "no fibre narrows fabric: {free:?}");
+}
+
+#[test]
+fn what_cannot_be_pulled_is_told() {
+    let told = |model: &str, strain: f64| {
+        let failed = simulate::pull(&shipped(model, &[]), &[strain], Across::Free);
+        failed.expect_err("a mistake").to_string()
+    };
+    assert!(told("drop/1008.toml", 0.1).starts_with("only a scenario with `[loading.stretch]` can be pulled"));
+    assert_eq!(told("stretch/single-element.toml", -1.0), "no film has the engineering strain -1");
+    assert_eq!(told("stretch/single-element.toml", f64::NAN), "no film has the engineering strain NaN");
 }
