@@ -14,7 +14,7 @@ fn small() -> Model {
     shipped("drop/1008.toml", &["specimen.mesh.size=20mm"])
 }
 
-fn after(model: &Model, team: Team, steps: usize) -> Vec<u64> {
+pub fn after(model: &Model, team: Team, steps: usize) -> Vec<u64> {
     let mut engine: Engine = simulate::engine(model).expect("an engine").worked_on_by(team);
     for _ in 0..steps {
         engine.step(&mut Blind).expect("a step");
@@ -84,7 +84,7 @@ fn forces<const L: usize>(mesh: &Mesh, model: &Model, width: Width) -> Vec<[u64;
         position.extend(
             mesh.nodes.iter().map(|p| [p.x * (1.0 + 0.3 * share), p.y * (1.0 + 0.2 * share * p.x), share * p.x * p.y]),
         );
-        patch.add_forces(width, &position, &mut force);
+        patch.add_forces(width, &position, 1e-4, &mut force);
     }
     force.iter().map(|f| f.map(f64::to_bits)).collect()
 }
