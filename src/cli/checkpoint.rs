@@ -19,7 +19,7 @@ use crate::units::Time;
 /// `simulate::Checkpoint` or anything in them (the engine's `State`, the probe's `Record`) gains, loses or moves a field or
 /// gives it another type or meaning: the file holds bare numbers, which another layout would misread, and builds of one
 /// version may differ.
-const MAGIC: &[u8; 24] = b"droptower checkpoint 02\n";
+const MAGIC: &[u8; 24] = b"droptower checkpoint 03\n";
 
 /// What is wrong with a checkpoint of another layout.
 const LAID_OUT: &str = "no checkpoint of this build of droptower";

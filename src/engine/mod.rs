@@ -303,7 +303,7 @@ impl Engine {
 
     /// Work of the jaws against the film's forces; these act over the halves of the steps on both sides.
     fn pull(&mut self, dt: f64, kick: f64) {
-        let power = |jaw: &Jaw| -self.nodes.pull(&jaw.nodes) * jaw.velocity;
+        let power = |jaw: &Jaw| -self.nodes.pull(&jaw.nodes, 0) * jaw.velocity;
         let power = self.drive.multiplicity * self.drive.jaws.iter().map(power).sum::<f64>();
         self.gone.external -= power * kick;
         self.gone.external_ahead = -0.5 * power * dt;
@@ -374,7 +374,7 @@ impl Engine {
 
     /// Mean pull of the film on the jaws along x, N, on the computed part of the film.
     fn jaw_force(&self) -> f64 {
-        let pull = |jaw: &Jaw| -jaw.velocity.signum() * self.nodes.pull(&jaw.nodes);
+        let pull = |jaw: &Jaw| -jaw.velocity.signum() * self.nodes.pull(&jaw.nodes, 0);
         let count = self.drive.jaws.len().max(1) as f64;
         self.drive.jaws.iter().map(pull).sum::<f64>() / count
     }

@@ -198,9 +198,9 @@ impl Nodes {
         vectors + bytes(mass) + bytes(inverse_mass) + bytes(constrained)
     }
 
-    /// Sum of the forces along x on some nodes, N.
-    pub fn pull(&self, nodes: &[u32]) -> f64 {
-        nodes.iter().map(|n| self.force.at(*n as usize)[0]).sum()
+    /// Sum of the forces along an axis on some nodes, N.
+    pub fn pull(&self, nodes: &[u32], axis: usize) -> f64 {
+        nodes.iter().map(|n| self.force.at(*n as usize)[axis]).sum()
     }
 
     /// Holds some nodes along the marked axes: they keep the velocity they have.

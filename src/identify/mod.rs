@@ -5,27 +5,40 @@
 
 mod bounds;
 mod cma_es;
+mod confidence;
 mod crew;
 mod history;
+mod identifiability;
 mod levenberg_marquardt;
 mod nelder_mead;
+mod noise;
 mod objective;
 mod options;
+mod profile;
 mod progress;
 mod script;
 mod search;
 mod starts;
+mod tangent;
+mod trust;
 
 use crate::script::Chapter;
 pub use bounds::{Bounds, BoundsError};
+pub use confidence::{Confidence, Question};
 pub use crew::{Crew, CrewError};
 pub use history::{History, HistoryError, Identity, Logged};
 pub use nelder_mead::{Limits, Simplex, Step, Values};
+pub use noise::{Colour, Noise};
 pub use objective::{Answer, Evaluation, Objective};
 pub use options::{Method, OnFailure, OnRupture, OptionsError, Search, Starts};
+pub use profile::{Point, Profile, profiles};
 pub use progress::Progress;
 pub use script::{Heard, Laboratory, register};
 pub use search::{Best, Ended, Iteration, SearchError, minimise};
+pub use tangent::{Tangent, TangentError};
 
 /// The reference of searches.
-pub const REFERENCE: &[Chapter] = &[Chapter { title: "searches (droptower script)", entries: script::ENTRIES }];
+pub const REFERENCE: &[Chapter] = &[
+    Chapter { title: "searches (droptower script)", entries: script::ENTRIES },
+    Chapter { title: "trust in what a search found (droptower script)", entries: trust::ENTRIES },
+];

@@ -1,6 +1,7 @@
 //! Searches in scripts: `minimize(method, start, options, |x| …)`.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -8,18 +9,19 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, GlobalRuntimeState, INT, Map, NativeCallContext};
 
 use super::bounds::Bounds;
-use super::crew::Crew;
+use super::crew::{Crew, CrewError};
 use super::history::{History, Identity};
 use super::objective::{Answer, Evaluation, Objective};
 use super::options::{Method, OnFailure, OnRupture, Search, Starts};
 use super::progress::{Progress, Watch};
-use super::search::{self, Best, Ended, Iteration, SearchError};
+use super::search::{self, Best, Ended, Iteration};
+use super::trust;
 use crate::diagnostic::closest;
 use crate::script::{Entry, STACK, Session, number, refuse, window};
 use crate::signal::Series;
 use crate::signal::norm;
 
-type Reply<T> = Result<T, Box<EvalAltResult>>;
+pub(super) type Reply<T> = Result<T, Box<EvalAltResult>>;
 
 /// Steps of the interpreter that one trial may take; a search bounds the number of its trials.
 const OPERATIONS: u64 = 1_000_000;
@@ -61,18 +63,35 @@ impl Laboratory {
     }
 
     fn minimise(&self, context: &NativeCallContext, search: &Search, call: &FnPtr) -> Reply<Best> {
+        let mut watch = Watch::new(search);
+        let mut listener = |iteration: &Iteration| (self.listener)(Heard::Progress(&watch.look(iteration)));
+        self.at_work(context, search, call, |crew| search::minimise(search, crew, &mut listener))
+    }
+
+    /// Does `job` with a crew for the trials of `call`, which are written down like those of a search.
+    pub(super) fn at_work<T: Send, E: From<CrewError> + Display + Send>(
+        &self,
+        context: &NativeCallContext,
+        search: &Search,
+        call: &FnPtr,
+        job: impl FnOnce(&Crew<'_>) -> Result<T, E> + Send,
+    ) -> Reply<T> {
         let session = Session::of(context);
         if session.is_trial() {
-            return Err(refuse("an objective cannot search: `minimize` is called within one"));
+            let name = context.fn_name();
+            return Err(refuse(format!("an objective cannot search: `{name}` is called within one")));
         }
         search.check().map_err(refuse)?;
         let mut history = self.history(session.inputs())?;
         let objective = Closure::new(context, session, search.on_rupture, call);
         let crew = Crew::new(&objective, search.on_failure, rayon::current_num_threads(), history.as_mut());
-        let mut watch = Watch::new(search);
-        let mut listener = |iteration: &Iteration| (self.listener)(Heard::Progress(&watch.look(iteration)));
-        let found = crew.at_work(STACK, |crew| search::minimise(search, crew, &mut listener));
-        found.map_err(SearchError::from).flatten().map_err(|error| objective.mistake().unwrap_or_else(|| refuse(error)))
+        let found = crew.at_work(STACK, job);
+        found.map_err(E::from).flatten().map_err(|error| objective.mistake().unwrap_or_else(|| refuse(error)))
+    }
+
+    /// Tells the user something.
+    pub(super) fn note(&self, note: &str) {
+        (self.listener)(Heard::Note(note));
     }
 
     /// The history of the next search.
@@ -213,7 +232,7 @@ fn answer(found: &Dynamic) -> Reply<Answer> {
 }
 
 /// Options as a script writes them.
-const OPTIONS: [&str; 13] = [
+pub(super) const OPTIONS: [&str; 13] = [
     "tol_x",
     "tol_f",
     "max_iterations",
@@ -230,7 +249,7 @@ const OPTIONS: [&str; 13] = [
 ];
 
 /// A search as it is written, and the names of its unknowns.
-fn written(method: &str, start: &Array, options: &Map) -> Reply<(Search, Vec<String>)> {
+pub(super) fn written(method: &str, start: &Array, options: &Map) -> Reply<(Search, Vec<String>)> {
     let method = word("method", method, &Method::NAMES)?;
     let mut search = Search::new(method, numbers(start, "start")?);
     let unknowns = search.start.len();
@@ -275,12 +294,16 @@ const ON_FAILURE: [(&str, OnFailure); 3] =
     [("worst", OnFailure::Worst), ("retry", OnFailure::Retry), ("stop", OnFailure::Stop)];
 const ON_RUPTURE: [(&str, OnRupture); 2] = [("fail", OnRupture::Fail), ("keep", OnRupture::Keep)];
 
-fn word<T: Copy>(what: &str, text: &str, known: &[(&'static str, T)]) -> Reply<T> {
+pub(super) fn word<T: Copy>(what: &str, text: &str, known: &[(&'static str, T)]) -> Reply<T> {
     let found = known.iter().find(|(name, _)| *name == text).map(|(_, value)| *value);
     found.ok_or_else(|| unknown(what, text, known.iter().map(|(name, _)| *name)))
 }
 
-fn unknown<'k>(what: &str, text: &str, known: impl IntoIterator<Item = &'k str> + Clone) -> Box<EvalAltResult> {
+pub(super) fn unknown<'k>(
+    what: &str,
+    text: &str,
+    known: impl IntoIterator<Item = &'k str> + Clone,
+) -> Box<EvalAltResult> {
     let hint = match closest(text, known.clone()) {
         Some(close) => format!("did you mean `{close}`?"),
         None => format!("there are {}", known.into_iter().collect::<Vec<_>>().join(", ")),
@@ -288,7 +311,7 @@ fn unknown<'k>(what: &str, text: &str, known: impl IntoIterator<Item = &'k str> 
     refuse(format!("unknown {what} `{text}` ({hint})"))
 }
 
-fn whole(value: &Dynamic, option: &str) -> Reply<INT> {
+pub(super) fn whole(value: &Dynamic, option: &str) -> Reply<INT> {
     value.as_int().map_err(|found| refuse(format!("`{option}` is a whole number, not {found}")))
 }
 
@@ -370,8 +393,9 @@ fn integer(count: usize) -> Dynamic {
     INT::try_from(count).unwrap_or(INT::MAX).into()
 }
 
-/// Offers `minimize` and `relative_residuals` to scripts.
+/// Offers `minimize`, `confidence`, `profiles` and `relative_residuals` to scripts.
 pub fn register(engine: &mut Engine, laboratory: &Laboratory) {
+    trust::register(engine, laboratory);
     let minimise = |laboratory: &Laboratory,
                     context: &NativeCallContext,
                     method: &str,

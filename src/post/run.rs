@@ -12,7 +12,7 @@ use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
 
 /// Short names of channels: what a script writes, and the column it means.
-const CHANNELS: [(&str, &str); 17] = [
+const CHANNELS: [(&str, &str); 19] = [
     ("displacement", "displacement_m"),
     ("velocity", "velocity_m_s"),
     ("acceleration", "acceleration_filtered_m_s2"),
@@ -24,6 +24,8 @@ const CHANNELS: [(&str, &str); 17] = [
     ("total_energy", "total_energy_J"),
     ("max_strain_md", "max_strain_md"),
     ("max_strain_td", "max_strain_td"),
+    ("frame_force_x", "frame_force_x_N"),
+    ("frame_force_y", "frame_force_y_N"),
     ("force", "force_N"),
     ("strain", "strain"),
     ("stress", "stress_Pa"),

@@ -77,7 +77,7 @@ fn plots(run: &RunPage) -> Result<String, PlotError> {
         Measures::Inflation(_) => inflation_plots(signals),
     };
     let histogram = &run.results.measures.audit().strain_rates;
-    let mut figures = own.iter().map(Plot::draw).collect::<Result<Vec<_>, _>>()?;
+    let mut figures = own.iter().chain(&frame_plot(signals)).map(Plot::draw).collect::<Result<Vec<_>, _>>()?;
     figures.push(audit(&run.outcome.energies)?);
     figures.push(plot::rates("Strain rates while loading", histogram)?);
     Ok(format!("<div class=\"plots\">\n{}</div>\n", figures.concat()))
@@ -137,6 +137,13 @@ fn inflation_plots(signals: &Recording) -> Vec<Plot> {
         against(signals, "Pressure and deflection", [deflection, pressure]),
         time_plot("Deflection of the highest point", "deflection (mm)", [over_time]),
     ]
+}
+
+/// The pull on the frame, where sides of a rectangle are held.
+fn frame_plot(signals: &Recording) -> Option<Plot> {
+    let pull = |name: &str, column: &str| Some(over_time(name, &signals.series(column)?, 1.0));
+    let curves = [pull("along x", "frame_force_x_N"), pull("along y", "frame_force_y_N")];
+    curves.iter().any(Option::is_some).then(|| time_plot("Pull of the film on the frame", "force (N)", curves))
 }
 
 /// One axis of a plot: what it says, and the column that it shows times a factor.

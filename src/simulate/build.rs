@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
+use super::frame_force::HeldSides;
 use super::stretch::Coupon;
 use super::{Film as FilmTopology, RunError, indent, slow, stretch};
 use crate::engine::{Contact, Drive, Engine, Film, Impact, Inflation, Nodes, RigidBody, Surface, Team};
@@ -21,6 +22,7 @@ pub(super) struct Mounting {
     pub(super) start: f64,
     pub(super) mass_scaling: Option<f64>,
     pub(super) coupon: Coupon,
+    pub(super) held: HeldSides,
 }
 
 /// Elements for which another thread is worth its part of waiting.
@@ -52,12 +54,14 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     let (damping, step_factor) = (slow::damping(model), model.solver.step_factor);
     let mut drive = Drive { multiplicity, damping, step_factor, ..Drive::default() };
     let coupon = Coupon::of(model);
+    let mut held = HeldSides::of(model);
     let scaled = (!matches!(model.loading, Loading::Impact { .. })).then_some(mass_scaling);
     for face in &model.faces {
         let mesh = mesh::build(&model.specimen, face)?;
         let first = nodes.position.len();
         films.push(Film::mount(&mesh, face, mass_scaling, &mut nodes)?);
         mirror(&mut nodes, &mesh, first);
+        held.mount(&mesh, first);
         match model.loading {
             Loading::Stretch { velocity, .. } => {
                 drive.jaws.extend(stretch::grip(&mut nodes, &mesh, first, velocity, coupon.gauge));
@@ -68,7 +72,7 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
         }
         topologies.push(topology(&mesh, model.specimen.symmetry));
     }
-    let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: scaled, coupon };
+    let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: scaled, coupon, held };
     let mut impact = None;
     match model.loading {
         Loading::Impact { velocity, gravity, .. } => {

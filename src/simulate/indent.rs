@@ -17,7 +17,7 @@ const STRIDE: f64 = 1e-3;
 /// from the film between two samples, over that time.
 pub(super) fn signals(tracks: &Tracks, velocity: f64) -> Recording {
     let row = |k: usize| [velocity * k as f64 * tracks.sample, tracks.contact_force(k)];
-    let rows: Vec<_> = (0..tracks.whole()).map(row).collect();
+    let rows: Vec<_> = (0..tracks.whole().min(tracks.strains.rows.len())).map(row).collect();
     tracks.table(&["depth_m", "force_N"], &rows)
 }
 

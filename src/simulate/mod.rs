@@ -3,6 +3,7 @@
 mod build;
 mod checkpoint;
 mod energy_check;
+mod frame_force;
 mod frames;
 mod grid;
 mod impact;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::build::Mounting;
 use super::energy_check::EnergyCheck;
+use super::frame_force::HeldSides;
 use super::pressure::Rise;
 use super::rates::RateAudit;
 use super::tracks::Tracks;
@@ -35,6 +36,7 @@ pub(super) struct Probe<'a> {
     frames: usize,
     frame: f64,
     audit: f64,
+    held: HeldSides,
     /// What to do about a slow test that is too fast.
     remedy: String,
     /// Strains of all elements, as last looked at.
@@ -91,6 +93,7 @@ impl<'a> Probe<'a> {
             duration,
             frames,
             frame: duration / frames.saturating_sub(1).max(1) as f64,
+            held: mounting.held.clone(),
             remedy: slow::remedy(model, mounting.mass_scaling),
             audit: (duration / AUDITS).max(sample),
             faces: vec![],
@@ -171,6 +174,9 @@ impl<'a> Probe<'a> {
         let intact = || faces.iter().flatten().filter(|s| s.volume > 0.0);
         let largest = |fibre: usize| intact().map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
         self.record.tracks.strains.push(view.time, [largest(0), largest(1)]);
+        if self.held.are_there() {
+            self.record.tracks.frame.push(view.time, self.held.pull(view.nodes));
+        }
         if matches!(self.model.loading, Loading::Pressure { .. }) {
             self.record.tracks.rise.push(view.time, [self.record.rise.largest(view)]);
         }
@@ -235,17 +241,18 @@ impl<'a> Probe<'a> {
     }
 
     fn signals(&self, mounting: &Mounting) -> Recording {
-        match self.model.loading {
+        let tracks = &self.record.tracks;
+        let mut signals = match self.model.loading {
             Loading::Impact { gravity, .. } => {
                 let mass = self.model.impactor.as_ref().map_or(0.0, |i| i.mass);
-                impact::signals(&self.record.tracks, mounting, mass, gravity)
+                impact::signals(tracks, mounting, mass, gravity)
             }
-            Loading::Stretch { velocity, .. } => stretch::signals(&self.record.tracks, mounting, velocity),
-            Loading::Indent { velocity, .. } => indent::signals(&self.record.tracks, velocity),
-            Loading::Pressure { pressure, ramp, .. } => {
-                pressure::signals(&self.record.tracks, &Inflation { pressure, ramp })
-            }
-        }
+            Loading::Stretch { velocity, .. } => stretch::signals(tracks, mounting, velocity),
+            Loading::Indent { velocity, .. } => indent::signals(tracks, velocity),
+            Loading::Pressure { pressure, ramp, .. } => pressure::signals(tracks, &Inflation { pressure, ramp }),
+        };
+        self.held.add_columns(&tracks.frame.rows, &mut signals);
+        signals
     }
 }
 

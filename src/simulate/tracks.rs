@@ -19,6 +19,8 @@ pub(super) struct Tracks {
     pub(super) at_half_steps: Grid<2>,
     /// Largest MD and TD strain.
     pub(super) strains: Grid<2>,
+    /// Pull on the frame along x and y, N; only where a frame holds sides.
+    pub(super) frame: Grid<2>,
     /// Rise of the node that rose most, m; only under pressure.
     pub(super) rise: Grid<1>,
     /// Height of the impactor when it first got momentum, m.
@@ -39,6 +41,7 @@ impl Tracks {
             at_steps: Grid::new(0.0, sample),
             at_half_steps,
             strains: Grid::new(0.0, sample),
+            frame: Grid::new(0.0, sample),
             rise: Grid::new(0.0, sample),
             first_contact: None,
         }

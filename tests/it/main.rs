@@ -2,12 +2,14 @@
 
 mod architecture;
 mod commands;
+mod conversions;
 mod coupons;
 mod diagnostics;
 mod language;
 mod golden;
 mod identification;
 mod mesh;
+mod paper_study;
 mod recordings;
 mod resume;
 mod runs;

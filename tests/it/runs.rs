@@ -59,7 +59,8 @@ fn a_run_leaves_its_folder() {
         signals.lines().next(),
         Some(
             "time_s,displacement_m,velocity_m_s,acceleration_m_s2,acceleration_filtered_m_s2,contact_force_N,\
-             kinetic_energy_J,potential_energy_J,absorbed_energy_J,total_energy_J,max_strain_md,max_strain_td"
+             kinetic_energy_J,potential_energy_J,absorbed_energy_J,total_energy_J,max_strain_md,max_strain_td,\
+             frame_force_x_N,frame_force_y_N"
         )
     );
     let summary = json(&folder.join("summary.json"));

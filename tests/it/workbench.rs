@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use droptower::units::Unit;
 use serde_json::Value as Json;
 
 /// The repository.
@@ -41,6 +42,16 @@ pub fn printed(output: &Output) -> String {
 /// The figures that it prints where it succeeds.
 pub fn figures(output: &Output) -> Json {
     serde_json::from_str(&printed(output)).expect("JSON")
+}
+
+/// The unit with this symbol.
+pub fn unit(symbol: &str) -> Unit {
+    Unit::parse(symbol).expect("a unit")
+}
+
+/// Asserts that a number is another one but for a share of it.
+pub fn close(found: f64, expected: f64, relative: f64) {
+    assert!((found - expected).abs() <= relative * expected.abs(), "{found} instead of {expected}");
 }
 
 /// Shocks in a drop tower at 1 MHz (Dodson, Hong and Beliveau 2019, data set 1), up to tens of thousands of g and full of ringing, in

@@ -24,10 +24,11 @@ pub enum RecordingError {
 }
 
 /// Diagrams and the channels of `signals.csv` that they show where a run has them.
-const PLOTS: [(&str, &[&str]); 6] = [
+const PLOTS: [(&str, &[&str]); 7] = [
     ("Acceleration, m/s²", &["acceleration_m_s2", "acceleration_filtered_m_s2"]),
     ("Displacement, m", &["displacement_m", "depth_m", "deflection_m"]),
     ("Force, N", &["contact_force_N", "force_N"]),
+    ("Pull on the frame, N", &["frame_force_x_N", "frame_force_y_N"]),
     ("Stress, Pa", &["stress_Pa"]),
     ("Pressure, Pa", &["pressure_Pa"]),
     ("Strain", &["strain", "max_strain_md", "max_strain_td"]),

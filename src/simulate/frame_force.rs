@@ -1,0 +1,83 @@
+//! What the film pulls on the frame that holds it (theory.md, equation 160).
+
+use crate::engine::Nodes;
+use crate::mesh::Mesh;
+use crate::model::{Hold, Loading, Model, Shape, Side};
+use crate::signal::{Channel, Recording};
+
+/// Columns of the pull along x and y.
+const NAMES: [&str; 2] = ["frame_force_x_N", "frame_force_y_N"];
+
+/// The sides of a rectangle that its frame holds, with their nodes on all faces. Other outlines have no sides, and between
+/// jaws the pull is a signal of its own.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HeldSides {
+    sides: Vec<HeldSide>,
+    /// Whether x = 0 and y = 0 are mirror planes.
+    mirrored: [bool; 2],
+}
+
+#[derive(Clone, Debug)]
+struct HeldSide {
+    side: Side,
+    /// Counted among all nodes; none where a mirror plane stands in place of the side.
+    nodes: Vec<u32>,
+}
+
+impl HeldSides {
+    /// The held sides of `model`, before any face is mounted.
+    pub(super) fn of(model: &Model) -> HeldSides {
+        let is_rectangle = matches!(model.specimen.shape, Shape::Rectangle { .. });
+        let sides = match &model.frame.hold {
+            _ if !is_rectangle || matches!(model.loading, Loading::Stretch { .. }) => vec![],
+            Hold::All => vec![Side::XMinus, Side::XPlus, Side::YMinus, Side::YPlus],
+            Hold::Sides(sides) => sides.clone(),
+            Hold::None => vec![],
+        };
+        let sides = sides.into_iter().map(|side| HeldSide { side, nodes: vec![] }).collect();
+        HeldSides { sides, mirrored: model.specimen.symmetry.mirrors() }
+    }
+
+    /// Adds the nodes of a face. `first` is the first of all nodes that belongs to `mesh`.
+    pub(super) fn mount(&mut self, mesh: &Mesh, first: usize) {
+        for held in &mut self.sides {
+            held.nodes.extend(mesh.sides[held.side as usize].iter().map(|n| first as u32 + n));
+        }
+    }
+
+    /// Whether there is anything to be pulled at.
+    pub(super) fn are_there(&self) -> bool {
+        !self.sides.is_empty()
+    }
+
+    /// Mean inward pull of the whole film on the held sides across x and on those across y, N; not a number along an axis
+    /// across which none is held.
+    pub(super) fn pull(&self, nodes: &Nodes) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let sides = || self.across(axis).filter(|held| !held.nodes.is_empty());
+            let copies = if self.mirrored[1 - axis] { 2.0 } else { 1.0 };
+            let inward = |held: &HeldSide| -outward(held.side) * nodes.pull(&held.nodes, axis);
+            copies * sides().map(inward).sum::<f64>() / sides().count() as f64
+        })
+    }
+
+    /// Adds the columns of the axes that have held sides; `rows` are what [`HeldSides::pull`] gave at the samples.
+    pub(super) fn add_columns(&self, rows: &[[f64; 2]], signals: &mut Recording) {
+        for axis in [0, 1].into_iter().filter(|axis| self.across(*axis).next().is_some()) {
+            let values = rows.iter().take(signals.time.len()).map(|row| row[axis]).collect();
+            signals.channels.push(Channel { name: NAMES[axis].into(), values });
+        }
+    }
+
+    fn across(&self, axis: usize) -> impl Iterator<Item = &HeldSide> {
+        self.sides.iter().filter(move |held| held.side as usize / 2 == axis)
+    }
+}
+
+/// The sense of the normal of a side that points out of the film.
+fn outward(side: Side) -> f64 {
+    match side {
+        Side::XMinus | Side::YMinus => -1.0,
+        Side::XPlus | Side::YPlus => 1.0,
+    }
+}

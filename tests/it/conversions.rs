@@ -1,0 +1,339 @@
+//! `signal info`, `filter` and `convert` on recordings: what they print, write and refuse.
+
+use std::f64::consts::PI;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use droptower::signal::filter::{self, Standard};
+use droptower::signal::{Selection, Wanted, file};
+use droptower::units::STANDARD_GRAVITY;
+use serde_json::Value as Json;
+
+use crate::workbench::{self, close, data, figures, printed, unit};
+
+fn droptower(folder: &Path, arguments: &[&str]) -> Output {
+    workbench::droptower(folder, &[&["signal"], arguments].concat())
+}
+
+/// 1000 samples of a half sine of 50 g and 10 ms at 10 kHz, shaken at 3 kHz.
+fn shaken(folder: &Path) -> PathBuf {
+    let sample = |i: usize| {
+        let time = i as f64 * 1e-4;
+        let pulse = if (0.02..0.03).contains(&time) { 50.0 * (100.0 * PI * (time - 0.02)).sin() } else { 0.0 };
+        format!("{time:.4},{},{i}\n", pulse + 5.0 * (2.0 * PI * 3000.0 * time).sin())
+    };
+    let text: String = std::iter::once("time,accel [g],count\n".to_owned()).chain((0..1000).map(sample)).collect();
+    fs::write(folder.join("data.csv"), text).expect("written");
+    folder.join("data.csv")
+}
+
+#[test]
+fn a_filtered_channel_is_written_in_si() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let raw = shaken(bench.path());
+    let measured = fs::read_to_string(&raw).expect("the file");
+    fs::write(&raw, format!("# a virtual recording\n{measured}")).expect("written");
+    let told = |more: &[&str]| {
+        let arguments = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o", "f.csv", "--json"];
+        figures(&droptower(bench.path(), &[&arguments, more].concat()))
+    };
+    // An empty file, as `mktemp` leaves one, is no loss.
+    fs::write(bench.path().join("f.csv"), "").expect("written");
+    let figures = told(&[]);
+    let text = fs::read_to_string(bench.path().join("f.csv")).expect("the output");
+    let (said, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with('#'));
+    let expected = [
+        "# value: accel [g] of data.csv",
+        "# unit of value: m/s2",
+        "# filtered by droptower: CFC 180 (ISO 6487)",
+        "# a virtual recording",
+    ];
+    assert_eq!(said, expected);
+    assert!(rows[0] == "time_s,value" && rows[1].starts_with("0.0,"), "{}", rows[1]);
+    assert_eq!(rows.len(), 1001);
+    let wanted = Wanted { unit: Some(unit("m/s2")), ..Wanted::one(None) };
+    let written = file::read(&bench.path().join("f.csv"), &wanted).expect("readable").channels.remove(0);
+    let accel = file::read(&raw, &Wanted::one(Some("accel"))).expect("readable").channels.remove(0);
+    let expected = filter::channel(&accel.series, 180.0, Standard::Iso6487).expect("filtered");
+    assert_eq!(written.series.values(), expected.values());
+    assert_eq!(figures["largest_after"], Json::from(expected.largest().expect("samples")[1]));
+    assert_eq!(figures["unit"], "m/s2");
+    let sae = told(&["--standard", "sae", "--force"]);
+    assert_ne!(sae["largest_after"], figures["largest_after"]);
+    let finer = told(&["--resample", "20 kHz", "--force"]);
+    assert_eq!(finer["samples"], 1999);
+    let coarser = told(&["--resample", "4 kHz", "--force"]);
+    let warned = |told: &Json| told["notes"].to_string().contains("without an anti-aliasing filter");
+    assert!(warned(&coarser) && !warned(&finer), "{coarser}");
+}
+
+#[test]
+fn a_channel_is_read_whatever_is_wrong_with_the_others() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let place = |name: &str| bench.path().join(name);
+    let head = "Channel code:11HEADCG0000ACXP\nUnit:m/s2\nSampling interval:1e-4\nReference channel:implicit\n\
+                Time of first sample:0\nChannel frequency class:CFC 600\n";
+    fs::write(place("t.001"), format!("{head}1\n2\n")).expect("written");
+    fs::write(place("t.002"), b"Channel code:X\n\0").expect("written");
+    fs::write(place("t.chn"), "Number of channels:1\nName of channel 001:11HEADCG0000ACXP\nstray\n").expect("written");
+    let found = file::read(&place("t.001"), &Wanted::default()).expect("readable");
+    assert_eq!(found.channels[0].series.values(), [1.0, 2.0]);
+    assert_eq!(found.channels[0].filtered, Some(600.0));
+    for expected in ["a channel beside it cannot be read", "the number of samples is not stated"] {
+        assert!(found.notes.iter().any(|note| note.contains(expected)), "{expected}: {:?}", found.notes);
+    }
+    assert!(file::read(&place("t.002"), &Wanted::default()).is_err());
+    assert!(file::read(&place("t.chn"), &Wanted::default()).is_err());
+    fs::write(place("t.002"), head.replace("CFC 600", "odd") + "1\n2\n").expect("written");
+    let found = file::read(&place("t.chn"), &Wanted::default()).expect("readable");
+    assert_eq!(found.channels[1].filtered, None);
+    for expected in ["t.chn: lines without a colon are left out: 1", "class `odd` is not known"] {
+        assert!(found.notes.iter().any(|note| note.contains(expected)), "{expected}: {:?}", found.notes);
+    }
+    let error = file::read(&place("t.chn"), &Wanted::one(Some("11HEADCG0000ACXP"))).expect_err("two of one code");
+    assert!(error.to_string().contains("2 channels are called `11HEADCG0000ACXP`"), "{error}");
+    fs::write(place("t.chn"), "a:b\n".repeat(30_000)).expect("written");
+    let error = file::read(&place("t.chn"), &Wanted::default()).expect_err("no header is so long");
+    assert!(error.to_string().contains("t.chn:20001:1: the header is too long"), "{error}");
+}
+
+#[test]
+fn virtual_recordings_stay_virtual() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let drop = data("virtual/1008.csv");
+    let drop = drop.to_str().expect("UTF-8");
+    let filter = ["filter", drop, "--column", "accelerometer", "--class", "180", "-o", "f.csv"];
+    for call in
+        [&filter[..], &["convert", drop, "-o", "c.csv"], &["convert", "f.csv", "-o", "f.mme", "--unit", "value=m/s2"]]
+    {
+        printed(&droptower(bench.path(), call));
+        let text =
+            fs::read_to_string(bench.path().join(call[call.iter().position(|word| *word == "-o").expect("-o") + 1]));
+        assert!(text.expect("written").contains("VIRTUAL drop test: nothing fell"), "{call:?}");
+    }
+    let filtered = fs::read_to_string(bench.path().join("f.csv")).expect("written");
+    assert_eq!(filtered.lines().find(|line| !line.starts_with('#')), Some("time_s,value"));
+}
+
+#[test]
+fn only_its_own_kind_of_file_is_written_and_none_is_replaced_unasked() {
+    let bench = tempfile::tempdir().expect("a folder");
+    shaken(bench.path());
+    let place = |name: &str| bench.path().join(name);
+    fs::write(place("notes.toml"), "mine\n").expect("written");
+    fs::write(place("notes.csv"), "mine\n").expect("written");
+    let filter = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o"];
+    for (call, expected) in [
+        ([&filter[..], &["notes.toml"]].concat(), "does not end in .csv"),
+        ([&filter[..], &["notes.toml", "--force"]].concat(), "does not end in .csv"),
+        ([&filter[..], &["notes.csv"]].concat(), "notes.csv is there already"),
+        ([&filter[..], &["data.csv", "--force"]].concat(), "data.csv is the input"),
+        ([&filter[..], &["/dev/null"]].concat(), "does not end in .csv"),
+        (vec!["convert", "data.csv", "-o", "notes.csv"], "say --force"),
+    ] {
+        let refused = droptower(bench.path(), &call);
+        assert_eq!(refused.status.code(), Some(2), "{call:?}");
+        let said = String::from_utf8_lossy(&refused.stderr);
+        assert!(said.contains(expected), "{call:?}: {said}");
+    }
+    for name in ["notes.toml", "notes.csv"] {
+        assert_eq!(fs::read_to_string(place(name)).expect("a file"), "mine\n");
+    }
+    printed(&droptower(bench.path(), &[&filter[..], &["notes.csv", "--force"]].concat()));
+    assert!(fs::read_to_string(place("notes.csv")).expect("a file").contains("\ntime_s,value\n"));
+}
+
+#[test]
+fn what_cannot_be_filtered_leaves_nothing_behind() {
+    let bench = tempfile::tempdir().expect("a folder");
+    shaken(bench.path());
+    let file = |name: &str, text: &str| fs::write(bench.path().join(name), text).expect("written");
+    file("gap.csv", "time,a [g]\n0,1\n0.0001,\n0.0002,3\n");
+    file("uneven.csv", "time,a [g]\n0,1\n0.0001,2\n0.0003,3\n");
+    file("wrong.csv", "time,a [g]\n0,1\n0.0001,2x\n");
+    for (arguments, expected) in [
+        (&["filter", "data.csv", "--column", "accel", "--class", "60", "-o", "data.csv"][..], "data.csv is the input"),
+        (
+            &["filter", "data.csv", "--class", "60", "-o", "o.csv"],
+            "one channel is wanted, found 2: `accel [g]`, `count`",
+        ),
+        (&["filter", "data.csv", "--column", "acel", "--class", "60", "-o", "o.csv"], "did you mean `accel`?"),
+        (&["filter", "data.csv", "--column", "accel", "--unit", "N", "--class", "60", "-o", "o.csv"], "mixed units"),
+        (
+            &["filter", "data.csv", "--column", "accel", "--class", "2000", "-o", "o.csv"],
+            "CFC 2000 needs at least 20000",
+        ),
+        (&["filter", "gap.csv", "--class", "60", "-o", "o.csv"], "nothing was measured at 0.0001 s"),
+        (&["filter", "gap.csv", "--class", "60", "--resample", "10 kHz", "-o", "o.csv"], "nothing was measured"),
+        (&["filter", "uneven.csv", "--class", "60", "-o", "o.csv"], "--resample"),
+        (&["filter", "wrong.csv", "--class", "60", "-o", "o.csv"], "3 | 0.0001,2x\n  |        ^"),
+        (&["filter", "none.csv", "--class", "60", "-o", "o.csv"], "none.csv: cannot be read"),
+        (&["filter", "data.csv", "--column", "accel", "--class", "60", "-o", "o.001"], "is the name of ISO-MME"),
+        (&["convert", "data.csv", "-o", "./data.csv"], "data.csv is the input"),
+        (&["convert", "data.csv", "-o", "o.xls"], "o.xls is neither .csv nor .mme"),
+        (&["convert", "data.csv", "--unit", "count", "-o", "o.csv"], "expected a channel and its unit, found `count`"),
+        (&["convert", "data.csv", "--unit", "count=furlong", "-o", "o.csv"], "unknown unit `furlong`"),
+        (&["info", "data.csv", "wrong.csv"], "wrong.csv:3:8"),
+        (&["info", "data.csv", "wrong.csv"], "nothing is printed of data.csv, which can be read"),
+    ] {
+        let output = droptower(bench.path(), arguments);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(expected), "{arguments:?}: {said}");
+        assert!(output.stdout.is_empty());
+    }
+    let left = fs::read_dir(bench.path()).expect("the folder").count();
+    assert_eq!(left, 4, "only the inputs are there");
+}
+
+#[test]
+fn info_says_what_files_hold() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let fixture = data("isomme_fixture");
+    let metal = data("tension_anisotropic_al6061/cleaned_CA-LT-01.csv");
+    let [fixture, metal] = [&fixture, &metal].map(|path| path.to_str().expect("UTF-8"));
+    let unit = "engineering_stress=ksi";
+    let told = figures(&droptower(bench.path(), &["info", metal, "--unit", unit, "--json"]));
+    assert_eq!(told[0]["channels"][0]["unit"], "Pa");
+    assert_eq!(told[0]["channels"][0]["start_s"], Json::Null);
+    let told = figures(&droptower(bench.path(), &["info", fixture, "--json"]));
+    let [head, chest] = [0, 1].map(|place| &told[0]["channels"][place]);
+    assert_eq!(
+        (&head["name"], &head["unit"], &head["written_unit"]),
+        (&"11HEADCG0000ACXP".into(), &"m/s2".into(), &"g".into())
+    );
+    assert_eq!((&chest["gaps"], &chest["samples"]), (&1.into(), &20.into()));
+    close(head["step_s"].as_f64().expect("even steps"), 1e-4, 1e-9);
+    assert_eq!(head["filtered"], 1000.0);
+    let output = droptower(bench.path(), &["info", fixture, metal]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("there is no column of time") && text.contains("11CHST0000H3DSXP"), "{text}");
+    assert!(text.contains("Head CG X acceleration") && text.contains("CFC 1000"), "{text}");
+    assert!(droptower(bench.path(), &["info", fixture, "--quiet"]).stdout.is_empty());
+}
+
+#[test]
+fn info_tells_channels_apart_and_where_samples_are_missing() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let row = |i: usize| format!("{},1,2\n", f64::from(u32::try_from(i).expect("small")) * 1e-3);
+    let rows: String = (0..100).filter(|i| !(48..=52).contains(i) && *i != 90 && *i != 91).map(row).collect();
+    fs::write(bench.path().join("a.csv"), format!("time_s,accel_g,accel_m_s2\n{rows}")).expect("written");
+    let text = workbench::printed(&droptower(bench.path(), &["info", "a.csv"]));
+    for expected in ["accel_g", "accel_m_s2", "hole of 6 ms after 0.047 s\n", "hole of 3 ms after 0.089 s\n", "uneven"]
+    {
+        assert_eq!(text.matches(expected).count(), if expected == "uneven" { 2 } else { 1 }, "{expected}: {text}");
+    }
+    let told = figures(&droptower(bench.path(), &["info", "a.csv", "--json"]));
+    let holes = &told[0]["channels"][1]["holes"];
+    assert_eq!(holes.as_array().map(Vec::len), Some(2));
+    assert_eq!((holes[0]["after_s"].as_f64(), holes[0]["duration_s"].as_f64()), (Some(0.047), Some(0.006)));
+    fs::write(bench.path().join("b.csv"), "time_s,a\n0,1\n1,2\n2,3\n").expect("written");
+    let text = workbench::printed(&droptower(bench.path(), &["info", "b.csv"]));
+    assert!(!text.contains("hole") && !text.contains("written as"), "{text}");
+}
+
+#[test]
+fn formats_are_converted_there_and_back() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let raw = shaken(bench.path());
+    let done = |arguments: &[&str]| figures(&droptower(bench.path(), &[&["convert"], arguments, &["--json"]].concat()));
+    done(&["data.csv", "-o", "test/T.mme", "--unit", "count=-"]);
+    let told = done(&["test", "-o", "back.csv"]);
+    assert_eq!(told["channels"].as_array().map(Vec::len), Some(2));
+    let [original, back] = [raw, bench.path().join("back.csv")].map(|path| {
+        let wanted = Wanted { channels: Selection::All, ..Wanted::default() };
+        file::read(&path, &wanted).expect("readable")
+    });
+    for (original, back) in original.channels.iter().zip(&back.channels) {
+        assert_eq!(original.series.values(), back.series.values());
+        assert_eq!(original.series.time(), back.series.time());
+    }
+    assert_eq!(back.channels[0].unit, Some(unit("m/s2")));
+    let again = droptower(bench.path(), &["convert", "data.csv", "-o", "test/T.mme"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("T.mme is there already"));
+    // The filter is told that the channel was filtered before.
+    let fixture = data("isomme_fixture/Channel/test.002");
+    let fixture = fixture.to_str().expect("UTF-8");
+    let told = figures(&droptower(bench.path(), &["filter", fixture, "--class", "1000", "-o", "f.csv", "--json"]));
+    assert!(told["notes"][0].as_str().is_some_and(|note| note.contains("went through CFC 1000 already")), "{told}");
+}
+
+/// The lines of a file without those that start so.
+fn lines_but(path: &Path, keys: &[&str]) -> Vec<String> {
+    let text = fs::read_to_string(path).expect("the file").replace('\r', "");
+    let lines = text.lines().filter(|line| line.contains(':') && !keys.iter().any(|key| line.starts_with(key)));
+    let said = |value: &str| if value.trim().is_empty() { "NOVALUE".into() } else { value.trim().to_owned() };
+    let parts = lines.map(|line| line.split_once(':').expect("a colon"));
+    parts.map(|(key, value)| format!("{}: {}", key.trim(), said(value))).collect()
+}
+
+#[test]
+fn what_a_test_says_is_said_again_after_conversion() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let fixture = data("isomme_fixture");
+    droptower(bench.path(), &["convert", fixture.to_str().expect("UTF-8"), "-o", "T.mme"]);
+    let written = bench.path().join("T.mme");
+    assert_eq!(lines_but(&written, &[]), lines_but(&fixture.join("test.mme"), &[]));
+    // The list is without the time axis, which is implicit now.
+    let [read, list] = [fixture.join("Channel/test.chn"), bench.path().join("Channel/T.chn")]
+        .map(|path| lines_but(&path, &["Number of channels", "Name of channel"]));
+    assert_eq!(read, list);
+    let decided =
+        ["Unit", "First global", "Time of", "Number of", "Sampling", "Reference channel", "Channel amplitude class"];
+    for (old, new) in [("test.002", "T.001"), ("test.003", "T.002")] {
+        let [read, again] = [fixture.join("Channel").join(old), bench.path().join("Channel").join(new)]
+            .map(|path| lines_but(&path, &decided));
+        assert_eq!(read, again);
+        let unit = fs::read_to_string(bench.path().join("Channel").join(new)).expect("the channel");
+        assert_eq!(unit.matches("\nUnit  ").count(), 1, "{unit}");
+    }
+    // A unit that is not known is that of the values still, and what was said of their range holds.
+    let text = fs::read_to_string(data("isomme_real_channel/test.001")).expect("the channel");
+    let odd = text.replacen(":Nm", ":furlong", 1);
+    fs::write(bench.path().join("odd.001"), odd).expect("written");
+    droptower(bench.path(), &["convert", "odd.001", "-o", "odd/O.mme"]);
+    let [odd, again] = ["odd.001", "odd/Channel/O.001"]
+        .map(|path| lines_but(&bench.path().join(path), &["First", "Time of", "Sampling"]));
+    assert_eq!(odd, again);
+    let [original, again] = [&fixture, &written].map(|path| file::read(path, &Wanted::default()).expect("readable"));
+    assert_eq!(original.remarks, again.remarks);
+    for (original, again) in original.channels.iter().zip(&again.channels) {
+        assert_eq!((&original.name, &original.label, original.filtered), (&again.name, &again.label, again.filtered));
+        assert_eq!(original.value_unit(), again.value_unit());
+    }
+}
+
+#[test]
+fn units_and_names_survive_conversion() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| fs::write(bench.path().join(name), text).expect("written");
+    file("a.csv", "# virtual\ntime,accel,laser [mm],T [°C]\n0,1,2,20\n0.001,3,4,21\n");
+    file("two.csv", "time_s,accel_g,accel_m_s2\n0,1,2\n0.001,3,4\n");
+    let convert = |arguments: &[&str]| {
+        let output = droptower(bench.path(), &[&["convert"], arguments].concat());
+        workbench::printed(&output)
+    };
+    convert(&["a.csv", "--unit", "accel=m/s2", "-o", "m/T.mme"]);
+    convert(&["a.csv", "--unit", "accel=m/s2", "-o", "there.csv"]);
+    let said = convert(&["m/T.mme", "-o", "back.csv"]);
+    assert!(said.contains("000000000100AC00 (accel)"), "{said}");
+    for name in ["m/T.mme", "there.csv", "back.csv"] {
+        let read = file::read(&bench.path().join(name), &Wanted::default()).expect("readable");
+        for (channel, unit) in [("accel", Some("m/s2")), ("laser", Some("m")), ("T", None)] {
+            let found = read.channel(channel).or_else(|_| read.channel("T [°C]")).expect("a channel");
+            assert_eq!(found.value_unit().as_deref(), unit, "{name}: {channel}");
+        }
+        // That it is virtual holds still; that its time had no unit does not.
+        assert!(read.notes.contains(&"virtual".to_owned()), "{name}: {:?}", read.notes);
+        assert!(read.notes.iter().all(|note| !note.contains("assumed")), "{name}: {:?}", read.notes);
+    }
+    convert(&["two.csv", "-o", "apart.csv"]);
+    let apart = file::read(&bench.path().join("apart.csv"), &Wanted::default()).expect("readable");
+    let names: Vec<&str> = apart.channels.iter().map(|channel| channel.label.as_str()).collect();
+    assert_eq!(names, ["accel_g [m/s2]", "accel_m_s2 [m/s2]"]);
+    assert_eq!(apart.channels[0].series.values(), [STANDARD_GRAVITY, 3.0 * STANDARD_GRAVITY]);
+    let picked = droptower(bench.path(), &["filter", "m/T.mme", "--column", "accel", "--class", "60", "-o", "f.csv"]);
+    assert!(picked.status.success(), "{}", workbench::error(&picked));
+}
