@@ -9,7 +9,8 @@
 //! noise's power with it, hence γ = ‖r‖²/(N − tr(Uᵀ R U)). White noise gives the textbook's s² (JᵀJ)⁻¹.
 
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT, StudentsTError};
+use thiserror::Error;
 
 use super::identifiability::{self, Direction};
 use super::noise::{Colour, Noise};
@@ -17,6 +18,12 @@ use super::tangent::Tangent;
 
 /// Singular values below this share of the largest are nothing but rounding.
 const ROUNDING: f64 = 1e-7;
+
+/// Rounds in which singular values are found; a few for each parameter do.
+const MOST_ROUNDS: usize = 10_000;
+
+/// Degrees of freedom that an interval has at least.
+const LEAST_FREEDOM: f64 = 1.0;
 
 /// Probability that the truth lies below the upper end of a two-sided interval of 95 %.
 const BELOW_UPPER: f64 = 0.975;
@@ -66,15 +73,27 @@ pub struct Confidence {
     pub warnings: Vec<String>,
 }
 
+/// Why it cannot be said how well parameters are known.
+#[derive(Debug, Error)]
+pub enum ConfidenceError {
+    #[error("the slopes of the residuals have no singular values: they are of too different sizes")]
+    Singular,
+    #[error("there is no distribution of Student with {freedom} degrees of freedom: {source}")]
+    Student { freedom: f64, source: StudentsTError },
+}
+
 impl Confidence {
     /// How well the parameters at `tangent` are known.
-    pub fn of(tangent: &Tangent, question: &Question) -> Confidence {
+    ///
+    /// # Errors
+    /// The slopes are beyond what numbers can hold.
+    pub fn of(tangent: &Tangent, question: &Question) -> Result<Confidence, ConfidenceError> {
         let noise = Noise::of(tangent.residuals.as_slice(), question.colour);
-        let spread = Spread::of(tangent, &noise);
+        let spread = Spread::of(tangent, &noise)?;
         let covariance = spread.covariance();
         let standard_errors: Vec<f64> = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
         let freedom = spread.freedom(&noise);
-        let quantile = quantile(freedom);
+        let quantile = quantile(freedom)?;
         let half_widths = standard_errors.iter().map(|error| quantile * error);
         let intervals = tangent.x.iter().zip(half_widths).map(|(x, width)| Reach::new(*x, width, question.relative));
         let mut confidence = Confidence {
@@ -96,7 +115,7 @@ impl Confidence {
             standard_errors,
         };
         confidence.warnings = identifiability::warnings(&confidence, tangent);
-        confidence
+        Ok(confidence)
     }
 }
 
@@ -146,11 +165,11 @@ struct Spread {
 }
 
 impl Spread {
-    fn of(tangent: &Tangent, noise: &Noise) -> Spread {
+    fn of(tangent: &Tangent, noise: &Noise) -> Result<Spread, ConfidenceError> {
         let scale: Vec<f64> = tangent.x.iter().map(|x| if *x == 0.0 { 1.0 } else { x.abs() }).collect();
         let mut scaled = tangent.jacobian.clone();
         scaled.column_iter_mut().zip(&scale).for_each(|(mut column, scale)| column *= *scale);
-        let (left, singular, right) = sorted(&scaled);
+        let (left, singular, right) = decomposed(scaled)?;
         let rank = singular.iter().filter(|value| **value > ROUNDING * singular[0]).count();
         let between = noise.between(&left);
         let samples = tangent.residuals.len() as f64;
@@ -158,10 +177,10 @@ impl Spread {
         // One direction's share of the noise over what it would be of white noise.
         let inflation = if rank == 0 { 1.0 } else { taken / rank as f64 };
         let effective_samples = (samples / inflation).min(samples);
-        let independent = freedom(effective_samples - rank as f64) / effective_samples;
+        let independent = (effective_samples - rank as f64).max(LEAST_FREEDOM) / effective_samples;
         let variance = tangent.residuals.norm_squared() / samples / independent.min(1.0);
         let samples = tangent.residuals.len();
-        Spread { scale, singular, left, right, rank, between, variance, samples, effective_samples }
+        Ok(Spread { scale, singular, left, right, rank, between, variance, samples, effective_samples })
     }
 
     /// Degrees of freedom of the variances. An autoregression is known no better than its samples allow: the logarithm of its
@@ -172,16 +191,22 @@ impl Spread {
         let samples = self.samples as f64;
         let inflation = samples / self.effective_samples;
         let known = samples / (1.0 + 2.0 * inflation.max(noise.order as f64));
-        if noise.order == 0 { freedom(independent) } else { freedom(independent.min(known)) }
+        let freedom = if noise.order == 0 { independent } else { independent.min(known) };
+        freedom.max(LEAST_FREEDOM)
     }
 
-    /// In ln x, for noise of variance one. A direction that is not felt counts as felt as little as rounding lets be seen.
+    /// Covariance in ln x, for noise of variance one.
     fn shape(&self) -> DMatrix<f64> {
-        let floor = (ROUNDING * self.singular[0]).max(f64::MIN_POSITIVE.sqrt());
-        let weights = self.singular.map(|value| 1.0 / value.max(floor));
-        let between = |i: usize, j: usize| if self.is_felt(i) && self.is_felt(j) { self.between[(i, j)] } else { 0.0 };
-        let identity = |i: usize, j: usize| if i == j && !self.is_felt(i) { 1.0 } else { between(i, j) };
-        self.turned(|i, j| weights[i] * identity(i, j) * weights[j])
+        let between = |i: usize, j: usize| match self.is_felt(i) && self.is_felt(j) {
+            true => self.between[(i, j)],
+            false => f64::from(u8::from(i == j)),
+        };
+        self.turned(|i, j| between(i, j) / (self.strength(i) * self.strength(j)))
+    }
+
+    /// Singular value of a direction; one that is not felt counts as felt as little as rounding lets be seen.
+    fn strength(&self, direction: usize) -> f64 {
+        self.singular[direction].max(ROUNDING * self.singular[0]).max(f64::MIN_POSITIVE.sqrt())
     }
 
     /// V A Vᵀ
@@ -220,8 +245,7 @@ impl Spread {
     }
 
     fn increases(&self) -> Vec<f64> {
-        let floor = (ROUNDING * self.singular[0]).max(f64::MIN_POSITIVE.sqrt());
-        let white = self.turned(|i, j| if i == j { self.singular[i].max(floor).powi(-2) } else { 0.0 });
+        let white = self.turned(|i, j| if i == j { self.strength(i).powi(-2) } else { 0.0 });
         let shape = self.shape();
         (0..self.scale.len()).map(|place| self.variance * shape[(place, place)] / white[(place, place)]).collect()
     }
@@ -256,25 +280,19 @@ impl Spread {
     }
 }
 
-/// U, Σ and V with the largest singular value first.
-fn sorted(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>, DMatrix<f64>) {
-    let svd = matrix.clone().svd(true, true);
-    let count = matrix.ncols();
-    // Both were asked for.
-    let left = svd.u.unwrap_or_else(|| DMatrix::zeros(matrix.nrows(), count));
-    let right = svd.v_t.unwrap_or_else(|| DMatrix::identity(count, count)).transpose();
-    (left, svd.singular_values, right)
-}
-
-/// Degrees of freedom of an interval, at least one.
-fn freedom(independent: f64) -> f64 {
-    independent.max(1.0)
+/// U, Σ and V, the largest singular value first.
+fn decomposed(matrix: DMatrix<f64>) -> Result<(DMatrix<f64>, DVector<f64>, DMatrix<f64>), ConfidenceError> {
+    let svd = matrix.try_svd(true, true, f64::EPSILON, MOST_ROUNDS).ok_or(ConfidenceError::Singular)?;
+    let [left, right] = [svd.u, svd.v_t].map(|turn| turn.ok_or(ConfidenceError::Singular));
+    Ok((left?, svd.singular_values, right?.transpose()))
 }
 
 /// Student's quantile of a two-sided interval of 95 %.
-fn quantile(degrees: f64) -> f64 {
-    // A distribution of at least one degree of freedom exists.
-    StudentsT::new(0.0, 1.0, degrees).map_or(f64::INFINITY, |student| student.inverse_cdf(BELOW_UPPER))
+fn quantile(freedom: f64) -> Result<f64, ConfidenceError> {
+    let student = StudentsT::new(0.0, 1.0, freedom);
+    student
+        .map(|student| student.inverse_cdf(BELOW_UPPER))
+        .map_err(|source| ConfidenceError::Student { freedom, source })
 }
 
 #[cfg(test)]
@@ -282,9 +300,9 @@ mod tests {
     use super::super::noise::tests::{neighbours, normals};
     use super::*;
 
-    fn question(count: usize, colour: Colour) -> Question {
-        let names = ["a", "b", "c"][..count].iter().map(|name| (*name).to_owned()).collect();
-        Question { names, colour, relative: false }
+    fn known(tangent: &Tangent, colour: Colour) -> Confidence {
+        let names = ["a", "b", "c"].iter().take(tangent.x.len()).map(|name| (*name).to_owned()).collect();
+        Confidence::of(tangent, &Question { names, colour, relative: false }).unwrap()
     }
 
     fn tangent(x: &[f64], residuals: &[f64], jacobian: DMatrix<f64>) -> Tangent {
@@ -322,7 +340,7 @@ mod tests {
         let mut held = [0.0; 2];
         for seed in 0..trials {
             let noise: Vec<f64> = noise(seed).iter().map(|noise| 0.1 * noise).collect();
-            let found = Confidence::of(&decay(truth, &noise), &question(2, colour));
+            let found = known(&decay(truth, &noise), colour);
             for ((held, [lower, upper]), truth) in held.iter_mut().zip(found.intervals).zip(truth) {
                 *held += f64::from(u8::from((lower..=upper).contains(&truth))) / trials as f64;
             }
@@ -340,7 +358,7 @@ mod tests {
         let x = &inverse * jacobian.transpose() * &y;
         let residuals = &jacobian * &x - &y;
         let variance = residuals.norm_squared() / (count - 2) as f64;
-        let found = Confidence::of(&tangent(x.as_slice(), residuals.as_slice(), jacobian), &question(2, Colour::White));
+        let found = known(&tangent(x.as_slice(), residuals.as_slice(), jacobian), Colour::White);
         let expected = variance * inverse;
         assert!((&found.covariance - &expected).amax() < 1e-12 * expected.amax(), "{found:?}");
         assert_eq!((found.effective_samples, found.freedom), (count as f64, (count - 2) as f64));
@@ -359,7 +377,7 @@ mod tests {
     fn coloured_noise_widens_as_the_whole_matrix_says() {
         let (count, phi) = (4000, 0.7_f64);
         let found = decay([2.0, 0.8], &neighbours(11, count, phi).iter().map(|e| 0.01 * e).collect::<Vec<_>>());
-        let confidence = Confidence::of(&found, &question(2, Colour::Coloured));
+        let confidence = known(&found, Colour::Coloured);
         let inverse = (found.jacobian.transpose() * &found.jacobian).try_inverse().unwrap();
         let mut between = DMatrix::zeros(2, 2);
         for row in 0..count {
@@ -373,7 +391,7 @@ mod tests {
             let ratio = confidence.standard_errors[place] / expected[(place, place)].sqrt();
             assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
         }
-        let naive = Confidence::of(&found, &question(2, Colour::White)).standard_errors[0];
+        let naive = known(&found, Colour::White).standard_errors[0];
         assert!(confidence.standard_errors[0] > 2.0 * naive);
     }
 
@@ -382,7 +400,7 @@ mod tests {
         // r = a b t − e at a = 2, b = 3
         let noise = normals(2, 30);
         let jacobian = DMatrix::from_fn(30, 2, |row, column| [3.0, 2.0][column] * row as f64);
-        let found = Confidence::of(&tangent(&[2.0, 3.0], &noise, jacobian), &question(2, Colour::White));
+        let found = known(&tangent(&[2.0, 3.0], &noise, jacobian), Colour::White);
         let name = ["a·b^-1", "a^-1·b"].into_iter().find(|name| found.warnings[0].starts_with(name));
         let rest = " is not identifiable: it may change at will, the curves do not change with it";
         assert_eq!(name.map(|name| format!("{name}{rest}")), found.warnings.first().cloned());
@@ -396,8 +414,7 @@ mod tests {
         // ln-slopes: strong along a·b, weak along a/b, whose standard error is 1/0.05/√2.
         let rows = [[1e3, 1e3], [0.05, -0.05], [0.0, 0.0], [0.0, 0.0]];
         let jacobian = DMatrix::from_fn(4, 2, |row, column| rows[row][column]);
-        let found =
-            Confidence::of(&tangent(&[1.0, 1.0], &[0.0, 0.0, 1.0, -1.0], jacobian), &question(2, Colour::White));
+        let found = known(&tangent(&[1.0, 1.0], &[0.0, 0.0, 1.0, -1.0], jacobian), Colour::White);
         // t(2) = 4.3027, s = 1; the logarithm of a/b has the deviation 1/0.05.
         let factor = (4.3027_f64 * 20.0).exp();
         let told = &found.warnings[0];
@@ -408,16 +425,19 @@ mod tests {
     #[test]
     fn an_exact_fit_has_no_width_and_says_what_that_means() {
         let jacobian = DMatrix::from_fn(10, 2, |row, column| (row as f64).powi(column as i32));
-        let found = Confidence::of(&tangent(&[1.0, 2.0], &[0.0; 10], jacobian), &question(2, Colour::Coloured));
+        let found = known(&tangent(&[1.0, 2.0], &[0.0; 10], jacobian), Colour::Coloured);
         assert_eq!((&found.intervals[..], &found.standard_errors[..]), (&[[1.0; 2], [2.0; 2]][..], &[0.0; 2][..]));
         assert!(found.correlation.iter().chain(&found.unfinished).all(|value| value.is_finite()));
-        assert!(found.warnings.iter().any(|warning| warning.contains("the model's own roughness")), "{found:?}");
+        assert!(
+            found.warnings.iter().any(|warning| warning.contains("what the model itself does beside")),
+            "{found:?}"
+        );
     }
 
     #[test]
     fn a_parameter_without_effect_leaves_the_other_alone() {
         let jacobian = DMatrix::from_fn(20, 2, |row, column| if column == 0 { row as f64 } else { 0.0 });
-        let found = Confidence::of(&tangent(&[1.0, 2.0], &normals(1, 20), jacobian), &question(2, Colour::White));
+        let found = known(&tangent(&[1.0, 2.0], &normals(1, 20), jacobian), Colour::White);
         assert!(found.standard_errors[0].is_finite() && found.standard_errors[1].is_infinite());
         assert!(found.warnings[0].starts_with("b is not identifiable: it may change at will"), "{:?}", found.warnings);
     }
@@ -426,7 +446,7 @@ mod tests {
     fn an_estimate_beside_the_minimum_is_told() {
         let jacobian = DMatrix::from_element(20, 1, 1.0);
         let residuals: Vec<f64> = normals(4, 20).iter().map(|e| e + 2.0).collect();
-        let found = Confidence::of(&tangent(&[1.0], &residuals, jacobian), &question(1, Colour::White));
+        let found = known(&tangent(&[1.0], &residuals, jacobian), Colour::White);
         assert!(found.warnings.iter().any(|warning| warning.starts_with("a is not at its minimum")), "{found:?}");
     }
 

@@ -20,6 +20,11 @@ const TOO_CORRELATED: f64 = 0.95;
 /// Exponents below this share of the largest are left out of a combination's name.
 const MINOR: f64 = 0.1;
 
+/// Independent residuals for each parameter below which, and share of all residuals below which, they are rather the model's
+/// error than noise.
+const FEW: f64 = 10.0;
+const DEPENDENT: f64 = 1.0 / 3.0;
+
 /// Standard errors by which a further step may move a parameter of a finished search.
 const UNFINISHED: f64 = 0.5;
 
@@ -108,21 +113,21 @@ fn correlations(confidence: &Confidence) -> Vec<String> {
 }
 
 fn scarcity(confidence: &Confidence) -> Option<String> {
+    let Confidence { samples, effective_samples: effective, .. } = *confidence;
     let parameters = confidence.names.len();
-    let few = confidence.effective_samples < 2.0 * parameters as f64;
-    few.then(|| {
+    let told = effective < FEW * parameters as f64 && effective < DEPENDENT * samples as f64;
+    told.then(|| {
         format!(
-            "the {} residuals hang together so much that they count as {:.1} for {parameters} parameters: the model misses \
-             something, and the intervals are a guess",
-            confidence.samples, confidence.effective_samples
+            "the {samples} residuals hang together so much that they count as {effective:.1} for {parameters} parameters: they \
+             are rather the model's error than noise, and intervals do not hold what a wrong model is wrong by"
         )
     })
 }
 
 fn exactness(tangent: &Tangent) -> Option<String> {
     (tangent.norm() <= tangent.bend || tangent.norm() == 0.0).then(|| {
-        "the residuals are no larger than the model's own roughness beside the estimate: the intervals mean that roughness, \
-         not the scatter of measurements"
+        "the residuals are no larger than what the model itself does beside the estimate (its roughness, its curvature over the \
+         step of the differences): the intervals mean that, not the scatter of measurements"
             .into()
     })
 }

@@ -1,6 +1,7 @@
 //! Searches: parameters of a scenario, or of anything else that a script computes, from what was measured.
 //!
-//! A script says what is to be small, [`minimize`](register) finds where it is. Trials are evaluated in parallel ahead of the
+//! A script says what is to be small, [`minimize`](register) finds where it is, and [`confidence`](Confidence) and
+//! [`profiles`] say how well it is known. Trials are evaluated in parallel ahead of the
 //! search and written down as they end; neither changes what the search finds, bit for bit.
 
 mod bounds;
@@ -24,14 +25,15 @@ mod trust;
 
 use crate::script::Chapter;
 pub use bounds::{Bounds, BoundsError};
-pub use confidence::{Confidence, Question};
+pub use confidence::{Confidence, ConfidenceError, Question};
 pub use crew::{Crew, CrewError};
 pub use history::{History, HistoryError, Identity, Logged};
+pub use identifiability::Direction;
 pub use nelder_mead::{Limits, Simplex, Step, Values};
 pub use noise::{Colour, Noise};
 pub use objective::{Answer, Evaluation, Objective};
 pub use options::{Method, OnFailure, OnRupture, OptionsError, Search, Starts};
-pub use profile::{Point, Profile, profiles};
+pub use profile::{Point, Profile, ProfileError, profiles};
 pub use progress::Progress;
 pub use script::{Heard, Laboratory, register};
 pub use search::{Best, Ended, Iteration, SearchError, minimise};

@@ -11,10 +11,12 @@
 //! is linear.
 
 use nalgebra::{DMatrix, DVector};
+use thiserror::Error;
 
-use super::confidence::{Confidence, Reach};
-use super::crew::Crew;
-use super::options::Search;
+use super::confidence::{Confidence, ConfidenceError, Reach};
+use super::crew::{Crew, CrewError};
+use super::objective::Evaluation;
+use super::options::{OnFailure, Search};
 use super::tangent::{Tangent, TangentError, residuals};
 
 /// Farthest place, in half-widths of the interval.
@@ -37,6 +39,9 @@ const MORE: f64 = 10.0;
 /// intervals are relative: a profile to the tenfold.
 const BLIND: f64 = 0.45;
 const WIDEST: f64 = 1.15;
+
+/// Narrowest half-width, over the differences of the Jacobian, of an estimate without any scatter.
+const CLOSEST: f64 = 0.05;
 
 /// The objective along one parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,11 +67,24 @@ pub struct Point {
     pub f: Option<f64>,
 }
 
+/// Why there are no profiles.
+#[derive(Debug, Error)]
+pub enum ProfileError {
+    #[error(transparent)]
+    Crew(#[from] CrewError),
+    #[error(transparent)]
+    Tangent(#[from] TangentError),
+    #[error(transparent)]
+    Confidence(#[from] ConfidenceError),
+    #[error("a trial failed at {x:?}: {cause}")]
+    Failed { x: Vec<f64>, cause: String },
+}
+
 /// Profiles along all parameters, with `count` places on each side of the estimate as far as bounds allow; `listener` hears
 /// of every round of trials: how many places are left.
 ///
 /// # Errors
-/// The objective cannot go on, or gives another number of residuals than before.
+/// The objective cannot go on or gives another number of residuals than before; a trial fails where that is to stop it all.
 pub fn profiles(
     search: &Search,
     tangent: &Tangent,
@@ -74,7 +92,7 @@ pub fn profiles(
     count: usize,
     crew: &Crew<'_>,
     listener: &mut (dyn FnMut(usize) + Send),
-) -> Result<Vec<Profile>, TangentError> {
+) -> Result<Vec<Profile>, ProfileError> {
     let mut walks: Vec<Walk> = (0..tangent.x.len())
         .flat_map(|place| values(search, confidence, place, count).into_iter().map(move |value| (place, value)))
         .map(|(place, value)| Walk::new(search, tangent, confidence, place, value))
@@ -88,10 +106,7 @@ pub fn profiles(
         let points: Vec<Vec<f64>> = open.iter().filter_map(|walk| walk.next.clone()).collect();
         let found = crew.evaluate_all(&points)?;
         for ((walk, x), found) in open.into_iter().zip(points).zip(found) {
-            let residuals = residuals(found)?.ok().map(DVector::from_vec);
-            if let Some(found) = residuals.as_ref().map(DVector::len).filter(|len| *len != tangent.residuals.len()) {
-                return Err(TangentError::Residuals { x, found, expected: tangent.residuals.len() });
-            }
+            let residuals = checked(search, tangent, &x, found)?;
             walk.take(search, x, residuals);
         }
     }
@@ -102,6 +117,22 @@ pub fn profiles(
     Ok((0..tangent.x.len()).map(profile).collect())
 }
 
+/// The residuals of a trial; none where it failed and counts as worst.
+fn checked(
+    search: &Search,
+    tangent: &Tangent,
+    x: &[f64],
+    found: Evaluation,
+) -> Result<Option<DVector<f64>>, ProfileError> {
+    let expected = tangent.residuals.len();
+    match residuals(found)? {
+        Ok(found) if found.len() == expected => Ok(Some(DVector::from_vec(found))),
+        Ok(found) => Err(TangentError::Residuals { x: x.into(), found: found.len(), expected }.into()),
+        Err(cause) if search.on_failure == OnFailure::Stop => Err(ProfileError::Failed { x: x.into(), cause }),
+        Err(_) => Ok(None),
+    }
+}
+
 /// Places along one parameter, the estimate left out.
 fn values(search: &Search, confidence: &Confidence, place: usize, count: usize) -> Vec<f64> {
     let x = confidence.x[place];
@@ -110,8 +141,7 @@ fn values(search: &Search, confidence: &Confidence, place: usize, count: usize) 
     let half_width = confidence.quantile * confidence.standard_errors[place];
     let widest = if confidence.relative { WIDEST * size } else { f64::INFINITY };
     let half_width = if half_width.is_finite() { half_width.min(widest) } else { BLIND * size };
-    // What lies within the differences of the Jacobian was seen already.
-    let reach = Reach::new(x, half_width.max(search.difference * size), confidence.relative);
+    let reach = Reach::new(x, half_width.max(CLOSEST * search.difference * size), confidence.relative);
     let [down, up] = [-FARTHEST, FARTHEST].map(|far| reach.at(far).clamp(lower, upper));
     let share = |step: usize| step as f64 / count as f64;
     let below = (1..=count).rev().map(|step| x + (down - x) * share(step));
@@ -332,7 +362,7 @@ mod tests {
     use super::super::noise::Colour;
     use super::super::noise::tests::normals;
     use super::*;
-    use crate::identify::{Answer, Bounds, Evaluation, Method, Objective};
+    use crate::identify::{Answer, Bounds, Method, Objective};
 
     struct Residuals<F>(F);
 
@@ -356,7 +386,7 @@ mod tests {
         let crew = Crew::new(&counted, search.on_failure, 2, None);
         let profiles = crew.at_work(1 << 20, |crew| {
             let tangent = Tangent::at_start(search, crew)?;
-            let confidence = Confidence::of(&tangent, question);
+            let confidence = Confidence::of(&tangent, question)?;
             profiles(search, &tangent, &confidence, 3, crew, &mut |_| {})
         });
         (profiles.unwrap().unwrap(), trials.into_inner())

@@ -108,6 +108,10 @@ impl Tangent {
             (_, Some(failure)) => return Err(failure),
             (_, None) => return Err(CrewError::Broken("the trials were not made".into()).into()),
         };
+        if slope.iter().any(|slope| !slope.is_finite()) {
+            let cause = "the residuals change by more than numbers can hold".into();
+            return Err(TangentError::NoSlope { place, x: self.x.clone(), cause });
+        }
         self.jacobian.set_column(place, &slope);
         Ok(())
     }

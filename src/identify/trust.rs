@@ -5,9 +5,9 @@ use rhai::{Array, Dynamic, Engine, FnPtr, INT, Map, NativeCallContext};
 use super::confidence::{Confidence, Question};
 use super::noise::Colour;
 use super::options::Search;
-use super::profile::{self, Profile};
+use super::profile::{self, Profile, ProfileError};
 use super::script::{self, Laboratory, Reply, unknown, whole, word, written};
-use super::tangent::{Tangent, TangentError};
+use super::tangent::Tangent;
 use crate::script::{Entry, refuse};
 
 /// Options beside those of `minimize`.
@@ -17,7 +17,7 @@ const COLOURS: [(&str, Colour); 2] = [("coloured", Colour::Coloured), ("white", 
 
 /// Places of a profile on each side of the estimate, where the script does not say.
 const POINTS: usize = 3;
-const MOST_POINTS: INT = 100;
+const MOST_POINTS: INT = 20;
 
 /// An estimate as a script asks about it.
 struct Asked {
@@ -81,7 +81,7 @@ fn ask_confidence(
 ) -> Reply<Map> {
     let Asked { search, question, .. } = Asked::new(best, options)?;
     let tangent = laboratory.at_work(context, &search, call, |crew| Tangent::at_start(&search, crew))?;
-    Ok(result(&Confidence::of(&tangent, &question)))
+    Ok(result(&Confidence::of(&tangent, &question).map_err(refuse)?))
 }
 
 fn ask_profiles(
@@ -93,9 +93,9 @@ fn ask_profiles(
 ) -> Reply<Map> {
     let Asked { search, question, points } = Asked::new(best, options)?;
     let mut listener = |left: usize| laboratory.note(&format!("profiles: {left} places are searched"));
-    let profiles = laboratory.at_work::<_, TangentError>(context, &search, call, |crew| {
+    let profiles = laboratory.at_work::<_, ProfileError>(context, &search, call, |crew| {
         let tangent = Tangent::at_start(&search, crew)?;
-        let confidence = Confidence::of(&tangent, &question);
+        let confidence = Confidence::of(&tangent, &question)?;
         profile::profiles(&search, &tangent, &confidence, points, crew, &mut listener)
     })?;
     Ok(profiled(&profiles, &question.names))
@@ -118,6 +118,7 @@ fn result(confidence: &Confidence) -> Map {
     map.insert("correlation".into(), matrix(&|row, column| confidence.correlation[(row, column)]).into());
     map.insert("samples".into(), INT::try_from(confidence.samples).unwrap_or(INT::MAX).into());
     map.insert("effective_samples".into(), confidence.effective_samples.into());
+    map.insert("degrees_of_freedom".into(), confidence.freedom.into());
     map.insert("condition".into(), confidence.condition.into());
     map.insert("warnings".into(), texts(&confidence.warnings));
     map.insert("table".into(), (0..count).map(|place| row(confidence, place).into()).collect::<Array>().into());
@@ -215,8 +216,8 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "confidence(best, options, |x| residuals)",
         gives: "how well the parameters that `minimize` found (or a list x) are known, from the slope of the residuals: #{ names, x, \
-                standard_errors, lower, upper, covariance, correlation, samples, effective_samples, condition, warnings, table, \
-                correlation_table }; intervals of 95 %. Residuals may be correlated along the list. `warnings` say in words which \
+                standard_errors, lower, upper, covariance, correlation, samples, effective_samples, degrees_of_freedom, condition, \
+                warnings, table, correlation_table }; intervals of 95 %. Residuals may be correlated along the list. `warnings` say in words which \
                 combination is not identifiable. Takes the options of `minimize`, of which it minds names, bounds, difference and the \
                 rules for failed trials",
         example: r#"let read = [3.1, 4.9, 7.0, 9.2, 10.9, 13.1];
@@ -305,7 +306,7 @@ mod tests {
                 "confidence([1], #{ noise: \"pink\" }, |x| [x[0], 1])",
                 "unknown noise `pink` (there are coloured, white)",
             ),
-            ("profiles([1], #{ points: 0 }, |x| [x[0], 1])", "`points` is 0, which must be 1 to 100"),
+            ("profiles([1], #{ points: 0 }, |x| [x[0], 1])", "`points` is 0, which must be 1 to 20"),
             ("confidence([1], #{ lower: [2] }, |x| [x[0], 1])", "the start lies outside the bounds"),
             ("confidence([1, 2], #{ names: [\"a\"] }, |x| [x[0], 1])", "`names` has 1 entries for 2 unknowns"),
             ("confidence([1], |x| x[3])", "Array index 3 out of bounds"),

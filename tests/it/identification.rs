@@ -25,6 +25,29 @@ table("history", best.history);
 table("best", #{ k1: best.x[0], ke: best.x[1], ky: best.x[2], f: best.f, evaluations: best.evaluations });
 "#;
 
+/// The multipliers of a recording to which coloured noise was added, as a sensor of 0.5 m/s² behind a channel filter has it.
+const TRUST: &str = r#"
+let test = scenario(args.scenario);
+let recorded = test.reference.acceleration;
+let times = [];
+for i in 0..1500 { times.push(0.0001 * i); }
+let noise = 0.5 * signal(times, random(args.seed).normals(1500)).filtered(1000);
+let noisy = recorded + noise;
+let options = #{ names: ["k1", "ke", "ky"], difference: 0.01, relative: true };
+let misfit = |k| {
+    let run = test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: k[2] } }).simulate();
+    relative_residuals(run.acceleration, noisy, test.window)
+};
+let best = minimize("levenberg-marquardt", [2.75, 3.41, 1.0], #{ difference: 0.01 }, misfit);
+let trust = confidence(best, options, misfit);
+let along = profiles(best, options, misfit);
+table("confidence", trust.table);
+table("correlation", trust.correlation_table);
+table("profiles", along.table);
+table("intervals", along.intervals);
+table("counts", #{ samples: trust.samples, effective: trust.effective_samples });
+"#;
+
 /// A folder with the recording of a coarse run of 1008 in `recording/signals.csv`, its multipliers those of Table 8, and the
 /// script of a search.
 struct Bench {
@@ -151,6 +174,37 @@ fn known_multipliers_are_found_from_a_run_s_own_signals() {
     for (name, expected) in [("k1", 2.75), ("ke", 3.41), ("ky", 1.0)] {
         let value = found[name].as_f64().expect("a number");
         assert!((value - expected).abs() < 0.02 * expected, "{name} {value} for {expected}: {found}");
+    }
+}
+
+#[test]
+fn how_well_multipliers_are_known_does_not_depend_on_threads_and_is_true() {
+    let (bench, scenario) = (Bench::new("20 mm"), shipped("scenarios/drop/1008.toml"));
+    fs::write(bench.path("trust.rhai"), TRUST).expect("writable");
+    let ask = |threads: &str| {
+        let more = ["--arg", "seed=1", "--threads", threads, "--out", threads, "--json"];
+        let output = bench.droptower(&bench.over_the_recording("trust.rhai", &scenario, &more));
+        assert!(output.status.success(), "{}", error(&output));
+        serde_json::from_slice::<Json>(&output.stdout).expect("JSON")
+    };
+    let (summary, _) = (ask("1"), ask("2"));
+    for name in ["confidence", "correlation", "profiles", "intervals"] {
+        assert!(bench.table("1", name) == bench.table("2", name), "{name} differs");
+    }
+    let trials = |out: &str| fs::read_dir(bench.path(&format!("{out}.history"))).expect("histories").count();
+    assert_eq!((trials("1"), trials("2")), (3, 3), "the search, its confidence and its profiles are written down");
+
+    let tables = &summary["tables"];
+    let figure = |table: &str, row: usize, name: &str| tables[table][row][name].as_f64().expect("a number");
+    let counts = [figure("counts", 0, "samples"), figure("counts", 0, "effective")];
+    assert!(counts[1] > 0.1 * counts[0] && counts[1] < 0.9 * counts[0], "{counts:?}");
+    for (place, truth) in [2.75, 3.41, 1.0].into_iter().enumerate() {
+        let [lower, upper] = ["lower_95", "upper_95"].map(|side| figure("confidence", place, side));
+        assert!(lower < truth && truth < upper, "{truth} is not within {lower} to {upper}");
+        assert!(upper - lower < 0.2 * truth, "{lower} to {upper}");
+        let [low, high] = ["lower_95", "upper_95"].map(|side| figure("intervals", place, side));
+        let ratio = (high - low) / (upper - lower);
+        assert!(low < truth && truth < high && ratio > 0.5 && ratio < 2.0, "{low} to {high}, {lower} to {upper}");
     }
 }
 
