@@ -177,6 +177,10 @@ impl RateCurves {
     /// Lets the largest strain grow to `strain` within `dt` (s).
     #[inline(always)]
     fn grow<const L: usize>(&self, strain: &Lane<L>, past: &mut RatePast<L>, dt: f64) {
+        // Film on its way back spends no time here.
+        if (0..L).all(|l| strain[l] <= past.peak[l]) {
+            return;
+        }
         let old = *past;
         let mut first = splat::<L>(0.0);
         for l in 0..L {
