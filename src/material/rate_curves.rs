@@ -1,8 +1,8 @@
-//! Fibre curves by strain rate (theory.md, equations 140–147).
+//! Fibre curves by strain rate (theory.md, equations 140–144).
 //!
 //! Between the curves σ_i measured at the rates r_i the stress at one strain is interpolated linearly in the logarithm of the rate, and is
-//! constant below the lowest and above the highest rate, as tabulated curves are read in explicit codes (LS-DYNA Keyword User's Manual,
-//! *MAT_024 with `LCSS` as a table, there with logarithmic interpolation on request):
+//! constant below the lowest and above the highest rate, as explicit codes read tables of curves (LS-DYNA's
+//! `*MAT_PIECEWISE_LINEAR_PLASTICITY` with the option `LOG_INTERPOLATION`):
 //!
 //! ```text
 //! σ(ε, r) = σ_i(ε) + s (σ_{i+1}(ε) − σ_i(ε)) ,   s = ln(r/r_i) / ln(r_{i+1}/r_i)
@@ -247,7 +247,7 @@ impl Step {
         smaller(larger((log_rate - self.log) * self.per_log, 0.0), 1.0)
     }
 
-    /// Bound on |∂σ/∂r · ∂r/∂ε| (Pa) for a strain that grows from `from` to `to`.
+    /// Bound on |∂σ/∂r · ∂r/∂ε| (Pa) for a strain that grows from `from` to `to` (theory.md, equation 142).
     #[inline(always)]
     fn hardening<const L: usize>(&self, from: &Lane<L>, to: &Lane<L>, memory: f64) -> Lane<L> {
         let mut largest = splat::<L>(0.0);
