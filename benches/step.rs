@@ -164,7 +164,7 @@ fn pass<const L: usize>(model: &Model, width: Width) -> f64 {
     let mut force = Vectors::zero(mesh.nodes.len());
     let passes = 2_000_000 / mesh.quads.len();
     let mut once = || {
-        seconds(|| (0..passes).for_each(|_| patch.add_forces(width, &position, black_box(&mut force))))
+        seconds(|| (0..passes).for_each(|_| patch.add_forces(width, &position, 1e-6, black_box(&mut force))))
             / (passes * mesh.quads.len()) as f64
             * 1e9
     };

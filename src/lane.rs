@@ -127,3 +127,35 @@ pub fn larger(a: f64, b: f64) -> f64 {
 pub fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
+
+/// Natural logarithm of a normal number above zero, within 3e-16 of itself or of one. Unlike that of the platform's library it has the same
+/// bits on every machine, and a loop over lanes turns it into vector instructions.
+#[inline(always)]
+pub fn ln(x: f64) -> f64 {
+    // x = 2ⁿ m with √½ ≤ m < √2, and ln m = 2 artanh t = 2t (1 + t²/3 + t⁴/5 + …) with |t| < 0.172: what is left out is below 1e-18.
+    const ROOT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
+    let exponent = (x.to_bits().wrapping_sub(ROOT_HALF) as i64) >> 52;
+    let m = f64::from_bits(x.to_bits().wrapping_sub((exponent as u64) << 52));
+    let t = (m - 1.0) / (m + 1.0);
+    let square = t * t;
+    let mut series = 1.0 / 21.0;
+    for odd in [19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0] {
+        series = 1.0 / odd + square * series;
+    }
+    f64::from(exponent as i32) * std::f64::consts::LN_2 + 2.0 * t * series
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ln;
+
+    #[test]
+    fn the_logarithm_is_that_of_the_library() {
+        for step in -2000..2000 {
+            let x = 1.07_f64.powi(step) * (1.0 + 1e-9 * f64::from(step));
+            let expected = x.ln();
+            assert!((ln(x) - expected).abs() <= 3e-16 * expected.abs().max(1.0), "ln {x}: {} for {expected}", ln(x));
+        }
+        assert_eq!(ln(1.0), 0.0);
+    }
+}

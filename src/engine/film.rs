@@ -14,29 +14,44 @@ use super::memory::{self, Memory};
 use super::nodes::{Nodes, Vectors};
 use super::team::{Disjoint, Team};
 use crate::lane::{LANES, Width};
-use crate::material::Law;
+use crate::material::{Elastic, Fabric, Law, MembraneLaw, Past, RateCurves, TensionField};
 use crate::mesh::Mesh;
 use crate::model::{self, Face};
 
 /// A face of film ready to be stepped.
 #[derive(Clone, Debug)]
 pub struct Film {
-    law: Law,
+    cloth: Cloth,
     /// kg/m³, with mass scaling.
     density: f64,
     /// Thickness of all layers, m.
     pub thickness: f64,
     /// Which of all nodes are this face's; elements count theirs from the first of them.
     pub(crate) nodes: Range<usize>,
-    chunks: Vec<Chunk>,
     /// Number of colours.
     colours: usize,
 }
 
+/// Elements, which remember what their law asks for.
+#[derive(Clone, Debug)]
+enum Cloth {
+    Fabric(Sheet<Fabric>),
+    RateFabric(Sheet<Fabric<RateCurves>>),
+    Elastic(Sheet<Elastic>),
+    TensionField(Sheet<TensionField>),
+}
+
+/// Elements of one law.
+#[derive(Clone, Debug)]
+struct Sheet<M: MembraneLaw> {
+    law: M,
+    chunks: Vec<Chunk<M::Past<LANES>>>,
+}
+
 /// Elements that one thread works on.
 #[derive(Clone, Debug)]
-pub(super) struct Chunk {
-    elements: Elements,
+struct Chunk<P> {
+    elements: Elements<P>,
     colour: usize,
     /// Number of the first element among those of the film.
     first: usize,
@@ -46,10 +61,10 @@ pub(super) struct Chunk {
 
 /// Elements of one kind.
 #[derive(Clone, Debug)]
-enum Elements {
-    Quads(Quads),
-    FullQuads(FullQuads),
-    Tris(Tris),
+enum Elements<P> {
+    Quads(Quads<LANES, P>),
+    FullQuads(FullQuads<LANES, P>),
+    Tris(Tris<LANES, P>),
 }
 
 /// Number of chunks that a film is cut into where they do not become too large or too small: enough for threads to share.
@@ -58,15 +73,20 @@ const CHUNKS: usize = 12;
 /// Bounds on the blocks of a chunk.
 const BLOCKS: [usize; 2] = [4, 64];
 
-/// Runs `$body` with `$blocks` bound to the elements of a chunk and `$law` to the concrete law.
-macro_rules! concretely {
-    ($elements:expr, $of:expr, |$blocks:ident, $law:ident| $body:expr) => {
-        match $of {
-            Law::Fabric($law) => concretely!($elements, |$blocks| $body),
-            Law::Elastic($law) => concretely!($elements, |$blocks| $body),
-            Law::TensionField($law) => concretely!($elements, |$blocks| $body),
+/// Runs `$body` with `$sheet` bound to what `$cloth`, one of the laws in `$Of`, holds.
+macro_rules! by_law {
+    ($Of:ident, $cloth:expr, |$sheet:ident| $body:expr) => {
+        match $cloth {
+            $Of::Fabric($sheet) => $body,
+            $Of::RateFabric($sheet) => $body,
+            $Of::Elastic($sheet) => $body,
+            $Of::TensionField($sheet) => $body,
         }
     };
+}
+
+/// Runs `$body` with `$blocks` bound to the elements of a chunk.
+macro_rules! by_kind {
     ($elements:expr, |$blocks:ident| $body:expr) => {
         match $elements {
             Elements::Quads($blocks) => $body,
@@ -85,24 +105,21 @@ impl Film {
         let density = face.material.density * mass_scaling;
         let first = nodes.position.len();
 
-        let mut mount = Mount { mesh, thickness, density, masses: vec![0.0; mesh.nodes.len()], chunks: vec![] };
-        if face.meshing.element == model::Element::Quad4Full {
-            mount.add(&mesh.quads, &stress_free, Elements::FullQuads)?;
-        } else {
-            mount.add(&mesh.quads, &stress_free, Elements::Quads)?;
-        }
-        mount.add(&mesh.tris, &stress_free, Elements::Tris)?;
-        let Mount { mut chunks, masses, .. } = mount;
-        let colours = colour(&mut chunks, mesh.nodes.len());
-
-        nodes.extend(mesh.nodes.iter().map(|p| [p.x, p.y, p.z + face.height]), &masses);
-        let (law, nodes) = (face.material.law.clone(), first..nodes.position.len());
-        Ok(Film { law, density, thickness, nodes, chunks, colours })
+        let full = face.meshing.element == model::Element::Quad4Full;
+        let mut mount = Mount { mesh, stress_free, full, thickness, density, masses: vec![0.0; mesh.nodes.len()] };
+        let (cloth, colours) = match &face.material.law {
+            Law::Fabric(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::Fabric(sheet), colours)),
+            Law::RateFabric(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::RateFabric(sheet), colours)),
+            Law::Elastic(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::Elastic(sheet), colours)),
+            Law::TensionField(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::TensionField(sheet), colours)),
+        }?;
+        nodes.extend(mesh.nodes.iter().map(|p| [p.x, p.y, p.z + face.height]), &mount.masses);
+        Ok(Film { cloth, density, thickness, nodes: first..nodes.position.len(), colours })
     }
 
     /// Number of elements.
     pub fn elements(&self) -> usize {
-        self.chunks.iter().map(Chunk::count).sum()
+        by_law!(Cloth, &self.cloth, |sheet| sheet.chunks.iter().map(Chunk::count).sum())
     }
 
     /// Number of colours of its chunks.
@@ -112,50 +129,48 @@ impl Film {
 
     /// Number of integration points.
     pub(super) fn points(&self) -> usize {
-        let of = |chunk: &Chunk| concretely!(&chunk.elements, |blocks| blocks.count * blocks.points());
-        self.chunks.iter().map(of).sum()
+        by_law!(Cloth, &self.cloth, |sheet| sheet.points())
+    }
+
+    /// Number of numbers that the law remembers, at all integration points.
+    pub(super) fn numbers(&self) -> usize {
+        by_law!(Cloth, &self.cloth, |sheet| sheet.numbers())
     }
 
     /// Bytes of its elements.
     pub(super) fn bytes(&self) -> usize {
-        let of = |chunk: &Chunk| concretely!(&chunk.elements, |blocks| footprint::blocks(blocks));
-        self.chunks.iter().map(of).sum()
+        by_law!(Cloth, &self.cloth, |sheet| sheet.bytes())
     }
 
     /// What its elements remember.
     pub(super) fn memory(&self) -> Memory {
-        let mut memory = Memory::default();
-        self.chunks.iter().for_each(|chunk| concretely!(&chunk.elements, |blocks| memory.note(blocks)));
-        memory
+        by_law!(Cloth, &self.cloth, |sheet| sheet.memory())
     }
 
     /// Lets its elements remember what they did when `memory`, of as many integration points, was taken.
     pub(super) fn recall(&mut self, memory: &Memory) {
-        let mut points = memory.points();
-        for chunk in &mut self.chunks {
-            concretely!(&mut chunk.elements, |blocks| memory::recall(&mut points, blocks));
-        }
+        by_law!(Cloth, &mut self.cloth, |sheet| sheet.recall(memory));
     }
 
     /// Shows the corners of every element that has not broken, counted among all nodes.
     pub fn for_each_intact(&self, mut show: impl FnMut(&[u32])) {
         let first = self.nodes.start as u32;
-        for chunk in &self.chunks {
-            concretely!(&chunk.elements, |blocks| {
-                for (b, l) in blocks.places().filter(|(b, l)| !blocks.is_broken(*b, *l)) {
-                    show(&blocks.corners[b].of(l).map(|n| first + n));
-                }
-            });
-        }
+        by_law!(Cloth, &self.cloth, |sheet| sheet.for_each_intact(first, &mut show))
     }
 
     /// Gets the film ready for its forces to be added by several threads.
     pub(super) fn pulling(&mut self) -> Pulling<'_> {
-        Pulling { law: &self.law, chunks: Disjoint::new(&mut self.chunks), nodes: self.nodes.clone() }
+        let cloth = match &mut self.cloth {
+            Cloth::Fabric(sheet) => PullingCloth::Fabric(sheet.pulling()),
+            Cloth::RateFabric(sheet) => PullingCloth::RateFabric(sheet.pulling()),
+            Cloth::Elastic(sheet) => PullingCloth::Elastic(sheet.pulling()),
+            Cloth::TensionField(sheet) => PullingCloth::TensionField(sheet.pulling()),
+        };
+        Pulling { cloth, nodes: self.nodes.clone() }
     }
 
-    /// Adds the film's forces to those of its nodes, and raises the largest strains.
-    pub fn add_forces(&mut self, nodes: &mut Nodes) {
+    /// Adds the film's forces to those of its nodes, which came where they are in `dt` (s), and remembers how far it was strained.
+    pub fn add_forces(&mut self, nodes: &mut Nodes, dt: f64) {
         let colours: Vec<Vec<usize>> = (0..self.colours).map(|colour| self.chunks_of(colour).collect()).collect();
         let of = self.nodes.clone();
         let Nodes { position, force, .. } = nodes;
@@ -163,7 +178,7 @@ impl Film {
         let pulling = self.pulling();
         for chunk in colours.concat() {
             // SAFETY: there is one thread.
-            unsafe { pulling.add_forces(Width::best(), chunk, position.axes(), forces.own()) };
+            unsafe { pulling.add_forces(Width::best(), chunk, position.axes(), dt, forces.own()) };
         }
     }
 
@@ -186,43 +201,126 @@ impl Film {
 
     /// Numbers of the chunks of one colour.
     pub(super) fn chunks_of(&self, colour: usize) -> impl Iterator<Item = usize> + '_ {
-        (0..self.chunks.len()).filter(move |chunk| self.chunks[*chunk].colour == colour)
+        let colours: Vec<usize> = by_law!(Cloth, &self.cloth, |sheet| sheet.chunks.iter().map(|c| c.colour).collect());
+        (0..colours.len()).filter(move |chunk| colours[*chunk] == colour)
     }
 
     /// Takes the force from every element that the last forces found past its break strain; its mass stays. `position` is that
     /// of all nodes. Returns the number of elements broken and the energies they held.
     pub fn break_elements(&mut self, position: [&[f64]; 3]) -> (usize, ElementEnergy) {
         let position = position.map(|axis| &axis[self.nodes.clone()]);
+        by_law!(Cloth, &mut self.cloth, |sheet| sheet.break_elements(&position))
+    }
+
+    /// Number of chunks.
+    fn chunks(&self) -> usize {
+        by_law!(Cloth, &self.cloth, |sheet| sheet.chunks.len())
+    }
+}
+
+impl<M: MembraneLaw> Sheet<M> {
+    fn points(&self) -> usize {
+        let of = |chunk: &Chunk<_>| by_kind!(&chunk.elements, |blocks| blocks.count * blocks.points());
+        self.chunks.iter().map(of).sum()
+    }
+
+    fn numbers(&self) -> usize {
+        self.points() * M::Past::<LANES>::fresh().numbers().count()
+    }
+
+    fn bytes(&self) -> usize {
+        let of = |chunk: &Chunk<_>| by_kind!(&chunk.elements, |blocks| footprint::blocks(blocks));
+        self.chunks.iter().map(of).sum()
+    }
+
+    fn memory(&self) -> Memory {
+        let mut memory = Memory::default();
+        self.chunks.iter().for_each(|chunk| by_kind!(&chunk.elements, |blocks| memory.note(blocks)));
+        memory
+    }
+
+    fn recall(&mut self, memory: &Memory) {
+        let mut reading = memory.reading();
+        for chunk in &mut self.chunks {
+            by_kind!(&mut chunk.elements, |blocks| memory::recall(&mut reading, blocks));
+        }
+    }
+
+    fn for_each_intact(&self, first: u32, mut show: impl FnMut(&[u32])) {
+        for chunk in &self.chunks {
+            by_kind!(&chunk.elements, |blocks| {
+                for (b, l) in blocks.places().filter(|(b, l)| !blocks.is_broken(*b, *l)) {
+                    show(&blocks.corners[b].of(l).map(|n| first + n));
+                }
+            });
+        }
+    }
+
+    fn pulling(&mut self) -> PullingSheet<'_, M> {
+        PullingSheet { law: &self.law, chunks: Disjoint::new(&mut self.chunks) }
+    }
+
+    fn break_elements(&mut self, position: &[&[f64]; 3]) -> (usize, ElementEnergy) {
         let mut total = (0, ElementEnergy::default());
         for chunk in self.chunks.iter_mut().filter(|chunk| chunk.past) {
-            let (count, held) = concretely!(&mut chunk.elements, &self.law, |blocks, law| {
-                super::failure::break_elements(blocks, law, &position)
-            });
-            total.0 += count;
-            total.1.add(&held);
+            let broken =
+                by_kind!(&mut chunk.elements, |blocks| { super::failure::break_elements(blocks, &self.law, position) });
+            total.0 += broken.0;
+            total.1.add(&broken.1);
         }
         total
+    }
+
+    fn energy(&self, chunk: usize, width: Width, position: &[&[f64]; 3]) -> ElementEnergy {
+        by_kind!(&self.chunks[chunk].elements, |blocks| element::energy(width, blocks, &self.law, position))
+    }
+
+    fn frequency_bound(&self, chunk: usize, width: Width, density: f64, position: &[&[f64]; 3]) -> f64 {
+        by_kind!(&self.chunks[chunk].elements, |blocks| {
+            element::frequency_bound(width, blocks, &self.law, density, position)
+        })
     }
 }
 
 /// A film whose forces several threads add, each those of its own chunks.
 pub(super) struct Pulling<'a> {
-    law: &'a Law,
-    chunks: Disjoint<'a, Chunk>,
+    cloth: PullingCloth<'a>,
     nodes: Range<usize>,
 }
 
+enum PullingCloth<'a> {
+    Fabric(PullingSheet<'a, Fabric>),
+    RateFabric(PullingSheet<'a, Fabric<RateCurves>>),
+    Elastic(PullingSheet<'a, Elastic>),
+    TensionField(PullingSheet<'a, TensionField>),
+}
+
+struct PullingSheet<'a, M: MembraneLaw> {
+    law: &'a M,
+    chunks: Disjoint<'a, Chunk<M::Past<LANES>>>,
+}
+
 impl Pulling<'_> {
-    /// Adds the forces of one chunk to `force`, that of the film's own nodes; `position` is that of all nodes.
+    /// Adds the forces of one chunk to `force`, that of the film's own nodes; `position`, where the nodes came in `dt` (s), is
+    /// that of all nodes.
     ///
     /// # Safety
     /// No other thread may be at work on this chunk.
-    pub(super) unsafe fn add_forces(&self, width: Width, chunk: usize, position: [&[f64]; 3], force: OwnForces<'_>) {
+    pub(super) unsafe fn add_forces(
+        &self,
+        width: Width,
+        chunk: usize,
+        position: [&[f64]; 3],
+        dt: f64,
+        force: OwnForces<'_>,
+    ) {
         let position = position.map(|axis| &axis[self.nodes.clone()]);
-        // SAFETY: the caller keeps other threads from this chunk.
-        let chunk = unsafe { self.chunks.at(chunk) };
-        chunk.past = concretely!(&mut chunk.elements, self.law, |blocks, law| {
-            element::add_forces(width, blocks, law, &position, force)
+        by_law!(PullingCloth, &self.cloth, |sheet| {
+            // SAFETY: the caller keeps other threads from this chunk.
+            let chunk = unsafe { sheet.chunks.at(chunk) };
+            chunk.past = by_kind!(&mut chunk.elements, |blocks| {
+                element::add_forces(width, blocks, sheet.law, &position, dt, force)
+            });
         });
     }
 
@@ -238,7 +336,7 @@ pub(super) fn energies(films: &[Film], team: &Team, position: [&[f64]; 3]) -> Ve
     let parts = survey(films, team, |film, chunk| {
         let film = &films[film];
         let position = position.map(|axis| &axis[film.nodes.clone()]);
-        concretely!(&chunk.elements, &film.law, |blocks, law| element::energy(team.width(), blocks, law, &position))
+        by_law!(Cloth, &film.cloth, |sheet| sheet.energy(chunk, team.width(), &position))
     });
     parts.iter().for_each(|(film, energy)| totals[*film].add(energy));
     totals
@@ -250,9 +348,7 @@ pub(super) fn frequency_bounds(films: &[Film], team: &Team, position: [&[f64]; 3
     let parts = survey(films, team, |film, chunk| {
         let film = &films[film];
         let position = position.map(|axis| &axis[film.nodes.clone()]);
-        concretely!(&chunk.elements, &film.law, |blocks, law| {
-            element::frequency_bound(team.width(), blocks, law, film.density, &position)
-        })
+        by_law!(Cloth, &film.cloth, |sheet| sheet.frequency_bound(chunk, team.width(), film.density, &position))
     });
     for (film, squared) in parts {
         let most = &mut largest[film];
@@ -270,20 +366,23 @@ pub(super) fn strains(films: &[Film], team: &Team, position: [&[f64]; 3], out: &
     let faces: Vec<Disjoint<'_, ElementStrain>> = out.iter_mut().map(|face| Disjoint::new(face)).collect();
     survey(films, team, |film, chunk| {
         let position = position.map(|axis| &axis[films[film].nodes.clone()]);
-        // SAFETY: every chunk writes its own elements alone.
-        let own = unsafe { faces[film].range(chunk.first..chunk.first + chunk.count()) };
-        concretely!(&chunk.elements, |blocks| element::strains(team.width(), blocks, &position, own))
+        by_law!(Cloth, &films[film].cloth, |sheet| {
+            let chunk = &sheet.chunks[chunk];
+            // SAFETY: every chunk writes its own elements alone.
+            let own = unsafe { faces[film].range(chunk.first..chunk.first + chunk.count()) };
+            by_kind!(&chunk.elements, |blocks| element::strains(team.width(), blocks, &position, own))
+        });
     });
 }
 
-/// What `work` says of every chunk, with the number of its film, in order.
+/// What `work` says of every chunk, given by the number of its film and its own, with the number of its film, in order.
 fn survey<T: Clone + Default + Send>(
     films: &[Film],
     team: &Team,
-    work: impl Fn(usize, &Chunk) -> T + Sync,
+    work: impl Fn(usize, usize) -> T + Sync,
 ) -> Vec<(usize, T)> {
-    let chunks: Vec<(usize, &Chunk)> =
-        films.iter().enumerate().flat_map(|(f, film)| film.chunks.iter().map(move |chunk| (f, chunk))).collect();
+    let chunks: Vec<(usize, usize)> =
+        films.iter().enumerate().flat_map(|(f, film)| (0..film.chunks()).map(move |chunk| (f, chunk))).collect();
     let mut out: Vec<(usize, T)> = chunks.iter().map(|(f, _)| (*f, T::default())).collect();
     let answers = Disjoint::new(&mut out);
     team.each(chunks.len(), |part| {
@@ -295,13 +394,13 @@ fn survey<T: Clone + Default + Send>(
     out
 }
 
-impl Chunk {
+impl<P: Past<LANES>> Chunk<P> {
     fn count(&self) -> usize {
-        concretely!(&self.elements, |blocks| blocks.count)
+        by_kind!(&self.elements, |blocks| blocks.count)
     }
 
     fn for_each_node(&self, mut show: impl FnMut(usize)) {
-        concretely!(&self.elements, |blocks| {
+        by_kind!(&self.elements, |blocks| {
             for (b, l) in blocks.places() {
                 blocks.corners[b].of(l).iter().for_each(|n| show(*n as usize));
             }
@@ -312,19 +411,34 @@ impl Chunk {
 /// A film while its elements are made.
 struct Mount<'a> {
     mesh: &'a Mesh,
+    stress_free: StressFree,
+    /// Whether quads are integrated in full.
+    full: bool,
     thickness: f64,
     density: f64,
     masses: Vec<f64>,
-    chunks: Vec<Chunk>,
 }
 
 impl Mount<'_> {
+    /// The elements with their law, and the number of colours of their chunks; adds their mass to their nodes.
+    fn sheet<M: MembraneLaw + Clone>(&mut self, law: &M) -> Result<(Sheet<M>, usize), UprightElement> {
+        let mut chunks = vec![];
+        if self.full {
+            self.add(&self.mesh.quads, Elements::FullQuads, &mut chunks)?;
+        } else {
+            self.add(&self.mesh.quads, Elements::Quads, &mut chunks)?;
+        }
+        self.add(&self.mesh.tris, Elements::Tris, &mut chunks)?;
+        let colours = colour(&mut chunks, self.mesh.nodes.len());
+        Ok((Sheet { law: law.clone(), chunks }, colours))
+    }
+
     /// Adds elements of one kind, and their mass to their nodes.
-    fn add<B, const NODES: usize>(
+    fn add<B, P: Past<LANES>, const NODES: usize>(
         &mut self,
         nodes: &[[u32; NODES]],
-        stress_free: &StressFree,
-        kind: impl Fn(Blocks<B, NODES>) -> Elements,
+        kind: impl Fn(Blocks<B, NODES>) -> Elements<P>,
+        chunks: &mut Vec<Chunk<P>>,
     ) -> Result<(), UprightElement>
     where
         B: Block<NODES, LANES>,
@@ -333,21 +447,21 @@ impl Mount<'_> {
         let blocks = nodes.len().div_ceil(LANES);
         let size = LANES * blocks.div_ceil(CHUNKS).clamp(BLOCKS[0], BLOCKS[1]);
         for nodes in nodes.chunks(size) {
-            let elements: Vec<B::Element> = element::shaped(nodes, &self.mesh.nodes, stress_free)?;
+            let elements: Vec<B::Element> = element::shaped(nodes, &self.mesh.nodes, &self.stress_free)?;
             for (nodes, element) in nodes.iter().zip(&elements) {
                 let share = self.density * self.thickness * element.area() / NODES as f64;
                 nodes.iter().for_each(|n| self.masses[*n as usize] += share);
             }
-            let first = self.chunks.last().map_or(0, |chunk| chunk.first + chunk.count());
+            let first = chunks.last().map_or(0, |chunk| chunk.first + chunk.count());
             let elements = kind(Blocks::new(nodes, &elements, self.thickness));
-            self.chunks.push(Chunk { elements, colour: 0, first, past: false });
+            chunks.push(Chunk { elements, colour: 0, first, past: false });
         }
         Ok(())
     }
 }
 
 /// Gives every chunk the first colour that no earlier chunk with a node in common has; returns the number of colours.
-fn colour(chunks: &mut [Chunk], nodes: usize) -> usize {
+fn colour<P: Past<LANES>>(chunks: &mut [Chunk<P>], nodes: usize) -> usize {
     // A bit a colour: those that stand at a node already.
     let mut taken = vec![0_u64; nodes];
     let mut colours = 0;

@@ -3,13 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::element::{Block, Blocks};
+use crate::material::Past;
 
 /// Memory of the elements of one face, an entry an integration point: element by element, quads first, whatever the
 /// blocks in which they are worked on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
-    /// Largest strains so far of the MD fibres, the TD fibres and in shear.
-    peaks: Vec<[f64; 3]>,
+    /// What the law remembers, as many numbers a point as it needs.
+    past: Vec<f64>,
     /// Volume of stress-free film, m³; zero once broken.
     volume: Vec<f64>,
 }
@@ -17,12 +18,17 @@ pub struct Memory {
 impl Memory {
     /// Number of integration points.
     pub(super) fn len(&self) -> usize {
-        self.peaks.len().min(self.volume.len())
+        self.volume.len()
     }
 
-    /// Largest strains and volume of every point, in order.
-    pub(super) fn points(&self) -> impl Iterator<Item = ([f64; 3], f64)> + '_ {
-        self.peaks.iter().copied().zip(self.volume.iter().copied())
+    /// Numbers that the law remembers of all points.
+    pub(super) fn numbers(&self) -> usize {
+        self.past.len()
+    }
+
+    /// All that is remembered, to be read in order.
+    pub(super) fn reading(&self) -> Reading<'_> {
+        Reading { past: self.past.iter(), volume: self.volume.iter() }
     }
 
     /// Appends the memory of some elements.
@@ -31,18 +37,24 @@ impl Memory {
         B: Block<NODES, L>,
     {
         for (block, lane) in elements.places() {
-            for (peaks, volume) in elements.blocks[block].memory() {
-                self.peaks.push(peaks.map(|peak| peak[lane]));
+            for (past, volume) in elements.blocks[block].memory() {
+                self.past.extend(past.numbers().map(|numbers| numbers[lane]));
                 self.volume.push(volume[lane]);
             }
         }
     }
 }
 
-/// Puts the memory of the next `points` back into elements. The copies of the last element that fill up its block go through
+/// A memory while it is put back.
+pub(super) struct Reading<'a> {
+    past: std::slice::Iter<'a, f64>,
+    volume: std::slice::Iter<'a, f64>,
+}
+
+/// Puts the memory of the next points back into elements. The copies of the last element that fill up its block go through
 /// what it goes through.
 pub(super) fn recall<B, const NODES: usize, const L: usize>(
-    points: &mut impl Iterator<Item = ([f64; 3], f64)>,
+    reading: &mut Reading<'_>,
     elements: &mut Blocks<B, NODES, L>,
 ) where
     B: Block<NODES, L>,
@@ -50,11 +62,11 @@ pub(super) fn recall<B, const NODES: usize, const L: usize>(
     let last = elements.count - 1;
     for (number, (block, lane)) in elements.places().enumerate() {
         let copies = lane + 1..if number == last { L } else { lane + 1 };
-        for ((peaks, volume), (largest, held)) in elements.blocks[block].memory_mut().zip(&mut *points) {
-            volume[lane] = held;
-            for (peak, largest) in peaks.iter_mut().zip(largest) {
-                peak[lane] = largest;
-                peak[copies.clone()].fill(largest);
+        for ((past, volume), held) in elements.blocks[block].memory_mut().zip(&mut reading.volume) {
+            volume[lane] = *held;
+            for (numbers, remembered) in past.numbers_mut().zip(&mut reading.past) {
+                numbers[lane] = *remembered;
+                numbers[copies.clone()].fill(*remembered);
             }
         }
     }

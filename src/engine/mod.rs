@@ -192,7 +192,7 @@ impl Engine {
             broken: 0,
         };
         // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
-        engine.forces();
+        engine.forces(0.0);
         engine.nodes.forget_forces();
         engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.team, &engine.drive);
         engine
@@ -233,7 +233,7 @@ impl Engine {
         let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.team, self.time)?;
         let over = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
         let wanted = observer.wants(self.time);
-        self.forces();
+        self.forces(last);
         self.pull(dt, over);
         let jaw_force = self.jaw_force();
         if wanted {
@@ -247,10 +247,10 @@ impl Engine {
         Ok(std::mem::take(&mut self.broken))
     }
 
-    /// Forces at the full step; elements past their break strain lose theirs from the next step on.
-    fn forces(&mut self) {
+    /// Forces at the full step, where the nodes came in `dt` (s); elements past their break strain lose theirs from the next step on.
+    fn forces(&mut self, dt: f64) {
         self.inflate();
-        self.add_forces();
+        self.add_forces(dt);
         let mut broken = 0;
         for film in &mut self.films {
             let (count, held) = film.break_elements(self.nodes.position.axes());
@@ -274,7 +274,7 @@ impl Engine {
     }
 
     /// Adds the films' forces to those of their nodes, which hold the load alone.
-    fn add_forces(&mut self) {
+    fn add_forces(&mut self, dt: f64) {
         let position = self.nodes.position.axes();
         let mut rest = self.nodes.force.axes_mut();
         let films: Vec<_> = self
@@ -296,7 +296,7 @@ impl Engine {
                 let (film, chunk) = chunks[part];
                 let (pulling, forces) = &films[film];
                 // SAFETY: chunks of one colour share no node, films neither, and each chunk comes up once.
-                unsafe { pulling.add_forces(width, chunk, position, forces.own()) };
+                unsafe { pulling.add_forces(width, chunk, position, dt, forces.own()) };
             });
         }
     }

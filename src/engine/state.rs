@@ -85,6 +85,7 @@ impl Engine {
         same("faces", state.films.len(), self.films.len())?;
         for (memory, film) in state.films.iter().zip(&self.films) {
             same("integration points", memory.len(), film.points())?;
+            same("numbers that the law remembers", memory.numbers(), film.numbers())?;
         }
         same("impactors", usize::from(state.impact.is_some()), usize::from(self.impact.is_some()))?;
         let listed = state.impact.as_ref().is_none_or(|(_, carried)| carried.is_of(nodes));

@@ -33,6 +33,12 @@ impl Absorption {
         self.share
     }
 
+    /// 1/(1 − D).
+    #[inline(always)]
+    pub(super) fn steepening(&self) -> f64 {
+        self.steepening
+    }
+
     /// Where on the curve a fibre at `strain` with largest strain `peak` stands.
     #[inline(always)]
     fn place(&self, strain: f64, peak: f64) -> f64 {

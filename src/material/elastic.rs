@@ -92,13 +92,15 @@ impl Elastic {
 }
 
 impl MembraneLaw for Elastic {
+    type Past<const L: usize> = Peaks<L>;
+
     #[inline(always)]
-    fn stress<const L: usize>(&self, d: &Deformation<L>, _peaks: &mut Peaks<L>) -> Stress<L> {
+    fn stress<const L: usize>(&self, d: &Deformation<L>, _past: &mut Peaks<L>, _dt: f64) -> Stress<L> {
         Elastic::first_piola(d, self.response(&Elastic::strain(d)))
     }
 
     #[inline(always)]
-    fn energy<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Energy<L> {
+    fn energy<const L: usize>(&self, d: &Deformation<L>, _past: &Peaks<L>) -> Energy<L> {
         let e = Elastic::strain(d);
         let s = self.response(&e);
         let mut stored = splat(0.0);
@@ -109,7 +111,7 @@ impl MembraneLaw for Elastic {
     }
 
     #[inline(always)]
-    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Stiffness<L> {
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _past: &Peaks<L>) -> Stiffness<L> {
         self.bound(d, self.response(&Elastic::strain(d)))
     }
 
@@ -117,7 +119,8 @@ impl MembraneLaw for Elastic {
         [self.plane(); 2]
     }
 
-    fn break_strains(&self) -> [f64; 2] {
-        [f64::INFINITY; 2]
+    #[inline(always)]
+    fn break_strains<const L: usize>(&self, _past: &Peaks<L>) -> [Lane<L>; 2] {
+        [splat(f64::INFINITY); 2]
     }
 }

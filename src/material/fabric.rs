@@ -11,32 +11,35 @@
 //! a slack fibre carries no stress, and its part in shear fades with its length instead of growing without bound.
 //! Beyond |sin γ| = 0.95 the angle goes on along its tangent, so that the force stays bounded as fibres close up.
 
-use super::{Absorption, Curve, Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
+use super::fibre::FibreLaw;
+use super::past::FilmPast;
+use super::{Absorption, Curve, Deformation, Energy, MembraneLaw, Stiffness, Stress};
 use crate::lane::{Lane, Lane3, dot, larger, smaller, splat};
 
-/// Two fibre sets at 90° in the stress-free film and a shear curve, with energy absorption on unloading.
+/// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve, with
+/// energy absorption on unloading.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fabric {
-    md: Curve,
-    td: Curve,
+pub struct Fabric<F = Curve> {
+    md: F,
+    td: F,
     shear: Curve,
     absorption: Absorption,
 }
 
-impl Fabric {
+impl<F: FibreLaw> Fabric<F> {
     /// Engineering stress (Pa) over engineering strain for MD and TD, shear stress (Pa) over shear angle (rad),
     /// and the share 0 ≤ `absorption` < 1 of the stored energy that is lost on unloading, in the fibres and in shear.
-    pub fn new(md: Curve, td: Curve, shear: Curve, absorption: f64) -> Fabric {
+    pub fn new(md: F, td: F, shear: Curve, absorption: f64) -> Fabric<F> {
         Fabric { md, td, shear, absorption: Absorption::new(absorption) }
     }
 
     /// Curve of the MD fibres.
-    pub fn md(&self) -> &Curve {
+    pub fn md(&self) -> &F {
         &self.md
     }
 
     /// Curve of the TD fibres.
-    pub fn td(&self) -> &Curve {
+    pub fn td(&self) -> &F {
         &self.td
     }
 
@@ -48,6 +51,13 @@ impl Fabric {
     /// Share of the stored energy that is lost on unloading.
     pub fn absorption(&self) -> f64 {
         self.absorption.share()
+    }
+
+    /// Strains at which the MD and TD fibres break when they are strained slowly, and those at which they are broken however fast
+    /// they were strained.
+    pub(super) fn break_range(&self) -> [[f64; 2]; 2] {
+        let ([md, longest_md], [td, longest_td]) = (self.md.break_strains(), self.td.break_strains());
+        [[md, td], [longest_md, longest_td]]
     }
 }
 
@@ -139,44 +149,46 @@ impl<const L: usize> Fibres<L> {
     }
 }
 
-impl Fabric {
-    /// Stress in fibres of deformation `d`; raises `peaks`.
+impl<const L: usize> Fibres<L> {
+    /// Stress of fibres that pull with `md` and `td` and resist shear with `shear`, Pa.
     #[inline(always)]
-    fn respond<const L: usize>(&self, fibres: &Fibres<L>, d: &Deformation<L>, peaks: &mut Peaks<L>) -> Stress<L> {
-        let [peak_md, peak_td, peak_shear] = peaks;
-        let md = self.absorption.stress(&self.md, &fibres.strain(0), peak_md);
-        let td = self.absorption.stress(&self.td, &fibres.strain(1), peak_td);
-        let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), peak_shear);
-
+    fn pull(&self, d: &Deformation<L>, md: &Lane<L>, td: &Lane<L>, shear: &Lane<L>) -> Stress<L> {
         let mut tension = [splat(0.0); 2];
         let mut cross = splat(0.0);
         for l in 0..L {
-            let [r1, r2] = [fibres.inverse[0][l], fibres.inverse[1][l]];
-            let turn = shear[l].copysign(fibres.angle[l]) * fibres.secant[l];
+            let [r1, r2] = [self.inverse[0][l], self.inverse[1][l]];
+            let turn = shear[l].copysign(self.angle[l]) * self.secant[l];
             cross[l] = turn * r1 * r2;
-            let taut1 = if fibres.stretch[0][l] > 1.0 { r1 * r1 } else { 0.0 };
-            let taut2 = if fibres.stretch[1][l] > 1.0 { r2 * r2 } else { 0.0 };
-            tension[0][l] = md[l] * r1 - turn * fibres.sine[l] * taut1;
-            tension[1][l] = td[l] * r2 - turn * fibres.sine[l] * taut2;
+            let taut1 = if self.stretch[0][l] > 1.0 { r1 * r1 } else { 0.0 };
+            let taut2 = if self.stretch[1][l] > 1.0 { r2 * r2 } else { 0.0 };
+            tension[0][l] = md[l] * r1 - turn * self.sine[l] * taut1;
+            tension[1][l] = td[l] * r2 - turn * self.sine[l] * taut2;
         }
         let [f1, f2] = &d.f;
         Stress { p: [combine(&tension[0], f1, &cross, f2), combine(&tension[1], f2, &cross, f1)], tension }
     }
 }
 
-impl MembraneLaw for Fabric {
+impl<F: FibreLaw> MembraneLaw for Fabric<F> {
+    type Past<const L: usize> = FilmPast<F::Past<L>, L>;
+
     #[inline(always)]
-    fn stress<const L: usize>(&self, d: &Deformation<L>, peaks: &mut Peaks<L>) -> Stress<L> {
-        self.respond(&Fibres::of(d), d, peaks)
+    fn stress<const L: usize>(&self, d: &Deformation<L>, past: &mut Self::Past<L>, dt: f64) -> Stress<L> {
+        let fibres = Fibres::of(d);
+        let [past_md, past_td] = &mut past.fibres;
+        let md = self.md.stress(&self.absorption, &fibres.strain(0), past_md, dt);
+        let td = self.td.stress(&self.absorption, &fibres.strain(1), past_td, dt);
+        let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), &mut past.shear);
+        fibres.pull(d, &md, &td, &shear)
     }
 
     #[inline(always)]
-    fn energy<const L: usize>(&self, d: &Deformation<L>, peaks: &Peaks<L>) -> Energy<L> {
+    fn energy<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Energy<L> {
         let fibres = Fibres::of(d);
         let parts = [
-            self.absorption.energy(&self.md, &fibres.strain(0), &peaks[0]),
-            self.absorption.energy(&self.td, &fibres.strain(1), &peaks[1]),
-            self.absorption.energy(&self.shear, &fibres.angle.map(f64::abs), &peaks[2]),
+            self.md.energy(&self.absorption, &fibres.strain(0), &past.fibres[0]),
+            self.td.energy(&self.absorption, &fibres.strain(1), &past.fibres[1]),
+            self.absorption.energy(&self.shear, &fibres.angle.map(f64::abs), &past.shear),
         ];
         let mut total = Energy { stored: splat(0.0), absorbed: splat(0.0) };
         for (stored, absorbed) in &parts {
@@ -189,20 +201,23 @@ impl MembraneLaw for Fabric {
     }
 
     #[inline(always)]
-    fn stiffness<const L: usize>(&self, d: &Deformation<L>, peaks: &Peaks<L>) -> Stiffness<L> {
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Stiffness<L> {
         /// Strain that a fibre may move before the bound is asked for again.
         const REACH: f64 = 0.005;
         let fibres = Fibres::of(d);
-        let across = self.respond(&fibres, d, &mut peaks.clone()).tension.map(|t| t.map(f64::abs));
-        let mut along = [
-            self.absorption.steepest(&self.md, &fibres.strain(0), &peaks[0], REACH),
-            self.absorption.steepest(&self.td, &fibres.strain(1), &peaks[1], REACH),
-        ];
         let angle = fibres.angle.map(f64::abs);
-        let mut shear = self.absorption.steepest(&self.shear, &angle, &peaks[2], REACH);
+        let md = self.md.stress_near(&self.absorption, &fibres.strain(0), &past.fibres[0]);
+        let td = self.td.stress_near(&self.absorption, &fibres.strain(1), &past.fibres[1]);
+        let turned = self.absorption.stress(&self.shear, &angle, &mut past.shear.clone());
+        let across = fibres.pull(d, &md, &td, &turned).tension.map(|t| t.map(f64::abs));
+        let mut along = [
+            self.md.steepest(&self.absorption, &fibres.strain(0), &past.fibres[0], REACH),
+            self.td.steepest(&self.absorption, &fibres.strain(1), &past.fibres[1], REACH),
+        ];
+        let mut shear = self.absorption.steepest(&self.shear, &angle, &past.shear, REACH);
         let mut largest = angle;
         for l in 0..L {
-            largest[l] = larger(angle[l], peaks[2][l]);
+            largest[l] = larger(angle[l], past.shear[l]);
         }
         let stress = self.shear.stress_lanes(&largest);
         for l in 0..L {
@@ -218,8 +233,9 @@ impl MembraneLaw for Fabric {
         [self.md.initial_slope(), self.td.initial_slope()]
     }
 
-    fn break_strains(&self) -> [f64; 2] {
-        [self.md.end(), self.td.end()]
+    #[inline(always)]
+    fn break_strains<const L: usize>(&self, past: &Self::Past<L>) -> [Lane<L>; 2] {
+        [self.md.break_strain(&past.fibres[0]), self.td.break_strain(&past.fibres[1])]
     }
 }
 
@@ -238,6 +254,7 @@ fn combine<const L: usize>(a: &Lane<L>, u: &Lane3<L>, b: &Lane<L>, v: &Lane3<L>)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::Past;
 
     #[test]
     fn the_angle_is_the_arcsine_and_goes_on_along_its_tangent() {
@@ -262,9 +279,13 @@ mod tests {
         let film = Fabric::new(md.clone(), td.clone(), Curve::new(vec![[1.0, 1e7]]).unwrap(), 0.9);
         for strain in [0.1, 0.26, 0.5, 1.0, 1.39] {
             let f = [[1.0 + strain, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|v| v.map(|x| [x]));
-            assert!((film.stress(&f.into(), &mut [splat(0.0); 3]).p[0][0][0] / md.stress(strain) - 1.0).abs() < 1e-14);
+            assert!(
+                (film.stress(&f.into(), &mut Past::fresh(), 0.0).p[0][0][0] / md.stress(strain) - 1.0).abs() < 1e-14
+            );
             let f = [[1.0, 0.0, 0.0], [0.0, 1.0 + strain, 0.0]].map(|v| v.map(|x| [x]));
-            assert!((film.stress(&f.into(), &mut [splat(0.0); 3]).p[1][1][0] / td.stress(strain) - 1.0).abs() < 1e-14);
+            assert!(
+                (film.stress(&f.into(), &mut Past::fresh(), 0.0).p[1][1][0] / td.stress(strain) - 1.0).abs() < 1e-14
+            );
         }
     }
 }

@@ -7,14 +7,20 @@ mod absorption;
 mod curve;
 mod elastic;
 mod fabric;
+mod fibre;
 mod multipliers;
+mod past;
+mod rate_curves;
 mod tension_field;
 
 pub use absorption::Absorption;
 pub use curve::{Curve, CurveError, Reading};
 pub use elastic::Elastic;
 pub use fabric::Fabric;
+pub use fibre::FibreLaw;
 pub use multipliers::Multipliers;
+pub use past::{FibrePast, FilmPast, Past, Peaks};
+pub use rate_curves::{RateCurves, RateCurvesError, RatePast};
 pub use tension_field::TensionField;
 
 use crate::lane::{LANES, Lane, Lane3, splat};
@@ -39,9 +45,6 @@ impl<const L: usize> From<Gradient<L>> for Deformation<L> {
         Deformation { f, spread: [splat(0.0); 2] }
     }
 }
-
-/// Largest strains so far of the MD fibres, the TD fibres and in shear.
-pub type Peaks<const L: usize = LANES> = [Lane<L>; 3];
 
 /// Answer of a law to a deformation.
 pub struct Stress<const L: usize> {
@@ -105,16 +108,18 @@ impl<const L: usize> Stiffness<L> {
 
 /// What an element asks of a law.
 pub trait MembraneLaw {
-    /// Stress at deformation `d`; raises `peaks` to the strains reached.
-    fn stress<const L: usize>(&self, d: &Deformation<L>, peaks: &mut Peaks<L>) -> Stress<L>;
-    /// Energy at deformation `d` and largest strains `peaks`.
-    fn energy<const L: usize>(&self, d: &Deformation<L>, peaks: &Peaks<L>) -> Energy<L>;
+    /// What it remembers of an integration point.
+    type Past<const L: usize>: Past<L>;
+    /// Stress at deformation `d`, reached `dt` (s) after the deformation before; remembers it. No time passes while film is mounted.
+    fn stress<const L: usize>(&self, d: &Deformation<L>, past: &mut Self::Past<L>, dt: f64) -> Stress<L>;
+    /// Energy at deformation `d`.
+    fn energy<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Energy<L>;
     /// Largest tangent stiffness at and near deformation `d`, whichever way it goes on.
-    fn stiffness<const L: usize>(&self, d: &Deformation<L>, peaks: &Peaks<L>) -> Stiffness<L>;
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Stiffness<L>;
     /// Slopes of the law at rest along MD and TD, Pa.
     fn moduli(&self) -> [f64; 2];
     /// Strains at which the MD and TD fibres break.
-    fn break_strains(&self) -> [f64; 2];
+    fn break_strains<const L: usize>(&self, past: &Self::Past<L>) -> [Lane<L>; 2];
 }
 
 /// The law of a film.
@@ -122,6 +127,8 @@ pub trait MembraneLaw {
 pub enum Law {
     /// Two fibre sets and shear.
     Fabric(Fabric),
+    /// The same with curves by strain rate.
+    RateFabric(Fabric<RateCurves>),
     /// St. Venant–Kirchhoff plane stress.
     Elastic(Elastic),
     /// The same without compression.
@@ -129,22 +136,39 @@ pub enum Law {
 }
 
 impl Law {
-    /// Strains at which the MD and TD fibres break.
+    /// Strains at which the MD and TD fibres break when they are strained slowly.
     pub fn break_strains(&self) -> [f64; 2] {
+        self.break_range()[0]
+    }
+
+    /// Strains at which the MD and TD fibres are broken however fast they were strained.
+    pub fn largest_break_strains(&self) -> [f64; 2] {
+        self.break_range()[1]
+    }
+
+    /// Lowest and highest strain rate (1/s) that the curves of both fibre sets cover, where both depend on it.
+    pub fn rates(&self) -> Option<[f64; 2]> {
+        let Law::RateFabric(fabric) = self else { return None };
+        let ([from, to], [other_from, other_to]) = (fabric.md().range()?, fabric.td().range()?);
+        Some([from.max(other_from), to.min(other_to)])
+    }
+
+    fn break_range(&self) -> [[f64; 2]; 2] {
         match self {
-            Law::Fabric(law) => law.break_strains(),
-            Law::Elastic(law) => law.break_strains(),
-            Law::TensionField(law) => law.break_strains(),
+            Law::Fabric(law) => law.break_range(),
+            Law::RateFabric(law) => law.break_range(),
+            Law::Elastic(_) | Law::TensionField(_) => [[f64::INFINITY; 2]; 2],
         }
     }
 
-    /// First Piola–Kirchhoff stress of film that goes straight to the gradient `f`, Pa of one layer.
+    /// First Piola–Kirchhoff stress of film that goes slowly and straight to the gradient `f`, Pa of one layer.
     pub fn virgin_stress(&self, f: Gradient<1>) -> Gradient<1> {
-        let (d, mut peaks) = (Deformation::from(f), [splat(0.0); 3]);
+        let d = Deformation::from(f);
         match self {
-            Law::Fabric(law) => law.stress(&d, &mut peaks).p,
-            Law::Elastic(law) => law.stress(&d, &mut peaks).p,
-            Law::TensionField(law) => law.stress(&d, &mut peaks).p,
+            Law::Fabric(law) => law.stress(&d, &mut Past::fresh(), 0.0).p,
+            Law::RateFabric(law) => law.stress(&d, &mut Past::fresh(), 0.0).p,
+            Law::Elastic(law) => law.stress(&d, &mut Past::fresh(), 0.0).p,
+            Law::TensionField(law) => law.stress(&d, &mut Past::fresh(), 0.0).p,
         }
     }
 }
@@ -197,17 +221,18 @@ mod tests {
 
     /// Central differences of the energy against stress and tension, on the way up (peaks follow the strain) or on the
     /// way down from peaks that lie `above` the strain.
-    fn check_derivative(law: &impl MembraneLaw, above: f64) {
+    fn check_derivative(law: &impl MembraneLaw<Past<1> = Peaks<1>>, above: f64) {
         let step = 1e-6;
         for d in deformations() {
-            let mut peaks = [splat(0.0); 3];
-            law.stress(&d, &mut peaks);
-            let raised = peaks.map(|p| p.map(|p| p + above));
-            let stress = law.stress(&d, &mut raised.clone());
+            let mut past = Peaks::fresh();
+            law.stress(&d, &mut past, 0.0);
+            let mut raised = past;
+            raised.numbers_mut().for_each(|peak| peak[0] += above);
+            let stress = law.stress(&d, &mut raised.clone(), 0.0);
             let energy = |d: &Deformation<1>| {
-                let mut peaks = if above > 0.0 { raised } else { [splat(0.0); 3] };
-                law.stress(d, &mut peaks);
-                law.energy(d, &peaks).stored[0]
+                let mut past = if above > 0.0 { raised } else { Peaks::fresh() };
+                law.stress(d, &mut past, 0.0);
+                law.energy(d, &past).stored[0]
             };
             let scale = stress.p.iter().flatten().fold(1.0, |m: f64, v| m.max(v[0].abs()));
             for fibre in 0..2 {
@@ -255,13 +280,13 @@ mod tests {
 
     /// Second differences of the energy along motions b ⊗ n of unit size, in the film along b and in space along n, against
     /// the resistance that the law's stiffness claims.
-    fn check_bound(law: &impl MembraneLaw) {
+    fn check_bound(law: &impl MembraneLaw<Past<1> = Peaks<1>>) {
         let (step, turn) = (1e-4, std::f64::consts::PI / 8.0);
         for d in deformations() {
             for b in (0..8).map(|k| (turn * f64::from(k)).sin_cos()) {
                 let (first, second) = b;
                 let g = [[first * first, first * second], [first * second, second * second]];
-                let bound = law.stiffness(&d, &[splat(0.0); 3]).resistance(&g.map(|row| row.map(splat)))[0];
+                let bound = law.stiffness(&d, &Peaks::fresh()).resistance(&g.map(|row| row.map(splat)))[0];
                 for n in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.8, 0.0], [0.6, -0.48, 0.64]] {
                     let energy = |t: f64| {
                         let mut moved = d;
@@ -269,7 +294,7 @@ mod tests {
                             moved.f[0][axis][0] += t * first * n[axis];
                             moved.f[1][axis][0] += t * second * n[axis];
                         }
-                        law.energy(&moved, &[splat(0.0); 3]).stored[0]
+                        law.energy(&moved, &Peaks::fresh()).stored[0]
                     };
                     let stiffness = (energy(step) - 2.0 * energy(0.0) + energy(-step)) / (step * step);
                     assert!(stiffness <= bound * (1.0 + 1e-6) + 1.0, "{stiffness} over {bound} at {d:?}, {b:?}, {n:?}");
@@ -291,8 +316,8 @@ mod tests {
     fn rotation_alone_gives_no_stress() {
         let (s, c) = 0.7_f64.sin_cos();
         let d = Deformation::from([[c, s * 0.6, s * 0.8].map(splat), [-s, c * 0.6, c * 0.8].map(splat)]);
-        let of_fabric = film(0.9).stress(&d, &mut [splat(0.0); 3]).p;
-        let of_elastic = Elastic { young: 5e7, poisson: 0.4 }.stress(&d, &mut [splat(0.0); 3]).p;
+        let of_fabric = film(0.9).stress(&d, &mut Peaks::fresh(), 0.0).p;
+        let of_elastic = Elastic { young: 5e7, poisson: 0.4 }.stress(&d, &mut Peaks::fresh(), 0.0).p;
         for p in [of_fabric, of_elastic] {
             assert!(p.iter().flatten().all(|v: &Lane<1>| v[0].abs() < 1e-6), "{p:?}");
         }

@@ -77,13 +77,15 @@ impl TensionField {
 }
 
 impl MembraneLaw for TensionField {
+    type Past<const L: usize> = Peaks<L>;
+
     #[inline(always)]
-    fn stress<const L: usize>(&self, d: &Deformation<L>, _peaks: &mut Peaks<L>) -> Stress<L> {
+    fn stress<const L: usize>(&self, d: &Deformation<L>, _past: &mut Peaks<L>, _dt: f64) -> Stress<L> {
         Elastic::first_piola(d, self.response(d))
     }
 
     #[inline(always)]
-    fn energy<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Energy<L> {
+    fn energy<const L: usize>(&self, d: &Deformation<L>, _past: &Peaks<L>) -> Energy<L> {
         let Elastic { young, poisson } = self.0;
         let p = self.principal(&Elastic::strain(d));
         let mut stored = splat(0.0);
@@ -98,7 +100,7 @@ impl MembraneLaw for TensionField {
     /// The bound of the elastic film with the tension of this one: relaxing takes stiffness away, since wrinkled film turns
     /// its tension with `S₁/(E₁ − E₂) ≤ 2G`.
     #[inline(always)]
-    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _peaks: &Peaks<L>) -> Stiffness<L> {
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _past: &Peaks<L>) -> Stiffness<L> {
         self.0.bound(d, self.response(d))
     }
 
@@ -106,14 +108,16 @@ impl MembraneLaw for TensionField {
         [self.0.plane(); 2]
     }
 
-    fn break_strains(&self) -> [f64; 2] {
-        [f64::INFINITY; 2]
+    #[inline(always)]
+    fn break_strains<const L: usize>(&self, _past: &Peaks<L>) -> [Lane<L>; 2] {
+        [splat(f64::INFINITY); 2]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::Past;
 
     const LAW: TensionField = TensionField(Elastic { young: 5e7, poisson: 0.4 });
 
@@ -126,7 +130,7 @@ mod tests {
     }
 
     fn energy(law: &impl MembraneLaw, stretches: [f64; 2]) -> f64 {
-        law.energy(&turned(stretches), &[splat(0.0); 3]).stored[0]
+        law.energy(&turned(stretches), &Past::fresh()).stored[0]
     }
 
     #[test]
@@ -158,7 +162,7 @@ mod tests {
     #[test]
     fn wrinkled_film_is_pulled_one_way_only() {
         let d = turned([1.2, 0.7]);
-        let stress = LAW.stress(&d, &mut [splat(0.0); 3]);
+        let stress = LAW.stress(&d, &mut Peaks::fresh(), 0.0);
         let (s, c) = 0.3_f64.sin_cos();
         let traction = |n: [f64; 2]| [0, 1, 2].map(|axis| n[0] * stress.p[0][axis][0] + n[1] * stress.p[1][axis][0]);
         let is = |traction: [f64; 3], expected: [f64; 3]| {

@@ -124,7 +124,7 @@ fn frame_depth(impactor: &Impactor, spans: &Spans<'_>) -> Option<f64> {
 /// Depth at which a fibre set, straight from edge to edge over the impactor's lowest point and strained evenly, is at its
 /// break strain, m. Every other shape of the film strains it more somewhere.
 fn breaking_depth(face: &Face, fibre: usize, spans: &Spans<'_>) -> Option<f64> {
-    let limit = face.material.law.break_strains()[fibre];
+    let limit = face.material.law.largest_break_strains()[fibre];
     let angle = face.md_angle + [0.0, 0.5 * PI][fibre];
     let ways = [spans.length(angle)?, spans.length(angle + PI)?];
     let own = ways.iter().sum::<f64>() / (1.0 + face.prestrain[fibre]);

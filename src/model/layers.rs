@@ -2,7 +2,7 @@
 
 use super::specimen::{is_along_axes, symmetry};
 use super::{Element, Face, Findings, Loading, Meshing, Symmetry, material};
-use crate::material::{Law, Material};
+use crate::material::Material;
 use crate::scenario::{self, Layer, Layers, Scenario};
 
 /// The faces; none where a material is missing or no material.
@@ -173,14 +173,13 @@ fn taut(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
 /// A film must outlast its own mounting.
 fn prestrained(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
     for (place, face) in faces.iter().enumerate() {
-        let Law::Fabric(fabric) = &face.material.law else { continue };
         let path = face_path(scenario, place);
-        let fibres = [("md", "MD", fabric.md()), ("td", "TD", fabric.td())];
-        for ((key, name, curve), prestrain) in fibres.into_iter().zip(face.prestrain) {
-            if prestrain < curve.end() {
+        let fibres = [("md", "MD"), ("td", "TD")].into_iter().zip(face.material.law.break_strains());
+        for (((key, name), end), prestrain) in fibres.zip(face.prestrain) {
+            if prestrain < end {
                 continue;
             }
-            let end = (1e3 * curve.end()).round() / 1e3;
+            let end = (1e3 * end).round() / 1e3;
             let message = format!("pre-strain {prestrain} breaks the film: {name} breaks at {end}");
             findings.report(&format!("{path}.prestrain.{key}"), message);
         }

@@ -127,13 +127,15 @@ impl Study {
 
 /// Corners of a curve of fabric, with the origin: strain, stress (Pa).
 fn points(law: &Law, name: &str) -> Answer<Vec<[f64; 2]>> {
-    let Law::Fabric(fabric) = law else {
-        return Err(refuse("only a fabric has curves"));
-    };
-    let curve = match name {
-        "md" => fabric.md(),
-        "td" => fabric.td(),
-        "shear" => fabric.shear(),
+    let curve = match (law, name) {
+        (Law::Elastic(_) | Law::TensionField(_), _) => return Err(refuse("only a fabric with one curve a direction has curves, not one by strain rate")),
+        (Law::Fabric(fabric), "md") => fabric.md(),
+        (Law::Fabric(fabric), "td") => fabric.td(),
+        (Law::Fabric(fabric), "shear") => fabric.shear(),
+        (Law::RateFabric(fabric), "shear") => fabric.shear(),
+        (Law::RateFabric(_), "md" | "td") => {
+            return Err(refuse(format!("`{name}` has curves by strain rate (`rates`), not one")));
+        }
         _ => return Err(refuse(format!("there is no curve `{name}`; a fabric has md, td and shear"))),
     };
     Ok(std::iter::once([0.0, 0.0]).chain(curve.points().iter().copied()).collect())

@@ -50,16 +50,20 @@ pub struct Fabric {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
     pub absorption: f64,
-    /// Lowest and highest strain rate at which the curves were measured.
+    /// Lowest and highest strain rate at which the curves were measured; where both fibre sets have `rates`, from the lowest to the
+    /// highest of these unless it is said here.
     #[schemars(transform = schema::positive_items)]
     pub measured_rates: Option<[Rate; 2]>,
+    /// Growth of the largest strain over which the strain rate is averaged that a fibre with `rates` feels; 0.01 (assumed) unless
+    /// it is said here.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rate_memory: Option<f64>,
 }
 
-/// The curve of one fibre set: two yield points and a break point, or any curve.
+/// The curve of one fibre set: two yield points and a break point, any curve, or curves by strain rate.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend(
-    "x-future" = ["rates"],
-    "oneOf" = [{ "required": ["yield", "break"] }, { "required": ["curve"] }]
+    "oneOf" = [{ "required": ["yield", "break"] }, { "required": ["curve"] }, { "required": ["rates"] }]
 ))]
 pub struct Fibre {
     /// The two yield points: strain and stress of each.
@@ -77,6 +81,35 @@ pub struct Fibre {
     #[schemars(transform = schema::positive_items)]
     pub yield_strains: Option<[f64; 2]>,
     /// Multipliers of these fibres alone, in place of those of the fabric.
+    pub scale: Option<Scale>,
+    /// Curves by strain rate, at least two, the slowest first: interpolated in the logarithm of the rate, constant below the lowest
+    /// and above the highest.
+    #[schemars(length(min = 2))]
+    pub rates: Option<Vec<RateCurve>>,
+}
+
+/// The curve of one fibre set at one strain rate.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("oneOf" = [{ "required": ["yield", "break"] }, { "required": ["curve"] }]))]
+pub struct RateCurve {
+    /// Strain rate at which the curve was measured.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rate: Rate,
+    /// The two yield points: strain and stress of each.
+    #[serde(rename = "yield")]
+    pub yield_points: Option<[Point; 2]>,
+    /// Strain and stress at which the fibres break.
+    #[serde(rename = "break")]
+    pub break_point: Option<Point>,
+    /// A CSV file with the columns `strain` and `stress` (Pa, or `stress_MPa`), or the points themselves;
+    /// the last one is the break.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::path_or_list::<Point>")]
+    pub curve: Option<Vec<Point>>,
+    /// Strains of the two yield points of `curve`, needed where `scale` moves it.
+    #[schemars(transform = schema::positive_items)]
+    pub yield_strains: Option<[f64; 2]>,
+    /// Multipliers of this curve alone, in place of those of the fibre set or of the fabric.
     pub scale: Option<Scale>,
 }
 

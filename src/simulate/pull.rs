@@ -37,23 +37,25 @@ pub enum PullError {
 }
 
 /// Engineering stress (Pa) of the film of `model` at `strains`, to which it is pulled one after the other: a single element of the
-/// whole specimen with its own element and law, which remembers its largest strains. The stress of film that is past its
-/// break strain is zero.
+/// whole specimen with its own element and law, which remembers its largest strains and feels the rate of the jaws. The stress
+/// of film that is past its break strain is zero.
 ///
 /// # Errors
 /// Another loading than a stretch, a strain of −1 or less, film that finds no equilibrium across.
 pub fn pull(model: &Model, strains: &[f64], across: Across) -> Result<Vec<f64>, PullError> {
     let mut element = SingleElement::of(model)?;
-    let mut width = 1.0;
+    let (mut width, mut before) = (1.0, 0.0);
     let stress = |strain: &f64| {
         if !(strain.is_finite() && *strain > -1.0) {
             return Err(PullError::Strain { strain: *strain });
         }
         let along = 1.0 + strain;
+        let dt = (strain - before).abs() / element.rate;
+        before = *strain;
         if across == Across::Free {
-            width = element.width(along, width).ok_or(PullError::NoWidth { strain: *strain })?;
+            width = element.width(along, width, dt).ok_or(PullError::NoWidth { strain: *strain })?;
         }
-        Ok(element.pulled(along, width) / element.section)
+        Ok(element.pulled([along, width], dt) / element.section)
     };
     strains.iter().map(stress).collect()
 }
@@ -68,6 +70,8 @@ struct SingleElement {
     sides: [Vec<u32>; 2],
     /// Stress-free cross-section, m².
     section: f64,
+    /// Strain rate of the jaws, 1/s.
+    rate: f64,
 }
 
 /// Unbalanced force across the film over the pull along it.
@@ -84,7 +88,7 @@ const GUESSES: usize = 100;
 
 impl SingleElement {
     fn of(model: &Model) -> Result<SingleElement, PullError> {
-        let (Loading::Stretch { .. }, Shape::Rectangle { x, y }, [face]) =
+        let (Loading::Stretch { velocity, .. }, Shape::Rectangle { x, y }, [face]) =
             (&model.loading, &model.specimen.shape, &model.faces[..])
         else {
             return Err(PullError::NotAStretch);
@@ -95,21 +99,22 @@ impl SingleElement {
         let mut nodes = Nodes::default();
         let film = Film::mount(&mesh, &face, 1.0, &mut nodes)?;
         let sides = [Side::XPlus, Side::YPlus].map(|side| mesh.sides[side as usize].clone());
-        Ok(SingleElement { film, flat: nodes.position.clone(), nodes, sides, section: Coupon::of(model).section })
+        let (flat, section, rate) = (nodes.position.clone(), Coupon::of(model).section, velocity / x);
+        Ok(SingleElement { film, flat, nodes, sides, section, rate })
     }
 
-    /// Pull (N) along the film that is stretched by `along` and `across`; it remembers, and breaks.
-    fn pulled(&mut self, along: f64, across: f64) -> f64 {
-        load(&mut self.film, &mut self.nodes, &self.flat, [along, across]);
+    /// Pull (N) along the film that is stretched along and across within `dt` (s); it remembers, and breaks.
+    fn pulled(&mut self, stretch: [f64; 2], dt: f64) -> f64 {
+        load(&mut self.film, &mut self.nodes, &self.flat, stretch, dt);
         self.film.break_elements(self.nodes.position.axes());
         -self.nodes.pull(&self.sides[0], 0)
     }
 
-    /// Stretch across at which nothing pulls across film that is stretched by `along`, looked for from `guess`.
-    fn width(&self, along: f64, guess: f64) -> Option<f64> {
+    /// Stretch across at which nothing pulls across film that is stretched by `along` within `dt` (s), looked for from `guess`.
+    fn width(&self, along: f64, guess: f64, dt: f64) -> Option<f64> {
         let mut nodes = self.nodes.clone();
         let mut unbalanced = |across: f64| {
-            load(&mut self.film.clone(), &mut nodes, &self.flat, [along, across]);
+            load(&mut self.film.clone(), &mut nodes, &self.flat, [along, across], dt);
             let [pull, across] = [0, 1].map(|axis| -nodes.pull(&self.sides[axis], axis));
             if across.abs() <= BALANCED * pull.abs() { 0.0 } else { across }
         };
@@ -153,11 +158,11 @@ fn balance([mut other, mut last]: [Guess; 2], unbalanced: &mut impl FnMut(f64) -
     None
 }
 
-/// Puts the nodes where the film, `flat` before, is stretched along x and y; they have its forces then.
-fn load(film: &mut Film, nodes: &mut Nodes, flat: &Vectors, stretch: [f64; 2]) {
+/// Puts the nodes within `dt` (s) where the film, `flat` before, is stretched along x and y; they have its forces then.
+fn load(film: &mut Film, nodes: &mut Nodes, flat: &Vectors, stretch: [f64; 2], dt: f64) {
     for (n, [x, y, z]) in flat.iter().enumerate() {
         nodes.position.set(n, [stretch[0] * x, stretch[1] * y, z]);
     }
     nodes.force.axes_mut().into_iter().for_each(|axis| axis.fill(0.0));
-    film.add_forces(nodes);
+    film.add_forces(nodes, dt);
 }

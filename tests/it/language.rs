@@ -7,7 +7,7 @@ use std::path::Path;
 use droptower::diagnostic::render;
 use droptower::material::Law;
 use droptower::model::{self, Element, Hold, ImpactorShape, Loading, Model, Shape, Side, Symmetry, Window};
-use droptower::scenario::Document;
+use droptower::scenario::{Assignment, Document};
 
 fn read(path: &Path) -> Model {
     let model = Document::read(path).and_then(|document| model::check(&document));
@@ -143,4 +143,70 @@ fn multipliers_move_a_general_curve_like_its_yield_points() {
     let named = &model("b", named).faces[0].material;
     assert_eq!(&model("a", general).faces[0].material, named);
     assert_eq!(&model("c", apart).faces[0].material, named);
+}
+
+/// The law of the tower's film whose MD fibres have curves by strain rate, TD fibres one, with changes.
+fn by_rate(changes: &[&str]) -> Law {
+    let text = "
+        extends = \"tower.toml\"
+        [specimen.material.fabric]
+        md.rates = [
+            { rate = \"0.04 1/s\", yield = [[0.2, 1e6], [0.4, 2e6]], break = [1, 4e6], scale = { ky = 1 } },
+            { rate = 4, curve = \"shear.csv\", yield_strains = [0.3, 0.5] },
+        ]
+        td = { yield = [[0.1, 1e6], [0.2, 2e6]], break = [3, 5e6] }
+        scale.ky = 2";
+    let folder = tempfile::tempdir().expect("a folder");
+    for part in glob::glob("tests/it/broken/parts/*").expect("a good pattern").flatten() {
+        fs::copy(&part, folder.path().join(part.file_name().expect("a file"))).expect("writable");
+    }
+    let path = folder.path().join("rates.toml");
+    fs::write(&path, text).expect("writable");
+    let changes: Vec<_> = changes.iter().map(|c| Assignment::from_argument(c).expect("a value")).collect();
+    let model = Document::read(&path).and_then(|document| model::check(&document.with(&changes)));
+    model.unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false))).faces[0].material.law.clone()
+}
+
+/// Multipliers stand at a curve, at its fibre set or at the fabric, and the nearest count; assignments reach each.
+#[test]
+fn curves_by_strain_rate() {
+    let stresses = |changes: &[&str]| {
+        let Law::RateFabric(fabric) = by_rate(changes) else { panic!("curves by rate") };
+        [(0.01, 0.2), (4.0, 0.3), (0.4, 0.2)].map(|(rate, strain)| fabric.md().stress_at(strain, rate))
+    };
+    let is = |found: [f64; 3], slow: f64, fast: f64, at: f64| {
+        let expected = [slow, fast, 0.5 * (slow + at)];
+        found.iter().zip(expected).all(|(found, expected)| (found / expected - 1.0).abs() < 1e-12)
+    };
+    let curve = |strain: f64| 4e6 * strain / 0.3; // the first line of shear.csv
+    assert!(is(stresses(&[]), 1e6, 2.0 * curve(0.3), 2.0 * curve(0.2)), "{:?}", stresses(&[]));
+    let own = "specimen.material.fabric.md.scale.ky=3";
+    assert!(is(stresses(&[own]), 1e6, 3.0 * curve(0.3), 3.0 * curve(0.2)));
+    let second = "specimen.material.fabric.md.rates.1.scale={ ky = 0.5 }";
+    assert!(is(stresses(&[own, second]), 1e6, 0.5 * curve(0.3), 0.5 * curve(0.2)));
+    let first = "specimen.material.fabric.md.rates.0.scale.ky=5";
+    assert!(is(stresses(&[first]), 5e6, 2.0 * curve(0.3), 2.0 * curve(0.2)));
+    let Law::RateFabric(fabric) = by_rate(&[]) else { panic!("curves by rate") };
+    assert_eq!((fabric.md().range(), fabric.td().range()), (Some([0.04, 4.0]), None));
+    assert_eq!(fabric.td().stress_at(0.1, 1e3), 2e6);
+    let one = "specimen.material.fabric.md={ yield = [[0.2, 1e6], [0.4, 2e6]], break = [1, 4e6] }";
+    assert!(matches!(by_rate(&[one]), Law::Fabric(_)));
+}
+
+#[test]
+fn measured_rates_follow_from_curves_by_rate() {
+    let read = |changes: &[&str]| {
+        let td =
+            "specimen.material.fabric.td.rates=[{ rate = 1, curve = [[1, 1e6]] }, { rate = 9, curve = [[1, 1e6]] }]";
+        let changes: Vec<_> =
+            [td].iter().chain(changes).map(|c| Assignment::from_argument(c).expect("a value")).collect();
+        let path = Path::new("tests/it/broken/parts/tower.toml");
+        let document = Document::read(path).expect("the tower reads").with(&changes);
+        let model = model::check(&document).unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)));
+        model.faces[0].material.measured_rates
+    };
+    let md = "specimen.material.fabric.md.rates=[{ rate = 0.1, curve = [[1, 1e6]] }, { rate = 5, curve = [[1, 1e6]] }]";
+    assert_eq!(read(&[md]), Some([1.0, 5.0]));
+    assert_eq!(read(&[md, "specimen.material.fabric.measured_rates=[2, 3]"]), Some([2.0, 3.0]));
+    assert_eq!(read(&[]), None);
 }

@@ -1,27 +1,35 @@
 //! Elements side by side, in blocks of lanes.
 
 use crate::lane::{LANES, Lane, Lane3, splat};
-use crate::material::{MembraneLaw, Peaks};
+use crate::material::{MembraneLaw, Past};
 
 /// `L` elements of one kind with `NODES` nodes each: what the passes over a film ask of them.
 pub trait Block<const NODES: usize, const L: usize> {
     /// One element before it is put into a block.
     type Element;
+    /// What an integration point remembers.
+    type Past: Past<L>;
 
     /// The elements that `lane` gives, each with the thickness (m, all layers) it counts with.
     fn new<'a>(lane: impl Fn(usize) -> (&'a Self::Element, f64)) -> Self
     where
         Self::Element: 'a;
 
-    /// Forces on nodes at `x`, into `out` (theory.md, equations 2 and 14); raises the largest strains. Whether a fibre
-    /// somewhere is past its break strain.
-    fn forces<M: MembraneLaw>(&mut self, law: &M, x: &[Lane3<L>; NODES], out: &mut [Lane3<L>; NODES]) -> bool;
+    /// Forces on nodes at `x`, where they came to in `dt` (s), into `out` (theory.md, equations 2 and 14); the points remember
+    /// it. Whether a fibre somewhere is past its break strain.
+    fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; NODES], dt: f64, out: &mut [Lane3<L>; NODES]) -> bool
+    where
+        M: MembraneLaw<Past<L> = Self::Past>;
 
     /// Energies of the elements with nodes at `x`.
-    fn energies<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>;
+    fn energies<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>
+    where
+        M: MembraneLaw<Past<L> = Self::Past>;
 
     /// Bound on density × squared angular frequency × volume / nodes, summed over the points (theory.md, equation 17).
-    fn stiffness<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; NODES]) -> Lane<L>;
+    fn stiffness<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> Lane<L>
+    where
+        M: MembraneLaw<Past<L> = Self::Past>;
 
     /// Strains, averaged over the points.
     fn strains(&self, x: &[Lane3<L>; NODES]) -> BlockStrains<L>;
@@ -30,16 +38,18 @@ pub trait Block<const NODES: usize, const L: usize> {
     fn volume(&self) -> Lane<L>;
 
     /// Whether a fibre of the element in a lane is past its break strain.
-    fn is_past(&self, lane: usize, limits: [f64; 2]) -> bool;
+    fn is_past<M>(&self, law: &M, lane: usize) -> bool
+    where
+        M: MembraneLaw<Past<L> = Self::Past>;
 
     /// Takes the force from the element in a lane.
     fn take_out(&mut self, lane: usize);
 
-    /// Largest strains and volume (m³) at every integration point.
-    fn memory(&self) -> impl Iterator<Item = (&Peaks<L>, &Lane<L>)>;
+    /// What every integration point remembers, and its volume (m³).
+    fn memory(&self) -> impl Iterator<Item = (&Self::Past, &Lane<L>)>;
 
     /// The same, to be put back.
-    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut Peaks<L>, &mut Lane<L>)>;
+    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut Self::Past, &mut Lane<L>)>;
 }
 
 /// Energies of the elements of one block, J.

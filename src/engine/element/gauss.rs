@@ -2,23 +2,22 @@
 
 use super::block::{Block, BlockEnergies, BlockStrains};
 use crate::lane::{Lane, Lane3, splat};
-use crate::material::{Deformation, MembraneLaw, Peaks, strains};
+use crate::material::{Deformation, MembraneLaw, Past, Peaks, strains};
 
 /// Elements with `NODES` nodes and `POINTS` integration points each.
 #[derive(Clone, Debug)]
-pub struct Gauss<const NODES: usize, const POINTS: usize, const L: usize> {
-    points: [Point<NODES, L>; POINTS],
+pub struct Gauss<const NODES: usize, const POINTS: usize, const L: usize, P = Peaks<L>> {
+    points: [Point<P, NODES, L>; POINTS],
 }
 
 /// An integration point of the elements of a block.
 #[derive(Clone, Debug)]
-struct Point<const NODES: usize, const L: usize> {
+struct Point<P, const NODES: usize, const L: usize> {
     /// ∂N_a/∂X_I along MD and TD of the stress-free film, 1/m.
     gradient: [[Lane<L>; 2]; NODES],
     /// Volume of stress-free film (all layers), m³; zero once broken.
     volume: Lane<L>,
-    /// Largest strains so far.
-    peaks: Peaks<L>,
+    past: P,
 }
 
 /// One such element.
@@ -29,7 +28,7 @@ pub struct GaussElement<const NODES: usize, const POINTS: usize> {
     pub(super) area: [f64; POINTS],
 }
 
-impl<const NODES: usize, const L: usize> Point<NODES, L> {
+impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
     /// f_I = Σ_a ∂N_a/∂X_I x_a (theory.md, equation 1).
     #[inline(always)]
     fn deformation(&self, x: &[Lane3<L>; NODES]) -> Deformation<L> {
@@ -80,29 +79,35 @@ impl<const NODES: usize, const L: usize> Point<NODES, L> {
     }
 }
 
-impl<const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L> for Gauss<NODES, POINTS, L> {
+impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L>
+    for Gauss<NODES, POINTS, L, P>
+{
     type Element = GaussElement<NODES, POINTS>;
+    type Past = P;
 
     fn new<'a>(lane: impl Fn(usize) -> (&'a Self::Element, f64)) -> Self {
         let point = |p: usize| Point {
             gradient: std::array::from_fn(|a| [0, 1].map(|i| std::array::from_fn(|l| lane(l).0.gradient[p][a][i]))),
             volume: std::array::from_fn(|l| lane(l).1 * lane(l).0.area[p]),
-            peaks: [splat(0.0); 3],
+            past: P::fresh(),
         };
         Gauss { points: std::array::from_fn(point) }
     }
 
     #[inline(always)]
-    fn forces<M: MembraneLaw>(&mut self, law: &M, x: &[Lane3<L>; NODES], out: &mut [Lane3<L>; NODES]) -> bool {
-        let limits = law.break_strains();
+    fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; NODES], dt: f64, out: &mut [Lane3<L>; NODES]) -> bool
+    where
+        M: MembraneLaw<Past<L> = P>,
+    {
         let mut past = false;
         *out = [[splat(0.0); 3]; NODES];
         for point in &mut self.points {
             let d = point.deformation(x);
-            let stress = law.stress(&d, &mut point.peaks);
+            let stress = law.stress(&d, &mut point.past, dt);
             point.subtract_stress(&stress.p, out);
+            let (limits, peaks) = (law.break_strains::<L>(&point.past), [0, 1].map(|fibre| point.past.peak(fibre)));
             for l in 0..L {
-                let beyond = (point.peaks[0][l] > limits[0]) | (point.peaks[1][l] > limits[1]);
+                let beyond = (peaks[0][l] > limits[0][l]) | (peaks[1][l] > limits[1][l]);
                 past |= (point.volume[l] > 0.0) & beyond;
             }
         }
@@ -110,10 +115,13 @@ impl<const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L> fo
     }
 
     #[inline(always)]
-    fn energies<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockEnergies<L> {
+    fn energies<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>
+    where
+        M: MembraneLaw<Past<L> = P>,
+    {
         let mut out = BlockEnergies::NONE;
         for point in &self.points {
-            let energy = law.energy(&point.deformation(x), &point.peaks);
+            let energy = law.energy(&point.deformation(x), &point.past);
             for l in 0..L {
                 out.stored[l] += point.volume[l] * energy.stored[l];
                 out.absorbed[l] += point.volume[l] * energy.absorbed[l];
@@ -123,10 +131,13 @@ impl<const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L> fo
     }
 
     #[inline(always)]
-    fn stiffness<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; NODES]) -> Lane<L> {
+    fn stiffness<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> Lane<L>
+    where
+        M: MembraneLaw<Past<L> = P>,
+    {
         let mut bound = splat(0.0);
         for point in &self.points {
-            let resistance = law.stiffness(&point.deformation(x), &point.peaks).resistance(&point.metric());
+            let resistance = law.stiffness(&point.deformation(x), &point.past).resistance(&point.metric());
             for l in 0..L {
                 bound[l] += point.volume[l] * resistance[l];
             }
@@ -146,7 +157,7 @@ impl<const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L> fo
             }
             for fibre in 0..2 {
                 for l in 0..L {
-                    out.peak[fibre][l] = out.peak[fibre][l].max(point.peaks[fibre][l]);
+                    out.peak[fibre][l] = out.peak[fibre][l].max(point.past.peak(fibre)[l]);
                 }
             }
         }
@@ -164,19 +175,19 @@ impl<const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L> fo
         volume
     }
 
-    fn is_past(&self, lane: usize, limits: [f64; 2]) -> bool {
-        self.points.iter().any(|p| p.peaks[0][lane] > limits[0] || p.peaks[1][lane] > limits[1])
+    fn is_past<M: MembraneLaw<Past<L> = P>>(&self, law: &M, lane: usize) -> bool {
+        self.points.iter().any(|point| super::is_past(law, &point.past, lane))
     }
 
     fn take_out(&mut self, lane: usize) {
         self.points.iter_mut().for_each(|p| p.volume[lane] = 0.0);
     }
 
-    fn memory(&self) -> impl Iterator<Item = (&Peaks<L>, &Lane<L>)> {
-        self.points.iter().map(|point| (&point.peaks, &point.volume))
+    fn memory(&self) -> impl Iterator<Item = (&P, &Lane<L>)> {
+        self.points.iter().map(|point| (&point.past, &point.volume))
     }
 
-    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut Peaks<L>, &mut Lane<L>)> {
-        self.points.iter_mut().map(|point| (&mut point.peaks, &mut point.volume))
+    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut P, &mut Lane<L>)> {
+        self.points.iter_mut().map(|point| (&mut point.past, &mut point.volume))
     }
 }

@@ -89,18 +89,19 @@ fn scatter<const NODES: usize, const L: usize>(
 }
 
 at_width! {
-    /// Adds the forces of all elements to `force` and raises the largest strains.
+    /// Adds the forces of all elements, whose nodes came to `position` in `dt` (s), to `force`; they remember it.
     /// True if a fibre somewhere is past its break strain.
-    pub(crate) fn add_forces[B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize](
-        elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], force: OwnForces<'_>,
+    pub(crate) fn add_forces[B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize](
+        elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>,
     ) -> bool = add_forces_lanewise
 }
 
 #[inline(always)]
-fn add_forces_lanewise<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize>(
+fn add_forces_lanewise<B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize>(
     elements: &mut Blocks<B, NODES, L>,
     law: &M,
     position: &[&[f64]; 3],
+    dt: f64,
     force: OwnForces<'_>,
 ) -> bool {
     let mut past = false;
@@ -108,7 +109,7 @@ fn add_forces_lanewise<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, c
     let mut out = [[splat(0.0); 3]; NODES];
     for (corners, block) in elements.corners.iter().zip(&mut elements.blocks) {
         gather(corners, position, &mut x);
-        past |= block.forces(law, &x, &mut out);
+        past |= block.forces(law, &x, dt, &mut out);
         scatter(corners, &out, force);
     }
     past
@@ -136,13 +137,13 @@ impl ElementEnergy {
 
 at_width! {
     /// Energies of all elements.
-    pub(crate) fn energy[B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize](
+    pub(crate) fn energy[B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize](
         elements: &Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3],
     ) -> ElementEnergy = energy_lanewise
 }
 
 #[inline(always)]
-fn energy_lanewise<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize>(
+fn energy_lanewise<B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize>(
     elements: &Blocks<B, NODES, L>,
     law: &M,
     position: &[&[f64]; 3],
@@ -163,7 +164,7 @@ fn energy_lanewise<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const
 }
 
 /// Energies of the element at `block`, `lane`.
-pub(crate) fn energy_at<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize>(
+pub(crate) fn energy_at<B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize>(
     elements: &Blocks<B, NODES, L>,
     [block, lane]: [usize; 2],
     law: &M,
@@ -181,13 +182,18 @@ pub(crate) fn energy_at<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, 
 
 at_width! {
     /// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
-    pub(crate) fn frequency_bound[B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize](
+    pub(crate) fn frequency_bound[B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize](
         elements: &Blocks<B, NODES, L>, law: &M, density: f64, position: &[&[f64]; 3],
     ) -> f64 = frequency_bound_lanewise
 }
 
 #[inline(always)]
-fn frequency_bound_lanewise<B: Block<NODES, L>, M: MembraneLaw, const NODES: usize, const L: usize>(
+fn frequency_bound_lanewise<
+    B: Block<NODES, L>,
+    M: MembraneLaw<Past<L> = B::Past>,
+    const NODES: usize,
+    const L: usize,
+>(
     elements: &Blocks<B, NODES, L>,
     law: &M,
     density: f64,

@@ -14,6 +14,7 @@ pub use block::{Block, Blocks};
 pub use gauss::Gauss;
 pub use kernel::{ElementEnergy, ElementStrain, Forces, OwnForces};
 pub use one_point::OnePoint;
+pub(super) use one_point::OnePointElement;
 pub use reference::{StressFree, UprightElement};
 
 pub(super) use kernel::{add_forces, energy, energy_at, frequency_bound, strains};
@@ -21,15 +22,21 @@ pub(super) use kernel::{add_forces, energy, energy_at, frequency_bound, strains}
 use nalgebra::Point3;
 
 use crate::lane::LANES;
+use crate::material::{MembraneLaw, Past, Peaks};
 use gauss::GaussElement;
-use one_point::OnePointElement;
 
-/// Quadrilaterals with one integration point.
-pub type Quads<const L: usize = LANES> = Blocks<OnePoint<L>, 4, L>;
+/// Quadrilaterals with one integration point that remembers `P`.
+pub type Quads<const L: usize = LANES, P = Peaks<L>> = Blocks<OnePoint<L, P>, 4, L>;
 /// Quadrilaterals with 2×2 integration points.
-pub type FullQuads<const L: usize = LANES> = Blocks<Gauss<4, 4, L>, 4, L>;
+pub type FullQuads<const L: usize = LANES, P = Peaks<L>> = Blocks<Gauss<4, 4, L, P>, 4, L>;
 /// Triangles.
-pub type Tris<const L: usize = LANES> = Blocks<Gauss<3, 1, L>, 3, L>;
+pub type Tris<const L: usize = LANES, P = Peaks<L>> = Blocks<Gauss<3, 1, L, P>, 3, L>;
+
+/// Whether a fibre of a point in a lane that remembers `past` is past its break strain.
+fn is_past<M: MembraneLaw<Past<L> = P>, P: Past<L>, const L: usize>(law: &M, past: &P, lane: usize) -> bool {
+    let limits = law.break_strains::<L>(past);
+    (0..2).any(|fibre| past.peak(fibre)[lane] > limits[fibre][lane])
+}
 
 /// A kind of element that can be made of stress-free coordinates (m, along MD and TD) of its nodes.
 pub(super) trait Shaped<const NODES: usize>: Sized {

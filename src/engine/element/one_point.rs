@@ -15,11 +15,11 @@
 
 use super::block::{Block, BlockEnergies, BlockStrains};
 use crate::lane::{Lane, Lane3, dot, splat};
-use crate::material::{Deformation, MembraneLaw, Peaks, Stress, strains};
+use crate::material::{Deformation, MembraneLaw, Past, Peaks, Stress, strains};
 
 /// Elements with one point each.
 #[derive(Clone, Debug)]
-pub struct OnePoint<const L: usize> {
+pub struct OnePoint<const L: usize, P = Peaks<L>> {
     /// b_aI of the first two nodes, along MD and TD of the stress-free film, 1/m.
     gradient: [[Lane<L>; 2]; 2],
     /// s₀ and s₁; zero in a parallelogram.
@@ -28,8 +28,7 @@ pub struct OnePoint<const L: usize> {
     skewed: bool,
     /// Volume of stress-free film (all layers), m³; zero once broken.
     volume: Lane<L>,
-    /// Largest strains so far.
-    peaks: Peaks<L>,
+    past: P,
 }
 
 /// One such element.
@@ -53,7 +52,7 @@ struct Shape<const L: usize> {
     mean_square: [Lane<L>; 2],
 }
 
-impl<const L: usize> OnePoint<L> {
+impl<P: Past<L>, const L: usize> OnePoint<L, P> {
     #[inline(always)]
     fn shape<const SKEWED: bool>(&self, x: &[Lane3<L>; 4]) -> Shape<L> {
         let mut f = [[splat(0.0); 3]; 2];
@@ -84,14 +83,12 @@ impl<const L: usize> OnePoint<L> {
 
     /// [`Block::forces`], of parallelograms alone or of any quadrilaterals.
     #[inline(always)]
-    fn forces_of<M: MembraneLaw, const SKEWED: bool>(
-        &mut self,
-        law: &M,
-        x: &[Lane3<L>; 4],
-        out: &mut [Lane3<L>; 4],
-    ) -> bool {
+    fn forces_of<M, const SKEWED: bool>(&mut self, law: &M, x: &[Lane3<L>; 4], dt: f64, out: &mut [Lane3<L>; 4]) -> bool
+    where
+        M: MembraneLaw<Past<L> = P>,
+    {
         let shape = self.shape::<SKEWED>(x);
-        let mut stress = law.stress(&shape.deformation, &mut self.peaks);
+        let mut stress = law.stress(&shape.deformation, &mut self.past, dt);
         let h = shape.resist(&self.volume, &mut stress, stabilisation(law));
         for axis in 0..3 {
             for l in 0..L {
@@ -107,10 +104,10 @@ impl<const L: usize> OnePoint<L> {
                 out[3][axis][l] = quarter + second;
             }
         }
-        let limits = law.break_strains();
+        let (limits, peaks) = (law.break_strains::<L>(&self.past), [0, 1].map(|fibre| self.past.peak(fibre)));
         let mut past = false;
         for l in 0..L {
-            let beyond = (self.peaks[0][l] > limits[0]) | (self.peaks[1][l] > limits[1]);
+            let beyond = (peaks[0][l] > limits[0][l]) | (peaks[1][l] > limits[1][l]);
             past |= (self.volume[l] > 0.0) & beyond;
         }
         past
@@ -150,8 +147,9 @@ fn stabilisation(law: &impl MembraneLaw) -> [f64; 2] {
     law.moduli().map(|modulus| IN_PLANE_STABILISATION * modulus)
 }
 
-impl<const L: usize> Block<4, L> for OnePoint<L> {
+impl<P: Past<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     type Element = OnePointElement;
+    type Past = P;
 
     fn new<'a>(lane: impl Fn(usize) -> (&'a OnePointElement, f64)) -> Self {
         let all = |value: &dyn Fn(&OnePointElement) -> f64| std::array::from_fn(|l| value(lane(l).0));
@@ -160,20 +158,30 @@ impl<const L: usize> Block<4, L> for OnePoint<L> {
             skew: [0, 1].map(|a| all(&|e| e.skew[a])),
             skewed: (0..L).any(|l| lane(l).0.skew != [0.0; 2]),
             volume: std::array::from_fn(|l| lane(l).1 * lane(l).0.area),
-            peaks: [splat(0.0); 3],
+            past: P::fresh(),
         }
     }
 
     #[inline(always)]
-    fn forces<M: MembraneLaw>(&mut self, law: &M, x: &[Lane3<L>; 4], out: &mut [Lane3<L>; 4]) -> bool {
+    fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; 4], dt: f64, out: &mut [Lane3<L>; 4]) -> bool
+    where
+        M: MembraneLaw<Past<L> = P>,
+    {
         // Structured meshes are made of parallelograms, and theirs is the hot path.
-        if self.skewed { self.forces_of::<M, true>(law, x, out) } else { self.forces_of::<M, false>(law, x, out) }
+        if self.skewed {
+            self.forces_of::<M, true>(law, x, dt, out)
+        } else {
+            self.forces_of::<M, false>(law, x, dt, out)
+        }
     }
 
     #[inline(always)]
-    fn energies<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; 4]) -> BlockEnergies<L> {
+    fn energies<M>(&self, law: &M, x: &[Lane3<L>; 4]) -> BlockEnergies<L>
+    where
+        M: MembraneLaw<Past<L> = P>,
+    {
         let shape = self.shape::<true>(x);
-        let energy = law.energy(&shape.deformation, &self.peaks);
+        let energy = law.energy(&shape.deformation, &self.past);
         let stabilisation = stabilisation(law);
         let f = &shape.deformation.f;
         let along = [dot(&f[0], &shape.q), dot(&f[1], &shape.q)];
@@ -188,7 +196,10 @@ impl<const L: usize> Block<4, L> for OnePoint<L> {
     }
 
     #[inline(always)]
-    fn stiffness<M: MembraneLaw>(&self, law: &M, x: &[Lane3<L>; 4]) -> Lane<L> {
+    fn stiffness<M>(&self, law: &M, x: &[Lane3<L>; 4]) -> Lane<L>
+    where
+        M: MembraneLaw<Past<L> = P>,
+    {
         let shape = self.shape::<true>(x);
         let f = &shape.deformation.f;
         let mut g = [[splat(0.0); 2]; 2];
@@ -201,7 +212,7 @@ impl<const L: usize> Block<4, L> for OnePoint<L> {
             let skewed = self.skew[0][l] * self.skew[0][l] + self.skew[1][l] * self.skew[1][l];
             modes[l] = 0.25 + 2.0 * skewed;
         }
-        let mut bound = law.stiffness(&shape.deformation, &self.peaks).resistance(&g);
+        let mut bound = law.stiffness(&shape.deformation, &self.past).resistance(&g);
         let stabilisation = stabilisation(law);
         let (squares, amplitude) = ([dot(&f[0], &f[0]), dot(&f[1], &f[1])], dot(&shape.q, &shape.q));
         for l in 0..L {
@@ -218,7 +229,7 @@ impl<const L: usize> Block<4, L> for OnePoint<L> {
     #[inline(always)]
     fn strains(&self, x: &[Lane3<L>; 4]) -> BlockStrains<L> {
         let s = strains(&self.shape::<true>(x).deformation);
-        BlockStrains { strain: [s.md, s.td, s.shear], peak: [self.peaks[0], self.peaks[1]] }
+        BlockStrains { strain: [s.md, s.td, s.shear], peak: [0, 1].map(|fibre| *self.past.peak(fibre)) }
     }
 
     #[inline(always)]
@@ -226,19 +237,19 @@ impl<const L: usize> Block<4, L> for OnePoint<L> {
         self.volume
     }
 
-    fn is_past(&self, lane: usize, limits: [f64; 2]) -> bool {
-        self.peaks[0][lane] > limits[0] || self.peaks[1][lane] > limits[1]
+    fn is_past<M: MembraneLaw<Past<L> = P>>(&self, law: &M, lane: usize) -> bool {
+        super::is_past(law, &self.past, lane)
     }
 
     fn take_out(&mut self, lane: usize) {
         self.volume[lane] = 0.0;
     }
 
-    fn memory(&self) -> impl Iterator<Item = (&Peaks<L>, &Lane<L>)> {
-        std::iter::once((&self.peaks, &self.volume))
+    fn memory(&self) -> impl Iterator<Item = (&P, &Lane<L>)> {
+        std::iter::once((&self.past, &self.volume))
     }
 
-    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut Peaks<L>, &mut Lane<L>)> {
-        std::iter::once((&mut self.peaks, &mut self.volume))
+    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut P, &mut Lane<L>)> {
+        std::iter::once((&mut self.past, &mut self.volume))
     }
 }

@@ -19,6 +19,7 @@ mod inflation;
 mod oscillation;
 mod patch;
 mod poisson_sheet;
+mod rates;
 mod rupture;
 mod same_bits;
 mod shapes;

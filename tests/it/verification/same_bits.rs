@@ -14,7 +14,7 @@ fn small() -> Model {
     shipped("drop/1008.toml", &["specimen.mesh.size=20mm"])
 }
 
-fn after(model: &Model, team: Team, steps: usize) -> Vec<u64> {
+pub fn after(model: &Model, team: Team, steps: usize) -> Vec<u64> {
     let mut engine: Engine = simulate::engine(model).expect("an engine").worked_on_by(team);
     for _ in 0..steps {
         engine.step(&mut Blind).expect("a step");
@@ -84,21 +84,23 @@ fn forces<const L: usize>(mesh: &Mesh, model: &Model, width: Width) -> Vec<[u64;
         position.extend(
             mesh.nodes.iter().map(|p| [p.x * (1.0 + 0.3 * share), p.y * (1.0 + 0.2 * share * p.x), share * p.x * p.y]),
         );
-        patch.add_forces(width, &position, &mut force);
+        patch.add_forces(width, &position, 1e-4, &mut force);
     }
     force.iter().map(|f| f.map(f64::to_bits)).collect()
 }
 
 #[test]
 fn an_element_has_the_same_force_in_any_number_of_lanes() {
-    let model = small();
-    let mesh = apart(&mesh::build(&model.specimen, &model.faces[0]).expect("a mesh"));
-    let expected = forces::<1>(&mesh, &model, Width::Baseline);
-    assert!(expected.iter().flatten().any(|bits| f64::from_bits(*bits).abs() > 1e-3));
-    for width in Width::available() {
-        assert!(forces::<1>(&mesh, &model, width) == expected, "1 lane, {width:?}");
-        assert!(forces::<4>(&mesh, &model, width) == expected, "4 lanes, {width:?}");
-        assert!(forces::<8>(&mesh, &model, width) == expected, "8 lanes, {width:?}");
-        assert!(forces::<16>(&mesh, &model, width) == expected, "16 lanes, {width:?}");
+    let by_rate = "specimen.material=scenarios/materials/lldpe-rates.toml";
+    for model in [small(), shipped("drop/1008.toml", &["specimen.mesh.size=20mm", by_rate])] {
+        let mesh = apart(&mesh::build(&model.specimen, &model.faces[0]).expect("a mesh"));
+        let expected = forces::<1>(&mesh, &model, Width::Baseline);
+        assert!(expected.iter().flatten().any(|bits| f64::from_bits(*bits).abs() > 1e-3));
+        for width in Width::available() {
+            assert!(forces::<1>(&mesh, &model, width) == expected, "1 lane, {width:?}");
+            assert!(forces::<4>(&mesh, &model, width) == expected, "4 lanes, {width:?}");
+            assert!(forces::<8>(&mesh, &model, width) == expected, "8 lanes, {width:?}");
+            assert!(forces::<16>(&mesh, &model, width) == expected, "16 lanes, {width:?}");
+        }
     }
 }

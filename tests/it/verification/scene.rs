@@ -125,7 +125,7 @@ pub fn put(nodes: &mut Nodes, mut to: impl FnMut(usize, [f64; 3]) -> [f64; 3]) {
 /// The film's forces on its nodes.
 pub fn forces(film: &mut Film, nodes: &Nodes) -> Vec<Vector3<f64>> {
     let mut nodes = nodes.clone();
-    film.add_forces(&mut nodes);
+    film.add_forces(&mut nodes, 0.0);
     nodes.force.iter().map(Vector3::from).collect()
 }
 
