@@ -400,7 +400,8 @@ mod tests {
 
     #[test]
     fn a_trial_in_vain_is_cancelled_when_the_search_is_over_or_expects_others() {
-        let searches: [fn(&Desk<'_, '_>) -> Result<bool, CrewError>; 2] = [
+        type Asking = fn(&Desk<'_, '_>) -> Result<bool, CrewError>;
+        let searches: [Asking; 2] = [
             |desk| desk.evaluate(&[1.0]).map(|_| true),
             |desk| {
                 desk.evaluate(&[1.0])?;
