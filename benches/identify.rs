@@ -44,9 +44,9 @@ let objective = |place| {
 let row = |best| #{ k1: best.x[0], ke: best.x[1], ky: best.x[2], f: best.f, iterations: best.iterations,
     evaluations: best.evaluations };
 let starts = args.start.split(",").map(|k| parse_float(k));
-let calls = [];
-for place in 0..args.count { calls.push(objective.call(place)); }
-let found = minimize_all(args.method, calls.map(|call| starts), options, calls);
+let objectives = [];
+for place in 0..args.count { objectives.push(objective.call(place)); }
+let found = minimize_all(args.method, objectives.map(|_of_each| starts), options, objectives);
 table("found", found.map(|best| row.call(best)));
 for best in found { for warning in best.warnings { log(warning); } }
 "#;

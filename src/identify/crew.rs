@@ -359,3 +359,115 @@ impl<'a> Board<'a> {
 fn bits(x: &[f64]) -> Point {
     x.iter().map(|x| x.to_bits()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+    use std::time::Duration;
+
+    use super::*;
+    use crate::identify::Answer;
+
+    /// At 7 a trial goes on until it is cancelled, or for half a minute; elsewhere it waits for that one to begin.
+    #[derive(Default)]
+    struct Endless {
+        begun: AtomicBool,
+        cancelled: AtomicBool,
+    }
+
+    impl Objective for Endless {
+        fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
+            let begin = Instant::now();
+            let until = |over: &dyn Fn() -> bool| {
+                while !over() && begin.elapsed() < Duration::from_secs(30) {
+                    thread::sleep(Duration::from_millis(1));
+                }
+            };
+            if x == [7.0] {
+                self.begun.store(true, Ordering::Relaxed);
+                until(&|| cancellation.is_cancelled());
+                self.cancelled.store(cancellation.is_cancelled(), Ordering::Relaxed);
+            } else {
+                until(&|| self.begun.load(Ordering::Relaxed));
+            }
+            Answer::Value(x[0]).checked()
+        }
+    }
+
+    fn task(objective: &dyn Objective) -> Task<'_> {
+        Task { objective, on_failure: OnFailure::Worst, history: None }
+    }
+
+    #[test]
+    fn a_trial_in_vain_is_cancelled_when_the_search_is_over_or_expects_others() {
+        type Asking = fn(&Desk<'_, '_>) -> Result<bool, CrewError>;
+        let searches: [Asking; 2] = [
+            |desk| desk.evaluate(&[1.0]).map(|_| true),
+            |desk| {
+                desk.evaluate(&[1.0])?;
+                desk.expect(&[vec![2.0]]);
+                let begin = Instant::now();
+                while desk.known(&[2.0]).is_none() && begin.elapsed() < Duration::from_secs(30) {
+                    // Only a search that waits has others work ahead.
+                    desk.evaluate(&[begin.elapsed().as_secs_f64()])?;
+                }
+                Ok(desk.known(&[2.0]).is_some())
+            },
+        ];
+        for search in searches {
+            let endless = Endless::default();
+            let crew = Crew::new(vec![task(&endless)], 2);
+            let found = crew.at_work(1 << 20, |desk, _| {
+                desk.expect(&[vec![7.0]]);
+                search(desk)
+            });
+            assert!(found.unwrap()[0] && endless.cancelled.load(Ordering::Relaxed));
+        }
+    }
+
+    #[test]
+    fn a_trial_that_was_cancelled_is_made_again_when_it_is_asked_for() {
+        let calls = AtomicUsize::new(0);
+        struct Twice<'n>(&'n AtomicUsize, Endless);
+        impl Objective for Twice<'_> {
+            fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
+                if x == [7.0] && self.0.fetch_add(1, Ordering::Relaxed) > 0 {
+                    return Answer::Value(7.0).checked();
+                }
+                self.1.evaluate(x, cancellation)
+            }
+        }
+        let twice = Twice(&calls, Endless::default());
+        let found = Crew::new(vec![task(&twice)], 2).at_work(1 << 20, |desk, _| {
+            desk.expect(&[vec![7.0]]);
+            desk.evaluate(&[1.0])?;
+            desk.expect(&[]);
+            desk.evaluate(&[7.0])
+        });
+        assert_eq!(found.unwrap(), [Evaluation::Answer(Answer::Value(7.0))]);
+        assert_eq!(calls.load(Ordering::Relaxed), 2);
+    }
+
+    #[test]
+    fn the_first_failure_is_the_one_that_is_told() {
+        let value = |x: &[f64]| x[0];
+        for threads in [1, 2, 4] {
+            let crew = Crew::new((0..4).map(|_| task(&value)).collect(), threads);
+            let asked = AtomicUsize::new(0);
+            let found: Result<Vec<()>, (usize, CrewError)> = crew.at_work(1 << 20, |desk, number| {
+                for trial in 0..20 {
+                    desk.evaluate(&[f64::from(trial)])?;
+                    asked.fetch_add(usize::from(number == 0), Ordering::Relaxed);
+                    // The third fails at once, the second at its end, the last never on its own.
+                    if number == 2 || (number == 1 && trial == 19) {
+                        return Err(CrewError::Broken(format!("search {number}")));
+                    }
+                }
+                Ok(())
+            });
+            let (number, error) = found.unwrap_err();
+            assert_eq!((number, error.to_string()), (1, "search 1".into()));
+            assert_eq!(asked.load(Ordering::Relaxed), 20, "the one before runs to its end");
+        }
+    }
+}

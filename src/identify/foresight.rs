@@ -90,3 +90,68 @@ impl Affine {
         (&self.residuals + &self.slope * (DVector::from_column_slice(x) - &self.origin)).norm()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::{Crew, Method, OnFailure, Search, SearchError, Task};
+    use crate::simulate::Cancellation;
+
+    /// Residuals that are affine, of which a guess is right.
+    struct Plane;
+
+    impl crate::identify::Objective for Plane {
+        fn evaluate(&self, x: &[f64], _: &Cancellation) -> Evaluation {
+            Answer::Residuals(vec![3.0 * x[0] - x[1], x[1] + 2.0, 0.5 * x[0] + x[1] - 1.0, 0.3]).checked()
+        }
+    }
+
+    /// Notes what is asked for.
+    struct Asked<'t, 'c, 'a>(&'t Trials<'c, 'a>, Vec<Vec<f64>>);
+
+    impl Values for Asked<'_, '_, '_> {
+        type Error = SearchError;
+
+        fn value(&mut self, x: &[f64]) -> Result<f64, SearchError> {
+            self.1.push(x.to_vec());
+            Ok(self.0.answer(x)?.map_or(f64::INFINITY, |answer| answer.value()))
+        }
+    }
+
+    #[test]
+    fn what_follows_from_affine_residuals_is_foreseen() {
+        let task = Task { objective: &Plane, on_failure: OnFailure::Worst, history: None };
+        let search = Search::new(Method::NelderMead, vec![4.0, 3.0]);
+        let found = Crew::new(vec![task], 1).at_work(1 << 20, |desk, _| {
+            let trials = Trials::new(&search, desk);
+            let mut asked = Asked(&trials, vec![]);
+            let mut simplex = Simplex::around(&search.start, &mut asked)?;
+            let mut right = vec![];
+            for _ in 0..10 {
+                let foreseen = points(&simplex, &trials, 5);
+                asked.1.clear();
+                let mut on = simplex.clone();
+                while asked.1.len() < 5 {
+                    on.advance(&mut asked)?;
+                }
+                right.push(foreseen.len() == 5 && foreseen == asked.1[..5]);
+                simplex = on;
+            }
+            Ok::<_, SearchError>(right)
+        });
+        assert_eq!(found.unwrap_or_default(), [vec![true; 10]]);
+    }
+
+    #[test]
+    fn values_alone_tell_nothing() {
+        let value = |x: &[f64]| x[0] * x[0];
+        let task = Task { objective: &value, on_failure: OnFailure::Worst, history: None };
+        let search = Search::new(Method::NelderMead, vec![4.0]);
+        let found = Crew::new(vec![task], 1).at_work(1 << 20, |desk, _| {
+            let trials = Trials::new(&search, desk);
+            let simplex = Simplex::around(&search.start, &mut Asked(&trials, vec![]))?;
+            Ok::<_, SearchError>(points(&simplex, &trials, 5))
+        });
+        assert_eq!(found.unwrap_or_default(), [Vec::<Vec<f64>>::new()]);
+    }
+}

@@ -464,7 +464,10 @@ fn minimise_all(
         None => vec![options.clone(); count],
     };
     let searches = starts.iter().zip(options).zip(calls).enumerate().map(|(number, ((start, options), call))| {
-        let part = |error: Box<EvalAltResult>| refuse(format!("search {}: {error}", number + 1));
+        let part = |error: Box<EvalAltResult>| match &*error {
+            EvalAltResult::ErrorRuntime(value, _) => refuse(format!("search {}: {}", number + 1, thrown(value))),
+            _ => error,
+        };
         let start = start.read_lock::<Array>().ok_or_else(|| part(refuse("its start is a list of numbers")))?;
         let options = options.read_lock::<Map>().ok_or_else(|| part(refuse("its options are a map")))?;
         let call =
@@ -608,6 +611,16 @@ mod tests {
             (with("starts: 3"), "starts spread over the bounds need `lower` and `upper` for every unknown"),
             (with("starts: [[1]]"), "start 2 has 1 entries for 2 unknowns"),
             (with("starts: [[1, 5]], upper: [2, 3]"), "the start lies outside the bounds: x[1] = 5"),
+            (with("fallback: [[1]]"), "start 2 has 1 entries for 2 unknowns"),
+            (with("fallback: [1]"), "`fallback` is a list of lists, with i64 in it"),
+            ("minimize_all(\"cma-es\", [[1]], #{}, [])".into(), "minimize_all has 1 starts for 0 objectives"),
+            ("minimize_all(\"cma-es\", [[1]], [], [|x| 1])".into(), "minimize_all has 0 maps of options for 1 objectives"),
+            ("minimize_all(\"cma-es\", [1], #{}, [|x| 1])".into(), "search 1: its start is a list of numbers"),
+            ("minimize_all(\"cma-es\", [[1]], #{}, [1])".into(), "search 1: its objective is a function"),
+            (
+                "minimize_all(\"nelder-mead\", [[1], [2]], #{}, [|x| x[0] ** 2, |x| { throw \"no\" }])".into(),
+                "search 2: the objective has no value at the start [2.0]: no",
+            ),
             (with("on_failure: \"ignore\""), "unknown on_failure `ignore` (there are worst, retry, stop)"),
             (with("on_rupture: 1"), "`on_rupture` is a text, not i64"),
             (with("difference: 2"), "`difference` is 2, which must be between 0 and 1"),
@@ -641,6 +654,33 @@ mod tests {
     fn a_mistake_in_an_objective_is_told_at_its_place() {
         let error = host().run("let a = 1;\nminimize(\"nelder-mead\", [1], |x| {\n  x[7]\n})").unwrap_err();
         assert_eq!(error.unwrap_inner().position().line(), Some(3));
+    }
+
+    #[test]
+    fn searches_at_the_same_time_find_what_they_find_alone() {
+        let text =
+            "let calls = [|x| [10 * (x[1] - x[0] ** 2), 1 - x[0]], |x| [x[0] - 3, x[0] * x[1]], |x| [x[0], x[1] - 1]];
+            let starts = [[-1.2, 1], [1.0, 2], [0.5, 0.5]];
+            for method in [\"nelder-mead\", \"levenberg-marquardt\", \"cma-es\"] {
+                let together = minimize_all(method, starts, #{ max_evaluations: 150 }, calls);
+                for (found, place) in together {
+                    let alone = minimize(method, starts[place], #{ max_evaluations: 150 }, calls[place]);
+                    if found.x != alone.x || found.f != alone.f || found.evaluations != alone.evaluations
+                        || found.history.len() != alone.history.len() { throw method + place }
+                }
+            }";
+        host().run(text).unwrap();
+    }
+
+    #[test]
+    fn a_script_that_searches_without_end_runs_out_of_its_time() {
+        let limits = Limits { time: std::time::Duration::from_millis(300), ..Limits::STUDY };
+        let mut engine = engine(limits);
+        register(&mut engine, &Laboratory::new(None, |_| {}));
+        let error = engine
+            .run("loop { minimize(\"nelder-mead\", [1.0], |x| { let s = 0; for i in 0..1000 { s += 1; } x[0] }) }");
+        let error = error.unwrap_err();
+        assert!(matches!(error.unwrap_inner(), EvalAltResult::ErrorTerminated(..)), "{error}");
     }
 
     #[test]

@@ -176,7 +176,7 @@ impl Failures {
 }
 
 impl<'c, 'a> Trials<'c, 'a> {
-    fn new(search: &'c Search, desk: &'c Desk<'c, 'a>) -> Trials<'c, 'a> {
+    pub(super) fn new(search: &'c Search, desk: &'c Desk<'c, 'a>) -> Trials<'c, 'a> {
         Trials { search, desk, tally: Mutex::default() }
     }
 

@@ -295,3 +295,72 @@ fn what_goes_wrong_in_a_search_has_a_name() {
         assert!(error.contains(expected), "{error}");
     }
 }
+
+/// Searches of two tests at the same time, killed and taken up again, find what each finds alone.
+#[test]
+fn searches_at_the_same_time_are_taken_up_again() {
+    let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
+    let both = r#"
+        let test = scenario(args.scenario);
+        let scaled = |k| test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: 1.0 } }).simulate();
+        let a = |k| relative_residuals(scaled.call(k).acceleration, test.reference.acceleration, test.window);
+        let d = |k| relative_error(scaled.call(k).displacement, test.reference.displacement, test.window);
+        let o = #{ max_evaluations: 40 };
+        let all = if "apart" in args { [minimize("nelder-mead", [2.0, 3.0], o, a), minimize("nelder-mead", [2.5, 3.0], o, d)] }
+                  else { minimize_all("nelder-mead", [[2.0, 3.0], [2.5, 3.0]], o, [a, d]) };
+        table("found", all.map(|best| #{ k1: best.x[0], ke: best.x[1], f: best.f, evaluations: best.evaluations }));
+    "#;
+    fs::write(bench.path("both.rhai"), both).expect("writable");
+    let window = ["--set", "reference.window=[0, \"8 ms\"]"];
+    let run = |out: &str, more: &[&str]| {
+        let arguments = [&window[..], &["--out", out], more].concat();
+        let output = bench.droptower(&bench.over_the_recording("both.rhai", &scenario, &arguments));
+        assert!(output.status.success(), "{}", error(&output));
+    };
+    run("apart", &["--arg", "apart=true"]);
+    run("together", &["--threads", "2"]);
+    assert!(bench.table("apart", "found") == bench.table("together", "found"), "they differ");
+
+    // What a kill leaves: whole lines up to some trial, and half of the next.
+    let files = || fs::read_dir(bench.path("together.history")).expect("histories").flatten().map(|file| file.path());
+    assert_eq!(files().count(), 2);
+    for (file, share) in files().zip([3, 5]) {
+        let bytes = fs::read(&file).expect("a history");
+        fs::write(&file, &bytes[..bytes.len() * share / 8]).expect("cut");
+    }
+    let before = bench.table("together", "found");
+    run("together", &["--threads", "1"]);
+    assert!(bench.table("together", "found") == before, "they differ");
+}
+
+#[test]
+fn a_simulation_that_goes_wrong_is_no_mistake_of_the_script() {
+    let (bench, scenario) = (Bench::new("50 mm"), shipped("scenarios/drop/1008.toml"));
+    // A film that turns into diamond at 30 % makes the stable step collapse when the sphere gets there.
+    let diamond = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
+    let measured = "specimen.material.fabric.scale={k1=1,ke=1,ky=1}";
+    for (body, status) in [
+        ("test.simulate()", 3),
+        ("minimize(\"nelder-mead\", [1.0], |x| test.simulate().time.end())", 3),
+        (
+            "minimize(\"nelder-mead\", [1.0], #{ on_failure: \"stop\" }, |x| \
+             if x[0] == 1 { 1 } else { test.simulate().time.end() })",
+            3,
+        ),
+        (
+            "minimize(\"nelder-mead\", [1.0], #{ max_evaluations: 4 }, |x| if x[0] == 1 { 1 } else { test.simulate().time.end() })",
+            0,
+        ),
+        ("minimize(\"nelder-mead\", [1.0], |x| { throw \"no\" })", 2),
+        ("try { test.simulate() } catch (e) { throw \"no: \" + e }", 2),
+        ("try { test.simulate() } catch (e) { if !e.contains(\"time step\") { throw e } }", 0),
+    ] {
+        fs::write(bench.path("wrong.rhai"), format!("let test = scenario(args.scenario);\n{body};")).expect("writable");
+        let more = ["--set", diamond, "--set", measured, "--out", "wrong"];
+        // Started again, the search finds in its history how the trial ended.
+        for _ in 0..2 {
+            let output = bench.droptower(&bench.over_the_recording("wrong.rhai", &scenario, &more));
+            assert_eq!(output.status.code(), Some(status), "{body}: {}", error(&output));
+        }
+    }
+}
