@@ -142,9 +142,9 @@ impl<'a> Crew<'a> {
         let pool = pool.map_err(|error| (0, CrewError::from(error).into()))?;
         let at_desk = |number| self.at_desk(number, &search);
         let found = pool.in_place_scope(|scope| {
-            for _ in 0..self.threads {
-                scope.spawn(|_| self.serve());
-            }
+            // One each, which no other thread can take: a trial that waits for work of its own within the pool would else begin to
+            // serve in the middle of itself, and never end.
+            scope.spawn_broadcast(|_, _| self.serve());
             thread::scope(|threads| {
                 let others: Vec<_> =
                     (1..self.rules.len()).map(|number| threads.spawn(move || at_desk(number))).collect();
@@ -365,6 +365,8 @@ mod tests {
     use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
     use std::time::Duration;
 
+    use rayon::prelude::*;
+
     use super::*;
     use crate::identify::Answer;
 
@@ -468,6 +470,17 @@ mod tests {
             let (number, error) = found.unwrap_err();
             assert_eq!((number, error.to_string()), (1, "search 1".into()));
             assert_eq!(asked.load(Ordering::Relaxed), 20, "the one before runs to its end");
+        }
+    }
+
+    /// A trial may share its own work among the crew, as one of several simulations does.
+    #[test]
+    fn trials_that_share_their_work_come_to_an_end() {
+        let shared = |x: &[f64]| (0..40).into_par_iter().map(|i| (f64::from(i) * x[0]).sin()).sum::<f64>().abs();
+        for number in 0..400 {
+            let crew = Crew::new(vec![task(&shared)], 2);
+            let found = crew.at_work(1 << 20, |desk, _| desk.evaluate(&[f64::from(number)]));
+            assert!(matches!(found.unwrap()[..], [Evaluation::Answer(_)]));
         }
     }
 }

@@ -128,7 +128,9 @@ impl Study {
 /// Corners of a curve of fabric, with the origin: strain, stress (Pa).
 fn points(law: &Law, name: &str) -> Answer<Vec<[f64; 2]>> {
     let curve = match (law, name) {
-        (Law::Elastic(_) | Law::TensionField(_), _) => return Err(refuse("only a fabric with one curve a direction has curves, not one by strain rate")),
+        (Law::Elastic(_) | Law::TensionField(_), _) => {
+            return Err(refuse("only a fabric with one curve a direction has curves, not one by strain rate"));
+        }
         (Law::Fabric(fabric), "md") => fabric.md(),
         (Law::Fabric(fabric), "td") => fabric.td(),
         (Law::Fabric(fabric), "shear") => fabric.shear(),
