@@ -513,6 +513,23 @@ mod tests {
         );
     }
 
+    /// Cores that work ahead think the simplex onto its bounds, where all points are known.
+    #[test]
+    fn a_minimum_on_bounds_is_found_by_any_number_of_threads() {
+        let flat = residuals(|x| vec![x[0], 1.0]);
+        let corner = residuals(|x| vec![x[0], x[1]]);
+        let cases: [(&[f64], &dyn Objective); 2] = [(&[1.5001], &flat), (&[2.0, 3.0], &corner)];
+        for (start, objective) in cases {
+            let bounds = Bounds::new(start.len(), Some(vec![1.5; start.len()]), None).unwrap();
+            let search = Search { bounds, ..Search::new(Method::NelderMead, start.into()) };
+            let one = found(&search, objective, 1).unwrap();
+            assert!(one.best.x.iter().all(|x| *x == 1.5), "{one:?}");
+            for threads in [2, 8] {
+                assert_eq!(found(&search, objective, threads).unwrap(), one, "{start:?} on {threads} threads");
+            }
+        }
+    }
+
     #[test]
     fn a_search_that_does_not_converge_says_so() {
         let search = Search { most_evaluations: 20, ..Search::new(Method::NelderMead, vec![-1.2, 1.0]) };
