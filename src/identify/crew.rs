@@ -15,7 +15,7 @@ use rayon::ThreadPoolBuilder;
 use thiserror::Error;
 
 use super::history::{History, HistoryError};
-use super::objective::{Evaluation, Objective};
+use super::objective::{Broken, Evaluation, Objective};
 use super::options::OnFailure;
 use crate::simulate::Cancellation;
 
@@ -54,7 +54,7 @@ pub enum CrewError {
     History(#[from] HistoryError),
     /// The objective cannot go on.
     #[error("{0}")]
-    Broken(String),
+    Broken(#[source] Broken),
     /// No more trials are made, for a reason that is told elsewhere.
     #[error("the trials have ended")]
     Over,
@@ -479,7 +479,7 @@ mod tests {
                     asked.fetch_add(usize::from(number == 0), Ordering::Relaxed);
                     // The third fails at once, the second at its end, the last never on its own.
                     if number == 2 || (number == 1 && trial == 19) {
-                        return Err(CrewError::Broken(format!("search {number}")));
+                        return Err(CrewError::Broken(Broken::new(format!("search {number}"))));
                     }
                 }
                 Ok(())
