@@ -15,7 +15,7 @@ use rayon::ThreadPoolBuilder;
 use thiserror::Error;
 
 use super::history::{History, HistoryError};
-use super::objective::{Evaluation, Objective};
+use super::objective::{Broken, Evaluation, Objective};
 use super::options::OnFailure;
 use crate::simulate::Cancellation;
 
@@ -54,7 +54,7 @@ pub enum CrewError {
     History(#[from] HistoryError),
     /// The objective cannot go on.
     #[error("{0}")]
-    Broken(String),
+    Broken(#[source] Broken),
     /// No more trials are made, for a reason that is told elsewhere.
     #[error("the trials have ended")]
     Over,
@@ -113,6 +113,17 @@ impl Drop for Leave<'_, '_> {
     }
 }
 
+/// Ends all searches when dropped, as they have ended when a thread has served, unless it panics in a trial: nobody then
+/// waits for what that would have found.
+struct Serving<'c, 'a>(&'c Crew<'a>);
+
+impl Drop for Serving<'_, '_> {
+    fn drop(&mut self) {
+        (0..self.0.rules.len()).for_each(|search| self.0.floor().leave(search));
+        self.0.changed.notify_all();
+    }
+}
+
 impl<'a> Crew<'a> {
     /// A crew of `threads` for the trials of `tasks`, one a search.
     pub fn new(tasks: Vec<Task<'a>>, threads: usize) -> Crew<'a> {
@@ -132,6 +143,9 @@ impl<'a> Crew<'a> {
     /// The number of the first task whose search failed, and why: its objective cannot go on, its history cannot be written, or
     /// whatever `search` says. Searches before it have run to their ends, those behind it were broken off: it is the failure that
     /// would have come first had they been made one after the other.
+    ///
+    /// # Panics
+    /// Where an objective does; all searches are ended first.
     pub fn at_work<T: Send, E: From<CrewError> + Send>(
         &self,
         stack: usize,
@@ -171,6 +185,7 @@ impl<'a> Crew<'a> {
     }
 
     fn serve(&self) {
+        let _serving = Serving(self);
         while let Some(job) = self.next() {
             let x: Vec<f64> = job.point.iter().map(|bits| f64::from_bits(*bits)).collect();
             let rule = &self.rules[job.search];
@@ -362,7 +377,9 @@ fn bits(x: &[f64]) -> Point {
 
 #[cfg(test)]
 mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
     use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+    use std::sync::mpsc;
     use std::time::Duration;
 
     use rayon::prelude::*;
@@ -462,7 +479,7 @@ mod tests {
                     asked.fetch_add(usize::from(number == 0), Ordering::Relaxed);
                     // The third fails at once, the second at its end, the last never on its own.
                     if number == 2 || (number == 1 && trial == 19) {
-                        return Err(CrewError::Broken(format!("search {number}")));
+                        return Err(CrewError::Broken(Broken::new(format!("search {number}"))));
                     }
                 }
                 Ok(())
@@ -470,6 +487,28 @@ mod tests {
             let (number, error) = found.unwrap_err();
             assert_eq!((number, error.to_string()), (1, "search 1".into()));
             assert_eq!(asked.load(Ordering::Relaxed), 20, "the one before runs to its end");
+        }
+    }
+
+    #[test]
+    fn a_panic_in_an_objective_ends_the_searches_and_goes_on() {
+        for (threads, searches) in [(1, 1), (2, 1), (4, 3)] {
+            let (tell, told) = mpsc::channel();
+            thread::spawn(move || {
+                let calls = AtomicUsize::new(0);
+                let panics = |x: &[f64]| {
+                    assert!(calls.fetch_add(1, Ordering::Relaxed) != 2, "the third call");
+                    x[0]
+                };
+                let crew = Crew::new((0..searches).map(|_| task(&panics)).collect(), threads);
+                let work = || {
+                    crew.at_work(1 << 20, |desk, _| (0..100).try_for_each(|n| desk.evaluate(&[f64::from(n)]).map(drop)))
+                };
+                let panic = catch_unwind(AssertUnwindSafe(work)).map(drop);
+                tell.send(panic.map_err(|panic| panic.downcast_ref::<&str>().map(|said| (*said).to_owned())))
+            });
+            let ended = told.recv_timeout(Duration::from_secs(30));
+            assert_eq!(ended, Ok(Err(Some("the third call".into()))), "{threads} threads, {searches} searches");
         }
     }
 

@@ -10,12 +10,20 @@ use super::nelder_mead::{Simplex, Values};
 use super::objective::{Answer, Evaluation};
 use super::search::Trials;
 
+/// Iterations in thought for every point that is wanted, at most. Those among points that are known want none, and a simplex
+/// that was pressed onto such points goes on among them for ever.
+const MOST_ITERATIONS: usize = 4;
+
 /// Points that `simplex` asks for next, in their order, where the guess is right; at most `most`, none without residuals.
 pub(super) fn points(simplex: &Simplex, trials: &Trials<'_, '_>, most: usize) -> Vec<Vec<f64>> {
     let Some(model) = Affine::through(simplex, trials) else { return vec![] };
     let mut foresight = Foresight { trials, model, most, wanted: vec![] };
     let mut thought = simplex.clone();
-    while thought.advance(&mut foresight).is_ok() {}
+    for _ in 0..MOST_ITERATIONS * most {
+        if thought.advance(&mut foresight).is_err() {
+            break;
+        }
+    }
     foresight.wanted
 }
 

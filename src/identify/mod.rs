@@ -32,7 +32,7 @@ pub use history::{History, HistoryError, Identity, Logged};
 pub use identifiability::Direction;
 pub use nelder_mead::{Limits, Simplex, Step, Values};
 pub use noise::{Colour, Noise};
-pub use objective::{Answer, Evaluation, Objective};
+pub use objective::{Answer, Broken, Evaluation, Objective};
 pub use options::{Method, OnFailure, OnRupture, OptionsError, Search, Starts};
 pub use profile::{Point, Profile, ProfileError, profiles};
 pub use progress::Progress;

@@ -1,5 +1,10 @@
 //! What is to be small.
 
+use std::error::Error;
+use std::sync::Arc;
+
+use thiserror::Error;
+
 use crate::simulate::Cancellation;
 
 /// Something with a value at every point; asked from several threads at once, in any order, some points in vain.
@@ -25,8 +30,14 @@ pub enum Evaluation {
         numerical: bool,
     },
     /// The whole search cannot go on.
-    Broken(String),
+    Broken(Broken),
 }
+
+/// Why an objective cannot go on. It stays with the trial that found it, since of several trials it is the search that says
+/// which one counts.
+#[derive(Clone, Debug, Error)]
+#[error("{0}")]
+pub struct Broken(Arc<dyn Error + Send + Sync>);
 
 /// What an objective answers.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +51,31 @@ impl Evaluation {
     /// No value, for a cause that is not numerical.
     pub fn failed(cause: impl Into<String>) -> Evaluation {
         Evaluation::Failed { cause: cause.into(), numerical: false }
+    }
+}
+
+impl Broken {
+    /// For `cause`: a text, or an error of the objective's own.
+    pub fn new(cause: impl Into<Box<dyn Error + Send + Sync>>) -> Broken {
+        Broken(Arc::from(cause.into()))
+    }
+
+    /// The cause, where it is of that kind.
+    pub fn cause<E: Error + 'static>(&self) -> Option<&E> {
+        self.0.downcast_ref()
+    }
+}
+
+/// Equal where they say the same.
+impl PartialEq for Broken {
+    fn eq(&self, other: &Broken) -> bool {
+        self.to_string() == other.to_string()
+    }
+}
+
+impl From<&str> for Broken {
+    fn from(cause: &str) -> Broken {
+        Broken::new(cause)
     }
 }
 

@@ -52,7 +52,7 @@ pub struct Profile {
     pub points: Vec<Point>,
     /// ‖r‖² at the ends of the interval.
     pub threshold: f64,
-    /// Ends of the interval of 95 %; none where it is not reached within the points.
+    /// Ends of the interval of 95 %; none where it is not reached within the points, or not before one without a value.
     pub interval: [Option<f64>; 2],
     /// What the user should know.
     pub warnings: Vec<String>,
@@ -321,7 +321,7 @@ fn profile<'w>(
         crossing(upwards, tangent.norm(), rise(confidence, parameter)),
     ];
     let name = &confidence.names[parameter];
-    let warnings = warnings(name, &points, interval, tangent.norm(), threshold);
+    let warnings = warnings(name, estimate, &points, interval, [tangent.norm(), threshold]);
     Profile { parameter, points, threshold, interval, warnings }
 }
 
@@ -330,7 +330,8 @@ fn profile<'w>(
 /// point to the next.
 fn crossing<'p>(points: impl Iterator<Item = &'p Point>, least: f64, rise: f64) -> Option<f64> {
     let root = |f: f64| (f * f - least * least).max(0.0).sqrt();
-    let seen: Vec<[f64; 2]> = points.filter_map(|point| Some([point.value, root(point.f?)])).collect();
+    // What lies beyond a place without a value is not joined to what lies before it.
+    let seen: Vec<[f64; 2]> = points.map_while(|point| Some([point.value, root(point.f?)])).collect();
     let beyond = |pair: &&[[f64; 2]]| pair[1][1] > pair[0][1] && pair[1][1] * pair[1][1] >= rise;
     let pair =
         seen.windows(2).find_map(|pair| <&[[f64; 2]; 2]>::try_from(pair).ok().filter(|pair| beyond(&&pair[..])))?;
@@ -338,15 +339,29 @@ fn crossing<'p>(points: impl Iterator<Item = &'p Point>, least: f64, rise: f64) 
     Some(near + (far - near) * ((rise.sqrt() - low) / (high - low)).clamp(0.0, 1.0))
 }
 
-fn warnings(name: &str, points: &[Point], interval: [Option<f64>; 2], least: f64, threshold: f64) -> Vec<String> {
+fn warnings(
+    name: &str,
+    estimate: f64,
+    points: &[Point],
+    interval: [Option<f64>; 2],
+    [least, threshold]: [f64; 2],
+) -> Vec<String> {
     let mut warnings = Vec::new();
     let ends = [points.first(), points.last()];
-    for ((side, end), reached) in ["lower", "upper"].into_iter().zip(ends).zip(interval) {
-        if let (Some(end), None) = (end, reached) {
-            warnings.push(format!(
+    let before = points.iter().rev().find(|point| point.f.is_none() && point.value < estimate);
+    let behind = points.iter().find(|point| point.f.is_none() && point.value > estimate);
+    let sides = ["lower", "upper"].into_iter().zip(ends).zip([before, behind]).zip(interval);
+    for (((side, end), gap), reached) in sides {
+        match (end, gap, reached) {
+            (_, Some(gap), None) => warnings.push(format!(
+                "{name} has no {side} bound before {:.4}, where trials failed: that end of its interval is open",
+                gap.value
+            )),
+            (Some(end), None, None) => warnings.push(format!(
                 "{name} has no {side} bound within {:.4}: the others make up for it, and the objective rises less than noise would",
                 end.value
-            ));
+            )),
+            _ => {}
         }
     }
     let failed: Vec<String> =
@@ -509,6 +524,29 @@ mod tests {
         assert!(along_a.interval[0].is_some() && along_a.interval[1].is_none(), "{along_a:?}");
         assert!(along_a.warnings.iter().any(|warning| warning.starts_with("trials failed where a is held at")));
         assert_eq!(along_a.points.iter().filter(|point| point.f.is_none()).count(), 3);
+    }
+
+    /// The end lies between the first place, at ⅔ of the half-width, and the second, which fails; at the third there is a
+    /// value again.
+    #[test]
+    fn an_interval_does_not_reach_across_places_where_trials_fail() {
+        let (x, a, y) = line(&normals(8, 30));
+        let plain = |x: &[f64]| (&a * DVector::from_column_slice(x) - &y).as_slice().to_vec();
+        let (whole, _) = found(&at(&x), &asked(&["a", "b", "c"], false), plain);
+        let [second, third] = [5, 6].map(|place| whole[0].points[place].value);
+        let end = whole[0].interval[1].unwrap();
+        assert!(whole[0].points[4].value < end && end < second, "the end lies before the second place");
+        let model = |beyond: &[f64]| {
+            let ok = (beyond[0] - second).abs() > 0.1 * (third - second);
+            if ok { plain(beyond) } else { vec![f64::NAN] }
+        };
+        let (profiles, _) = found(&at(&x), &asked(&["a", "b", "c"], false), model);
+        let along_a = &profiles[0];
+        assert!(along_a.points[5].f.is_none() && along_a.points[6].f.is_some(), "{along_a:?}");
+        assert_eq!(along_a.interval, [whole[0].interval[0], None]);
+        let told =
+            format!("a has no upper bound before {second:.4}, where trials failed: that end of its interval is open");
+        assert_eq!(along_a.warnings[0], told);
     }
 
     #[test]

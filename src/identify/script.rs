@@ -1,16 +1,19 @@
 //! Searches in scripts: `minimize(method, start, options, |x| …)`.
 
 use std::collections::BTreeMap;
+use std::error::Error;
+use std::iter::successors;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, GlobalRuntimeState, INT, Map, NativeCallContext};
+use thiserror::Error;
 
 use super::bounds::Bounds;
 use super::crew::{Crew, CrewError, Desk, Task};
 use super::history::{History, Identity};
-use super::objective::{Answer, Evaluation, Objective};
+use super::objective::{Answer, Broken, Evaluation, Objective};
 use super::options::{Method, OnFailure, OnRupture, Search, Starts};
 use super::progress::{Progress, Watch};
 use super::search::{self, Best, Ended, Iteration, Unfound};
@@ -101,10 +104,8 @@ impl Laboratory {
             history: history.as_mut(),
         });
         let crew = Crew::new(tasks.collect(), rayon::current_num_threads());
-        crew.at_work(STACK, job).map_err(|(number, error)| {
-            let mistake = objectives.get(number).and_then(Closure::mistake);
-            mistake.unwrap_or_else(|| unfound(&error, &nth(number)))
-        })
+        let found = crew.at_work(STACK, job);
+        found.map_err(|(number, error)| mistake(&error).unwrap_or_else(|| unfound(&error, &nth(number))))
     }
 
     /// Tells the user something.
@@ -136,6 +137,27 @@ fn unfound(error: &impl Unfound, nth: &str) -> Box<EvalAltResult> {
     if error.is_numerical() { went_wrong(text) } else { refuse(text) }
 }
 
+/// The mistake in the script that ended a search with `error`, where it was one.
+fn mistake(error: &(dyn Error + 'static)) -> Option<Box<EvalAltResult>> {
+    let broken = successors(Some(error), |&error| error.source()).find_map(|error| error.downcast_ref::<Broken>())?;
+    broken.cause::<Mistake>()?.error.lock().unwrap_or_else(PoisonError::into_inner).take()
+}
+
+/// A mistake in the script, which a trial has come upon.
+#[derive(Debug, Error)]
+#[error("{text}")]
+struct Mistake {
+    text: String,
+    /// With its place; there until the script is told.
+    error: Mutex<Option<Box<EvalAltResult>>>,
+}
+
+impl From<Box<EvalAltResult>> for Mistake {
+    fn from(error: Box<EvalAltResult>) -> Mistake {
+        Mistake { text: error.to_string(), error: Mutex::new(Some(error)) }
+    }
+}
+
 /// A script's closure as an objective that may be asked from several threads.
 ///
 /// What it captured is copied for every trial: a trial sees it as it was when the search began, and what it changes is
@@ -148,7 +170,6 @@ struct Closure<'c> {
     session: Session,
     on_rupture: OnRupture,
     call: FnPtr,
-    mistake: Mutex<Option<Box<EvalAltResult>>>,
 }
 
 impl<'c> Closure<'c> {
@@ -164,13 +185,7 @@ impl<'c> Closure<'c> {
             session,
             on_rupture,
             call: unshared(call),
-            mistake: Mutex::default(),
         }
-    }
-
-    /// The mistake in the script that ended the search, at its place.
-    fn mistake(&self) -> Option<Box<EvalAltResult>> {
-        self.mistake.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
     fn ask(&self, x: &[f64], session: &Session) -> Reply<Dynamic> {
@@ -184,29 +199,13 @@ impl<'c> Closure<'c> {
     fn evaluation(&self, found: Reply<Dynamic>, session: &Session) -> Evaluation {
         let found = match found {
             Ok(found) => found,
-            Err(error) => return self.failure(error),
+            Err(error) => return failure(error),
         };
         match (answer(&found), session.trial().ruptures.first()) {
-            (Err(error), _) => self.broken(error),
+            (Err(error), _) => broken(error),
             (Ok(_), Some(rupture)) if self.on_rupture == OnRupture::Fail => Evaluation::failed(rupture),
             (Ok(answer), _) => answer.checked(),
         }
-    }
-
-    /// What was thrown is a failed trial; what the interpreter finds fault with is a mistake in the script.
-    fn failure(&self, error: Box<EvalAltResult>) -> Evaluation {
-        match error.unwrap_inner() {
-            EvalAltResult::ErrorRuntime(value, _) => {
-                Evaluation::Failed { cause: thrown(value), numerical: is_numerical(&error) }
-            }
-            _ => self.broken(error),
-        }
-    }
-
-    fn broken(&self, error: Box<EvalAltResult>) -> Evaluation {
-        let text = error.to_string();
-        self.mistake.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-        Evaluation::Broken(text)
     }
 }
 
@@ -220,6 +219,20 @@ impl Objective for Closure<'_> {
     fn inputs(&self) -> Vec<(PathBuf, String)> {
         self.session.inputs().into_iter().collect()
     }
+}
+
+/// What was thrown is a failed trial; what the interpreter finds fault with is a mistake in the script.
+fn failure(error: Box<EvalAltResult>) -> Evaluation {
+    match error.unwrap_inner() {
+        EvalAltResult::ErrorRuntime(value, _) => {
+            Evaluation::Failed { cause: thrown(value), numerical: is_numerical(&error) }
+        }
+        _ => broken(error),
+    }
+}
+
+fn broken(error: Box<EvalAltResult>) -> Evaluation {
+    Evaluation::Broken(Broken::new(Mistake::from(error)))
 }
 
 /// The same function with copies of what it captured.
@@ -654,6 +667,19 @@ mod tests {
     fn a_mistake_in_an_objective_is_told_at_its_place() {
         let error = host().run("let a = 1;\nminimize(\"nelder-mead\", [1], |x| {\n  x[7]\n})").unwrap_err();
         assert_eq!(error.unwrap_inner().position().line(), Some(3));
+    }
+
+    /// A trial ahead of the search comes upon the index that is out of range, at 1.2 and below; the search ends at 1.4.
+    #[test]
+    fn a_mistake_in_a_trial_in_vain_is_not_told() {
+        let text = "minimize(\"nelder-mead\", [2.0], #{ on_failure: \"stop\" }, |x| {
+            if x[0] <= 1.2 { [0][9] } else if x[0] < 1.5 { let s = 0; for i in 0..20000 { s += 1; } throw \"too small\" } else { x[0] }
+        })";
+        for threads in [1, 2, 4] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let error = pool.install(|| host().run(text)).unwrap_err().to_string();
+            assert!(error.contains("a trial failed at [1.39999") && error.contains("too small"), "{threads}: {error}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! One search: a method, one or several starts, and what the user should know about the result.
 
-use std::fmt::Display;
+use std::error::Error;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use thiserror::Error;
@@ -65,6 +65,9 @@ pub enum SearchError {
     Crew(#[from] CrewError),
     #[error("the objective has no value at the start {x:?}: {cause}")]
     Start { x: Vec<f64>, cause: String, numerical: bool },
+    /// There is no value at the start, nor at any of the fallback starts.
+    #[error("{start}; nor at any of {tried} fallback starts, the last of them {last:?}: {cause}")]
+    Fallback { start: Box<SearchError>, tried: usize, last: Vec<f64>, cause: String },
     #[error("a trial failed at {x:?}: {cause}")]
     Failed { x: Vec<f64>, cause: String, numerical: bool },
     #[error(
@@ -80,14 +83,18 @@ pub enum SearchError {
 }
 
 /// Why nothing was found.
-pub(super) trait Unfound: Display {
+pub(super) trait Unfound: Error + 'static {
     /// Whether a simulation went wrong numerically.
     fn is_numerical(&self) -> bool;
 }
 
 impl Unfound for SearchError {
     fn is_numerical(&self) -> bool {
-        matches!(self, SearchError::Start { numerical: true, .. } | SearchError::Failed { numerical: true, .. })
+        match self {
+            SearchError::Start { numerical, .. } | SearchError::Failed { numerical, .. } => *numerical,
+            SearchError::Fallback { start, .. } => start.is_numerical(),
+            _ => false,
+        }
     }
 }
 
@@ -187,14 +194,19 @@ impl<'c, 'a> Trials<'c, 'a> {
             Err(refused @ SearchError::Start { .. }) => refused,
             found => return found.map(|_| (start, None)),
         };
+        let mut last = None;
         for fallback in &self.search.fallback {
             match self.at_start(fallback) {
                 Ok(_) => return Ok((fallback.clone(), Some(format!("{refused}; begun at {fallback:?} instead")))),
-                Err(SearchError::Start { .. }) => {}
+                Err(SearchError::Start { x, cause, .. }) => last = Some((x, cause)),
                 Err(error) => return Err(error),
             }
         }
-        Err(refused)
+        let tried = self.search.fallback.len();
+        Err(match last {
+            Some((last, cause)) => SearchError::Fallback { start: Box::new(refused), tried, last, cause },
+            None => refused,
+        })
     }
 
     /// What the objective answers at a start, without which there is nothing to compare with. Not counted: the search asks
@@ -490,6 +502,35 @@ mod tests {
         let stopped =
             found(&Search { on_failure: OnFailure::Stop, ..Search::new(Method::NelderMead, vec![2.0]) }, &cliff, 4);
         assert!(matches!(stopped, Err(SearchError::Failed { x, .. }) if x[0] < 1.0));
+    }
+
+    #[test]
+    fn fallback_starts_that_fail_are_told() {
+        let half = |x: &[f64]| if x[0] < 0.5 { f64::NAN } else { x[0] };
+        let fallback = vec![vec![0.2], vec![0.3], vec![0.4]];
+        let search = Search { fallback, ..Search::new(Method::NelderMead, vec![0.1]) };
+        assert_eq!(
+            found(&search, &half, 2).unwrap_err().to_string(),
+            "the objective has no value at the start [0.1]: the objective is not a number; nor at any of 3 fallback starts, \
+             the last of them [0.4]: the objective is not a number"
+        );
+    }
+
+    /// Cores that work ahead think the simplex onto its bounds, where all points are known.
+    #[test]
+    fn a_minimum_on_bounds_is_found_by_any_number_of_threads() {
+        let flat = residuals(|x| vec![x[0], 1.0]);
+        let corner = residuals(|x| vec![x[0], x[1]]);
+        let cases: [(&[f64], &dyn Objective); 2] = [(&[1.5001], &flat), (&[2.0, 3.0], &corner)];
+        for (start, objective) in cases {
+            let bounds = Bounds::new(start.len(), Some(vec![1.5; start.len()]), None).unwrap();
+            let search = Search { bounds, ..Search::new(Method::NelderMead, start.into()) };
+            let one = found(&search, objective, 1).unwrap();
+            assert!(one.best.x.iter().all(|x| *x == 1.5), "{one:?}");
+            for threads in [2, 8] {
+                assert_eq!(found(&search, objective, threads).unwrap(), one, "{start:?} on {threads} threads");
+            }
+        }
     }
 
     #[test]
