@@ -81,7 +81,7 @@ pub struct Fibre {
     /// Strains of the two yield points of `curve`, needed where `scale` moves it.
     #[schemars(transform = schema::positive_items)]
     pub yield_strains: Option<[f64; 2]>,
-    /// Multipliers of these fibres alone, in place of those of the fabric.
+    /// Multipliers of these fibres alone, in place of all three of the fabric: one that is not named here is 1.
     pub scale: Option<Scale>,
     /// Curves by strain rate, at least two, the slowest first: interpolated in the logarithm of the rate, constant below the lowest
     /// and above the highest.
