@@ -7,9 +7,6 @@
 
 use nalgebra::DMatrix;
 
-/// Autocorrelations smaller than this, over a whole order of the autoregression, end the sums over lags.
-const NEGLIGIBLE: f64 = 1e-6;
-
 /// What is assumed of the residuals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Colour {
@@ -20,27 +17,30 @@ pub enum Colour {
     White,
 }
 
-/// Autocorrelation of noise that does not change its character along the samples.
+/// Noise that does not change its character along the samples: an autoregression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
-    /// At lags 0, 1, …: the first is one.
-    autocorrelation: Vec<f64>,
-    /// Of the autoregression; zero for white noise.
-    pub order: usize,
+    /// Reflection coefficients k of orders one, two, …; none for white noise.
+    reflections: Vec<f64>,
 }
 
 impl Noise {
     /// Independent samples.
     pub fn white() -> Noise {
-        Noise { autocorrelation: vec![1.0], order: 0 }
+        Noise { reflections: vec![] }
     }
 
     /// The noise of which `residuals` are a sample. What never changes sign is noise too: no mean is taken off.
     pub fn of(residuals: &[f64], colour: Colour) -> Noise {
         match colour {
             Colour::White => Noise::white(),
-            Colour::Coloured => autoregression(residuals).continued(residuals.len()),
+            Colour::Coloured => autoregression(residuals),
         }
+    }
+
+    /// Of the autoregression; zero for white noise.
+    pub fn order(&self) -> usize {
+        self.reflections.len()
     }
 
     /// `uᵀ R u` of the columns `u` (samples × columns) with the correlation R of the samples.
@@ -53,67 +53,55 @@ impl Noise {
         DMatrix::from_fn(count, count, |row, column| dot(row.min(column), row.max(column)))
     }
 
-    /// `R u`
+    /// `R u`: what comes from the samples before and from those after.
     fn mix(&self, u: &[f64]) -> Vec<f64> {
-        let mut mixed = u.to_vec();
-        for (lag, correlation) in self.autocorrelation.iter().enumerate().skip(1) {
-            for place in lag..u.len() {
-                mixed[place] += correlation * u[place - lag];
-                mixed[place - lag] += correlation * u[place];
-            }
-        }
-        mixed
+        let before = self.carried(u.iter().copied());
+        let after = self.carried(u.iter().rev().copied());
+        before.iter().zip(after.iter().rev()).map(|(before, after)| 0.5 * (before + after)).collect()
     }
-}
 
-/// x_t = Σ φ_i x_{t−i} + e_t
-struct Autoregression {
-    coefficients: Vec<f64>,
-    /// At lags 0 to the order.
-    autocorrelation: Vec<f64>,
-}
-
-impl Autoregression {
-    /// With the autocorrelation at all lags of `samples` that matter.
-    fn continued(self, samples: usize) -> Noise {
-        let order = self.coefficients.len();
-        let mut rho = self.autocorrelation;
-        let gone = |rho: &[f64]| rho[rho.len() - order.max(1)..].iter().all(|rho| rho.abs() < NEGLIGIBLE);
-        while order > 0 && rho.len() < samples && !gone(&rho) {
-            let next = self.coefficients.iter().zip(rho.iter().rev()).map(|(phi, rho)| phi * rho).sum();
-            rho.push(next);
-        }
-        Noise { autocorrelation: rho, order }
+    /// u_t + 2 Σ_{l ≥ 1} ρ_l u_{t−l} at every t, all lags at the cost of the order: the autocorrelation's one-sided spectrum is
+    /// F = (1 + z⁻¹S₀)/(1 − z⁻¹S₀) with Schur's continued fraction S_m = (k_m + z⁻¹S_{m+1})/(1 + k_m z⁻¹S_{m+1}) of the
+    /// reflections. The waves in such a lattice cannot grow, which the recursion in the coefficients of an autoregression
+    /// can where its roots lie close together (Markel and Gray, *Linear Prediction of Speech*, 1976).
+    fn carried(&self, u: impl Iterator<Item = f64>) -> Vec<f64> {
+        // What came back from every layer one sample ago; nothing does from below the last.
+        let mut back = vec![0.0; self.order() + 1];
+        let step = |u: f64| {
+            let carried = u + 2.0 * back[0];
+            let mut down = u + back[0];
+            for (layer, k) in self.reflections.iter().enumerate() {
+                let from_below = back[layer + 1];
+                down -= k * from_below;
+                back[layer] = k * down + from_below;
+            }
+            carried
+        };
+        u.map(step).collect()
     }
 }
 
 /// Burg's recursion: every order's reflection coefficient makes the forward and backward errors of prediction smallest
 /// together, which keeps the process stationary.
-fn autoregression(x: &[f64]) -> Autoregression {
+fn autoregression(x: &[f64]) -> Noise {
     let samples = x.len() as f64;
-    let white = || Autoregression { coefficients: vec![], autocorrelation: vec![1.0] };
     let power = x.iter().map(|x| x * x).sum::<f64>() / samples;
     if power == 0.0 || !power.is_finite() {
-        return white();
+        return Noise::white();
     }
     let (mut forward, mut backward) = (x.to_vec(), x.to_vec());
-    let mut coefficients: Vec<f64> = Vec::new();
-    let mut rho = vec![1.0];
+    let mut reflections: Vec<f64> = Vec::new();
     let mut share = 1.0;
-    let mut best = (criterion(samples, 0, share), white());
+    let mut best = (criterion(samples, 0, share), 0);
     for order in 1..=most_order(x.len()) {
         let pairs = || forward[order..].iter().zip(&backward[order - 1..]);
         let product: f64 = pairs().map(|(f, b)| f * b).sum();
         let squares: f64 = pairs().map(|(f, b)| f * f + b * b).sum();
-        if squares == 0.0 {
+        if squares == 0.0 || share <= 0.0 {
             break;
         }
         let reflection = 2.0 * product / squares;
-        let known: f64 = coefficients.iter().zip(rho.iter().rev()).map(|(phi, rho)| phi * rho).sum();
-        rho.push(known + reflection * share);
-        let mirrored: Vec<f64> = coefficients.iter().rev().map(|phi| reflection * phi).collect();
-        coefficients.iter_mut().zip(mirrored).for_each(|(phi, mirrored)| *phi -= mirrored);
-        coefficients.push(reflection);
+        reflections.push(reflection);
         for place in (order..x.len()).rev() {
             let (f, b) = (forward[place], backward[place - 1]);
             forward[place] = f - reflection * b;
@@ -122,10 +110,11 @@ fn autoregression(x: &[f64]) -> Autoregression {
         share *= 1.0 - reflection * reflection;
         let value = criterion(samples, order, share);
         if value < best.0 {
-            best = (value, Autoregression { coefficients: coefficients.clone(), autocorrelation: rho.clone() });
+            best = (value, order);
         }
     }
-    best.1
+    reflections.truncate(best.1);
+    Noise { reflections }
 }
 
 /// Akaike's criterion, corrected for few samples; `share` is the part of the power that is not foreseen.
@@ -164,12 +153,18 @@ pub(super) mod tests {
         x
     }
 
+    /// ρ at lags 0 to `count`: the first column of R.
+    fn correlations(noise: &Noise, count: usize) -> Vec<f64> {
+        let mut first = vec![0.0; count];
+        first[0] = 1.0;
+        noise.mix(&first)
+    }
+
     #[test]
     fn the_correlation_of_neighbours_is_found() {
         for phi in [-0.5, 0.3, 0.9] {
             let noise = Noise::of(&neighbours(7, 20_000, phi), Colour::Coloured);
-            for lag in 1..5 {
-                let found = noise.autocorrelation[lag];
+            for (lag, found) in correlations(&noise, 5).into_iter().enumerate() {
                 assert!((found - phi.powi(lag as i32)).abs() < 0.03, "{found} at lag {lag} for {phi}");
             }
         }
@@ -180,21 +175,75 @@ pub(super) mod tests {
         let drawn = normals(3, 20_004);
         let mean: Vec<f64> = drawn.windows(5).map(|five| five.iter().sum::<f64>() / 5.0).collect();
         let noise = Noise::of(&mean, Colour::Coloured);
-        for lag in 0..8 {
-            let (found, expected) = (noise.autocorrelation[lag], (1.0 - 0.2 * lag as f64).max(0.0));
+        for (lag, found) in correlations(&noise, 8).into_iter().enumerate() {
+            let expected = (1.0 - 0.2 * lag as f64).max(0.0);
             assert!((found - expected).abs() < 0.03, "{found} at lag {lag} for {expected}");
         }
     }
 
+    /// R written out: Levinson's recursion gives the coefficients of the autoregression and its autocorrelation, which it
+    /// then continues lag by lag.
+    fn whole(noise: &Noise, samples: usize) -> DMatrix<f64> {
+        let (mut phi, mut rho, mut share) = (Vec::<f64>::new(), vec![1.0], 1.0);
+        let next =
+            |phi: &[f64], rho: &[f64]| -> f64 { phi.iter().zip(rho.iter().rev()).map(|(phi, rho)| phi * rho).sum() };
+        for k in &noise.reflections {
+            rho.push(next(&phi, &rho) + k * share);
+            phi = phi.iter().zip(phi.iter().rev()).map(|(phi, mirrored)| phi - k * mirrored).chain([*k]).collect();
+            share *= 1.0 - k * k;
+        }
+        while rho.len() < samples {
+            rho.push(next(&phi, &rho));
+        }
+        DMatrix::from_fn(samples, samples, |row, column| rho[row.abs_diff(column)])
+    }
+
     #[test]
     fn sums_over_lags_are_those_of_the_whole_matrix() {
-        let noise = Noise::of(&neighbours(1, 60, 0.7), Colour::Coloured);
-        assert!(noise.order > 0);
-        let rho = |lag: usize| noise.autocorrelation.get(lag).copied().unwrap_or(0.0);
-        let whole = DMatrix::from_fn(60, 60, |row, column| rho(row.abs_diff(column)));
-        let columns = DMatrix::from_fn(60, 2, |row, column| (0.1 * (row * (column + 1)) as f64).sin());
-        let expected = columns.transpose() * whole * &columns;
-        assert!((noise.between(&columns) - expected).norm() < 1e-10);
+        let moving_mean = normals(3, 404).windows(5).map(|five| five.iter().sum::<f64>() / 5.0).collect();
+        for (drawn, least_order) in [(neighbours(1, 60, 0.7), 1), (moving_mean, 5)] {
+            let noise = Noise::of(&drawn, Colour::Coloured);
+            assert!(noise.order() >= least_order, "{noise:?}");
+            let columns = DMatrix::from_fn(drawn.len(), 2, |row, column| (0.1 * (row * (column + 1)) as f64).sin());
+            let expected = columns.transpose() * whole(&noise, drawn.len()) * &columns;
+            assert!((noise.between(&columns) - &expected).norm() < 1e-10 * expected.norm());
+        }
+    }
+
+    /// Smoothed three times over, its autoregression has all its roots close to one, where products of its coefficients
+    /// lose all figures.
+    #[test]
+    fn correlations_of_very_smooth_noise_stay_those_of_noise() {
+        let smooth = |x: Vec<f64>| x.windows(20).map(|some| some.iter().sum::<f64>()).collect::<Vec<_>>();
+        let noise = Noise::of(&smooth(smooth(smooth(normals(4, 20_057)))), Colour::Coloured);
+        assert!(noise.order() > 10);
+        let found = correlations(&noise, 20_000);
+        assert!(found.iter().all(|rho| rho.abs() <= 1.0 + 1e-9));
+        assert!(found[2000..].iter().all(|rho| rho.abs() < 1e-3));
+        // Autocorrelation of three moving means: the sixfold convolution of a box with itself.
+        let convolved = |x: &[f64]| -> Vec<f64> {
+            let at = |x: &[f64], place: usize| x.get(place).copied().unwrap_or(0.0);
+            (0..x.len() + 19).map(|place| (0..20.min(place + 1)).map(|back| at(x, place - back)).sum()).collect()
+        };
+        let box_six = (0..5).fold(vec![1.0; 20], |x, _| convolved(&x));
+        let middle = box_six.len() / 2;
+        for lag in 0..57 {
+            let expected = box_six[middle + lag] / box_six[middle];
+            assert!((found[lag] - expected).abs() < 0.1, "{} for {expected} at lag {lag}", found[lag]);
+        }
+    }
+
+    /// A random walk of 100 000 samples: with lag by lag 10¹⁰ products a column.
+    #[test]
+    fn a_long_record_near_a_unit_root_costs_its_order_only() {
+        let mut walk = normals(6, 100_000);
+        for place in 1..walk.len() {
+            walk[place] += walk[place - 1];
+        }
+        let noise = Noise::of(&walk, Colour::Coloured);
+        let ones = DMatrix::from_element(walk.len(), 1, 1.0);
+        let samples = walk.len() as f64;
+        assert!(noise.between(&ones)[(0, 0)] > 1e3 * samples, "{noise:?}");
     }
 
     #[test]

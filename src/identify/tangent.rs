@@ -15,6 +15,9 @@ pub struct Tangent {
     pub x: Vec<f64>,
     /// r(x̂)
     pub residuals: DVector<f64>,
+    /// Numbers of residuals of the parts, one after the other, that the residuals were joined from, such as signals: noise
+    /// has a variance and a correlation of its own in each.
+    pub parts: Vec<usize>,
     /// J = ∂r/∂x, residuals × parameters.
     pub jacobian: DMatrix<f64>,
     /// Largest ‖r(x + h) − 2 r(x) + r(x − h)‖ over the parameters: curvature and roughness at the scale of the differences.
@@ -38,6 +41,11 @@ pub enum TangentError {
     Residuals { x: Vec<f64>, found: usize, expected: usize },
     #[error("the objective gave {found} residuals for {unknowns} parameters: their scatter needs more than that")]
     TooFew { found: usize, unknowns: usize },
+    #[error(
+        "`parts` {parts:?} are {sum} residuals together, and the objective gave {found}: they are the lengths of the lists \
+         that it joined, in their order"
+    )]
+    Parts { parts: Vec<usize>, sum: usize, found: usize },
     #[error("the trials beside x[{place}] failed, there is no slope: at {x:?}: {cause}")]
     NoSlope { place: usize, x: Vec<f64>, cause: String, numerical: bool },
 }
@@ -79,6 +87,7 @@ impl Tangent {
         let mut tangent = Tangent {
             x: x.clone(),
             jacobian: DMatrix::zeros(residuals.len(), x.len()),
+            parts: vec![residuals.len()],
             residuals: DVector::from_vec(residuals),
             bend: 0.0,
             one_sided: vec![],
@@ -88,6 +97,18 @@ impl Tangent {
             tangent.take(search, place, sides)?;
         }
         Ok(tangent)
+    }
+
+    /// With residuals that were joined from parts of these lengths, in their order; `at_start` takes them for one.
+    ///
+    /// # Errors
+    /// They are not the residuals' number together.
+    pub fn joined_from(self, parts: &[usize]) -> Result<Tangent, TangentError> {
+        let (sum, found) = (parts.iter().fold(0_usize, |sum, part| sum.saturating_add(*part)), self.residuals.len());
+        if sum != found {
+            return Err(TangentError::Parts { parts: parts.into(), sum, found });
+        }
+        Ok(Tangent { parts: parts.into(), ..self })
     }
 
     /// ‖r(x̂)‖

@@ -3,15 +3,16 @@
 use rhai::{Array, Dynamic, Engine, FnPtr, INT, Map, NativeCallContext};
 
 use super::confidence::{Confidence, Question};
+use super::crew::Desk;
 use super::noise::Colour;
 use super::options::Search;
 use super::profile::{self, Profile, ProfileError};
 use super::script::{self, Laboratory, Reply, unknown, whole, word, written};
-use super::tangent::Tangent;
+use super::tangent::{Tangent, TangentError};
 use crate::script::{Entry, refuse};
 
 /// Options beside those of `minimize`.
-const OPTIONS: [&str; 3] = ["noise", "relative", "points"];
+const OPTIONS: [&str; 4] = ["noise", "relative", "points", "parts"];
 
 const COLOURS: [(&str, Colour); 2] = [("coloured", Colour::Coloured), ("white", Colour::White)];
 
@@ -26,6 +27,8 @@ struct Asked {
     question: Question,
     /// Places of a profile on each side.
     points: usize,
+    /// Lengths of the lists that the objective joins; none where it joins nothing.
+    parts: Option<Vec<usize>>,
 }
 
 impl Asked {
@@ -38,8 +41,8 @@ impl Asked {
             options.clone().into_iter().partition(|(option, _)| OPTIONS.contains(&option.as_str()));
         let (search, names) = written("levenberg-marquardt", &estimate(best)?, &others)?;
         search.check().map_err(refuse)?;
-        let mut asked =
-            Asked { search, question: Question { names, colour: Colour::default(), relative: false }, points: POINTS };
+        let question = Question { names, colour: Colour::default(), relative: false };
+        let mut asked = Asked { search, question, points: POINTS, parts: None };
         for (option, value) in &own {
             match option.as_str() {
                 "noise" => asked.question.colour = word(option, &value.to_string(), &COLOURS)?,
@@ -48,11 +51,27 @@ impl Asked {
                     asked.question.relative =
                         truth.map_err(|found| refuse(format!("`relative` is true or false, not {found}")))?;
                 }
+                "parts" => asked.parts = Some(parts(value)?),
                 _ => asked.points = points(value)?,
             }
         }
         Ok(asked)
     }
+
+    fn tangent(&self, desk: &Desk<'_, '_>) -> Result<Tangent, TangentError> {
+        let tangent = Tangent::at_start(&self.search, desk)?;
+        match &self.parts {
+            Some(parts) => tangent.joined_from(parts),
+            None => Ok(tangent),
+        }
+    }
+}
+
+fn parts(value: &Dynamic) -> Reply<Vec<usize>> {
+    let wrong = || refuse(format!("`parts` is a list of lengths, such as [400, 400], not {value}"));
+    let list = value.read_lock::<Array>().map(|list| list.clone()).ok_or_else(wrong)?;
+    let length = |item: &Dynamic| item.as_int().ok().and_then(|length| usize::try_from(length).ok());
+    list.iter().map(|item| length(item).filter(|length| *length > 0).ok_or_else(wrong)).collect()
 }
 
 fn points(value: &Dynamic) -> Reply<usize> {
@@ -79,10 +98,10 @@ fn ask_confidence(
     options: &Map,
     call: &FnPtr,
 ) -> Reply<Map> {
-    let Asked { search, question, .. } = Asked::new(best, options)?;
-    let task = [(search, call.clone())];
+    let asked = Asked::new(best, options)?;
+    let task = [(asked.search.clone(), call.clone())];
     let confidences = laboratory.at_work::<_, ProfileError>(context, &task, |desk, _| {
-        Ok(Confidence::of(&Tangent::at_start(&task[0].0, desk)?, &question)?)
+        Ok(Confidence::of(&asked.tangent(desk)?, &asked.question)?)
     })?;
     first(confidences).map(|confidence| result(&confidence))
 }
@@ -94,16 +113,15 @@ fn ask_profiles(
     options: &Map,
     call: &FnPtr,
 ) -> Reply<Map> {
-    let Asked { search, question, points } = Asked::new(best, options)?;
-    let task = [(search, call.clone())];
+    let asked = Asked::new(best, options)?;
+    let task = [(asked.search.clone(), call.clone())];
     let profiles = laboratory.at_work::<_, ProfileError>(context, &task, |desk, _| {
-        let search = &task[0].0;
-        let tangent = Tangent::at_start(search, desk)?;
-        let confidence = Confidence::of(&tangent, &question)?;
+        let tangent = asked.tangent(desk)?;
+        let confidence = Confidence::of(&tangent, &asked.question)?;
         let mut listener = |left: usize| laboratory.note(&format!("profiles: {left} places are searched"));
-        profile::profiles(search, &tangent, &confidence, points, desk, &mut listener)
+        profile::profiles(&asked.search, &tangent, &confidence, asked.points, desk, &mut listener)
     })?;
-    first(profiles).map(|profiles| profiled(&profiles, &question.names))
+    first(profiles).map(|profiles| profiled(&profiles, &asked.question.names))
 }
 
 /// What was found for the only task.
@@ -249,11 +267,16 @@ pub const ENTRIES: &[Entry] = &[
                     p.table.len() == 14 && p.lower[1] < best.x[1] && p.upper[1] > best.x[1]"#,
     },
     Entry {
-        call: "#{ noise: \"coloured\" | \"white\", relative: false, points: 3 }",
+        call: "#{ noise: \"coloured\" | \"white\", relative: false, points: 3, parts: [n1, n2, …] }",
         gives: "further options of `confidence` and `profiles`: whether neighbouring residuals may be correlated; intervals symmetric in \
-                the logarithm, for multipliers; places of a profile on each side",
+                the logarithm, for multipliers; places of a profile on each side; lengths of the lists that the residuals are joined \
+                from, such as several signals (their sum is the number of residuals; one list otherwise): each part then has noise \
+                of its own size and correlation",
         example: r#"let c = confidence([2.0], #{ noise: "white", relative: true }, |x| [x[0] - 1.9, x[0] - 2.1]);
-                    (c.lower[0] * c.upper[0] - 4).abs() < 1e-9 && (c.standard_errors[0] - 0.1).abs() < 1e-9"#,
+                    let joined = |x| [x[0] - 1.9, x[0] - 2.1] + [x[1] - 1.0, x[1] - 5.0];
+                    let d = confidence([2.0, 3.0], #{ noise: "white", parts: [2, 2] }, joined);
+                    (c.lower[0] * c.upper[0] - 4).abs() < 1e-9 && (c.standard_errors[0] - 0.1).abs() < 1e-9
+                        && (d.standard_errors[0] - 0.1).abs() < 1e-9 && (d.standard_errors[1] - 2).abs() < 1e-9"#,
     },
 ];
 
@@ -275,6 +298,31 @@ mod tests {
             let held = engine.eval::<bool>(entry.example);
             assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
         }
+    }
+
+    /// The model is linear: the ends of the profiles are those of the covariance, each with the noise of its own part.
+    #[test]
+    fn profiles_of_joined_signals_end_where_the_covariance_says() {
+        let script = r#"
+            let quiet = [0.1, -0.2, 0.1, 0.2, -0.1, -0.1, 0.1, -0.1];
+            let loud = [3.0, 4.0, -1.0, -4.0, -3.0, -1.0, 1.0, 1.0];
+            let means = |x| quiet.map(|y| x[0] - y) + loud.map(|y| x[1] - y);
+            let ends = |options| {
+                let p = profiles([0.0, 0.0], options, means);
+                let c = confidence([0.0, 0.0], options, means);
+                [p.upper[0], p.upper[1], c.upper[0], c.upper[1]]
+            };
+            ends.call(#{ noise: "white", parts: [8, 8] }) + ends.call(#{ noise: "white" })
+        "#;
+        let found = host().eval::<Array>(script).unwrap();
+        let found: Vec<f64> = found.iter().map(|end| end.as_float().unwrap()).collect();
+        let [along, along_loud, apart, apart_loud, joined, ..] = found[..] else { panic!("{found:?}") };
+        assert!((along / apart - 1.0).abs() < 1e-6 && (along_loud / apart_loud - 1.0).abs() < 1e-6, "{found:?}");
+        // t(7) √(Σ y²/7/8), of Student's tables 2.3646.
+        for (end, squares) in [(along, 0.14_f64), (along_loud, 54.0)] {
+            assert!((end / (2.3646 * (squares / 56.0).sqrt()) - 1.0).abs() < 1e-4, "{end}");
+        }
+        assert!(joined > 5.0 * along, "{found:?}");
     }
 
     #[test]
@@ -317,6 +365,19 @@ mod tests {
                 "unknown noise `pink` (there are coloured, white)",
             ),
             ("profiles([1], #{ points: 0 }, |x| [x[0], 1])", "`points` is 0, which must be 1 to 20"),
+            (
+                "confidence([1], #{ parts: [1, 2] }, |x| [x[0], 1])",
+                "`parts` [1, 2] are 3 residuals together, and the objective gave 2: they are the lengths of the lists",
+            ),
+            ("profiles([1], #{ parts: [] }, |x| [x[0], 1])", "`parts` [] are 0 residuals together"),
+            (
+                "confidence([1], #{ parts: [0, 2] }, |x| [x[0], 1])",
+                "`parts` is a list of lengths, such as [400, 400], not [0, 2]",
+            ),
+            (
+                "confidence([1], #{ parts: 2 }, |x| [x[0], 1])",
+                "`parts` is a list of lengths, such as [400, 400], not 2",
+            ),
             ("confidence([1], #{ lower: [2] }, |x| [x[0], 1])", "the start lies outside the bounds"),
             ("confidence([1, 2], #{ names: [\"a\"] }, |x| [x[0], 1])", "`names` has 1 entries for 2 unknowns"),
             ("confidence([1], |x| x[3])", "Array index 3 out of bounds"),
