@@ -81,9 +81,13 @@ impl Bounds {
         })
     }
 
-    /// The unknowns of `x` that lie on a bound.
+    /// The unknowns of `x` that lie on a bound, or so close to one that a search by transform, which never reaches it, means it.
     pub fn touched(&self, x: &[f64]) -> Vec<usize> {
-        let on = |(x, [lower, upper]): (&f64, [f64; 2])| *x <= lower || *x >= upper;
+        /// Over the size of the bound.
+        const CLOSE: f64 = 1e-6;
+        let close = |x: f64, bound: f64| bound.is_finite() && (x - bound).abs() <= CLOSE * bound.abs();
+        let on =
+            |(x, [lower, upper]): (&f64, [f64; 2])| *x <= lower || *x >= upper || close(*x, lower) || close(*x, upper);
         x.iter().zip(self.pairs()).enumerate().filter(|(_, pair)| on(*pair)).map(|(place, _)| place).collect()
     }
 

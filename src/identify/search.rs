@@ -485,8 +485,11 @@ mod tests {
             let best = found(&search, &residuals(bowl), 2).unwrap();
             let near = best.best.x.iter().zip(at_bound).all(|(x, e)| (x - e).abs() < 2e-3);
             assert!(near, "{method:?}: {best:?}");
-            let told = best.warnings.iter().any(|warning| warning.contains("x[0] = 1 lies on its bound"));
-            assert!(told || method != Method::NelderMead, "{:?}", best.warnings);
+            let told = best
+                .warnings
+                .iter()
+                .any(|warning| warning.contains("x[0] = ") && warning.contains("lies on its bound"));
+            assert!(told || method == Method::CmaEs, "{method:?}: {:?}", best.warnings);
         }
     }
 

@@ -146,11 +146,11 @@ impl Law {
         self.break_range()[1]
     }
 
-    /// Lowest and highest strain rate (1/s) that the curves of both fibre sets cover, where both depend on it.
+    /// Lowest and highest strain rate (1/s) of all curves by strain rate; those of a fibre set with one curve have none.
     pub fn rates(&self) -> Option<[f64; 2]> {
         let Law::RateFabric(fabric) = self else { return None };
-        let ([from, to], [other_from, other_to]) = (fabric.md().range()?, fabric.td().range()?);
-        Some([from.max(other_from), to.min(other_to)])
+        let ranges = [fabric.md().range(), fabric.td().range()];
+        ranges.into_iter().flatten().reduce(|[low, high], [from, to]| [low.min(from), high.max(to)])
     }
 
     fn break_range(&self) -> [[f64; 2]; 2] {
@@ -182,7 +182,7 @@ pub struct Material {
     pub thickness: f64,
     /// Its constitutive law.
     pub law: Law,
-    /// Lowest and highest strain rate (1/s) at which the curves were measured.
+    /// Lowest and highest strain rate (1/s) at which the curves were measured, as it is written or else as they have it.
     pub measured_rates: Option<[f64; 2]>,
 }
 

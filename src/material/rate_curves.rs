@@ -127,6 +127,11 @@ impl RateCurves {
         (!self.steps.is_empty()).then(|| [1.0 / self.slowness[1], 1.0 / self.slowness[0]])
     }
 
+    /// The curve at all rates, where there is one only.
+    pub fn single(&self) -> Option<&Curve> {
+        self.steps.is_empty().then_some(&self.slowest)
+    }
+
     /// Stress (Pa) at `strain` when it is reached at the constant `rate` (1/s).
     pub fn stress_at(&self, strain: f64, rate: f64) -> f64 {
         self.mix(&self.log_rate(&[1.0 / rate]), |curve| curve.stress_lanes(&[strain]))[0]

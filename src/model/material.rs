@@ -18,11 +18,12 @@ pub fn check(written: &scenario::Material, path: &str, findings: &mut Findings<'
         (None, Some(written)) => (elastic(written), written.measured_rates, of("elastic")),
         (None, None) => return None,
     };
-    let measured_rates = rates.map(|[from, to]| [from.0, to.0]).or_else(|| law.rates());
-    if measured_rates.is_some_and(|[from, to]| to < from) {
+    let written_rates = rates.map(|[from, to]| [from.0, to.0]);
+    if written_rates.is_some_and(|[from, to]| to < from) {
         let path = format!("{place}.measured_rates");
         findings.report_with(&path, "the highest rate is below the lowest", "the lowest first");
     }
+    let measured_rates = written_rates.or_else(|| law.rates());
     Some(Material { density: written.density.0, thickness: written.thickness.0, law, measured_rates })
 }
 

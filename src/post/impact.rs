@@ -81,6 +81,24 @@ impl Impact {
     }
 }
 
+impl Impact {
+    /// The same of a run that was ended on its way: without what only its end tells, and without the peaks where the impactor had
+    /// not turned round yet.
+    pub(super) fn ended_early(self) -> Impact {
+        let early = Impact { rebound_velocity_m_s: None, energy_absorption: None, ..self };
+        if self.rebound_velocity_m_s.is_some() {
+            return early;
+        }
+        Impact {
+            peak_acceleration_m_s2: None,
+            time_of_peak_acceleration_s: None,
+            peak_displacement_m: None,
+            time_of_peak_displacement_s: None,
+            ..early
+        }
+    }
+}
+
 /// The smallest over the faces, along MD and TD.
 fn break_strains(model: &Model) -> [Option<f64>; 2] {
     let strains = || model.faces.iter().map(|face| face.material.law.break_strains());

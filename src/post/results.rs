@@ -60,6 +60,14 @@ impl Results {
         Ok(Results { signals, measures, comparison, findings: Findings::default() })
     }
 
+    /// The same of a run that was ended on its way, see [`Impact::ended_early`].
+    pub(super) fn ended_early(self) -> Results {
+        match self.measures {
+            Measures::Impact(impact) => Results { measures: Measures::Impact(impact.ended_early()), ..self },
+            measures => Results { measures, ..self },
+        }
+    }
+
     /// What `summary.json` holds; numbers that are not finite are null.
     pub fn summary(&self, model: &Model) -> Map<String, Value> {
         let mut summary = header(model);

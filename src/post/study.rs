@@ -73,7 +73,10 @@ impl Study {
         if let Some(time) = outcome.rupture_time {
             session.ruptured(&model.name, time);
         }
-        let results = plan.measure(model, &outcome).map_err(refuse)?;
+        let mut results = plan.measure(model, &outcome).map_err(refuse)?;
+        if model.run_time() < self.0.model.run_time() {
+            results = results.ended_early();
+        }
         Ok(Run::new(model, &outcome, &results))
     }
 
@@ -129,16 +132,18 @@ impl Study {
 fn points(law: &Law, name: &str) -> Answer<Vec<[f64; 2]>> {
     let curve = match (law, name) {
         (Law::Elastic(_) | Law::TensionField(_), _) => {
-            return Err(refuse("only a fabric with one curve a direction has curves, not one by strain rate"));
+            return Err(refuse("an elastic film has no curves; those of md, td and shear are a fabric's"));
         }
-        (Law::Fabric(fabric), "md") => fabric.md(),
-        (Law::Fabric(fabric), "td") => fabric.td(),
-        (Law::Fabric(fabric), "shear") => fabric.shear(),
-        (Law::RateFabric(fabric), "shear") => fabric.shear(),
-        (Law::RateFabric(_), "md" | "td") => {
-            return Err(refuse(format!("`{name}` has curves by strain rate (`rates`), not one")));
-        }
+        (Law::Fabric(fabric), "md") => Some(fabric.md()),
+        (Law::Fabric(fabric), "td") => Some(fabric.td()),
+        (Law::Fabric(fabric), "shear") => Some(fabric.shear()),
+        (Law::RateFabric(fabric), "md") => fabric.md().single(),
+        (Law::RateFabric(fabric), "td") => fabric.td().single(),
+        (Law::RateFabric(fabric), "shear") => Some(fabric.shear()),
         _ => return Err(refuse(format!("there is no curve `{name}`; a fabric has md, td and shear"))),
+    };
+    let Some(curve) = curve else {
+        return Err(refuse(format!("there is no one curve `{name}`: its curves differ by strain rate (`rates`)")));
     };
     Ok(std::iter::once([0.0, 0.0]).chain(curve.points().iter().copied()).collect())
 }
@@ -241,14 +246,17 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "scenario.simulate()",
         gives: "the run: everything that a post script finds as `run`; within an objective it ends with the window of the \
-                reference and what the channel filter needs behind it, so that rebound and energy absorption are missing",
+                reference and what the channel filter needs behind it, so that rebound and energy absorption are (); with \
+                `reference.window = \"all\"` it runs to its end",
         example: "scenario(args.scenario).simulate().summary.elements > 0",
     },
     Entry {
         call: "scenario.pull(strains), scenario.pull(curve), scenario.pull(strains, #{ across: \"held\" | \"free\" })",
-        gives: "the curve of stress (Pa) of a single element of its film, pulled as `[loading.stretch]` says from equilibrium to equilibrium, at \
-                increasing strains or at those of a curve, in microseconds; between jaws the width is held, of a long strip it is free",
-        example: r#"let t = scenario("scenarios/stretch/single-element.toml"); (t.pull([0, 0.26, 0.84]).at(0.84) / 20e6 - 1).abs() < 1e-9"#,
+        gives: "the curve of stress (Pa) of a single element of its film, pulled as `[loading.stretch]` says from equilibrium to \
+                equilibrium and without stress once it is past its break, at increasing strains or at those of a curve, in microseconds; between \
+                jaws the width is held, of a long strip it is free",
+        example: r#"let t = scenario("scenarios/stretch/single-element.toml"); let c = t.pull([0, 0.26, 0.84, 2]);
+                    (c.at(0.84) / 20e6 - 1).abs() < 1e-9 && c.at(2) == 0"#,
     },
     Entry {
         call: "simulate_all([scenario, …])",
@@ -256,3 +264,32 @@ pub const ENTRIES: &[Entry] = &[
         example: "let t = scenario(args.scenario); simulate_all([t, t]).len() == 2",
     },
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{self, Elastic, Fabric, RateCurves, TensionField};
+
+    fn straight(stress: f64) -> material::Curve {
+        material::Curve::new(vec![[1.0, stress]]).unwrap()
+    }
+
+    #[test]
+    fn only_fabric_with_one_curve_has_it() {
+        let rates = vec![(1.0, straight(1e6)), (9.0, straight(2e6))];
+        let by_rate = RateCurves::new(rates, 0.01).unwrap();
+        let law = Law::RateFabric(Fabric::new(by_rate, RateCurves::from(straight(3e6)), straight(4e6), 0.0));
+        assert_eq!(points(&law, "td").unwrap(), [[0.0, 0.0], [1.0, 3e6]]);
+        assert_eq!(points(&law, "shear").unwrap(), [[0.0, 0.0], [1.0, 4e6]]);
+        let elastic = Elastic { young: 5e7, poisson: 0.44 };
+        for (law, name, expected) in [
+            (&law, "md", "there is no one curve `md`: its curves differ by strain rate (`rates`)"),
+            (&law, "bias", "there is no curve `bias`; a fabric has md, td and shear"),
+            (&Law::Elastic(elastic.clone()), "md", "an elastic film has no curves"),
+            (&Law::TensionField(TensionField(elastic)), "td", "an elastic film has no curves"),
+        ] {
+            let said = points(law, name).unwrap_err().to_string();
+            assert!(said.contains(expected), "{name}: {said}");
+        }
+    }
+}

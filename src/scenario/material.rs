@@ -50,12 +50,13 @@ pub struct Fabric {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
     pub absorption: f64,
-    /// Lowest and highest strain rate at which the curves were measured; where both fibre sets have `rates`, from the lowest to the
-    /// highest of these unless it is said here.
+    /// Lowest and highest strain rate at which the curves were measured; where a fibre set has `rates`, from the lowest to the
+    /// highest of these, of both sets where both have them, unless it is said here.
     #[schemars(transform = schema::positive_items)]
     pub measured_rates: Option<[Rate; 2]>,
-    /// Growth of the largest strain over which the strain rate is averaged that a fibre with `rates` feels; 0.01 (assumed) unless
-    /// it is said here.
+    /// Growth of the largest strain over which the strain rate is averaged that a fibre with `rates` feels; 0.01 unless it is said
+    /// here. Assumed, as is that film was mounted (pre-strain) at the lowest of the rates, which takes several times this growth to
+    /// forget: results depend on both.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_memory: Option<f64>,
 }
@@ -80,7 +81,7 @@ pub struct Fibre {
     /// Strains of the two yield points of `curve`, needed where `scale` moves it.
     #[schemars(transform = schema::positive_items)]
     pub yield_strains: Option<[f64; 2]>,
-    /// Multipliers of these fibres alone, in place of those of the fabric.
+    /// Multipliers of these fibres alone, in place of all three of the fabric: one that is not named here is 1.
     pub scale: Option<Scale>,
     /// Curves by strain rate, at least two, the slowest first: interpolated in the logarithm of the rate, constant below the lowest
     /// and above the highest.

@@ -200,7 +200,8 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "mean_law([curve, …])",
-        gives: "the exact mean of curves of straight pieces, up to the mean of their ends; one that has ended goes on along its last piece",
+        gives: "the exact mean of curves of straight pieces, from the latest beginning to the mean of their ends; one that \
+                has ended goes on along its last piece",
         example: "let m = mean_law([curve([0, 1], [0, 10]), curve([0, 0.5, 2], [0, 10, 10])]); m.strains() == [0.0, 0.5, 1.0, 1.5] && m.at(1.5) == 12.5",
     },
     Entry {
@@ -239,6 +240,10 @@ mod tests {
             ("curve([0, 1], [1, 0]).rupture()", "the force never rises"),
             ("mean_curve([1])", "expected a curve, found i64"),
             ("mean_curve([])", "there is nothing to average"),
+            (
+                "mean_law([curve([0.8, 1], [0, 10]), curve([0, 0.2], [0, 10])])",
+                "the curves have no strain in common: one begins at 0.8, another ends at 0.2",
+            ),
         ];
         assert_refused(&engine(), &cases);
     }

@@ -87,15 +87,16 @@ impl RateAudit {
         self.loading.outside += std::mem::take(&mut self.pending.outside);
     }
 
-    /// The histogram of the loading; its range is what the ranges of all faces share.
+    /// The histogram of the loading; its range is what the ranges of all faces share, if anything.
     pub(super) fn finish(self) -> RateHistogram {
         let total: f64 = self.loading.bins.iter().sum();
         let share = |w: f64| if total > 0.0 { w / total } else { 0.0 };
-        let ranges = self.measured.iter().flatten();
+        let ranges = self.measured.iter().flatten().copied();
+        let shared = ranges.reduce(|[a, b], [c, d]| [a.max(c), b.min(d)]);
         RateHistogram {
             edges: self.edges,
             shares: self.loading.bins.iter().map(|w| share(*w)).collect(),
-            measured: ranges.copied().reduce(|[a, b], [c, d]| [a.max(c), b.min(d)]),
+            measured: shared.filter(|[low, high]| low <= high),
             outside: share(self.loading.outside),
         }
     }
@@ -131,5 +132,12 @@ mod tests {
         assert!((histogram.shares[at(5.0)] - 0.5).abs() < 1e-12);
         assert!((histogram.shares[at(499.0)] - 0.5).abs() < 1e-12);
         assert!((histogram.outside - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn faces_measured_apart_share_no_range() {
+        let shared = |faces: [[f64; 2]; 2]| RateAudit::new(faces.map(Some).to_vec()).finish().measured;
+        assert_eq!(shared([[0.04, 4.0], [1.0, 100.0]]), Some([1.0, 4.0]));
+        assert_eq!(shared([[0.04, 4.0], [10.0, 100.0]]), None);
     }
 }

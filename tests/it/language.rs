@@ -206,7 +206,12 @@ fn measured_rates_follow_from_curves_by_rate() {
         model.faces[0].material.measured_rates
     };
     let md = "specimen.material.fabric.md.rates=[{ rate = 0.1, curve = [[1, 1e6]] }, { rate = 5, curve = [[1, 1e6]] }]";
-    assert_eq!(read(&[md]), Some([1.0, 5.0]));
+    assert_eq!(read(&[md]), Some([0.1, 9.0]));
+    // Both sets apart: no key was written that could be refused.
+    let slow =
+        "specimen.material.fabric.md.rates=[{ rate = 0.01, curve = [[1, 1e6]] }, { rate = 0.5, curve = [[1, 1e6]] }]";
+    assert_eq!(read(&[slow]), Some([0.01, 9.0]));
     assert_eq!(read(&[md, "specimen.material.fabric.measured_rates=[2, 3]"]), Some([2.0, 3.0]));
-    assert_eq!(read(&[]), None);
+    // Fibres with one curve say no rate.
+    assert_eq!(read(&[]), Some([1.0, 9.0]));
 }

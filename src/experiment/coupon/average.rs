@@ -27,6 +27,9 @@ pub enum AverageError {
 
 impl Spread {
     /// The spread of `figures`.
+    ///
+    /// # Errors
+    /// [`AverageError::Nothing`] where there is no figure.
     pub fn of(figures: &[f64]) -> Result<Spread, AverageError> {
         if figures.is_empty() {
             return Err(AverageError::Nothing);
@@ -39,6 +42,9 @@ impl Spread {
     }
 
     /// The mean of the groups' means, with scatter and number of all figures together.
+    ///
+    /// # Errors
+    /// [`AverageError::Nothing`] where there is no group, or a group without figures.
     pub fn of_groups(groups: &[Vec<f64>]) -> Result<Spread, AverageError> {
         let all = Spread::of(&groups.concat())?;
         Ok(Spread { mean: mean_of_means(groups)?, ..all })
@@ -49,6 +55,9 @@ impl Spread {
 ///
 /// So the paper averages: moduli per direction and speed, then per direction (Table 6), energy absorptions per drop
 /// height, then over both (Table 7). What is averaged on is never rounded.
+///
+/// # Errors
+/// [`AverageError::Nothing`] where there is no group, or a group without figures.
 pub fn mean_of_means(groups: &[Vec<f64>]) -> Result<f64, AverageError> {
     let means = groups.iter().map(|group| Ok(Spread::of(group)?.mean)).collect::<Result<Vec<_>, _>>()?;
     Ok(Spread::of(&means)?.mean)
@@ -60,42 +69,50 @@ pub fn relative_difference(measured: f64, reference: f64) -> f64 {
 }
 
 /// The mean of `curves` on a common axis of strain: [`AXIS`] samples from the latest beginning to the earliest end.
+///
+/// # Errors
+/// [`AverageError`] where there is no curve, or no strain that all have.
 pub fn mean_curve(curves: &[Curve]) -> Result<Curve, AverageError> {
+    let [start, end] = common_strain(curves)?;
+    let last = AXIS - 1;
+    let place = |i: usize| if i == last { end } else { start + (end - start) * (i as f64 / last as f64).powi(2) };
+    let mean = mean_at((0..AXIS).map(place).collect(), curves, Curve::at);
+    mean.ok_or(AverageError::NoCommonStrain { start, end })
+}
+
+/// The mean of piecewise straight `laws` from their latest beginning to the mean of their ends, exact: it has the corners of
+/// all. A law that has ended goes on along its last piece.
+///
+/// # Errors
+/// [`AverageError`] where there is no law, or no strain that all have.
+pub fn mean_law(laws: &[Curve]) -> Result<Curve, AverageError> {
+    let [start, end] = common_strain(laws)?;
+    let mean_end = laws.iter().map(|law| law.range()[1]).sum::<f64>() / laws.len() as f64;
+    let corners = laws.iter().flat_map(Curve::strain).copied().filter(|strain| (start..mean_end).contains(strain));
+    let mut strain: Vec<f64> = corners.chain([start, mean_end]).collect();
+    strain.sort_by(f64::total_cmp);
+    strain.dedup();
+    mean_at(strain, laws, Curve::continued).ok_or(AverageError::NoCommonStrain { start, end })
+}
+
+/// Strains from the latest beginning to the earliest end.
+fn common_strain(curves: &[Curve]) -> Result<[f64; 2], AverageError> {
     if curves.is_empty() {
         return Err(AverageError::Nothing);
     }
     let start = curves.iter().map(|curve| curve.range()[0]).fold(f64::NEG_INFINITY, f64::max);
     let end = curves.iter().map(|curve| curve.range()[1]).fold(f64::INFINITY, f64::min);
-    let none = AverageError::NoCommonStrain { start, end };
-    if start >= end {
-        return Err(none);
-    }
-    let last = AXIS - 1;
-    let place = |i: usize| if i == last { end } else { start + (end - start) * (i as f64 / last as f64).powi(2) };
-    let strain: Vec<f64> = (0..AXIS).map(place).collect();
-    let stress = strain.iter().map(|strain| {
-        let total: Option<f64> = curves.iter().map(|curve| curve.at(*strain)).sum();
-        total.map(|total| total / curves.len() as f64)
-    });
-    let stress = stress.collect::<Option<Vec<f64>>>();
-    stress.and_then(|stress| Curve::new(strain, stress).ok()).ok_or(none)
+    if start < end { Ok([start, end]) } else { Err(AverageError::NoCommonStrain { start, end }) }
 }
 
-/// The mean of piecewise straight `laws` from their latest beginning to the mean of their ends, exact: it has the corners of
-/// all. A law that has ended goes on along its last piece, as a curve does in the film until an element breaks.
-pub fn mean_law(laws: &[Curve]) -> Result<Curve, AverageError> {
-    let mean = |figure: &dyn Fn(&Curve) -> f64| laws.iter().map(figure).sum::<f64>() / laws.len() as f64;
-    if laws.is_empty() {
-        return Err(AverageError::Nothing);
-    }
-    let start = laws.iter().map(|law| law.range()[0]).fold(f64::NEG_INFINITY, f64::max);
-    let end = mean(&|law| law.range()[1]);
-    let corners = laws.iter().flat_map(Curve::strain).copied().filter(|strain| (start..end).contains(strain));
-    let mut strain: Vec<f64> = corners.chain([start, end]).collect();
-    strain.sort_by(f64::total_cmp);
-    strain.dedup();
-    let stress = strain.iter().map(|strain| mean(&|law| law.continued(*strain))).collect();
-    Curve::new(strain, stress).map_err(|_| AverageError::NoCommonStrain { start, end })
+/// The curve of the mean stresses at `strain`, where all `curves` have one.
+fn mean_at(strain: Vec<f64>, curves: &[Curve], stress: fn(&Curve, f64) -> Option<f64>) -> Option<Curve> {
+    let mean = |strain: &f64| {
+        let total: Option<f64> = curves.iter().map(|curve| stress(curve, *strain)).sum();
+        total.map(|total| total / curves.len() as f64)
+    };
+    let means = strain.iter().map(mean).collect::<Option<_>>()?;
+    Curve::new(strain, means).ok()
 }
 
 #[cfg(test)]
@@ -146,8 +163,12 @@ mod tests {
 
     #[test]
     fn curves_apart_have_no_mean() {
-        let apart = mean_curve(&[line(1.0, [0.0, 0.4], 4), line(1.0, [0.5, 1.0], 4)]);
-        assert_eq!(apart, Err(AverageError::NoCommonStrain { start: 0.5, end: 0.4 }));
+        // The mean of the ends, 0.7, lies beyond the latest beginning in the first pair, not in the second.
+        for (first, second) in [([0.0, 0.4], [0.5, 1.0]), ([0.0, 0.2], [0.8, 1.0])] {
+            let apart = [line(1.0, second, 4), line(1.0, first, 4)];
+            let none = Err(AverageError::NoCommonStrain { start: second[0], end: first[1] });
+            assert_eq!((mean_curve(&apart), mean_law(&apart)), (none.clone(), none));
+        }
         assert_eq!(mean_curve(&[]), Err(AverageError::Nothing));
     }
 }

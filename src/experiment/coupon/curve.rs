@@ -35,6 +35,10 @@ impl Curve {
     ///
     /// Where strain does not increase, neighbouring samples are merged to their mean until it does (the pooling of
     /// isotonic regression, Barlow et al. 1972), as long as it goes back by no more than [`JITTER`] of its range.
+    ///
+    /// # Errors
+    /// [`CurveError`] where there are not as many stresses as strains, one is not a number, strain goes back further, or fewer than
+    /// two samples are left.
     pub fn new(strain: Vec<f64>, stress: Vec<f64>) -> Result<Curve, CurveError> {
         if strain.len() != stress.len() {
             return Err(CurveError::Lengths { strain: strain.len(), stress: stress.len() });
@@ -77,16 +81,20 @@ impl Curve {
         [self.strain[0], self.strain[self.strain.len() - 1]]
     }
 
-    /// Stress (Pa) at `strain`, linear between samples; beyond the last, on the line through the last two.
-    pub fn continued(&self, strain: f64) -> f64 {
-        let last = self.strain.len() - 1;
-        let slope = (self.stress[last] - self.stress[last - 1]) / (self.strain[last] - self.strain[last - 1]);
-        self.at(strain).unwrap_or(self.stress[last] + (strain - self.strain[last]) * slope)
-    }
-
     /// Stress (Pa) at `strain`, linear between samples; none outside of them.
     pub fn at(&self, strain: f64) -> Option<f64> {
         resample::at(&self.strain, &self.stress, strain)
+    }
+
+    /// Stress (Pa) at `strain`, linear between samples; beyond the last, on the line through the last two; none before the first.
+    pub fn continued(&self, strain: f64) -> Option<f64> {
+        let last = self.strain.len() - 1;
+        let beyond = strain - self.strain[last];
+        if beyond <= 0.0 {
+            return self.at(strain);
+        }
+        let slope = (self.stress[last] - self.stress[last - 1]) / (self.strain[last] - self.strain[last - 1]);
+        Some(self.stress[last] + beyond * slope)
     }
 
     /// The samples with `from <= strain <= to`; none where fewer than two are left.
@@ -173,6 +181,16 @@ mod tests {
             (vec![0.0, 1.0, 0.9], vec![0.0; 3], "strain goes back at sample 3: 0.9 after 1"),
         ] {
             assert_eq!(Curve::new(strain, stress).unwrap_err().to_string(), expected);
+        }
+    }
+
+    #[test]
+    fn a_curve_goes_on_along_its_last_piece_and_not_before_its_first() {
+        let curve = Curve::new(vec![0.1, 0.2, 0.4], vec![1.0, 3.0, 4.0]).unwrap();
+        let found = [0.05, 0.1, 0.3, 0.4, 0.6].map(|strain| curve.continued(strain));
+        assert_eq!(found[..2], [None, Some(1.0)]);
+        for (found, expected) in found[2..].iter().zip([3.5, 4.0, 5.0]) {
+            assert!((found.unwrap() - expected).abs() < 1e-12, "{found:?} for {expected}");
         }
     }
 

@@ -1,7 +1,6 @@
 //! One element between two jaws follows the curve that was put in, at every speed.
 
 use std::f64::consts::FRAC_PI_2;
-use std::time::Instant;
 
 use droptower::simulate::{self, Across, Outcome};
 
@@ -82,7 +81,7 @@ fn at_45_degrees_it_pulls_as_the_closed_form() {
 const ELASTIC: &str =
     "specimen.material={ density = 915, thickness = 12e-6, elastic = { young = 50e6, poisson = 0.44 } }";
 
-/// From equilibrium to equilibrium it has the stress of the run, which has inertia and a time step, at a small part of its cost.
+/// From equilibrium to equilibrium it has the stress of the run, which has inertia and a time step; by rate, that of the jaws' rate.
 #[test]
 fn pulled_without_inertia_it_follows_the_run() {
     let mut claims = Claims::of("single element, pulled");
@@ -93,18 +92,18 @@ fn pulled_without_inertia_it_follows_the_run() {
         ("45deg-0.02", &[r#"specimen.mesh.element="tri3""#], 0.4),
         ("md-0.02", &[ELASTIC], 1.0),
         ("md-0.02", &[ELASTIC, r#"specimen.mesh.element="quad4-full""#], 1.0),
+        ("rates", &["loading.stretch.velocity=0.002", r#"output.sample_rate="200 Hz""#], 1.39),
+        ("rates", &["loading.stretch.velocity=0.3"], 0.75),
+        ("rates", &["loading.stretch.velocity=0.3", r#"loading.stretch.direction="TD""#], 1.39),
     ] {
         let model = shipped(&format!("stretch/{name}.toml"), changes);
         let outcome = run(&model);
         let [strains, stress] = ["strain", "stress_Pa"].map(|name| channel(&outcome.signals, name));
-        let before = Instant::now();
         let pulled = simulate::pull(&model, strains, Across::Held).expect("a pull");
-        let share = before.elapsed().as_secs_f64() / outcome.wall.as_secs_f64();
         let samples = strains.iter().zip(stress.iter().zip(&pulled)).filter(|(e, _)| (0.005..=to - 0.01).contains(*e));
         let apart = samples.map(|(_, (run, pulled))| (run / pulled - 1.0).abs()).fold(0.0, f64::max);
         let what = format!("{name} {}", changes.join(" "));
         claims.at_most(&format!("{what}, stress of the run off the pull"), apart, 1e-3);
-        claims.at_most(&format!("{what}, time of the pull over the run's"), share, 0.2);
     }
     claims.judge();
 }
