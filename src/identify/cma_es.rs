@@ -3,11 +3,12 @@
 //! A generation is evaluated at once. The distribution lives in u: the unknowns over their size at the start, or what stands
 //! for them within bounds, see [`Bounds`](super::Bounds).
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use cmaes::{CMAESOptions, DVector, TerminationReason};
 
-use super::search::{Course, Ended, Iteration, SearchError, limit};
+use super::search::{Course, Ended, Iteration, SearchError, limit, order};
 
 /// What a failed trial counts as. The method ranks trials; only their order matters.
 const WORST: f64 = 1e300;
@@ -26,13 +27,17 @@ pub(super) fn search(start: &[f64], course: Course<'_, '_, '_>) -> Result<Ended,
         let u: Vec<f64> = v.iter().zip(&scale).map(|(v, scale)| v * scale).collect();
         search.bounds.x_of(&u)
     };
-    let error = Mutex::new(None);
-    let objective = |v: &DVector<f64>| match trials.answer(&x_of(v)) {
-        Ok(answer) => answer.map_or(WORST, |answer| answer.value()),
-        Err(why) => {
-            // The method ends where a value is none.
-            error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
-            f64::NAN
+    let errors = Mutex::new(Vec::new());
+    let before = AtomicUsize::new(0);
+    let objective = |v: &DVector<f64>| {
+        let x = x_of(v);
+        match trials.answer_of_several(&x, before.load(Ordering::Relaxed)) {
+            Ok(answer) => answer.map_or(WORST, |answer| answer.value()),
+            Err(why) => {
+                // The others of the generation are still tried, so that it does not matter which of them was quicker.
+                errors.lock().unwrap_or_else(PoisonError::into_inner).push((x, why));
+                WORST
+            }
         }
     };
     let mean: Vec<f64> = origin.iter().zip(&scale).map(|(u, scale)| u / scale).collect();
@@ -46,8 +51,10 @@ pub(super) fn search(start: &[f64], course: Course<'_, '_, '_>) -> Result<Ended,
     let mut state = options.build(objective).map_err(|why| SearchError::CmaEs(format!("{why:?}")))?;
     let mut history: Vec<Iteration> = Vec::new();
     let ended = loop {
+        before.store(trials.evaluations(), Ordering::Relaxed);
         let ended = state.next_parallel();
-        if let Some(why) = error.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        let errors = std::mem::take(&mut *errors.lock().unwrap_or_else(PoisonError::into_inner));
+        if let Some((_, why)) = errors.into_iter().min_by(|(a, _), (b, _)| order(a, b)) {
             return Err(why);
         }
         if let Some(best) = state.overall_best_individual() {

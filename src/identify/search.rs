@@ -1,5 +1,6 @@
 //! One search: a method, one or several starts, and what the user should know about the result.
 
+use std::cmp::Ordering;
 use std::error::Error;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -157,7 +158,15 @@ struct Tally {
 #[derive(Clone, Debug, Default)]
 struct Failures {
     count: usize,
-    first: Option<(Vec<f64>, String)>,
+    first: Option<Failure>,
+}
+
+#[derive(Clone, Debug)]
+struct Failure {
+    /// Trials that the search had asked for before.
+    before: usize,
+    x: Vec<f64>,
+    cause: String,
 }
 
 /// A search on its way.
@@ -175,8 +184,18 @@ impl Failures {
         self.first = self.first.take().or(other.first);
     }
 
+    /// Takes one more; of those that were asked for at once, the first in their order counts as first.
+    fn note(&mut self, failure: Failure) {
+        self.count += 1;
+        let is_before =
+            |first: &Failure| failure.before.cmp(&first.before).then_with(|| order(&failure.x, &first.x)).is_lt();
+        if self.first.as_ref().is_none_or(is_before) {
+            self.first = Some(failure);
+        }
+    }
+
     fn warning(&self, rule: OnFailure) -> Option<String> {
-        let (x, cause) = self.first.as_ref()?;
+        let Failure { x, cause, .. } = self.first.as_ref()?;
         let counted = if rule == OnFailure::Retry { ", also when repeated," } else { "" };
         Some(format!("{} trials failed{counted} and counted as worst, the first at {x:?}: {cause}", self.count))
     }
@@ -222,13 +241,19 @@ impl<'c, 'a> Trials<'c, 'a> {
     /// What the objective answers at `x`; none where the trial failed and counts as worst.
     pub(super) fn answer(&self, x: &[f64]) -> Result<Option<Answer>, SearchError> {
         let found = self.desk.evaluate(x)?;
-        self.count(x, found)
+        self.count(x, found, self.evaluations())
+    }
+
+    /// What it answers at `x`, one of several points that are asked for at once and in any order, after `before` others.
+    pub(super) fn answer_of_several(&self, x: &[f64], before: usize) -> Result<Option<Answer>, SearchError> {
+        let found = self.desk.evaluate(x)?;
+        self.count(x, found, before)
     }
 
     /// What it answers at all of `points`.
     pub(super) fn answers(&self, points: &[Vec<f64>]) -> Result<Vec<Option<Answer>>, SearchError> {
         let found = self.desk.evaluate_all(points)?;
-        points.iter().zip(found).map(|(x, found)| self.count(x, found)).collect()
+        points.iter().zip(found).map(|(x, found)| self.count(x, found, self.evaluations())).collect()
     }
 
     /// Points that may be asked for next, the likeliest first.
@@ -255,7 +280,7 @@ impl<'c, 'a> Trials<'c, 'a> {
         self.tally().failures.clone()
     }
 
-    fn count(&self, x: &[f64], found: Evaluation) -> Result<Option<Answer>, SearchError> {
+    fn count(&self, x: &[f64], found: Evaluation, before: usize) -> Result<Option<Answer>, SearchError> {
         let mut tally = self.tally();
         tally.evaluations += 1;
         match found {
@@ -265,7 +290,7 @@ impl<'c, 'a> Trials<'c, 'a> {
                 Err(SearchError::Failed { x: x.into(), cause, numerical })
             }
             Evaluation::Failed { cause, .. } => {
-                tally.failures.add(Failures { count: 1, first: Some((x.into(), cause)) });
+                tally.failures.note(Failure { before, x: x.into(), cause });
                 Ok(None)
             }
         }
@@ -362,6 +387,12 @@ fn seen(simplex: &Simplex, start: usize) -> Iteration {
         spread: Some(simplex.spread()),
         step: simplex.step.name(),
     }
+}
+
+/// Points that are asked for at once have an order of their own: by their first entries, then by the second.
+pub(super) fn order(a: &[f64], b: &[f64]) -> Ordering {
+    let entries = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));
+    entries.fold(Ordering::Equal, Ordering::then)
 }
 
 /// Which limit ended a search.
@@ -502,6 +533,34 @@ mod tests {
         let stopped =
             found(&Search { on_failure: OnFailure::Stop, ..Search::new(Method::NelderMead, vec![2.0]) }, &cliff, 4);
         assert!(matches!(stopped, Err(SearchError::Failed { x, .. }) if x[0] < 1.0));
+    }
+
+    /// Of the trials of one generation, which fail in any order, the same one is told.
+    #[test]
+    fn a_generation_s_first_failure_does_not_depend_on_who_was_quicker() {
+        let calls = std::sync::atomic::AtomicU64::new(0);
+        let half = |x: &[f64]| {
+            let call = calls.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            std::thread::sleep(std::time::Duration::from_micros(call * 7919 % 13 * 100));
+            if x[0] < 2.2 { f64::NAN } else { x[0] + x[1].abs() }
+        };
+        for on_failure in [OnFailure::Worst, OnFailure::Stop] {
+            let search = Search {
+                on_failure,
+                most_evaluations: 20,
+                starts: super::super::Starts::Given(vec![vec![2.3, 1.0]]),
+                ..Search::new(Method::CmaEs, vec![2.3, 1.0])
+            };
+            let told = |threads| match found(&search, &half, threads) {
+                Ok(best) => best.warnings,
+                Err(error) => vec![error.to_string()],
+            };
+            let one = told(1);
+            assert!(one[0].contains("not a number"), "{one:?}");
+            for round in 0..20 {
+                assert_eq!(told(1 + round % 4), one);
+            }
+        }
     }
 
     #[test]
