@@ -291,15 +291,6 @@ mod tests {
         engine
     }
 
-    #[test]
-    fn the_examples_of_the_reference_hold() {
-        let engine = host();
-        for entry in ENTRIES {
-            let held = engine.eval::<bool>(entry.example);
-            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
-        }
-    }
-
     /// The model is linear: the ends of the profiles are those of the covariance, each with the noise of its own part.
     #[test]
     fn profiles_of_joined_signals_end_where_the_covariance_says() {
