@@ -9,6 +9,7 @@ pub mod units;
 pub mod diagnostic;
 pub mod lane;
 pub mod signal;
+pub mod plot;
 pub mod experiment;
 pub mod material;
 pub mod scenario;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-const STYLE: &str = include_str!("page.css");
+const STYLE: &str = include_str!("page/page.css");
 
 /// `text` with everything that HTML would read as markup escaped.
 pub fn escape(text: &str) -> String {

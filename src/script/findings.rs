@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::files::{self, File, FileError, Files};
 use super::{Answer, Entry, refuse, to_json};
+use crate::plot::Plot;
 use crate::store;
 
 /// One row of a table: column name and value, in order.
@@ -16,11 +17,12 @@ pub type Row = serde_json::Map<String, Value>;
 /// Most entries of each kind that are kept.
 const MOST_ENTRIES: usize = 10_000;
 
-/// Figures, tables, files and log lines in the order in which the script gave them.
+/// Figures, tables, plots, files and log lines in the order in which the script gave them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings {
     pub measures: Row,
     pub tables: Vec<(String, Vec<Row>)>,
+    pub plots: Vec<Plot>,
     pub files: Files,
     pub log: Vec<String>,
 }

@@ -1,5 +1,7 @@
 //! States of the scene that are kept for pictures.
 
+use std::ops::Range;
+
 use super::{Film, FilmState, Frame};
 use crate::engine::{ElementStrain, View};
 use crate::model::{MOST_IN_FRAMES, PER_FRAME};
@@ -13,14 +15,24 @@ pub(super) fn kept(wanted: usize, films: &[Film]) -> usize {
 
 /// The scene as `view` shows it; `strains` are those of its faces.
 pub(super) fn frame(view: &View<'_>, strains: &[Vec<ElementStrain>]) -> Frame {
+    let touched = view.touched();
     let film = |(film, strains): (&crate::engine::Film, &Vec<ElementStrain>)| FilmState {
         positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
         strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),
         broken: strains.iter().map(|s| s.volume == 0.0).collect(),
+        touching: touching(&touched, &film.nodes),
     };
     let pose = view.body.map(|body| {
         let (place, turn) = (body.pose.translation.vector, body.pose.rotation.coords);
         ([place.x, place.y, place.z], [turn.x, turn.y, turn.z, turn.w])
     });
     Frame { time: view.time, films: view.films.iter().zip(strains).map(film).collect(), impactor: pose }
+}
+
+/// Of the `touched` nodes those of one face, counted from its first.
+fn touching(touched: &[usize], nodes: &Range<usize>) -> Vec<u32> {
+    let mut own: Vec<u32> =
+        touched.iter().filter(|node| nodes.contains(*node)).map(|node| (node - nodes.start) as u32).collect();
+    own.sort_unstable();
+    own
 }

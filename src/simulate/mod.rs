@@ -105,6 +105,8 @@ pub struct FilmState {
     pub strains: Vec<[f32; 3]>,
     /// Broken elements.
     pub broken: Vec<bool>,
+    /// Nodes of the face that the impactor touches, ascending.
+    pub touching: Vec<u32>,
 }
 
 /// Share of the film's straining (volume × strain beyond the largest so far, loading only) by strain rate.
