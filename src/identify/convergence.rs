@@ -57,7 +57,7 @@ fn pursuits(ended: &Ended, labels: &Labels, desk: &Desk<'_, '_>) -> Vec<Pursuit>
     let mut pursuits: Vec<Pursuit> = Vec::new();
     for Iteration { iteration, x, f, .. } in thinned(&better, MOST_IMPROVEMENTS) {
         for (place, compared) in desk.compared(x).into_iter().enumerate() {
-            let improvement = Improvement { iteration: *iteration, f: *f, values: compared.values };
+            let improvement = Improvement { iteration: *iteration, f: *f, x: x.clone(), values: compared.values };
             match pursuits.get_mut(place) {
                 // A script that chooses its reference by its unknowns pursues nothing.
                 Some(pursuit) if pursuit.target == compared.target => pursuit.improvements.push(improvement),

@@ -35,6 +35,8 @@ pub struct Improvement {
     pub iteration: usize,
     /// What the objective gave.
     pub f: f64,
+    /// The unknowns.
+    pub x: Vec<f64>,
     /// What was simulated, at the places of the target.
     pub values: Vec<f32>,
 }
