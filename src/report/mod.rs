@@ -2,6 +2,7 @@
 
 mod convergence;
 mod figure;
+mod findings;
 mod html;
 mod plot;
 #[cfg(feature = "rerun")]
@@ -11,8 +12,9 @@ mod study_page;
 mod subject;
 
 pub use figure::{Figure, G, duration, markdown, rounded, significant};
+pub use findings::{cell, columns};
 pub use html::{matrix, page};
 pub use plot::figures;
 pub use run_page::{RunPage, run_page};
-pub use study_page::{StudyPage, cell, columns, study_page};
+pub use study_page::{StudyPage, study_page};
 pub use subject::subject;

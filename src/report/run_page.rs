@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::html::{self, escape};
 use super::plot;
-use super::{Figure, duration, study_page, subject};
+use super::{Figure, duration, findings, subject};
 use crate::model::Model;
 use crate::plot::{Curve, Plot};
 use crate::post::{Measures, Results};
@@ -44,7 +44,7 @@ pub fn run_page(run: &RunPage) -> String {
         warnings(run),
         html::section("Figures", &table(&figures)),
         html::section("Signals", &plots(run)),
-        study_page::tables(&results.findings),
+        findings::sections(&results.findings),
         html::section("Cost", &table(&cost)),
         html::section("Log", &html::list(&results.findings.log)),
         html::section("Scenario", &html::verbatim(run.scenario)),
