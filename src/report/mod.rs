@@ -1,5 +1,6 @@
 //! One self-contained page a run or study: figures, plots, warnings, and what was run. Opens offline.
 
+mod convergence;
 mod figure;
 mod html;
 mod plot;
@@ -10,7 +11,8 @@ mod study_page;
 mod subject;
 
 pub use figure::{Figure, G, duration, markdown, rounded, significant};
-pub use plot::PlotError;
+pub use html::{matrix, page};
+pub use plot::figures;
 pub use run_page::{RunPage, run_page};
 pub use study_page::{StudyPage, cell, columns, study_page};
 pub use subject::subject;
