@@ -1,6 +1,7 @@
 //! One self-contained page a run or study: figures, plots, warnings, and what was run. Opens offline.
 
 mod body;
+mod convergence;
 mod figure;
 mod film;
 mod html;

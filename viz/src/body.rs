@@ -5,8 +5,9 @@ use re_sdk_types::archetypes::{Ellipsoids3D, Mesh3D, Transform3D};
 use re_sdk_types::components::FillMode;
 use re_sdk_types::datatypes::Quaternion;
 
+use crate::normals;
 use crate::scene::{BodyShape, BodyTrack};
-use crate::{TIMELINE, normals};
+use crate::series::Moment;
 
 const STEEL: [u8; 3] = [150, 155, 165];
 
@@ -25,7 +26,7 @@ pub fn log(stream: &RecordingStream, body: &BodyTrack) -> RecordingStreamResult<
         BodyShape::Surface { points, triangles } => stream.log_static(entity.as_str(), &surface(points, triangles)),
     }?;
     for pose in &body.poses {
-        stream.set_duration_secs(TIMELINE, pose.time);
+        Moment::Time(pose.time).set(stream);
         let moved = Transform3D::update_fields()
             .with_translation(pose.position)
             .with_quaternion(Quaternion::from_xyzw(pose.rotation));

@@ -5,7 +5,8 @@ use re_sdk_types::archetypes::{InstancePoses3D, Mesh3D};
 use re_sdk_types::components::Color;
 
 use crate::scene::{FilmFrame, FilmTrack};
-use crate::{TIMELINE, colour, normals};
+use crate::series::Moment;
+use crate::{colour, normals};
 
 /// Positions are rounded to 2^-18 m, four micrometres: random last digits do not compress.
 const STEPS_PER_METRE: f32 = 262_144.0;
@@ -27,7 +28,7 @@ pub fn log(stream: &RecordingStream, film: &FilmTrack) -> RecordingStreamResult<
             state = state.with_triangle_indices(visible(film, frame));
             shown = Some(&frame.visible);
         }
-        stream.set_duration_secs(TIMELINE, frame.time);
+        Moment::Time(frame.time).set(stream);
         stream.log(entity.as_str(), &state)?;
     }
     Ok(())

@@ -1,19 +1,22 @@
 //! What a recording shows, as plain values: lengths in m, times in s.
 
 use crate::VizError;
+use crate::diagram::Diagram;
+use crate::series::{Chart, Moment, SignalTrack};
 
 /// Everything in one recording.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Name of the recording in the viewer.
     pub name: String,
-    /// Markdown.
-    pub summary: String,
+    /// Texts, the one that is open first.
+    pub documents: Vec<Document>,
     pub films: Vec<FilmTrack>,
     pub body: Option<BodyTrack>,
     pub signals: Vec<SignalTrack>,
-    /// Diagrams beside the 3-D view, from top to bottom.
-    pub plots: Vec<Plot>,
+    /// Pictures of signals, from top to bottom.
+    pub charts: Vec<Chart>,
+    pub diagrams: Vec<Diagram>,
     pub events: Vec<Event>,
 }
 
@@ -77,30 +80,20 @@ pub struct Pose {
     pub rotation: [f32; 4],
 }
 
-/// A curve over time.
+/// A text beside the pictures.
 #[derive(Clone, Debug)]
-pub struct SignalTrack {
-    /// Entity path, e.g. `signals/velocity_m_s`.
+pub struct Document {
+    /// Entity path, e.g. `summary`.
     pub path: String,
-    /// What a legend calls it.
-    pub label: String,
-    pub times: Vec<f64>,
-    /// One value a time; `NaN` leaves a gap.
-    pub values: Vec<f64>,
-}
-
-/// A diagram.
-#[derive(Clone, Debug)]
-pub struct Plot {
     pub title: String,
-    /// Paths of the signals it shows.
-    pub signals: Vec<String>,
+    /// Markdown.
+    pub text: String,
 }
 
 /// Something that happened, for the log.
 #[derive(Clone, Debug)]
 pub struct Event {
-    pub time: f64,
+    pub at: Moment,
     pub severity: Severity,
     pub text: String,
 }
@@ -116,7 +109,8 @@ impl Scene {
     /// Refuses lists whose lengths do not fit each other.
     pub(crate) fn check(&self) -> Result<(), VizError> {
         self.films.iter().try_for_each(FilmTrack::check)?;
-        self.signals.iter().try_for_each(SignalTrack::check)
+        self.signals.iter().try_for_each(SignalTrack::check)?;
+        self.diagrams.iter().try_for_each(Diagram::check)
     }
 }
 
@@ -140,15 +134,5 @@ impl FilmTrack {
             }
         }
         Ok(())
-    }
-}
-
-impl SignalTrack {
-    fn check(&self) -> Result<(), VizError> {
-        let (found, expected) = (self.values.len(), self.times.len());
-        if found == expected {
-            return Ok(());
-        }
-        Err(VizError::Samples { signal: self.path.clone(), found, expected })
     }
 }

@@ -1,14 +1,14 @@
 //! What happened, for the recording's log.
 
-use droptower_viz::{Event, Severity};
+use droptower_viz::{Event, Moment, Severity};
 
 use crate::signal::Recording;
 use crate::simulate::Outcome;
 
 /// First contact, extremes, rupture and warnings, in the order of time.
 pub fn of(outcome: &Outcome, signals: &Recording) -> Vec<Event> {
-    let info = |time: f64, text: String| Event { time, severity: Severity::Info, text };
-    let warning = |time: f64, text: String| Event { time, severity: Severity::Warning, text };
+    let info = |time: f64, text: String| (time, Severity::Info, text);
+    let warning = |time: f64, text: String| (time, Severity::Warning, text);
     let contact = first_contact(signals).map(|time| info(time, "first contact".to_owned()));
     let braking = extreme(signals, "acceleration_filtered_m_s2", 1.0)
         .map(|(time, peak)| info(time, format!("peak deceleration {peak:.1} m/s²")));
@@ -19,9 +19,10 @@ pub fn of(outcome: &Outcome, signals: &Recording) -> Vec<Event> {
     let rupture = rupture.map(|time| warning(time, "first element breaks".to_owned()));
     let end = signals.time.last().copied().unwrap_or_default();
     let warnings = outcome.warnings.iter().map(|text| warning(end, text.clone()));
-    let mut events: Vec<Event> = [contact, braking, lowest, rupture].into_iter().flatten().chain(warnings).collect();
-    events.sort_by(|a, b| a.time.total_cmp(&b.time));
-    events
+    let mut events: Vec<_> = [contact, braking, lowest, rupture].into_iter().flatten().chain(warnings).collect();
+    events.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let event = |(time, severity, text)| Event { at: Moment::Time(time), severity, text };
+    events.into_iter().map(event).collect()
 }
 
 fn first_contact(signals: &Recording) -> Option<f64> {

@@ -1,18 +1,23 @@
-//! The run as a Rerun recording: film, impactor, signals and what happened, on one timeline.
+//! Runs and studies as Rerun recordings: film, impactor, signals and what happened; searches closing in on their target.
 
 mod body;
+mod diagram;
 mod events;
 mod film;
+mod study;
+mod text;
 
 use std::path::Path;
 
-use droptower_viz::{Plot, Scene, SignalTrack, VizError};
+use droptower_viz::{Chart, Document, Places, Scene, SignalTrack, Stroke, VizError};
 use thiserror::Error;
 
 use crate::mesh::MeshError;
 use crate::model::Model;
 use crate::signal::Recording;
 use crate::simulate::Outcome;
+pub use study::{Approach, Iteration, StudyRecording, write_study};
+pub use text::Text;
 
 /// Why a recording was not written.
 #[derive(Debug, Error)]
@@ -52,41 +57,47 @@ fn scene(model: &Model, outcome: &Outcome, signals: &Recording, summary_text: &s
     let impactor = model.impactor.as_ref();
     Ok(Scene {
         name: model.name.clone(),
-        summary: format!("{summary_text}\n\nColour: the larger fibre strain, 0 (dark) to {highest:.3} (bright).\n"),
+        documents: vec![Document {
+            path: "texts/summary".to_owned(),
+            title: "Summary".to_owned(),
+            text: format!("{summary_text}\n\nColour: the larger fibre strain, 0 (dark) to {highest:.3} (bright).\n"),
+        }],
         films: faces.map(|face| film::track(outcome, face, highest)).collect(),
         body: impactor.map(|impactor| body::track(impactor, outcome)).transpose()?,
         signals: tracks("signals", signals).chain(tracks("energies", &outcome.energies)).collect(),
-        plots: plots(signals, &outcome.energies),
+        charts: charts(signals, &outcome.energies),
+        diagrams: vec![],
         events: events::of(outcome, signals),
     })
 }
 
 fn tracks<'a>(folder: &'a str, recording: &'a Recording) -> impl Iterator<Item = SignalTrack> + 'a {
-    recording.channels.iter().map(move |channel| SignalTrack {
+    recording.channels.iter().enumerate().map(move |(index, channel)| SignalTrack {
         path: format!("{folder}/{}", channel.name),
         label: channel.name.clone(),
-        times: recording.time.clone(),
-        values: channel.values.clone(),
+        places: Places::Times(recording.time.clone()),
+        values: channel.values.iter().map(|value| *value as f32).collect(),
+        stroke: Stroke::nth(index),
     })
 }
 
-fn plots(signals: &Recording, energies: &Recording) -> Vec<Plot> {
+fn charts(signals: &Recording, energies: &Recording) -> Vec<Chart> {
     let shown = |channels: &[&str]| -> Vec<String> {
         let present = channels.iter().filter(|name| signals.channel(name).is_some());
         present.map(|name| format!("signals/{name}")).collect()
     };
-    let mut plots: Vec<Plot> = PLOTS
+    let mut charts: Vec<Chart> = PLOTS
         .iter()
-        .map(|(title, channels)| Plot { title: (*title).to_owned(), signals: shown(channels) })
-        .filter(|plot| !plot.signals.is_empty())
+        .map(|(title, channels)| Chart { title: (*title).to_owned(), signals: shown(channels) })
+        .filter(|chart| !chart.signals.is_empty())
         .collect();
     if !energies.channels.is_empty() {
-        plots.push(Plot {
+        charts.push(Chart {
             title: "Energies, J".to_owned(),
             signals: tracks("energies", energies).map(|track| track.path).collect(),
         });
     }
-    plots
+    charts
 }
 
 #[cfg(test)]
@@ -102,8 +113,8 @@ mod tests {
     #[test]
     fn diagrams_show_the_channels_that_a_run_has() {
         let signals = recording(&["displacement_m", "force_N", "velocity_m_s"]);
-        let plots = plots(&signals, &recording(&["hourglass"]));
-        let shown = plots.iter().map(|p| (p.title.as_str(), p.signals.join(" ")));
+        let charts = charts(&signals, &recording(&["hourglass"]));
+        let shown = charts.iter().map(|p| (p.title.as_str(), p.signals.join(" ")));
         let expected = [
             ("Displacement, m", "signals/displacement_m"),
             ("Force, N", "signals/force_N"),
