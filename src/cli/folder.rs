@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use crate::model::Model;
 use crate::post::Results;
-use crate::report::{self, RunPage};
+use crate::report::{self, RunPage, StudyPage};
 use crate::script::{Findings, Row};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
@@ -54,16 +54,13 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
 }
 
 /// Writes what a study leaves into the draft and gives the names of the files.
-pub fn fill_study(
-    draft: &Draft,
-    findings: &Findings,
-    summary: &Map<String, Value>,
-    page: &str,
-) -> Result<Vec<String>, StoreError> {
+pub fn fill_study(draft: &Draft, study: &StudyPage, summary: &Map<String, Value>) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
     files.write("summary.json", json(summary)?)?;
-    files.findings(findings)?;
-    files.write("report.html", page.as_bytes().to_vec())?;
+    files.findings(study.findings)?;
+    #[cfg(feature = "rerun")]
+    files.study_recording(study)?;
+    files.write("report.html", report::study_page(study).into_bytes())?;
     Ok(files.names)
 }
 
@@ -94,6 +91,16 @@ impl Files<'_> {
         let path = self.draft.path().join("recording.rrd");
         let text = report::markdown(&results.summary(model));
         report::recording::write(&path, model, outcome, &results.signals, &text)
+            .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
+        self.names.push("recording.rrd".into());
+        Ok(())
+    }
+
+    #[cfg(feature = "rerun")]
+    fn study_recording(&mut self, study: &StudyPage) -> Result<(), StoreError> {
+        use crate::report::recording::{StudyRecording, write_study};
+        let path = self.draft.path().join("recording.rrd");
+        write_study(&path, &StudyRecording::of(study))
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
         self.names.push("recording.rrd".into());
         Ok(())

@@ -8,15 +8,23 @@ use super::html::escape;
 pub const G: f64 = 9.806_65;
 
 /// Suffixes of names, longest first, and the units they stand for.
-const UNITS: [(&str, &str); 10] = [
+const UNITS: [(&str, &str); 18] = [
+    ("_percent", "%"),
+    ("_N_mm", "N/mm"),
+    ("_N_m", "N/m"),
     ("_1_s", "1/s"),
     ("_m_s2", "m/s²"),
+    ("_MPa", "MPa"),
+    ("_kPa", "kPa"),
     ("_kN", "kN"),
+    ("_mm", "mm"),
+    ("_ms", "ms"),
     ("_m_s", "m/s"),
     ("_Pa", "Pa"),
     ("_Hz", "Hz"),
     ("_J", "J"),
     ("_N", "N"),
+    ("_g", "g"),
     ("_m", "m"),
     ("_s", "s"),
 ];
@@ -33,8 +41,7 @@ pub struct Figure {
 impl Figure {
     /// The figure `name` of a summary; `None` where there is no value or it is not one number, text or truth.
     pub fn of(name: &str, value: &Value) -> Option<Figure> {
-        let unit = UNITS.iter().find(|(suffix, _)| name.ends_with(suffix));
-        let (stem, unit) = unit.map_or((name, ""), |(suffix, unit)| (&name[..name.len() - suffix.len()], *unit));
+        let (stem, unit) = stem_and_unit(name);
         let unit = match (unit, value.as_f64()) {
             ("m/s²", Some(acceleration)) => format!("m/s² ({} g)", rounded(acceleration / G)),
             _ if name == "penetration" => "of the radius".into(),
@@ -69,6 +76,18 @@ pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) 
     } else {
         format!("<div class=\"scroll\"><table class=\"figures\">\n{rows}</table></div>\n")
     }
+}
+
+/// A name as the head of a column: its words, and its unit in parentheses.
+pub fn heading(name: &str) -> String {
+    let (stem, unit) = stem_and_unit(name);
+    let words = stem.replace('_', " ");
+    if unit.is_empty() { words } else { format!("{words} ({unit})") }
+}
+
+fn stem_and_unit(name: &str) -> (&str, &'static str) {
+    let mut units = UNITS.iter().filter_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, *unit)));
+    units.find(|(stem, _)| !stem.is_empty()).unwrap_or((name, ""))
 }
 
 /// The figures of a summary as a table in Markdown.

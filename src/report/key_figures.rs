@@ -9,6 +9,7 @@ use crate::post::Measures;
 
 /// A figure of the summary as its card shows it.
 struct Key {
+    /// HTML.
     words: &'static str,
     /// Name in the summary.
     name: &'static str,
@@ -44,8 +45,8 @@ const IMPACT: [Key; 7] = [
     at(key("lowest point", "peak_displacement_m", 1e3, "mm"), Beside::Time("time_of_peak_displacement_s")),
     key("energy absorbed", "energy_absorption", 100.0, "%"),
     key("rebound velocity", "rebound_velocity_m_s", 1.0, "m/s"),
-    key("acceleration error Eₐ", "acceleration_error", 100.0, "%"),
-    key("displacement error E_d", "displacement_error", 100.0, "%"),
+    key("acceleration error E<sub>a</sub>", "acceleration_error", 100.0, "%"),
+    key("displacement error E<sub>d</sub>", "displacement_error", 100.0, "%"),
     BALANCE,
 ];
 

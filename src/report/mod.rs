@@ -4,6 +4,7 @@ mod body;
 mod convergence;
 mod figure;
 mod film;
+mod findings;
 mod html;
 mod key_figures;
 mod plot;
@@ -15,8 +16,9 @@ mod study_page;
 mod subject;
 
 pub use figure::{Figure, G, duration, markdown, rounded, significant};
+pub use findings::{cell, columns};
 pub use html::{matrix, page};
 pub use plot::figures;
 pub use run_page::{RunPage, run_page};
-pub use study_page::{StudyPage, cell, columns, study_page};
+pub use study_page::{StudyPage, study_page};
 pub use subject::subject;

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{duration, figure, film, key_figures, plot, run_plots, study_page, subject};
+use super::{duration, figure, film, findings, key_figures, plot, run_plots, subject};
 use crate::diagnostic::shown_path;
 use crate::mesh::MeshError;
 use crate::model::{Model, Window};
@@ -50,7 +50,7 @@ pub fn run_page(run: &RunPage) -> Result<String, MeshError> {
         key_figures::cards(&results.measures, &summary),
         html::section("Film", &film::figure(model, outcome, &results.signals)?),
         html::section("Signals", &plot::figures(&run_plots::signals(run))),
-        study_page::tables(&results.findings),
+        findings::sections(&results.findings),
         html::section("Figures", &figures(&summary)),
         html::section("Trust", &trust(run)),
         html::section("Reference", &reference(run)),

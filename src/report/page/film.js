@@ -8,7 +8,12 @@
   const AROUND = 36; // facets around a body of revolution
   const PLAYED = 5000; // ms that the whole film takes
   const LIGHT = [0.35, -0.5, 0.79];
-  const VIEWS = { aslant: [-0.6, 0.42], above: [0, Math.PI / 2], side: [0, 0.03], below: [-0.6, -0.5] };
+  const VIEWS = {
+    aslant: [-0.6, 0.42],
+    "from above": [0, Math.PI / 2],
+    "from the side": [0, 0.03],
+    "from below": [-0.6, -0.5],
+  };
   const VIRIDIS = [
     [68, 1, 84], [71, 45, 123], [59, 82, 139], [44, 114, 142], [33, 145, 140], [40, 174, 128], [94, 201, 98], [173, 220, 48], [253, 231, 37],
   ];
@@ -315,7 +320,7 @@
       this.triad(context, look, ratio, height, style.color);
       const { range } = QUANTITIES[this.quantity];
       const [low, high] = this.ranges[range];
-      const written = (value) => (range === "shear" ? `${((value * 180) / Math.PI).toFixed(1)}°` : `${(100 * value).toFixed(0)} %`).replace("-", "−");
+      const written = (value) => (range === "shear" ? `${((value * 180) / Math.PI).toFixed(1)}°` : `${(100 * value).toFixed(0)} %`).replace(/^-(?=[0.]+\D)/, "").replace("-", "−");
       [low, (low + high) / 2, high].forEach((value, at) => (this.ends[at].textContent = written(value)));
     }
 

@@ -4,6 +4,7 @@ mod body;
 mod diagram;
 mod events;
 mod film;
+mod findings;
 mod study;
 mod text;
 

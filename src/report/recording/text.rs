@@ -37,7 +37,7 @@ impl Text {
     }
 }
 
-fn table(name: &str, rows: &[Row]) -> String {
+pub(super) fn table(name: &str, rows: &[Row]) -> String {
     let columns = columns(rows);
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let heads = line(columns.iter().map(|name| escaped(name)).collect());
