@@ -37,11 +37,8 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     if let Some(results) = results {
         files.write("summary.json", json(&results.summary(model))?)?;
         files.findings(&results.findings)?;
-        let page = RunPage { model, outcome, results, scenario, failure: *failure };
-        let page = report::run_page(&page);
         #[cfg(feature = "rerun")]
         files.recording(contents, results)?;
-        files.write("report.html", page.into_bytes())?;
     }
     files.write("scenario.toml", scenario.as_bytes().to_vec())?;
     if let Some(text) = script {
@@ -49,6 +46,9 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     }
     if let Some(cause) = failure {
         files.write("failure.txt", format!("{cause}\n").into_bytes())?;
+    }
+    if let Some(results) = results {
+        files.page(contents, results)?;
     }
     Ok(files.names)
 }
@@ -74,6 +74,15 @@ impl Files<'_> {
         self.draft.write(name, content)?;
         self.names.push(name.into());
         Ok(())
+    }
+
+    /// The page, which names the files that stand beside it.
+    fn page(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
+        let Contents { model, outcome, scenario, failure, .. } = *contents;
+        let page = report::run_page(&RunPage { model, outcome, results, scenario, failure, files: &self.names });
+        let page =
+            page.map_err(|error| StoreError::write(self.draft.path().join("report.html"), io::Error::other(error)))?;
+        self.write("report.html", page.into_bytes())
     }
 
     #[cfg(feature = "rerun")]

@@ -2,6 +2,8 @@
 
 use serde_json::{Map, Value};
 
+use super::html::escape;
+
 /// Standard gravity, m/s²: decelerations are shown in multiples of it.
 pub const G: f64 = 9.806_65;
 
@@ -58,6 +60,21 @@ impl Figure {
     /// Words, value, unit.
     pub fn cells(&self) -> [String; 3] {
         [self.words.clone(), self.value.clone(), self.unit.clone()]
+    }
+}
+
+/// Figures as a table of HTML, each row with its name and its value in full.
+pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) -> String {
+    let row = |(name, value): (&String, &Value)| {
+        let cells = Figure::of(name, value)?.cells().map(|cell| escape(&cell));
+        let (name, value) = (escape(name), escape(&value.to_string()));
+        Some(format!("<tr data-figure=\"{name}\" data-value=\"{value}\"><td>{}</td></tr>\n", cells.join("</td><td>")))
+    };
+    let rows: String = figures.filter_map(row).collect();
+    if rows.is_empty() {
+        rows
+    } else {
+        format!("<div class=\"scroll\"><table class=\"figures\">\n{rows}</table></div>\n")
     }
 }
 

@@ -1,13 +1,17 @@
 //! One self-contained page a run or study: figures, plots, warnings, and what was run. Opens offline.
 
+mod body;
 mod convergence;
 mod figure;
+mod film;
 mod findings;
 mod html;
+mod key_figures;
 mod plot;
 #[cfg(feature = "rerun")]
 pub mod recording;
 mod run_page;
+mod run_plots;
 mod study_page;
 mod subject;
 

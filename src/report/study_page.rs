@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{Figure, cell, findings};
+use super::{cell, figure, findings};
 use crate::script::Findings;
 
 /// What the page of a study is made of.
@@ -20,12 +20,10 @@ pub struct StudyPage<'a> {
 
 /// `report.html` of a study.
 pub fn study_page(study: &StudyPage) -> String {
-    let figures = study.findings.measures.iter().filter_map(|(name, value)| Figure::of(name, value));
-    let figures: Vec<Vec<String>> = figures.map(|figure| figure.cells().into()).collect();
     let body = [
         format!("<h1>{}</h1>\n", escape(study.name)),
         html::section("What was run", &html::table("rows", &[], &call(study.call))),
-        html::section("Figures", &html::table("figures", &[], &figures)),
+        html::section("Figures", &figure::table(study.findings.measures.iter())),
         findings::sections(study.findings),
         html::section("Log", &html::list(&study.findings.log)),
         html::section("Script", &html::verbatim(study.script)),
