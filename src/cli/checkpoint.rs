@@ -19,7 +19,7 @@ use crate::units::Time;
 /// `simulate::Checkpoint` or anything in them (the engine's `State`, the probe's `Record`) gains, loses or moves a field or
 /// gives it another type or meaning: the file holds bare numbers, which another layout would misread, and builds of one
 /// version may differ.
-const MAGIC: &[u8; 24] = b"droptower checkpoint 03\n";
+const MAGIC: &[u8; 24] = b"droptower checkpoint 04\n";
 
 /// What is wrong with a checkpoint of another layout.
 const LAID_OUT: &str = "no checkpoint of this build of droptower";
@@ -45,6 +45,8 @@ pub struct Wish {
     pub resume: bool,
     /// Whether a run that has none to go on from starts from its beginning.
     pub or_start: bool,
+    /// Whether kept states have their detail.
+    pub detailed: bool,
 }
 
 /// The checkpoints of one run.
@@ -64,6 +66,8 @@ struct Stamp {
     version: String,
     /// Simulated time between two checkpoints, s; none where no more were asked for.
     every: Option<f64>,
+    /// Whether kept states have their detail.
+    detailed: bool,
     /// The scenario as resolved, for messages.
     scenario: String,
     /// Everything that decides the run's bits.
@@ -100,7 +104,7 @@ impl Keeper {
     /// An interval in which the run is over, checkpoints that would be lost, no checkpoint to go on from, or one of another
     /// run.
     pub fn new(wish: Wish, checked: &Checked, place: &Path) -> Result<Option<Keeper>, Diagnostic> {
-        let Wish { every, resume, or_start } = wish;
+        let Wish { every, resume, or_start, detailed } = wish;
         if every.is_none() && !resume {
             return Ok(None);
         }
@@ -113,7 +117,7 @@ impl Keeper {
         }
         let shelf = Shelf::beside(place);
         let run = identity(model).map_err(|error| Diagnostic::new(format!("{}: {error}", model.name)))?;
-        let stamp = Stamp { version: VERSION.into(), every, scenario: checked.document.resolved(), run };
+        let stamp = Stamp { version: VERSION.into(), every, detailed, scenario: checked.document.resolved(), run };
         let mut keeper = Keeper { shelf, stamp, start: None, notes: vec![] };
         if or_start && keeper.shelf.checkpoints().is_empty() {
             keeper.start_anew(&model.name, place);
@@ -227,6 +231,9 @@ impl Stamp {
         if self.version != other.version {
             let (now, then) = (&self.version, &other.version);
             return Some(format!("droptower {then} wrote it, and this is {now}: it could not give the same bits"));
+        }
+        if self.detailed != other.detailed {
+            return Some(format!("it was started with{} --vtu", if other.detailed { "" } else { "out" }));
         }
         if self.run == other.run {
             return None;

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use crate::model::Model;
 use crate::post::Results;
-use crate::report::{self, PlotError, RunPage};
+use crate::report::{self, PlotError, RunPage, vtu};
 use crate::script::{Findings, Row};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
@@ -25,11 +25,13 @@ pub struct Contents<'a> {
     /// Text of the post script that `scenario` reads as [`SCRIPT`].
     pub script: Option<&'a str>,
     pub failure: Option<&'a str>,
+    /// Whether ParaView is to see it, too.
+    pub vtu: bool,
 }
 
 /// Writes all files of a run into the draft and gives their names.
 pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreError> {
-    let Contents { model, outcome, results, scenario, script, failure } = contents;
+    let Contents { model, outcome, results, scenario, script, failure, vtu } = contents;
     let mut files = Files { draft, names: Vec::new() };
     let signals = results.map_or(&outcome.signals, |results| &results.signals);
     files.write("signals.csv", recording(signals)?)?;
@@ -42,6 +44,9 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
         #[cfg(feature = "rerun")]
         files.recording(contents, results)?;
         files.write("report.html", page.into_bytes())?;
+    }
+    if *vtu {
+        files.vtu(model, outcome)?;
     }
     files.write("scenario.toml", scenario.as_bytes().to_vec())?;
     if let Some(text) = script {
@@ -87,6 +92,16 @@ impl Files<'_> {
         report::recording::write(&path, model, outcome, &results.signals, &text)
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
         self.names.push("recording.rrd".into());
+        Ok(())
+    }
+
+    fn vtu(&mut self, model: &Model, outcome: &Outcome) -> Result<(), StoreError> {
+        let failed = |error| StoreError::write(self.draft.path().join(vtu::FOLDER), io::Error::other(error));
+        for file in vtu::files(model, outcome).map_err(failed)? {
+            let vtu::File { name, content } = file.map_err(failed)?;
+            self.draft.write(&name, content)?;
+            self.names.push(name);
+        }
         Ok(())
     }
 

@@ -7,6 +7,7 @@ mod plot;
 pub mod recording;
 mod run_page;
 mod study_page;
+pub mod vtu;
 mod subject;
 
 pub use figure::{Figure, G, duration, markdown, rounded, significant};

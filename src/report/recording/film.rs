@@ -88,6 +88,7 @@ mod tests {
             strains: vec![[0.1, 0.4, 9.0], [0.2, 0.0, 9.0], [7.0, 0.0, 0.0]],
             broken: vec![false, false, true],
             touching: vec![],
+            detail: None,
         };
         let strains = nodal_strains(&film, &state);
         let expected = [0.4, 0.3, 0.3, 0.4, 0.2, 0.0];
