@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use crate::model::Model;
 use crate::post::Results;
-use crate::report::{self, PlotError, RunPage, vtu};
+use crate::report::{self, RunPage, vtu};
 use crate::script::{Findings, Row};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
@@ -40,7 +40,7 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
         files.write("summary.json", json(&results.summary(model))?)?;
         files.findings(&results.findings)?;
         let page = RunPage { model, outcome, results, scenario, failure: *failure };
-        let page = report::run_page(&page).map_err(|error| not_drawn(draft, error))?;
+        let page = report::run_page(&page);
         #[cfg(feature = "rerun")]
         files.recording(contents, results)?;
         files.write("report.html", page.into_bytes())?;
@@ -149,8 +149,4 @@ fn cell(value: &Value) -> String {
         Value::String(text) => text.clone(),
         other => other.to_string(),
     }
-}
-
-fn not_drawn(draft: &Draft, error: PlotError) -> StoreError {
-    StoreError::write(draft.path().join("report.html"), io::Error::other(error))
 }

@@ -11,7 +11,8 @@ pub mod vtu;
 mod subject;
 
 pub use figure::{Figure, G, duration, markdown, rounded, significant};
-pub use plot::PlotError;
+pub use html::{matrix, page};
+pub use plot::figures;
 pub use run_page::{RunPage, run_page};
 pub use study_page::{StudyPage, cell, columns, study_page};
 pub use subject::subject;

@@ -3,9 +3,10 @@
 use serde_json::Value;
 
 use super::html::{self, escape};
-use super::plot::{self, Curve, Plot, PlotError};
+use super::plot;
 use super::{Figure, duration, study_page, subject};
 use crate::model::Model;
+use crate::plot::{Curve, Plot};
 use crate::post::{Measures, Results};
 use crate::signal::{Channel, Recording, Series};
 use crate::simulate::Outcome;
@@ -26,7 +27,7 @@ pub struct RunPage<'a> {
 const COST: [&str; 5] = ["elements", "steps", "time_step_s", "wall_s", "ns_per_element_step"];
 
 /// `report.html` of a run.
-pub fn run_page(run: &RunPage) -> Result<String, PlotError> {
+pub fn run_page(run: &RunPage) -> String {
     let RunPage { model, results, .. } = run;
     let summary = results.summary(model);
     let is_one_of = |names: &[&str], name: &String| names.contains(&name.as_str());
@@ -42,14 +43,14 @@ pub fn run_page(run: &RunPage) -> Result<String, PlotError> {
         ),
         warnings(run),
         html::section("Figures", &table(&figures)),
-        html::section("Signals", &plots(run)?),
+        html::section("Signals", &plots(run)),
         study_page::tables(&results.findings),
         html::section("Cost", &table(&cost)),
         html::section("Log", &html::list(&results.findings.log)),
         html::section("Scenario", &html::verbatim(run.scenario)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
-    Ok(html::page(&model.title, &body.concat()))
+    html::page(&model.title, &body.concat())
 }
 
 fn table(figures: &[(&String, &Value)]) -> String {
@@ -68,7 +69,7 @@ fn warnings(run: &RunPage) -> String {
     format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{}</div>\n", html::list(&lines))
 }
 
-fn plots(run: &RunPage) -> Result<String, PlotError> {
+fn plots(run: &RunPage) -> String {
     let signals = &run.results.signals;
     let own = match &run.results.measures {
         Measures::Impact(_) => impact_plots(run),
@@ -77,17 +78,17 @@ fn plots(run: &RunPage) -> Result<String, PlotError> {
         Measures::Inflation(_) => inflation_plots(signals),
     };
     let histogram = &run.results.measures.audit().strain_rates;
-    let mut figures = own.iter().chain(&frame_plot(signals)).map(Plot::draw).collect::<Result<Vec<_>, _>>()?;
-    figures.push(audit(&run.outcome.energies)?);
-    figures.push(plot::rates("Strain rates while loading", histogram)?);
-    Ok(format!("<div class=\"plots\">\n{}</div>\n", figures.concat()))
+    let mut figures: Vec<String> = own.iter().chain(&frame_plot(signals)).map(plot::figure).collect();
+    figures.push(audit(&run.outcome.energies));
+    figures.push(plot::rates("Strain rates while loading", histogram));
+    plot::side_by_side(figures)
 }
 
 fn impact_plots(run: &RunPage) -> Vec<Plot> {
     let signals = &run.results.signals;
     let comparison = run.results.comparison.as_ref();
     let simulated = |name: &str, column: &str, factor| Some(over_time(name, &signals.series(column)?, factor));
-    let reference = |series: Option<&Series>, factor| Some(over_time("reference", series?, factor));
+    let reference = |series: Option<&Series>, factor| Some(over_time("reference", series?, factor).dashed());
     let energy = |name: &str| simulated(name, &format!("{name}_energy_J"), 1.0);
     let displacement = reference(comparison.and_then(|c| c.displacement.as_ref()), 1e3);
     let acceleration = reference(comparison.and_then(|c| c.acceleration.as_ref()), 1.0);
@@ -156,15 +157,14 @@ struct Axis {
 /// One column over another.
 fn against(signals: &Recording, title: &str, [x, y]: [Axis; 2]) -> Plot {
     let column = |axis: &Axis| signals.channel(axis.column).unwrap_or_default();
-    let points = column(&x).iter().zip(column(&y)).map(|(a, b)| (a * x.factor, b * y.factor)).collect();
-    let curves = vec![Curve { name: "simulated".into(), points }];
-    Plot { title: title.into(), x: x.words.into(), y: y.words.into(), curves }
+    let points = column(&x).iter().zip(column(&y)).map(|(a, b)| [a * x.factor, b * y.factor]);
+    Plot::new(title, [x.words, y.words], vec![Curve::line("simulated", points)])
 }
 
 /// Share of the largest energy below which a term is named and not drawn; one that is zero throughout does not exist.
 const NEGLIGIBLE: f64 = 1e-3;
 
-fn audit(energies: &Recording) -> Result<String, PlotError> {
+fn audit(energies: &Recording) -> String {
     let magnitude = |channel: &Channel| channel.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let largest = energies.channels.iter().map(magnitude).fold(0.0, f64::max);
     let (small, drawn): (Vec<&Channel>, Vec<&Channel>) = energies
@@ -183,13 +183,13 @@ fn audit(energies: &Recording) -> Result<String, PlotError> {
         [] => String::new(),
         names => format!("<p class=\"note\">below {} %: {}</p>\n", NEGLIGIBLE * 100.0, escape(&names.join(", "))),
     };
-    Ok(format!("<div>\n{}{note}</div>\n", plot.draw()?))
+    format!("<div>\n{}{note}</div>\n", plot::figure(&plot))
 }
 
 fn time_plot(title: &str, y: &str, curves: impl IntoIterator<Item = Option<Curve>>) -> Plot {
-    Plot { title: title.into(), x: "time (ms)".into(), y: y.into(), curves: curves.into_iter().flatten().collect() }
+    Plot::new(title, ["time (ms)", y], curves.into_iter().flatten().collect())
 }
 
 fn over_time(name: &str, series: &Series, factor: f64) -> Curve {
-    Curve { name: name.into(), points: series.samples().map(|[t, v]| (t * 1e3, v * factor)).collect() }
+    Curve::line(name, series.samples().map(|[t, v]| [t * 1e3, v * factor]))
 }

@@ -29,8 +29,12 @@ fn states(folder: &Path, name: &str) -> Vec<(f64, UnstructuredGridPiece)> {
 
 fn grid(path: &Path) -> UnstructuredGridPiece {
     let DataSet::UnstructuredGrid { pieces, .. } = Vtk::import(path).expect("a VTU").data else { panic!("no grid") };
-    let [Piece::Inline(piece)] = &pieces[..] else { panic!("not one piece") };
-    (**piece).clone()
+    match &pieces[..] {
+        [Piece::Inline(piece)] => (**piece).clone(),
+        // Nothing is left.
+        [] => UnstructuredGridPiece::default(),
+        _ => panic!("more than one piece"),
+    }
 }
 
 /// The numbers of an array.

@@ -113,11 +113,14 @@ fn unstructured(grid: Grid) -> Result<Vec<u8>, VtuError> {
         types: grid.cells.iter().map(kind).collect(),
     };
     let data = Attributes { point: grid.on_points, cell: grid.on_cells };
+    let piece = UnstructuredGridPiece { points: IOBuffer::F32(grid.points.concat()), cells, data };
+    // A piece without cells would be written without their number, and then VTK does not read it.
+    let pieces = if grid.cells.is_empty() { vec![] } else { vec![Piece::Inline(Box::new(piece))] };
     let vtk = Vtk {
         version: Version::new_xml(1, 0),
         title: String::new(),
         byte_order: ByteOrder::LittleEndian,
-        data: DataSet::inline(UnstructuredGridPiece { points: IOBuffer::F32(grid.points.concat()), cells, data }),
+        data: DataSet::UnstructuredGrid { meta: None, pieces },
         file_path: None,
     };
     let mut out = Vec::new();

@@ -1,0 +1,1 @@
+// The film in 3-D.
