@@ -48,7 +48,7 @@ fn table(name: &str, rows: &[Row]) -> String {
 }
 
 /// Text that means itself within a table.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
         match c {
