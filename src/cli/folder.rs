@@ -40,9 +40,9 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
         files.write("summary.json", json(&results.summary(model))?)?;
         files.findings(&results.findings)?;
         let page = RunPage { model, outcome, results, scenario, failure: *failure };
-        let page = report::run_page(&page);
         #[cfg(feature = "rerun")]
-        files.recording(contents, results)?;
+        files.recording(&page)?;
+        let page = report::run_page(&page);
         files.write("report.html", page.into_bytes())?;
     }
     if *vtu {
@@ -85,11 +85,9 @@ impl Files<'_> {
     }
 
     #[cfg(feature = "rerun")]
-    fn recording(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
-        let Contents { model, outcome, .. } = contents;
+    fn recording(&mut self, run: &RunPage) -> Result<(), StoreError> {
         let path = self.draft.path().join("recording.rrd");
-        let text = report::markdown(&results.summary(model));
-        report::recording::write(&path, model, outcome, &results.signals, &text)
+        report::recording::write(&path, run)
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
         self.names.push("recording.rrd".into());
         Ok(())

@@ -81,6 +81,8 @@ pub struct Film {
     pub nodes: usize,
     pub quads: Vec<[u32; 4]>,
     pub tris: Vec<[u32; 3]>,
+    /// Edges by which the frame or the jaws hold it, as pairs of nodes.
+    pub held: Vec<[u32; 2]>,
     /// Mirror planes that complete the picture: x, y.
     pub mirrored: [bool; 2],
     /// How well its elements are shaped.

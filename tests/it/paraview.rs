@@ -5,7 +5,7 @@ use std::path::Path;
 
 use roxmltree::Document;
 use vtkio::Vtk;
-use vtkio::model::{Attribute, DataSet, Piece, UnstructuredGridPiece};
+use vtkio::model::{Attribute, Attributes, Cells, DataSet, IOBuffer, Piece, UnstructuredGridPiece, VertexNumbers};
 
 use droptower::signal::csv;
 
@@ -32,8 +32,17 @@ fn grid(path: &Path) -> UnstructuredGridPiece {
     match &pieces[..] {
         [Piece::Inline(piece)] => (**piece).clone(),
         // Nothing is left.
-        [] => UnstructuredGridPiece::default(),
+        [] => nothing(),
         _ => panic!("more than one piece"),
+    }
+}
+
+fn nothing() -> UnstructuredGridPiece {
+    let cell_verts = VertexNumbers::XML { connectivity: vec![], offsets: vec![] };
+    UnstructuredGridPiece {
+        points: IOBuffer::F32(vec![]),
+        cells: Cells { cell_verts, types: vec![] },
+        data: Attributes::new(),
     }
 }
 

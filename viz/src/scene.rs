@@ -1,19 +1,29 @@
 //! What a recording shows, as plain values: lengths in m, times in s.
 
 use crate::VizError;
+use crate::diagram::Diagram;
+use crate::quantity::Quantity;
+use crate::series::{Chart, Moment, SignalTrack};
 
 /// Everything in one recording.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Name of the recording in the viewer.
     pub name: String,
-    /// Markdown.
-    pub summary: String,
+    /// Time that is simulated, s: playback takes a few seconds for it.
+    pub duration: f64,
+    /// Texts, the one that is open first.
+    pub documents: Vec<Document>,
+    /// What the films can be coloured by, the one that is shown first.
+    pub quantities: Vec<Quantity>,
     pub films: Vec<FilmTrack>,
     pub body: Option<BodyTrack>,
     pub signals: Vec<SignalTrack>,
-    /// Diagrams beside the 3-D view, from top to bottom.
-    pub plots: Vec<Plot>,
+    /// Pictures of signals beside the films, from top to bottom.
+    pub charts: Vec<Chart>,
+    /// Further pictures of signals, one behind the other.
+    pub more_charts: Vec<Chart>,
+    pub diagrams: Vec<Diagram>,
     pub events: Vec<Event>,
 }
 
@@ -23,10 +33,10 @@ pub struct FilmTrack {
     pub name: String,
     /// Corners of each triangle, counter-clockwise seen from +z.
     pub triangles: Vec<[u32; 3]>,
+    /// Edges by which a frame or jaws hold it, as pairs of nodes.
+    pub held: Vec<[u32; 2]>,
     /// Mirror planes x = 0 and y = 0 that complete the picture.
     pub mirrored: [bool; 2],
-    /// Values that get the first and the last colour.
-    pub range: [f32; 2],
     pub frames: Vec<FilmFrame>,
 }
 
@@ -36,10 +46,12 @@ pub struct FilmFrame {
     pub time: f64,
     /// One entry a node.
     pub positions: Vec<[f32; 3]>,
-    /// What the film is coloured by, one entry a node.
-    pub values: Vec<f32>,
+    /// Values of each of the scene's quantities, one entry a node.
+    pub values: Vec<Vec<f32>>,
     /// Whether a triangle is there still, one entry a triangle.
     pub visible: Vec<bool>,
+    /// Nodes that the body touches.
+    pub touching: Vec<u32>,
 }
 
 /// A rigid body that moves.
@@ -77,30 +89,20 @@ pub struct Pose {
     pub rotation: [f32; 4],
 }
 
-/// A curve over time.
+/// A text beside the pictures.
 #[derive(Clone, Debug)]
-pub struct SignalTrack {
-    /// Entity path, e.g. `signals/velocity_m_s`.
+pub struct Document {
+    /// Entity path, e.g. `texts/summary`.
     pub path: String,
-    /// What a legend calls it.
-    pub label: String,
-    pub times: Vec<f64>,
-    /// One value a time; `NaN` leaves a gap.
-    pub values: Vec<f64>,
-}
-
-/// A diagram.
-#[derive(Clone, Debug)]
-pub struct Plot {
     pub title: String,
-    /// Paths of the signals it shows.
-    pub signals: Vec<String>,
+    /// Markdown.
+    pub text: String,
 }
 
 /// Something that happened, for the log.
 #[derive(Clone, Debug)]
 pub struct Event {
-    pub time: f64,
+    pub at: Moment,
     pub severity: Severity,
     pub text: String,
 }
@@ -115,40 +117,34 @@ pub enum Severity {
 impl Scene {
     /// Refuses lists whose lengths do not fit each other.
     pub(crate) fn check(&self) -> Result<(), VizError> {
-        self.films.iter().try_for_each(FilmTrack::check)?;
-        self.signals.iter().try_for_each(SignalTrack::check)
+        let quantities = self.quantities.len();
+        self.films
+            .iter()
+            .try_for_each(|film| film.frames.iter().try_for_each(|frame| film.check(frame, quantities)))?;
+        self.signals.iter().try_for_each(SignalTrack::check)?;
+        self.diagrams.iter().try_for_each(Diagram::check)
     }
 }
 
 impl FilmTrack {
-    fn check(&self) -> Result<(), VizError> {
-        let named = self.triangles.iter().flatten().max();
+    /// Refuses a state that is not one of this film with so many quantities.
+    pub(crate) fn check(&self, frame: &FilmFrame, quantities: usize) -> Result<(), VizError> {
+        let named = self.triangles.iter().flatten().chain(self.held.iter().flatten()).chain(&frame.touching).max();
         let needed = named.map_or(0, |node| *node as usize + 1);
-        let expected = self.frames.first().map_or(0, |f| f.positions.len()).max(needed);
-        for frame in &self.frames {
-            let found = [frame.positions.len(), frame.values.len()];
-            if let Some(&found) = found.iter().find(|found| **found != expected) {
-                return Err(VizError::Nodes { film: self.name.clone(), time: frame.time, found, expected });
-            }
-            if frame.visible.len() != self.triangles.len() {
-                return Err(VizError::Triangles {
-                    film: self.name.clone(),
-                    time: frame.time,
-                    found: frame.visible.len(),
-                    expected: self.triangles.len(),
-                });
-            }
+        let nodes = self.frames.first().map_or(frame.positions.len(), |first| first.positions.len()).max(needed);
+        let film = || self.name.clone();
+        let time = frame.time;
+        let lists = std::iter::once(frame.positions.len()).chain(frame.values.iter().map(Vec::len));
+        if let Some(found) = lists.into_iter().find(|found| *found != nodes) {
+            return Err(VizError::Nodes { film: film(), time, found, expected: nodes });
+        }
+        if frame.values.len() != quantities {
+            return Err(VizError::Quantities { film: film(), time, found: frame.values.len(), expected: quantities });
+        }
+        let (found, expected) = (frame.visible.len(), self.triangles.len());
+        if found != expected {
+            return Err(VizError::Triangles { film: film(), time, found, expected });
         }
         Ok(())
-    }
-}
-
-impl SignalTrack {
-    fn check(&self) -> Result<(), VizError> {
-        let (found, expected) = (self.values.len(), self.times.len());
-        if found == expected {
-            return Ok(());
-        }
-        Err(VizError::Samples { signal: self.path.clone(), found, expected })
     }
 }

@@ -6,8 +6,8 @@ use std::io::BufReader;
 use std::path::Path;
 
 use droptower_viz::{
-    BodyShape, BodyTrack, Event, FilmFrame, FilmTrack, Plot, Pose, Scene, Severity, SignalTrack, TIMELINE, VizError,
-    write,
+    BodyShape, BodyTrack, Chart, Document, Event, FilmFrame, FilmTrack, Moment, Places, Pose, Scene, Severity,
+    SignalTrack, Stroke, TIME, VizError, write,
 };
 use re_log_encoding::DecoderApp;
 use re_sdk::log::{Chunk, LogMsg};
@@ -56,16 +56,17 @@ fn signal(name: &str, samples: usize) -> SignalTrack {
     SignalTrack {
         path: format!("signals/{name}"),
         label: name.to_owned(),
-        times: (0..samples).map(|i| i as f64 * 1e-4).collect(),
-        values: (0..samples).map(|i| (i as f64 * 0.01).sin()).collect(),
+        places: Places::Times((0..samples).map(|i| i as f64 * 1e-4).collect()),
+        values: (0..samples).map(|i| (i as f32 * 0.01).sin()).collect(),
+        stroke: Stroke::nth(0),
     }
 }
 
 fn scene(films: Vec<FilmTrack>, signals: Vec<SignalTrack>) -> Scene {
     Scene {
         name: "test".to_owned(),
-        summary: "# A test".to_owned(),
-        plots: vec![Plot { title: "All".to_owned(), signals: signals.iter().map(|s| s.path.clone()).collect() }],
+        documents: vec![Document { path: "summary".into(), title: "Summary".into(), text: "# A test".into() }],
+        charts: vec![Chart { title: "All".to_owned(), signals: signals.iter().map(|s| s.path.clone()).collect() }],
         body: Some(BodyTrack {
             name: "impactor".to_owned(),
             shape: BodyShape::Sphere { radius: 0.15 },
@@ -73,9 +74,10 @@ fn scene(films: Vec<FilmTrack>, signals: Vec<SignalTrack>) -> Scene {
                 .map(|i| Pose { time: f64::from(i), position: [0.0, 0.0, i as f32], rotation: [0.0, 0.0, 0.0, 1.0] })
                 .collect(),
         }),
-        events: vec![Event { time: 0.5, severity: Severity::Warning, text: "rupture".to_owned() }],
+        events: vec![Event { at: Moment::Time(0.5), severity: Severity::Warning, text: "rupture".to_owned() }],
         films,
         signals,
+        diagrams: vec![],
     }
 }
 
@@ -102,7 +104,7 @@ fn rows<T: Loggable>(chunks: &[Chunk], component: &ComponentDescriptor) -> Vec<(
         let Some(column) = chunk.components().get_array(component.component) else {
             continue;
         };
-        let times = chunk.timelines().get(&TIMELINE.into());
+        let times = chunk.timelines().get(&TIME.into());
         for row in 0..chunk.num_rows() {
             if !arrow_is_valid(column, row) {
                 continue;
@@ -152,7 +154,7 @@ fn everything_in_the_scene_comes_back() {
         rows::<re_sdk_types::components::Scalar>(&entities["/signals/velocity_m_s"], &Scalars::descriptor_scalars());
     assert_eq!(values.len(), 1200);
     assert_eq!(values[1199].0, 119_900_000);
-    assert_eq!(values[7].1[0].0.0, (0.07_f64).sin());
+    assert_eq!(values[7].1[0].0.0, f64::from((0.07_f32).sin()));
 
     let moves = rows::<re_sdk_types::components::Translation3D>(
         &entities["/scene/impactor"],

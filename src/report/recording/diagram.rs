@@ -1,0 +1,39 @@
+//! Plots as the recording draws them.
+
+use droptower_viz::{self as viz, Diagram};
+
+use crate::plot::{Axis, Curve, Look, Plot, Scale};
+
+/// One diagram a plot, each at a path of its own below `folder`.
+pub(super) fn diagrams<'a>(
+    folder: &'a str,
+    plots: impl IntoIterator<Item = &'a Plot> + 'a,
+) -> impl Iterator<Item = Diagram> + 'a {
+    plots.into_iter().enumerate().map(move |(index, plot)| diagram(format!("{folder}/{index}"), plot))
+}
+
+/// A plot at the entity `path`.
+pub(super) fn diagram(path: String, plot: &Plot) -> Diagram {
+    Diagram {
+        path,
+        title: plot.title.clone(),
+        axes: [axis(&plot.x), axis(&plot.y)],
+        curves: plot.curves.iter().map(curve).collect(),
+        states: vec![],
+        window: plot.window.as_ref().map(|window| window.range),
+    }
+}
+
+/// A curve of a plot.
+pub(super) fn curve(curve: &Curve) -> viz::Curve {
+    let look = match curve.look {
+        Look::Line => viz::Look::Line,
+        Look::Dashed => viz::Look::Dashed,
+        Look::Points => viz::Look::Points,
+    };
+    viz::Curve { name: curve.name.clone(), points: curve.points.clone(), look }
+}
+
+fn axis(axis: &Axis) -> viz::Axis {
+    viz::Axis { words: axis.words.clone(), logarithmic: axis.scale == Scale::Logarithmic }
+}

@@ -1,0 +1,192 @@
+//! A study as a recording: curves closing in on their target along the iterations of a search, plots, tables and texts.
+
+use std::path::Path;
+
+use droptower_viz::{Chart, Diagram, Event, Moment, Places, Scene, Severity, SignalTrack, State, Stroke};
+
+use super::RecordingError;
+use super::diagram::{self, diagram};
+use super::text::Text;
+use crate::plot::{Curve, Look, Plot};
+
+/// What the recording of a study is made of.
+#[derive(Clone, Debug, Default)]
+pub struct StudyRecording {
+    /// The study's name.
+    pub name: String,
+    /// Texts, the summary first.
+    pub texts: Vec<Text>,
+    /// What each search did on its way.
+    pub searches: Vec<Approach>,
+    /// Plots that stay the same.
+    pub plots: Vec<Plot>,
+    /// Plots over the time of a test in ms, which also go on the recording's timeline `time`.
+    pub over_time: Vec<Plot>,
+    /// What the script logged.
+    pub log: Vec<String>,
+}
+
+/// How a search closed in on its target.
+#[derive(Clone, Debug)]
+pub struct Approach {
+    /// What is searched for, e.g. `drop/1008`.
+    pub name: String,
+    /// Axes, and the curves that stay: the target.
+    pub target: Plot,
+    /// In the order of their numbers.
+    pub iterations: Vec<Iteration>,
+}
+
+/// Where a search stood after an iteration.
+#[derive(Clone, Debug)]
+pub struct Iteration {
+    pub number: u32,
+    /// The smallest value of the objective so far.
+    pub objective: f64,
+    /// Names and values of the parameters that gave it.
+    pub parameters: Vec<(String, f64)>,
+    /// What they make of the test: as many curves in every iteration, none where the search kept none.
+    pub curves: Vec<Curve>,
+}
+
+/// Writes the recording of a study to `path`.
+///
+/// # Errors
+/// The file cannot be written, or an approach has more curves in one iteration than in another.
+pub fn write_study(path: &Path, study: &StudyRecording) -> Result<(), RecordingError> {
+    Ok(droptower_viz::write(path, &scene(study))?)
+}
+
+fn scene(study: &StudyRecording) -> Scene {
+    let approaches = study.searches.iter().enumerate().map(|(index, search)| approach(search, index));
+    let plots = diagram::diagrams("plots", study.over_time.iter().chain(&study.plots));
+    let timed = study.over_time.iter().enumerate().map(|(index, plot)| over_time(plot, index));
+    let (charts, signals): (Vec<Chart>, Vec<Vec<SignalTrack>>) = objectives(study).into_iter().chain(timed).unzip();
+    Scene {
+        name: study.name.clone(),
+        documents: study.texts.iter().map(Text::document).collect(),
+        signals: signals.concat(),
+        charts,
+        diagrams: approaches.chain(plots).collect(),
+        events: events(study),
+        ..Scene::default()
+    }
+}
+
+/// The target and the curves of every iteration.
+fn approach(search: &Approach, index: usize) -> Diagram {
+    let state = |iteration: &Iteration| State {
+        at: Moment::Iteration(iteration.number),
+        curves: iteration.curves.iter().map(diagram::curve).collect(),
+    };
+    let states = search.iterations.iter().map(state).collect();
+    let title = format!("{}: {}", search.name, search.target.title);
+    Diagram { title, states, ..diagram(format!("searches/{index}"), &search.target) }
+}
+
+/// One chart of all objectives, and one a parameter.
+fn objectives(study: &StudyRecording) -> Vec<(Chart, Vec<SignalTrack>)> {
+    let mut names: Vec<&String> = vec![];
+    for (name, _) in study.searches.iter().flat_map(|search| &search.iterations).flat_map(|at| &at.parameters) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let objective = along_iterations(study, "objective", |at| Some(at.objective));
+    let parameter = |name: &&String| {
+        let value = |at: &Iteration| at.parameters.iter().find(|(other, _)| other == *name).map(|(_, value)| *value);
+        along_iterations(study, name, value)
+    };
+    let charts = std::iter::once(objective).chain(names.iter().map(parameter));
+    charts.filter(|(_, signals)| !signals.is_empty()).collect()
+}
+
+/// A figure of every search along its iterations.
+fn along_iterations(
+    study: &StudyRecording,
+    name: &str,
+    figure: impl Fn(&Iteration) -> Option<f64>,
+) -> (Chart, Vec<SignalTrack>) {
+    let track = |(index, search): (usize, &Approach)| {
+        let places = search.iterations.iter().map(|at| at.number).collect();
+        let values: Vec<f64> = search.iterations.iter().map(|at| figure(at).unwrap_or(f64::NAN)).collect();
+        values.iter().any(|value| value.is_finite()).then(|| SignalTrack {
+            path: format!("searches/{index}/{name}"),
+            label: search.name.clone(),
+            places: Places::Iterations(places),
+            values: values.into_iter().map(|value| value as f32).collect(),
+            stroke: Stroke::nth(index),
+        })
+    };
+    let signals: Vec<SignalTrack> = study.searches.iter().enumerate().filter_map(track).collect();
+    (chart(name, &signals), signals)
+}
+
+/// A plot over the time of a test, on the timeline `time`.
+fn over_time(plot: &Plot, index: usize) -> (Chart, Vec<SignalTrack>) {
+    let track = |(number, curve): (usize, &Curve)| SignalTrack {
+        path: format!("over_time/{index}/{number}"),
+        label: curve.name.clone(),
+        places: Places::Times(curve.points.iter().map(|[time, _]| 1e-3 * time).collect()),
+        values: curve.points.iter().map(|[_, value]| *value as f32).collect(),
+        stroke: if curve.look == Look::Dashed { Stroke::target() } else { Stroke::nth(number) },
+    };
+    let signals: Vec<SignalTrack> = plot.curves.iter().enumerate().map(track).collect();
+    (chart(&format!("{}: {}", plot.title, plot.y.words), &signals), signals)
+}
+
+fn chart(title: &str, signals: &[SignalTrack]) -> Chart {
+    Chart { title: title.to_owned(), signals: signals.iter().map(|signal| signal.path.clone()).collect() }
+}
+
+/// Every iteration of every search, and what the script said, which has no iteration of its own, after the last.
+fn events(study: &StudyRecording) -> Vec<Event> {
+    let event = |number, text| Event { at: Moment::Iteration(number), severity: Severity::Info, text };
+    let iterations = study.searches.iter().flat_map(|search| search.iterations.iter().map(move |at| (search, at)));
+    let last = iterations.clone().map(|(_, at)| at.number).max().unwrap_or_default();
+    let words = |(search, at): (&Approach, &Iteration)| {
+        let parameters = at.parameters.iter().map(|(name, value)| format!(", {name} {value:.4}"));
+        event(at.number, format!("{}: objective {:.5}{}", search.name, at.objective, parameters.collect::<String>()))
+    };
+    let said = study.log.iter().map(|line| event(last, line.clone()));
+    iterations.map(words).chain(said).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn study() -> StudyRecording {
+        let line = |name: &str, height: f64| Curve::line(name, [[0.0, 0.0], [50.0, height]]);
+        let iteration = |number: u32| Iteration {
+            number,
+            objective: 1.0 / f64::from(number + 1),
+            parameters: vec![("k1".into(), 2.0), ("ke".into(), f64::from(number))],
+            curves: vec![line("simulated", 10.0 * f64::from(number))],
+        };
+        let target = Plot::new("acceleration", ["time (ms)", "m/s²"], vec![line("target", 30.0).dashed()]);
+        StudyRecording {
+            name: "identify".into(),
+            over_time: vec![target.clone()],
+            searches: vec![Approach { name: "1008".into(), target, iterations: (0..3).map(iteration).collect() }],
+            log: vec!["done".into()],
+            ..StudyRecording::default()
+        }
+    }
+
+    #[test]
+    fn a_search_is_shown_along_its_iterations() {
+        let scene = scene(&study());
+        let titles = scene.charts.iter().map(|chart| chart.title.as_str());
+        assert_eq!(titles.collect::<Vec<_>>(), ["objective", "k1", "ke", "acceleration: m/s²"]);
+        let objective = &scene.signals[0];
+        assert_eq!(objective.places, Places::Iterations(vec![0, 1, 2]));
+        assert_eq!(objective.values, [1.0, 0.5, 1.0 / 3.0]);
+        assert_eq!(scene.diagrams[0].states.len(), 3);
+        assert_eq!(scene.diagrams[0].states[2].curves[0].points[1], [50.0, 20.0]);
+        let timed = scene.signals.last().map(|signal| &signal.places);
+        assert_eq!(timed, Some(&Places::Times(vec![0.0, 0.05])));
+        let last = scene.events.last().map(|event| (event.at, event.text.as_str()));
+        assert_eq!(last, Some((Moment::Iteration(2), "done")));
+    }
+}

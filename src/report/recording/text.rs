@@ -1,0 +1,79 @@
+//! Texts beside the pictures, in Markdown.
+
+use droptower_viz::Document;
+
+use crate::report::{cell, columns};
+use crate::script::{Findings, Row};
+
+/// A text of its own.
+#[derive(Clone, Debug)]
+pub struct Text {
+    pub title: String,
+    pub markdown: String,
+}
+
+impl Text {
+    /// A file as it stands, such as a scenario or a script.
+    pub fn verbatim(title: &str, content: &str) -> Text {
+        // A fence is longer than any run of backticks within.
+        let longest = content.split(|c| c != '`').map(str::len).max().unwrap_or(0);
+        let fence = "`".repeat(longest.max(2) + 1);
+        Text { title: title.to_owned(), markdown: format!("{fence}\n{}\n{fence}\n", content.trim_end()) }
+    }
+
+    /// The tables that a script left; none where it left none.
+    pub fn tables(findings: &Findings) -> Option<Text> {
+        let tables: Vec<String> = findings.tables.iter().map(|(name, rows)| table(name, rows)).collect();
+        (!tables.is_empty()).then(|| Text { title: "Tables".to_owned(), markdown: tables.join("\n") })
+    }
+
+    pub(super) fn document(&self) -> Document {
+        let letters = self.title.chars().map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '_' });
+        Document {
+            path: format!("texts/{}", letters.collect::<String>()),
+            title: self.title.clone(),
+            text: self.markdown.clone(),
+        }
+    }
+}
+
+fn table(name: &str, rows: &[Row]) -> String {
+    let columns = columns(rows);
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let heads = line(columns.iter().map(|name| escaped(name)).collect());
+    let rule = format!("|{}\n", "---|".repeat(columns.len()));
+    let cells = |row: &Row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect::<Vec<_>>();
+    let rows = rows.iter().map(|row| line(cells(row).iter().map(|cell| escaped(cell)).collect()));
+    format!("## {}\n\n{heads}{rule}{}", escaped(&name.replace('_', " ")), rows.collect::<String>())
+}
+
+/// Text that means itself within a table.
+pub(super) fn escaped(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        match c {
+            '\n' | '\r' => out.push(' '),
+            '|' | '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '#' | '~' => out.extend(['\\', c]),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fence_is_longer_than_those_within() {
+        let text = Text::verbatim("Script", "let a = `b`;\n// ````\n");
+        assert_eq!(text.markdown, "`````\nlet a = `b`;\n// ````\n`````\n");
+    }
+
+    #[test]
+    fn cells_cannot_break_out_of_their_table() {
+        let row = |cell: &str| serde_json::json!({ "k1": 2.75, "note": cell }).as_object().cloned().unwrap();
+        let expected = "## best of all\n\n| k1 | note |\n|---|---|\n| 2.750 | a \\| b \\<i\\> |\n";
+        assert_eq!(table("best_of_all", &[row("a | b <i>")]), expected);
+    }
+}

@@ -1,0 +1,226 @@
+//! A diagram as lines, points and labels of the viewer's plane.
+
+use re_sdk::{RecordingStream, RecordingStreamResult};
+use re_sdk_types::AsComponents;
+use re_sdk_types::archetypes::{Boxes2D, LineStrips2D, Points2D};
+use re_sdk_types::components::{Color, Radius};
+
+use super::ticks::Scale;
+use super::{Curve, Diagram, Look, WIDTH};
+use crate::colour::GREY;
+use crate::series::Moment;
+use crate::stroke::Stroke;
+
+/// Lengths of a dash and of the gap after it, in heights of the box.
+const DASH: [f64; 2] = [0.03, 0.02];
+
+/// Length of a tick, and distances of labels from the box, in heights of it.
+const TICK: f64 = 0.015;
+const BELOW: [f64; 2] = [0.05, 0.13];
+const LEFT: [f64; 2] = [0.06, 0.05];
+
+/// Distance of the legend from the box, and of its lines from each other.
+const LEGEND: [f64; 2] = [0.06, 0.075];
+
+/// A point of the viewer's plane: across, down.
+type Point = [f32; 2];
+
+/// Logs frame, ticks, legend and all curves.
+pub(crate) fn log(stream: &RecordingStream, diagram: &Diagram) -> RecordingStreamResult<()> {
+    let page = Page::of(diagram);
+    let entity = |part: &str| format!("{}/{part}", diagram.path);
+    stream.log_static(entity("frame"), &page.frame())?;
+    stream.log_static(entity("labels"), &page.labels(diagram))?;
+    stream.log_static(entity("legend"), &legend(diagram))?;
+    if let Some(window) = diagram.window {
+        stream.log_static(entity("window"), &page.window(window))?;
+    }
+    for (index, curve) in diagram.curves.iter().enumerate() {
+        page.log_curve(stream, &entity(&format!("curves/{index}")), curve, None, stroke(curve, index))?;
+    }
+    for state in &diagram.states {
+        for (index, curve) in state.curves.iter().enumerate() {
+            let stroke = stroke(curve, diagram.curves.len() + index);
+            page.log_curve(stream, &entity(&format!("states/{index}")), curve, Some(state.at), stroke)?;
+        }
+    }
+    Ok(())
+}
+
+/// The scales of a diagram.
+struct Page {
+    x: Scale,
+    y: Scale,
+}
+
+impl Page {
+    fn of(diagram: &Diagram) -> Page {
+        let points = || diagram.all_curves().flat_map(|curve| &curve.points);
+        let [across, up] = [&diagram.axes[0], &diagram.axes[1]];
+        Page {
+            x: Scale::over(points().map(|point| point[0]), across.logarithmic),
+            y: Scale::over(points().map(|point| point[1]), up.logarithmic).rounded(),
+        }
+    }
+
+    fn at(&self, [x, y]: [f64; 2]) -> Option<Point> {
+        Some(place(self.x.share(x)?, self.y.share(y)?))
+    }
+
+    /// The box and its ticks.
+    fn frame(&self) -> LineStrips2D {
+        let outline = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]].map(|[x, y]| place(x, y)).to_vec();
+        let below = self.x.ticks().into_iter().map(|(x, _)| vec![place(x, 0.0), place(x, -TICK)]);
+        let left = self.y.ticks().into_iter().map(|(y, _)| vec![place(0.0, y), place(-TICK / WIDTH, y)]);
+        let strips: Vec<_> = std::iter::once(outline).chain(below).chain(left).collect();
+        LineStrips2D::new(strips).with_colors([GREY]).with_radii([Radius::new_ui_points(0.5)])
+    }
+
+    /// Numbers at the ticks and the words of both axes.
+    fn labels(&self, diagram: &Diagram) -> Points2D {
+        let below = self.x.ticks().into_iter().map(|(x, words)| (place(x, -BELOW[0]), words));
+        let left = self.y.ticks().into_iter().map(|(y, words)| (place(-LEFT[0] / WIDTH, y), words));
+        let across = (place(0.5, -BELOW[1]), diagram.axes[0].words.clone());
+        let up = (place(0.0, 1.0 + LEFT[1]), diagram.axes[1].words.clone());
+        texts(below.chain(left).chain([across, up]), [GREY])
+    }
+
+    /// A stretch of the axis across, shaded by its outline.
+    fn window(&self, ends: [f64; 2]) -> Boxes2D {
+        let shares: Vec<f64> = ends.iter().filter_map(|end| self.x.share(*end)).map(|x| x.clamp(0.0, 1.0)).collect();
+        let [from, to] = [shares.first(), shares.last()].map(|share| share.copied().unwrap_or(0.0));
+        let centre = place(0.5 * (from + to), 0.5);
+        Boxes2D::from_centers_and_half_sizes([centre], [[(0.5 * (to - from) * WIDTH) as f32, 0.5]])
+            .with_colors([Color::from_unmultiplied_rgba(GREY[0], GREY[1], GREY[2], 120)])
+            .with_radii([Radius::new_ui_points(0.5)])
+    }
+
+    fn log_curve(
+        &self,
+        stream: &RecordingStream,
+        entity: &str,
+        curve: &Curve,
+        at: Option<Moment>,
+        stroke: Stroke,
+    ) -> RecordingStreamResult<()> {
+        if let Some(at) = at {
+            at.set(stream);
+        }
+        stream.log_with_static(entity, at.is_none(), self.drawn(curve, stroke).as_ref())
+    }
+
+    fn drawn(&self, curve: &Curve, stroke: Stroke) -> Box<dyn AsComponents> {
+        let radius = Radius::new_ui_points(0.5 * stroke.width);
+        if curve.look == Look::Points {
+            let points = curve.points.iter().filter_map(|point| self.at(*point));
+            let radius = Radius::new_ui_points(1.5 * stroke.width);
+            return Box::new(Points2D::new(points).with_colors([stroke.colour]).with_radii([radius]));
+        }
+        let whole = strips(curve.points.iter().map(|point| self.at(*point)));
+        let strips = match curve.look {
+            Look::Dashed => whole.iter().flat_map(|strip| dashes(strip)).collect(),
+            _ => whole,
+        };
+        Box::new(LineStrips2D::new(strips).with_colors([stroke.colour]).with_radii([radius]))
+    }
+}
+
+/// Where shares of both axes are in the viewer's plane.
+fn place(x: f64, y: f64) -> Point {
+    [(x * WIDTH) as f32, (1.0 - y) as f32]
+}
+
+fn stroke(curve: &Curve, index: usize) -> Stroke {
+    match curve.look {
+        Look::Dashed => Stroke { width: Stroke::nth(0).width, ..Stroke::target() },
+        _ => Stroke::nth(index),
+    }
+}
+
+/// The names of the curves beside points of their colours, in a column right of the box.
+fn legend(diagram: &Diagram) -> Points2D {
+    let states = diagram.states.first().map_or(&[][..], |state| &state.curves);
+    let all: Vec<&Curve> = diagram.curves.iter().chain(states).collect();
+    let entry = |(index, curve): (usize, &&Curve)| {
+        (place(1.0 + LEGEND[0] / WIDTH, 1.0 - LEGEND[1] * (index as f64 + 0.5)), curve.name.clone())
+    };
+    let colours: Vec<[u8; 3]> = all.iter().enumerate().map(|(index, curve)| stroke(curve, index).colour).collect();
+    texts(all.iter().enumerate().map(entry), colours).with_radii([Radius::new_ui_points(4.0)])
+}
+
+/// Words at points that do not show.
+fn texts(labels: impl Iterator<Item = (Point, String)>, colours: impl IntoIterator<Item = [u8; 3]>) -> Points2D {
+    let (points, words): (Vec<Point>, Vec<String>) = labels.unzip();
+    Points2D::new(points)
+        .with_labels(words)
+        .with_show_labels(true)
+        .with_colors(colours)
+        .with_radii([Radius::new_ui_points(0.0)])
+}
+
+/// Stretches of points without a gap.
+fn strips(points: impl Iterator<Item = Option<Point>>) -> Vec<Vec<Point>> {
+    let mut strips = vec![vec![]];
+    for point in points {
+        match (point, strips.last_mut()) {
+            (Some(point), Some(strip)) => strip.push(point),
+            _ => strips.push(vec![]),
+        }
+    }
+    strips.retain(|strip| strip.len() > 1);
+    strips
+}
+
+/// A line cut into dashes of equal length along it.
+fn dashes(strip: &[Point]) -> Vec<Vec<Point>> {
+    let mut dashes: Vec<Vec<Point>> = vec![strip.first().copied().into_iter().collect()];
+    let (mut drawn, mut left) = (true, DASH[0]);
+    for pair in strip.windows(2) {
+        let [from, to] = [pair[0], pair[1]].map(|point| point.map(f64::from));
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let mut gone = 0.0;
+        while length - gone > left {
+            gone += left;
+            let at = [0, 1].map(|k| (from[k] + gone / length * (to[k] - from[k])) as f32);
+            match (drawn, dashes.last_mut()) {
+                (true, Some(dash)) => dash.push(at),
+                _ => dashes.push(vec![at]),
+            }
+            drawn = !drawn;
+            left = DASH[usize::from(!drawn)];
+        }
+        left -= length - gone;
+        if let Some(dash) = dashes.last_mut().filter(|_| drawn) {
+            dash.push(pair[1]);
+        }
+    }
+    dashes.retain(|dash| dash.len() > 1);
+    dashes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dashes_are_of_equal_length_also_round_corners() {
+        let length = |dash: &[Point]| {
+            let legs = dash.windows(2).map(|p| f64::from((p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])));
+            legs.sum::<f64>()
+        };
+        let corner = dashes(&[[0.0, 0.0], [0.115, 0.0], [0.115, 0.135]]);
+        assert_eq!(corner.len(), 5);
+        for dash in &corner {
+            assert!((length(dash) - DASH[0]).abs() < 1e-6, "{dash:?}");
+        }
+        assert_eq!(corner[2].len(), 3, "the third dash goes round the corner");
+    }
+
+    #[test]
+    fn a_gap_in_the_points_is_a_gap_in_the_line() {
+        let points =
+            [Some([0.0, 0.0]), Some([1.0, 0.0]), None, Some([2.0, 0.0]), None, Some([3.0, 0.0]), Some([4.0, 0.0])];
+        let strips = strips(points.into_iter());
+        assert_eq!(strips, [vec![[0.0, 0.0], [1.0, 0.0]], vec![[3.0, 0.0], [4.0, 0.0]]]);
+    }
+}

@@ -1,0 +1,84 @@
+//! Curves over an axis of their own, drawn as lines in a plane: the viewer's time series know timelines only.
+//!
+//! The plane is a box of [`WIDTH`] by one with y down, as the viewer has it.
+
+mod draw;
+mod ticks;
+
+pub(crate) use draw::log;
+pub(crate) use ticks::Scale;
+
+use crate::VizError;
+use crate::series::Moment;
+
+/// Width of the box that curves are drawn in over its height.
+pub(crate) const WIDTH: f64 = 1.6;
+
+/// What of the plane is to be seen, across and down: the box with its labels and legend.
+pub(crate) const BOUNDS: [[f64; 2]; 2] = [[-0.2, WIDTH + 0.5], [-0.12, 1.2]];
+
+/// A picture of curves.
+#[derive(Clone, Debug)]
+pub struct Diagram {
+    /// Entity path, e.g. `diagrams/force`; no part of it is the path of another diagram.
+    pub path: String,
+    pub title: String,
+    /// Across and up.
+    pub axes: [Axis; 2],
+    /// What is there all the time.
+    pub curves: Vec<Curve>,
+    /// What takes the place of the state before, from its moment on.
+    pub states: Vec<State>,
+    /// A stretch of the axis across to be marked.
+    pub window: Option<[f64; 2]>,
+}
+
+/// What an axis of a diagram shows.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub words: String,
+    /// By decades; values that are not positive have no place.
+    pub logarithmic: bool,
+}
+
+/// Points in their order; one that is not finite interrupts the curve.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    pub name: String,
+    pub points: Vec<[f64; 2]>,
+    pub look: Look,
+}
+
+/// How a curve is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    Line,
+    /// What others are held against.
+    Dashed,
+    /// Points without a line.
+    Points,
+}
+
+/// Curves from one moment on.
+#[derive(Clone, Debug)]
+pub struct State {
+    pub at: Moment,
+    /// In the same order in every state.
+    pub curves: Vec<Curve>,
+}
+
+impl Diagram {
+    /// The curves that stay and those of all states.
+    fn all_curves(&self) -> impl Iterator<Item = &Curve> {
+        self.curves.iter().chain(self.states.iter().flat_map(|state| &state.curves))
+    }
+
+    pub(crate) fn check(&self) -> Result<(), VizError> {
+        let expected = self.states.first().map_or(0, |state| state.curves.len());
+        match self.states.iter().find(|state| state.curves.len() != expected) {
+            None => Ok(()),
+            Some(state) => Err(VizError::Curves { diagram: self.title.clone(), found: state.curves.len(), expected }),
+        }
+    }
+}

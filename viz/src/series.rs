@@ -1,0 +1,90 @@
+//! Curves over a timeline, and where on it something happens.
+
+use re_sdk::RecordingStream;
+use re_sdk::log::TimeColumn;
+
+use crate::VizError;
+use crate::stroke::Stroke;
+
+/// The timeline of what is simulated or measured, in seconds since the start.
+pub const TIME: &str = "time";
+
+/// The timeline of a search, counted in iterations.
+pub const ITERATION: &str = "iteration";
+
+/// A place on a timeline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moment {
+    /// On [`TIME`], s.
+    Time(f64),
+    /// On [`ITERATION`].
+    Iteration(u32),
+}
+
+/// Where the values of a signal stand.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Places {
+    /// On [`TIME`], s.
+    Times(Vec<f64>),
+    /// On [`ITERATION`].
+    Iterations(Vec<u32>),
+}
+
+/// A curve over a timeline.
+#[derive(Clone, Debug)]
+pub struct SignalTrack {
+    /// Entity path, e.g. `signals/velocity_m_s`.
+    pub path: String,
+    /// What a legend calls it.
+    pub label: String,
+    pub places: Places,
+    /// One value a place; `NaN` leaves a gap.
+    pub values: Vec<f32>,
+    pub stroke: Stroke,
+}
+
+/// Signals in one picture, over the timeline that the viewer shows.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Quantity and unit.
+    pub title: String,
+    /// Paths of the signals it shows.
+    pub signals: Vec<String>,
+}
+
+impl Moment {
+    /// Puts what is logged next at this place, and nowhere else.
+    pub(crate) fn set(self, stream: &RecordingStream) {
+        stream.reset_time();
+        match self {
+            Moment::Time(time) => stream.set_duration_secs(TIME, time),
+            Moment::Iteration(number) => stream.set_time_sequence(ITERATION, number),
+        }
+    }
+}
+
+impl Places {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Places::Times(times) => times.len(),
+            Places::Iterations(numbers) => numbers.len(),
+        }
+    }
+
+    pub(crate) fn column(&self) -> TimeColumn {
+        match self {
+            Places::Times(times) => TimeColumn::new_duration_secs(TIME, times.iter().copied()),
+            Places::Iterations(numbers) => TimeColumn::new_sequence(ITERATION, numbers.iter().copied()),
+        }
+    }
+}
+
+impl SignalTrack {
+    pub(crate) fn check(&self) -> Result<(), VizError> {
+        let (found, expected) = (self.values.len(), self.places.len());
+        if found == expected {
+            return Ok(());
+        }
+        Err(VizError::Samples { signal: self.path.clone(), found, expected })
+    }
+}
