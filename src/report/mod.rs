@@ -1,5 +1,6 @@
 //! One self-contained page a run or study: figures, plots, warnings, and what was run. Opens offline.
 
+mod convergence;
 mod figure;
 mod html;
 mod plot;
