@@ -11,6 +11,7 @@ use super::faults::storing;
 use super::scenarios::Checked;
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
 use crate::model::{ImpactorShape, Model, Shape};
+use crate::scenario;
 use crate::simulate::{Checkpoint, Saved};
 use crate::store::shelf::{self, Shelf};
 use crate::units::Time;
@@ -264,22 +265,9 @@ fn differences(then: &str, now: &str) -> Vec<String> {
 
 /// The values of a resolved scenario that decide the run, as TOML, by the paths of their keys.
 fn leaves(scenario: &str) -> BTreeMap<String, String> {
-    let mut root: toml::Table = scenario.parse().unwrap_or_default();
-    AFTER_THE_RUN.iter().for_each(|key| drop(root.remove(*key)));
-    let mut leaves = BTreeMap::new();
-    gather("", toml::Value::Table(root), &mut leaves);
+    let mut leaves = scenario::leaves(scenario);
+    leaves.retain(|path, _| !AFTER_THE_RUN.contains(&path.split('.').next().unwrap_or_default()));
     leaves
-}
-
-fn gather(path: &str, value: toml::Value, leaves: &mut BTreeMap<String, String>) {
-    let under = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
-    match value {
-        toml::Value::Table(table) => table.into_iter().for_each(|(key, value)| gather(&under(&key), value, leaves)),
-        toml::Value::Array(items) if items.iter().any(toml::Value::is_table) => {
-            items.into_iter().enumerate().for_each(|(place, item)| gather(&under(&place.to_string()), item, leaves));
-        }
-        leaf => drop(leaves.insert(path.to_owned(), leaf.to_string())),
-    }
 }
 
 fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
@@ -418,6 +406,7 @@ mod tests {
         let own = |run: &str, scenario: &str| Stamp {
             version: VERSION.into(),
             every: None,
+            detailed: false,
             scenario: scenario.into(),
             run: run.into(),
         };
@@ -430,6 +419,7 @@ mod tests {
         let stamp = |version: &str, scenario: &str, run: &str| Stamp {
             version: version.into(),
             every: None,
+            detailed: false,
             scenario: scenario.into(),
             run: run.into(),
         };

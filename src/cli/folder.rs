@@ -5,8 +5,8 @@ use std::io;
 use serde_json::{Map, Value};
 
 use crate::model::Model;
-use crate::post::Results;
-use crate::report::{self, RunPage, vtu};
+use crate::post::{Overlay, Results};
+use crate::report::{self, RunPage, compare_page, vtu};
 use crate::script::{Findings, Row};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
@@ -72,6 +72,16 @@ pub fn fill_study(
     Ok(files.names)
 }
 
+/// Writes runs laid over each other into the draft and gives the names of the files.
+pub fn fill_comparison(draft: &Draft, overlay: &Overlay) -> Result<Vec<String>, StoreError> {
+    let mut files = Files { draft, names: Vec::new() };
+    files.write("summary.json", json(&overlay.summary())?)?;
+    #[cfg(feature = "rerun")]
+    files.comparison(overlay)?;
+    files.write("report.html", compare_page::compare_page(overlay).into_bytes())?;
+    Ok(files.names)
+}
+
 struct Files<'a> {
     draft: &'a Draft,
     names: Vec<String>,
@@ -88,6 +98,15 @@ impl Files<'_> {
     fn recording(&mut self, run: &RunPage) -> Result<(), StoreError> {
         let path = self.draft.path().join("recording.rrd");
         report::recording::write(&path, run)
+            .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
+        self.names.push("recording.rrd".into());
+        Ok(())
+    }
+
+    #[cfg(feature = "rerun")]
+    fn comparison(&mut self, overlay: &Overlay) -> Result<(), StoreError> {
+        let path = self.draft.path().join("recording.rrd");
+        report::recording::write_comparison(&path, overlay)
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
         self.names.push("recording.rrd".into());
         Ok(())

@@ -31,11 +31,9 @@ pub struct Figure {
 impl Figure {
     /// The figure `name` of a summary; `None` where there is no value or it is not one number, text or truth.
     pub fn of(name: &str, value: &Value) -> Option<Figure> {
-        let unit = UNITS.iter().find(|(suffix, _)| name.ends_with(suffix));
-        let (stem, unit) = unit.map_or((name, ""), |(suffix, unit)| (&name[..name.len() - suffix.len()], *unit));
+        let (words, unit) = named(name);
         let unit = match (unit, value.as_f64()) {
             ("m/s²", Some(acceleration)) => format!("m/s² ({} g)", rounded(acceleration / G)),
-            _ if name == "penetration" => "of the radius".into(),
             (unit, _) => unit.into(),
         };
         let value = match value {
@@ -45,13 +43,20 @@ impl Figure {
             Value::String(text) => text.clone(),
             _ => return None,
         };
-        Some(Figure { words: stem.replace('_', " "), value, unit })
+        Some(Figure { words, value, unit })
     }
 
     /// Words, value, unit.
     pub fn cells(&self) -> [String; 3] {
         [self.words.clone(), self.value.clone(), self.unit.clone()]
     }
+}
+
+/// Words and unit in the name of a figure or of a column: `peak_acceleration_m_s2` is a peak acceleration in m/s².
+pub fn named(name: &str) -> (String, &'static str) {
+    let unit = UNITS.iter().find(|(suffix, _)| name.ends_with(suffix));
+    let (stem, unit) = unit.map_or((name, ""), |(suffix, unit)| (&name[..name.len() - suffix.len()], *unit));
+    (stem.replace('_', " "), if name == "penetration" { "of the radius" } else { unit })
 }
 
 /// The figures of a summary as a table in Markdown.

@@ -1,6 +1,7 @@
 //! One self-contained page a run or study: figures, plots, warnings, and what was run. Opens offline.
 
 mod convergence;
+pub mod compare_page;
 mod figure;
 mod html;
 mod plot;

@@ -1,5 +1,6 @@
 //! The run folder: written under a temporary name beside its place and renamed when whole.
 
+mod kept;
 pub mod shelf;
 
 use std::collections::HashSet;
@@ -14,6 +15,7 @@ use thiserror::Error;
 
 use crate::diagnostic::folder_of;
 
+pub use kept::{Kept, KeptError};
 pub use shelf::Shelf;
 
 /// Files and folders of a run folder that are always ours. What a script wrote is listed in the summary; anything else

@@ -1,6 +1,7 @@
 //! Runs and studies as Rerun recordings: film, impactor, signals and what happened; searches closing in on their target.
 
 mod body;
+mod comparison;
 mod diagram;
 mod events;
 mod film;
@@ -15,6 +16,7 @@ use thiserror::Error;
 
 use super::{RunPage, figure, subject};
 use crate::mesh::MeshError;
+pub use comparison::write_comparison;
 pub use study::{Approach, Iteration, StudyRecording, write_study};
 pub use text::Text;
 
