@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use crate::model::Model;
 use crate::post::{Overlay, Results};
-use crate::report::{self, RunPage, compare_page, vtu};
+use crate::report::{self, RunPage, StudyPage, compare_page, vtu};
 use crate::script::{Findings, Row};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
@@ -39,11 +39,8 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     if let Some(results) = results {
         files.write("summary.json", json(&results.summary(model))?)?;
         files.findings(&results.findings)?;
-        let page = RunPage { model, outcome, results, scenario, failure: *failure };
         #[cfg(feature = "rerun")]
-        files.recording(&page)?;
-        let page = report::run_page(&page);
-        files.write("report.html", page.into_bytes())?;
+        files.recording(contents, results)?;
     }
     if *vtu {
         files.vtu(model, outcome)?;
@@ -55,20 +52,20 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     if let Some(cause) = failure {
         files.write("failure.txt", format!("{cause}\n").into_bytes())?;
     }
+    if let Some(results) = results {
+        files.page(contents, results)?;
+    }
     Ok(files.names)
 }
 
 /// Writes what a study leaves into the draft and gives the names of the files.
-pub fn fill_study(
-    draft: &Draft,
-    findings: &Findings,
-    summary: &Map<String, Value>,
-    page: &str,
-) -> Result<Vec<String>, StoreError> {
+pub fn fill_study(draft: &Draft, study: &StudyPage, summary: &Map<String, Value>) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
     files.write("summary.json", json(summary)?)?;
-    files.findings(findings)?;
-    files.write("report.html", page.as_bytes().to_vec())?;
+    files.findings(study.findings)?;
+    #[cfg(feature = "rerun")]
+    files.study_recording(study)?;
+    files.write("report.html", report::study_page(study).into_bytes())?;
     Ok(files.names)
 }
 
@@ -94,10 +91,30 @@ impl Files<'_> {
         Ok(())
     }
 
+    /// The page, which names the files that stand beside it.
+    fn page(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
+        let Contents { model, outcome, scenario, failure, .. } = *contents;
+        let page = report::run_page(&RunPage { model, outcome, results, scenario, failure, files: &self.names });
+        let page =
+            page.map_err(|error| StoreError::write(self.draft.path().join("report.html"), io::Error::other(error)))?;
+        self.write("report.html", page.into_bytes())
+    }
+
     #[cfg(feature = "rerun")]
-    fn recording(&mut self, run: &RunPage) -> Result<(), StoreError> {
+    fn recording(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
+        let Contents { model, outcome, scenario, failure, .. } = *contents;
         let path = self.draft.path().join("recording.rrd");
-        report::recording::write(&path, run)
+        report::recording::write(&path, &RunPage { model, outcome, results, scenario, failure, files: &self.names })
+            .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
+        self.names.push("recording.rrd".into());
+        Ok(())
+    }
+
+    #[cfg(feature = "rerun")]
+    fn study_recording(&mut self, study: &StudyPage) -> Result<(), StoreError> {
+        use crate::report::recording::{StudyRecording, write_study};
+        let path = self.draft.path().join("recording.rrd");
+        write_study(&path, &StudyRecording::of(study))
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
         self.names.push("recording.rrd".into());
         Ok(())

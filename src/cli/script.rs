@@ -13,7 +13,7 @@ use super::{NUMERICAL_FAILURE, Shared, digest, folder, print, print_json, report
 use crate::diagnostic::{Diagnostic, printable, shown_path};
 use crate::identify::{self, Heard, Identity, Laboratory};
 use crate::post;
-use crate::report::{StudyPage, study_page};
+use crate::report::StudyPage;
 use crate::script::{
     Arguments, Fault, Findings, Ledger, Limits, Script, TooManyPictures, engine, register_recordings, to_json,
 };
@@ -212,9 +212,9 @@ fn summary(studied: &Studied) -> Map<String, Value> {
 
 fn keep(studied: &Studied, place: &Path) -> Result<Vec<String>, StoreError> {
     let Studied { name, call, text, findings } = studied;
-    let page = study_page(&StudyPage { name, call, findings, script: text });
     let draft = Draft::begin(place)?;
-    let files = folder::fill_study(&draft, findings, &summary(studied), &page)?;
+    let page = StudyPage { name, call, findings, script: text };
+    let files = folder::fill_study(&draft, &page, &summary(studied))?;
     draft.publish()?;
     Ok(files)
 }

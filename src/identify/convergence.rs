@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::crew::Desk;
 use super::search::{Best, Ended, Iteration};
-use crate::script::{Convergence, Improvement, Over, Pursuit};
+use crate::script::{Convergence, Improvement, Over, Pursuit, Waypoint};
 
 /// Most iterations that a picture shows; of longer courses every second, every third, and so on.
 const MOST_ITERATIONS: usize = 500;
@@ -41,7 +41,7 @@ impl Labels {
 /// What `best` went through; what was compared on the way is asked for at `desk`.
 pub(super) fn of(best: &Best, title: String, labels: &Labels, desk: &Desk<'_, '_>) -> Convergence {
     let objective = |ended: &Ended| thinned(&ended.history, MOST_ITERATIONS).map(|i| (i.iteration, i.f)).collect();
-    let course = thinned(&best.best.history, MOST_ITERATIONS).map(|i| (i.iteration, i.x.clone()));
+    let course = thinned(&best.best.history, MOST_ITERATIONS).map(waypoint);
     Convergence {
         title,
         unknowns: labels.names.clone(),
@@ -51,13 +51,17 @@ pub(super) fn of(best: &Best, title: String, labels: &Labels, desk: &Desk<'_, '_
     }
 }
 
+fn waypoint(Iteration { iteration, f, x, .. }: &Iteration) -> Waypoint {
+    Waypoint { iteration: *iteration, f: *f, x: x.clone() }
+}
+
 /// The curves of the trials that were better than all before, one list for each reference.
 fn pursuits(ended: &Ended, labels: &Labels, desk: &Desk<'_, '_>) -> Vec<Pursuit> {
     let better: Vec<&Iteration> = improvements(&ended.history);
     let mut pursuits: Vec<Pursuit> = Vec::new();
-    for Iteration { iteration, x, f, .. } in thinned(&better, MOST_IMPROVEMENTS) {
-        for (place, compared) in desk.compared(x).into_iter().enumerate() {
-            let improvement = Improvement { iteration: *iteration, f: *f, x: x.clone(), values: compared.values };
+    for iteration in thinned(&better, MOST_IMPROVEMENTS) {
+        for (place, compared) in desk.compared(&iteration.x).into_iter().enumerate() {
+            let improvement = Improvement { at: waypoint(iteration), values: compared.values };
             match pursuits.get_mut(place) {
                 // A script that chooses its reference by its unknowns pursues nothing.
                 Some(pursuit) if pursuit.target == compared.target => pursuit.improvements.push(improvement),

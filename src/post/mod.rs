@@ -18,7 +18,7 @@ mod trial;
 
 use crate::script::Chapter;
 
-pub use audit::{Audit, Histogram};
+pub use audit::{Audit, Histogram, MeshFigures};
 pub use impact::Impact;
 pub use indent::Indent;
 pub use inflation::Inflation;

@@ -33,7 +33,7 @@ pub fn simulated(name: impl Into<String>, pursuit: &Pursuit, improvement: &Impro
 }
 
 /// Best values of the objective; one curve a start.
-fn objective(Convergence { title, objectives, .. }: &Convergence) -> Plot {
+pub fn objective(Convergence { title, objectives, .. }: &Convergence) -> Plot {
     let name = |start: usize| if objectives.len() == 1 { "objective".into() } else { format!("start {}", start + 1) };
     let curve = |(start, course): (usize, &Vec<(usize, f64)>)| {
         Curve::line(name(start), course.iter().map(|(iteration, f)| [*iteration as f64, *f]))
@@ -47,9 +47,8 @@ fn objective(Convergence { title, objectives, .. }: &Convergence) -> Plot {
 }
 
 fn unknowns(Convergence { title, unknowns, course, .. }: &Convergence) -> Plot {
-    let curve = |(place, name): (usize, &String)| {
-        Curve::line(name, course.iter().map(|(iteration, x)| [*iteration as f64, x[place]]))
-    };
+    let curve =
+        |(place, name): (usize, &String)| Curve::line(name, course.iter().map(|at| [at.iteration as f64, at.x[place]]));
     let curves = unknowns.iter().enumerate().map(curve).collect();
     Plot::new(format!("{title}: unknowns"), ["iteration", "value"], curves)
 }
@@ -64,7 +63,7 @@ fn chosen(convergence: &Convergence, pursuit: &Pursuit) -> Plot {
     let chosen = by_steps(&pursuit.improvements);
     let last = chosen.len() - 1;
     let curves = chosen.iter().enumerate().map(|(place, improvement)| {
-        let Improvement { iteration, .. } = improvement;
+        let iteration = improvement.at.iteration;
         let name =
             if place == last { format!("best, iteration {iteration}") } else { format!("iteration {iteration}") };
         simulated(name, pursuit, improvement)
@@ -78,12 +77,12 @@ fn by_steps(improvements: &[Improvement]) -> Vec<&Improvement> {
     let ([first, ..], [.., last]) = (improvements, improvements) else { return vec![] };
     let share = |step: usize| step as f64 / (MOST_CURVES - 1) as f64;
     let reached = |step: usize| {
-        let wanted = first.f * (last.f / first.f).powf(share(step));
-        improvements.iter().find(|improvement| improvement.f <= wanted)
+        let wanted = first.at.f * (last.at.f / first.at.f).powf(share(step));
+        improvements.iter().find(|improvement| improvement.at.f <= wanted)
     };
     let between = (1..MOST_CURVES - 1).filter_map(reached);
     let mut chosen: Vec<&Improvement> = std::iter::once(first).chain(between).chain([last]).collect();
-    chosen.dedup_by_key(|improvement| improvement.iteration);
+    chosen.dedup_by_key(|improvement| improvement.at.iteration);
     chosen
 }
 
@@ -100,22 +99,18 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::script::Waypoint;
 
     fn search(objectives: &[f64]) -> Convergence {
         let target = Arc::new(Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, 150.0] });
-        let f = |place: usize| objectives[place];
-        let improvement = |place: usize| Improvement {
-            iteration: place + 1,
-            f: f(place),
-            x: vec![f(place)],
-            values: vec![0.0, f(place) as f32],
-        };
+        let at = |place: usize| Waypoint { iteration: place + 1, f: objectives[place], x: vec![objectives[place]] };
+        let improvement = |place: usize| Improvement { at: at(place), values: vec![0.0, objectives[place] as f32] };
         let improvements = (0..objectives.len()).map(improvement).collect();
         Convergence {
             title: "1008".into(),
             unknowns: vec!["k1".into()],
             objectives: vec![objectives.iter().enumerate().map(|(place, f)| (place + 1, *f)).collect()],
-            course: objectives.iter().enumerate().map(|(place, f)| (place + 1, vec![*f])).collect(),
+            course: (0..objectives.len()).map(at).collect(),
             pursuits: vec![Pursuit { words: "acceleration (m/s²)".into(), target, improvements }],
         }
     }
@@ -130,7 +125,8 @@ mod tests {
         assert_eq!((curves.title.as_str(), curves.x.words.as_str()), ("1008: acceleration", "time (ms)"));
         let names: Vec<&str> = curves.curves.iter().map(|curve| curve.name.as_str()).collect();
         assert_eq!((names.len(), names[0], names[7], names[8]), (9, "iteration 1", "best, iteration 60", "reference"));
-        assert_eq!(curves.curves[0].points, [[0.0, 0.0], [50.0_f64, 2.0]].map(|[x, y]| [f64::from(x as f32), y]));
+        let [time, value] = curves.curves[0].points[1];
+        assert!((time - 50.0).abs() < 1e-5 && value == 2.0);
     }
 
     #[test]

@@ -2,19 +2,29 @@
 
 use serde_json::{Map, Value};
 
+use super::html::escape;
+
 /// Standard gravity, m/s²: decelerations are shown in multiples of it.
 pub const G: f64 = 9.806_65;
 
 /// Suffixes of names, longest first, and the units they stand for.
-const UNITS: [(&str, &str); 10] = [
+const UNITS: [(&str, &str); 18] = [
+    ("_percent", "%"),
+    ("_N_mm", "N/mm"),
+    ("_N_m", "N/m"),
     ("_1_s", "1/s"),
     ("_m_s2", "m/s²"),
+    ("_MPa", "MPa"),
+    ("_kPa", "kPa"),
     ("_kN", "kN"),
+    ("_mm", "mm"),
+    ("_ms", "ms"),
     ("_m_s", "m/s"),
     ("_Pa", "Pa"),
     ("_Hz", "Hz"),
     ("_J", "J"),
     ("_N", "N"),
+    ("_g", "g"),
     ("_m", "m"),
     ("_s", "s"),
 ];
@@ -52,10 +62,31 @@ impl Figure {
     }
 }
 
+/// Figures as a table of HTML, each row with its name and its value in full.
+pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) -> String {
+    let row = |(name, value): (&String, &Value)| {
+        let cells = Figure::of(name, value)?.cells().map(|cell| escape(&cell));
+        let (name, value) = (escape(name), escape(&value.to_string()));
+        Some(format!("<tr data-figure=\"{name}\" data-value=\"{value}\"><td>{}</td></tr>\n", cells.join("</td><td>")))
+    };
+    let rows: String = figures.filter_map(row).collect();
+    if rows.is_empty() {
+        rows
+    } else {
+        format!("<div class=\"scroll\"><table class=\"figures\">\n{rows}</table></div>\n")
+    }
+}
+
+/// A name as the head of a column: its words, and its unit in parentheses.
+pub fn heading(name: &str) -> String {
+    let (words, unit) = named(name);
+    if unit.is_empty() { words } else { format!("{words} ({unit})") }
+}
+
 /// Words and unit in the name of a figure or of a column: `peak_acceleration_m_s2` is a peak acceleration in m/s².
 pub fn named(name: &str) -> (String, &'static str) {
-    let unit = UNITS.iter().find(|(suffix, _)| name.ends_with(suffix));
-    let (stem, unit) = unit.map_or((name, ""), |(suffix, unit)| (&name[..name.len() - suffix.len()], *unit));
+    let mut units = UNITS.iter().filter_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, *unit)));
+    let (stem, unit) = units.find(|(stem, _)| !stem.is_empty()).unwrap_or((name, ""));
     (stem.replace('_', " "), if name == "penetration" { "of the radius" } else { unit })
 }
 

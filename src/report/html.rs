@@ -10,10 +10,10 @@ use sha2::{Digest, Sha256};
 
 const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
 
-/// What every page runs, in this order: the plotting library, light and dark, the plots, the film.
+/// What every page runs, in this order: the plotting library, the page's own parts, the plots, the film.
 const SCRIPTS: [&str; 4] = [
     include_str!("page/uplot/uPlot.iife.min.js"),
-    include_str!("page/theme.js"),
+    include_str!("page/page.js"),
     include_str!("page/plots.js"),
     include_str!("page/film.js"),
 ];
@@ -71,23 +71,28 @@ pub fn section(heading: &str, content: &str) -> String {
     format!("<section>\n<h2>{}</h2>\n{content}</section>\n", escape(heading))
 }
 
-/// A table with a header; all cells are text.
+/// A table with a header; all cells are text, columns of numbers stand to the right.
 pub fn table(class: &str, header: &[String], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
     }
+    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let column = |at: usize| rows.iter().filter_map(move |row| row.get(at)).filter(|cell| !cell.is_empty());
+    let is_number = |at: usize| column(at).next().is_some() && column(at).all(|cell| cell.parse::<f64>().is_ok());
+    let numbers: Vec<bool> = (0..width).map(is_number).collect();
     let mut html = format!("<div class=\"scroll\"><table class=\"{class}\">\n");
     if !header.is_empty() {
-        html += &row("th", header);
+        html += &row("th", header, &numbers);
     }
-    rows.iter().for_each(|cells| html += &row("td", cells));
+    rows.iter().for_each(|cells| html += &row("td", cells, &numbers));
     html + "</table></div>\n"
 }
 
-fn row(tag: &str, cells: &[String]) -> String {
+fn row(tag: &str, cells: &[String], numbers: &[bool]) -> String {
     let mut html = String::from("<tr>");
-    for cell in cells {
-        let _ = write!(html, "<{tag}>{}</{tag}>", escape(cell));
+    for (at, cell) in cells.iter().enumerate() {
+        let class = if numbers.get(at) == Some(&true) { " class=\"number\"" } else { "" };
+        let _ = write!(html, "<{tag}{class}>{}</{tag}>", escape(cell));
     }
     html + "</tr>\n"
 }
@@ -146,6 +151,14 @@ mod tests {
     fn no_text_ends_a_block_of_data() {
         let block = data(&serde_json::json!("</script><!-- & -->"));
         assert_eq!(block, "<script type=\"application/json\">\"\\u003c/script>\\u003c!-- & -->\"</script>\n");
+    }
+
+    #[test]
+    fn numbers_stand_to_the_right_and_text_is_escaped() {
+        let rows = [vec!["<a>".to_owned(), "-1.5e-3".into()], vec!["2".into(), String::new()]];
+        let html = table("rows", &["name", "value"].map(String::from), &rows);
+        assert!(html.contains("<th>name</th><th class=\"number\">value</th>"), "{html}");
+        assert!(html.contains("<td>&lt;a&gt;</td><td class=\"number\">-1.5e-3</td>"), "{html}");
     }
 
     #[test]

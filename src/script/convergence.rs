@@ -13,8 +13,8 @@ pub struct Convergence {
     pub unknowns: Vec<String>,
     /// Best so far after every iteration, one list a start: iteration and objective.
     pub objectives: Vec<Vec<(usize, f64)>>,
-    /// The best unknowns after every iteration of the start that ended best.
-    pub course: Vec<(usize, Vec<f64>)>,
+    /// Of the start that ended best: where it stood after every iteration.
+    pub course: Vec<Waypoint>,
     /// What the objective held simulations against, while the best start improved.
     pub pursuits: Vec<Pursuit>,
 }
@@ -29,14 +29,20 @@ pub struct Pursuit {
     pub improvements: Vec<Improvement>,
 }
 
-/// A trial that was better than all before.
+/// Where a search stood after an iteration: its best trial so far.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Improvement {
+pub struct Waypoint {
     pub iteration: usize,
     /// What the objective gave.
     pub f: f64,
     /// The unknowns.
     pub x: Vec<f64>,
+}
+
+/// A trial that was better than all before.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Improvement {
+    pub at: Waypoint,
     /// What was simulated, at the places of the target.
     pub values: Vec<f32>,
 }

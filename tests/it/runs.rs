@@ -146,7 +146,8 @@ fn the_page_shows_the_figures_of_the_summary() {
     let figures = summary.as_object().expect("figures").iter().filter(|(_, value)| value.is_number());
     for (name, value) in figures {
         let cells = Figure::of(name, value).expect("a figure").cells();
-        let row = format!("<tr><td>{}</td></tr>", cells.join("</td><td>"));
+        let named = format!("<tr data-figure=\"{name}\" data-value=\"{value}\">");
+        let row = format!("{named}<td>{}</td></tr>", cells.join("</td><td>"));
         assert!(page.contains(&row), "{row}");
     }
 }

@@ -454,7 +454,7 @@ mod tests {
     #[test]
     fn pictures_of_shapes_have_their_volume() {
         use std::f64::consts::PI;
-        let [radius, length] = [0.02_f64, 0.1];
+        let [radius, length]: [f64; 2] = [0.02, 0.1];
         let (ball, shaft) = (4.0 / 3.0 * PI * radius.powi(3), PI * radius * radius * length);
         for (shape, volume, lowest) in [
             (ImpactorShape::Sphere { radius }, ball, -radius),

@@ -40,6 +40,12 @@
     return found ? [found[1], found[2]] : [words, ""];
   };
 
+  /** Ends of a logarithmic axis that read well: one digit and zeros. */
+  const roundEnds = ([low, high]) => {
+    const digit = (value) => 10 ** Math.floor(Math.log10(value) + 1e-9);
+    return [Math.floor(low / digit(low) + 1e-9) * digit(low), Math.ceil(high / digit(high) - 1e-9) * digit(high)];
+  };
+
   const mixed = (from, to, share) => {
     const part = (colour, at) => parseInt(colour.slice(at, at + 2), 16);
     return `rgb(${[1, 3, 5].map((at) => Math.round(part(from, at) * (1 - share) + part(to, at) * share)).join()})`;
@@ -99,7 +105,7 @@
           high = Math.max(high, place);
         });
       }
-      if (low < high) return [low, high];
+      if (low < high) return this.axes.x.log ? roundEnds([low, high]) : [low, high];
       return this.axes.x.log ? [low / 2, high * 2] : [low - 0.5, high + 0.5];
     }
 
@@ -122,7 +128,7 @@
         }
       });
       if (low > high) return this.axes.y.log ? [1, 10] : [0, 1];
-      if (this.axes.y.log) return low < high ? [low / 1.3, high * 1.3] : [low / 3, high * 3];
+      if (this.axes.y.log) return roundEnds(low < high ? [low / 1.05, high * 1.05] : [low / 3, high * 3]);
       const margin = 0.06 * (high - low) || 0.5 * Math.abs(high) || 1;
       return [this.filled ? 0 : low - margin, high + margin];
     }
@@ -179,7 +185,7 @@
       );
       this.reading = make("p", { className: "reading unseen" });
       this.reading.setAttribute("role", "status");
-      this.element.append(this.legend, this.area, tools, this.reading);
+      this.element.append(this.area, make("div", { className: "under" }, this.legend, tools), this.reading);
     }
 
     draw() {
@@ -197,7 +203,11 @@
         size,
         space: scale === "x" ? 64 : 34,
       });
-      const wide = (_, values) => 12 + 7.2 * Math.max(2, ...(values ?? []).map((text) => text.length));
+      const wide = (plot, values) => {
+        if (!values?.length) return 40;
+        plot.ctx.font = `${12 * uPlot.pxRatio}px system-ui, sans-serif`;
+        return 16 + Math.max(...values.map((text) => plot.ctx.measureText(text).width)) / uPlot.pxRatio;
+      };
       const series = this.curves.map((curve, index) => ({
         label: curve.name,
         facets: [
@@ -302,9 +312,9 @@
       const [from, to] = this.marked.range.map((place) => inside(plot.valToPos(place, "x", true)));
       if (!(to > from)) return;
       const ratio = uPlot.pxRatio;
-      const style = getComputedStyle(this.legend);
+      const style = getComputedStyle(this.at);
       ctx.save();
-      ctx.fillStyle = style.backgroundColor;
+      ctx.fillStyle = style.outlineColor;
       ctx.fillRect(from, bbox.top, to - from, bbox.height);
       ctx.fillStyle = style.color;
       ctx.font = `${11 * ratio}px system-ui, sans-serif`;
@@ -378,8 +388,9 @@
     }
 
     /** Shows the stretch of the x axis, within the whole. */
-    look([from, to]) {
+    look(wanted) {
       const [low, high] = this.whole;
+      const [from, to] = this.axes.x.log ? roundEnds(wanted) : wanted;
       const view = [Math.max(from, low), Math.min(to, high)];
       if (!(view[1] > view[0])) return;
       this.view = view;

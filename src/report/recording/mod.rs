@@ -5,6 +5,7 @@ mod comparison;
 mod diagram;
 mod events;
 mod film;
+mod findings;
 mod signals;
 mod study;
 mod text;

@@ -1,6 +1,23 @@
-// Light or dark: what the reader's system says, until the page's button is pressed. Nothing is remembered.
+// What every page has: links to its sections, and light or dark as the reader's system says until the button is pressed.
+// Nothing is remembered.
 (() => {
   "use strict";
+
+  const headings = [...document.querySelectorAll("main > section > h2")];
+  if (headings.length > 2) {
+    const nav = document.createElement("nav");
+    nav.setAttribute("aria-label", "sections");
+    for (const [at, heading] of headings.entries()) {
+      heading.parentElement.id = `section-${at + 1}`;
+      const link = document.createElement("a");
+      link.href = `#section-${at + 1}`;
+      link.textContent = heading.textContent;
+      nav.append(link);
+    }
+    const title = document.querySelector("main > .lead") ?? document.querySelector("main > h1");
+    title.after(nav);
+  }
+
   const root = document.documentElement;
   const system = matchMedia("(prefers-color-scheme: dark)");
   const isDark = () => (root.dataset.theme ? root.dataset.theme === "dark" : system.matches);
