@@ -32,7 +32,7 @@ fn a_stretched_fibre_has_the_stress_that_the_jaws_feel() {
         });
         let off: Vec<f64> = off.collect();
         claims.at_most(&format!("{name}: states without one, of 60"), 60.0 - off.len() as f64, 2.0);
-        claims.at_most(&format!("{name}: stress off the signal"), off.iter().fold(0.0, |m, o| m.max(*o)), 1e-3);
+        claims.at_most(&format!("{name}: stress off the signal"), off.iter().fold(0.0, |m, o| m.max(*o)), 1e-5);
     }
     claims.judge();
 }
@@ -59,11 +59,11 @@ fn the_pole_of_an_inflated_disc_is_strained_alike_in_all_directions() {
     let Detail { stresses, thinning, .. } = detail(state);
     let stress = sheet.first(stretch, stretch);
     for (fibre, name) in ["MD", "TD"].iter().enumerate() {
-        claims.near(&format!("stress along {name}, Pa"), stresses[element][fibre].into(), stress, 2e-2);
+        claims.near(&format!("stress along {name}, Pa"), stresses[element][fibre].into(), stress, 1e-2);
     }
     claims.at_most("shear over stress", f64::from(stresses[element][2].abs()) / stress, 2e-2);
     // E33 = −ν/(1−ν)·(E11 + E22) in plane stress.
     let across = -sheet.poisson / (1.0 - sheet.poisson) * (stretch * stretch - 1.0);
-    claims.near("thickness over stress-free thickness", thinning[element].into(), (1.0 + 2.0 * across).sqrt(), 1e-2);
+    claims.near("thickness over stress-free thickness", thinning[element].into(), (1.0 + 2.0 * across).sqrt(), 5e-3);
     claims.judge();
 }
