@@ -5,7 +5,7 @@ use droptower::simulate::{self, Detail, FilmState, Manner, Outcome};
 
 use super::axisymmetric::Sheet;
 use super::claims::Claims;
-use super::tower::{shipped, written};
+use super::tower::{run, shipped, written};
 
 /// Runs `model` with detailed states.
 fn detailed(model: &Model) -> Outcome {
@@ -22,7 +22,9 @@ fn detail(state: &FilmState) -> &Detail {
 fn a_stretched_fibre_has_the_stress_that_the_jaws_feel() {
     let mut claims = Claims::of("stress of kept states");
     for (name, fibre) in [("md", 0), ("td", 1)] {
-        let outcome = detailed(&shipped(&format!("stretch/{name}-0.02.toml"), &[]));
+        let model = shipped(&format!("stretch/{name}-0.02.toml"), &[]);
+        let outcome = detailed(&model);
+        claims.holds(&format!("{name}: the same signals without"), "", outcome.signals == run(&model).signals);
         let signal = outcome.signals.series("stress_Pa").expect("a stress");
         let largest = signal.largest().expect("a peak")[1];
         let held = outcome.frames.iter().filter(|frame| !frame.films[0].broken[0]);
