@@ -2,6 +2,7 @@
 
 mod architecture;
 mod commands;
+mod compare;
 mod conversions;
 mod coupons;
 mod diagnostics;

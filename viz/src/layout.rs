@@ -29,13 +29,12 @@ const ITERATIONS_PER_SECOND: f64 = 4.0;
 
 /// The arrangement for `scene`, and the properties of its views.
 pub(crate) fn blueprint(scene: &Scene, properties: &mut Properties) -> Blueprint {
-    let pictures = pictures(scene, properties);
-    let left = Vertical::new([pictures, texts(scene)]).with_row_shares(vec![7.0, 2.0]);
+    let left = left(scene, properties);
     let charts = charts(scene, properties);
     let all = if charts.is_empty() {
-        Horizontal::new([left.into()])
+        Horizontal::new([left])
     } else {
-        Horizontal::new([left.into(), Vertical::new(charts).into()]).with_column_shares(vec![3.0, 2.0])
+        Horizontal::new([left, Vertical::new(charts).into()]).with_column_shares(vec![3.0, 2.0])
     };
     Blueprint::new(all)
         .with_auto_views(false)
@@ -55,6 +54,14 @@ fn time_panel(scene: &Scene) -> TimePanel {
     } else {
         panel.with_timeline(TIME).with_playback_speed(scene.duration / PLAYBACK)
     }
+}
+
+/// Pictures above texts; texts alone where there is no picture.
+fn left(scene: &Scene, properties: &mut Properties) -> ContainerLike {
+    if scene.films.is_empty() && scene.diagrams.is_empty() {
+        return texts(scene);
+    }
+    Vertical::new([pictures(scene, properties), texts(scene)]).with_row_shares(vec![7.0, 2.0]).into()
 }
 
 /// The films in one tab a quantity, each beside its colours; of a scene without films the diagrams.
@@ -123,9 +130,9 @@ fn plane(diagram: &Diagram, properties: &mut Properties) -> ContainerLike {
 }
 
 fn texts(scene: &Scene) -> ContainerLike {
-    let events = TextLogView::new("Events").with_origin("events").into();
+    let events = (!scene.events.is_empty()).then(|| TextLogView::new("Events").with_origin("events").into());
     let documents = scene.documents.iter().map(document);
-    Tabs::new(std::iter::once(events).chain(documents)).into()
+    Tabs::new(events.into_iter().chain(documents)).into()
 }
 
 fn document(document: &Document) -> ContainerLike {
