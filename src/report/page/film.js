@@ -82,7 +82,8 @@
       this.whole = true;
       [this.yaw, this.pitch] = VIEWS.aslant;
       this.zoom = 1;
-      this.frame(data.box);
+      this.centre = this.middle(data.box);
+      this.fit();
       this.build();
       new ResizeObserver(() => this.draw()).observe(this.canvas);
       document.addEventListener("theme", () => this.draw());
@@ -99,23 +100,45 @@
       return { time, points, strains: bytes(strains), pose };
     }
 
-    /** Centre and size of what is to be seen. */
-    frame([low, high]) {
-      const [from, to] = [[...low], [...high]];
+    /** Middle of the film before anything moves it, about which it is turned. */
+    middle([low, high]) {
       const { mirrored } = this.faces[0];
-      for (const axis of [0, 1]) if (mirrored[axis]) from[axis] = -to[axis];
-      // The impactor's upper part may be cut: the film matters.
-      const radius = Math.max(0, ...this.body.points.map(([, , z]) => z));
-      const span = Math.max(to[0] - from[0], to[1] - from[1]);
-      this.centre = from.map((c, axis) => (c + to[axis]) / 2);
-      if (radius) this.centre[2] += Math.min(radius, 0.15 * span);
-      this.span = 1.12 * Math.hypot(to[0] - from[0], to[1] - from[1]);
+      return [0, 1, 2].map((axis) => (mirrored[axis] ? 0 : (low[axis] + high[axis]) / 2));
     }
 
-    /** The time that shows most: the last moment before a rupture, else the end of a slow test. */
+    /** The place that the film takes on the screen as seen from here, m: right, left, down, up. */
+    fit() {
+      const { project } = this.camera(0, 0, 1);
+      const { mirrored } = this.faces[0];
+      const ends = [-Infinity, Infinity, -Infinity, Infinity];
+      const take = (x, y, z) => {
+        const [right, down] = project(x, y, z);
+        ends[0] = Math.max(ends[0], right);
+        ends[1] = Math.min(ends[1], right);
+        ends[2] = Math.max(ends[2], down);
+        ends[3] = Math.min(ends[3], down);
+      };
+      const every = Math.ceil(this.states.length / 8);
+      for (const { points } of this.states.filter((_, at) => at % every === 0)) {
+        for (let at = 0; at < points.length; at += 3) {
+          for (const sx of mirrored[0] ? [1, -1] : [1]) {
+            for (const sy of mirrored[1] ? [1, -1] : [1]) take(sx * points[at], sy * points[at + 1], points[at + 2]);
+          }
+        }
+      }
+      // The impactor's upper part may be cut: the film matters.
+      const top = Math.max(0, ...this.body.points.map(([, , z]) => z));
+      const [x, y, z] = this.centre;
+      if (top) take(x, y, z + Math.min(top, 0.3 * (ends[0] - ends[1])));
+      this.ends = ends;
+    }
+
+    /** The time that shows most: the lowest point or the largest force, but not what broke. */
     busiest() {
-      const named = this.moments.find(([words]) => words === "lowest point") ?? this.moments.find(([words]) => words === "largest force");
-      return named ? named[1] : this.states[this.states.length - 1].time;
+      const time = (name) => this.moments.find(([words]) => words === name)?.[1] ?? Infinity;
+      const rupture = time("rupture");
+      const held = this.states.filter((state) => state.time < rupture).pop() ?? this.states[0];
+      return Math.min(time("lowest point"), time("largest force"), held.time);
     }
 
     build() {
@@ -157,10 +180,10 @@
             this.draw();
           })]
         : [];
-      this.scale = make("div", { className: "scale" });
-      this.scale.style.background = `linear-gradient(to right, ${SHADES.join()})`;
-      this.ends = [0, 1, 2].map(() => make("span"));
-      const key = make("div", { className: "key" }, this.scale, make("div", { className: "ends" }, ...this.ends));
+      const bar = make("div", { className: "scale" });
+      bar.style.background = `linear-gradient(to right, ${SHADES.join()})`;
+      this.numbers = [0, 1, 2].map(() => make("span"));
+      const key = make("div", { className: "key" }, bar, make("div", { className: "ends" }, ...this.numbers));
       this.element.prepend(
         make("div", { className: "tools" }, colour, ...cut, ...views),
         this.canvas,
@@ -225,6 +248,7 @@
     turn(view) {
       [this.yaw, this.pitch] = VIEWS[view];
       this.zoom = 1;
+      this.fit();
       this.draw();
     }
 
@@ -296,7 +320,7 @@
       const style = getComputedStyle(this.canvas);
       context.clearRect(0, 0, width, height);
 
-      const look = this.camera(width, height);
+      const look = this.camera(width, height, this.scaleIn(width, height));
       const patches = [];
       this.film(look, patches);
       this.impactor(look, patches);
@@ -320,19 +344,29 @@
       this.triad(context, look, ratio, height, style.color);
       const { range } = QUANTITIES[this.quantity];
       const [low, high] = this.ranges[range];
-      const written = (value) => (range === "shear" ? `${((value * 180) / Math.PI).toFixed(1)}°` : `${(100 * value).toFixed(0)} %`).replace(/^-(?=[0.]+\D)/, "").replace("-", "−");
-      [low, (low + high) / 2, high].forEach((value, at) => (this.ends[at].textContent = written(value)));
+      const [factor, unit] = range === "shear" ? [180 / Math.PI, "°"] : [100, " %"];
+      const step = Math.max(Math.abs(low), Math.abs(high)) * factor;
+      const digits = Math.min(Math.max(2 - Math.floor(Math.log10(step)), 0), 4);
+      const written = (value) => `${Number((factor * value).toFixed(digits)) || 0}${unit}`.replace("-", "−");
+      [low, (low + high) / 2, high].forEach((value, at) => (this.numbers[at].textContent = written(value)));
+    }
+
+    /** Pixels a metre, so that the film fits. */
+    scaleIn(width, height) {
+      const [right, left, down, up] = this.ends;
+      return this.zoom * Math.min((0.92 * width) / (right - left || 1), (0.9 * height) / (down - up || 1));
     }
 
     /** Projection of a point in m: right and down in pixels, and towards the eye. */
-    camera(width, height) {
+    camera(width, height, scale) {
       const [sy, cy, sp, cp] = [Math.sin(this.yaw), Math.cos(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch)];
-      const scale = (this.zoom * Math.min(width, 1.55 * height)) / this.span;
       const [x0, y0, z0] = this.centre;
+      const [right = 0, left = 0, down = 0, up = 0] = width ? this.ends : [];
+      const [h0, v0] = [width / 2 - (scale * (right + left)) / 2, height / 2 - (scale * (down + up)) / 2];
       const project = (x, y, z) => {
         const [a, b, c] = [x - x0, y - y0, z - z0];
         const [right, away] = [cy * a - sy * b, sy * a + cy * b];
-        return [width / 2 + scale * right, height / 2 - scale * (sp * away + cp * c), sp * c - cp * away];
+        return [h0 + scale * right, v0 - scale * (sp * away + cp * c), sp * c - cp * away];
       };
       /** Of a normal in the room: how it faces the eye and the light. */
       const facing = (x, y, z) => {
@@ -355,11 +389,13 @@
         const colours = [];
         for (let at = 0; at < corners.length / 4; at++) {
           const place = 3 * (element + at);
-          if (a.strains[place] === BROKEN || (share > 0 && b.strains[place] === BROKEN)) {
+          const [now, then] = [a, b].map((state) => state.strains[place] !== BROKEN);
+          if (!now || (share === 1 && !then)) {
             colours.push(null);
             continue;
           }
-          const value = of(...[0, 1, 2].map((part) => mixed(strain(a, place, part), strain(b, place, part), share)));
+          // Up to its break an element keeps the strain that it had last.
+          const value = of(...[0, 1, 2].map((part) => mixed(strain(a, place, part), strain(then ? b : a, place, part), share)));
           colours.push(COLOURS[Math.round(255 * Math.min(Math.max((value - low) / (high - low), 0), 1))]);
         }
         const points = new Float32Array(3 * groups);
@@ -423,7 +459,7 @@
     triad(context, { project }, ratio, height, colour) {
       const origin = project(...this.centre);
       const size = 26 * ratio;
-      const unit = this.span / 4;
+      const unit = 1;
       const full = Math.max(...[[unit, 0, 0], [0, unit, 0], [0, 0, unit]].map((step) => {
         const tip = project(...this.centre.map((c, axis) => c + step[axis]));
         return Math.hypot(tip[0] - origin[0], tip[1] - origin[1]);

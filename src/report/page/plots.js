@@ -177,7 +177,6 @@
       const tools = make(
         "div",
         { className: "tools" },
-        this.at,
         tool("+", "zoom in", () => this.zoom(0.5)),
         tool("−", "zoom out", () => this.zoom(2)),
         this.all,
@@ -185,7 +184,7 @@
       );
       this.reading = make("p", { className: "reading unseen" });
       this.reading.setAttribute("role", "status");
-      this.element.append(this.area, make("div", { className: "under" }, this.legend, tools), this.reading);
+      this.element.append(this.at, this.area, make("div", { className: "under" }, this.legend, tools), this.reading);
     }
 
     draw() {
