@@ -135,7 +135,7 @@ mod tests {
         let rows: Vec<Row> = (0..250).map(|i| row(json!({ "rupture_time_s": i }))).collect();
         let html = table("times", &rows);
         assert!(html.contains("rupture time (s)") && html.contains("and 50 more rows in tables/times.csv"), "{html}");
-        assert!(html.contains("<td>199</td>") && !html.contains("<td>200</td>"));
+        assert!(html.contains(">199</td>") && !html.contains(">200</td>"));
     }
 
     #[test]
