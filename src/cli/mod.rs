@@ -2,6 +2,7 @@
 
 mod check;
 mod checkpoint;
+mod compare;
 mod digest;
 mod explain;
 mod faults;
@@ -69,6 +70,8 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Write a commented scenario to start from
     New(new::NewArgs),
+    /// Lay runs over each other: scenarios, figures and signals, held against the first
+    Compare(compare::CompareArgs),
     /// List the scenarios of a folder
     List(list::ListArgs),
     /// Run a Rhai script over scenarios
@@ -96,6 +99,7 @@ pub fn main() -> ExitCode {
         Command::Schema => schema::run(),
         Command::Explain(args) => explain::run(&args, &shared),
         Command::New(args) => new::run(&args, &shared),
+        Command::Compare(args) => compare::run(&args, &shared),
         Command::List(args) => list::run(&args, &shared),
         Command::Script(args) => script::run(&args, &shared),
         Command::Signal(command) => signal::run(&command, &shared),

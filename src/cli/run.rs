@@ -33,6 +33,9 @@ pub struct RunArgs {
     /// scenarios, those without a checkpoint start from their beginning, those that are done already too
     #[arg(long)]
     pub resume: bool,
+    /// Write the kept states for ParaView besides: film.pvd and impactor.pvd, with strain, stress and thickness
+    #[arg(long)]
+    pub vtu: bool,
 }
 
 /// A scenario and where its results go, proved before the first run starts.
@@ -41,6 +44,8 @@ struct Job {
     place: PathBuf,
     /// Its checkpoints, if it has any.
     keeper: Option<Keeper>,
+    /// Whether it is written for ParaView.
+    vtu: bool,
 }
 
 /// What the terminal shows of a job.
@@ -81,11 +86,11 @@ fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     store::check_places(&places).map_err(|error| vec![storing(&error)])?;
     // A batch leaves runs that are done, runs with checkpoints, and runs that had not come so far.
     let or_start = args.resume && several && places.iter().any(|place| checkpoint::are_beside(place));
-    let wish = Wish { every, resume: args.resume, or_start };
+    let wish = Wish { every, resume: args.resume, or_start, detailed: args.vtu };
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for (checked, place) in scenarios.into_iter().zip(places) {
         match Keeper::new(wish, &checked, &place) {
-            Ok(keeper) => jobs.push(Job { checked, place, keeper }),
+            Ok(keeper) => jobs.push(Job { checked, place, keeper, vtu: args.vtu }),
             Err(mistake) => mistakes.push(mistake),
         }
     }
@@ -153,7 +158,8 @@ impl Job {
             }
         };
         let checkpoints = every.map(|every| Checkpoints { every, keep: &mut keep });
-        let outcome = simulate::run_in(model, Manner { saved, checkpoints, ..Manner::default() }, &mut progress);
+        let manner = Manner { saved, checkpoints, detailed: self.vtu, ..Manner::default() };
+        let outcome = simulate::run_in(model, manner, &mut progress);
         if lost > 1 {
             bar.complain(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));
         }
@@ -171,6 +177,7 @@ impl Job {
             scenario: &self.resolved(),
             script: self.checked.plan.script(),
             failure: None,
+            vtu: self.vtu,
         };
         let stored = Draft::begin(&self.place).and_then(|draft| {
             let files = folder::fill(&draft, &contents)?;
@@ -188,8 +195,15 @@ impl Job {
         let scenario = self.resolved();
         let cause = failure.cause.to_string();
         let script = self.checked.plan.script();
-        let contents =
-            Contents { model, outcome, results: results.as_ref(), scenario: &scenario, script, failure: Some(&cause) };
+        let contents = Contents {
+            model,
+            outcome,
+            results: results.as_ref(),
+            scenario: &scenario,
+            script,
+            failure: Some(&cause),
+            vtu: self.vtu,
+        };
         let stored = Draft::begin(&self.place).and_then(|draft| {
             folder::fill(&draft, &contents)?;
             draft.publish_failed()

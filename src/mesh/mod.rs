@@ -15,6 +15,7 @@ use crate::model::{Element, Face, Shape, Specimen};
 
 pub use error::MeshError;
 pub use quality::Quality;
+pub use topology::outer_edges;
 
 /// Nodes and elements of one face, flat or as imported, before any motion.
 #[derive(Clone, Debug, Default)]

@@ -49,14 +49,18 @@ pub fn uses(mesh: &Mesh) -> impl Iterator<Item = (Edge, u32)> {
     })
 }
 
-fn rim(mesh: &Mesh) -> Vec<u32> {
+/// Edges of the film's own outline, not on a mirror plane, ascending.
+pub fn outer_edges(mesh: &Mesh) -> impl Iterator<Item = Edge> + '_ {
     let on = |plane: &[u32], node: &u32| plane.binary_search(node).is_ok();
-    let mirror = |edge: &Edge| {
+    let mirror = move |edge: &Edge| {
         let holds = |plane: &Vec<u32>| edge.iter().all(|node| on(plane, node));
         mesh.mirrors.iter().any(holds)
     };
-    let mut rim: Vec<u32> =
-        uses(mesh).filter(|(edge, uses)| *uses == 1 && !mirror(edge)).flat_map(|(edge, _)| edge).collect();
+    uses(mesh).filter(move |(edge, uses)| *uses == 1 && !mirror(edge)).map(|(edge, _)| edge)
+}
+
+fn rim(mesh: &Mesh) -> Vec<u32> {
+    let mut rim: Vec<u32> = outer_edges(mesh).flatten().collect();
     rim.sort_unstable();
     rim.dedup();
     rim

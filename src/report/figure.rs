@@ -41,10 +41,9 @@ pub struct Figure {
 impl Figure {
     /// The figure `name` of a summary; `None` where there is no value or it is not one number, text or truth.
     pub fn of(name: &str, value: &Value) -> Option<Figure> {
-        let (stem, unit) = stem_and_unit(name);
+        let (words, unit) = named(name);
         let unit = match (unit, value.as_f64()) {
             ("m/s²", Some(acceleration)) => format!("m/s² ({} g)", rounded(acceleration / G)),
-            _ if name == "penetration" => "of the radius".into(),
             (unit, _) => unit.into(),
         };
         let value = match value {
@@ -54,7 +53,7 @@ impl Figure {
             Value::String(text) => text.clone(),
             _ => return None,
         };
-        Some(Figure { words: stem.replace('_', " "), value, unit })
+        Some(Figure { words, value, unit })
     }
 
     /// Words, value, unit.
@@ -80,14 +79,15 @@ pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) 
 
 /// A name as the head of a column: its words, and its unit in parentheses.
 pub fn heading(name: &str) -> String {
-    let (stem, unit) = stem_and_unit(name);
-    let words = stem.replace('_', " ");
+    let (words, unit) = named(name);
     if unit.is_empty() { words } else { format!("{words} ({unit})") }
 }
 
-fn stem_and_unit(name: &str) -> (&str, &'static str) {
+/// Words and unit in the name of a figure or of a column: `peak_acceleration_m_s2` is a peak acceleration in m/s².
+pub fn named(name: &str) -> (String, &'static str) {
     let mut units = UNITS.iter().filter_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, *unit)));
-    units.find(|(stem, _)| !stem.is_empty()).unwrap_or((name, ""))
+    let (stem, unit) = units.find(|(stem, _)| !stem.is_empty()).unwrap_or((name, ""));
+    (stem.replace('_', " "), if name == "penetration" { "of the radius" } else { unit })
 }
 
 /// The figures of a summary as a table in Markdown.

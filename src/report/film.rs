@@ -332,7 +332,7 @@ mod tests {
         let corner = |at: u32| at / n * row + at % n;
         let quads = (0..n * n).map(|at| [corner(at), corner(at) + 1, corner(at) + row + 1, corner(at) + row]).collect();
         let quality = Quality::of(&Mesh::default());
-        (points, Film { nodes: (row * row) as usize, quads, tris: vec![], mirrored: [true; 2], quality })
+        (points, Film { nodes: (row * row) as usize, quads, tris: vec![], mirrored: [true; 2], held: vec![], quality })
     }
 
     fn frame(time: f64, points: &[[f32; 3]], film: &Film) -> Frame {
@@ -341,6 +341,7 @@ mod tests {
             strains: vec![[0.1, 0.5, -0.2]; film.quads.len()],
             broken: (0..film.quads.len()).map(|at| at == 0).collect(),
             touching: vec![],
+            detail: None,
         };
         Frame { time, films: vec![state], impactor: None }
     }

@@ -11,12 +11,17 @@ use crate::script::{File, Findings, Row};
 /// Rows of one table that a page shows; all are in its file.
 const MOST_ROWS: usize = 200;
 
+/// Rows of a table that is shown at once; a longer one unfolds.
+const SHOWN_ROWS: usize = 16;
+
 /// Points that the plots of a script and of its searches have together on a page, which so stays below 3 MB.
 const MOST_POINTS: usize = 120_000;
 
 /// Tables, plots, searches, correlations and files; nothing where a script left nothing.
 pub(super) fn sections(findings: &Findings) -> String {
-    let tables = findings.tables.iter().map(|(name, rows)| html::section(&name.replace('_', " "), &table(name, rows)));
+    let (short, long): (Vec<_>, Vec<_>) = findings.tables.iter().partition(|(_, rows)| rows.len() <= SHOWN_ROWS);
+    let tables = short.into_iter().chain(long);
+    let tables = tables.map(|(name, rows)| html::section(&name.replace('_', " "), &table(name, rows)));
     let correlations: String =
         findings.correlations.iter().map(|found| html::matrix(&found.title, &found.names, &found.rows)).collect();
     let sections = [
@@ -62,7 +67,11 @@ fn table(name: &str, rows: &[Row]) -> String {
         0 => String::new(),
         rest => format!("<p class=\"note\">and {rest} more rows in tables/{}.csv</p>\n", escape(name)),
     };
-    [html::table("rows", &header, &shown), rest].concat()
+    let table = html::table("rows", &header, &shown) + rest.as_str();
+    match rows.len() {
+        0..=SHOWN_ROWS => table,
+        count => format!("<details><summary>{count} rows</summary>\n{table}</details>\n"),
+    }
 }
 
 /// The columns with those that a paper prints, `paper_<name>`, right beside ours.
@@ -135,6 +144,7 @@ mod tests {
         let rows: Vec<Row> = (0..250).map(|i| row(json!({ "rupture_time_s": i }))).collect();
         let html = table("times", &rows);
         assert!(html.contains("rupture time (s)") && html.contains("and 50 more rows in tables/times.csv"), "{html}");
+        assert!(html.starts_with("<details><summary>250 rows"));
         assert!(html.contains(">199</td>") && !html.contains(">200</td>"));
     }
 

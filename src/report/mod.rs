@@ -2,6 +2,7 @@
 
 mod body;
 mod convergence;
+pub mod compare_page;
 mod figure;
 mod film;
 mod findings;
@@ -13,6 +14,7 @@ pub mod recording;
 mod run_page;
 mod run_plots;
 mod study_page;
+pub mod vtu;
 mod subject;
 
 pub use figure::{Figure, G, duration, markdown, rounded, significant};

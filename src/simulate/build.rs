@@ -7,7 +7,7 @@ use super::stretch::Coupon;
 use super::{Film as FilmTopology, RunError, indent, slow, stretch};
 use crate::engine::{Contact, Drive, Engine, Film, Impact, Inflation, Nodes, RigidBody, Surface, Team};
 use crate::mesh::{self, Mesh, Quality};
-use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model, Symmetry};
+use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model};
 
 /// An engine and what has to be remembered of how it was set up.
 pub(super) struct Scene {
@@ -70,7 +70,7 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
                 clamp(&mut nodes, &mesh, first, &model.frame.hold);
             }
         }
-        topologies.push(topology(&mesh, model.specimen.symmetry));
+        topologies.push(topology(&mesh, model));
     }
     let mut mounting = Mounting { films: topologies, start: 0.0, mass_scaling: scaled, coupon, held };
     let mut impact = None;
@@ -99,6 +99,18 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     Ok(Scene { engine: Engine::new(films, nodes, impact, drive), mounting })
 }
 
+/// The surface of the impactor about its centre of mass.
+///
+/// # Errors
+/// Its mesh cannot be read, or is no closed surface.
+pub fn impactor_surface(impactor: &Impactor) -> Result<Surface, RunError> {
+    let triangles = match &impactor.shape {
+        ImpactorShape::Mesh(path) => Some(mesh::import::surface(path)?),
+        _ => None,
+    };
+    Ok(Surface::new(&impactor.shape, triangles)?)
+}
+
 /// Threads for a run of so many elements: all that there are, unless the run is one of several that share them.
 pub(super) fn team(elements: usize) -> Team {
     let shared = rayon::current_thread_index().is_some();
@@ -106,14 +118,26 @@ pub(super) fn team(elements: usize) -> Team {
     Team::new(if shared { 1 } else { worth.min(rayon::current_num_threads()) })
 }
 
-fn topology(mesh: &Mesh, symmetry: Symmetry) -> FilmTopology {
+fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {
     FilmTopology {
         nodes: mesh.nodes.len(),
         quads: mesh.quads.clone(),
         tris: mesh.tris.clone(),
-        mirrored: symmetry.mirrors(),
+        held: held_edges(mesh, &model.frame.hold),
+        mirrored: model.specimen.symmetry.mirrors(),
         quality: Quality::of(mesh),
     }
+}
+
+/// Edges of which both nodes are held.
+fn held_edges(mesh: &Mesh, hold: &Hold) -> Vec<[u32; 2]> {
+    let on = |edge: &[u32; 2], side: &[u32]| edge.iter().all(|node| side.binary_search(node).is_ok());
+    let is_held = |edge: &[u32; 2]| match hold {
+        Hold::All => true,
+        Hold::Sides(sides) => sides.iter().any(|side| on(edge, &mesh.sides[*side as usize])),
+        Hold::None => false,
+    };
+    mesh::outer_edges(mesh).filter(is_held).collect()
 }
 
 /// Keeps the nodes on mirror planes on them. `first` is the first of all nodes that belongs to `mesh`.
@@ -140,11 +164,7 @@ fn over_film(
     films: &[Film],
     nodes: &Nodes,
 ) -> Result<(Contact, Isometry3<f64>), RunError> {
-    let triangles = match &impactor.shape {
-        ImpactorShape::Mesh(path) => Some(mesh::import::surface(path)?),
-        _ => None,
-    };
-    let surface = Surface::new(&impactor.shape, triangles)?;
+    let surface = impactor_surface(impactor)?;
     let mut offset = vec![0.0; nodes.position.len()];
     let mut between = 0.0;
     for film in films {

@@ -6,7 +6,7 @@ use re_sdk_types::components::FillMode;
 use re_sdk_types::datatypes::Quaternion;
 
 use crate::normals;
-use crate::scene::{BodyShape, BodyTrack};
+use crate::scene::{BodyShape, BodyTrack, Pose};
 use crate::series::Moment;
 
 const STEEL: [u8; 3] = [150, 155, 165];
@@ -14,25 +14,29 @@ const STEEL: [u8; 3] = [150, 155, 165];
 /// Sides of a revolved surface.
 const SIDES: u32 = 48;
 
-/// Logs the shape and all poses of `body`.
-pub fn log(stream: &RecordingStream, body: &BodyTrack) -> RecordingStreamResult<()> {
-    let entity = format!("scene/{}", body.name);
+/// Logs the shape.
+pub(crate) fn log_shape(stream: &RecordingStream, body: &BodyTrack) -> RecordingStreamResult<()> {
     match &body.shape {
-        BodyShape::Sphere { radius } => stream.log_static(entity.as_str(), &sphere(*radius)),
+        BodyShape::Sphere { radius } => stream.log_static(entity(body), &sphere(*radius)),
         BodyShape::Revolved { profile } => {
             let (points, triangles) = revolved(profile);
-            stream.log_static(entity.as_str(), &surface(&points, &triangles))
+            stream.log_static(entity(body), &surface(&points, &triangles))
         }
-        BodyShape::Surface { points, triangles } => stream.log_static(entity.as_str(), &surface(points, triangles)),
-    }?;
-    for pose in &body.poses {
-        Moment::Time(pose.time).set(stream);
-        let moved = Transform3D::update_fields()
-            .with_translation(pose.position)
-            .with_quaternion(Quaternion::from_xyzw(pose.rotation));
-        stream.log(entity.as_str(), &moved)?;
+        BodyShape::Surface { points, triangles } => stream.log_static(entity(body), &surface(points, triangles)),
     }
-    Ok(())
+}
+
+/// Logs where the body is.
+pub(crate) fn log_pose(stream: &RecordingStream, body: &BodyTrack, pose: &Pose) -> RecordingStreamResult<()> {
+    Moment::Time(pose.time).set(stream);
+    let moved = Transform3D::update_fields()
+        .with_translation(pose.position)
+        .with_quaternion(Quaternion::from_xyzw(pose.rotation));
+    stream.log(entity(body), &moved)
+}
+
+fn entity(body: &BodyTrack) -> String {
+    format!("scene/{}", body.name)
 }
 
 fn sphere(radius: f32) -> Ellipsoids3D {

@@ -1,5 +1,11 @@
 //! Viridis (van der Walt and Smith, 2015): equal steps of the value look like equal steps.
 
+/// Text and lines for orientation.
+pub(crate) const GREY: [u8; 3] = [128, 128, 132];
+
+/// Colours are taken at so many equal distances: neighbours that are alike compress.
+const STEPS: f32 = 64.0;
+
 /// The map at equal distances from the lowest to the highest value, sRGB.
 const VIRIDIS: [[u8; 3]; 9] = [
     [68, 1, 84],
@@ -13,16 +19,15 @@ const VIRIDIS: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
-/// Colours of `values`, the first at the lower and the last at the upper end of `range`; `NaN` is
-/// black, which the map itself never is.
-pub fn of(values: &[f32], [low, high]: [f32; 2]) -> impl Iterator<Item = [u8; 3]> + '_ {
+/// Colours of `values`, the first at the lower and the last at the upper end of `range`; what is not a number gets the first.
+pub(crate) fn of(values: &[f32], [low, high]: [f32; 2]) -> impl Iterator<Item = [u8; 3]> + '_ {
     let span = (high - low).max(f32::MIN_POSITIVE);
     values.iter().map(move |value| at((value - low) / span))
 }
 
 fn at(share: f32) -> [u8; 3] {
     let last = VIRIDIS.len() - 1;
-    let place = share.clamp(0.0, 1.0) * last as f32;
+    let place = (share.max(0.0).min(1.0) * STEPS).round() / STEPS * last as f32;
     let below = (place as usize).min(last - 1);
     let rest = place - below as f32;
     let mix = |i: usize| {
@@ -38,10 +43,9 @@ mod tests {
 
     #[test]
     fn ends_and_middle_are_the_maps_own() {
-        const BLACK: [u8; 3] = [0; 3];
         let colours: Vec<_> = of(&[-1.0, 0.0, 1.0, 2.0, 3.0, f32::NAN], [0.0, 2.0]).collect();
         let [first, middle, last] = [VIRIDIS[0], VIRIDIS[4], VIRIDIS[8]];
-        assert_eq!(colours, [first, first, middle, last, last, BLACK]);
+        assert_eq!(colours, [first, first, middle, last, last, first]);
     }
 
     #[test]

@@ -1,54 +1,129 @@
 //! A film as one mesh: what does not change is logged once.
 
 use re_sdk::{RecordingStream, RecordingStreamResult};
-use re_sdk_types::archetypes::{InstancePoses3D, Mesh3D};
-use re_sdk_types::components::Color;
+use re_sdk_types::archetypes::{InstancePoses3D, LineStrips3D, Mesh3D, Points3D};
+use re_sdk_types::components::{Color, Radius};
+use re_sdk_types::external::re_types_core::DynamicArchetype;
 
+use crate::colour;
+use crate::normals;
+use crate::quantity::Quantity;
 use crate::scene::{FilmFrame, FilmTrack};
 use crate::series::Moment;
-use crate::{colour, normals};
 
-/// Positions are rounded to 2^-18 m, four micrometres: random last digits do not compress.
-const STEPS_PER_METRE: f32 = 262_144.0;
+/// Name of the colours of one quantity among the components of a film.
+pub(crate) const COLOURS: &str = "Colours";
 
-/// Logs all frames of `film`.
-pub fn log(stream: &RecordingStream, film: &FilmTrack) -> RecordingStreamResult<()> {
-    let entity = format!("scene/{}", film.name);
-    let poses = InstancePoses3D::new().with_scales(mirror_images(film.mirrored));
-    stream.log_static(entity.as_str(), &poses)?;
-    let breaks = film.frames.iter().any(|frame| frame.visible.contains(&false));
-    if !breaks {
-        let whole = Mesh3D::update_fields().with_triangle_indices(film.triangles.iter().copied());
-        stream.log_static(entity.as_str(), &whole)?;
-    }
-    let mut shown: Option<&[bool]> = None;
-    for frame in &film.frames {
-        let mut state = state(film, frame);
-        if breaks && shown != Some(&frame.visible) {
-            state = state.with_triangle_indices(visible(film, frame));
-            shown = Some(&frame.visible);
-        }
-        Moment::Time(frame.time).set(stream);
-        stream.log(entity.as_str(), &state)?;
-    }
-    Ok(())
+/// Positions are rounded to 2^-16 m, fifteen micrometres: random last digits do not compress.
+const STEPS_PER_METRE: f32 = 65_536.0;
+
+/// Normals follow every so many states: light changes more slowly than shape.
+const STATES_PER_NORMALS: usize = 4;
+
+const FRAME: [u8; 3] = [120, 124, 134];
+const TOUCH: [u8; 3] = [240, 90, 40];
+
+/// The states of a film as they go into a recording.
+pub(crate) struct Film<'a> {
+    track: &'a FilmTrack,
+    quantities: &'a [Quantity],
+    states: usize,
+    /// What the recording shows at present.
+    shown: Shown,
 }
 
-/// Factors on x, y, z that show the film and its mirror images.
-fn mirror_images(mirrored: [bool; 2]) -> Vec<[f32; 3]> {
+#[derive(Default)]
+struct Shown {
+    visible: Vec<bool>,
+    held: Vec<[[f32; 3]; 2]>,
+    touching: bool,
+}
+
+impl<'a> Film<'a> {
+    /// Logs what stays.
+    pub(crate) fn begin(
+        stream: &RecordingStream,
+        track: &'a FilmTrack,
+        quantities: &'a [Quantity],
+    ) -> RecordingStreamResult<Film<'a>> {
+        let poses = InstancePoses3D::new().with_scales(images(track.mirrored));
+        stream.log_static(entity(track), &poses)?;
+        Ok(Film { track, quantities, states: 0, shown: Shown::default() })
+    }
+
+    /// Logs a state, which has passed the track's check.
+    pub(crate) fn log(&mut self, stream: &RecordingStream, frame: &FilmFrame) -> RecordingStreamResult<()> {
+        Moment::Time(frame.time).set(stream);
+        let broke = self.shown.visible != frame.visible;
+        let mut mesh = Mesh3D::update_fields().with_vertex_positions(frame.positions.iter().map(|p| p.map(rounded)));
+        if broke || self.states.is_multiple_of(STATES_PER_NORMALS) {
+            mesh = mesh.with_vertex_normals(normals::of(self.track, frame));
+        }
+        if broke {
+            mesh = mesh.with_triangle_indices(visible(self.track, frame));
+            self.shown.visible.clone_from(&frame.visible);
+        }
+        let mut colours = DynamicArchetype::new(COLOURS);
+        for (quantity, values) in self.quantities.iter().zip(&frame.values) {
+            let shades = colour::of(values, quantity.range);
+            let shades = shades.map(|[r, g, b]| Color::from_rgb(r, g, b));
+            colours = colours.with_component::<Color>(quantity.key, shades);
+        }
+        stream.log(entity(self.track), &mesh)?;
+        stream.log(entity(self.track), &colours)?;
+        self.states += 1;
+        self.log_held(stream, frame)?;
+        self.log_touch(stream, frame)
+    }
+
+    /// The held edges, where they have moved.
+    fn log_held(&mut self, stream: &RecordingStream, frame: &FilmFrame) -> RecordingStreamResult<()> {
+        let ends = |edge: &[u32; 2]| edge.map(|node| frame.positions[node as usize].map(rounded));
+        let held: Vec<_> = self.track.held.iter().map(ends).collect();
+        if held == self.shown.held {
+            return Ok(());
+        }
+        let whole = images(self.track.mirrored)
+            .into_iter()
+            .flat_map(|image| held.iter().map(move |edge| edge.map(|end| mirrored(end, image))));
+        let lines = LineStrips3D::new(whole).with_colors([FRAME]).with_radii([Radius::new_ui_points(2.0)]);
+        stream.log(format!("scene/frame/{}", self.track.name), &lines)?;
+        self.shown.held = held;
+        Ok(())
+    }
+
+    /// The nodes in touch, until there are none.
+    fn log_touch(&mut self, stream: &RecordingStream, frame: &FilmFrame) -> RecordingStreamResult<()> {
+        if frame.touching.is_empty() && !self.shown.touching {
+            return Ok(());
+        }
+        let points = frame.touching.iter().map(|node| frame.positions[*node as usize].map(rounded));
+        let points: Vec<_> = points.collect();
+        let whole = images(self.track.mirrored)
+            .into_iter()
+            .flat_map(|image| points.iter().map(move |point| mirrored(*point, image)));
+        let touch = Points3D::new(whole).with_colors([TOUCH]).with_radii([Radius::new_ui_points(2.0)]);
+        stream.log(format!("scene/contact/{}", self.track.name), &touch)?;
+        self.shown.touching = !frame.touching.is_empty();
+        Ok(())
+    }
+}
+
+/// Entity of a film.
+pub(crate) fn entity(track: &FilmTrack) -> String {
+    format!("scene/{}", track.name)
+}
+
+/// Factors on x, y, z that show a film and its mirror images.
+pub(crate) fn images(mirrored: [bool; 2]) -> Vec<[f32; 3]> {
     let signs = |mirrored: bool| if mirrored { &[1.0, -1.0][..] } else { &[1.0] };
     let [along_x, along_y] = mirrored.map(signs);
     let row = |y: &f32| along_x.iter().map(|x| [*x, *y, 1.0]).collect::<Vec<_>>();
     along_y.iter().flat_map(row).collect()
 }
 
-fn state(film: &FilmTrack, frame: &FilmFrame) -> Mesh3D {
-    let positions = frame.positions.iter().map(|p| p.map(rounded));
-    let colours = colour::of(&frame.values, film.range);
-    Mesh3D::update_fields()
-        .with_vertex_positions(positions)
-        .with_vertex_normals(normals::of(film, frame))
-        .with_vertex_colors(colours.map(|[r, g, b]| Color::from_rgb(r, g, b)))
+fn mirrored(point: [f32; 3], image: [f32; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|axis| point[axis] * image[axis])
 }
 
 fn rounded(coordinate: f32) -> f32 {

@@ -4,30 +4,34 @@ use re_sdk::blueprint::{
     Blueprint, BlueprintPanel, ContainerLike, Horizontal, SelectionPanel, Spatial2DView, Spatial3DView, Tabs,
     TextDocumentView, TextLogView, TimePanel, TimeSeriesView, Vertical,
 };
-use re_sdk_types::blueprint::components::{LoopMode, PanelState};
+use re_sdk_types::VisualizableArchetype;
+use re_sdk_types::archetypes::Mesh3D;
+use re_sdk_types::blueprint::archetypes::{Background, EyeControls3D, LineGrid3D, PlotLegend, VisualBounds2D};
+use re_sdk_types::blueprint::components::{
+    BackgroundKind, Corner2D, LoopMode, PanelState, PlayState, VisualBounds2D as Bounds, VisualizerComponentMapping,
+};
+use re_sdk_types::blueprint::datatypes::VisualizerComponentMapping as Mapping;
+use re_sdk_types::datatypes::Range2D;
 
-use crate::diagram::Diagram;
+use crate::blueprint::Properties;
+use crate::diagram::{self, Diagram};
+use crate::eye::Eye;
+use crate::film::{self, COLOURS};
+use crate::quantity::Quantity;
 use crate::scene::{Document, Scene};
-use crate::series::{Chart, ITERATION, TIME};
+use crate::series::{Chart, ITERATION, Places, TIME};
 
-/// Simulated seconds a second of watching.
-const PLAYBACK_SPEED: f64 = 0.02;
+/// Time of watching for one run, s.
+const PLAYBACK: f64 = 6.0;
 
 /// Iterations a second of watching.
 const ITERATIONS_PER_SECOND: f64 = 4.0;
 
-/// The arrangement for `scene`.
-pub fn blueprint(scene: &Scene) -> Blueprint {
-    let pictures = if scene.films.is_empty() {
-        Tabs::new(scene.diagrams.iter().map(diagram)).into()
-    } else {
-        Spatial3DView::new("Scene").with_origin("scene").into()
-    };
-    let left = Vertical::new([pictures, texts(scene)]).with_row_shares(vec![4.0, 1.0]);
-    let mut charts: Vec<ContainerLike> = scene.charts.iter().map(chart).collect();
-    if !scene.films.is_empty() && !scene.diagrams.is_empty() {
-        charts.push(Tabs::new(scene.diagrams.iter().map(diagram)).into());
-    }
+/// The arrangement for `scene`, and the properties of its views.
+pub(crate) fn blueprint(scene: &Scene, properties: &mut Properties) -> Blueprint {
+    let pictures = pictures(scene, properties);
+    let left = Vertical::new([pictures, texts(scene)]).with_row_shares(vec![7.0, 2.0]);
+    let charts = charts(scene, properties);
     let all = if charts.is_empty() {
         Horizontal::new([left.into()])
     } else {
@@ -36,17 +40,86 @@ pub fn blueprint(scene: &Scene) -> Blueprint {
     Blueprint::new(all)
         .with_auto_views(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
-        .with_selection_panel(SelectionPanel::from_state(PanelState::Collapsed))
+        .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
         .with_time_panel(time_panel(scene))
 }
 
 fn time_panel(scene: &Scene) -> TimePanel {
-    let panel = TimePanel::new().with_state(PanelState::Collapsed).with_loop_mode(LoopMode::All);
-    if scene.films.is_empty() {
+    let panel = TimePanel::new()
+        .with_state(PanelState::Collapsed)
+        .with_play_state(PlayState::Playing)
+        .with_loop_mode(LoopMode::All);
+    let searched = scene.signals.iter().any(|signal| matches!(signal.places, Places::Iterations(_)));
+    if searched || scene.diagrams.iter().any(|diagram| !diagram.states.is_empty()) {
         panel.with_timeline(ITERATION).with_fps(ITERATIONS_PER_SECOND)
     } else {
-        panel.with_timeline(TIME).with_playback_speed(PLAYBACK_SPEED)
+        panel.with_timeline(TIME).with_playback_speed(scene.duration / PLAYBACK)
     }
+}
+
+/// The films in one tab a quantity, each beside its colours; of a scene without films the diagrams.
+fn pictures(scene: &Scene, properties: &mut Properties) -> ContainerLike {
+    if scene.films.is_empty() {
+        return diagrams(scene, properties);
+    }
+    let eye = Eye::on(scene);
+    Tabs::new(scene.quantities.iter().map(|quantity| coloured(scene, quantity, &eye, properties))).into()
+}
+
+fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Properties) -> ContainerLike {
+    let mut view = Spatial3DView::new(quantity.title.as_str()).with_origin("scene");
+    for film in &scene.films {
+        view = view
+            .with_override(film::entity(film), Mesh3D::update_fields().visualizer().with_mappings([mapping(quantity)]));
+    }
+    let view: ContainerLike = view.into();
+    properties.set(
+        &view,
+        "EyeControls3D",
+        &EyeControls3D::new().with_position(eye.position).with_look_target(eye.target).with_eye_up([0.0, 0.0, 1.0]),
+    );
+    properties.set(&view, "LineGrid3D", &LineGrid3D::new().with_visible(false));
+    properties.set(&view, "Background", &Background::new(BackgroundKind::GradientBright));
+    let legend: ContainerLike = Spatial2DView::new("").with_origin(quantity.legend()).into();
+    let bounds = Range2D { x_range: [-0.05, 0.35].into(), y_range: [-0.12, 1.05].into() };
+    properties.set(&legend, "VisualBounds2D", &VisualBounds2D::new(Bounds(bounds)));
+    Horizontal::new([view, legend]).with_column_shares(vec![7.0, 1.0]).with_name(quantity.title.as_str()).into()
+}
+
+/// Vertex colours from those that are kept for the quantity.
+fn mapping(quantity: &Quantity) -> VisualizerComponentMapping {
+    let target = Mesh3D::descriptor_vertex_colors().component.to_string();
+    VisualizerComponentMapping(Mapping::new_source_component(target, format!("{COLOURS}:{}", quantity.key)))
+}
+
+fn charts(scene: &Scene, properties: &mut Properties) -> Vec<ContainerLike> {
+    let mut charts: Vec<ContainerLike> = scene.charts.iter().map(|shown| chart(shown, properties)).collect();
+    if !scene.more_charts.is_empty() {
+        charts.push(Tabs::new(scene.more_charts.iter().map(|shown| chart(shown, properties))).into());
+    }
+    if !scene.films.is_empty() && !scene.diagrams.is_empty() {
+        charts.push(diagrams(scene, properties));
+    }
+    charts
+}
+
+fn chart(chart: &Chart, properties: &mut Properties) -> ContainerLike {
+    let contents = chart.signals.iter().map(|path| format!("+ /{path}"));
+    let view = TimeSeriesView::new(chart.title.as_str()).with_contents(contents).into();
+    properties.set(&view, "PlotLegend", &PlotLegend::new().with_corner(Corner2D::RightTop));
+    view
+}
+
+fn diagrams(scene: &Scene, properties: &mut Properties) -> ContainerLike {
+    Tabs::new(scene.diagrams.iter().map(|diagram| plane(diagram, properties))).into()
+}
+
+fn plane(diagram: &Diagram, properties: &mut Properties) -> ContainerLike {
+    let view = Spatial2DView::new(diagram.title.as_str()).with_origin(diagram.path.as_str()).into();
+    let [x_range, y_range] = diagram::BOUNDS;
+    let bounds = Range2D { x_range: x_range.into(), y_range: y_range.into() };
+    properties.set(&view, "VisualBounds2D", &VisualBounds2D::new(Bounds(bounds)));
+    view
 }
 
 fn texts(scene: &Scene) -> ContainerLike {
@@ -57,13 +130,4 @@ fn texts(scene: &Scene) -> ContainerLike {
 
 fn document(document: &Document) -> ContainerLike {
     TextDocumentView::new(document.title.as_str()).with_origin(document.path.as_str()).into()
-}
-
-fn chart(chart: &Chart) -> ContainerLike {
-    let contents = chart.signals.iter().map(|path| format!("+ /{path}"));
-    TimeSeriesView::new(chart.title.as_str()).with_contents(contents).into()
-}
-
-fn diagram(diagram: &Diagram) -> ContainerLike {
-    Spatial2DView::new(diagram.title.as_str()).with_origin(diagram.path.as_str()).into()
 }

@@ -2,8 +2,8 @@
 
 use crate::scene::{FilmFrame, FilmTrack};
 
-/// Normals are rounded to 1/64: enough for light, and they compress.
-const STEPS: f32 = 64.0;
+/// Normals are rounded to 1/32: enough for light, and they compress.
+const STEPS: f32 = 32.0;
 
 /// Distance from a mirror plane, m, within which a node stands on it.
 const ON_PLANE: f32 = 1e-5;

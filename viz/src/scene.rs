@@ -2,6 +2,7 @@
 
 use crate::VizError;
 use crate::diagram::Diagram;
+use crate::quantity::Quantity;
 use crate::series::{Chart, Moment, SignalTrack};
 
 /// Everything in one recording.
@@ -9,13 +10,19 @@ use crate::series::{Chart, Moment, SignalTrack};
 pub struct Scene {
     /// Name of the recording in the viewer.
     pub name: String,
+    /// Time that is simulated, s: playback takes a few seconds for it.
+    pub duration: f64,
     /// Texts, the one that is open first.
     pub documents: Vec<Document>,
+    /// What the films can be coloured by, the one that is shown first.
+    pub quantities: Vec<Quantity>,
     pub films: Vec<FilmTrack>,
     pub body: Option<BodyTrack>,
     pub signals: Vec<SignalTrack>,
-    /// Pictures of signals, from top to bottom.
+    /// Pictures of signals beside the films, from top to bottom.
     pub charts: Vec<Chart>,
+    /// Further pictures of signals, one behind the other.
+    pub more_charts: Vec<Chart>,
     pub diagrams: Vec<Diagram>,
     pub events: Vec<Event>,
 }
@@ -26,10 +33,10 @@ pub struct FilmTrack {
     pub name: String,
     /// Corners of each triangle, counter-clockwise seen from +z.
     pub triangles: Vec<[u32; 3]>,
+    /// Edges by which a frame or jaws hold it, as pairs of nodes.
+    pub held: Vec<[u32; 2]>,
     /// Mirror planes x = 0 and y = 0 that complete the picture.
     pub mirrored: [bool; 2],
-    /// Values that get the first and the last colour.
-    pub range: [f32; 2],
     pub frames: Vec<FilmFrame>,
 }
 
@@ -39,10 +46,12 @@ pub struct FilmFrame {
     pub time: f64,
     /// One entry a node.
     pub positions: Vec<[f32; 3]>,
-    /// What the film is coloured by, one entry a node.
-    pub values: Vec<f32>,
+    /// Values of each of the scene's quantities, one entry a node.
+    pub values: Vec<Vec<f32>>,
     /// Whether a triangle is there still, one entry a triangle.
     pub visible: Vec<bool>,
+    /// Nodes that the body touches.
+    pub touching: Vec<u32>,
 }
 
 /// A rigid body that moves.
@@ -83,7 +92,7 @@ pub struct Pose {
 /// A text beside the pictures.
 #[derive(Clone, Debug)]
 pub struct Document {
-    /// Entity path, e.g. `summary`.
+    /// Entity path, e.g. `texts/summary`.
     pub path: String,
     pub title: String,
     /// Markdown.
@@ -108,30 +117,33 @@ pub enum Severity {
 impl Scene {
     /// Refuses lists whose lengths do not fit each other.
     pub(crate) fn check(&self) -> Result<(), VizError> {
-        self.films.iter().try_for_each(FilmTrack::check)?;
+        let quantities = self.quantities.len();
+        self.films
+            .iter()
+            .try_for_each(|film| film.frames.iter().try_for_each(|frame| film.check(frame, quantities)))?;
         self.signals.iter().try_for_each(SignalTrack::check)?;
         self.diagrams.iter().try_for_each(Diagram::check)
     }
 }
 
 impl FilmTrack {
-    fn check(&self) -> Result<(), VizError> {
-        let named = self.triangles.iter().flatten().max();
+    /// Refuses a state that is not one of this film with so many quantities.
+    pub(crate) fn check(&self, frame: &FilmFrame, quantities: usize) -> Result<(), VizError> {
+        let named = self.triangles.iter().flatten().chain(self.held.iter().flatten()).chain(&frame.touching).max();
         let needed = named.map_or(0, |node| *node as usize + 1);
-        let expected = self.frames.first().map_or(0, |f| f.positions.len()).max(needed);
-        for frame in &self.frames {
-            let found = [frame.positions.len(), frame.values.len()];
-            if let Some(&found) = found.iter().find(|found| **found != expected) {
-                return Err(VizError::Nodes { film: self.name.clone(), time: frame.time, found, expected });
-            }
-            if frame.visible.len() != self.triangles.len() {
-                return Err(VizError::Triangles {
-                    film: self.name.clone(),
-                    time: frame.time,
-                    found: frame.visible.len(),
-                    expected: self.triangles.len(),
-                });
-            }
+        let nodes = self.frames.first().map_or(frame.positions.len(), |first| first.positions.len()).max(needed);
+        let film = || self.name.clone();
+        let time = frame.time;
+        let lists = std::iter::once(frame.positions.len()).chain(frame.values.iter().map(Vec::len));
+        if let Some(found) = lists.into_iter().find(|found| *found != nodes) {
+            return Err(VizError::Nodes { film: film(), time, found, expected: nodes });
+        }
+        if frame.values.len() != quantities {
+            return Err(VizError::Quantities { film: film(), time, found: frame.values.len(), expected: quantities });
+        }
+        let (found, expected) = (frame.visible.len(), self.triangles.len());
+        if found != expected {
+            return Err(VizError::Triangles { film: film(), time, found, expected });
         }
         Ok(())
     }

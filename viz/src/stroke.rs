@@ -1,5 +1,7 @@
 //! How lines are drawn: colours that stay apart on light and on dark ground, also for the colour-blind.
 
+use crate::colour;
+
 /// Colour and width of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
@@ -13,9 +15,6 @@ pub struct Stroke {
 const COLOURS: [[u8; 3]; 6] =
     [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0]];
 
-/// What others are held against.
-const GREY: [u8; 3] = [140, 140, 145];
-
 impl Stroke {
     /// The line of the `index`-th curve of a picture.
     pub fn nth(index: usize) -> Stroke {
@@ -24,7 +23,7 @@ impl Stroke {
 
     /// The line of what others are held against, such as a measurement: broad and grey, so that it shows beneath them.
     pub fn target() -> Stroke {
-        Stroke { colour: GREY, width: 3.5 }
+        Stroke { colour: colour::GREY, width: 3.5 }
     }
 
     /// A line that is there for orientation: thin.

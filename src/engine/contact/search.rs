@@ -4,7 +4,9 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::details::closest_points_segment_segment_with_locations;
 use parry3d_f64::query::{self, PointProjection, PointQuery};
-use parry3d_f64::shape::{Ball, Capsule, Cylinder, Segment, Shape, SharedShape, TriMesh, TriMeshFlags, Triangle};
+use parry3d_f64::shape::{
+    Ball, Capsule, Compound, Cylinder, Segment, Shape, SharedShape, TriMesh, TriMeshFlags, Triangle, TypedShape,
+};
 use thiserror::Error;
 
 use crate::lane::{LANES, Lane, Lane3, dot, larger, smaller, splat};
@@ -24,6 +26,9 @@ pub struct Surface {
 
 /// Vertices (m) and triangles of a surface.
 pub type Triangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
+
+/// Sides of a round shape as pictures show it.
+const ROUND: u32 = 48;
 
 /// The round ones apart: their queries are resolved at compile time and exact, where other shapes are searched.
 #[derive(Clone)]
@@ -107,6 +112,11 @@ impl Surface {
             inertia_per_mass: inertia,
             shape,
         })
+    }
+
+    /// Vertices about the centre of mass and triangles, for pictures; what is round has some dozens of sides.
+    pub fn triangles(&self) -> Triangles {
+        triangulated(self.shape.as_shape())
     }
 
     /// Half the smallest extent, m: the radius of a sphere.
@@ -378,6 +388,31 @@ impl Kind {
     }
 }
 
+/// The surface of one of the shapes that [`Surface::new`] makes; of others nothing.
+fn triangulated(shape: &dyn Shape) -> Triangles {
+    let (vertices, triangles) = match shape.as_typed_shape() {
+        TypedShape::Ball(ball) => ball.to_trimesh(ROUND, ROUND / 2),
+        TypedShape::Capsule(capsule) => capsule.to_trimesh(ROUND, ROUND / 4),
+        TypedShape::Cylinder(cylinder) => cylinder.to_trimesh(ROUND),
+        TypedShape::TriMesh(mesh) => (mesh.vertices().to_vec(), mesh.indices().to_vec()),
+        TypedShape::Compound(compound) => return joined(compound),
+        _ => (vec![], vec![]),
+    };
+    (vertices.iter().map(|v| Point3::new(v.x, v.y, v.z)).collect(), triangles)
+}
+
+fn joined(compound: &Compound) -> Triangles {
+    let (mut vertices, mut triangles) = (vec![], vec![]);
+    for (pose, part) in compound.shapes() {
+        let (own, corners) = triangulated(&**part);
+        let first = vertices.len() as u32;
+        let placed = own.iter().map(|p| pose * Vector::new(p.x, p.y, p.z));
+        vertices.extend(placed.map(|v| Point3::new(v.x, v.y, v.z)));
+        triangles.extend(corners.iter().map(|corners| corners.map(|n| first + n)));
+    }
+    (vertices, triangles)
+}
+
 fn rotation_y_to_z() -> parry3d_f64::math::Rotation {
     parry3d_f64::math::Rotation::from_rotation_arc(Vector::Y, Vector::Z)
 }
@@ -413,6 +448,29 @@ mod tests {
         .iter()
         .map(|s| Surface::new(s, None).unwrap())
         .collect()
+    }
+
+    /// Volumes by the divergence theorem are those of the shapes, but for what flat pieces cut off; all faces look outwards.
+    #[test]
+    fn pictures_of_shapes_have_their_volume() {
+        use std::f64::consts::PI;
+        let [radius, length]: [f64; 2] = [0.02, 0.1];
+        let (ball, shaft) = (4.0 / 3.0 * PI * radius.powi(3), PI * radius * radius * length);
+        for (shape, volume, lowest) in [
+            (ImpactorShape::Sphere { radius }, ball, -radius),
+            (ImpactorShape::Hemisphere { radius, length }, ball + shaft, -radius - 0.5 * length),
+            (ImpactorShape::Cylinder { radius, length }, shaft, -0.5 * length),
+        ] {
+            let (vertices, triangles) = Surface::new(&shape, None).unwrap().triangles();
+            let six = |t: &[u32; 3]| {
+                let [a, b, c] = t.map(|n| vertices[n as usize].coords);
+                a.dot(&b.cross(&c))
+            };
+            let found = triangles.iter().map(six).sum::<f64>() / 6.0;
+            assert!((0.98 * volume..volume).contains(&found), "{shape:?}: {found} for {volume}");
+            let bottom = vertices.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+            assert!((bottom - lowest).abs() < 1e-12, "{shape:?}: {bottom}");
+        }
     }
 
     #[test]

@@ -1,40 +1,85 @@
-//! Faces of film as the recording shows them: triangles, coloured by the larger fibre strain.
+//! Faces of film as the recording shows them: triangles, coloured by strain.
 
-use droptower_viz::{FilmFrame, FilmTrack};
+use droptower_viz::{FilmFrame, FilmTrack, Quantity};
 
 use crate::simulate::{Film, FilmState, Frame, Outcome};
 
-/// The largest fibre strain in any kept state of an element that holds.
-pub fn highest_strain(outcome: &Outcome) -> f32 {
-    let states = outcome.frames.iter().flat_map(|frame| &frame.films);
-    let elements = states.flat_map(|state| state.strains.iter().zip(&state.broken));
-    let held = elements.filter(|(_, broken)| !**broken);
-    held.map(|(strain, _)| fibre_strain(strain)).fold(0.0, f32::max)
+/// A strain that faces are coloured by, of the MD fibre, the TD fibre and the shear angle of an element.
+struct Strain {
+    key: &'static str,
+    title: &'static str,
+    words: &'static str,
+    of: fn(&[f32; 3]) -> f32,
 }
 
-fn fibre_strain([md, td, _]: &[f32; 3]) -> f32 {
-    md.max(*td)
-}
+/// What can be chosen, the one that is shown first; %. The sense of a shear angle turns round in a mirror, so its size is shown.
+const STRAINS: [Strain; 4] = [
+    Strain {
+        key: "largest",
+        title: "Larger fibre strain",
+        words: "larger of MD, TD, %",
+        of: |[md, td, _]| md.max(*td),
+    },
+    Strain { key: "md", title: "Strain MD", words: "strain MD, %", of: |[md, _, _]| *md },
+    Strain { key: "td", title: "Strain TD", words: "strain TD, %", of: |[_, td, _]| *td },
+    Strain { key: "shear", title: "Shear", words: "shear |γ|, %", of: |[_, _, shear]| shear.abs() },
+];
 
-/// One face in all kept states, `highest` being the strain of the brightest colour.
-pub fn track(outcome: &Outcome, face: usize, highest: f32) -> FilmTrack {
-    let film = &outcome.films[face];
-    let frame = |frame: &Frame| {
-        let state = &frame.films[face];
-        FilmFrame {
-            time: frame.time,
-            positions: state.positions.clone(),
-            values: nodal_strains(film, state),
-            visible: per_triangle(film, |element| !state.broken[element]),
-        }
+/// The strains with the ranges of a whole run: from nothing to the largest of an element that holds. Less than nothing is slack.
+pub fn quantities(outcome: &Outcome) -> Vec<Quantity> {
+    let highest = |strain: &Strain| {
+        let states = outcome.frames.iter().flat_map(|frame| &frame.films);
+        states.map(|state| largest(strain, state)).fold(0.0, f32::max)
     };
+    STRAINS.iter().map(|strain| strain.quantity(highest(strain))).collect()
+}
+
+/// The strains with ranges up to the same strain, for a run whose own are not known yet.
+pub fn quantities_up_to(highest: f32) -> Vec<Quantity> {
+    STRAINS.iter().map(|strain| strain.quantity(highest)).collect()
+}
+
+/// One face and all its kept states.
+pub fn track(outcome: &Outcome, face: usize) -> FilmTrack {
+    let film = &outcome.films[face];
+    let frames = outcome.frames.iter().map(|frame| state(film, frame, face)).collect();
+    FilmTrack { frames, ..face_alone(film, face) }
+}
+
+/// One face before any state.
+pub fn face_alone(film: &Film, face: usize) -> FilmTrack {
     FilmTrack {
         name: format!("face-{}", face + 1),
         triangles: triangles(film),
+        held: film.held.clone(),
         mirrored: film.mirrored,
-        range: [0.0, highest],
-        frames: outcome.frames.iter().map(frame).collect(),
+        frames: vec![],
     }
+}
+
+/// One face at one time.
+pub fn state(film: &Film, frame: &Frame, face: usize) -> FilmFrame {
+    let state = &frame.films[face];
+    FilmFrame {
+        time: frame.time,
+        positions: state.positions.clone(),
+        values: STRAINS.iter().map(|strain| nodal(strain, film, state)).collect(),
+        visible: per_triangle(film, |element| !state.broken[element]),
+        touching: state.touching.clone(),
+    }
+}
+
+impl Strain {
+    fn quantity(&self, highest: f32) -> Quantity {
+        let Strain { key, title, words, .. } = *self;
+        Quantity { key, title: title.to_owned(), words: words.to_owned(), range: [0.0, 100.0 * highest] }
+    }
+}
+
+/// The largest strain of the elements that hold.
+fn largest(strain: &Strain, state: &FilmState) -> f32 {
+    let held = state.strains.iter().zip(&state.broken).filter(|(_, broken)| !**broken);
+    held.map(|(strains, _)| (strain.of)(strains)).fold(0.0, f32::max)
 }
 
 /// Quadrilaterals as two triangles each, then the triangles.
@@ -52,16 +97,16 @@ fn per_triangle(film: &Film, value: impl Fn(usize) -> bool) -> Vec<bool> {
     of_quads.chain(of_tris).collect()
 }
 
-/// Fibre strain at the nodes: the mean of the elements around that hold.
-fn nodal_strains(film: &Film, state: &FilmState) -> Vec<f32> {
+/// A strain at the nodes, %: the mean of the elements around that hold.
+fn nodal(strain: &Strain, film: &Film, state: &FilmState) -> Vec<f32> {
     let mut sums = vec![(0.0_f32, 0.0_f32); film.nodes];
     let quads = film.quads.iter().map(|quad| quad.as_slice());
     let outlines = quads.chain(film.tris.iter().map(|tri| tri.as_slice()));
     let held = outlines.zip(&state.strains).zip(&state.broken);
-    for ((corners, strain), _) in held.filter(|(_, broken)| !**broken) {
+    for ((corners, strains), _) in held.filter(|(_, broken)| !**broken) {
         for node in corners {
             let (sum, elements) = &mut sums[*node as usize];
-            *sum += fibre_strain(strain);
+            *sum += 100.0 * (strain.of)(strains);
             *elements += 1.0;
         }
     }
@@ -80,20 +125,23 @@ mod tests {
             nodes: 6,
             quads: vec![[0, 1, 2, 3]],
             tris: vec![[1, 4, 2], [4, 5, 2]],
+            held: vec![],
             mirrored: [false; 2],
             quality: Quality::of(&Mesh::default()),
         };
         let state = FilmState {
             positions: vec![[0.0; 3]; 6],
-            strains: vec![[0.1, 0.4, 9.0], [0.2, 0.0, 9.0], [7.0, 0.0, 0.0]],
+            strains: vec![[0.1, 0.4, 0.3], [0.2, 0.0, -0.5], [7.0, 0.0, 0.0]],
             broken: vec![false, false, true],
             touching: vec![],
+            detail: None,
         };
-        let strains = nodal_strains(&film, &state);
-        let expected = [0.4, 0.3, 0.3, 0.4, 0.2, 0.0];
+        let strains = nodal(&STRAINS[0], &film, &state);
+        let expected = [40.0, 30.0, 30.0, 40.0, 20.0, 0.0];
         for (strain, expected) in strains.iter().zip(expected) {
-            assert!((strain - expected).abs() < 1e-6, "{strains:?}");
+            assert!((strain - expected).abs() < 1e-5, "{strains:?}");
         }
+        assert_eq!(STRAINS.each_ref().map(|strain| largest(strain, &state)), [0.4, 0.2, 0.4, 0.5]);
         assert_eq!(triangles(&film).len(), 4);
         let held = per_triangle(&film, |element| !state.broken[element]);
         assert_eq!(held, [true, true, true, false]);

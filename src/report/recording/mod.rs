@@ -1,22 +1,23 @@
 //! Runs and studies as Rerun recordings: film, impactor, signals and what happened; searches closing in on their target.
 
 mod body;
+mod comparison;
 mod diagram;
 mod events;
 mod film;
 mod findings;
+mod signals;
 mod study;
 mod text;
 
 use std::path::Path;
 
-use droptower_viz::{Chart, Document, Places, Scene, SignalTrack, Stroke, VizError};
+use droptower_viz::{Document, Scene, VizError};
 use thiserror::Error;
 
+use super::{RunPage, figure, subject};
 use crate::mesh::MeshError;
-use crate::model::Model;
-use crate::signal::Recording;
-use crate::simulate::Outcome;
+pub use comparison::write_comparison;
 pub use study::{Approach, Iteration, StudyRecording, write_study};
 pub use text::Text;
 
@@ -29,99 +30,43 @@ pub enum RecordingError {
     Impactor(#[from] MeshError),
 }
 
-/// Diagrams and the channels of `signals.csv` that they show where a run has them.
-const PLOTS: [(&str, &[&str]); 7] = [
-    ("Acceleration, m/s²", &["acceleration_m_s2", "acceleration_filtered_m_s2"]),
-    ("Displacement, m", &["displacement_m", "depth_m", "deflection_m"]),
-    ("Force, N", &["contact_force_N", "force_N"]),
-    ("Pull on the frame, N", &["frame_force_x_N", "frame_force_y_N"]),
-    ("Stress, Pa", &["stress_Pa"]),
-    ("Pressure, Pa", &["pressure_Pa"]),
-    ("Strain", &["strain", "max_strain_md", "max_strain_td"]),
-];
-
-/// Writes the run to `path`; `signals` are the channels of `signals.csv`, `summary_text` is Markdown.
-pub fn write(
-    path: &Path,
-    model: &Model,
-    outcome: &Outcome,
-    signals: &Recording,
-    summary_text: &str,
-) -> Result<(), RecordingError> {
-    let scene = scene(model, outcome, signals, summary_text)?;
-    Ok(droptower_viz::write(path, &scene)?)
+/// Writes the recording of a run to `path`.
+///
+/// # Errors
+/// The file cannot be written, or the mesh of the impactor cannot be read.
+pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
+    Ok(droptower_viz::write(path, &scene(run)?)?)
 }
 
-fn scene(model: &Model, outcome: &Outcome, signals: &Recording, summary_text: &str) -> Result<Scene, MeshError> {
-    let highest = film::highest_strain(outcome);
-    let faces = 0..outcome.films.len();
+fn scene(run: &RunPage) -> Result<Scene, MeshError> {
+    let RunPage { model, outcome, results, .. } = run;
+    let signals = signals::of(&results.signals, &outcome.energies, results.comparison.as_ref());
     let impactor = model.impactor.as_ref();
     Ok(Scene {
         name: model.name.clone(),
-        documents: vec![Document {
-            path: "texts/summary".to_owned(),
-            title: "Summary".to_owned(),
-            text: format!("{summary_text}\n\nColour: the larger fibre strain, 0 (dark) to {highest:.3} (bright).\n"),
-        }],
-        films: faces.map(|face| film::track(outcome, face, highest)).collect(),
+        duration: model.run_time(),
+        documents: documents(run),
+        quantities: film::quantities(outcome),
+        films: (0..outcome.films.len()).map(|face| film::track(outcome, face)).collect(),
         body: impactor.map(|impactor| body::track(impactor, outcome)).transpose()?,
-        signals: tracks("signals", signals).chain(tracks("energies", &outcome.energies)).collect(),
-        charts: charts(signals, &outcome.energies),
-        diagrams: vec![],
-        events: events::of(outcome, signals),
+        signals: signals.tracks,
+        charts: signals.charts,
+        more_charts: signals.more_charts,
+        diagrams: diagram::diagrams("plots", &results.findings.plots).collect(),
+        events: events::of(run),
     })
 }
 
-fn tracks<'a>(folder: &'a str, recording: &'a Recording) -> impl Iterator<Item = SignalTrack> + 'a {
-    recording.channels.iter().enumerate().map(move |(index, channel)| SignalTrack {
-        path: format!("{folder}/{}", channel.name),
-        label: channel.name.clone(),
-        places: Places::Times(recording.time.clone()),
-        values: channel.values.iter().map(|value| *value as f32).collect(),
-        stroke: Stroke::nth(index),
-    })
-}
-
-fn charts(signals: &Recording, energies: &Recording) -> Vec<Chart> {
-    let shown = |channels: &[&str]| -> Vec<String> {
-        let present = channels.iter().filter(|name| signals.channel(name).is_some());
-        present.map(|name| format!("signals/{name}")).collect()
-    };
-    let mut charts: Vec<Chart> = PLOTS
-        .iter()
-        .map(|(title, channels)| Chart { title: (*title).to_owned(), signals: shown(channels) })
-        .filter(|chart| !chart.signals.is_empty())
-        .collect();
-    if !energies.channels.is_empty() {
-        charts.push(Chart {
-            title: "Energies, J".to_owned(),
-            signals: tracks("energies", energies).map(|track| track.path).collect(),
-        });
-    }
-    charts
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::signal::Channel;
-
-    fn recording(names: &[&str]) -> Recording {
-        let channel = |name: &&str| Channel { name: (*name).to_owned(), values: vec![0.0, 1.0] };
-        Recording { time: vec![0.0, 0.1], channels: names.iter().map(channel).collect() }
-    }
-
-    #[test]
-    fn diagrams_show_the_channels_that_a_run_has() {
-        let signals = recording(&["displacement_m", "force_N", "velocity_m_s"]);
-        let charts = charts(&signals, &recording(&["hourglass"]));
-        let shown = charts.iter().map(|p| (p.title.as_str(), p.signals.join(" ")));
-        let expected = [
-            ("Displacement, m", "signals/displacement_m"),
-            ("Force, N", "signals/force_N"),
-            ("Energies, J", "energies/hourglass"),
-        ];
-        let expected = expected.map(|(title, paths)| (title, paths.to_owned()));
-        assert_eq!(shown.collect::<Vec<_>>(), expected);
-    }
+/// Summary, what the post script left in tables, and the scenario.
+fn documents(run: &RunPage) -> Vec<Document> {
+    let RunPage { model, results, .. } = run;
+    let warnings: String =
+        results.measures.warnings().iter().map(|line| format!("- {}\n", text::escaped(line))).collect();
+    let figures = figure::markdown(&results.summary(model));
+    let summary =
+        format!("# {}\n\n{}\n\n{warnings}\n{figures}", text::escaped(&model.title), text::escaped(&subject(model)));
+    let summary = Text { title: "Summary".to_owned(), markdown: summary };
+    let scenario = Text::verbatim("Scenario", run.scenario);
+    let texts = std::iter::once(summary).chain(Text::tables(&results.findings)).chain([scenario]);
+    texts.map(|text| text.document()).collect()
 }

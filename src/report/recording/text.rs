@@ -37,6 +37,7 @@ impl Text {
     }
 }
 
+/// Rows under the names of all their columns, under a heading.
 pub(super) fn table(name: &str, rows: &[Row]) -> String {
     let columns = columns(rows);
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
@@ -48,7 +49,7 @@ pub(super) fn table(name: &str, rows: &[Row]) -> String {
 }
 
 /// Text that means itself within a table.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
         match c {

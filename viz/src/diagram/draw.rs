@@ -7,6 +7,7 @@ use re_sdk_types::components::{Color, Radius};
 
 use super::ticks::Scale;
 use super::{Curve, Diagram, Look, WIDTH};
+use crate::colour::GREY;
 use crate::series::Moment;
 use crate::stroke::Stroke;
 
@@ -20,8 +21,6 @@ const LEFT: [f64; 2] = [0.06, 0.05];
 
 /// Distance of the legend from the box, and of its lines from each other.
 const LEGEND: [f64; 2] = [0.06, 0.075];
-
-const FRAME: [u8; 3] = [128, 128, 132];
 
 /// A point of the viewer's plane: across, down.
 type Point = [f32; 2];
@@ -74,7 +73,7 @@ impl Page {
         let below = self.x.ticks().into_iter().map(|(x, _)| vec![place(x, 0.0), place(x, -TICK)]);
         let left = self.y.ticks().into_iter().map(|(y, _)| vec![place(0.0, y), place(-TICK / WIDTH, y)]);
         let strips: Vec<_> = std::iter::once(outline).chain(below).chain(left).collect();
-        LineStrips2D::new(strips).with_colors([FRAME]).with_radii([Radius::new_ui_points(0.5)])
+        LineStrips2D::new(strips).with_colors([GREY]).with_radii([Radius::new_ui_points(0.5)])
     }
 
     /// Numbers at the ticks and the words of both axes.
@@ -83,7 +82,7 @@ impl Page {
         let left = self.y.ticks().into_iter().map(|(y, words)| (place(-LEFT[0] / WIDTH, y), words));
         let across = (place(0.5, -BELOW[1]), diagram.axes[0].words.clone());
         let up = (place(0.0, 1.0 + LEFT[1]), diagram.axes[1].words.clone());
-        texts(below.chain(left).chain([across, up]), [FRAME])
+        texts(below.chain(left).chain([across, up]), [GREY])
     }
 
     /// A stretch of the axis across, shaded by its outline.
@@ -92,7 +91,7 @@ impl Page {
         let [from, to] = [shares.first(), shares.last()].map(|share| share.copied().unwrap_or(0.0));
         let centre = place(0.5 * (from + to), 0.5);
         Boxes2D::from_centers_and_half_sizes([centre], [[(0.5 * (to - from) * WIDTH) as f32, 0.5]])
-            .with_colors([Color::from_unmultiplied_rgba(FRAME[0], FRAME[1], FRAME[2], 120)])
+            .with_colors([Color::from_unmultiplied_rgba(GREY[0], GREY[1], GREY[2], 120)])
             .with_radii([Radius::new_ui_points(0.5)])
     }
 

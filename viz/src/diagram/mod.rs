@@ -6,12 +6,16 @@ mod draw;
 mod ticks;
 
 pub(crate) use draw::log;
+pub(crate) use ticks::Scale;
 
 use crate::VizError;
 use crate::series::Moment;
 
 /// Width of the box that curves are drawn in over its height.
 pub(crate) const WIDTH: f64 = 1.6;
+
+/// What of the plane is to be seen, across and down: the box with its labels and legend.
+pub(crate) const BOUNDS: [[f64; 2]; 2] = [[-0.2, WIDTH + 0.5], [-0.12, 1.2]];
 
 /// A picture of curves.
 #[derive(Clone, Debug)]

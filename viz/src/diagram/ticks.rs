@@ -5,7 +5,7 @@ const SPACES: f64 = 5.0;
 
 /// An axis with its ends and ticks, all as numbers on the page: logarithms where it is by decades.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Scale {
+pub(crate) struct Scale {
     logarithmic: bool,
     low: f64,
     high: f64,
@@ -13,7 +13,7 @@ pub(super) struct Scale {
 
 impl Scale {
     /// An axis that has room for all of `values`.
-    pub(super) fn over(values: impl Iterator<Item = f64>, logarithmic: bool) -> Scale {
+    pub(crate) fn over(values: impl Iterator<Item = f64>, logarithmic: bool) -> Scale {
         let placed = values.filter_map(|value| laid(value, logarithmic));
         let (low, high) = placed.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         let (low, high) = match high - low {
@@ -25,19 +25,19 @@ impl Scale {
     }
 
     /// The same with the ends moved out to the next ticks.
-    pub(super) fn rounded(self) -> Scale {
+    pub(crate) fn rounded(self) -> Scale {
         let step = step(self.high - self.low);
         let out = |value: f64| (value / step - 1e-9).ceil() * step;
         Scale { low: -out(-self.low), high: out(self.high), ..self }
     }
 
     /// Share of the axis at which a value stands; none where it has no place.
-    pub(super) fn share(&self, value: f64) -> Option<f64> {
+    pub(crate) fn share(&self, value: f64) -> Option<f64> {
         laid(value, self.logarithmic).map(|value| (value - self.low) / (self.high - self.low))
     }
 
     /// Share of the axis and words of every tick.
-    pub(super) fn ticks(&self) -> Vec<(f64, String)> {
+    pub(crate) fn ticks(&self) -> Vec<(f64, String)> {
         let span = self.high - self.low;
         let step = if self.logarithmic { step(span).max(1.0) } else { step(span) };
         let [first, last] = [(self.low / step - 1e-9).ceil(), (self.high / step + 1e-9).floor()].map(|k| k as i64);

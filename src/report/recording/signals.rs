@@ -1,0 +1,216 @@
+//! Signals over time as the recording shows them: in the units that people read, simulated over measured.
+
+use droptower_viz::{Chart, Places, SignalTrack, Stroke};
+
+use crate::post::Comparison;
+use crate::signal::{Recording, Series, says_virtual};
+
+/// Channels in one picture.
+struct Picture {
+    title: &'static str,
+    channels: &'static [Shown],
+    /// The recording that the first channel is compared with.
+    reference: Option<(Shown, fn(&Comparison) -> Option<&Series>)>,
+}
+
+/// A channel as it is shown.
+struct Shown {
+    /// Its name in `signals.csv`.
+    channel: &'static str,
+    /// Its name below the entity `signals`, with the unit that it is shown in.
+    entity: &'static str,
+    label: &'static str,
+    /// From SI to the unit.
+    factor: f64,
+}
+
+/// What lies behind its own filtered channel.
+const RAW: &str = "simulated, raw";
+
+const fn shown(channel: &'static str, label: &'static str) -> Shown {
+    Shown { channel, entity: channel, label, factor: 1.0 }
+}
+
+const fn in_mm(channel: &'static str, entity: &'static str) -> Shown {
+    Shown { channel, entity, label: "simulated", factor: 1e3 }
+}
+
+const fn in_units(channel: &'static str, entity: &'static str, factor: f64) -> Shown {
+    Shown { channel, entity, label: "simulated", factor }
+}
+
+/// Pictures beside the film, of which a run shows those it has channels for.
+const FIRST: [Picture; 7] = [
+    Picture {
+        title: "Acceleration, m/s²",
+        channels: &[shown("acceleration_filtered_m_s2", "simulated, filtered"), shown("acceleration_m_s2", RAW)],
+        reference: Some((shown("acceleration_filtered_m_s2", ""), |c| c.acceleration.as_ref())),
+    },
+    Picture {
+        title: "Displacement, mm",
+        channels: &[
+            in_mm("displacement_m", "displacement_mm"),
+            in_mm("depth_m", "depth_mm"),
+            in_mm("deflection_m", "deflection_mm"),
+        ],
+        reference: Some((in_mm("displacement_m", "displacement_mm"), |c| c.displacement.as_ref())),
+    },
+    Picture {
+        title: "Energy of the impactor, J",
+        channels: &[
+            shown("kinetic_energy_J", "kinetic"),
+            shown("potential_energy_J", "potential"),
+            shown("absorbed_energy_J", "absorbed by the film"),
+            shown("total_energy_J", "total"),
+        ],
+        reference: None,
+    },
+    Picture { title: "Force, N", channels: &[shown("force_N", "simulated")], reference: None },
+    Picture { title: "Stress, MPa", channels: &[in_units("stress_Pa", "stress_MPa", 1e-6)], reference: None },
+    Picture { title: "Strain, %", channels: &[in_units("strain", "strain_percent", 100.0)], reference: None },
+    Picture { title: "Pressure, kPa", channels: &[in_units("pressure_Pa", "pressure_kPa", 1e-3)], reference: None },
+];
+
+/// Pictures behind each other.
+const MORE: [Picture; 4] = [
+    Picture { title: "Contact force, N", channels: &[shown("contact_force_N", "simulated")], reference: None },
+    Picture { title: "Velocity, m/s", channels: &[shown("velocity_m_s", "simulated")], reference: None },
+    Picture {
+        title: "Largest strain, %",
+        channels: &[
+            Shown { channel: "max_strain_md", entity: "max_strain_md_percent", label: "MD", factor: 100.0 },
+            Shown { channel: "max_strain_td", entity: "max_strain_td_percent", label: "TD", factor: 100.0 },
+        ],
+        reference: None,
+    },
+    Picture {
+        title: "Pull on the frame, N",
+        channels: &[shown("frame_force_x_N", "along x"), shown("frame_force_y_N", "along y")],
+        reference: None,
+    },
+];
+
+/// Pictures and their signals.
+#[derive(Default)]
+pub struct Signals {
+    pub tracks: Vec<SignalTrack>,
+    pub charts: Vec<Chart>,
+    pub more_charts: Vec<Chart>,
+}
+
+/// All signals of a run that has come to `signals` and `energies`, measured ones beneath simulated ones.
+pub fn of(signals: &Recording, energies: &Recording, comparison: Option<&Comparison>) -> Signals {
+    let mut tracks = vec![];
+    let mut charts = |pictures: &[Picture]| -> Vec<Chart> {
+        pictures.iter().filter_map(|picture| picture.chart(signals, comparison, &mut tracks)).collect()
+    };
+    let (charts, mut more_charts) = (charts(&FIRST), charts(&MORE));
+    more_charts.extend(audit(energies, &mut tracks));
+    Signals { tracks, charts, more_charts }
+}
+
+impl Picture {
+    /// The picture of the channels that there are, none where there are none.
+    fn chart(&self, signals: &Recording, comparison: Option<&Comparison>, all: &mut Vec<SignalTrack>) -> Option<Chart> {
+        let own = self.channels.iter().filter_map(|shown| Some((shown, signals.channel(shown.channel)?)));
+        let own = own.enumerate().map(|(index, (shown, values))| {
+            let stroke = if shown.label == RAW { Stroke::target().faint() } else { Stroke::nth(index) };
+            track(format!("signals/{}", shown.entity), shown, [&signals.time, values], stroke)
+        });
+        let own: Vec<SignalTrack> = own.collect();
+        let last = signals.time.last().copied().unwrap_or(f64::INFINITY);
+        let reference = comparison.zip(self.reference.as_ref()).filter(|_| !own.is_empty());
+        let reference = reference.and_then(|(comparison, (shown, series))| {
+            let series = series(comparison)?.window([0.0, last]);
+            let label = if says_virtual(&comparison.said) { "measured (virtual)" } else { "measured" };
+            let shown = Shown { label, ..*shown };
+            let path = format!("measured/{}", shown.entity);
+            Some(track(path, &shown, [series.time(), series.values()], Stroke::target()))
+        });
+        let tracks: Vec<SignalTrack> = reference.into_iter().chain(own).collect();
+        chart(self.title, tracks, all)
+    }
+}
+
+/// Every term of the energy audit that is not zero throughout.
+fn audit(energies: &Recording, all: &mut Vec<SignalTrack>) -> Option<Chart> {
+    let is_there = |values: &[f64]| values.is_empty() || values.iter().any(|value| *value != 0.0);
+    let terms = energies.channels.iter().filter(|channel| is_there(&channel.values));
+    let tracks = terms.enumerate().map(|(index, channel)| {
+        let words = channel.name.trim_end_matches("_J").replace('_', " ");
+        let places = Places::Times(energies.time.clone());
+        let values = channel.values.iter().map(|value| *value as f32).collect();
+        SignalTrack {
+            path: format!("energies/{}", channel.name),
+            label: words,
+            places,
+            values,
+            stroke: Stroke::nth(index),
+        }
+    });
+    chart("Energy audit, J", tracks.collect(), all)
+}
+
+fn track(path: String, shown: &Shown, [time, values]: [&[f64]; 2], stroke: Stroke) -> SignalTrack {
+    SignalTrack {
+        path,
+        label: shown.label.to_owned(),
+        places: Places::Times(time.to_vec()),
+        values: values.iter().map(|value| (value * shown.factor) as f32).collect(),
+        stroke,
+    }
+}
+
+fn chart(title: &str, tracks: Vec<SignalTrack>, all: &mut Vec<SignalTrack>) -> Option<Chart> {
+    let signals: Vec<String> = tracks.iter().map(|track| track.path.clone()).collect();
+    all.extend(tracks);
+    (!signals.is_empty()).then(|| Chart { title: title.to_owned(), signals })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal::Channel;
+
+    fn recording(names: &[&str]) -> Recording {
+        let channel = |name: &&str| Channel { name: (*name).to_owned(), values: vec![0.0, 0.5] };
+        Recording { time: vec![0.0, 0.1], channels: names.iter().map(channel).collect() }
+    }
+
+    #[test]
+    fn charts_show_the_channels_that_a_run_has_in_their_units() {
+        let signals = recording(&["displacement_m", "force_N", "velocity_m_s"]);
+        let Signals { tracks, charts, more_charts } = of(&signals, &recording(&["hourglass_J"]), None);
+        let shown = charts.iter().chain(&more_charts).map(|c| (c.title.as_str(), c.signals.join(" ")));
+        let expected = [
+            ("Displacement, mm", "signals/displacement_mm"),
+            ("Force, N", "signals/force_N"),
+            ("Velocity, m/s", "signals/velocity_m_s"),
+            ("Energy audit, J", "energies/hourglass_J"),
+        ];
+        let expected = expected.map(|(title, paths)| (title, paths.to_owned()));
+        assert_eq!(shown.collect::<Vec<_>>(), expected);
+        assert_eq!(tracks[0].values, [0.0, 500.0]);
+    }
+
+    #[test]
+    fn a_measurement_lies_beneath_what_was_simulated_and_says_if_it_is_virtual() {
+        let series = Series::new(vec![-0.1, 0.0, 0.1, 0.2], vec![1.0, -0.1, -0.2, -0.3]);
+        let comparison = Comparison {
+            acceleration: None,
+            displacement: Some(series),
+            window: [0.0, 0.1],
+            absorbed_energy: None,
+            total_energy: None,
+            energy_absorption: None,
+            said: vec!["VIRTUAL drop test".to_owned()],
+            reduced: vec![],
+        };
+        let Signals { tracks, charts, .. } = of(&recording(&["displacement_m"]), &recording(&[]), Some(&comparison));
+        assert_eq!(charts[0].signals, ["measured/displacement_mm", "signals/displacement_mm"]);
+        assert_eq!(
+            (tracks[0].label.as_str(), tracks[0].values.as_slice()),
+            ("measured (virtual)", &[-100.0, -200.0][..])
+        );
+    }
+}
