@@ -241,6 +241,7 @@
           },
           hooks: {
             drawClear: [(plot) => this.mark(plot)],
+            drawAxes: [(plot) => this.name(plot)],
             setCursor: [() => this.read()],
             setSelect: [(plot) => this.selected(plot)],
           },
@@ -303,23 +304,41 @@
       return { stroke: fill };
     }
 
-    /** The marked stretch of the x axis with its words. */
-    mark(plot) {
-      if (!this.marked) return;
-      const { ctx, bbox } = plot;
+    /** Ends of the marked stretch on the canvas, if any of it is seen. */
+    stretch({ bbox, valToPos }) {
+      if (!this.marked) return null;
       const inside = (place) => Math.min(Math.max(place, bbox.left), bbox.left + bbox.width);
-      const [from, to] = this.marked.range.map((place) => inside(plot.valToPos(place, "x", true)));
-      if (!(to > from)) return;
+      const [from, to] = this.marked.range.map((place) => inside(valToPos(place, "x", true)));
+      return to > from ? [from, to] : null;
+    }
+
+    /** Shades the marked stretch of the x axis. */
+    mark(plot) {
+      const stretch = this.stretch(plot);
+      if (!stretch) return;
+      plot.ctx.fillStyle = getComputedStyle(this.at).outlineColor;
+      plot.ctx.fillRect(stretch[0], plot.bbox.top, stretch[1] - stretch[0], plot.bbox.height);
+    }
+
+    /** Says what is marked, over the grid and below the curves. */
+    name(plot) {
+      const stretch = this.stretch(plot);
+      if (!stretch) return;
+      const { ctx, bbox } = plot;
       const ratio = uPlot.pxRatio;
-      const style = getComputedStyle(this.at);
+      const { color, outlineColor } = getComputedStyle(this.at);
       ctx.save();
-      ctx.fillStyle = style.outlineColor;
-      ctx.fillRect(from, bbox.top, to - from, bbox.height);
-      ctx.fillStyle = style.color;
       ctx.font = `${11 * ratio}px system-ui, sans-serif`;
       ctx.textBaseline = "top";
-      const room = to - from - 12 * ratio;
-      if (ctx.measureText(this.marked.words).width < room) ctx.fillText(this.marked.words, from + 6 * ratio, bbox.top + 4 * ratio);
+      ctx.textAlign = "left";
+      const width = ctx.measureText(this.marked.words).width;
+      const [left, top] = [stretch[0] + 6 * ratio, bbox.top + 4 * ratio];
+      if (width < stretch[1] - stretch[0] - 12 * ratio) {
+        ctx.fillStyle = outlineColor;
+        ctx.fillRect(left - 2 * ratio, top - ratio, width + 4 * ratio, 13 * ratio);
+        ctx.fillStyle = color;
+        ctx.fillText(this.marked.words, left, top);
+      }
       ctx.restore();
     }
 
