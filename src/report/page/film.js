@@ -3,8 +3,10 @@
 (() => {
   "use strict";
 
+  const { make } = page;
   const WORDS = "time (ms)";
   const BROKEN = 255;
+  const EDGES = 2500; // patches from which their edges are no longer drawn
   const AROUND = 36; // facets around a body of revolution
   const PLAYED = 5000; // ms that the whole film takes
   const LIGHT = [0.35, -0.5, 0.79];
@@ -14,15 +16,7 @@
     "from the side": [0, 0.03],
     "from below": [-0.6, -0.5],
   };
-  const VIRIDIS = [
-    [68, 1, 84], [71, 45, 123], [59, 82, 139], [44, 114, 142], [33, 145, 140], [40, 174, 128], [94, 201, 98], [173, 220, 48], [253, 231, 37],
-  ];
-  const COLOURS = Array.from({ length: 256 }, (_, at) => {
-    const place = (at / 255) * (VIRIDIS.length - 1);
-    const below = Math.min(Math.floor(place), VIRIDIS.length - 2);
-    return VIRIDIS[below].map((part, channel) => part + (place - below) * (VIRIDIS[below + 1][channel] - part));
-  });
-  const SHADES = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
+  const COLOURS = Array.from({ length: 256 }, (_, at) => page.viridis(at / 255));
 
   /** What a patch is coloured by: the strain from its parts, the range, and how a number of it is written. */
   const QUANTITIES = {
@@ -30,12 +24,6 @@
     md: { words: "strain along MD", of: (md) => md, range: "fibre" },
     td: { words: "strain along TD", of: (_, td) => td, range: "fibre" },
     shear: { words: "shear angle", of: (_md, _td, shear) => shear, range: "shear" },
-  };
-
-  const make = (tag, properties = {}, ...children) => {
-    const element = Object.assign(document.createElement(tag), properties);
-    element.append(...children);
-    return element;
   };
 
   const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -181,7 +169,7 @@
           })]
         : [];
       const bar = make("div", { className: "scale" });
-      bar.style.background = `linear-gradient(to right, ${SHADES.join()})`;
+      bar.style.background = `linear-gradient(to right, ${COLOURS.filter((_, at) => at % 17 === 0).map(page.rgb).join()})`;
       this.numbers = [0, 1, 2].map(() => make("span"));
       const key = make("div", { className: "key" }, bar, make("div", { className: "ends" }, ...this.numbers));
       this.element.prepend(
@@ -383,7 +371,7 @@
       const [low, high] = this.ranges[range];
       const parts = ["fibre", "fibre", "shear"].map((name) => this.ranges[name]);
       const strain = (state, at, part) => parts[part][0] + (state.strains[at + part] / (BROKEN - 1)) * (parts[part][1] - parts[part][0]);
-      const edges = this.faces.reduce((sum, face) => sum + face.patches.length, 0) < 4 * 8000;
+      const edges = this.faces.reduce((sum, face) => sum + face.patches.length / 4, 0) < EDGES;
       let [node, element] = [0, 0];
       for (const { groups, patches: corners, mirrored } of this.faces) {
         const colours = [];
@@ -425,10 +413,10 @@
         const length = Math.hypot(nx, ny, nz) || 1;
         const [near, lit] = facing(nx / length, ny / length, nz / length);
         const shade = 0.62 + 0.38 * Math.max(0, near < 0 ? -lit : lit);
-        const fill = `rgb(${colour.map((part) => Math.round(part * shade)).join()})`;
+        const fill = page.rgb(colour.map((part) => part * shade));
         const places = [p, q, r].concat(s === r ? [] : [s]).flatMap((corner) => [seen[3 * corner], seen[3 * corner + 1]]);
         const depth = (seen[3 * p + 2] + seen[3 * q + 2] + seen[3 * r + 2] + seen[3 * s + 2]) / 4;
-        patches.push({ places, fill, edge: edges ? `rgb(${colour.map((part) => Math.round(part * shade * 0.78)).join()})` : fill, depth, alpha: 1 });
+        patches.push({ places, fill, edge: edges ? page.rgb(colour.map((part) => part * shade * 0.78)) : fill, depth, alpha: 1 });
       }
     }
 
@@ -448,10 +436,10 @@
         if (!length) continue;
         const [near, lit] = facing(...normal.map((c) => (s === r ? -c : c) / length));
         if (near <= 0 || (!this.whole && [p, q, r, s].every((corner) => places[corner][1] < -1e-9))) continue;
-        const shade = Math.round(95 + 120 * Math.max(0, lit));
+        const shade = 95 + 120 * Math.max(0, lit);
         const corners = [p, q, r, s].flatMap((corner) => [seen[corner][0], seen[corner][1]]);
         const depth = (seen[p][2] + seen[q][2] + seen[r][2] + seen[s][2]) / 4;
-        patches.push({ places: corners, fill: `rgb(${shade},${shade},${shade + 8})`, edge: null, depth, alpha: 0.42 });
+        patches.push({ places: corners, fill: page.rgb([shade, shade, shade + 8]), edge: null, depth, alpha: 0.42 });
       }
     }
 

@@ -4,18 +4,11 @@
 (() => {
   "use strict";
 
+  const { make } = page;
   const DASH = [7, 5];
   const STEPS = 100; // key presses across a plot
   const TOLD = 6; // curves in one reading aloud
-  const VIRIDIS = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
-  const COLOURS = 8;
-  const figures = [];
-
-  const make = (tag, properties = {}, ...children) => {
-    const element = Object.assign(document.createElement(tag), properties);
-    element.append(...children);
-    return element;
-  };
+  const COLOURS = 8; // --c0 to --c7 of the style
 
   /** Four significant digits, as few letters as that takes. */
   const short = (value) => {
@@ -46,17 +39,6 @@
     return [Math.floor(low / digit(low) + 1e-9) * digit(low), Math.ceil(high / digit(high) - 1e-9) * digit(high)];
   };
 
-  const mixed = (from, to, share) => {
-    const part = (colour, at) => parseInt(colour.slice(at, at + 2), 16);
-    return `rgb(${[1, 3, 5].map((at) => Math.round(part(from, at) * (1 - share) + part(to, at) * share)).join()})`;
-  };
-
-  const viridis = (share) => {
-    const place = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
-    const below = Math.min(Math.floor(place), VIRIDIS.length - 2);
-    return mixed(VIRIDIS[below], VIRIDIS[below + 1], place - below);
-  };
-
   /** CSS colours of all curves: lines in turn, a single dashed one in ink, several like the lines that they belong to. */
   const colours = (curves) => {
     const dashed = curves.filter((curve) => curve.look === "dashed").length;
@@ -67,7 +49,7 @@
       const place = turn[kind]++;
       if (kind === "dashed" && (dashed === 1 || lines === 0)) return "var(--ink)";
       // Many lines are a sequence.
-      if (lines > COLOURS) return viridis(0.1 + (0.8 * place) / (lines - 1));
+      if (lines > COLOURS) return page.rgb(page.viridis(0.1 + (0.8 * place) / (lines - 1)));
       return `var(--c${place % COLOURS})`;
     });
   };
@@ -492,6 +474,5 @@
     }
   }
 
-  for (const element of document.querySelectorAll("figure.plot")) figures.push(new Figure(element));
-  document.documentElement.dataset.plots = figures.length;
+  for (const element of document.querySelectorAll("figure.plot")) new Figure(element);
 })();
