@@ -7,6 +7,7 @@ mod coupons;
 mod diagnostics;
 mod language;
 mod golden;
+mod guide;
 mod identification;
 mod mesh;
 mod paper_study;
