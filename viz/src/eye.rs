@@ -6,7 +6,7 @@ use crate::scene::{BodyShape, FilmTrack, Scene};
 const DIRECTION: [f32; 3] = [0.55, -0.78, 0.30];
 
 /// Distance of the eye over the size of what it looks at: the viewer's field of view is 55°.
-const DISTANCE: f32 = 1.15;
+const DISTANCE: f32 = 0.95;
 
 /// Where the eye is and what it looks at, m.
 pub(crate) struct Eye {

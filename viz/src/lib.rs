@@ -7,6 +7,7 @@ mod diagram;
 mod eye;
 mod film;
 mod layout;
+mod live;
 mod normals;
 mod quantity;
 mod scene;
@@ -22,6 +23,7 @@ use re_sdk::sink::SinkFlushError;
 use thiserror::Error;
 
 pub use diagram::{Axis, Curve, Diagram, Look, State};
+pub use live::{Address, AddressError};
 pub use quantity::Quantity;
 pub use scene::{BodyShape, BodyTrack, Document, Event, FilmFrame, FilmTrack, Pose, Scene, Severity};
 pub use series::{Chart, ITERATION, Moment, Places, SignalTrack, TIME};

@@ -5,18 +5,21 @@ use nalgebra::{Point3, Vector3};
 
 use crate::mesh::{self, MeshError};
 use crate::model::{Impactor, ImpactorShape};
-use crate::simulate::Outcome;
+use crate::simulate::Frame;
 
 /// Points on a quarter circle of a drawn hemisphere.
 const ARC: u32 = 12;
 
-/// The impactor in all kept states.
-pub fn track(impactor: &Impactor, outcome: &Outcome) -> Result<BodyTrack, MeshError> {
-    let poses = outcome.frames.iter().filter_map(|frame| {
-        let (position, rotation) = frame.impactor?;
-        Some(Pose { time: frame.time, position: position.map(|c| c as f32), rotation: rotation.map(|c| c as f32) })
-    });
-    Ok(BodyTrack { name: "impactor".to_owned(), shape: body_shape(&impactor.shape)?, poses: poses.collect() })
+/// The impactor in the states `frames`.
+pub fn track(impactor: &Impactor, frames: &[Frame]) -> Result<BodyTrack, MeshError> {
+    let poses = frames.iter().filter_map(pose).collect();
+    Ok(BodyTrack { name: "impactor".to_owned(), shape: body_shape(&impactor.shape)?, poses })
+}
+
+/// Where the impactor is in a state.
+pub fn pose(frame: &Frame) -> Option<Pose> {
+    let (position, rotation) = frame.impactor?;
+    Some(Pose { time: frame.time, position: position.map(|c| c as f32), rotation: rotation.map(|c| c as f32) })
 }
 
 /// The shape about its centre of mass, as the run moves it.
