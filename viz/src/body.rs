@@ -9,7 +9,7 @@ use crate::scene::{BodyShape, BodyTrack, Pose};
 use crate::series::Moment;
 
 /// Steel that lets the film behind it show through.
-const STEEL: [u8; 4] = [170, 178, 190, 120];
+const STEEL: [u8; 4] = [170, 178, 190, 100];
 
 /// Sides of a revolved surface.
 const SIDES: u32 = 64;

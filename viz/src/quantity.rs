@@ -41,7 +41,7 @@ impl Quantity {
         let strips = (0..BANDS).map(|band| [[0.0, 1.0 - middle(band)], [WIDTH, 1.0 - middle(band)]]);
         let bar = LineStrips2D::new(strips)
             .with_colors(colour::of(&values, self.range))
-            .with_radii([Radius::new_scene_units(0.6 / BANDS as f32)]);
+            .with_radii([Radius::new_scene_units(0.8 / BANDS as f32)]);
         stream.log_static(format!("{entity}/bar"), &bar)?;
         let scale = Scale::over(self.range.iter().map(|end| f64::from(*end)), false);
         let numbers = scale.ticks().into_iter().map(|(share, words)| ([2.6 * WIDTH, 1.0 - share as f32], words));

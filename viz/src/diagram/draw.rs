@@ -208,7 +208,7 @@ mod tests {
             let legs = dash.windows(2).map(|p| f64::from((p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])));
             legs.sum::<f64>()
         };
-        let corner = dashes(&[[0.0, 0.0], [0.115, 0.0], [0.115, 0.135]]);
+        let corner = dashes(&[[0.0, 0.0], [0.115, 0.0], [0.115, 0.125]]);
         assert_eq!(corner.len(), 5);
         for dash in &corner {
             assert!((length(dash) - DASH[0]).abs() < 1e-6, "{dash:?}");
