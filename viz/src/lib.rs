@@ -9,6 +9,7 @@ mod film;
 mod layout;
 mod live;
 mod normals;
+pub mod playback;
 mod quantity;
 mod scene;
 mod series;
@@ -22,7 +23,7 @@ use re_sdk::RecordingStreamError;
 use re_sdk::sink::SinkFlushError;
 use thiserror::Error;
 
-pub use diagram::{Axis, Curve, Diagram, Look, State};
+pub use diagram::{Axis, Curve, Diagram, Look, State, Window};
 pub use live::{Address, AddressError};
 pub use quantity::Quantity;
 pub use scene::{BodyShape, BodyTrack, Document, Event, FilmFrame, FilmTrack, Pose, Scene, Severity};
