@@ -57,6 +57,16 @@ pub struct Window {
     pub range: [f64; 2],
 }
 
+/// How parameters hang together: a square, symmetric table of correlations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correlation {
+    pub title: String,
+    /// Of rows and columns.
+    pub names: Vec<String>,
+    /// Rows of numbers from −1 to 1.
+    pub rows: Vec<Vec<f64>>,
+}
+
 impl Axis {
     /// A linear axis.
     pub fn linear(words: impl Into<String>) -> Axis {
@@ -80,5 +90,47 @@ impl Curve {
     /// The same, dashed.
     pub fn dashed(self) -> Curve {
         Curve { look: Look::Dashed, ..self }
+    }
+    /// At most about `most` points: of every stretch the lowest and the highest, in their order.
+    pub fn thinned(self, most: usize) -> Curve {
+        if self.points.len() <= most {
+            return self;
+        }
+        let stretch = self.points.len().div_ceil((most / 2).max(1));
+        let points = self.points.chunks(stretch).flat_map(extremes).collect();
+        Curve { points, ..self }
+    }
+}
+
+/// The lowest and the highest point, and one that interrupts the curve where there is such a one.
+fn extremes(stretch: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let finite = || (0..stretch.len()).filter(|place| stretch[*place].iter().all(|value| value.is_finite()));
+    let by_height = |a: &usize, b: &usize| stretch[*a][1].total_cmp(&stretch[*b][1]);
+    let gap = stretch.iter().position(|point| !point.iter().all(|value| value.is_finite()));
+    let mut places: Vec<usize> =
+        [finite().min_by(by_height), finite().max_by(by_height), gap].into_iter().flatten().collect();
+    places.sort_unstable();
+    places.dedup();
+    places.into_iter().map(|place| stretch[place]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_extremes_their_order_and_gaps() {
+        // A loop: x goes forth and back.
+        let angle = |i: usize| i as f64 * 1e-3 * std::f64::consts::TAU;
+        let mut points: Vec<[f64; 2]> = (0..1000).map(|i| [angle(i).cos(), angle(i).sin()]).collect();
+        points[321][1] = 7.0;
+        points[654][1] = -7.0;
+        points[800][1] = f64::NAN;
+        let thin = Curve::line("loop", points.clone()).thinned(100);
+        assert!(thin.points.len() <= 101 && thin.points.contains(&points[321]) && thin.points.contains(&points[654]));
+        assert_eq!(thin.points.iter().filter(|point| point[1].is_nan()).count(), 1);
+        let mut rest = points.iter();
+        let is_next = |point: &[f64; 2]| rest.any(|other| other[0] == point[0]);
+        assert!(thin.points.iter().all(is_next));
     }
 }

@@ -11,6 +11,7 @@ use super::faults::storing;
 use super::scenarios::Checked;
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
 use crate::model::{ImpactorShape, Model, Shape};
+use crate::scenario;
 use crate::simulate::{Checkpoint, Saved};
 use crate::store::shelf::{self, Shelf};
 use crate::units::Time;
@@ -19,7 +20,7 @@ use crate::units::Time;
 /// `simulate::Checkpoint` or anything in them (the engine's `State`, the probe's `Record`) gains, loses or moves a field or
 /// gives it another type or meaning: the file holds bare numbers, which another layout would misread, and builds of one
 /// version may differ.
-const MAGIC: &[u8; 24] = b"droptower checkpoint 03\n";
+const MAGIC: &[u8; 24] = b"droptower checkpoint 04\n";
 
 /// What is wrong with a checkpoint of another layout.
 const LAID_OUT: &str = "no checkpoint of this build of droptower";
@@ -45,6 +46,8 @@ pub struct Wish {
     pub resume: bool,
     /// Whether a run that has none to go on from starts from its beginning.
     pub or_start: bool,
+    /// Whether kept states have their detail.
+    pub detailed: bool,
 }
 
 /// The checkpoints of one run.
@@ -64,6 +67,8 @@ struct Stamp {
     version: String,
     /// Simulated time between two checkpoints, s; none where no more were asked for.
     every: Option<f64>,
+    /// Whether kept states have their detail.
+    detailed: bool,
     /// The scenario as resolved, for messages.
     scenario: String,
     /// Everything that decides the run's bits.
@@ -100,7 +105,7 @@ impl Keeper {
     /// An interval in which the run is over, checkpoints that would be lost, no checkpoint to go on from, or one of another
     /// run.
     pub fn new(wish: Wish, checked: &Checked, place: &Path) -> Result<Option<Keeper>, Diagnostic> {
-        let Wish { every, resume, or_start } = wish;
+        let Wish { every, resume, or_start, detailed } = wish;
         if every.is_none() && !resume {
             return Ok(None);
         }
@@ -113,7 +118,7 @@ impl Keeper {
         }
         let shelf = Shelf::beside(place);
         let run = identity(model).map_err(|error| Diagnostic::new(format!("{}: {error}", model.name)))?;
-        let stamp = Stamp { version: VERSION.into(), every, scenario: checked.document.resolved(), run };
+        let stamp = Stamp { version: VERSION.into(), every, detailed, scenario: checked.document.resolved(), run };
         let mut keeper = Keeper { shelf, stamp, start: None, notes: vec![] };
         if or_start && keeper.shelf.checkpoints().is_empty() {
             keeper.start_anew(&model.name, place);
@@ -228,6 +233,9 @@ impl Stamp {
             let (now, then) = (&self.version, &other.version);
             return Some(format!("droptower {then} wrote it, and this is {now}: it could not give the same bits"));
         }
+        if self.detailed != other.detailed {
+            return Some(format!("it was started with{} --vtu", if other.detailed { "" } else { "out" }));
+        }
         if self.run == other.run {
             return None;
         }
@@ -257,22 +265,9 @@ fn differences(then: &str, now: &str) -> Vec<String> {
 
 /// The values of a resolved scenario that decide the run, as TOML, by the paths of their keys.
 fn leaves(scenario: &str) -> BTreeMap<String, String> {
-    let mut root: toml::Table = scenario.parse().unwrap_or_default();
-    AFTER_THE_RUN.iter().for_each(|key| drop(root.remove(*key)));
-    let mut leaves = BTreeMap::new();
-    gather("", toml::Value::Table(root), &mut leaves);
+    let mut leaves = scenario::leaves(scenario);
+    leaves.retain(|path, _| !AFTER_THE_RUN.contains(&path.split('.').next().unwrap_or_default()));
     leaves
-}
-
-fn gather(path: &str, value: toml::Value, leaves: &mut BTreeMap<String, String>) {
-    let under = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
-    match value {
-        toml::Value::Table(table) => table.into_iter().for_each(|(key, value)| gather(&under(&key), value, leaves)),
-        toml::Value::Array(items) if items.iter().any(toml::Value::is_table) => {
-            items.into_iter().enumerate().for_each(|(place, item)| gather(&under(&place.to_string()), item, leaves));
-        }
-        leaf => drop(leaves.insert(path.to_owned(), leaf.to_string())),
-    }
 }
 
 fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
@@ -411,6 +406,7 @@ mod tests {
         let own = |run: &str, scenario: &str| Stamp {
             version: VERSION.into(),
             every: None,
+            detailed: false,
             scenario: scenario.into(),
             run: run.into(),
         };
@@ -423,6 +419,7 @@ mod tests {
         let stamp = |version: &str, scenario: &str, run: &str| Stamp {
             version: version.into(),
             every: None,
+            detailed: false,
             scenario: scenario.into(),
             run: run.into(),
         };

@@ -5,8 +5,8 @@ use std::io;
 use serde_json::{Map, Value};
 
 use crate::model::Model;
-use crate::post::Results;
-use crate::report::{self, PlotError, RunPage};
+use crate::post::{Overlay, Results};
+use crate::report::{self, RunPage, StudyPage, compare_page, vtu};
 use crate::script::{Findings, Row};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
@@ -25,11 +25,13 @@ pub struct Contents<'a> {
     /// Text of the post script that `scenario` reads as [`SCRIPT`].
     pub script: Option<&'a str>,
     pub failure: Option<&'a str>,
+    /// Whether ParaView is to see it, too.
+    pub vtu: bool,
 }
 
 /// Writes all files of a run into the draft and gives their names.
 pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreError> {
-    let Contents { model, outcome, results, scenario, script, failure } = contents;
+    let Contents { model, outcome, results, scenario, script, failure, vtu } = contents;
     let mut files = Files { draft, names: Vec::new() };
     let signals = results.map_or(&outcome.signals, |results| &results.signals);
     files.write("signals.csv", recording(signals)?)?;
@@ -37,11 +39,11 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     if let Some(results) = results {
         files.write("summary.json", json(&results.summary(model))?)?;
         files.findings(&results.findings)?;
-        let page = RunPage { model, outcome, results, scenario, failure: *failure };
         #[cfg(feature = "rerun")]
-        files.recording(&page)?;
-        let page = report::run_page(&page).map_err(|error| not_drawn(draft, error))?;
-        files.write("report.html", page.into_bytes())?;
+        files.recording(contents, results)?;
+    }
+    if *vtu {
+        files.vtu(model, outcome)?;
     }
     files.write("scenario.toml", scenario.as_bytes().to_vec())?;
     if let Some(text) = script {
@@ -50,20 +52,30 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     if let Some(cause) = failure {
         files.write("failure.txt", format!("{cause}\n").into_bytes())?;
     }
+    if let Some(results) = results {
+        files.page(contents, results)?;
+    }
     Ok(files.names)
 }
 
 /// Writes what a study leaves into the draft and gives the names of the files.
-pub fn fill_study(
-    draft: &Draft,
-    findings: &Findings,
-    summary: &Map<String, Value>,
-    page: &str,
-) -> Result<Vec<String>, StoreError> {
+pub fn fill_study(draft: &Draft, study: &StudyPage, summary: &Map<String, Value>) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
     files.write("summary.json", json(summary)?)?;
-    files.findings(findings)?;
-    files.write("report.html", page.as_bytes().to_vec())?;
+    files.findings(study.findings)?;
+    #[cfg(feature = "rerun")]
+    files.study_recording(study)?;
+    files.write("report.html", report::study_page(study).into_bytes())?;
+    Ok(files.names)
+}
+
+/// Writes runs laid over each other into the draft and gives the names of the files.
+pub fn fill_comparison(draft: &Draft, overlay: &Overlay) -> Result<Vec<String>, StoreError> {
+    let mut files = Files { draft, names: Vec::new() };
+    files.write("summary.json", json(&overlay.summary())?)?;
+    #[cfg(feature = "rerun")]
+    files.comparison(overlay)?;
+    files.write("report.html", compare_page::compare_page(overlay).into_bytes())?;
     Ok(files.names)
 }
 
@@ -79,12 +91,51 @@ impl Files<'_> {
         Ok(())
     }
 
+    /// The page, which names the files that stand beside it.
+    fn page(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
+        let Contents { model, outcome, scenario, failure, .. } = *contents;
+        let page = report::run_page(&RunPage { model, outcome, results, scenario, failure, files: &self.names });
+        let page =
+            page.map_err(|error| StoreError::write(self.draft.path().join("report.html"), io::Error::other(error)))?;
+        self.write("report.html", page.into_bytes())
+    }
+
     #[cfg(feature = "rerun")]
-    fn recording(&mut self, run: &RunPage) -> Result<(), StoreError> {
+    fn recording(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
+        let Contents { model, outcome, scenario, failure, .. } = *contents;
         let path = self.draft.path().join("recording.rrd");
-        report::recording::write(&path, run)
+        report::recording::write(&path, &RunPage { model, outcome, results, scenario, failure, files: &self.names })
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
         self.names.push("recording.rrd".into());
+        Ok(())
+    }
+
+    #[cfg(feature = "rerun")]
+    fn study_recording(&mut self, study: &StudyPage) -> Result<(), StoreError> {
+        use crate::report::recording::{StudyRecording, write_study};
+        let path = self.draft.path().join("recording.rrd");
+        write_study(&path, &StudyRecording::of(study))
+            .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
+        self.names.push("recording.rrd".into());
+        Ok(())
+    }
+
+    #[cfg(feature = "rerun")]
+    fn comparison(&mut self, overlay: &Overlay) -> Result<(), StoreError> {
+        let path = self.draft.path().join("recording.rrd");
+        report::recording::write_comparison(&path, overlay)
+            .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
+        self.names.push("recording.rrd".into());
+        Ok(())
+    }
+
+    fn vtu(&mut self, model: &Model, outcome: &Outcome) -> Result<(), StoreError> {
+        let failed = |error| StoreError::write(self.draft.path().join(vtu::FOLDER), io::Error::other(error));
+        for file in vtu::files(model, outcome).map_err(failed)? {
+            let vtu::File { name, content } = file.map_err(failed)?;
+            self.draft.write(&name, content)?;
+            self.names.push(name);
+        }
         Ok(())
     }
 
@@ -132,8 +183,4 @@ fn cell(value: &Value) -> String {
         Value::String(text) => text.clone(),
         other => other.to_string(),
     }
-}
-
-fn not_drawn(draft: &Draft, error: PlotError) -> StoreError {
-    StoreError::write(draft.path().join("report.html"), io::Error::other(error))
 }

@@ -2,6 +2,7 @@
 
 mod check;
 mod checkpoint;
+mod compare;
 mod digest;
 mod explain;
 mod faults;
@@ -72,6 +73,8 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Write a commented scenario to start from
     New(new::NewArgs),
+    /// Lay runs over each other: scenarios, figures and signals, held against the first
+    Compare(compare::CompareArgs),
     /// List the scenarios of a folder
     List(list::ListArgs),
     /// Open the recordings of runs in the Rerun viewer
@@ -101,6 +104,7 @@ pub fn main() -> ExitCode {
         Command::Schema => schema::run(),
         Command::Explain(args) => explain::run(&args, &shared),
         Command::New(args) => new::run(&args, &shared),
+        Command::Compare(args) => compare::run(&args, &shared),
         Command::List(args) => list::run(&args, &shared),
         Command::View(args) => view::run(&args, &shared),
         Command::Script(args) => script::run(&args, &shared),

@@ -43,6 +43,9 @@ pub struct RunArgs {
         default_missing_value = "rerun+http://127.0.0.1:9876/proxy"
     )]
     pub live: Option<String>,
+    /// Write the kept states for ParaView besides: film.pvd and impactor.pvd, with strain, stress and thickness
+    #[arg(long)]
+    pub vtu: bool,
 }
 
 /// A scenario and where its results go, proved before the first run starts.
@@ -51,6 +54,8 @@ struct Job {
     place: PathBuf,
     /// Its checkpoints, if it has any.
     keeper: Option<Keeper>,
+    /// Whether it is written for ParaView.
+    vtu: bool,
 }
 
 /// What the terminal shows of a job.
@@ -92,11 +97,11 @@ fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     store::check_places(&places).map_err(|error| vec![storing(&error)])?;
     // A batch leaves runs that are done, runs with checkpoints, and runs that had not come so far.
     let or_start = args.resume && several && places.iter().any(|place| checkpoint::are_beside(place));
-    let wish = Wish { every, resume: args.resume, or_start };
+    let wish = Wish { every, resume: args.resume, or_start, detailed: args.vtu };
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for (checked, place) in scenarios.into_iter().zip(places) {
         match Keeper::new(wish, &checked, &place) {
-            Ok(keeper) => jobs.push(Job { checked, place, keeper }),
+            Ok(keeper) => jobs.push(Job { checked, place, keeper, vtu: args.vtu }),
             Err(mistake) => mistakes.push(mistake),
         }
     }
@@ -176,7 +181,7 @@ impl Job {
         let is_on = show.is_on();
         let mut look = |glimpse: &Glimpse<'_>| show.look(glimpse);
         let onlooker = is_on.then_some(&mut look as &mut dyn FnMut(&Glimpse<'_>));
-        let manner = Manner { saved, checkpoints, onlooker, ..Manner::default() };
+        let manner = Manner { saved, checkpoints, onlooker, detailed: self.vtu, ..Manner::default() };
         let outcome = simulate::run_in(model, manner, &mut progress);
         if lost > 1 {
             bar.complain(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));
@@ -188,7 +193,7 @@ impl Job {
         let model = &self.checked.model;
         let results =
             self.checked.plan.evaluate(model, outcome, |_| {}).map_err(|error| (BAD_INPUT, evaluating(&error)))?;
-        show.finish(Some(&RunPage { model, outcome, results: &results, scenario, failure: None }));
+        show.finish(Some(&RunPage { model, outcome, results: &results, scenario, failure: None, files: &[] }));
         let contents = Contents {
             model,
             outcome,
@@ -196,6 +201,7 @@ impl Job {
             scenario,
             script: self.checked.plan.script(),
             failure: None,
+            vtu: self.vtu,
         };
         let stored = Draft::begin(&self.place).and_then(|draft| {
             let files = folder::fill(&draft, &contents)?;
@@ -211,10 +217,18 @@ impl Job {
         // What broke off may be too short or too wild to be measured; then its signals stand alone.
         let results = self.checked.plan.measure(model, outcome).ok();
         let cause = failure.cause.to_string();
-        let page = |results| RunPage { model, outcome, results, scenario, failure: Some(&cause) };
+        let page = |results| RunPage { model, outcome, results, scenario, failure: Some(&cause), files: &[] };
         show.finish(results.as_ref().map(page).as_ref());
         let script = self.checked.plan.script();
-        let contents = Contents { model, outcome, results: results.as_ref(), scenario, script, failure: Some(&cause) };
+        let contents = Contents {
+            model,
+            outcome,
+            results: results.as_ref(),
+            scenario,
+            script,
+            failure: Some(&cause),
+            vtu: self.vtu,
+        };
         let stored = Draft::begin(&self.place).and_then(|draft| {
             folder::fill(&draft, &contents)?;
             draft.publish_failed()

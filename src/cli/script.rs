@@ -13,8 +13,10 @@ use super::{NUMERICAL_FAILURE, Shared, digest, folder, print, print_json, report
 use crate::diagnostic::{Diagnostic, printable, shown_path};
 use crate::identify::{self, Heard, Identity, Laboratory};
 use crate::post;
-use crate::report::{StudyPage, study_page};
-use crate::script::{Arguments, Fault, Findings, Ledger, Limits, Script, engine, register_recordings, to_json};
+use crate::report::StudyPage;
+use crate::script::{
+    Arguments, Fault, Findings, Ledger, Limits, Script, TooManyPictures, engine, register_recordings, to_json,
+};
 use crate::store::{self, Draft, StoreError};
 
 #[derive(Debug, Args)]
@@ -36,7 +38,7 @@ pub struct ScriptArgs {
 }
 
 /// Names that belong to a study's summary.
-const RESERVED: [&str; 5] = ["script", "droptower", "study", "tables", "files"];
+const RESERVED: [&str; 6] = ["script", "droptower", "study", "tables", "plots", "files"];
 
 /// A script that was run, and what it found.
 struct Studied {
@@ -100,9 +102,17 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
         }
     };
     let ledger = Ledger::new(RESERVED.map(String::from).into(), say);
+    let pictures = ledger.clone();
+    let unless_kept = move |kept: Result<(), TooManyPictures>| {
+        if let Err(error) = kept {
+            say(&format!("note: {error}"));
+        }
+    };
     let laboratory = Laboratory::new(Some(store::history_of(place)), move |heard| match heard {
         Heard::Progress(progress) => say(&progress.to_string()),
         Heard::Note(note) => say(&format!("note: {note}")),
+        Heard::Found(convergence) => unless_kept(pictures.searched(convergence.clone())),
+        Heard::Correlation(correlation) => unless_kept(pictures.correlated(correlation.clone())),
     });
     let mut engine = engine(Limits::STUDY);
     ledger.register(&mut engine);
@@ -195,15 +205,16 @@ fn summary(studied: &Studied) -> Map<String, Value> {
     summary.extend(findings.measures.clone());
     let tables = findings.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
     summary.insert("tables".into(), Value::Object(tables.collect()));
+    summary.insert("plots".into(), findings.plots.iter().map(|plot| plot.title.clone()).collect());
     summary.insert("files".into(), findings.files.names().into());
     summary
 }
 
 fn keep(studied: &Studied, place: &Path) -> Result<Vec<String>, StoreError> {
     let Studied { name, call, text, findings } = studied;
-    let page = study_page(&StudyPage { name, call, findings, script: text });
     let draft = Draft::begin(place)?;
-    let files = folder::fill_study(&draft, findings, &summary(studied), &page)?;
+    let page = StudyPage { name, call, findings, script: text };
+    let files = folder::fill_study(&draft, &page, &summary(studied))?;
     draft.publish()?;
     Ok(files)
 }

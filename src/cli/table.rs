@@ -20,15 +20,24 @@ fn table(rows: &[Row]) -> String {
     let shown = rows.iter().take(MOST_ROWS);
     let cells = shown.map(|row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect());
     let lines: Vec<Vec<String>> = std::iter::once(columns.clone()).chain(cells).collect();
-    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..columns.len()).map(width).collect();
-    let line = |line: &Vec<String>| {
-        let cells = line.iter().zip(&widths).map(|(cell, width)| format!("  {cell:>width$}"));
-        format!("  {}\n", cells.collect::<String>())
-    };
     let rest = rows.len().saturating_sub(MOST_ROWS);
     let rest = if rest > 0 { format!("    and {rest} more\n") } else { String::new() };
-    lines.iter().map(line).chain([rest]).collect()
+    aligned(&lines, 0) + rest.as_str()
+}
+
+/// Lines of as many cells each under one another, the first `words` columns set to the left, the others to the right.
+pub fn aligned(lines: &[Vec<String>], words: usize) -> String {
+    let columns = lines.first().map_or(0, Vec::len);
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |line: &Vec<String>| {
+        let cell = |(column, (cell, width)): (usize, (&String, &usize))| {
+            if column < words { format!("  {cell:<width$}") } else { format!("  {cell:>width$}") }
+        };
+        let cells: String = line.iter().zip(&widths).enumerate().map(cell).collect();
+        format!("  {}\n", cells.trim_end())
+    };
+    lines.iter().map(line).collect()
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@
 use std::ops::Range;
 
 use super::element::{
-    self, Block, Blocks, ElementEnergy, ElementStrain, Forces, FullQuads, OwnForces, Quads, Shaped, StressFree, Tris,
-    UprightElement,
+    self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, Forces, FullQuads, OwnForces, Quads, Shaped,
+    StressFree, Tris, UprightElement,
 };
 use super::footprint;
 use super::memory::{self, Memory};
@@ -189,6 +189,12 @@ impl Film {
         out.concat()
     }
 
+    /// Stress, thickness and fibres of every element, quads first; `position` is that of all nodes.
+    pub fn details(&self, position: &Vectors) -> Vec<ElementDetail> {
+        let position = position.axes().map(|axis| &axis[self.nodes.clone()]);
+        by_law!(Cloth, &self.cloth, |sheet| sheet.details(&position))
+    }
+
     /// Energies of the film alone, J.
     pub fn energy(&self, position: &Vectors) -> ElementEnergy {
         energies(std::slice::from_ref(self), &Team::new(1), position.axes())[0]
@@ -269,6 +275,11 @@ impl<M: MembraneLaw> Sheet<M> {
             total.1.add(&broken.1);
         }
         total
+    }
+
+    fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail> {
+        let of = |chunk: &Chunk<_>| by_kind!(&chunk.elements, |blocks| element::details(blocks, &self.law, position));
+        self.chunks.iter().flat_map(of).collect()
     }
 
     fn energy(&self, chunk: usize, width: Width, position: &[&[f64]; 3]) -> ElementEnergy {

@@ -92,6 +92,12 @@ impl View<'_> {
         film::strains(self.films, self.team, self.nodes.position.axes(), out);
     }
 
+    /// Velocity of a node at this step, m/s: the mean of those half a step before and after.
+    pub fn velocity(&self, node: usize) -> [f64; 3] {
+        let (before, after) = (self.before.velocity.at(node), self.nodes.velocity.at(node));
+        [0, 1, 2].map(|axis| 0.5 * (before[axis] + after[axis]))
+    }
+
     /// The touch between impactor and film, if there is an impactor.
     pub fn inspect(&self) -> Option<Inspection> {
         let (contact, body) = (self.contact?, self.body?);

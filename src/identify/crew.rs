@@ -7,7 +7,7 @@
 
 use std::collections::{HashMap, VecDeque};
 use std::panic::resume_unwind;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Instant;
 
@@ -15,12 +15,16 @@ use rayon::ThreadPoolBuilder;
 use thiserror::Error;
 
 use super::history::{History, HistoryError};
-use super::objective::{Broken, Evaluation, Objective};
+use super::objective::{Broken, Evaluation, Objective, Observed};
 use super::options::OnFailure;
+use crate::script::{Compared, Target};
 use crate::simulate::Cancellation;
 
 /// Relative step aside of a trial that is repeated.
 const ASIDE: f64 = 1e-6;
+
+/// Most samples that the pictures of one search's trials hold together; trials behind that have none.
+const MOST_SAMPLES: usize = 64 << 20;
 
 /// Evaluates the trials of one or several searches in parallel, remembers them, and writes them down.
 pub struct Crew<'a> {
@@ -78,7 +82,7 @@ struct Floor<'a> {
 
 /// What concerns one search.
 struct Board<'a> {
-    done: HashMap<Point, Evaluation>,
+    done: HashMap<Point, Observed>,
     /// What the search waits for.
     awaited: Vec<Point>,
     /// What it may ask for next, the likeliest first.
@@ -86,6 +90,10 @@ struct Board<'a> {
     history: Option<&'a mut History>,
     error: Option<CrewError>,
     over: bool,
+    /// References that trials were held against.
+    targets: Vec<Arc<Target>>,
+    /// Samples that the pictures of trials hold.
+    samples: usize,
 }
 
 /// A trial on its way.
@@ -190,7 +198,7 @@ impl<'a> Crew<'a> {
             let x: Vec<f64> = job.point.iter().map(|bits| f64::from_bits(*bits)).collect();
             let rule = &self.rules[job.search];
             let begin = Instant::now();
-            let found = rule.evaluate(&x, &job.cancellation);
+            let found = rule.observe(&x, &job.cancellation);
             let seconds = begin.elapsed().as_secs_f64();
             let mut floor = self.floor();
             floor.running.retain(|other| !other.cancellation.is(&job.cancellation));
@@ -250,7 +258,7 @@ impl Desk<'_, '_> {
             if board.error.is_some() || board.over {
                 return Err(CrewError::Over);
             }
-            let found: Option<Vec<Evaluation>> = points.iter().map(|point| board.done.get(point).cloned()).collect();
+            let found: Option<Vec<Evaluation>> = points.iter().map(|point| board.found(point)).collect();
             if let Some(found) = found {
                 return Ok(found);
             }
@@ -260,7 +268,14 @@ impl Desk<'_, '_> {
 
     /// What was found at `x`, if that is known by now.
     pub fn known(&self, x: &[f64]) -> Option<Evaluation> {
-        self.crew.floor().boards[self.number].done.get(&bits(x)).cloned()
+        self.crew.floor().boards[self.number].found(&bits(x))
+    }
+
+    /// What was held against references at `x`, where that is known.
+    pub fn compared(&self, x: &[f64]) -> Vec<Compared> {
+        let floor = self.crew.floor();
+        let observed = floor.boards[self.number].done.get(&bits(x));
+        observed.map_or_else(Vec::new, |observed| observed.compared.clone())
     }
 
     /// Points of which some will be asked for next, the likeliest first, in place of those said before. A trial that was begun
@@ -278,17 +293,17 @@ impl Desk<'_, '_> {
 }
 
 impl Rule<'_> {
-    fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
-        let found = self.objective.evaluate(x, cancellation);
-        match found {
+    fn observe(&self, x: &[f64], cancellation: &Cancellation) -> Observed {
+        let observed = self.objective.observe(x, cancellation);
+        match observed.found {
             Evaluation::Failed { .. } if self.on_failure == OnFailure::Retry => {
                 let aside: Vec<f64> = x.iter().map(|x| x * (1.0 + ASIDE)).collect();
-                match self.objective.evaluate(&aside, cancellation) {
-                    Evaluation::Failed { .. } => found,
+                match self.objective.observe(&aside, cancellation) {
+                    Observed { found: Evaluation::Failed { .. }, .. } => observed,
                     other => other,
                 }
             }
-            _ => found,
+            _ => observed,
         }
     }
 }
@@ -344,30 +359,51 @@ impl Floor<'_> {
 
 impl<'a> Board<'a> {
     fn new(history: Option<&'a mut History>) -> Board<'a> {
-        let done = history.iter().flat_map(|history| history.trials()).map(|(x, found)| (bits(x), found.clone()));
+        let targets = history.iter().flat_map(|history| history.targets()).cloned().collect();
+        let done = history.iter().flat_map(|history| history.trials()).map(|(x, observed)| (bits(x), observed.clone()));
         let (awaited, expected) = Default::default();
-        Board { done: done.collect(), awaited, expected, history, error: None, over: false }
+        Board { done: done.collect(), awaited, expected, history, error: None, over: false, targets, samples: 0 }
     }
 
-    fn keep(&mut self, point: Point, found: Evaluation, seconds: f64, objective: &dyn Objective) {
+    fn found(&self, point: &Point) -> Option<Evaluation> {
+        self.done.get(point).map(|observed| observed.found.clone())
+    }
+
+    fn keep(&mut self, point: Point, mut observed: Observed, seconds: f64, objective: &dyn Objective) {
         let x: Vec<f64> = point.iter().map(|bits| f64::from_bits(*bits)).collect();
-        if let Err(error) = self.write(&x, &found, seconds, objective) {
+        self.share_targets(&mut observed.compared);
+        if let Err(error) = self.write(&x, &observed, seconds, objective) {
             self.error.get_or_insert(error.into());
         }
         self.awaited.retain(|other| *other != point);
-        self.done.insert(point, found);
+        self.done.insert(point, observed);
+    }
+
+    /// Trials are held against the same references, each of which is kept once.
+    fn share_targets(&mut self, compared: &mut Vec<Compared>) {
+        for one in compared.iter_mut() {
+            match self.targets.iter().find(|target| **target == one.target) {
+                Some(target) => one.target = Arc::clone(target),
+                None => self.targets.push(Arc::clone(&one.target)),
+            }
+        }
+        let samples: usize = compared.iter().map(|one| one.values.len()).sum();
+        self.samples += samples;
+        if self.samples > MOST_SAMPLES {
+            compared.clear();
+        }
     }
 
     fn write(
         &mut self,
         x: &[f64],
-        found: &Evaluation,
+        observed: &Observed,
         seconds: f64,
         objective: &dyn Objective,
     ) -> Result<(), HistoryError> {
         let Some(history) = &mut self.history else { return Ok(()) };
         history.add_inputs(objective.inputs())?;
-        history.add(x, found, seconds)
+        history.add(x, observed, seconds)
     }
 }
 

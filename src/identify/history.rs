@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
@@ -16,8 +17,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
-use super::objective::{Answer, Evaluation};
-use crate::script;
+use super::objective::{Answer, Evaluation, Observed};
+use crate::script::{self, Compared, Over, Target};
 
 /// What decides the values of a script's trials, files and the number of the search apart.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,7 +34,9 @@ pub struct Identity {
 pub struct History {
     path: PathBuf,
     file: File,
-    trials: Vec<(Vec<f64>, Evaluation)>,
+    trials: Vec<(Vec<f64>, Observed)>,
+    /// References that trials were held against, in the order of the file.
+    targets: Vec<Arc<Target>>,
     inputs: BTreeMap<PathBuf, String>,
     /// What the user should know about it.
     pub notes: Vec<String>,
@@ -73,9 +76,21 @@ pub enum Logged {
         /// Whether the objective gave residuals.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         residuals: bool,
+        /// What was held against references, for pictures.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        compared: Vec<Sketch>,
     },
     /// A file that a trial was the first to read, and what it held.
     Input { input: PathBuf, content: String },
+    /// A reference that the next trial is the first to be held against; little-endian floats in base64.
+    Target { target: usize, over: Over, places: String, values: String },
+}
+
+/// A simulated curve: the number of its target, from zero, and its values, little-endian floats in base64.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Sketch {
+    target: usize,
+    values: String,
 }
 
 impl History {
@@ -116,7 +131,7 @@ impl History {
         let failed = |source| HistoryError::Write { path: path.into(), source };
         let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
         match file.try_lock() {
-            Ok(()) => Ok(History { path: path.into(), file, trials: vec![], inputs, notes: vec![] }),
+            Ok(()) => Ok(History { path: path.into(), file, trials: vec![], targets: vec![], inputs, notes: vec![] }),
             Err(TryLockError::WouldBlock) => Err(HistoryError::Locked { path: path.into() }),
             Err(TryLockError::Error(source)) => Err(failed(source)),
         }
@@ -128,12 +143,22 @@ impl History {
     }
 
     /// The trials that were in it when it was opened.
-    pub fn trials(&self) -> &[(Vec<f64>, Evaluation)] {
+    pub fn trials(&self) -> &[(Vec<f64>, Observed)] {
         &self.trials
     }
 
+    /// The references that they were held against.
+    pub fn targets(&self) -> &[Arc<Target>] {
+        &self.targets
+    }
+
     /// Writes a trial down.
-    pub fn add(&mut self, x: &[f64], found: &Evaluation, seconds: f64) -> Result<(), HistoryError> {
+    pub fn add(
+        &mut self,
+        x: &[f64],
+        Observed { found, compared }: &Observed,
+        seconds: f64,
+    ) -> Result<(), HistoryError> {
         let (values, failed, residuals) = match found {
             Evaluation::Answer(Answer::Value(value)) => (vec![*value], None, false),
             Evaluation::Answer(Answer::Residuals(residuals)) => (residuals.clone(), None, true),
@@ -147,7 +172,20 @@ impl History {
         };
         let bytes: Vec<u8> = x.iter().chain(&values).flat_map(|value| value.to_le_bytes()).collect();
         let bits = BASE64_STANDARD.encode(bytes);
-        self.add_line(&Logged::Trial { x: x.into(), f, failed, numerical, seconds, bits, residuals })
+        let compared = compared.iter().map(|one| self.sketch(one)).collect::<Result<_, _>>()?;
+        self.add_line(&Logged::Trial { x: x.into(), f, failed, numerical, seconds, bits, residuals, compared })
+    }
+
+    /// A simulated curve, its target written down before it where it is a new one.
+    fn sketch(&mut self, Compared { target, values }: &Compared) -> Result<Sketch, HistoryError> {
+        let known = self.targets.iter().position(|other| Arc::ptr_eq(other, target) || other == target);
+        let number = known.unwrap_or(self.targets.len());
+        if known.is_none() {
+            let (places, values) = (packed(&target.places), packed(&target.values));
+            self.add_line(&Logged::Target { target: number, over: target.over, places, values })?;
+            self.targets.push(Arc::clone(target));
+        }
+        Ok(Sketch { target: number, values: packed(values) })
     }
 
     /// Writes down files that were not known to be read before.
@@ -197,8 +235,13 @@ impl History {
             let damaged = || HistoryError::Damaged { path: self.path.clone(), line: place + 2 };
             match serde_json::from_str(line).map_err(|_| damaged())? {
                 Logged::Input { input, content } => drop(self.inputs.insert(input, content)),
+                Logged::Target { target, over, places, values } => {
+                    let read = unpacked(&places).zip(unpacked(&values)).filter(|_| target == self.targets.len());
+                    let (places, values) = read.ok_or_else(damaged)?;
+                    self.targets.push(Arc::new(Target { over, places, values }));
+                }
                 trial => {
-                    let trial = evaluation(trial).ok_or_else(damaged)?;
+                    let trial = observed(trial, &self.targets).ok_or_else(damaged)?;
                     self.trials.push(trial);
                 }
             }
@@ -242,8 +285,8 @@ fn set_aside(path: &Path) -> io::Result<PathBuf> {
     Ok(numbered(number))
 }
 
-fn evaluation(trial: Logged) -> Option<(Vec<f64>, Evaluation)> {
-    let Logged::Trial { x, failed, numerical, bits, residuals, .. } = trial else {
+fn observed(trial: Logged, targets: &[Arc<Target>]) -> Option<(Vec<f64>, Observed)> {
+    let Logged::Trial { x, failed, numerical, bits, residuals, compared, .. } = trial else {
         return None;
     };
     let bytes = BASE64_STANDARD.decode(bits).ok()?;
@@ -256,7 +299,23 @@ fn evaluation(trial: Logged) -> Option<(Vec<f64>, Evaluation)> {
         (None, [value]) => Evaluation::Answer(Answer::Value(*value)),
         _ => return None,
     };
-    Some((numbers[..x.len()].into(), found))
+    let compared = compared.into_iter().map(|sketch| {
+        let target = targets.get(sketch.target)?;
+        let values = unpacked(&sketch.values).filter(|values| values.len() == target.places.len())?;
+        Some(Compared { target: Arc::clone(target), values })
+    });
+    Some((numbers[..x.len()].into(), Observed { found, compared: compared.collect::<Option<_>>()? }))
+}
+
+fn packed(values: &[f32]) -> String {
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    BASE64_STANDARD.encode(bytes)
+}
+
+fn unpacked(text: &str) -> Option<Vec<f32>> {
+    let bytes = BASE64_STANDARD.decode(text).ok()?;
+    let (values, rest) = bytes.as_chunks::<4>();
+    rest.is_empty().then(|| values.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect())
 }
 
 #[cfg(test)]
@@ -267,12 +326,22 @@ mod tests {
         History::open(folder, &Identity::default(), 1, BTreeMap::new())
     }
 
-    fn trials() -> Vec<(Vec<f64>, Evaluation)> {
+    fn trials() -> Vec<(Vec<f64>, Observed)> {
+        let target = |last| Arc::new(Target { over: Over::Time, places: vec![0.0, 0.1], values: vec![1.0, last] });
+        let compared = |last, values: [f32; 2]| Compared { target: target(last), values: values.into() };
+        let pictured = |found, compared| Observed { found, compared };
+        let residuals = Evaluation::Answer(Answer::Residuals(vec![0.1 + 0.2, -7.5]));
         vec![
-            (vec![0.1, 1.0 / 3.0], Evaluation::Answer(Answer::Value(std::f64::consts::PI))),
-            (vec![-0.0, 5e-324], Evaluation::Answer(Answer::Residuals(vec![0.1 + 0.2, -7.5]))),
-            (vec![1.0, 2.0], Evaluation::failed("the film broke")),
-            (vec![1.0, 3.0], Evaluation::Failed { cause: "not a number".into(), numerical: true }),
+            (
+                vec![0.1, 1.0 / 3.0],
+                pictured(
+                    Evaluation::Answer(Answer::Value(std::f64::consts::PI)),
+                    vec![compared(f32::NAN, [0.3, f32::NAN]), compared(2.0, [1e-30, 7.0])],
+                ),
+            ),
+            (vec![-0.0, 5e-324], pictured(residuals, vec![compared(2.0, [0.1, 0.2])])),
+            (vec![1.0, 2.0], Evaluation::failed("the film broke").into()),
+            (vec![1.0, 3.0], Evaluation::Failed { cause: "not a number".into(), numerical: true }.into()),
         ]
     }
 
@@ -284,7 +353,7 @@ mod tests {
         history.path().into()
     }
 
-    fn bits(trials: &[(Vec<f64>, Evaluation)]) -> String {
+    fn bits(trials: &[(Vec<f64>, Observed)]) -> String {
         format!("{trials:?}")
     }
 
@@ -310,13 +379,27 @@ mod tests {
         }
     }
 
+    /// As older versions of this one wrote them.
+    #[test]
+    fn trials_without_curves_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = written(folder.path());
+        let text = fs::read_to_string(&path).unwrap();
+        let old: String =
+            text.lines().filter(|line| !line.contains("target")).map(|line| format!("{line}\n")).collect();
+        fs::write(&path, old).unwrap();
+        assert_eq!(bits(open(folder.path()).unwrap().trials()), bits(&trials()[2..]));
+    }
+
     #[test]
     fn a_damaged_line_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = written(folder.path());
         let text = fs::read_to_string(&path).unwrap();
         let lines: Vec<&str> = text.lines().collect();
-        for (wrong, line) in [("{}", 3), ("nonsense", 2), ("{\"x\":[1],\"f\":1,\"seconds\":1,\"bits\":\"AAAA\"}", 4)] {
+        let no_bits = r#"{"x":[1],"f":1,"seconds":1,"bits":"AAAA"}"#;
+        let no_target = lines[3].replace("\"target\":0", "\"target\":7");
+        for (wrong, line) in [("{}", 3), ("nonsense", 2), (no_bits, 4), (&no_target, 4)] {
             let mut lines = lines.clone();
             lines[line - 1] = wrong;
             fs::write(&path, lines.join("\n") + "\n").unwrap();

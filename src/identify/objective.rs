@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::script::Compared;
 use crate::simulate::Cancellation;
 
 /// Something with a value at every point; asked from several threads at once, in any order, some points in vain.
@@ -12,10 +13,23 @@ pub trait Objective: Sync {
     /// What is found at `x`; the same whenever it is asked. Once it is cancelled, whatever comes soonest will do.
     fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation;
 
+    /// The same with what was held against references on the way, for pictures.
+    fn observe(&self, x: &[f64], cancellation: &Cancellation) -> Observed {
+        self.evaluate(x, cancellation).into()
+    }
+
     /// Files that were read since the objective was made, with what they held: found again changed, its answers are void.
     fn inputs(&self) -> Vec<(std::path::PathBuf, String)> {
         Vec::new()
     }
+}
+
+/// One trial as it is remembered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observed {
+    pub found: Evaluation,
+    /// What was held against references.
+    pub compared: Vec<Compared>,
 }
 
 /// What came of one trial.
@@ -45,6 +59,12 @@ pub enum Answer {
     Value(f64),
     /// Differences whose squares are to be small together.
     Residuals(Vec<f64>),
+}
+
+impl From<Evaluation> for Observed {
+    fn from(found: Evaluation) -> Observed {
+        Observed { found, compared: Vec::new() }
+    }
 }
 
 impl Evaluation {

@@ -13,8 +13,10 @@ const TELLING: usize = 8;
 /// Where a search stands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
-    /// Which of several searches that go on at the same time, from one.
-    pub search: Option<usize>,
+    /// What the search is called, where it is one of several or has a title.
+    pub search: Option<String>,
+    /// Names of the unknowns.
+    pub names: Vec<String>,
     pub iteration: Iteration,
     pub to_go: ToGo,
 }
@@ -33,7 +35,8 @@ pub enum ToGo {
 /// Follows a search on the clock.
 pub(super) struct Watch<'s> {
     search: &'s Search,
-    number: Option<usize>,
+    name: Option<String>,
+    unknowns: &'s [String],
     seen: Vec<Seen>,
 }
 
@@ -45,10 +48,10 @@ struct Seen {
     excess: Option<[f64; 2]>,
 }
 
-impl Watch<'_> {
-    /// `number` says which of several searches it is, from one.
-    pub(super) fn new(search: &Search, number: Option<usize>) -> Watch<'_> {
-        Watch { search, number, seen: vec![] }
+impl<'s> Watch<'s> {
+    /// `name` tells the search from others, `unknowns` are called so.
+    pub(super) fn new(search: &'s Search, name: Option<String>, unknowns: &'s [String]) -> Watch<'s> {
+        Watch { search, name, unknowns, seen: vec![] }
     }
 
     /// Where the search stands after an iteration that ended just now.
@@ -67,7 +70,8 @@ impl Watch<'_> {
         if self.seen.len() > LOOK_BACK {
             self.seen.remove(0);
         }
-        Progress { search: self.number, iteration: iteration.clone(), to_go: self.to_go() }
+        let (search, names) = (self.name.clone(), self.unknowns.to_vec());
+        Progress { search, names, iteration: iteration.clone(), to_go: self.to_go() }
     }
 
     fn to_go(&self) -> ToGo {
@@ -103,11 +107,11 @@ fn left(before: [f64; 2], now: [f64; 2], done: f64) -> Option<f64> {
 impl fmt::Display for Progress {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Iteration { iteration, evaluations, x, f, size, .. } = &self.iteration;
-        if let Some(number) = self.search {
-            write!(out, "search {number}")?;
+        if let Some(name) = &self.search {
+            write!(out, "{name}")?;
         }
-        let x: Vec<String> = x.iter().map(|x| format!("{x:.5}")).collect();
-        write!(out, "{iteration:>5}  f {f:<11.6}  x {}", x.join(" "))?;
+        let x: Vec<String> = self.names.iter().zip(x).map(|(name, x)| format!("{name} {x:.5}")).collect();
+        write!(out, "{iteration:>5}  f {f:<11.6}  {}", x.join("  "))?;
         if let Some(size) = size {
             write!(out, "  size {size:.2e}")?;
         }
@@ -141,7 +145,7 @@ mod tests {
     /// A search that halves its simplex in every iteration and takes 2 s for each.
     fn told(search: &Search, halves: bool) -> Vec<ToGo> {
         let begin = Instant::now();
-        let mut watch = Watch::new(search, None);
+        let mut watch = Watch::new(search, None, &[]);
         let look = |iteration: usize| {
             let size = if halves { 0.5_f64.powi(iteration as i32) } else { 1.0 };
             let evaluations = 2 * iteration;
@@ -163,6 +167,16 @@ mod tests {
             let left = 2.0 * (20.0 - (place as f64 + 1.0));
             assert!((time.as_secs_f64() - left).abs() < 0.01, "{time:?} for {left}");
         }
+    }
+
+    #[test]
+    fn unknowns_are_told_by_their_names() {
+        let (search, names) = (Search::new(Method::CmaEs, vec![1.0, 2.0]), ["k1".to_owned(), "ke".to_owned()]);
+        let mut watch = Watch::new(&search, Some("1008".into()), &names);
+        let (x, step) = (vec![2.75, 1.0 / 3.0], "shrunk");
+        let seen = Iteration { start: 0, iteration: 7, evaluations: 15, x, f: 0.1, size: None, spread: None, step };
+        let told = watch.look(&seen).to_string();
+        assert_eq!(told, "1008    7  f 0.100000     k1 2.75000  ke 0.33333  15 evaluations");
     }
 
     #[test]

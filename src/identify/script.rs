@@ -11,17 +11,18 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, GlobalRuntimeState, INT
 use thiserror::Error;
 
 use super::bounds::Bounds;
+use super::convergence::{self, Labels};
 use super::crew::{Crew, CrewError, Desk, Task};
 use super::history::{History, Identity};
-use super::objective::{Answer, Broken, Evaluation, Objective};
+use super::objective::{Answer, Broken, Evaluation, Objective, Observed};
 use super::options::{Method, OnFailure, OnRupture, Search, Starts};
 use super::progress::{Progress, Watch};
-use super::search::{self, Best, Ended, Iteration, Unfound};
+use super::search::{self, Best, Ended, Iteration, SearchError, Unfound};
 use super::trust;
 use crate::diagnostic::closest;
-use crate::script::{Entry, STACK, Session, is_numerical, number, refuse, thrown, went_wrong, window};
+use crate::plot::Correlation;
+use crate::script::{Convergence, Entry, STACK, Session, is_numerical, number, refuse, thrown, went_wrong};
 use crate::signal::Series;
-use crate::signal::norm;
 use crate::simulate::Cancellation;
 
 pub(super) type Reply<T> = Result<T, Box<EvalAltResult>>;
@@ -51,6 +52,10 @@ pub enum Heard<'a> {
     Progress(&'a Progress),
     /// Something that the user should know, once.
     Note(&'a str),
+    /// How a search came to its result.
+    Found(&'a Convergence),
+    /// How the parameters that were found hang together.
+    Correlation(&'a Correlation),
 }
 
 impl Laboratory {
@@ -66,14 +71,24 @@ impl Laboratory {
     }
 
     /// Searches on the same cores at the same time; what each found, in their order.
-    fn minimise(&self, context: &NativeCallContext, searches: &[(Search, FnPtr)]) -> Reply<Vec<Best>> {
+    fn minimise(&self, context: &NativeCallContext, searches: &[Written], calls: &[FnPtr]) -> Reply<Vec<Best>> {
         let several = searches.len() > 1;
-        self.at_work(context, searches, |desk, number| {
-            let search = &searches[number].0;
-            let mut watch = Watch::new(search, several.then_some(number + 1));
+        let tasks: Vec<(Search, FnPtr)> =
+            searches.iter().zip(calls).map(|(written, call)| (written.search.clone(), call.clone())).collect();
+        let begun = self.searches.load(Ordering::Relaxed);
+        let found = self.at_work(context, &tasks, |desk, number| {
+            let Written { search, labels } = &searches[number];
+            let name = labels.title.clone().or_else(|| several.then(|| format!("search {}", number + 1)));
+            let mut watch = Watch::new(search, name, &labels.names);
             let mut listener = |iteration: &Iteration| (self.listener)(Heard::Progress(&watch.look(iteration)));
-            search::minimise(search, desk, &mut listener)
-        })
+            let best = search::minimise(search, desk, &mut listener)?;
+            let title = labels.title.clone().unwrap_or_else(|| format!("search {}", begun + number + 1));
+            let convergence = convergence::of(&best, title, labels, desk);
+            Ok::<_, SearchError>((best, convergence))
+        })?;
+        let (found, convergences): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        convergences.iter().for_each(|convergence| (self.listener)(Heard::Found(convergence)));
+        Ok(found)
     }
 
     /// Does `job` for every one of `searches` with a crew for the trials of their objectives, which are written down.
@@ -106,6 +121,11 @@ impl Laboratory {
         let crew = Crew::new(tasks.collect(), rayon::current_num_threads());
         let found = crew.at_work(STACK, job);
         found.map_err(|(number, error)| mistake(&error).unwrap_or_else(|| unfound(&error, &nth(number))))
+    }
+
+    /// Shows the user how the parameters hang together.
+    pub(super) fn correlated(&self, correlation: &Correlation) {
+        (self.listener)(Heard::Correlation(correlation));
     }
 
     /// Tells the user something.
@@ -211,9 +231,14 @@ impl<'c> Closure<'c> {
 
 impl Objective for Closure<'_> {
     fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
+        self.observe(x, cancellation).found
+    }
+
+    fn observe(&self, x: &[f64], cancellation: &Cancellation) -> Observed {
         let session = self.session.with_trial(cancellation);
         let found = self.ask(x, &session);
-        self.evaluation(found, &session)
+        let found = self.evaluation(found, &session);
+        Observed { found, compared: session.trial().compared }
     }
 
     fn inputs(&self) -> Vec<(PathBuf, String)> {
@@ -271,7 +296,7 @@ fn answer(found: &Dynamic) -> Reply<Answer> {
 }
 
 /// Options as a script writes them.
-pub(super) const OPTIONS: [&str; 14] = [
+pub(super) const OPTIONS: [&str; 16] = [
     "tol_x",
     "tol_f",
     "max_iterations",
@@ -286,14 +311,22 @@ pub(super) const OPTIONS: [&str; 14] = [
     "difference",
     "spread",
     "names",
+    "title",
+    "signals",
 ];
 
-/// A search as it is written, and the names of its unknowns.
-pub(super) fn written(method: &str, start: &Array, options: &Map) -> Reply<(Search, Vec<String>)> {
+/// A search as it is written.
+pub(super) struct Written {
+    pub(super) search: Search,
+    pub(super) labels: Labels,
+}
+
+pub(super) fn written(method: &str, start: &Array, options: &Map) -> Reply<Written> {
     let method = word("method", method, &Method::NAMES)?;
     let mut search = Search::new(method, numbers(start, "start")?);
     let unknowns = search.start.len();
-    let mut names: Vec<String> = (0..unknowns).map(|place| format!("x{place}")).collect();
+    let names = (0..unknowns).map(|place| format!("x{place}")).collect();
+    let mut labels = Labels { names, title: None, signals: vec![] };
     let mut sides = [None, None];
     for (option, value) in options {
         let list = || match value.read_lock::<Array>() {
@@ -321,16 +354,19 @@ pub(super) fn written(method: &str, start: &Array, options: &Map) -> Reply<(Sear
             "fallback" => search.fallback = points(&list()?, "a list", option)?,
             "on_failure" => search.on_failure = word(option, &text()?, &ON_FAILURE)?,
             "on_rupture" => search.on_rupture = word(option, &text()?, &ON_RUPTURE)?,
-            "names" => names = list()?.iter().map(Dynamic::to_string).collect(),
+            "names" => labels.names = list()?.iter().map(Dynamic::to_string).collect(),
+            "title" => labels.title = Some(text()?.to_string()),
+            "signals" => labels.signals = list()?.iter().map(Dynamic::to_string).collect(),
             other => return Err(unknown("option", other, OPTIONS)),
         }
     }
-    if names.len() != unknowns {
-        return Err(refuse(format!("`names` has {} entries for {unknowns} unknowns", names.len())));
+    if labels.names.len() != unknowns {
+        return Err(refuse(format!("`names` has {} entries for {unknowns} unknowns", labels.names.len())));
     }
+    labels.check().map_err(refuse)?;
     let [lower, upper] = sides;
     search.bounds = Bounds::new(unknowns, lower, upper).map_err(refuse)?;
-    Ok((search, names))
+    Ok(Written { search, labels })
 }
 
 const ON_FAILURE: [(&str, OnFailure); 3] =
@@ -436,16 +472,15 @@ fn integer(count: usize) -> Dynamic {
     INT::try_from(count).unwrap_or(INT::MAX).into()
 }
 
-/// Searches that were written, with the names of their unknowns; what each found.
+/// What each of `searches` found for the objective of its place.
 fn minimise(
     laboratory: &Laboratory,
     context: &NativeCallContext,
-    searches: Vec<(Search, Vec<String>, FnPtr)>,
+    searches: &[Written],
+    calls: &[FnPtr],
 ) -> Reply<Vec<Map>> {
-    let (names, searches): (Vec<_>, Vec<_>) =
-        searches.into_iter().map(|(search, names, call)| (names, (search, call))).unzip();
-    let found = laboratory.minimise(context, &searches)?;
-    Ok(found.iter().zip(&names).map(|(best, names)| result(best, names)).collect())
+    let found = laboratory.minimise(context, searches, calls)?;
+    Ok(found.iter().zip(searches).map(|(best, written)| result(best, &written.labels.names)).collect())
 }
 
 fn minimise_one(
@@ -454,8 +489,7 @@ fn minimise_one(
     (method, start, options): (&str, &Array, &Map),
     call: FnPtr,
 ) -> Reply<Map> {
-    let (search, names) = written(method, start, options)?;
-    let mut found = minimise(laboratory, context, vec![(search, names, call)])?;
+    let mut found = minimise(laboratory, context, &[written(method, start, options)?], &[call])?;
     found.pop().ok_or_else(|| refuse("the search was not made"))
 }
 
@@ -485,13 +519,14 @@ fn minimise_all(
         let options = options.read_lock::<Map>().ok_or_else(|| part(refuse("its options are a map")))?;
         let call =
             call.try_cast::<FnPtr>().ok_or_else(|| part(refuse("its objective is a function, as in `|x| …`")))?;
-        written(method, &start, &options).map(|(search, names)| (search, names, call)).map_err(part)
+        written(method, &start, &options).map(|written| (written, call)).map_err(part)
     });
-    let found = minimise(laboratory, context, searches.collect::<Reply<Vec<_>>>()?)?;
+    let (searches, calls): (Vec<_>, Vec<_>) = searches.collect::<Reply<Vec<_>>>()?.into_iter().unzip();
+    let found = minimise(laboratory, context, &searches, &calls)?;
     Ok(found.into_iter().map(Dynamic::from).collect())
 }
 
-/// Offers `minimize`, `minimize_all`, `confidence`, `profiles` and `relative_residuals` to scripts.
+/// Offers `minimize`, `minimize_all`, `confidence` and `profiles` to scripts.
 pub fn register(engine: &mut Engine, laboratory: &Laboratory) {
     trust::register(engine, laboratory);
     let own = laboratory.clone();
@@ -512,9 +547,6 @@ pub fn register(engine: &mut Engine, laboratory: &Laboratory) {
             minimise_all(&own, &context, (method, &starts, &options), calls)
         },
     );
-    engine.register_fn("relative_residuals", |signal: Series, reference: Series, bounds: Dynamic| {
-        norm::relative_residuals(&signal, &reference, window(&bounds)?).map_err(refuse)
-    });
 }
 
 /// The reference of searches.
@@ -571,14 +603,19 @@ pub const ENTRIES: &[Entry] = &[
                     best.x[0] >= 1 && best.warnings[0].contains("too small")"#,
     },
     Entry {
+        call: "#{ title: \"1008\", signals: [\"acceleration (m/s²)\", ..] }",
+        gives: "what the search is called in report and recording, where its iterations are shown without further work: the objective, \
+                the unknowns, and the signals that the objective compares (`relative_error`, `relative_residuals`, `rate`) closing in \
+                on their references; and what these signals are called, in the order in which they are compared",
+        example: r#"let read = signal([0, 1, 2], [5, 7, 9]);
+                    let o = #{ title: "line", signals: ["force (N)"], names: ["offset"] };
+                    let best = minimize("nelder-mead", [4.0], o, |x| relative_error(signal([0, 1, 2], [x[0], x[0] + 2, x[0] + 4]), read, [0, 2]));
+                    (best.x[0] - 5).abs() < 1e-3"#,
+    },
+    Entry {
         call: "#{ names: [..], difference: 1e-3, spread: 0.25 }",
         gives: "columns of the unknowns in the history; relative step of the Jacobian's differences; first standard deviation of \"cma-es\"",
         example: r#"minimize("nelder-mead", [2.0], #{ names: ["k1"] }, |x| x[0] ** 2).history[0].k1 == 2.0"#,
-    },
-    Entry {
-        call: "relative_residuals(signal, reference, [from, to])",
-        gives: "the differences whose norm is `relative_error`, as a signal",
-        example: "let r = signal([0, 1, 2], [1, 1, 1]); let d = relative_residuals(1.1 * r, r, [0, 2]); (d * d).integral() < 0.01",
     },
 ];
 

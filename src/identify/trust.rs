@@ -7,8 +7,9 @@ use super::crew::Desk;
 use super::noise::Colour;
 use super::options::Search;
 use super::profile::{self, Profile, ProfileError};
-use super::script::{self, Laboratory, Reply, unknown, whole, word, written};
+use super::script::{self, Laboratory, Reply, Written, unknown, whole, word, written};
 use super::tangent::{Tangent, TangentError};
+use crate::plot::Correlation;
 use crate::script::{Entry, refuse};
 
 /// Options beside those of `minimize`.
@@ -24,6 +25,8 @@ const MOST_POINTS: INT = 20;
 struct Asked {
     /// It starts at the estimate.
     search: Search,
+    /// Of the picture of correlations.
+    title: String,
     question: Question,
     /// Places of a profile on each side.
     points: usize,
@@ -39,10 +42,11 @@ impl Asked {
         }
         let (own, others): (Map, Map) =
             options.clone().into_iter().partition(|(option, _)| OPTIONS.contains(&option.as_str()));
-        let (search, names) = written("levenberg-marquardt", &estimate(best)?, &others)?;
+        let Written { search, labels } = written("levenberg-marquardt", &estimate(best)?, &others)?;
         search.check().map_err(refuse)?;
-        let question = Question { names, colour: Colour::default(), relative: false };
-        let mut asked = Asked { search, question, points: POINTS, parts: None };
+        let title = labels.title.map_or_else(|| "Correlation".into(), |title| format!("Correlation: {title}"));
+        let question = Question { names: labels.names, colour: Colour::default(), relative: false };
+        let mut asked = Asked { search, title, question, points: POINTS, parts: None };
         for (option, value) in &own {
             match option.as_str() {
                 "noise" => asked.question.colour = word(option, &value.to_string(), &COLOURS)?,
@@ -103,7 +107,9 @@ fn ask_confidence(
     let confidences = laboratory.at_work::<_, ProfileError>(context, &task, |desk, _| {
         Ok(Confidence::of(&asked.tangent(desk)?, &asked.question)?)
     })?;
-    first(confidences).map(|confidence| result(&confidence))
+    let confidence = first(confidences)?;
+    laboratory.correlated(&pictured(&confidence, asked.title));
+    Ok(result(&confidence))
 }
 
 fn ask_profiles(
@@ -122,6 +128,12 @@ fn ask_profiles(
         profile::profiles(&asked.search, &tangent, &confidence, asked.points, desk, &mut listener)
     })?;
     first(profiles).map(|profiles| profiled(&profiles, &asked.question.names))
+}
+
+fn pictured(confidence: &Confidence, title: String) -> Correlation {
+    let correlation = &confidence.correlation;
+    let rows = correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
+    Correlation { title, names: confidence.names.clone(), rows }
 }
 
 /// What was found for the only task.

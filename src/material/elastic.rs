@@ -28,6 +28,12 @@ impl Elastic {
         self.young / (1.0 - self.poisson * self.poisson)
     }
 
+    /// √(1 + 2E₃₃) with E₃₃ = −ν/Y (S₁₁ + S₂₂), as plane stress has it; NaN where that would be no thickness at all, beyond
+    /// strains for which the law is meant. `s` holds S₁₁ and S₂₂.
+    pub(super) fn thickness_stretch<const L: usize>(&self, s: &[Lane<L>; 2]) -> Lane<L> {
+        std::array::from_fn(|l| (1.0 - 2.0 * self.poisson / self.young * (s[0][l] + s[1][l])).sqrt())
+    }
+
     fn shear(&self) -> f64 {
         self.young / (2.0 * (1.0 + self.poisson))
     }
@@ -70,7 +76,7 @@ impl Elastic {
                 p[1][axis][l] = s[1][l] * f2[axis][l] + s[2][l] * f1[axis][l];
             }
         }
-        Stress { p, tension: [s[0], s[1]] }
+        Stress { p, tension: [s[0], s[1]], cross: s[2] }
     }
 
     /// Bound on the tangent stiffness at deformation `d` under the second Piola–Kirchhoff stress `s`.
@@ -113,6 +119,10 @@ impl MembraneLaw for Elastic {
     #[inline(always)]
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, _past: &Peaks<L>) -> Stiffness<L> {
         self.bound(d, self.response(&Elastic::strain(d)))
+    }
+
+    fn thinning<const L: usize>(&self, stress: &Stress<L>) -> Lane<L> {
+        self.thickness_stretch(&stress.tension)
     }
 
     fn moduli(&self) -> [f64; 2] {

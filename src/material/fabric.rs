@@ -13,7 +13,7 @@
 
 use super::fibre::FibreLaw;
 use super::past::FilmPast;
-use super::{Absorption, Curve, Deformation, Energy, MembraneLaw, Stiffness, Stress};
+use super::{Absorption, Curve, Deformation, Energy, MembraneLaw, Stiffness, Stress, Stresses};
 use crate::lane::{Lane, Lane3, dot, larger, smaller, splat};
 
 /// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve, with
@@ -150,6 +150,21 @@ impl<const L: usize> Fibres<L> {
 }
 
 impl<const L: usize> Fibres<L> {
+    /// Engineering stresses, of any law: ∂W/∂λ_I and ∂W/∂γ where W depends on λ₁², λ₂² and f₁·f₂ = m₁ m₂ sin γ.
+    pub(super) fn stresses(&self, stress: &Stress<L>) -> Stresses<L> {
+        let mut out = Stresses { md: splat(0.0), td: splat(0.0), shear: splat(0.0) };
+        for l in 0..L {
+            let along = |fibre: usize| {
+                let stretch = self.stretch[fibre][l];
+                let sheared = if stretch > 1.0 { self.sine[l] / self.inverse[1 - fibre][l] } else { 0.0 };
+                stress.tension[fibre][l] * stretch + stress.cross[l] * sheared
+            };
+            (out.md[l], out.td[l]) = (along(0), along(1));
+            out.shear[l] = stress.cross[l] / (self.inverse[0][l] * self.inverse[1][l] * self.secant[l]);
+        }
+        out
+    }
+
     /// Stress of fibres that pull with `md` and `td` and resist shear with `shear`, Pa.
     #[inline(always)]
     fn pull(&self, d: &Deformation<L>, md: &Lane<L>, td: &Lane<L>, shear: &Lane<L>) -> Stress<L> {
@@ -165,7 +180,7 @@ impl<const L: usize> Fibres<L> {
             tension[1][l] = td[l] * r2 - turn * self.sine[l] * taut2;
         }
         let [f1, f2] = &d.f;
-        Stress { p: [combine(&tension[0], f1, &cross, f2), combine(&tension[1], f2, &cross, f1)], tension }
+        Stress { p: [combine(&tension[0], f1, &cross, f2), combine(&tension[1], f2, &cross, f1)], tension, cross }
     }
 }
 
@@ -227,6 +242,11 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
             shear[l] = shear[l] * secant * secant + stress[l] * secant * (secant * secant + 3.0);
         }
         Stiffness { along, across, shear, alignment: fibres.sine }
+    }
+
+    /// Nothing: the curves are of the stress-free cross-section, and how film thins is not in them.
+    fn thinning<const L: usize>(&self, _stress: &Stress<L>) -> Lane<L> {
+        splat(f64::NAN)
     }
 
     fn moduli(&self) -> [f64; 2] {

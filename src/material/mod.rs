@@ -52,6 +52,8 @@ pub struct Stress<const L: usize> {
     pub p: Gradient<L>,
     /// 2 ∂W/∂|f_I|², Pa of one layer: tension over stretch, with which a stretched fibre resists motion in any direction.
     pub tension: [Lane<L>; 2],
+    /// ∂W/∂(f₁·f₂), Pa of one layer.
+    pub cross: Lane<L>,
 }
 
 /// Energy density of a film, J/m³.
@@ -71,6 +73,18 @@ pub struct Strains<const L: usize> {
     /// Engineering strain |f₂| − 1 along TD.
     pub td: Lane<L>,
     /// Angle by which MD and TD left their right angle, rad.
+    pub shear: Lane<L>,
+}
+
+/// Engineering stresses of a film: what does work on its [`Strains`], ∂W/∂ε_md, ∂W/∂ε_td and ∂W/∂γ, Pa of one layer on its
+/// stress-free cross-section. Those of a fabric are the values of its curves.
+#[derive(Clone, Copy, Debug)]
+pub struct Stresses<const L: usize> {
+    /// Along MD.
+    pub md: Lane<L>,
+    /// Along TD.
+    pub td: Lane<L>,
+    /// In shear, with the sign of the shear angle's growth.
     pub shear: Lane<L>,
 }
 
@@ -116,6 +130,8 @@ pub trait MembraneLaw {
     fn energy<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Energy<L>;
     /// Largest tangent stiffness at and near deformation `d`, whichever way it goes on.
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Stiffness<L>;
+    /// Thickness over that of stress-free film under `stress`; NaN where the law says nothing of it.
+    fn thinning<const L: usize>(&self, stress: &Stress<L>) -> Lane<L>;
     /// Slopes of the law at rest along MD and TD, Pa.
     fn moduli(&self) -> [f64; 2];
     /// Strains at which the MD and TD fibres break.
@@ -193,6 +209,11 @@ pub fn strains<const L: usize>(d: &Deformation<L>) -> Strains<L> {
     Strains { md: fibres.strain(0), td: fibres.strain(1), shear: fibres.angle }
 }
 
+/// Engineering stresses of a deformation that a law answers with `stress`.
+pub fn stresses<const L: usize>(d: &Deformation<L>, stress: &Stress<L>) -> Stresses<L> {
+    fabric::Fibres::of(d).stresses(stress)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -253,6 +274,65 @@ mod tests {
                 };
                 let difference = (at(1.0) - at(-1.0)) / step;
                 assert!((difference - stress.tension[fibre][0]).abs() < 3e-7 * scale, "{d:?} tension {fibre}");
+            }
+        }
+    }
+
+    /// Film of the strains ε_md, ε_td and γ, taut in both directions.
+    fn strained([md, td, shear]: [f64; 3]) -> Deformation<1> {
+        let (sine, cosine) = shear.sin_cos();
+        let (first, second) = (1.0 + md, 1.0 + td);
+        Deformation::from([[first, 0.0, 0.0], [second * sine, second * cosine, 0.0]].map(|f| f.map(splat)))
+    }
+
+    /// Central differences of the energy by the strains against the engineering stresses.
+    fn check_work(law: &impl MembraneLaw<Past<1> = Peaks<1>>) {
+        let step = 1e-6;
+        for at in [[0.1, 0.3, 0.2], [0.5, 0.02, -0.4], [0.2, 0.1, 0.0]] {
+            let energy = |at: [f64; 3]| {
+                let (d, mut past) = (strained(at), Peaks::fresh());
+                law.stress(&d, &mut past, 0.0);
+                law.energy(&d, &past).stored[0]
+            };
+            let d = strained(at);
+            let Stresses { md, td, shear } = stresses(&d, &law.stress(&d, &mut Peaks::fresh(), 0.0));
+            for (measure, stress) in [md, td, shear].into_iter().enumerate() {
+                let moved = |sign: f64| {
+                    let mut moved = at;
+                    moved[measure] += sign * step;
+                    energy(moved)
+                };
+                let difference = (moved(1.0) - moved(-1.0)) / (2.0 * step);
+                assert!((difference - stress[0]).abs() < 1e-7 * 5e7, "{at:?} {measure}: {} {difference}", stress[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn engineering_stresses_do_work_on_the_strains() {
+        check_work(&film(0.0));
+        check_work(&Elastic { young: 5e7, poisson: 0.44 });
+        check_work(&TensionField(Elastic { young: 5e7, poisson: 0.44 }));
+    }
+
+    #[test]
+    fn engineering_stresses_of_fabric_are_those_of_its_curves() {
+        let film = film(0.6);
+        for at in [[0.1, 0.3, 0.2], [0.5, -0.2, -0.4], [0.2, 0.1, 0.0]] {
+            let d = strained(at);
+            let Stresses { md, td, shear } = stresses(&d, &film.stress(&d, &mut Peaks::fresh(), 0.0));
+            let Strains { shear: angle, .. } = strains(&d);
+            let expected = [
+                film.md().stress(at[0]),
+                film.td().stress(at[1]),
+                film.shear().stress(angle[0].abs()).copysign(angle[0]),
+            ];
+            for (stress, expected) in [md, td, shear].iter().zip(expected) {
+                assert!(
+                    (stress[0] - expected).abs() < 1e-6 * expected.abs().max(1.0),
+                    "{at:?}: {} {expected}",
+                    stress[0]
+                );
             }
         }
     }

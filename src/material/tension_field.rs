@@ -104,6 +104,10 @@ impl MembraneLaw for TensionField {
         self.0.bound(d, self.response(d))
     }
 
+    fn thinning<const L: usize>(&self, stress: &Stress<L>) -> Lane<L> {
+        self.0.thickness_stretch(&stress.tension)
+    }
+
     fn moduli(&self) -> [f64; 2] {
         [self.0.plane(); 2]
     }

@@ -20,7 +20,7 @@ use crate::diagnostic::Diagnostic;
 use crate::material::Material;
 use crate::scenario::{Document, Scenario};
 use findings::Findings;
-pub use size::{MOST_IN_FRAMES, PER_FRAME};
+pub use size::{MOST_IN_FRAMES, PER_DETAIL, PER_FRAME};
 
 /// Checks that what is written makes sense, and turns it into SI values.
 ///

@@ -18,6 +18,8 @@ const FILE_PER_ELEMENT: f64 = 50.0;
 const LONGEST_FILE: f64 = 1e9;
 /// One kept state: positions of a node, strains of an element, bytes an element.
 pub const PER_FRAME: f64 = 12.0 + 13.0;
+/// What a state kept in detail has besides: velocity of a node; stresses, largest strains, thickness and fibres of an element.
+pub const PER_DETAIL: f64 = 12.0 + 48.0;
 /// Memory that the kept states of a run may take, bytes: of a film so fine that they would take more, fewer are kept.
 pub const MOST_IN_FRAMES: f64 = 4e8;
 

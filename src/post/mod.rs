@@ -5,6 +5,7 @@ mod coupon_material;
 mod impact;
 mod indent;
 mod inflation;
+pub mod overlay;
 mod plan;
 mod reference;
 mod results;
@@ -17,10 +18,11 @@ mod trial;
 
 use crate::script::Chapter;
 
-pub use audit::{Audit, Histogram};
+pub use audit::{Audit, Histogram, MeshFigures};
 pub use impact::Impact;
 pub use indent::Indent;
 pub use inflation::Inflation;
+pub use overlay::Overlay;
 pub use plan::{Plan, PrepareError};
 pub use reference::{Comparison, ReferenceError};
 pub use results::{EvaluateError, Measures, Results};

@@ -20,6 +20,10 @@ pub struct Comparison {
     pub acceleration: Option<Series>,
     /// m; `NaN` where the recording has none.
     pub displacement: Option<Series>,
+    /// Work that the film took from the impactor, J; none where the recording does not tell it.
+    pub absorbed_energy: Option<Series>,
+    /// Kinetic and potential energy of the impactor and what the film took, J; none where the recording does not tell it.
+    pub total_energy: Option<Series>,
     /// Part that the errors are taken over, s.
     pub window: [f64; 2],
     /// Share of the energy that the film kept (paper, equation 11); of raw recordings in which the impactor rebounds.
@@ -57,7 +61,7 @@ impl Comparison {
         };
         let measurement =
             file::read(&reference.signals, &Wanted { channels: channels(reference), ..Wanted::default() })?;
-        let Signals { raw, filtered, displacement, energy_absorption, reduced } =
+        let Signals { raw, filtered, displacement, absorbed_energy, total_energy, energy_absorption, reduced } =
             match Signals::from_contact(&measurement, model, reference)? {
                 Some(signals) => signals,
                 None => Signals::reduced(&measurement, model, reference)?,
@@ -72,7 +76,16 @@ impl Comparison {
             }
         };
         let (acceleration, said) = (filtered, measurement.notes);
-        Ok(Some(Comparison { acceleration, displacement, window, energy_absorption, said, reduced }))
+        Ok(Some(Comparison {
+            acceleration,
+            displacement,
+            absorbed_energy,
+            total_energy,
+            window,
+            energy_absorption,
+            said,
+            reduced,
+        }))
     }
 
     /// What a reader of the errors must know: that the recording is virtual, and what was assumed and doubted in its reduction.
@@ -101,6 +114,8 @@ struct Signals {
     /// Through the run's channel filter.
     filtered: Option<Series>,
     displacement: Option<Series>,
+    absorbed_energy: Option<Series>,
+    total_energy: Option<Series>,
     /// Of a raw recording.
     energy_absorption: Option<f64>,
     /// Notes of the reduction.
@@ -123,7 +138,17 @@ impl Signals {
             None => raw.as_ref().map(|raw| filtered(raw, model, reference)).transpose()?,
         };
         let any = filtered.is_some() || displacement.is_some();
-        Ok(any.then(|| Signals { raw, filtered, displacement, energy_absorption: None, reduced: Vec::new() }))
+        let (absorbed_energy, total_energy) = (channel("absorbed_energy_J"), channel("total_energy_J"));
+        let reduced = Vec::new();
+        Ok(any.then_some(Signals {
+            raw,
+            filtered,
+            displacement,
+            absorbed_energy,
+            total_energy,
+            energy_absorption: None,
+            reduced,
+        }))
     }
 
     /// Of a raw recording, with the mass and gravity of the run.
@@ -147,7 +172,9 @@ impl Signals {
         let channel = |name| drop.signals.series(name);
         let (raw, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
         let (filtered, energy_absorption) = (channel("acceleration_filtered_m_s2"), drop.energy_absorption);
-        Ok(Signals { raw, filtered, displacement, energy_absorption, reduced: drop.notes })
+        let (absorbed_energy, total_energy) = (channel("absorbed_energy_J"), channel("total_energy_J"));
+        let reduced = drop.notes;
+        Ok(Signals { raw, filtered, displacement, absorbed_energy, total_energy, energy_absorption, reduced })
     }
 }
 

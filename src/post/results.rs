@@ -78,6 +78,10 @@ impl Results {
             let tables = tables.map(|(name, rows)| (name.clone(), json!(rows)));
             summary.insert("tables".into(), Value::Object(tables.collect()));
         }
+        if !self.findings.plots.is_empty() {
+            let titles = self.findings.plots.iter().map(|plot| plot.title.clone());
+            summary.insert("plots".into(), titles.collect());
+        }
         if !self.findings.files.is_empty() {
             summary.insert("files".into(), self.findings.files.names().into());
         }
@@ -131,7 +135,7 @@ impl Measures {
 
     /// The names that a post script cannot give: those of this run and of the summary's own parts.
     pub(super) fn reserved(&self) -> Vec<String> {
-        let own = ["scenario", "title", "droptower", "tables", "files"].map(String::from);
+        let own = ["scenario", "title", "droptower", "tables", "plots", "files"].map(String::from);
         own.into_iter().chain(self.figures().into_iter().map(|(name, _)| name)).collect()
     }
 }

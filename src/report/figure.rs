@@ -2,19 +2,29 @@
 
 use serde_json::{Map, Value};
 
+use super::html::escape;
+
 /// Standard gravity, m/s²: decelerations are shown in multiples of it.
 pub const G: f64 = 9.806_65;
 
 /// Suffixes of names, longest first, and the units they stand for.
-const UNITS: [(&str, &str); 10] = [
+const UNITS: [(&str, &str); 18] = [
+    ("_percent", "%"),
+    ("_N_mm", "N/mm"),
+    ("_N_m", "N/m"),
     ("_1_s", "1/s"),
     ("_m_s2", "m/s²"),
+    ("_MPa", "MPa"),
+    ("_kPa", "kPa"),
     ("_kN", "kN"),
+    ("_mm", "mm"),
+    ("_ms", "ms"),
     ("_m_s", "m/s"),
     ("_Pa", "Pa"),
     ("_Hz", "Hz"),
     ("_J", "J"),
     ("_N", "N"),
+    ("_g", "g"),
     ("_m", "m"),
     ("_s", "s"),
 ];
@@ -31,11 +41,9 @@ pub struct Figure {
 impl Figure {
     /// The figure `name` of a summary; `None` where there is no value or it is not one number, text or truth.
     pub fn of(name: &str, value: &Value) -> Option<Figure> {
-        let unit = UNITS.iter().find(|(suffix, _)| name.ends_with(suffix));
-        let (stem, unit) = unit.map_or((name, ""), |(suffix, unit)| (&name[..name.len() - suffix.len()], *unit));
+        let (words, unit) = named(name);
         let unit = match (unit, value.as_f64()) {
             ("m/s²", Some(acceleration)) => format!("m/s² ({} g)", rounded(acceleration / G)),
-            _ if name == "penetration" => "of the radius".into(),
             (unit, _) => unit.into(),
         };
         let value = match value {
@@ -45,13 +53,41 @@ impl Figure {
             Value::String(text) => text.clone(),
             _ => return None,
         };
-        Some(Figure { words: stem.replace('_', " "), value, unit })
+        Some(Figure { words, value, unit })
     }
 
     /// Words, value, unit.
     pub fn cells(&self) -> [String; 3] {
         [self.words.clone(), self.value.clone(), self.unit.clone()]
     }
+}
+
+/// Figures as a table of HTML, each row with its name and its value in full.
+pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) -> String {
+    let row = |(name, value): (&String, &Value)| {
+        let cells = Figure::of(name, value)?.cells().map(|cell| escape(&cell));
+        let (name, value) = (escape(name), escape(&value.to_string()));
+        Some(format!("<tr data-figure=\"{name}\" data-value=\"{value}\"><td>{}</td></tr>\n", cells.join("</td><td>")))
+    };
+    let rows: String = figures.filter_map(row).collect();
+    if rows.is_empty() {
+        rows
+    } else {
+        format!("<div class=\"scroll\"><table class=\"figures\">\n{rows}</table></div>\n")
+    }
+}
+
+/// A name as the head of a column: its words, and its unit in parentheses.
+pub fn heading(name: &str) -> String {
+    let (words, unit) = named(name);
+    if unit.is_empty() { words } else { format!("{words} ({unit})") }
+}
+
+/// Words and unit in the name of a figure or of a column: `peak_acceleration_m_s2` is a peak acceleration in m/s².
+pub fn named(name: &str) -> (String, &'static str) {
+    let mut units = UNITS.iter().filter_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, *unit)));
+    let (stem, unit) = units.find(|(stem, _)| !stem.is_empty()).unwrap_or((name, ""));
+    (stem.replace('_', " "), if name == "penetration" { "of the radius" } else { unit })
 }
 
 /// The figures of a summary as a table in Markdown.

@@ -1,8 +1,29 @@
 //! The frame of a page, and text made safe to stand in it.
 
 use std::fmt::Write;
+use std::sync::LazyLock;
 
-const STYLE: &str = include_str!("page/page.css");
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
+
+/// What every page runs, in this order: the plotting library, the page's own parts, the plots, the film.
+const SCRIPTS: [&str; 4] = [
+    include_str!("page/uplot/uPlot.iife.min.js"),
+    include_str!("page/page.js"),
+    include_str!("page/plots.js"),
+    include_str!("page/film.js"),
+];
+
+/// Nothing is loaded from anywhere, and no script runs but those of [`SCRIPTS`].
+static POLICY: LazyLock<String> = LazyLock::new(|| {
+    let hash = |script: &str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script)));
+    let scripts = SCRIPTS.map(hash).join(" ");
+    format!("default-src 'none'; style-src 'unsafe-inline'; script-src {scripts}; base-uri 'none'; form-action 'none'")
+});
 
 /// `text` with everything that HTML would read as markup escaped.
 pub fn escape(text: &str) -> String {
@@ -20,15 +41,26 @@ pub fn escape(text: &str) -> String {
     safe
 }
 
-/// A whole page: `title` is text, `body` is HTML. The policy keeps it from loading or running anything.
+/// A whole page: `title` is text, `body` is HTML. It loads nothing and runs only its own scripts.
 pub fn page(title: &str, body: &str) -> String {
     let title = escape(title);
+    let (policy, styles) = (POLICY.as_str(), STYLES.concat());
+    let scripts = SCRIPTS.map(|script| format!("<script>{script}</script>\n")).concat();
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
-         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{body}</main>\n</body>\n</html>\n"
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>{title}</title>\n<style>\n{styles}</style>\n</head>\n<body>\n<main>\n{body}\
+         <noscript><p class=\"note\">Plots and film are drawn by scripts, which are turned off here; all figures stand in the tables.</p></noscript>\n\
+         </main>\n{scripts}</body>\n</html>\n"
     )
+}
+
+/// Data for the page's scripts; no text in it can end the block.
+pub fn data(value: &Value) -> String {
+    let text = value.to_string().replace('<', "\\u003c");
+    format!("<script type=\"application/json\">{text}</script>\n")
 }
 
 /// A section with a heading (text) around `content` (HTML); nothing where there is no content.
@@ -39,25 +71,54 @@ pub fn section(heading: &str, content: &str) -> String {
     format!("<section>\n<h2>{}</h2>\n{content}</section>\n", escape(heading))
 }
 
-/// A table with a header; all cells are text.
+/// A table with a header; all cells are text, columns of numbers stand to the right.
 pub fn table(class: &str, header: &[String], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
     }
+    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let column = |at: usize| rows.iter().filter_map(move |row| row.get(at)).filter(|cell| !cell.is_empty());
+    let is_number = |at: usize| column(at).next().is_some() && column(at).all(|cell| cell.parse::<f64>().is_ok());
+    let numbers: Vec<bool> = (0..width).map(is_number).collect();
     let mut html = format!("<div class=\"scroll\"><table class=\"{class}\">\n");
     if !header.is_empty() {
-        html += &row("th", header);
+        html += &row("th", header, &numbers);
     }
-    rows.iter().for_each(|cells| html += &row("td", cells));
+    rows.iter().for_each(|cells| html += &row("td", cells, &numbers));
     html + "</table></div>\n"
 }
 
-fn row(tag: &str, cells: &[String]) -> String {
+fn row(tag: &str, cells: &[String], numbers: &[bool]) -> String {
     let mut html = String::from("<tr>");
-    for cell in cells {
-        let _ = write!(html, "<{tag}>{}</{tag}>", escape(cell));
+    for (at, cell) in cells.iter().enumerate() {
+        let class = if numbers.get(at) == Some(&true) { " class=\"number\"" } else { "" };
+        let _ = write!(html, "<{tag}{class}>{}</{tag}>", escape(cell));
     }
     html + "</tr>\n"
+}
+
+/// A square table of shares between -1 and 1, coloured by sign and size, such as correlations; `names` are text.
+/// Values that are not finite leave their cell empty.
+pub fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> String {
+    let header: String = names.iter().map(|name| format!("<th scope=\"col\">{}</th>", escape(name))).collect();
+    let cell = |value: &f64| match value.is_finite() {
+        // The colour is a mix with the page's own, so that it suits light and dark.
+        true => {
+            let sign = if *value < 0.0 { "negative" } else { "positive" };
+            let strength = (value.abs().min(1.0) * 100.0).round();
+            format!("<td class=\"{sign}\" style=\"--strength:{strength}%\">{value:.2}</td>")
+        }
+        false => "<td></td>".into(),
+    };
+    let row = |(name, row): (&String, &Vec<f64>)| {
+        let cells: String = row.iter().map(cell).collect();
+        format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", escape(name))
+    };
+    let rows: String = names.iter().zip(rows).map(row).collect();
+    format!(
+        "<div class=\"scroll\"><table class=\"matrix\">\n<caption>{}</caption>\n<tr><td></td>{header}</tr>\n{rows}</table></div>\n",
+        escape(caption)
+    )
 }
 
 /// A list; all items are text.
@@ -72,4 +133,39 @@ pub fn list(items: &[String]) -> String {
 /// Text as it was written.
 pub fn verbatim(text: &str) -> String {
     format!("<pre>{}</pre>\n", escape(text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_allows_its_own_scripts_and_nothing_else() {
+        let html = page("a < b", "<p>body</p>\n");
+        assert!(html.contains("<title>a &lt; b</title>") && html.contains("default-src 'none'"));
+        assert_eq!(html.matches("'sha256-").count(), SCRIPTS.len());
+        assert!(SCRIPTS.iter().all(|script| !script.contains("</script") && html.contains(script)));
+    }
+
+    #[test]
+    fn no_text_ends_a_block_of_data() {
+        let block = data(&serde_json::json!("</script><!-- & -->"));
+        assert_eq!(block, "<script type=\"application/json\">\"\\u003c/script>\\u003c!-- & -->\"</script>\n");
+    }
+
+    #[test]
+    fn numbers_stand_to_the_right_and_text_is_escaped() {
+        let rows = [vec!["<a>".to_owned(), "-1.5e-3".into()], vec!["2".into(), String::new()]];
+        let html = table("rows", &["name", "value"].map(String::from), &rows);
+        assert!(html.contains("<th>name</th><th class=\"number\">value</th>"), "{html}");
+        assert!(html.contains("<td>&lt;a&gt;</td><td class=\"number\">-1.5e-3</td>"), "{html}");
+    }
+
+    #[test]
+    fn a_matrix_shows_sign_and_size() {
+        let names = ["k1".to_owned(), "<ke>".to_owned()];
+        let html = matrix("correlations", &names, &[vec![1.0, -0.25], vec![-0.25, f64::NAN]]);
+        assert!(html.contains("<td class=\"negative\" style=\"--strength:25%\">-0.25</td>"), "{html}");
+        assert!(html.contains("<th scope=\"col\">&lt;ke&gt;</th>") && html.contains("<td></td></tr>"), "{html}");
+    }
 }

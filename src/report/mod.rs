@@ -1,16 +1,26 @@
 //! One self-contained page a run or study: figures, plots, warnings, and what was run. Opens offline.
 
+mod body;
+mod convergence;
+pub mod compare_page;
 mod figure;
+mod film;
+mod findings;
 mod html;
+mod key_figures;
 mod plot;
 #[cfg(feature = "rerun")]
 pub mod recording;
 mod run_page;
+mod run_plots;
 mod study_page;
+pub mod vtu;
 mod subject;
 
 pub use figure::{Figure, G, duration, markdown, rounded, significant};
-pub use plot::PlotError;
+pub use findings::{cell, columns};
+pub use html::{matrix, page};
+pub use plot::figures;
 pub use run_page::{RunPage, run_page};
-pub use study_page::{StudyPage, cell, columns, study_page};
+pub use study_page::{StudyPage, study_page};
 pub use subject::subject;

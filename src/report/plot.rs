@@ -1,272 +1,230 @@
-//! Line plots and histograms as SVG that suits light and dark pages.
+//! Plots of a page: the data that its script draws, and the words that stand for them.
 
-use std::ops::Range;
-
-use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
-use plotters::prelude::*;
-use thiserror::Error;
+use serde_json::{Value, json};
 
 use super::figure::significant;
-use super::html::escape;
+use super::html::{data, escape};
+use crate::plot::{Axis, Curve, Look, Plot, Scale};
 use crate::post::Histogram;
 
-/// Readable on white and on black.
-const COLOURS: [RGBColor; 14] = [
-    RGBColor(0x2f, 0x80, 0xc8),
-    RGBColor(0xd9, 0x77, 0x06),
-    RGBColor(0x2f, 0x9e, 0x62),
-    RGBColor(0x99, 0x66, 0xcc),
-    RGBColor(0xd1, 0x49, 0x5b),
-    RGBColor(0x1b, 0x9a, 0xaa),
-    RGBColor(0xb0, 0x85, 0x2c),
-    RGBColor(0xc0, 0x5a, 0x9e),
-    RGBColor(0x6b, 0x9a, 0x1f),
-    RGBColor(0x5a, 0x5f, 0xd6),
-    RGBColor(0x8f, 0x5a, 0x3a),
-    RGBColor(0xe0, 0x7a, 0x6a),
-    RGBColor(0x5f, 0x7f, 0x95),
-    RGBColor(0x00, 0x8f, 0x7a),
-];
-const GREY: RGBColor = RGBColor(0x80, 0x88, 0x90);
-/// Small, so that the labels stay readable where the page scales it down to a phone.
-const SIZE: (u32, u32) = (480, 300);
-
-/// Most points of one curve; longer ones are drawn by the extremes of their stretches.
+/// Most points of one curve; longer ones are given by the extremes of their stretches.
 const MOST_POINTS: usize = 2000;
 
-/// The SVG could not be drawn.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("cannot draw `{title}`: {cause}")]
-pub struct PlotError {
-    title: String,
-    cause: String,
+/// Significant digits of a point: more than any screen has pixels.
+const DIGITS: i32 = 6;
+
+/// The plot as an HTML figure that the page's script draws; empty where no curve has a point.
+pub fn figure(plot: &Plot) -> String {
+    drawn(plot, false)
 }
 
-/// One curve: its name in the legend and its points; a point that is not finite interrupts it.
-pub struct Curve {
-    pub name: String,
-    pub points: Vec<(f64, f64)>,
+/// Plots side by side, where the page is wide enough.
+pub fn figures<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
+    side_by_side(plots.into_iter().map(figure))
 }
 
-/// A plot of curves over a common x axis.
-pub struct Plot {
-    pub title: String,
-    pub x: String,
-    pub y: String,
-    pub curves: Vec<Curve>,
+/// Figures (HTML) side by side; nothing where there is none.
+pub(super) fn side_by_side(figures: impl IntoIterator<Item = String>) -> String {
+    let figures: String = figures.into_iter().collect();
+    if figures.is_empty() { figures } else { format!("<div class=\"plots\">\n{figures}</div>\n") }
 }
 
-impl Plot {
-    /// The plot as an HTML figure; empty where no curve has a point.
-    pub fn draw(&self) -> Result<String, PlotError> {
-        let Some((x, y)) = self.ranges() else {
-            return Ok(String::new());
-        };
-        let mut svg = String::new();
-        self.draw_on(SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), x, y)
-            .map_err(|cause| PlotError { title: self.title.clone(), cause: cause.to_string() })?;
-        let names = self.curves.iter().map(|curve| curve.name.as_str());
-        Ok(figure(&self.title, names, &svg))
-    }
-
-    fn draw_on(&self, area: Area, x: Range<f64>, y: Range<f64>) -> Result<(), Fault> {
-        let mut chart = axes(
-            &area,
-            Axis { words: &self.x, range: x, label: tick },
-            Axis { words: &self.y, range: y, label: tick },
-        )?;
-        for (curve, colour) in self.curves.iter().zip(COLOURS.iter().cycle()) {
-            for piece in curve.points.split(|point| !finite(point)) {
-                chart.draw_series(LineSeries::new(thinned(piece), colour.stroke_width(2)))?;
-            }
-        }
-        area.present()?;
-        Ok(())
-    }
-
-    fn ranges(&self) -> Option<(Range<f64>, Range<f64>)> {
-        let points = || self.curves.iter().flat_map(|curve| &curve.points).filter(|point| finite(point));
-        Some((range(points().map(|p| p.0), 0.0)?, range(points().map(|p| p.1), 0.05)?))
-    }
-}
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-type Fault = Box<dyn std::error::Error>;
-
-/// One axis: what it shows, from where to where, and how a place on it is written.
-struct Axis<'a> {
-    words: &'a str,
-    range: Range<f64>,
-    label: fn(f64) -> String,
-}
-
-/// A chart with its axes and grid.
-fn axes<'a, 'b>(area: &'a Area<'b>, x: Axis, y: Axis) -> Result<Chart<'a, 'b>, Fault> {
-    // What sums of steps leave of a zero is no label.
-    let near_zero = |range: &Range<f64>| 1e-9 * (range.end - range.start);
-    let (least_x, least_y) = (near_zero(&x.range), near_zero(&y.range));
-    let clean = |place: f64, least: f64| if place.abs() < least { 0.0 } else { place };
-    let mut chart = ChartBuilder::on(area)
-        .margin(6)
-        .margin_right(24)
-        .x_label_area_size(44)
-        .y_label_area_size(62)
-        .build_cartesian_2d(x.range, y.range)?;
-    chart
-        .configure_mesh()
-        .x_labels(7)
-        .y_labels(7)
-        .x_desc(x.words)
-        .y_desc(y.words)
-        .axis_style(GREY)
-        .bold_line_style(GREY.mix(0.25))
-        .light_line_style(TRANSPARENT)
-        .label_style(("sans-serif", 14))
-        .axis_desc_style(("sans-serif", 14))
-        .x_label_formatter(&|place| (x.label)(clean(*place, least_x)))
-        .y_label_formatter(&|place| (y.label)(clean(*place, least_y)))
-        .draw()?;
-    Ok(chart)
-}
-
-fn finite(point: &(f64, f64)) -> bool {
-    point.0.is_finite() && point.1.is_finite()
-}
-
-/// From the smallest to the largest value with a `margin` (share) on both sides, never empty.
-fn range(values: impl Iterator<Item = f64>, margin: f64) -> Option<Range<f64>> {
-    let ends = values.fold(None, |ends: Option<(f64, f64)>, value| {
-        let (low, high) = ends.unwrap_or((value, value));
-        Some((low.min(value), high.max(value)))
-    });
-    let (low, high) = ends?;
-    let span = high - low;
-    let pad = if span > 0.0 { margin * span } else { 0.5 * low.abs().max(1e-9) };
-    Some(low - pad..high + pad)
-}
-
-fn tick(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    if !(1e-3..1e5).contains(&value.abs()) {
-        return format!("{value:.1e}").replace(".0e", "e");
-    }
-    significant(value, 5)
-}
-
-/// At most about [`MOST_POINTS`] of the points: the lowest and the highest of every stretch.
-fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    if points.len() <= MOST_POINTS {
-        return points.to_vec();
-    }
-    let stretch = points.len().div_ceil(MOST_POINTS / 2);
-    let extremes = |stretch: &[(f64, f64)]| {
-        let by_height = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let mut ends = [stretch.iter().min_by(by_height), stretch.iter().max_by(by_height)].map(|p| p.copied());
-        ends.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-        ends.into_iter().flatten().collect::<Vec<_>>()
+/// The histogram of strain rates over decades, the measured range marked; empty where nothing strained.
+pub(super) fn rates(title: &str, histogram: &Histogram) -> String {
+    let bins = histogram.edges_1_s.windows(2).zip(&histogram.shares);
+    let worth: Vec<_> = bins.filter(|(_, share)| **share > WORTH_SHOWING).collect();
+    let (Some((first, _)), Some((last, _))) = (worth.first(), worth.last()) else {
+        return String::new();
     };
-    points.chunks(stretch).flat_map(extremes).collect()
-}
-
-fn figure<'a>(title: &str, names: impl Iterator<Item = &'a str>, svg: &str) -> String {
-    let entry = |(name, colour): (&str, &RGBColor)| {
-        let RGBColor(r, g, b) = colour;
-        format!("<li><span style=\"background:rgb({r},{g},{b})\"></span>{}</li>", escape(name))
+    let ends = [[first[0], 0.0], [last[1], 0.0]];
+    let outline = worth.iter().flat_map(|(edges, share)| edges.iter().map(|edge| [*edge, **share * 100.0]));
+    let points = [ends[0]].into_iter().chain(outline).chain([ends[1]]);
+    let words = "range in which the curves were measured".into();
+    let plot = Plot {
+        x: Axis { words: "strain rate (1/s)".into(), scale: Scale::Logarithmic },
+        window: histogram.measured_1_s.map(|range| crate::plot::Window { words, range }),
+        ..Plot::new(title, ["", "share (%)"], vec![Curve::line("share of the straining", points)])
     };
-    let legend: String = names.zip(COLOURS.iter().cycle()).map(entry).collect();
-    format!("<figure>\n<h3>{}</h3>\n<ul class=\"legend\">{legend}</ul>\n{svg}\n</figure>\n", escape(title))
-}
-
-/// The histogram of strain rates over a logarithmic axis, the measured range shaded; empty where nothing strained.
-pub fn rates(title: &str, histogram: &Histogram) -> Result<String, PlotError> {
-    let edges: Vec<f64> = histogram.edges_1_s.iter().map(|edge| edge.log10()).collect();
-    let highest = histogram.shares.iter().copied().fold(0.0, f64::max);
-    let Some(decades) = decades(histogram, &edges) else {
-        return Ok(String::new());
-    };
-    let mut svg = String::new();
-    let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-    let ranges = (decades, 0.0..1.1 * highest);
-    let drawn = draw_rates(area, histogram, &edges, ranges);
-    drawn.map_err(|cause| PlotError { title: title.into(), cause: cause.to_string() })?;
-    let names = ["share of the straining"].into_iter().chain(histogram.measured_1_s.map(|_| "range of the curves"));
-    Ok(figure(title, names, &svg))
+    drawn(&plot, true)
 }
 
 /// Share of the straining from which a bin is worth its place on the axis.
 const WORTH_SHOWING: f64 = 1e-3;
 
-/// Whole decades around the measured range and every bin that is high enough to be seen; nothing where there is none.
-fn decades(histogram: &Histogram, edges: &[f64]) -> Option<Range<f64>> {
-    let bins = edges.windows(2).zip(&histogram.shares).filter(|(_, share)| **share > WORTH_SHOWING);
-    let strained = range(bins.flat_map(|(bin, _)| bin.iter().copied()), 0.0)?;
-    let [low, high] = histogram.measured_1_s.map_or([strained.start, strained.end], |rates| rates.map(f64::log10));
-    Some(strained.start.min(low).floor()..strained.end.max(high).ceil())
+fn drawn(plot: &Plot, filled: bool) -> String {
+    let shown = |point: &&[f64; 2]| has_place(plot, point);
+    if !plot.curves.iter().any(|curve| curve.points.iter().any(|point| shown(&point))) {
+        return String::new();
+    }
+    let title = escape(&plot.title);
+    let words = escape(&description(plot));
+    let data = data(&contents(plot, filled));
+    format!(
+        "<figure class=\"plot\">\n<h3>{title}</h3>\n{data}<figcaption class=\"unseen\">{words}</figcaption>\n</figure>\n"
+    )
 }
 
-fn draw_rates(area: Area, histogram: &Histogram, edges: &[f64], (x, y): (Range<f64>, Range<f64>)) -> Result<(), Fault> {
-    let (left, right, top) = (x.start, x.end, y.end);
-    let x = Axis { words: "strain rate (1/s)", range: x, label: |exponent| tick(10f64.powf(exponent)) };
-    let mut chart = axes(&area, x, Axis { words: "share", range: y, label: tick })?;
-    if let Some(measured) = histogram.measured_1_s {
-        let [low, high] = measured.map(|rate| rate.log10().clamp(left, right));
-        chart.draw_series([Rectangle::new([(low, 0.0), (high, top)], COLOURS[1].mix(0.18).filled())])?;
+/// Whether the axes have a place for a point.
+fn has_place(plot: &Plot, [x, y]: &[f64; 2]) -> bool {
+    let on = |axis: &Axis, value: f64| value.is_finite() && (axis.scale == Scale::Linear || value > 0.0);
+    on(&plot.x, *x) && on(&plot.y, *y)
+}
+
+/// What a reader who does not see the plot is told.
+fn description(plot: &Plot) -> String {
+    let ends = |curve: &Curve, axis: usize| {
+        let places = curve.points.iter().filter(|point| has_place(plot, point)).map(|point| point[axis]);
+        places.fold(None, |ends: Option<[f64; 2]>, value| {
+            let [low, high] = ends.unwrap_or([value; 2]);
+            Some([low.min(value), high.max(value)])
+        })
+    };
+    let range = |[low, high]: [f64; 2]| format!("{} to {}", significant(low, 4), significant(high, 4));
+    let curve = |curve: &Curve| Some(format!("{}: {}", curve.name, range(ends(curve, 1)?)));
+    let curves: Vec<String> = plot.curves.iter().filter_map(curve).collect();
+    let window = plot.window.as_ref().map(|window| format!("; marked: {}, {}", window.words, range(window.range)));
+    format!("{} over {}; {}{}", plot.y.words, plot.x.words, curves.join("; "), window.unwrap_or_default())
+}
+
+/// What the script reads. A curve with the abscissae of an earlier one names that one in their place.
+fn contents(plot: &Plot, filled: bool) -> Value {
+    let mut abscissae: Vec<Vec<Value>> = Vec::new();
+    let mut curve = |curve: &Curve| {
+        let points = thinned(&curve.points);
+        let column = |axis: usize| -> Vec<Value> {
+            let number =
+                |point: &[f64; 2]| if has_place(plot, point) { short(point[axis]).into() } else { Value::Null };
+            points.iter().map(number).collect()
+        };
+        // A gap has a place along the axis, so that curves with other gaps can share it.
+        let x: Vec<Value> = points.iter().map(|point| short(point[0]).into()).collect();
+        let same = abscissae.iter().position(|known| *known == x);
+        let written = same.map_or_else(|| json!(x), |earlier| json!(earlier));
+        abscissae.push(x);
+        let look = match curve.look {
+            Look::Line => "line",
+            Look::Dashed => "dashed",
+            Look::Points => "points",
+        };
+        json!({ "name": curve.name, "look": look, "x": written, "y": column(1) })
+    };
+    let axis = |axis: &Axis| json!({ "words": axis.words, "log": axis.scale == Scale::Logarithmic });
+    json!({
+        "x": axis(&plot.x),
+        "y": axis(&plot.y),
+        "window": plot.window.as_ref().map(|window| json!({ "words": window.words, "range": window.range })),
+        "filled": filled,
+        "curves": plot.curves.iter().map(&mut curve).collect::<Vec<_>>(),
+    })
+}
+
+/// At most [`MOST_POINTS`] of the points: lowest and highest of every stretch, and its first gap.
+fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    if points.len() <= MOST_POINTS {
+        return points.to_vec();
     }
-    let bars = edges.windows(2).zip(&histogram.shares);
-    let bars = bars.map(|(edge, share)| Rectangle::new([(edge[0], 0.0), (edge[1], *share)], COLOURS[0].filled()));
-    chart.draw_series(bars)?;
-    area.present()?;
-    Ok(())
+    let stretch = points.len().div_ceil(MOST_POINTS / 3);
+    points.chunks(stretch).flat_map(extremes).collect()
+}
+
+fn extremes(stretch: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let drawn = || (0..stretch.len()).filter(|at| stretch[*at].iter().all(|c| c.is_finite()));
+    let by_height = |a: &usize, b: &usize| stretch[*a][1].total_cmp(&stretch[*b][1]);
+    let gap = stretch.iter().position(|point| !point.iter().all(|c| c.is_finite()));
+    let mut kept: Vec<usize> =
+        [drawn().min_by(by_height), drawn().max_by(by_height), gap].into_iter().flatten().collect();
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|at| stretch[at]).collect()
+}
+
+/// The number with [`DIGITS`] significant digits, so that few letters write it.
+pub(super) fn short(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let places = DIGITS - 1 - value.abs().log10().floor() as i32;
+    // A power of ten below 10²³ is exact, so that dividing by it gives the double nearest to the decimal.
+    if places >= 0 {
+        let power = 10.0_f64.powi(places);
+        if power.is_finite() { (value * power).round() / power } else { 0.0 }
+    } else {
+        let power = 10.0_f64.powi(-places);
+        (value / power).round() * power
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plot::Window;
 
-    fn plot(points: Vec<(f64, f64)>) -> Plot {
-        let curve = Curve { name: "<film>".into(), points };
-        Plot { title: "A & B".into(), x: "time (ms)".into(), y: "travel (mm)".into(), curves: vec![curve] }
+    fn plot(points: Vec<[f64; 2]>) -> Plot {
+        Plot::new("A & B", ["time (ms)", "travel (mm)"], vec![Curve::line("</script><film>", points)])
+    }
+
+    /// The data block of a figure, as the page's script reads it.
+    fn block(html: &str) -> Value {
+        let (_, rest) = html.split_once("<script type=\"application/json\">").expect("a block");
+        let (block, _) = rest.split_once("</script>").expect("its end");
+        assert!(!block.contains('<'), "{block}");
+        serde_json::from_str(block).expect("JSON")
     }
 
     #[test]
-    fn a_plot_holds_its_curve_and_its_escaped_names() {
-        let html = plot(vec![(0.0, 1.0), (1.0, 2.0), (f64::NAN, 0.0), (2.0, 1.0), (3.0, 4.0)]).draw().unwrap();
-        assert_eq!(html.matches("#2F80C8").count(), 2, "a gap interrupts the curve");
-        assert!(html.contains("&lt;film&gt;") && html.contains("A &amp; B") && html.contains("travel (mm)"));
-        assert!(!html.contains("NaN"));
+    fn a_figure_holds_its_points_and_its_escaped_names() {
+        let html = figure(&plot(vec![[0.0, 1.0], [1.0, f64::NAN], [2.0, 1.0 / 3.0]]));
+        let data = block(&html);
+        assert_eq!(data["curves"][0]["name"], "</script><film>");
+        assert_eq!(data["curves"][0]["x"], json!([0.0, 1.0, 2.0]));
+        assert_eq!(data["curves"][0]["y"], json!([1.0, null, 0.333333]));
+        assert!(html.contains("A &amp; B") && html.contains("&lt;film&gt;: 0.3333 to 1"), "{html}");
     }
 
     #[test]
-    fn neighbouring_ticks_differ() {
-        assert_eq!([0.0015, 0.002, 0.0025, 1e-4, 1.5e5].map(tick), ["0.0015", "0.002", "0.0025", "1e-4", "1.5e5"]);
+    fn curves_share_what_they_stand_over() {
+        let mut shared = plot(vec![[0.0, 1.0], [1.0, 2.0]]);
+        shared.curves.push(Curve::line("other", [[0.0, f64::NAN], [1.0, 4.0]]).dashed());
+        let data = block(&figure(&shared));
+        assert_eq!((&data["curves"][1]["x"], &data["curves"][1]["look"]), (&json!(0), &json!("dashed")));
     }
 
     #[test]
-    fn a_tick_at_zero_reads_zero() {
-        let html = plot(vec![(0.0, -0.3), (1.0, 0.3)]).draw().unwrap();
-        assert!(html.contains("0.1") && !html.contains("e-1"), "{html}");
+    fn nothing_to_plot_gives_nothing() {
+        assert_eq!(figure(&plot(vec![])), "");
+        assert_eq!(figure(&plot(vec![[f64::NAN, 1.0]])), "");
+        let mut logarithmic = plot(vec![[-1.0, 1.0]]);
+        logarithmic.x.scale = Scale::Logarithmic;
+        assert_eq!(figure(&logarithmic), "");
+        assert_eq!(figures(&[plot(vec![])]), "");
     }
 
     #[test]
-    fn nothing_to_plot_gives_nothing_and_a_constant_still_has_a_range() {
-        assert_eq!(plot(vec![]).draw().unwrap(), "");
-        assert!(plot(vec![(0.0, 5.0), (1.0, 5.0)]).draw().unwrap().contains("<svg"));
-        assert!(plot(vec![(0.0, 0.0)]).draw().unwrap().contains("<svg"));
-    }
-
-    #[test]
-    fn long_curves_keep_their_extremes() {
-        let mut points: Vec<(f64, f64)> = (0..50_000).map(|i| (f64::from(i), 0.0)).collect();
-        points[31_415].1 = 7.0;
-        points[27_182].1 = -3.0;
+    fn long_curves_keep_their_extremes_and_gaps() {
+        let mut points: Vec<[f64; 2]> = (0..50_000).map(|i| [f64::from(i), 0.0]).collect();
+        points[31_415][1] = 7.0;
+        points[27_182][1] = -3.0;
+        points[14_142][1] = f64::NAN;
         let thin = thinned(&points);
-        assert!(thin.len() <= MOST_POINTS + 2);
-        assert!(thin.contains(&(31_415.0, 7.0)) && thin.contains(&(27_182.0, -3.0)));
-        assert!(thin.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+        assert!(thin.len() <= MOST_POINTS);
+        assert!(thin.contains(&[31_415.0, 7.0]) && thin.contains(&[27_182.0, -3.0]));
+        assert!(thin.iter().any(|point| point[0] == 14_142.0 && point[1].is_nan()));
+        assert!(thin.windows(2).all(|pair| pair[0][0] < pair[1][0]));
+    }
+
+    #[test]
+    fn numbers_are_short_and_near() {
+        for (value, expected) in [
+            (1.0 / 3.0, "0.333333"),
+            (-169.854_473_137, "-169.854"),
+            (0.1 + 0.2, "0.3"),
+            (12_345_678.9, "12345700.0"),
+            (4.96e-6, "4.96e-6"),
+            (0.0, "0.0"),
+            (1e-320, "0.0"),
+        ] {
+            assert_eq!(Value::from(short(value)).to_string(), expected);
+        }
     }
 
     #[test]
@@ -277,9 +235,19 @@ mod tests {
             measured_1_s: Some([0.04, 40.0]),
             outside: 0.3,
         };
-        let html = rates("Strain rates", &histogram).unwrap();
-        assert!(html.contains("<svg") && html.contains("range of the curves"));
+        let data = block(&rates("Strain rates", &histogram));
+        assert_eq!(data["window"]["range"], json!([0.04, 40.0]));
+        assert_eq!(data["curves"][0]["x"], json!([0.1, 0.1, 1.0, 1.0, 10.0, 10.0, 100.0, 100.0]));
+        assert_eq!((&data["x"]["log"], &data["filled"]), (&json!(true), &json!(true)));
         let nothing = Histogram { shares: vec![0.0; 3], ..histogram };
-        assert_eq!(rates("Strain rates", &nothing).unwrap(), "");
+        assert_eq!(rates("Strain rates", &nothing), "");
+    }
+
+    #[test]
+    fn a_window_is_marked_and_told() {
+        let window = Some(Window { words: "error window".into(), range: [0.0, 57.3] });
+        let html = figure(&Plot { window, ..plot(vec![[0.0, 0.0], [1.0, 1.0]]) });
+        assert_eq!(block(&html)["window"]["words"], "error window");
+        assert!(html.contains("marked: error window, 0 to 57.3"), "{html}");
     }
 }

@@ -1,13 +1,14 @@
 //! The page of one run.
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::plot::{self, Curve, Plot, PlotError};
-use super::{Figure, duration, study_page, subject};
-use crate::model::Model;
-use crate::post::{Measures, Results};
-use crate::signal::{Channel, Recording, Series};
+use super::{duration, figure, film, findings, key_figures, plot, run_plots, subject};
+use crate::diagnostic::shown_path;
+use crate::mesh::MeshError;
+use crate::model::{Model, Window};
+use crate::post::Results;
+use crate::signal::says_virtual;
 use crate::simulate::Outcome;
 
 /// What the page of a run is made of.
@@ -20,41 +21,56 @@ pub struct RunPage<'a> {
     pub scenario: &'a str,
     /// Why the run broke off, where it did.
     pub failure: Option<&'a str>,
+    /// Names of the other files in the run's folder.
+    pub files: &'a [String],
 }
 
 /// Figures of the machine and the mesh, not of the film.
-const COST: [&str; 5] = ["elements", "steps", "time_step_s", "wall_s", "ns_per_element_step"];
+const COST: [&str; 8] = [
+    "elements",
+    "steps",
+    "time_step_s",
+    "wall_s",
+    "ns_per_element_step",
+    "bytes_per_element",
+    "threads",
+    "instructions",
+];
 
 /// `report.html` of a run.
-pub fn run_page(run: &RunPage) -> Result<String, PlotError> {
-    let RunPage { model, results, .. } = run;
+///
+/// # Errors
+/// The impactor's mesh cannot be read any more.
+pub fn run_page(run: &RunPage) -> Result<String, MeshError> {
+    let RunPage { model, outcome, results, .. } = run;
     let summary = results.summary(model);
-    let is_one_of = |names: &[&str], name: &String| names.contains(&name.as_str());
-    let (cost, figures): (Vec<_>, Vec<_>) = summary
-        .iter()
-        .filter(|(name, _)| !is_one_of(&["scenario", "title", "droptower"], name))
-        .partition(|(name, _)| is_one_of(&COST, name));
     let body = [
-        format!(
-            "<h1>{}</h1>\n<p class=\"lead\">{}</p>\n",
-            escape(&model.title),
-            escape(&format!("{}: {}", model.name, subject(model)))
-        ),
+        format!("<h1>{}</h1>\n{}", escape(&model.title), lead(run)),
         warnings(run),
-        html::section("Figures", &table(&figures)),
-        html::section("Signals", &plots(run)?),
-        study_page::tables(&results.findings),
-        html::section("Cost", &table(&cost)),
+        key_figures::cards(&results.measures, &summary),
+        html::section("Film", &film::figure(model, outcome, &results.signals)?),
+        html::section("Signals", &plot::figures(&run_plots::signals(run))),
+        findings::sections(&results.findings),
+        html::section("Figures", &figures(&summary)),
+        html::section("Trust", &trust(run)),
+        html::section("Reference", &reference(run)),
         html::section("Log", &html::list(&results.findings.log)),
-        html::section("Scenario", &html::verbatim(run.scenario)),
+        html::section("Files", &files(run)),
+        html::section("Again", &again(run)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     Ok(html::page(&model.title, &body.concat()))
 }
 
-fn table(figures: &[(&String, &Value)]) -> String {
-    let figures = figures.iter().filter_map(|(name, value)| Figure::of(name, value));
-    html::table("figures", &[], &figures.map(|figure| figure.cells().into()).collect::<Vec<_>>())
+/// What was run and what it is held against, in words.
+fn lead(run: &RunPage) -> String {
+    let RunPage { model, results, .. } = run;
+    let file = |path: &std::path::Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let against = model.reference.as_ref().and_then(|reference| file(&reference.signals));
+    let is_virtual = results.comparison.as_ref().is_some_and(|comparison| says_virtual(&comparison.said));
+    let kind = if is_virtual { "the virtual recording" } else { "the recording" };
+    let against = against.map_or(String::new(), |file| format!(", against {kind} {file}"));
+    format!("<p class=\"lead\">{}</p>\n", escape(&format!("{}: {}{against}", model.name, subject(model))))
 }
 
 fn warnings(run: &RunPage) -> String {
@@ -68,128 +84,88 @@ fn warnings(run: &RunPage) -> String {
     format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{}</div>\n", html::list(&lines))
 }
 
-fn plots(run: &RunPage) -> Result<String, PlotError> {
-    let signals = &run.results.signals;
-    let own = match &run.results.measures {
-        Measures::Impact(_) => impact_plots(run),
-        Measures::Stretch(_) => stretch_plots(signals),
-        Measures::Indent(_) => indent_plots(signals),
-        Measures::Inflation(_) => inflation_plots(signals),
-    };
-    let histogram = &run.results.measures.audit().strain_rates;
-    let mut figures = own.iter().chain(&frame_plot(signals)).map(Plot::draw).collect::<Result<Vec<_>, _>>()?;
-    figures.push(audit(&run.outcome.energies)?);
-    figures.push(plot::rates("Strain rates while loading", histogram)?);
-    Ok(format!("<div class=\"plots\">\n{}</div>\n", figures.concat()))
+/// All figures of the summary, those of the machine behind a fold.
+fn figures(summary: &Map<String, Value>) -> String {
+    let is_cost = |name: &String| COST.contains(&name.as_str());
+    let own = |name: &String| !["scenario", "title", "droptower"].contains(&name.as_str());
+    let figures = figure::table(summary.iter().filter(|(name, _)| own(name) && !is_cost(name)));
+    let cost = figure::table(summary.iter().filter(|(name, _)| is_cost(name)));
+    format!("{figures}<h3>Mesh and machine</h3>\n{cost}")
 }
 
-fn impact_plots(run: &RunPage) -> Vec<Plot> {
-    let signals = &run.results.signals;
-    let comparison = run.results.comparison.as_ref();
-    let simulated = |name: &str, column: &str, factor| Some(over_time(name, &signals.series(column)?, factor));
-    let reference = |series: Option<&Series>, factor| Some(over_time("reference", series?, factor));
-    let energy = |name: &str| simulated(name, &format!("{name}_energy_J"), 1.0);
-    let displacement = reference(comparison.and_then(|c| c.displacement.as_ref()), 1e3);
-    let acceleration = reference(comparison.and_then(|c| c.acceleration.as_ref()), 1.0);
-    vec![
-        time_plot(
-            "Displacement of the impactor",
-            "displacement (mm)",
-            [simulated("simulated", "displacement_m", 1e3), displacement],
-        ),
-        time_plot(
-            "Acceleration of the impactor",
-            "acceleration (m/s²)",
-            [
-                simulated("raw", "acceleration_m_s2", 1.0),
-                acceleration,
-                simulated("filtered", "acceleration_filtered_m_s2", 1.0),
-            ],
-        ),
-        time_plot(
-            "Largest strain of the film",
-            "engineering strain",
-            [simulated("along MD", "max_strain_md", 1.0), simulated("along TD", "max_strain_td", 1.0)],
-        ),
-        time_plot("Energy of the impactor", "energy (J)", ["kinetic", "potential", "absorbed", "total"].map(energy)),
-    ]
-}
-
-fn stretch_plots(signals: &Recording) -> Vec<Plot> {
-    let strain = Axis { words: "engineering strain", column: "strain", factor: 1.0 };
-    let stress = Axis { words: "stress (MPa)", column: "stress_Pa", factor: 1e-6 };
-    let travel = Axis { words: "travel of the jaws (mm)", column: "displacement_m", factor: 1e3 };
-    let force = Axis { words: "force (N)", column: "force_N", factor: 1.0 };
-    vec![against(signals, "Stress and strain", [strain, stress]), against(signals, "Force and travel", [travel, force])]
-}
-
-fn indent_plots(signals: &Recording) -> Vec<Plot> {
-    let depth = Axis { words: "depth (mm)", column: "depth_m", factor: 1e3 };
-    let force = Axis { words: "force (N)", column: "force_N", factor: 1.0 };
-    vec![against(signals, "Force and depth", [depth, force])]
-}
-
-fn inflation_plots(signals: &Recording) -> Vec<Plot> {
-    let deflection = Axis { words: "deflection (mm)", column: "deflection_m", factor: 1e3 };
-    let pressure = Axis { words: "pressure (kPa)", column: "pressure_Pa", factor: 1e-3 };
-    let over_time = signals.series("deflection_m").map(|series| over_time("simulated", &series, 1e3));
-    vec![
-        against(signals, "Pressure and deflection", [deflection, pressure]),
-        time_plot("Deflection of the highest point", "deflection (mm)", [over_time]),
-    ]
-}
-
-/// The pull on the frame, where sides of a rectangle are held.
-fn frame_plot(signals: &Recording) -> Option<Plot> {
-    let pull = |name: &str, column: &str| Some(over_time(name, &signals.series(column)?, 1.0));
-    let curves = [pull("along x", "frame_force_x_N"), pull("along y", "frame_force_y_N")];
-    curves.iter().any(Option::is_some).then(|| time_plot("Pull of the film on the frame", "force (N)", curves))
-}
-
-/// One axis of a plot: what it says, and the column that it shows times a factor.
-struct Axis {
-    words: &'static str,
-    column: &'static str,
-    factor: f64,
-}
-
-/// One column over another.
-fn against(signals: &Recording, title: &str, [x, y]: [Axis; 2]) -> Plot {
-    let column = |axis: &Axis| signals.channel(axis.column).unwrap_or_default();
-    let points = column(&x).iter().zip(column(&y)).map(|(a, b)| (a * x.factor, b * y.factor)).collect();
-    let curves = vec![Curve { name: "simulated".into(), points }];
-    Plot { title: title.into(), x: x.words.into(), y: y.words.into(), curves }
-}
-
-/// Share of the largest energy below which a term is named and not drawn; one that is zero throughout does not exist.
-const NEGLIGIBLE: f64 = 1e-3;
-
-fn audit(energies: &Recording) -> Result<String, PlotError> {
-    let magnitude = |channel: &Channel| channel.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let largest = energies.channels.iter().map(magnitude).fold(0.0, f64::max);
-    let (small, drawn): (Vec<&Channel>, Vec<&Channel>) = energies
-        .channels
-        .iter()
-        .filter(|channel| magnitude(channel) > 0.0)
-        .partition(|channel| magnitude(channel) < NEGLIGIBLE * largest);
-    let words = |channel: &Channel| channel.name.trim_end_matches("_J").replace('_', " ");
-    let curve = |channel: &Channel| {
-        let series = Series::new(energies.time.as_slice(), channel.values.as_slice());
-        over_time(&words(channel), &series, 1.0)
-    };
-    let plot = time_plot("Energy audit", "energy (J)", drawn.into_iter().map(|channel| Some(curve(channel))));
-    let small: Vec<String> = small.into_iter().map(words).collect();
-    let note = match small.as_slice() {
+/// Where the energy went, how fast the film was strained, and how its elements are shaped.
+fn trust(run: &RunPage) -> String {
+    let audit = run.results.measures.audit();
+    let (energies, negligible) = run_plots::energies(&run.outcome.energies);
+    let note = match negligible.as_slice() {
         [] => String::new(),
-        names => format!("<p class=\"note\">below {} %: {}</p>\n", NEGLIGIBLE * 100.0, escape(&names.join(", "))),
+        names => format!(
+            "<p class=\"note\">below {} % of the largest: {}</p>\n",
+            run_plots::NEGLIGIBLE * 100.0,
+            escape(&names.join(", "))
+        ),
     };
-    Ok(format!("<div>\n{}{note}</div>\n", plot.draw()?))
+    let rates = plot::rates("Strain rates while loading", &audit.strain_rates);
+    let energies = format!("<div>\n{}{note}</div>\n", plot::figure(&energies));
+    let header =
+        ["face", "elements", "shortest edge (mm)", "longest edge (mm)", "aspect ratio", "scaled Jacobian", "skew"];
+    let row = |(face, mesh): (usize, &crate::post::MeshFigures)| {
+        let sizes = [mesh.shortest_edge_m * 1e3, mesh.longest_edge_m * 1e3];
+        let shape = [mesh.aspect_ratio, mesh.scaled_jacobian, mesh.skew];
+        let numbers = sizes.into_iter().chain(shape).map(|number| figure::significant(number, 4));
+        [(face + 1).to_string(), mesh.elements.to_string()].into_iter().chain(numbers).collect()
+    };
+    let meshes: Vec<Vec<String>> = audit.meshes.iter().enumerate().map(row).collect();
+    let meshes = html::table("rows", &header.map(String::from), &meshes);
+    [plot::side_by_side([energies, rates]), format!("<h3>Worst elements of each face</h3>\n{meshes}")].concat()
 }
 
-fn time_plot(title: &str, y: &str, curves: impl IntoIterator<Item = Option<Curve>>) -> Plot {
-    Plot { title: title.into(), x: "time (ms)".into(), y: y.into(), curves: curves.into_iter().flatten().collect() }
+/// The recording: what it says of itself and how it was read.
+fn reference(run: &RunPage) -> String {
+    let (Some(reference), Some(comparison)) = (&run.model.reference, &run.results.comparison) else {
+        return String::new();
+    };
+    let [from, to] = comparison.window;
+    let window = match reference.window {
+        Window::Loading => "loading",
+        Window::All => "the whole recording",
+        Window::Range(_) => "as given",
+    };
+    let over = format!(
+        "{}; errors are taken from {} to {} ({window}).",
+        shown_path(&reference.signals),
+        duration(from),
+        duration(to)
+    );
+    let notes: Vec<String> = comparison.said.iter().chain(&comparison.reduced).cloned().collect();
+    format!("<p>{}</p>\n{}", escape(&over), html::list(&notes))
 }
 
-fn over_time(name: &str, series: &Series, factor: f64) -> Curve {
-    Curve { name: name.into(), points: series.samples().map(|[t, v]| (t * 1e3, v * factor)).collect() }
+/// Files of a run's folder, and what they hold.
+const HOLDINGS: [(&str, &str); 8] = [
+    ("signals.csv", "all channels over time, SI"),
+    ("energies.csv", "the energy audit over time"),
+    ("summary.json", "the figures, for other programs"),
+    ("scenario.toml", "the scenario with everything that it takes from elsewhere"),
+    ("post.rhai", "the script that added figures"),
+    ("recording.rrd", "film, impactor and signals to be played: droptower view"),
+    ("failure.txt", "why the run broke off"),
+    ("report.html", "this page"),
+];
+
+fn files(run: &RunPage) -> String {
+    let holding = |name: &String| HOLDINGS.iter().find(|(known, _)| known == name).map(|(_, holding)| *holding);
+    let row = |name: &String| vec![name.clone(), holding(name).unwrap_or("left by the script").to_owned()];
+    html::table("rows", &["file", "what it holds"].map(String::from), &run.files.iter().map(row).collect::<Vec<_>>())
+}
+
+/// How to run it again.
+fn again(run: &RunPage) -> String {
+    let command = html::verbatim("droptower run scenario.toml --out again");
+    let scenario = html::verbatim(run.scenario);
+    format!(
+        "<p>In the folder of this run, with droptower {}; the same version gives the same signals to the bit:</p>\n{command}\
+         <details open>\n<summary>scenario.toml</summary>\n{scenario}</details>\n",
+        env!("CARGO_PKG_VERSION")
+    )
 }

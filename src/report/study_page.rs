@@ -3,8 +3,8 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{Figure, rounded};
-use crate::script::{Findings, Row};
+use super::{cell, figure, findings};
+use crate::script::Findings;
 
 /// What the page of a study is made of.
 #[derive(Clone, Copy)]
@@ -20,14 +20,12 @@ pub struct StudyPage<'a> {
 
 /// `report.html` of a study.
 pub fn study_page(study: &StudyPage) -> String {
-    let figures = study.findings.measures.iter().filter_map(|(name, value)| Figure::of(name, value));
-    let figures: Vec<Vec<String>> = figures.map(|figure| figure.cells().into()).collect();
     let body = [
         format!("<h1>{}</h1>\n", escape(study.name)),
-        html::section("Figures", &html::table("figures", &[], &figures)),
-        tables(study.findings),
-        html::section("Log", &html::list(&study.findings.log)),
         html::section("What was run", &html::table("rows", &[], &call(study.call))),
+        html::section("Figures", &figure::table(study.findings.measures.iter())),
+        findings::sections(study.findings),
+        html::section("Log", &html::list(&study.findings.log)),
         html::section("Script", &html::verbatim(study.script)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
@@ -45,37 +43,4 @@ fn call(call: &Map<String, Value>) -> Vec<Vec<String>> {
     };
     let rows = call.iter().map(|(name, value)| vec![name.clone(), written(value)]);
     rows.filter(|row| !row[1].is_empty()).collect()
-}
-
-/// A section for every table that a script left.
-pub(super) fn tables(findings: &Findings) -> String {
-    let tables = findings.tables.iter();
-    tables.map(|(name, rows)| html::section(&name.replace('_', " "), &table(rows))).collect()
-}
-
-/// The columns of a table: every name that a row has, in the order of first appearance.
-pub fn columns(rows: &[Row]) -> Vec<String> {
-    let mut columns: Vec<String> = Vec::new();
-    for name in rows.iter().flat_map(Row::keys) {
-        if !columns.contains(name) {
-            columns.push(name.clone());
-        }
-    }
-    columns
-}
-
-fn table(rows: &[Row]) -> String {
-    let columns = columns(rows);
-    let cells = |row: &Row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect();
-    html::table("rows", &columns, &rows.iter().map(cells).collect::<Vec<_>>())
-}
-
-/// A value of a table as people read it; numbers rounded, nothing where there is none.
-pub fn cell(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) => text.clone(),
-        Value::Number(number) if number.is_f64() => rounded(number.as_f64().unwrap_or(f64::NAN)),
-        other => other.to_string(),
-    }
 }

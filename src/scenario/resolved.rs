@@ -1,5 +1,7 @@
 //! The merged scenario as one text that runs from any folder.
 
+use std::collections::BTreeMap;
+
 use super::grammar::Rule;
 use super::tree::{Node, Value};
 use crate::diagnostic::tidy_path;
@@ -21,6 +23,26 @@ pub fn text_with(root: &Node, rule: &Rule, paths: &[(&str, &str)]) -> String {
         Value::Table(table) => table.to_toml().to_string(),
         // A file is always a table.
         _ => String::new(),
+    }
+}
+
+/// The values of a resolved scenario, as TOML, by the paths of their keys: `layers.count`, `layer.0.height`. None of a text that is
+/// no scenario.
+pub fn leaves(scenario: &str) -> BTreeMap<String, String> {
+    let mut leaves = BTreeMap::new();
+    let root: toml::Table = scenario.parse().unwrap_or_default();
+    gather("", toml::Value::Table(root), &mut leaves);
+    leaves
+}
+
+fn gather(path: &str, value: toml::Value, leaves: &mut BTreeMap<String, String>) {
+    let under = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    match value {
+        toml::Value::Table(table) => table.into_iter().for_each(|(key, value)| gather(&under(&key), value, leaves)),
+        toml::Value::Array(items) if items.iter().any(toml::Value::is_table) => {
+            items.into_iter().enumerate().for_each(|(place, item)| gather(&under(&place.to_string()), item, leaves));
+        }
+        leaf => drop(leaves.insert(path.to_owned(), leaf.to_string())),
     }
 }
 

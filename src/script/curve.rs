@@ -1,8 +1,8 @@
 //! Stress–strain curves in scripts: whole curves as one value.
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 
-use super::{Answer, Entry, number, refuse};
+use super::{Answer, Compared, Entry, Session, number, refuse};
 use crate::experiment::coupon::average::{
     AverageError, Spread, mean_curve, mean_law, mean_of_means, relative_difference,
 };
@@ -34,8 +34,9 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("mean_curve", |curves: Array| mean(&curves, mean_curve))
         .register_fn("mean_law", |curves: Array| mean(&curves, mean_law))
         .register_fn("mean_of_means", |groups: Array| mean_of_groups(&groups))
-        .register_fn("relative_residuals", |curve: Curve, reference: Curve| {
+        .register_fn("relative_residuals", |context: NativeCallContext, curve: Curve, reference: Curve| {
             let residuals = relative_residuals(&curve, &reference).map_err(refuse)?;
+            Session::of(&context).compares(|| Compared::curves(&curve, &reference));
             Ok::<_, Box<EvalAltResult>>(list(&residuals))
         })
         .register_fn("relative_difference", |measured: Dynamic, reference: Dynamic| {

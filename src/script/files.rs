@@ -175,14 +175,14 @@ fn cell(value: f64) -> String {
 }
 
 /// What a script gives for a column; a signal shares its values with it.
-enum Column {
+pub(super) enum Column {
     Signal(Series),
     List(Vec<f64>),
 }
 
 impl Column {
     /// The values of a signal, or the numbers of a list; `()` is a value that was not measured.
-    fn of(column: &Dynamic) -> Answer<Column> {
+    pub(super) fn of(column: &Dynamic) -> Answer<Column> {
         if let Some(series) = column.read_lock::<Series>() {
             return Ok(Column::Signal(series.clone()));
         }
@@ -193,7 +193,7 @@ impl Column {
         items.iter().map(value).collect::<Answer<_>>().map(Column::List)
     }
 
-    fn values(&self) -> &[f64] {
+    pub(super) fn values(&self) -> &[f64] {
         match self {
             Column::Signal(series) => series.values(),
             Column::List(values) => values,

@@ -1,4 +1,4 @@
-//! What a script leaves behind: figures, tables, and a log.
+//! What a script leaves behind: figures, tables, plots, files, and a log.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -7,8 +7,9 @@ use serde_json::Value;
 use thiserror::Error;
 
 use super::files::{self, File, FileError, Files};
-use super::{Answer, Entry, refuse, to_json};
-use crate::plot::Plot;
+use super::plots::{self, PlotError};
+use super::{Answer, Convergence, Entry, refuse, to_json};
+use crate::plot::{Correlation, Plot};
 use crate::store;
 
 /// One row of a table: column name and value, in order.
@@ -17,12 +18,19 @@ pub type Row = serde_json::Map<String, Value>;
 /// Most entries of each kind that are kept.
 const MOST_ENTRIES: usize = 10_000;
 
+/// Most searches and correlations whose pictures are kept.
+const MOST_PICTURES: usize = 100;
+
 /// Figures, tables, plots, files and log lines in the order in which the script gave them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings {
     pub measures: Row,
     pub tables: Vec<(String, Vec<Row>)>,
     pub plots: Vec<Plot>,
+    /// How its searches came to their results.
+    pub searches: Vec<Convergence>,
+    /// Of what its searches found.
+    pub correlations: Vec<Correlation>,
     pub files: Files,
     pub log: Vec<String>,
 }
@@ -37,6 +45,11 @@ pub enum NameError {
     #[error("a script leaves at most {MOST_ENTRIES} figures, tables, rows or lines")]
     TooMany,
 }
+
+/// A picture that is not kept.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("report and recording show the first {MOST_PICTURES} searches of a script, and none behind them")]
+pub struct TooManyPictures;
 
 /// Where host functions write findings down while a script runs.
 #[derive(Clone)]
@@ -57,7 +70,23 @@ impl Ledger {
         self.lock().clone()
     }
 
-    /// Offers `measure`, `table`, `write_csv`, `write_text`, `log` and `print` to scripts.
+    /// Keeps how a search came to its result.
+    ///
+    /// # Errors
+    /// There are too many.
+    pub fn searched(&self, convergence: Convergence) -> Result<(), TooManyPictures> {
+        keep(&mut self.lock().searches, convergence)
+    }
+
+    /// Keeps how what was found hangs together.
+    ///
+    /// # Errors
+    /// There are too many.
+    pub fn correlated(&self, correlation: Correlation) -> Result<(), TooManyPictures> {
+        keep(&mut self.lock().correlations, correlation)
+    }
+
+    /// Offers `measure`, `table`, `plot`, `write_csv`, `write_text`, `log` and `print` to scripts.
     pub fn register(&self, engine: &mut Engine) {
         let ledger = self.clone();
         engine.register_fn("measure", move |name: &str, value: Dynamic| ledger.measure(name, &value));
@@ -67,6 +96,7 @@ impl Ledger {
         engine.register_fn("table", move |name: &str, columns: Array, rows: Dynamic| {
             ledger.table(name, Some(&columns), &rows)
         });
+        plots::register(self, engine);
         files::register(self, engine);
         let ledger = self.clone();
         engine.register_fn("log", move |line: Dynamic| ledger.log(&line.to_string()));
@@ -112,6 +142,10 @@ impl Ledger {
         self.lock().files.put(file, &store::OURS)
     }
 
+    pub(super) fn plot(&self, plot: Plot) -> Result<(), PlotError> {
+        plots::put(&mut self.lock().plots, plot)
+    }
+
     fn check(&self, name: &str) -> Result<(), NameError> {
         let letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || name.len() > 80 || !name.chars().all(letter) {
@@ -126,6 +160,14 @@ impl Ledger {
     fn lock(&self) -> MutexGuard<'_, Findings> {
         self.findings.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+fn keep<T>(pictures: &mut Vec<T>, picture: T) -> Result<(), TooManyPictures> {
+    if pictures.len() >= MOST_PICTURES {
+        return Err(TooManyPictures);
+    }
+    pictures.push(picture);
+    Ok(())
 }
 
 fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> Answer<Vec<Row>> {

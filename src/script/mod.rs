@@ -5,6 +5,8 @@
 
 mod arguments;
 mod calls;
+mod compared;
+mod convergence;
 mod coupon;
 mod curve;
 mod drop;
@@ -13,6 +15,7 @@ mod files;
 mod findings;
 mod host;
 mod options;
+mod plots;
 mod random;
 mod recording;
 mod reference;
@@ -22,12 +25,15 @@ mod table;
 mod value;
 
 pub use arguments::Arguments;
+pub use compared::{Compared, Over, Target};
+pub use convergence::{Convergence, Improvement, Pursuit, Waypoint};
 pub use coupon::Reduced;
 pub use fault::{Answer, Fault, is_numerical, refuse, thrown, went_wrong};
 pub use files::{File, FileError, Files};
-pub use findings::{Findings, Ledger, NameError, Row};
+pub use findings::{Findings, Ledger, NameError, Row, TooManyPictures};
 pub use host::{Limits, ReadError, STACK, Script, engine};
 pub use options::Options;
+pub use plots::PlotError;
 pub use recording::register as register_recordings;
 pub use reference::{Chapter, Entry};
 pub use session::{Session, Trial, content};
@@ -39,6 +45,7 @@ pub const REFERENCE: &[Chapter] = &[
     Chapter { title: "signals", entries: signal::ENTRIES },
     Chapter { title: "measures of signals", entries: signal::MEASURE_ENTRIES },
     Chapter { title: "results", entries: findings::ENTRIES },
+    Chapter { title: "plots", entries: plots::ENTRIES },
     Chapter { title: "files", entries: files::ENTRIES },
     Chapter { title: "curves", entries: curve::ENTRIES },
     Chapter { title: "coupon tests", entries: coupon::ENTRIES },

@@ -8,7 +8,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rhai::{Dynamic, NativeCallContext};
 
+use super::Compared;
 use crate::simulate::Cancellation;
+
+/// Most comparisons of one trial that are kept for pictures.
+const MOST_COMPARED: usize = 12;
 
 /// What host functions share while a script runs; every engine has one, as its tag. Cheap to clone.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +29,8 @@ pub struct Trial {
     pub ruptures: Vec<String>,
     /// Simulations that went wrong numerically, and why.
     pub failures: Vec<String>,
+    /// What was held against references, for pictures.
+    pub compared: Vec<Compared>,
 }
 
 impl Session {
@@ -63,6 +69,15 @@ impl Session {
     /// A simulation went wrong numerically.
     pub fn failed(&self, cause: &str) {
         self.tell(|trial| trial.failures.push(cause.into()));
+    }
+
+    /// Something was held against a reference.
+    pub(super) fn compares(&self, compared: impl FnOnce() -> Compared) {
+        self.tell(|trial| {
+            if trial.compared.len() < MOST_COMPARED {
+                trial.compared.push(compared());
+            }
+        });
     }
 
     fn tell(&self, tell: impl FnOnce(&mut Trial)) {

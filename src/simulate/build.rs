@@ -99,6 +99,18 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     Ok(Scene { engine: Engine::new(films, nodes, impact, drive), mounting })
 }
 
+/// The surface of the impactor about its centre of mass.
+///
+/// # Errors
+/// Its mesh cannot be read, or is no closed surface.
+pub fn impactor_surface(impactor: &Impactor) -> Result<Surface, RunError> {
+    let triangles = match &impactor.shape {
+        ImpactorShape::Mesh(path) => Some(mesh::import::surface(path)?),
+        _ => None,
+    };
+    Ok(Surface::new(&impactor.shape, triangles)?)
+}
+
 /// Threads for a run of so many elements: all that there are, unless the run is one of several that share them.
 pub(super) fn team(elements: usize) -> Team {
     let shared = rayon::current_thread_index().is_some();
@@ -152,11 +164,7 @@ fn over_film(
     films: &[Film],
     nodes: &Nodes,
 ) -> Result<(Contact, Isometry3<f64>), RunError> {
-    let triangles = match &impactor.shape {
-        ImpactorShape::Mesh(path) => Some(mesh::import::surface(path)?),
-        _ => None,
-    };
-    let surface = Surface::new(&impactor.shape, triangles)?;
+    let surface = impactor_surface(impactor)?;
     let mut offset = vec![0.0; nodes.position.len()];
     let mut between = 0.0;
     for film in films {

@@ -30,6 +30,7 @@ use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
 use crate::signal::Recording;
 use build::Mounting;
+pub use build::impactor_surface;
 pub use cancellation::Cancellation;
 pub use checkpoint::{Checkpoint, Checkpoints, Saved};
 use probe::Probe;
@@ -110,6 +111,24 @@ pub struct FilmState {
     pub broken: Vec<bool>,
     /// Nodes of the face that the impactor touches, ascending.
     pub touching: Vec<u32>,
+    /// Stress and more, where the run was asked for it ([`Manner::detailed`]).
+    pub detail: Option<Detail>,
+}
+
+/// What only some want to know of the state of a face.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Detail {
+    /// m/s, one entry a node.
+    pub velocities: Vec<[f32; 3]>,
+    /// Engineering stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section, one entry an
+    /// element, as all that follow.
+    pub stresses: Vec<[f32; 3]>,
+    /// Largest MD and TD strain so far.
+    pub peaks: Vec<[f32; 2]>,
+    /// Thickness over that of stress-free film; NaN where the law says nothing of it.
+    pub thinning: Vec<f32>,
+    /// Images of unit vectors along MD and TD of the stress-free film: directions of the fibres, as long as they are stretched.
+    pub fibres: Vec<[[f32; 3]; 2]>,
 }
 
 /// Share of the film's straining (volume × strain beyond the largest so far, loading only) by strain rate.
@@ -184,7 +203,8 @@ pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome,
     run_in(model, Manner::default(), progress)
 }
 
-/// How a run is made, besides what its model says. None of it changes a bit of the outcome, the time it took apart.
+/// How a run is made, besides what its model says. None of it changes a bit of the outcome, the time it took and the detail of
+/// kept states apart.
 #[derive(Default)]
 pub struct Manner<'a> {
     /// Where it is taken up, if it was laid down before.
@@ -197,6 +217,8 @@ pub struct Manner<'a> {
     pub cancellation: Cancellation,
     /// Is shown every state that is kept, as soon as it is.
     pub onlooker: Option<&'a mut dyn FnMut(&Glimpse<'_>)>,
+    /// Whether kept states have their [`Detail`]. Of a film so fine that its states do not all fit into memory, fewer are kept.
+    pub detailed: bool,
 }
 
 /// A run as far as it has come, after a state was kept.
@@ -224,12 +246,12 @@ pub fn engine(model: &Model) -> Result<Engine, RunError> {
 /// # Errors
 /// As [`run`]; also a checkpoint of another scene, and [`RunError::Cancelled`].
 pub fn run_in(model: &Model, manner: Manner<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, RunError> {
-    let Manner { saved, checkpoints, team, cancellation, onlooker } = manner;
+    let Manner { saved, checkpoints, team, cancellation, onlooker, detailed } = manner;
     let begin = Instant::now();
     let scene = build::scene(model)?;
     let team = team.unwrap_or_else(|| build::team(scene.engine.elements()));
     let mut engine = scene.engine.worked_on_by(team);
-    let mut probe = Probe::new(model, &scene.mounting);
+    let mut probe = Probe::new(model, &scene.mounting, detailed);
     let mut before = Duration::ZERO;
     if let Some(saved) = saved {
         before = saved.wall;

@@ -35,6 +35,8 @@ pub(super) struct Probe<'a> {
     /// States that are kept, and the time between them, s.
     frames: usize,
     frame: f64,
+    /// Whether they have their detail.
+    detailed: bool,
     audit: f64,
     held: HeldSides,
     /// What to do about a slow test that is too fast.
@@ -60,7 +62,7 @@ pub(super) struct Record {
 }
 
 impl<'a> Probe<'a> {
-    pub(super) fn new(model: &'a Model, mounting: &Mounting) -> Probe<'a> {
+    pub(super) fn new(model: &'a Model, mounting: &Mounting, detailed: bool) -> Probe<'a> {
         let sample = 1.0 / model.output.sample_rate;
         let duration = model.run_time();
         let (speed, gravity) = match model.loading {
@@ -75,7 +77,7 @@ impl<'a> Probe<'a> {
         let impact = matches!(model.loading, Loading::Impact { .. });
         let judged_from = if impact { 0.0 } else { JUDGED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
-        let frames = frames::kept(model.output.frames, &mounting.films);
+        let frames = frames::kept(model.output.frames, &mounting.films, detailed);
         let record = Record {
             audits: 0,
             tracks: Tracks::new(duration, sample, speed, gravity),
@@ -93,6 +95,7 @@ impl<'a> Probe<'a> {
             duration,
             frames,
             frame: duration / frames.saturating_sub(1).max(1) as f64,
+            detailed,
             held: mounting.held.clone(),
             remedy: slow::remedy(model, mounting.mass_scaling),
             audit: (duration / AUDITS).max(sample),
@@ -172,7 +175,7 @@ impl<'a> Probe<'a> {
 
     fn look(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
         if self.frame_due(view.time) {
-            self.record.frames.push(frames::frame(view, faces));
+            self.record.frames.push(frames::frame(view, faces, self.detailed));
         }
         if self.record.tracks.is_due(view.time) {
             self.take_sample(view, faces);

@@ -1,5 +1,6 @@
 //! The run folder: written under a temporary name beside its place and renamed when whole.
 
+mod kept;
 pub mod shelf;
 
 use std::collections::HashSet;
@@ -14,17 +15,20 @@ use thiserror::Error;
 
 use crate::diagnostic::folder_of;
 
+pub use kept::{Kept, KeptError};
 pub use shelf::Shelf;
 
 /// Files and folders of a run folder that are always ours. What a script wrote is listed in the summary; anything else
 /// belongs to the user.
-pub const OURS: [&str; 9] = [
+pub const OURS: [&str; 11] = [
     "signals.csv",
     "energies.csv",
     "summary.json",
     "scenario.toml",
     "post.rhai",
     "recording.rrd",
+    "film.pvd",
+    "impactor.pvd",
     "report.html",
     "failure.txt",
     TABLES,
@@ -218,11 +222,19 @@ fn check_replaceable(target: &Path) -> Result<(), StoreError> {
         return Err(StoreError::NotARun { path: path() });
     }
     let listed = listed(target);
-    let ours = |name: &String| OURS.contains(&name.as_str()) && name != TABLES || listed.contains(name);
+    let ours =
+        |name: &String| OURS.contains(&name.as_str()) && name != TABLES || is_state(name) || listed.contains(name);
     match files(target).into_iter().find(|name| !ours(name)) {
         Some(found) => Err(StoreError::Foreign { path: path(), found }),
         None => Ok(()),
     }
+}
+
+/// Whether a file is one of the states that ParaView is shown: `vtu/film_0012.vtu`.
+fn is_state(name: &str) -> bool {
+    let state = name.strip_prefix("vtu/").and_then(|name| name.strip_suffix(".vtu"));
+    let number = state.and_then(|name| name.strip_prefix("film_").or(name.strip_prefix("impactor_")));
+    number.is_some_and(|number| !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
 /// The tables and the files that a script left in `folder`, as the summary there lists them.

@@ -10,6 +10,7 @@ mod golden;
 mod identification;
 mod mesh;
 mod paper_study;
+mod paraview;
 mod recordings;
 mod resume;
 mod runs;

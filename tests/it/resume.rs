@@ -105,6 +105,9 @@ fn a_checkpoint_is_refused_by_any_other_run() {
         let told = error(&output);
         assert!(told.contains("is of another run") && told.contains(expected), "{changed}: {told}");
     }
+    let output = run(bench.path(), &[&SLOW[..], &["--resume", "--vtu"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("it was started without --vtu"), "{}", error(&output));
     let output = run(bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     assert_eq!(output.status.code(), Some(2));
     assert!(error(&output).contains("an unfinished run left checkpoints"), "{}", error(&output));

@@ -34,13 +34,16 @@ const ITERATIONS_PER_SECOND: f64 = 4.0;
 
 /// The arrangement for `scene`, and the properties of its views.
 pub(crate) fn blueprint(scene: &Scene, properties: &mut Properties) -> Blueprint {
-    let pictures = pictures(scene, properties);
-    let left = Vertical::new([pictures, texts(scene, properties)]).with_row_shares(vec![7.0, 2.0]);
+    let texts = texts(scene, properties);
+    let left = match pictures(scene, properties) {
+        Some(pictures) => Vertical::new([pictures, texts]).with_row_shares(vec![7.0, 2.0]).into(),
+        None => texts,
+    };
     let charts = charts(scene, properties);
     let all = if charts.is_empty() {
-        Horizontal::new([left.into()])
+        Horizontal::new([left])
     } else {
-        Horizontal::new([left.into(), Vertical::new(charts).into()]).with_column_shares(vec![3.0, 2.0])
+        Horizontal::new([left, Vertical::new(charts).into()]).with_column_shares(vec![3.0, 2.0])
     };
     Blueprint::new(all)
         .with_auto_views(false)
@@ -63,12 +66,12 @@ fn time_panel(scene: &Scene) -> TimePanel {
 }
 
 /// The films in one tab a quantity, each beside its colours; of a scene without films the diagrams.
-fn pictures(scene: &Scene, properties: &mut Properties) -> ContainerLike {
+fn pictures(scene: &Scene, properties: &mut Properties) -> Option<ContainerLike> {
     if scene.films.is_empty() {
-        return diagrams(scene, properties);
+        return (!scene.diagrams.is_empty()).then(|| diagrams(scene, properties));
     }
     let eye = Eye::on(scene);
-    Tabs::new(scene.quantities.iter().map(|quantity| coloured(scene, quantity, &eye, properties))).into()
+    Some(Tabs::new(scene.quantities.iter().map(|quantity| coloured(scene, quantity, &eye, properties))).into())
 }
 
 fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Properties) -> ContainerLike {

@@ -74,7 +74,7 @@ impl Contact {
                 let corners = [corners[0], corners[1], corners[2], corners[corners.len() - 1]];
                 let element = NearElement { corners, longest_squared: squared };
                 near.elements.push(element);
-                if !surface.is_sphere() || squared > fine {
+                if !surface.is_round() || squared > fine {
                     near.watched.push(element);
                 }
             });

@@ -2,8 +2,11 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::details::closest_points_segment_segment_with_locations;
 use parry3d_f64::query::{self, PointProjection, PointQuery};
-use parry3d_f64::shape::{Ball, Capsule, Cylinder, Shape, SharedShape, TriMesh, TriMeshFlags, Triangle};
+use parry3d_f64::shape::{
+    Ball, Capsule, Compound, Cylinder, Segment, Shape, SharedShape, TriMesh, TriMeshFlags, Triangle, TypedShape,
+};
 use thiserror::Error;
 
 use crate::lane::{LANES, Lane, Lane3, dot, larger, smaller, splat};
@@ -17,17 +20,22 @@ pub struct Surface {
     reach: f64,
     lowest: f64,
     inertia_per_mass: Matrix3<f64>,
-    /// One over `size`: the curvature of a sphere, 1/m.
+    /// One over `size`: the largest curvature of what is round, 1/m.
     curvature: f64,
 }
 
 /// Vertices (m) and triangles of a surface.
 pub type Triangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 
-/// The ball apart, so that its queries are resolved at compile time.
+/// Sides of a round shape as pictures show it.
+const ROUND: u32 = 48;
+
+/// The round ones apart: their queries are resolved at compile time and exact, where other shapes are searched.
 #[derive(Clone)]
 enum Kind {
     Ball(Ball),
+    /// About its centre, upright in body axes.
+    Capsule(Capsule),
     Other(SharedShape),
 }
 
@@ -65,7 +73,7 @@ impl Surface {
             ImpactorShape::Sphere { radius } => Surface::about_centre(Kind::Ball(Ball::new(radius))),
             ImpactorShape::Hemisphere { radius, length } => {
                 let (low, high) = (Vector::new(0.0, 0.0, -0.5 * length), Vector::new(0.0, 0.0, 0.5 * length));
-                Surface::about_centre(Kind::Other(SharedShape::new(Capsule::new(low, high, radius))))
+                Surface::about_centre(Kind::Capsule(Capsule::new(low, high, radius)))
             }
             ImpactorShape::Cylinder { radius, length } => {
                 let upright = Pose::from_parts(Vector::ZERO, rotation_y_to_z());
@@ -106,6 +114,11 @@ impl Surface {
         })
     }
 
+    /// Vertices about the centre of mass and triangles, for pictures; what is round has some dozens of sides.
+    pub fn triangles(&self) -> Triangles {
+        triangulated(self.shape.as_shape())
+    }
+
     /// Half the smallest extent, m: the radius of a sphere.
     pub fn size(&self) -> f64 {
         self.size
@@ -126,9 +139,9 @@ impl Surface {
         self.inertia_per_mass
     }
 
-    /// Whether it is smooth with one radius of curvature, so that a fine mesh touches it at nodes alone.
-    pub fn is_sphere(&self) -> bool {
-        matches!(self.shape, Kind::Ball(_))
+    /// Whether it is nowhere more curved than a sphere of its size, so that a fine mesh touches it at nodes alone.
+    pub fn is_round(&self) -> bool {
+        matches!(self.shape, Kind::Ball(_) | Kind::Capsule(_))
     }
 
     /// Where `point` stands towards the body at `pose`.
@@ -142,12 +155,18 @@ impl Surface {
                 let normal = Vector3::new(normal.x, normal.y, normal.z);
                 Touch { gap: arm.dot(&normal) - ball.radius, normal }
             }
-            Kind::Other(shape) => turned_touch(shape, pose, &arm),
+            Kind::Capsule(capsule) => {
+                let axis = pose.rotation * Vector3::z();
+                let off = arm - axis * along(capsule, arm.dot(&axis));
+                let length = off.norm();
+                Touch { gap: length - capsule.radius, normal: off / length }
+            }
+            Kind::Other(shape) => turned_touch(&**shape, pose, &arm),
         }
     }
 
     /// Distances and outward normals of points at `arm` (m) from the centre of mass of the body at `pose`, as [`Surface::touch`] has
-    /// them; only those where `close` is one count. On a sphere, parry's projection is written out for all lanes at once.
+    /// them; only those where `close` is one count. On what is round, parry's projection is written out for all lanes at once.
     #[inline(always)]
     pub(in crate::engine) fn touch_lanes(&self, pose: &Isometry3<f64>, arm: &Lane3, close: &Lane) -> (Lane, Lane3) {
         let (mut gap, mut normal): (Lane, Lane3) = (splat(0.0), [splat(0.0); 3]);
@@ -166,9 +185,20 @@ impl Surface {
                     }
                 }
             }
+            Kind::Capsule(capsule) => {
+                let axis = pose.rotation * Vector3::z();
+                let axis = [axis.x, axis.y, axis.z];
+                for l in 0..LANES {
+                    let place = along(capsule, arm[0][l] * axis[0] + arm[1][l] * axis[1] + arm[2][l] * axis[2]);
+                    let off = [0, 1, 2].map(|k| arm[k][l] - axis[k] * place);
+                    let length = (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]).sqrt();
+                    gap[l] = length - capsule.radius;
+                    (0..3).for_each(|k| normal[k][l] = off[k] / length);
+                }
+            }
             Kind::Other(shape) => {
                 for l in (0..LANES).filter(|l| close[*l] > 0.0) {
-                    let touch = turned_touch(shape, pose, &Vector3::new(arm[0][l], arm[1][l], arm[2][l]));
+                    let touch = turned_touch(&**shape, pose, &Vector3::new(arm[0][l], arm[1][l], arm[2][l]));
                     gap[l] = touch.gap;
                     (0..3).for_each(|axis| normal[axis][l] = touch.normal[axis]);
                 }
@@ -177,24 +207,36 @@ impl Surface {
         (gap, normal)
     }
 
-    /// Bound on the depth (m, negative outside) of any point of an element: on a sphere, a point of a triangle is not farther than
-    /// 1/√3 of the longest line from its nearest corner. No bound on other shapes.
+    /// Bound on the depth (m, negative outside) of any point of an element: on what is round, a point of a triangle is not nearer
+    /// to its axis (of a ball, its centre) than √(d² − l²/3), d from the nearest corner and l the longest line. No bound on other
+    /// shapes.
     pub(in crate::engine) fn deepest_at_most(&self, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4]) -> f64 {
-        if !self.is_sphere() {
+        if !self.is_round() {
             return f64::INFINITY;
         }
-        let centre = Point3::from(pose.translation.vector);
         let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
-        let nearest = corners.iter().chain([&mean]).map(|c| nalgebra::distance_squared(c, &centre));
+        let nearest = corners.iter().chain([&mean]).map(|c| self.axis_distance_squared(pose, c));
         let lines = (0..4).flat_map(|a| [(corners[a], corners[(a + 1) % 4]), (corners[a], mean)]);
         let longest = lines.map(|(a, b)| nalgebra::distance_squared(&a, &b)).fold(0.0, f64::max);
         self.size - larger(nearest.fold(f64::INFINITY, f64::min) - longest / 3.0, 0.0).sqrt()
     }
 
+    /// Squared distance of `point` from the axis of a capsule, from the centre of all else, m².
+    fn axis_distance_squared(&self, pose: &Isometry3<f64>, point: &Point3<f64>) -> f64 {
+        let arm = point.coords - pose.translation.vector;
+        match &self.shape {
+            Kind::Capsule(capsule) => {
+                let axis = pose.rotation * Vector3::z();
+                (arm - axis * along(capsule, arm.dot(&axis))).norm_squared()
+            }
+            Kind::Ball(_) | Kind::Other(_) => arm.norm_squared(),
+        }
+    }
+
     /// The point of an element of film that is nearest to, or deepest in, the body at `pose`; `None` where it is farther than
     /// `within` (m). The element is the four triangles between its edges and the mean of its corners.
     ///
-    /// On a sphere the point is exact. On other shapes it is the deepest of nine points spread over the element and, where
+    /// On what is round the point is exact. On other shapes it is the deepest of nine points spread over the element and, where
     /// the element is coarse against the shape, of parry's contact with each triangle.
     pub fn deepest(&self, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], within: f64) -> Option<FaceTouch> {
         let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
@@ -211,11 +253,16 @@ impl Surface {
             Kind::Ball(_) => {
                 for [a, b] in triangles {
                     let triangle = self.local(pose, [&corners[a], &corners[b], &mean]);
-                    offer(spread(
-                        a,
-                        b,
-                        barycentric(&triangle, triangle.project_local_point(Vector::ZERO, false).point),
-                    ));
+                    let nearest = triangle.project_local_point(Vector::ZERO, false).point;
+                    offer(spread(a, b, barycentric(&triangle, nearest)));
+                }
+                return best;
+            }
+            Kind::Capsule(capsule) => {
+                for [a, b] in triangles {
+                    let triangle = self.local(pose, [&corners[a], &corners[b], &mean]);
+                    let nearest = nearest_to_axis(&triangle, &capsule.segment);
+                    offer(spread(a, b, barycentric(&triangle, nearest)));
                 }
                 return best;
             }
@@ -239,7 +286,7 @@ impl Surface {
         let arms = corners.map(|c| c.coords - pose.translation.vector);
         let [a, b, c] = match &self.shape {
             Kind::Ball(_) => arms.map(|arm| vector(&arm)),
-            Kind::Other(_) => arms.map(|arm| vector(&pose.rotation.inverse_transform_vector(&arm))),
+            Kind::Capsule(_) | Kind::Other(_) => arms.map(|arm| vector(&pose.rotation.inverse_transform_vector(&arm))),
         };
         Triangle::new(a, b, c)
     }
@@ -283,7 +330,29 @@ fn outward(point: &Vector3<f64>, projection: PointProjection) -> Touch {
     Touch { gap: side * distance, normal: Vector3::new(normal.x, normal.y, normal.z) }
 }
 
-fn turned_touch(shape: &SharedShape, pose: &Isometry3<f64>, arm: &Vector3<f64>) -> Touch {
+/// The place on an upright capsule's axis that is nearest to a point `z` (m) along it from the centre.
+#[inline(always)]
+fn along(capsule: &Capsule, z: f64) -> f64 {
+    smaller(larger(z, capsule.segment.a.z), capsule.segment.b.z)
+}
+
+/// The point of a triangle that is nearest to an upright axis which does not pierce it.
+fn nearest_to_axis(triangle: &Triangle, axis: &Segment) -> Vector {
+    let corners = [triangle.a, triangle.b, triangle.c];
+    let under = |end: Vector| triangle.project_local_point(end, false).point;
+    if corners.iter().all(|corner| corner.z <= axis.a.z) {
+        return under(axis.a);
+    }
+    let at_edges = triangle.edges().map(|edge| {
+        let (on_edge, _) = closest_points_segment_segment_with_locations(&Pose::IDENTITY, &edge, axis);
+        edge.point_at(&on_edge)
+    });
+    let candidates = at_edges.into_iter().chain([under(axis.a), under(axis.b)]);
+    let squared = |point: &Vector| (*point - axis.project_local_point(*point, false).point).length_squared();
+    candidates.min_by(|a, b| squared(a).total_cmp(&squared(b))).unwrap_or(triangle.a)
+}
+
+fn turned_touch(shape: &dyn Shape, pose: &Isometry3<f64>, arm: &Vector3<f64>) -> Touch {
     let local = pose.rotation.inverse_transform_vector(arm);
     let touch = outward(&local, shape.project_local_point(vector(&local), false));
     Touch { normal: pose.rotation * touch.normal, ..touch }
@@ -298,13 +367,14 @@ impl Kind {
     fn as_shape(&self) -> &dyn Shape {
         match self {
             Kind::Ball(ball) => ball,
+            Kind::Capsule(capsule) => capsule,
             Kind::Other(shape) => &**shape,
         }
     }
 
     fn moved(self, by: Vector) -> Kind {
         match self {
-            Kind::Ball(_) => self,
+            Kind::Ball(_) | Kind::Capsule(_) => self,
             Kind::Other(_) if by.length() == 0.0 => self,
             Kind::Other(shape) => match shape.as_trimesh() {
                 Some(mesh) => {
@@ -316,6 +386,31 @@ impl Kind {
             },
         }
     }
+}
+
+/// The surface of one of the shapes that [`Surface::new`] makes; of others nothing.
+fn triangulated(shape: &dyn Shape) -> Triangles {
+    let (vertices, triangles) = match shape.as_typed_shape() {
+        TypedShape::Ball(ball) => ball.to_trimesh(ROUND, ROUND / 2),
+        TypedShape::Capsule(capsule) => capsule.to_trimesh(ROUND, ROUND / 4),
+        TypedShape::Cylinder(cylinder) => cylinder.to_trimesh(ROUND),
+        TypedShape::TriMesh(mesh) => (mesh.vertices().to_vec(), mesh.indices().to_vec()),
+        TypedShape::Compound(compound) => return joined(compound),
+        _ => (vec![], vec![]),
+    };
+    (vertices.iter().map(|v| Point3::new(v.x, v.y, v.z)).collect(), triangles)
+}
+
+fn joined(compound: &Compound) -> Triangles {
+    let (mut vertices, mut triangles) = (vec![], vec![]);
+    for (pose, part) in compound.shapes() {
+        let (own, corners) = triangulated(&**part);
+        let first = vertices.len() as u32;
+        let placed = own.iter().map(|p| pose * Vector::new(p.x, p.y, p.z));
+        vertices.extend(placed.map(|v| Point3::new(v.x, v.y, v.z)));
+        triangles.extend(corners.iter().map(|corners| corners.map(|n| first + n)));
+    }
+    (vertices, triangles)
 }
 
 fn rotation_y_to_z() -> parry3d_f64::math::Rotation {
@@ -355,6 +450,29 @@ mod tests {
         .collect()
     }
 
+    /// Volumes by the divergence theorem are those of the shapes, but for what flat pieces cut off; all faces look outwards.
+    #[test]
+    fn pictures_of_shapes_have_their_volume() {
+        use std::f64::consts::PI;
+        let [radius, length]: [f64; 2] = [0.02, 0.1];
+        let (ball, shaft) = (4.0 / 3.0 * PI * radius.powi(3), PI * radius * radius * length);
+        for (shape, volume, lowest) in [
+            (ImpactorShape::Sphere { radius }, ball, -radius),
+            (ImpactorShape::Hemisphere { radius, length }, ball + shaft, -radius - 0.5 * length),
+            (ImpactorShape::Cylinder { radius, length }, shaft, -0.5 * length),
+        ] {
+            let (vertices, triangles) = Surface::new(&shape, None).unwrap().triangles();
+            let six = |t: &[u32; 3]| {
+                let [a, b, c] = t.map(|n| vertices[n as usize].coords);
+                a.dot(&b.cross(&c))
+            };
+            let found = triangles.iter().map(six).sum::<f64>() / 6.0;
+            assert!((0.98 * volume..volume).contains(&found), "{shape:?}: {found} for {volume}");
+            let bottom = vertices.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+            assert!((bottom - lowest).abs() < 1e-12, "{shape:?}: {bottom}");
+        }
+    }
+
     #[test]
     fn gaps_and_normals_below_the_tip() {
         for surface in shapes() {
@@ -378,10 +496,13 @@ mod tests {
             });
             let (gap, normal) = surface.touch_lanes(&pose, &arm, &splat(1.0));
             for l in 0..LANES {
-                let point = pose.translation.vector + Vector3::new(arm[0][l], arm[1][l], arm[2][l]);
-                let touch = surface.touch(&pose, &point.into());
-                let off = Vector3::from_fn(|axis, _| normal[axis][l]) - touch.normal;
-                assert!((gap[l] - touch.gap).abs() < 1e-15 && off.norm() < 1e-13, "lane {l}: {touch:?}");
+                let arm = Vector3::new(arm[0][l], arm[1][l], arm[2][l]);
+                let parrys = turned_touch(surface.shape.as_shape(), &pose, &arm);
+                let lanes = Touch { gap: gap[l], normal: Vector3::from_fn(|axis, _| normal[axis][l]) };
+                for touch in [lanes, surface.touch(&pose, &(pose.translation.vector + arm).into())] {
+                    let off = touch.normal - parrys.normal;
+                    assert!((touch.gap - parrys.gap).abs() < 1e-15 && off.norm() < 1e-13, "lane {l}: {touch:?}");
+                }
             }
         }
     }
@@ -397,6 +518,28 @@ mod tests {
                 assert!((found.touch.gap + 1e-3).abs() < 1e-6, "{found:?}");
                 assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             }
+        }
+    }
+
+    /// Triangles of film beside, below and above a dart, against parry's own distance between triangle and axis.
+    #[test]
+    fn the_deepest_point_on_a_capsule_is_the_nearest_to_its_axis() {
+        let surface = &shapes()[1];
+        let axis = Segment::new(Vector::new(0.0, 0.0, -0.05), Vector::new(0.0, 0.0, 0.05));
+        let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::new(0.3, 0.2, -0.1));
+        for k in 0..60 {
+            let turn = f64::from(k);
+            let (sin, cos) = (0.7 * turn).sin_cos();
+            let middle = Vector3::new(0.025 * cos, 0.025 * sin, 0.09 * (1.3 * turn).sin());
+            let side = Vector3::new(-sin, cos, 0.4 * (2.1 * turn).cos()) * 0.02;
+            let up = Vector3::new(0.3 * cos, 0.3 * sin, 1.0) * 0.015;
+            let corners = [middle - side, middle + side, middle + up, middle + up].map(|c| pose * Point3::from(c));
+            let Some(found) = surface.deepest(&pose, &corners, f64::INFINITY) else { panic!("nothing at {k}") };
+            let local = |a: usize| vector(&(pose.inverse() * corners[a]).coords);
+            let triangle = Triangle::new(local(0), local(1), local(2));
+            let distance = query::distance(&Pose::IDENTITY, &triangle, &Pose::IDENTITY, &axis).unwrap().distance;
+            assert!((found.touch.gap + surface.size() - distance).abs() < 1e-7, "{k}: {found:?} {distance}");
+            assert!(surface.deepest_at_most(&pose, &corners) >= -found.touch.gap - 1e-12, "{k}");
         }
     }
 

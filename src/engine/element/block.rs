@@ -1,7 +1,7 @@
 //! Elements side by side, in blocks of lanes.
 
 use crate::lane::{LANES, Lane, Lane3, splat};
-use crate::material::{MembraneLaw, Past};
+use crate::material::{Deformation, MembraneLaw, Past, Stresses, stresses};
 
 /// `L` elements of one kind with `NODES` nodes each: what the passes over a film ask of them.
 pub trait Block<const NODES: usize, const L: usize> {
@@ -33,6 +33,11 @@ pub trait Block<const NODES: usize, const L: usize> {
 
     /// Strains, averaged over the points.
     fn strains(&self, x: &[Lane3<L>; NODES]) -> BlockStrains<L>;
+
+    /// What the strains do not say, averaged over the points.
+    fn details<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockDetails<L>
+    where
+        M: MembraneLaw<Past<L> = Self::Past>;
 
     /// Volume of stress-free film, m³; zero once broken.
     fn volume(&self) -> Lane<L>;
@@ -70,6 +75,39 @@ pub struct BlockStrains<const L: usize> {
     pub strain: [Lane<L>; 3],
     /// Largest MD and TD strain so far.
     pub peak: [Lane<L>; 2],
+}
+
+/// Stress, thickness and fibres of the elements of one block.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockDetails<const L: usize> {
+    /// Engineering stresses along MD and TD and in shear, Pa of one layer.
+    pub stress: [Lane<L>; 3],
+    /// Thickness over that of stress-free film; NaN where the law says nothing of it.
+    pub thinning: Lane<L>,
+    /// f₁ and f₂: the images of unit vectors along MD and TD of the stress-free film.
+    pub fibres: [Lane3<L>; 2],
+}
+
+impl<const L: usize> BlockDetails<L> {
+    pub(super) const NONE: Self =
+        BlockDetails { stress: [splat(0.0); 3], thinning: splat(0.0), fibres: [[splat(0.0); 3]; 2] };
+
+    /// Adds `share` of what `law` answers to one point's deformation `d`, where the film is after its `past`.
+    pub(super) fn add<M: MembraneLaw>(&mut self, law: &M, d: &Deformation<L>, past: &M::Past<L>, share: f64) {
+        // The past knows this deformation already, so that no time passes and nothing new is remembered.
+        let answer = law.stress(d, &mut past.clone(), 0.0);
+        let Stresses { md, td, shear } = stresses(d, &answer);
+        let thinning = law.thinning(&answer);
+        for l in 0..L {
+            self.thinning[l] += share * thinning[l];
+            for (mean, value) in self.stress.iter_mut().zip([md, td, shear]) {
+                mean[l] += share * value[l];
+            }
+            for (mean, value) in self.fibres.iter_mut().flatten().zip(d.f.iter().flatten()) {
+                mean[l] += share * value[l];
+            }
+        }
+    }
 }
 
 impl<const L: usize> BlockEnergies<L> {

@@ -1,6 +1,6 @@
 //! Elements that are integrated in full: gradients of the shape functions at every integration point.
 
-use super::block::{Block, BlockEnergies, BlockStrains};
+use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains};
 use crate::lane::{Lane, Lane3, splat};
 use crate::material::{Deformation, MembraneLaw, Past, Peaks, strains};
 
@@ -161,6 +161,15 @@ impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<
                 }
             }
         }
+        out
+    }
+
+    fn details<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockDetails<L>
+    where
+        M: MembraneLaw<Past<L> = P>,
+    {
+        let mut out = BlockDetails::NONE;
+        self.points.iter().for_each(|point| out.add(law, &point.deformation(x), &point.past, 1.0 / POINTS as f64));
         out
     }
 

@@ -1,6 +1,6 @@
 //! Passes over the blocks of a film, for the vector instructions that the processor has: gather → kernel → scatter.
 
-use super::block::{Block, BlockStrains, Blocks, Corners};
+use super::block::{Block, BlockDetails, BlockStrains, Blocks, Corners};
 use crate::engine::team::Disjoint;
 use crate::lane::{LANES, Lane3, at_width, splat};
 use crate::material::MembraneLaw;
@@ -248,4 +248,36 @@ fn strains_lanewise<B: Block<NODES, LANES>, const NODES: usize>(
             *out = ElementStrain { strain: strain.map(|s| s[l]), peak: peak.map(|p| p[l]), volume: volume[l] };
         }
     }
+}
+
+/// Stress, thickness and fibres of one element, averaged over its integration points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ElementDetail {
+    /// Engineering stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section.
+    pub stress: [f64; 3],
+    /// Thickness over that of stress-free film; NaN where the law says nothing of it.
+    pub thinning: f64,
+    /// Images of unit vectors along MD and TD of the stress-free film.
+    pub fibres: [[f64; 3]; 2],
+}
+
+/// Details of all elements, in order; rarely asked for, and so of no width.
+pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<Past<LANES> = B::Past>, const NODES: usize>(
+    elements: &Blocks<B, NODES>,
+    law: &M,
+    position: &[&[f64]; 3],
+) -> Vec<ElementDetail> {
+    let mut x = [[splat(0.0); 3]; NODES];
+    let mut out = Vec::with_capacity(elements.count.next_multiple_of(LANES));
+    for (corners, block) in elements.corners.iter().zip(&elements.blocks) {
+        gather(corners, position, &mut x);
+        let BlockDetails { stress, thinning, fibres } = block.details(law, &x);
+        out.extend((0..LANES).map(|l| ElementDetail {
+            stress: stress.map(|s| s[l]),
+            thinning: thinning[l],
+            fibres: fibres.map(|f| f.map(|axis| axis[l])),
+        }));
+    }
+    out.truncate(elements.count);
+    out
 }

@@ -12,12 +12,12 @@ mod tri3;
 
 pub use block::{Block, Blocks};
 pub use gauss::Gauss;
-pub use kernel::{ElementEnergy, ElementStrain, Forces, OwnForces};
+pub use kernel::{ElementDetail, ElementEnergy, ElementStrain, Forces, OwnForces};
 pub use one_point::OnePoint;
 pub(super) use one_point::OnePointElement;
 pub use reference::{StressFree, UprightElement};
 
-pub(super) use kernel::{add_forces, energy, energy_at, frequency_bound, strains};
+pub(super) use kernel::{add_forces, details, energy, energy_at, frequency_bound, strains};
 
 use nalgebra::Point3;
 

@@ -13,7 +13,7 @@
 //! b_aI = ∂N_a/∂X_I ,   s_a = ¼ Σ_I (h·X_I) b_aI
 //! ```
 
-use super::block::{Block, BlockEnergies, BlockStrains};
+use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains};
 use crate::lane::{Lane, Lane3, dot, splat};
 use crate::material::{Deformation, MembraneLaw, Past, Peaks, Stress, strains};
 
@@ -230,6 +230,15 @@ impl<P: Past<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     fn strains(&self, x: &[Lane3<L>; 4]) -> BlockStrains<L> {
         let s = strains(&self.shape::<true>(x).deformation);
         BlockStrains { strain: [s.md, s.td, s.shear], peak: [0, 1].map(|fibre| *self.past.peak(fibre)) }
+    }
+
+    fn details<M>(&self, law: &M, x: &[Lane3<L>; 4]) -> BlockDetails<L>
+    where
+        M: MembraneLaw<Past<L> = P>,
+    {
+        let mut out = BlockDetails::NONE;
+        out.add(law, &self.shape::<true>(x).deformation, &self.past, 1.0);
+        out
     }
 
     #[inline(always)]

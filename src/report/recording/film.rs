@@ -124,6 +124,7 @@ mod tests {
             strains: vec![[0.1, 0.4, 0.3], [0.2, 0.0, -0.5], [7.0, 0.0, 0.0]],
             broken: vec![false, false, true],
             touching: vec![],
+            detail: None,
         };
         let strains = nodal(&STRAINS[0], &film, &state);
         let expected = [40.0, 30.0, 30.0, 40.0, 20.0, 0.0];

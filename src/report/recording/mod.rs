@@ -1,10 +1,12 @@
 //! Runs and studies as Rerun recordings: film, impactor, signals and what happened; searches closing in on their target.
 
 mod body;
+mod comparison;
 mod diagram;
 mod events;
 mod film;
 mod live;
+mod findings;
 mod signals;
 mod study;
 mod text;
@@ -16,6 +18,7 @@ use thiserror::Error;
 
 use super::{RunPage, figure, subject};
 use crate::mesh::MeshError;
+pub use comparison::write_comparison;
 pub use droptower_viz::Address;
 pub use live::{Live, LiveError};
 pub use study::{Approach, Iteration, StudyRecording, write_study};

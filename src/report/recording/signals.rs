@@ -208,6 +208,8 @@ mod tests {
             acceleration: None,
             displacement: Some(series),
             window: [0.0, 0.1],
+            absorbed_energy: None,
+            total_energy: None,
             energy_absorption: None,
             said: vec!["VIRTUAL drop test".to_owned()],
             reduced: vec![],

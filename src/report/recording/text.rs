@@ -37,7 +37,8 @@ impl Text {
     }
 }
 
-fn table(name: &str, rows: &[Row]) -> String {
+/// Rows under the names of all their columns, under a heading.
+pub(super) fn table(name: &str, rows: &[Row]) -> String {
     let columns = columns(rows);
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let heads = line(columns.iter().map(|name| escaped(name)).collect());

@@ -3,7 +3,7 @@
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
 use super::Answer;
-use crate::script::{Entry, number, refuse};
+use crate::script::{Compared, Entry, Session, number, refuse};
 use crate::signal::clip::{self, Counting};
 use crate::signal::{Series, hic, rating, resample};
 
@@ -34,8 +34,10 @@ fn clip(s: &Series, duration: &Dynamic, counting: Counting) -> Answer<f64> {
     found.map(|clip| clip.level).map_err(refuse)
 }
 
-fn rate(reference: Series, comparison: Series) -> Answer<Map> {
+fn rate(context: NativeCallContext, reference: Series, comparison: Series) -> Answer<Map> {
     let rating = rating::rate(&reference, &comparison).map_err(refuse)?;
+    let all = [f64::NEG_INFINITY, f64::INFINITY];
+    Session::of(&context).compares(|| Compared::signals(&comparison, &reference, all));
     let notes: Array = rating.notes.into_iter().map(Dynamic::from).collect();
     let entries: [(&str, Dynamic); 9] = [
         ("corridor", rating.corridor.into()),

@@ -2,9 +2,9 @@
 
 mod measures;
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, INT};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, NativeCallContext};
 
-use super::{Answer, Entry, number, refuse, window};
+use super::{Answer, Compared, Entry, Session, number, refuse, window};
 use crate::signal::filter::{self, Standard};
 use crate::signal::{Series, integrate, norm};
 
@@ -35,7 +35,8 @@ pub fn register(engine: &mut Engine) {
         .register_fn("filtered", |s: &mut Series, class: Dynamic| filtered(s, &class, Standard::Iso6487))
         .register_fn("filtered_sae", |s: &mut Series, class: Dynamic| filtered(s, &class, Standard::SaeJ211))
         .register_fn("abs", |s: &mut Series| map(s, f64::abs))
-        .register_fn("relative_error", relative_error);
+        .register_fn("relative_error", relative_error)
+        .register_fn("relative_residuals", relative_residuals);
     register_operators(engine);
     measures::register(engine);
 }
@@ -119,8 +120,23 @@ fn pointwise(a: &Series, b: &Series, f: Operator) -> Series {
     a.with_values(values.collect())
 }
 
-fn relative_error(signal: Series, reference: Series, bounds: Dynamic) -> Answer<f64> {
-    norm::relative_error(&signal, &reference, window(&bounds)?).map_err(refuse)
+fn relative_error(context: NativeCallContext, signal: Series, reference: Series, bounds: Dynamic) -> Answer<f64> {
+    let window = window(&bounds)?;
+    let error = norm::relative_error(&signal, &reference, window).map_err(refuse)?;
+    Session::of(&context).compares(|| Compared::signals(&signal, &reference, window));
+    Ok(error)
+}
+
+fn relative_residuals(
+    context: NativeCallContext,
+    signal: Series,
+    reference: Series,
+    bounds: Dynamic,
+) -> Answer<Series> {
+    let window = window(&bounds)?;
+    let residuals = norm::relative_residuals(&signal, &reference, window).map_err(refuse)?;
+    Session::of(&context).compares(|| Compared::signals(&signal, &reference, window));
+    Ok(residuals)
 }
 
 /// The reference of the functions of signals.
@@ -191,6 +207,11 @@ pub const ENTRIES: &[Entry] = &[
         call: "relative_error(signal, reference, [from, to])",
         gives: "the norm of the difference over the norm of the reference, at its samples in the window (equations 14, 15)",
         example: "let r = signal([0, 1, 2], [1, 1, 1]); let e = relative_error(1.1 * r, r, [0, 2.0]); (e - 0.1).abs() < 1e-12",
+    },
+    Entry {
+        call: "relative_residuals(signal, reference, [from, to])",
+        gives: "the differences whose norm is `relative_error`, as a signal",
+        example: "let r = signal([0, 1, 2], [1, 1, 1]); let d = relative_residuals(1.1 * r, r, [0, 2]); (d * d).integral() < 0.01",
     },
 ];
 

@@ -25,5 +25,6 @@ mod same_bits;
 mod shapes;
 mod single_element;
 mod stability;
+mod stresses;
 mod warnings;
 mod waves;

@@ -1,0 +1,159 @@
+//! `droptower compare`: several runs laid over each other.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::faults::{WRITE_FAILURE, recording, storing};
+use super::scenarios::both;
+use super::{Shared, digest, folder, print, print_json, report, table};
+use crate::diagnostic::{Diagnostic, shown_path};
+use crate::post::Overlay;
+use crate::report::compare_page;
+use crate::store::{self, Draft, Kept, KeptError};
+
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// Run folders, or files of signals; the others are held against the first
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
+    /// Folder for the results
+    #[arg(long, value_name = "DIR", default_value = "runs/compare")]
+    pub out: PathBuf,
+    /// Compare this signal alone, by its name in signals.csv; may be given several times
+    #[arg(long, value_name = "NAME")]
+    pub signal: Vec<String>,
+    /// Show every figure, also where all runs agree
+    #[arg(long)]
+    pub all: bool,
+}
+
+pub fn run(args: &CompareArgs, shared: &Shared) -> ExitCode {
+    let runs = match both(kept(&args.runs), free(args)) {
+        Ok((runs, ())) => runs,
+        Err(mistakes) => return report(&mistakes),
+    };
+    if let Err(mistake) = check_signals(&runs, &args.signal) {
+        return report(&[mistake]);
+    }
+    let overlay = Overlay::of(&runs, &args.signal);
+    let stored = Draft::begin(&args.out).and_then(|draft| {
+        let files = folder::fill_comparison(&draft, &overlay)?;
+        Ok((draft.publish()?, files))
+    });
+    let (place, files) = match stored {
+        Ok(stored) => stored,
+        Err(error) => {
+            report(&[storing(&error)]);
+            return ExitCode::from(WRITE_FAILURE);
+        }
+    };
+    match (shared.json, shared.quiet) {
+        (true, _) => print_json(&overlay.summary()),
+        (false, true) => ExitCode::SUCCESS,
+        (false, false) => print([text(&overlay, args.all), digest::folder(&place, &files)].concat().trim_end()),
+    }
+}
+
+/// The runs, read back; at least two, each once.
+fn kept(places: &[PathBuf]) -> Result<Vec<Kept>, Vec<Diagnostic>> {
+    let (mut runs, mut mistakes): (Vec<Kept>, Vec<Diagnostic>) = (vec![], vec![]);
+    for (index, place) in places.iter().enumerate() {
+        if places[..index].iter().any(|before| is_same(before, place)) {
+            mistakes.push(Diagnostic::new(format!("{} is given twice", shown_path(place))));
+            continue;
+        }
+        match Kept::read(place) {
+            Ok(run) => runs.push(run),
+            Err(error) => mistakes.push(unreadable(&error)),
+        }
+    }
+    if places.len() < 2 {
+        let mistake = Diagnostic::new("one run has nothing to be compared with");
+        mistakes.push(mistake.hint("name two or more: droptower compare runs/a runs/b"));
+    }
+    if mistakes.is_empty() { Ok(runs) } else { Err(mistakes) }
+}
+
+fn unreadable(error: &KeptError) -> Diagnostic {
+    match error {
+        KeptError::Signals(error) => recording(error),
+        KeptError::Missing { .. } | KeptError::NotARun { .. } => Diagnostic::new(error.to_string())
+            .hint("a run folder is what `droptower run` leaves, such as runs/drop/1008"),
+        KeptError::Summary { .. } | KeptError::NoFigures { .. } => {
+            Diagnostic::new(error.to_string()).hint("run the scenario again, or compare its signals.csv alone")
+        }
+        KeptError::NoCommonTime { .. } => Diagnostic::new(error.to_string()),
+    }
+}
+
+/// The results take the place of nothing that is not theirs, and of none of the runs.
+fn free(args: &CompareArgs) -> Result<(), Vec<Diagnostic>> {
+    let mistake = |mistake: Diagnostic| vec![mistake];
+    store::check_places(std::slice::from_ref(&args.out)).map_err(|error| mistake(storing(&error)))?;
+    let replaced = args.runs.iter().find(|run| is_same(run, &args.out) || run.starts_with(&args.out));
+    replaced.map_or(Ok(()), |run| {
+        let message = format!("the results would take the place of {}, which is compared", shown_path(run));
+        Err(mistake(Diagnostic::new(message).hint("give another --out")))
+    })
+}
+
+fn is_same(one: &Path, other: &Path) -> bool {
+    match (one.canonicalize(), other.canonicalize()) {
+        (Ok(one), Ok(other)) => one == other,
+        _ => one == other,
+    }
+}
+
+/// Every signal that is asked for is there.
+fn check_signals(runs: &[Kept], wanted: &[String]) -> Result<(), Diagnostic> {
+    let there: Vec<&str> =
+        runs.iter().flat_map(|run| &run.signals.channels).map(|channel| channel.name.as_str()).collect();
+    let missing = wanted.iter().find(|name| !there.contains(&name.as_str()));
+    missing.map_or(Ok(()), |name| {
+        let nearest = there.iter().min_by_key(|known| strsim::damerau_levenshtein(known, name));
+        let mistake = Diagnostic::new(format!("no run has a signal `{name}`"));
+        Err(match nearest {
+            Some(nearest) => mistake.hint(format!("did you mean `{nearest}`?")),
+            None => mistake,
+        })
+    })
+}
+
+/// What differs, and what came out; every line ends with a line break.
+fn text(overlay: &Overlay, all: bool) -> String {
+    let names: Vec<String> = overlay.runs.iter().map(|run| run.name.clone()).collect();
+    let part = |words: &str, rows: Vec<Vec<String>>| {
+        if rows.is_empty() {
+            return String::new();
+        }
+        let header = std::iter::once(words.to_owned()).chain(names.iter().cloned()).collect();
+        table::aligned(&std::iter::once(header).chain(rows).collect::<Vec<_>>(), 1) + "\n"
+    };
+    let figures = match all {
+        true => compare_page::figures(overlay.figures.iter()),
+        false => compare_page::figures(overlay.telling_figures()),
+    };
+    let notes: String = overlay.notes.iter().map(|note| format!("  note: {note}\n")).collect();
+    [
+        part(
+            "scenario",
+            compare_page::keys(overlay).into_iter().map(|row| row.into_iter().map(cut).collect()).collect(),
+        ),
+        part("figure", figures),
+        part("signal, off the first", compare_page::errors(overlay)),
+        notes,
+    ]
+    .concat()
+}
+
+/// Letters of a cell that are shown.
+const LONGEST: usize = 40;
+
+fn cut(cell: String) -> String {
+    if cell.chars().count() <= LONGEST {
+        return cell;
+    }
+    cell.chars().take(LONGEST - 1).chain(['…']).collect()
+}

@@ -1,0 +1,331 @@
+//! Runs laid over each other: their figures, the keys of their scenarios, and their signals, each against the first run's.
+
+use std::collections::BTreeSet;
+use std::path::{Component, Path, PathBuf};
+
+use serde_json::{Map, Value, json};
+
+use crate::scenario;
+use crate::signal::Series;
+use crate::signal::norm::relative_error;
+use crate::store::Kept;
+
+/// Several runs, the first of which the others are held against.
+#[derive(Clone, Debug)]
+pub struct Overlay {
+    /// One entry a run, as in all lists that follow.
+    pub runs: Vec<Subject>,
+    /// Figures that a run has, in the order of the summaries.
+    pub figures: Vec<Figures>,
+    /// Keys in which the scenarios differ.
+    pub keys: Vec<Keys>,
+    /// Signals that several runs have, in the order of the first that has them.
+    pub signals: Vec<Signals>,
+    /// What a reader must know: runs that broke off, virtual recordings, signals that one run has alone.
+    pub notes: Vec<String>,
+}
+
+/// One of the runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Subject {
+    /// The end of its path, as much of it as tells it from the others.
+    pub name: String,
+    pub place: PathBuf,
+    /// Its title, where it has one.
+    pub title: Option<String>,
+}
+
+/// One figure of all runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    /// As `summary.json` calls it.
+    pub name: String,
+    /// Number, text or truth; none where a run has none.
+    pub values: Vec<Option<Value>>,
+}
+
+/// One key of all scenarios.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Keys {
+    /// `layers.count`.
+    pub path: String,
+    /// As TOML; none where a scenario does not say it.
+    pub values: Vec<Option<String>>,
+}
+
+/// One channel of all runs.
+#[derive(Clone, Debug)]
+pub struct Signals {
+    /// As `signals.csv` calls it.
+    pub column: String,
+    /// None where a run has no such channel.
+    pub series: Vec<Option<Series>>,
+    /// ‖s − s₁‖/‖s₁‖ against the first run while both go on (paper, equations 14 and 15); none of the first run itself, and
+    /// where there is nothing to compare.
+    pub errors: Vec<Option<f64>>,
+}
+
+/// Figures that say what came out: shown even where all runs agree.
+const KEY: [&str; 12] = [
+    "peak_acceleration_m_s2",
+    "peak_displacement_m",
+    "rebound_velocity_m_s",
+    "energy_absorption",
+    "peak_force_N",
+    "peak_stress_Pa",
+    "strain_at_break",
+    "final_depth_m",
+    "final_deflection_m",
+    "burst_pressure_Pa",
+    "energy_balance_error",
+    "ruptured",
+];
+
+/// Figures of the machine and of the mesh, which differ from one run of a scenario to the next, or say what the keys do.
+const COST: [&str; 8] = [
+    "elements",
+    "bytes_per_element",
+    "steps",
+    "time_step_s",
+    "wall_s",
+    "ns_per_element_step",
+    "threads",
+    "instructions",
+];
+
+/// Entries of a summary that are no figures, and keys that decide nothing.
+const NAMES: [&str; 3] = ["scenario", "title", "droptower"];
+
+impl Overlay {
+    /// The runs laid over each other; of the signals only those that `wanted` names, or all where it names none.
+    pub fn of(runs: &[Kept], wanted: &[String]) -> Overlay {
+        let names = names(&runs.iter().map(|run| run.place.as_path()).collect::<Vec<_>>());
+        let title = |run: &Kept| run.summary.get("title").and_then(Value::as_str).map(str::to_owned);
+        let subject =
+            |(run, name): (&Kept, &String)| Subject { name: name.clone(), place: run.place.clone(), title: title(run) };
+        let (signals, alone) = signals(runs, &names, wanted);
+        Overlay {
+            runs: runs.iter().zip(&names).map(subject).collect(),
+            figures: figures(runs),
+            keys: keys(runs),
+            notes: notes(runs, &names).chain(alone).collect(),
+            signals,
+        }
+    }
+
+    /// The names of the runs.
+    pub fn title(&self) -> String {
+        self.runs.iter().map(|run| run.name.as_str()).collect::<Vec<_>>().join(" | ")
+    }
+
+    /// The figures worth showing: those that differ and those that say what came out.
+    pub fn telling_figures(&self) -> impl Iterator<Item = &Figures> {
+        self.figures.iter().filter(|figure| {
+            KEY.contains(&figure.name.as_str()) || figure.differs() && !COST.contains(&figure.name.as_str())
+        })
+    }
+
+    /// What `summary.json` of the comparison holds.
+    pub fn summary(&self) -> Map<String, Value> {
+        let run =
+            |run: &Subject| json!({ "name": run.name, "path": run.place.display().to_string(), "title": run.title });
+        let figure = |figure: &Figures| {
+            let differences: Vec<_> = (0..self.runs.len()).map(|run| figure.difference(run)).collect();
+            (figure.name.clone(), json!({ "values": figure.values, "differences": differences }))
+        };
+        let fields = [
+            ("droptower", json!(env!("CARGO_PKG_VERSION"))),
+            ("runs", self.runs.iter().map(run).collect()),
+            ("keys", Value::Object(self.keys.iter().map(|key| (key.path.clone(), json!(key.values))).collect())),
+            ("figures", Value::Object(self.figures.iter().map(figure).collect())),
+            ("errors", Value::Object(self.signals.iter().map(|s| (s.column.clone(), json!(s.errors))).collect())),
+            ("notes", json!(self.notes)),
+        ];
+        fields.map(|(name, value)| (name.into(), value)).into_iter().collect()
+    }
+}
+
+impl Figures {
+    /// By how much a run's number is above the first one's, over its magnitude; none of the first run, of what is no number,
+    /// and where the first one is zero.
+    pub fn difference(&self, run: usize) -> Option<f64> {
+        let number = |run: usize| self.values.get(run)?.as_ref()?.as_f64();
+        let first = number(0).filter(|first| *first != 0.0)?;
+        (run > 0).then(|| number(run).map(|value| (value - first) / first.abs()))?
+    }
+
+    /// Whether the runs disagree.
+    pub fn differs(&self) -> bool {
+        self.values.iter().any(|value| *value != self.values[0])
+    }
+}
+
+/// The shortest ends of the paths that tell them from each other.
+fn names(places: &[&Path]) -> Vec<String> {
+    let parts = |place: &Path| -> Vec<String> {
+        let whole = place.canonicalize().unwrap_or_else(|_| place.into());
+        let plain = whole.components().filter(|part| matches!(part, Component::Normal(_)));
+        plain.map(|part| part.as_os_str().to_string_lossy().into_owned()).collect()
+    };
+    let parts: Vec<Vec<String>> = places.iter().map(|place| parts(place)).collect();
+    let end = |run: &Vec<String>, length: usize| run[run.len().saturating_sub(length)..].join("/");
+    let name = |run: &Vec<String>| {
+        let is_one = |length: &usize| parts.iter().filter(|other| end(other, *length) == end(run, *length)).count() < 2;
+        let length = (1..run.len()).find(is_one).unwrap_or(run.len());
+        end(run, length)
+    };
+    parts.iter().map(name).collect()
+}
+
+fn figures(runs: &[Kept]) -> Vec<Figures> {
+    let is_figure = |name: &String, value: &Value| {
+        !NAMES.contains(&name.as_str()) && (value.is_number() || value.is_string() || value.is_boolean())
+    };
+    let mut all: Vec<Figures> = vec![];
+    for (name, _) in runs.iter().flat_map(|run| &run.summary).filter(|(name, value)| is_figure(name, value)) {
+        if all.iter().all(|known| known.name != *name) {
+            let value = |run: &Kept| run.summary.get(name).filter(|value| is_figure(name, value)).cloned();
+            all.push(Figures { name: name.clone(), values: runs.iter().map(value).collect() });
+        }
+    }
+    all
+}
+
+fn keys(runs: &[Kept]) -> Vec<Keys> {
+    let scenarios: Vec<_> = runs.iter().map(|run| scenario::leaves(&run.scenario)).collect();
+    // A recording has no scenario, and differs from none.
+    let said: Vec<_> = scenarios.iter().filter(|scenario| !scenario.is_empty()).collect();
+    let paths: BTreeSet<&String> = scenarios.iter().flat_map(|scenario| scenario.keys()).collect();
+    let differs = |path: &&String| said.iter().any(|scenario| scenario.get(*path) != said[0].get(*path));
+    let of = |path: &String| Keys {
+        path: path.clone(),
+        values: scenarios.iter().map(|scenario| scenario.get(path).cloned()).collect(),
+    };
+    paths.into_iter().filter(|path| !NAMES.contains(&path.as_str())).filter(differs).map(of).collect()
+}
+
+/// The common signals, and what is to be said of the others.
+fn signals(runs: &[Kept], names: &[String], wanted: &[String]) -> (Vec<Signals>, Vec<String>) {
+    let mut columns: Vec<&String> = vec![];
+    for channel in runs.iter().flat_map(|run| &run.signals.channels) {
+        if !columns.contains(&&channel.name) && (wanted.is_empty() || wanted.contains(&channel.name)) {
+            columns.push(&channel.name);
+        }
+    }
+    let (mut common, mut alone) = (vec![], vec![vec![]; runs.len()]);
+    for column in columns {
+        let series: Vec<Option<Series>> = runs.iter().map(|run| run.signals.series(column)).collect();
+        match having(&series)[..] {
+            [run] => alone[run].push(format!("`{column}`")),
+            _ => common.push(Signals { column: column.clone(), errors: errors(&series), series }),
+        }
+    }
+    let alone = names.iter().zip(alone).filter(|(_, columns)| !columns.is_empty());
+    let mut notes: Vec<String> =
+        alone.map(|(name, columns)| format!("{name} alone has {}", columns.join(", "))).collect();
+    if common.is_empty() {
+        notes.push("no signal is common to them".into());
+    }
+    (common, notes)
+}
+
+/// The runs that have a signal.
+fn having(series: &[Option<Series>]) -> Vec<usize> {
+    series.iter().enumerate().filter(|(_, series)| series.is_some()).map(|(run, _)| run).collect()
+}
+
+fn errors(series: &[Option<Series>]) -> Vec<Option<f64>> {
+    let first = series.first().and_then(Option::as_ref);
+    let error = |(run, own): (usize, &Option<Series>)| {
+        let (first, own) = (first.filter(|_| run > 0)?, own.as_ref()?);
+        relative_error(own, first, common_window(own, first)?).ok()
+    };
+    series.iter().enumerate().map(error).collect()
+}
+
+/// Times (s) at which both go on.
+fn common_window(a: &Series, b: &Series) -> Option<[f64; 2]> {
+    let (from, to) = (a.time().first()?.max(*b.time().first()?), a.time().last()?.min(*b.time().last()?));
+    (from < to).then_some([from, to])
+}
+
+fn notes<'a>(runs: &'a [Kept], names: &'a [String]) -> impl Iterator<Item = String> + 'a {
+    runs.iter().zip(names).flat_map(|(run, name)| {
+        let failure = run.failure.as_ref().map(|cause| format!("{name} broke off: {cause}"));
+        let mark = run.says_virtual.then(|| format!("{name} is a VIRTUAL recording: nothing was measured"));
+        failure.into_iter().chain(mark)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal::{Channel, Recording};
+
+    fn run(place: &str, summary: Value, scenario: &str, channels: &[(&str, [f64; 3])]) -> Kept {
+        let channel = |(name, values): &(&str, [f64; 3])| Channel { name: (*name).into(), values: values.to_vec() };
+        let signals = Recording { time: vec![0.0, 0.1, 0.2], channels: channels.iter().map(channel).collect() };
+        let Value::Object(summary) = summary else { panic!("no figures") };
+        Kept { place: place.into(), signals, summary, scenario: scenario.into(), ..Kept::default() }
+    }
+
+    #[test]
+    fn a_name_is_the_shortest_end_that_tells_paths_apart() {
+        for (places, expected) in [
+            (vec!["/r/drop/1008", "/r/drop/1509"], vec!["1008", "1509"]),
+            (vec!["/a/1008", "/b/1008", "/b/1509"], vec!["a/1008", "b/1008", "1509"]),
+            (vec!["/r/a/x/1", "/s/a/x/1"], vec!["r/a/x/1", "s/a/x/1"]),
+            (vec!["/x", "/a/x"], vec!["x", "a/x"]),
+        ] {
+            assert_eq!(names(&places.iter().map(Path::new).collect::<Vec<_>>()), expected);
+        }
+    }
+
+    #[test]
+    fn runs_are_held_against_the_first() {
+        let first = json!({ "title": "a", "peak_force_N": 200.0, "ruptured": false, "wall_s": 1.0, "warnings": ["w"] });
+        let second = json!({ "title": "b", "peak_force_N": 150.0, "ruptured": false, "wall_s": 2.0, "more": "text" });
+        let overlay = Overlay::of(
+            &[
+                run(
+                    "/r/a",
+                    first,
+                    "layers.count = 8\ntitle = \"a\"",
+                    &[("force_N", [0.0, 3.0, 4.0]), ("depth_m", [1.0; 3])],
+                ),
+                run("/r/b", second, "layers.count = 9\ntitle = \"b\"\nmore = 1", &[("force_N", [0.0, 3.0, 9.0])]),
+                run("/r/recording.csv", json!({}), "", &[("force_N", [0.0, 6.0, 8.0])]),
+            ],
+            &[],
+        );
+        let values = |figure: &Figures| (figure.name.clone(), figure.difference(1));
+        let telling: Vec<_> = overlay.telling_figures().map(values).collect();
+        let named = |name: &str, difference| (name.to_owned(), difference);
+        assert_eq!(telling, [named("peak_force_N", Some(-0.25)), named("ruptured", None), named("more", None)]);
+        assert_eq!(overlay.figures.len(), 4, "{:?}", overlay.figures);
+        let keys: Vec<_> = overlay.keys.iter().map(|key| (key.path.as_str(), key.values.clone())).collect();
+        let value = |text: &str| Some(text.to_owned());
+        assert_eq!(
+            keys,
+            [("layers.count", vec![value("8"), value("9"), None]), ("more", vec![None, value("1"), None])]
+        );
+        let [signals] = &overlay.signals[..] else { panic!("{:?}", overlay.signals) };
+        assert_eq!(signals.errors, [None, Some(1.0), Some(1.0)]);
+        assert_eq!(overlay.notes, ["a alone has `depth_m`"]);
+        let summary = overlay.summary();
+        assert_eq!(summary["figures"]["peak_force_N"]["differences"][1], -0.25);
+        assert_eq!(summary["errors"]["force_N"], json!([null, 1.0, 1.0]));
+        assert_eq!(summary["keys"]["layers.count"], json!(["8", "9", null]));
+    }
+
+    #[test]
+    fn what_a_reader_must_know_is_said() {
+        let broken = Kept { failure: Some("lost".into()), ..run("/r/a", json!({}), "", &[("force_N", [0.0; 3])]) };
+        let unreal = Kept { says_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
+        let notes = Overlay::of(&[broken, unreal], &[]).notes;
+        assert_eq!(notes[..2], ["a broke off: lost", "b is a VIRTUAL recording: nothing was measured"]);
+        assert_eq!(notes[2..], ["a alone has `force_N`", "b alone has `strain`", "no signal is common to them"]);
+        let only = Overlay::of(&[run("/a", json!({}), "", &[]), run("/b", json!({}), "", &[])], &["none".into()]);
+        assert!(only.signals.is_empty());
+    }
+}

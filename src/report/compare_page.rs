@@ -1,0 +1,155 @@
+//! The page of several runs laid over each other.
+
+use serde_json::Value;
+
+use super::html::{self, escape};
+use super::{Figure, figure, plot, rounded};
+use crate::diagnostic::shown_path;
+use crate::plot::{Curve, Plot};
+use crate::post::Overlay;
+use crate::post::overlay::{Figures, Signals, Subject};
+use crate::signal::Series;
+
+/// Pairs of columns of which the second is drawn over the first, besides over time.
+const AGAINST: [[&str; 2]; 4] =
+    [["strain", "stress_Pa"], ["displacement_m", "force_N"], ["depth_m", "force_N"], ["deflection_m", "pressure_Pa"]];
+
+/// `report.html` of a comparison.
+pub fn compare_page(overlay: &Overlay) -> String {
+    let title = overlay.title();
+    let names = || overlay.runs.iter().map(|run| run.name.clone());
+    let header = |first: &str| std::iter::once(first.to_owned()).chain(names()).collect::<Vec<_>>();
+    let (over_time, against) = plots(overlay);
+    let notes = match overlay.notes.as_slice() {
+        [] => String::new(),
+        notes => format!("<div class=\"warnings\">\n<h2>Notes</h2>\n{}</div>\n", html::list(notes)),
+    };
+    let body = [
+        format!(
+            "<h1>{}</h1>\n<p class=\"lead\">runs laid over each other, held against the first</p>\n",
+            escape(&title)
+        ),
+        notes,
+        html::section("Runs", &html::table("rows", &header_of_runs(), &runs(overlay))),
+        html::section("Figures", &html::table("rows", &header("figure"), &figures(overlay.telling_figures()))),
+        html::section("Scenarios", &html::table("rows", &header("key"), &keys(overlay))),
+        html::section("Signals", &plot::figures(against.iter().chain(&over_time))),
+        html::section("Distance of signals", &html::table("rows", &header("signal"), &errors(overlay))),
+        html::section("All figures", &html::table("rows", &header("figure"), &figures(overlay.figures.iter()))),
+        format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
+    ];
+    html::page(&title, &body.concat())
+}
+
+fn header_of_runs() -> Vec<String> {
+    ["run", "title", "path"].map(String::from).into()
+}
+
+fn runs(overlay: &Overlay) -> Vec<Vec<String>> {
+    let row = |run: &Subject| vec![run.name.clone(), run.title.clone().unwrap_or_default(), shown_path(&run.place)];
+    overlay.runs.iter().map(row).collect()
+}
+
+/// Name with unit, then a value a run with its difference.
+pub fn figures<'a>(figures: impl Iterator<Item = &'a Figures>) -> Vec<Vec<String>> {
+    figures.map(|figure| std::iter::once(quantity(&figure.name)).chain(values(figure)).collect()).collect()
+}
+
+fn values(figure: &Figures) -> impl Iterator<Item = String> + '_ {
+    let value = |value: &Value| Figure::of(&figure.name, value).map_or_else(String::new, |figure| figure.value);
+    figure.values.iter().enumerate().map(move |(run, of_run)| {
+        let of_run = of_run.as_ref().map_or_else(|| "-".into(), value);
+        match figure.difference(run) {
+            Some(difference) if difference != 0.0 => format!("{of_run} ({})", signed_percent(difference)),
+            _ => of_run,
+        }
+    })
+}
+
+/// A key, then a value a scenario.
+pub fn keys(overlay: &Overlay) -> Vec<Vec<String>> {
+    let value =
+        |value: &Option<String>| value.as_deref().map_or_else(|| "-".into(), |text| text.trim_matches('"').to_owned());
+    overlay
+        .keys
+        .iter()
+        .map(|key| std::iter::once(key.path.clone()).chain(key.values.iter().map(value)).collect())
+        .collect()
+}
+
+/// A signal, then how far each run's is from the first one's.
+pub fn errors(overlay: &Overlay) -> Vec<Vec<String>> {
+    let value = |value: &Option<f64>| value.map_or_else(|| "-".into(), |error| format!("{} %", rounded(100.0 * error)));
+    let row = |signals: &Signals| {
+        std::iter::once(quantity(&signals.column)).chain(signals.errors.iter().map(value)).collect()
+    };
+    overlay.signals.iter().map(row).collect()
+}
+
+/// `peak force (N)`.
+fn quantity(name: &str) -> String {
+    match figure::named(name) {
+        (words, "") => words,
+        (words, unit) => format!("{words} ({unit})"),
+    }
+}
+
+fn signed_percent(share: f64) -> String {
+    let text = rounded(100.0 * share);
+    format!("{}{text} %", if share > 0.0 { "+" } else { "" })
+}
+
+/// Every common signal over time, a curve a run; and pairs of them over each other.
+pub fn plots(overlay: &Overlay) -> (Vec<Plot>, Vec<Plot>) {
+    let over_time = overlay.signals.iter().map(|signals| {
+        let shown = Shown::of(&signals.column);
+        let points = |series: &Series| series.samples().map(|[t, v]| [t * 1e3, v * shown.factor]).collect::<Vec<_>>();
+        let curves = curves(overlay, |run| signals.series[run].as_ref().map(points));
+        Plot::new(&shown.words, ["time (ms)", &shown.axis()], curves)
+    });
+    let against = AGAINST.iter().filter_map(|pair| {
+        let [x, y] = pair.map(|column| overlay.signals.iter().find(|signals| signals.column == column));
+        Some(over_each_other(overlay, x?, y?))
+    });
+    (over_time.collect(), against.collect())
+}
+
+fn over_each_other(overlay: &Overlay, x: &Signals, y: &Signals) -> Plot {
+    let [across, up] = [x, y].map(|signals| Shown::of(&signals.column));
+    let points = |run: usize| {
+        let (x, y) = (x.series[run].as_ref()?, y.series[run].as_ref()?);
+        Some(x.values().iter().zip(y.values()).map(|(x, y)| [x * across.factor, y * up.factor]).collect())
+    };
+    let title = format!("{} over {}", up.words, across.words);
+    Plot::new(title, [&across.axis(), &up.axis()], curves(overlay, points))
+}
+
+fn curves(overlay: &Overlay, points: impl Fn(usize) -> Option<Vec<[f64; 2]>>) -> Vec<Curve> {
+    let curve = |(run, subject): (usize, &Subject)| Some(Curve::line(&subject.name, points(run)?));
+    overlay.runs.iter().enumerate().filter_map(curve).collect()
+}
+
+/// How a column is shown: in words and in the unit that people read.
+struct Shown {
+    words: String,
+    unit: &'static str,
+    /// From SI to the unit.
+    factor: f64,
+}
+
+impl Shown {
+    fn of(column: &str) -> Shown {
+        let (words, unit) = figure::named(column);
+        let (unit, factor) = match unit {
+            "m" => ("mm", 1e3),
+            "Pa" if column.starts_with("pressure") => ("kPa", 1e-3),
+            "Pa" => ("MPa", 1e-6),
+            unit => (unit, 1.0),
+        };
+        Shown { words, unit, factor }
+    }
+
+    fn axis(&self) -> String {
+        if self.unit.is_empty() { self.words.clone() } else { format!("{} ({})", self.words, self.unit) }
+    }
+}

@@ -1,0 +1,140 @@
+//! Pictures of a search: its objective, its unknowns, and its simulations closing in on what was measured.
+
+use crate::plot::{Axis, Curve, Plot, Scale};
+use crate::script::{Convergence, Improvement, Over, Pursuit, Target};
+
+/// Most iterations whose curves one plot shows.
+const MOST_CURVES: usize = 8;
+
+/// Objective and unknowns over iterations, then what was pursued; none of a search that ended where it began.
+pub fn plots(convergence: &Convergence) -> Vec<Plot> {
+    let own = [objective(convergence), unknowns(convergence)].into_iter().filter(|plot| has_lines(plot));
+    own.chain(convergence.pursuits.iter().map(|pursuit| chosen(convergence, pursuit))).collect()
+}
+
+/// What was pursued, without any simulation; in ms and MPa.
+pub fn target(convergence: &Convergence, pursuit: &Pursuit) -> Plot {
+    let Pursuit { words, target, .. } = pursuit;
+    let title = match words.split_once(" (") {
+        Some((quantity, _)) => format!("{}: {quantity}", convergence.title),
+        None => format!("{}: {words}", convergence.title),
+    };
+    let x = match target.over {
+        Over::Time => "time (ms)",
+        Over::Strain => "strain",
+    };
+    let reference = Curve::line("reference", points(target, &target.values)).dashed();
+    Plot::new(title, [x, words.as_str()], vec![reference])
+}
+
+/// A simulation on its way to the target, in the units of [`target`].
+pub fn simulated(name: impl Into<String>, pursuit: &Pursuit, improvement: &Improvement) -> Curve {
+    Curve::line(name, points(&pursuit.target, &improvement.values))
+}
+
+/// Best values of the objective; one curve a start.
+pub fn objective(Convergence { title, objectives, .. }: &Convergence) -> Plot {
+    let name = |start: usize| if objectives.len() == 1 { "objective".into() } else { format!("start {}", start + 1) };
+    let curve = |(start, course): (usize, &Vec<(usize, f64)>)| {
+        Curve::line(name(start), course.iter().map(|(iteration, f)| [*iteration as f64, *f]))
+    };
+    let curves = objectives.iter().enumerate().map(curve).collect();
+    let mut plot = Plot::new(format!("{title}: objective"), ["iteration", "objective"], curves);
+    if objectives.iter().flatten().all(|(_, f)| *f > 0.0) {
+        plot.y = Axis { scale: Scale::Logarithmic, ..plot.y };
+    }
+    plot
+}
+
+fn unknowns(Convergence { title, unknowns, course, .. }: &Convergence) -> Plot {
+    let curve =
+        |(place, name): (usize, &String)| Curve::line(name, course.iter().map(|at| [at.iteration as f64, at.x[place]]));
+    let curves = unknowns.iter().enumerate().map(curve).collect();
+    Plot::new(format!("{title}: unknowns"), ["iteration", "value"], curves)
+}
+
+fn has_lines(plot: &Plot) -> bool {
+    plot.curves.iter().any(|curve| curve.points.len() > 1)
+}
+
+/// The target and some of the simulations that came closer to it.
+fn chosen(convergence: &Convergence, pursuit: &Pursuit) -> Plot {
+    let mut plot = target(convergence, pursuit);
+    let chosen = by_steps(&pursuit.improvements);
+    let last = chosen.len() - 1;
+    let curves = chosen.iter().enumerate().map(|(place, improvement)| {
+        let iteration = improvement.at.iteration;
+        let name =
+            if place == last { format!("best, iteration {iteration}") } else { format!("iteration {iteration}") };
+        simulated(name, pursuit, improvement)
+    });
+    plot.curves = curves.chain(plot.curves).collect();
+    plot
+}
+
+/// The first, the best, and between them those that the objective reached by equal ratios, as far as there are.
+fn by_steps(improvements: &[Improvement]) -> Vec<&Improvement> {
+    let ([first, ..], [.., last]) = (improvements, improvements) else { return vec![] };
+    let share = |step: usize| step as f64 / (MOST_CURVES - 1) as f64;
+    let reached = |step: usize| {
+        let wanted = first.at.f * (last.at.f / first.at.f).powf(share(step));
+        improvements.iter().find(|improvement| improvement.at.f <= wanted)
+    };
+    let between = (1..MOST_CURVES - 1).filter_map(reached);
+    let mut chosen: Vec<&Improvement> = std::iter::once(first).chain(between).chain([last]).collect();
+    chosen.dedup_by_key(|improvement| improvement.at.iteration);
+    chosen
+}
+
+fn points(target: &Target, values: &[f32]) -> Vec<[f64; 2]> {
+    let [x, y] = match target.over {
+        Over::Time => [1e3, 1.0],
+        Over::Strain => [1.0, 1e-6],
+    };
+    target.places.iter().zip(values).map(|(place, value)| [f64::from(*place) * x, f64::from(*value) * y]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::script::Waypoint;
+
+    fn search(objectives: &[f64]) -> Convergence {
+        let target = Arc::new(Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, 150.0] });
+        let at = |place: usize| Waypoint { iteration: place + 1, f: objectives[place], x: vec![objectives[place]] };
+        let improvement = |place: usize| Improvement { at: at(place), values: vec![0.0, objectives[place] as f32] };
+        let improvements = (0..objectives.len()).map(improvement).collect();
+        Convergence {
+            title: "1008".into(),
+            unknowns: vec!["k1".into()],
+            objectives: vec![objectives.iter().enumerate().map(|(place, f)| (place + 1, *f)).collect()],
+            course: (0..objectives.len()).map(at).collect(),
+            pursuits: vec![Pursuit { words: "acceleration (m/s²)".into(), target, improvements }],
+        }
+    }
+
+    #[test]
+    fn a_search_shows_its_objective_its_unknowns_and_its_curves() {
+        let falling: Vec<f64> = (0..60).map(|step| 2.0 * 0.9_f64.powi(step)).collect();
+        let plots = plots(&search(&falling));
+        let [objective, unknowns, curves] = &plots[..] else { panic!("{plots:?}") };
+        assert_eq!((objective.y.scale, objective.curves[0].points[0]), (Scale::Logarithmic, [1.0, 2.0]));
+        assert_eq!(unknowns.curves[0].name, "k1");
+        assert_eq!((curves.title.as_str(), curves.x.words.as_str()), ("1008: acceleration", "time (ms)"));
+        let names: Vec<&str> = curves.curves.iter().map(|curve| curve.name.as_str()).collect();
+        assert_eq!((names.len(), names[0], names[7], names[8]), (9, "iteration 1", "best, iteration 60", "reference"));
+        let [time, value] = curves.curves[0].points[1];
+        assert!((time - 50.0).abs() < 1e-5 && value == 2.0);
+    }
+
+    #[test]
+    fn a_search_that_stays_where_it_began_has_one_curve() {
+        let found = plots(&search(&[0.0]));
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].curves.len(), 2);
+        let signs = plots(&search(&[1.0, -1.0]));
+        assert_eq!((signs[0].y.scale, signs[2].curves.len()), (Scale::Linear, 3));
+    }
+}

@@ -1,0 +1,408 @@
+//! The film of a page: kept states of faces and impactor, small enough to be sent by mail.
+
+use std::collections::{BTreeSet, HashMap};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+use super::body::Body;
+use super::html::{data, escape};
+use super::plot::short;
+use crate::mesh::MeshError;
+use crate::model::{Loading, Model};
+use crate::signal::Recording;
+use crate::simulate::{Film, FilmState, Frame, Outcome};
+
+/// Most states on a page.
+const MOST_STATES: usize = 32;
+
+/// What all states together take at most, bytes before they are written as text, which takes a third more.
+const MOST_BYTES: usize = 900_000;
+
+/// Most patches of the whole film, mirror images included; more are slow to draw.
+const MOST_PATCHES: usize = 12_000;
+
+/// Most patches of an impactor that is a mesh.
+const MOST_OF_BODY: usize = 2_000;
+
+/// The value of a strain that stands for a broken element; those of others lie below.
+const BROKEN: u8 = u8::MAX;
+
+/// The figure with the film in 3-D, as HTML that the page's script draws; empty where no state was kept.
+///
+/// # Errors
+/// The impactor's mesh cannot be read.
+pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> Result<String, MeshError> {
+    let frames: Vec<&Frame> = outcome.frames.iter().filter(|frame| is_finite(frame)).collect();
+    let Some(first) = frames.first() else {
+        return Ok(String::new());
+    };
+    let faces = faces(outcome, first);
+    let bytes: usize = faces.iter().map(|face| 6 * face.picture.groups + 3 * face.picture.patches.len()).sum();
+    let most = (MOST_BYTES / bytes.max(1)).clamp(2, MOST_STATES);
+    let moments = moments(model, outcome, signals);
+    let chosen = chosen(&frames, &moments, most);
+    let states: Vec<&Frame> = chosen.iter().map(|at| frames[*at]).collect();
+    let body = model.impactor.as_ref().map(|impactor| Body::of(&impactor.shape)).transpose()?;
+    let scene = Scene { faces, states, moments, body };
+    let note = scene.note(outcome);
+    let data = data(&scene.contents());
+    Ok(format!("<figure class=\"film\">\n{data}<figcaption class=\"note\">{}</figcaption>\n</figure>\n", escape(&note)))
+}
+
+/// A moment worth looking at, and its time, s.
+type Moment = (&'static str, f64);
+
+fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment> {
+    let peak = |channel: &str| Some(signals.series(channel)?.largest()?[0]);
+    let mut moments = Vec::new();
+    if matches!(model.loading, Loading::Impact { .. }) {
+        let lowest = || Some(signals.series("displacement_m")?.smallest()?[0]);
+        moments.extend(peak("acceleration_filtered_m_s2").map(|time| ("largest deceleration", time)));
+        moments.extend(lowest().map(|time| ("lowest point", time)));
+    } else {
+        moments.extend(peak("force_N").map(|time| ("largest force", time)));
+    }
+    moments.extend(outcome.rupture_time.map(|time| ("rupture", time)));
+    moments.sort_by(|a, b| a.1.total_cmp(&b.1));
+    moments
+}
+
+/// The first and the last state, those at the moments or next after them, and others evenly between, at most so many.
+fn chosen(frames: &[&Frame], moments: &[Moment], most: usize) -> BTreeSet<usize> {
+    let last = frames.len() - 1;
+    // What breaks is seen broken after it.
+    let after = |time: f64| frames.partition_point(|frame| frame.time < time).min(last);
+    let wanted = [0, last].into_iter().chain(moments.iter().map(|(_, time)| after(*time)));
+    let mut chosen = BTreeSet::new();
+    for at in wanted {
+        if chosen.len() < most {
+            chosen.insert(at);
+        }
+    }
+    let others = most - chosen.len();
+    chosen.extend((1..=others).map(|other| other * last / (others + 1)));
+    chosen
+}
+
+fn is_finite(frame: &Frame) -> bool {
+    let finite = |place: &[f32; 3]| place.iter().all(|c| c.is_finite());
+    let body = frame.impactor.is_none_or(|(place, turn)| place.iter().chain(&turn).all(|c| c.is_finite()));
+    body && frame.films.iter().all(|film| film.positions.iter().all(finite))
+}
+
+/// One face: which, and how it is drawn.
+struct Face {
+    index: usize,
+    mirrored: [bool; 2],
+    picture: Picture,
+}
+
+fn faces(outcome: &Outcome, first: &Frame) -> Vec<Face> {
+    let images = |film: &Film| 1 << film.mirrored.iter().filter(|mirrored| **mirrored).count();
+    let drawn: usize = outcome.films.iter().map(|film| images(film) * (film.quads.len() + film.tris.len())).sum();
+    let face = |(index, film): (usize, &Film)| {
+        let outlines: Vec<[u32; 4]> = outlines(film).collect();
+        // Every face has its share of the patches.
+        let share = (outlines.len() as f64 * (MOST_PATCHES as f64 / drawn as f64).min(1.0)) as usize;
+        let picture = Picture::of(&first.films[index].positions, &outlines, share);
+        Face { index, mirrored: film.mirrored, picture }
+    };
+    outcome.films.iter().enumerate().map(face).collect()
+}
+
+/// Corners of the elements in the order of their strains; those of a triangle with its last one twice.
+fn outlines(film: &Film) -> impl Iterator<Item = [u32; 4]> {
+    film.quads.iter().copied().chain(film.tris.iter().map(|&[a, b, c]| [a, b, c, c]))
+}
+
+/// A surface with few enough patches: groups of nodes that are drawn as one, and the elements that still have an area.
+struct Picture {
+    /// Group of each node.
+    group: Vec<u32>,
+    groups: usize,
+    /// Groups at the corners.
+    patches: Vec<[u32; 4]>,
+    /// The element that each patch shows.
+    element: Vec<u32>,
+}
+
+impl Picture {
+    /// All elements where there are at most `most`, else those that remain when the nodes of a cell are one.
+    fn of(points: &[[f32; 3]], outlines: &[[u32; 4]], most: usize) -> Picture {
+        if outlines.len() <= most {
+            let group = (0..points.len() as u32).collect();
+            let element = (0..outlines.len() as u32).collect();
+            return Picture { group, groups: points.len(), patches: outlines.to_vec(), element };
+        }
+        let [low, high] = bounds(points.iter().copied());
+        let mut extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+        extents.sort_by(f32::total_cmp);
+        let mut cell = (extents[2] * extents[1] / most.max(1) as f32).sqrt().max(extents[2] / most.max(1) as f32);
+        loop {
+            let picture = Picture::coarse(points, outlines, low, cell);
+            if picture.patches.len() <= most {
+                return picture;
+            }
+            cell *= 1.2;
+        }
+    }
+
+    fn coarse(points: &[[f32; 3]], outlines: &[[u32; 4]], low: [f32; 3], cell: f32) -> Picture {
+        let mut numbers: HashMap<[i32; 3], u32> = HashMap::new();
+        let mut number = |point: &[f32; 3]| {
+            let place = [0, 1, 2].map(|axis| ((point[axis] - low[axis]) / cell).floor() as i32);
+            let next = numbers.len() as u32;
+            *numbers.entry(place).or_insert(next)
+        };
+        let group: Vec<u32> = points.iter().map(&mut number).collect();
+        let mut seen: HashMap<Vec<u32>, ()> = HashMap::new();
+        let (mut patches, mut element) = (Vec::new(), Vec::new());
+        for (at, outline) in outlines.iter().enumerate() {
+            let patch = outline.map(|node| group[node as usize]);
+            let mut corners = patch.to_vec();
+            corners.sort_unstable();
+            corners.dedup();
+            if corners.len() >= 3 && seen.insert(corners, ()).is_none() {
+                patches.push(patch);
+                element.push(at as u32);
+            }
+        }
+        Picture { group, groups: numbers.len(), patches, element }
+    }
+
+    /// Where the groups are: the mean of their nodes.
+    fn places(&self, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let mut sums = vec![([0.0_f64; 3], 0.0_f64); self.groups];
+        for (point, group) in points.iter().zip(&self.group) {
+            let (sum, count) = &mut sums[*group as usize];
+            sum.iter_mut().zip(point).for_each(|(sum, c)| *sum += f64::from(*c));
+            *count += 1.0;
+        }
+        sums.into_iter().map(|(sum, count)| sum.map(|c| (c / count) as f32)).collect()
+    }
+
+    fn corners(&self) -> impl Iterator<Item = u32> {
+        self.patches.iter().flatten().copied()
+    }
+}
+
+/// Smallest and largest coordinates.
+fn bounds(points: impl Iterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
+    points.fold([[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]], |[low, high], point| {
+        let each = |of: fn(f32, f32) -> f32, ends: [f32; 3]| [0, 1, 2].map(|axis| of(ends[axis], point[axis]));
+        [each(f32::min, low), each(f32::max, high)]
+    })
+}
+
+/// What is drawn.
+struct Scene<'a> {
+    faces: Vec<Face>,
+    states: Vec<&'a Frame>,
+    moments: Vec<Moment>,
+    body: Option<Body>,
+}
+
+impl Scene<'_> {
+    fn contents(&self) -> Value {
+        let places: Vec<Vec<[f32; 3]>> = self.states.iter().map(|state| self.places(state)).collect();
+        let ends = bounds(places.iter().flatten().copied());
+        let fibre = self.range(|[md, td, _]| [*md, *td]);
+        let shear = self.range(|[_, _, shear]| [*shear; 2]);
+        let state = |(state, places): (&&Frame, &Vec<[f32; 3]>)| {
+            let strains: Vec<u8> =
+                self.faces.iter().flat_map(|face| strains(face, state, [fibre, fibre, shear])).collect();
+            let pose =
+                state.impactor.map(|(place, turn)| place.iter().chain(&turn).map(|c| short(*c)).collect::<Vec<_>>());
+            json!({
+                "time": short(state.time * 1e3),
+                "places": text(quantised(places, ends).flat_map(u16::to_le_bytes)),
+                "strains": text(strains),
+                "pose": pose,
+            })
+        };
+        let face = |face: &Face| {
+            json!({
+                "groups": face.picture.groups,
+                "patches": text(face.picture.corners().flat_map(u32::to_le_bytes)),
+                "mirrored": face.mirrored,
+            })
+        };
+        json!({
+            "box": ends,
+            "fibre": fibre,
+            "shear": shear,
+            "faces": self.faces.iter().map(face).collect::<Vec<_>>(),
+            "states": self.states.iter().zip(&places).map(state).collect::<Vec<_>>(),
+            "moments": self.moments.iter().map(|(words, time)| json!([words, short(time * 1e3)])).collect::<Vec<_>>(),
+            "body": self.body.as_ref().map(body),
+        })
+    }
+
+    /// All faces, one after the other.
+    fn places(&self, state: &Frame) -> Vec<[f32; 3]> {
+        self.faces.iter().flat_map(|face| face.picture.places(&state.films[face.index].positions)).collect()
+    }
+
+    /// Smallest and largest strain of what is drawn and holds; never empty.
+    fn range(&self, of: fn(&[f32; 3]) -> [f32; 2]) -> [f32; 2] {
+        let states =
+            self.states.iter().flat_map(|state| self.faces.iter().map(|face| (&state.films[face.index], face)));
+        let values = states.flat_map(|(film, face)| {
+            let held = face.picture.element.iter().filter(|at| holds(film, **at));
+            held.flat_map(|at| of(&film.strains[*at as usize]))
+        });
+        let [low, high] = values.fold([0.0_f32, 0.0], |[low, high], value| [low.min(value), high.max(value)]);
+        if high - low > 1e-6 { [low, high] } else { [low, low + 1e-6] }
+    }
+
+    /// What the reader should know of the picture.
+    fn note(&self, outcome: &Outcome) -> String {
+        let mut note = format!(
+            "{} of {} kept states, in between interpolated; displacements to scale, broken elements left out.",
+            self.states.len(),
+            outcome.frames.len()
+        );
+        let shown: usize = self.faces.iter().map(|face| face.picture.patches.len()).sum();
+        let elements: usize = outcome.films.iter().map(|film| film.quads.len() + film.tris.len()).sum();
+        if shown < elements {
+            note += &format!(" The mesh is too fine for a page: {shown} patches stand for its {elements} elements.");
+        }
+        if outcome.films.iter().any(|film| film.mirrored.contains(&true)) {
+            note += " The part that was computed is mirrored to the whole film.";
+        }
+        note
+    }
+}
+
+fn holds(film: &FilmState, element: u32) -> bool {
+    let at = element as usize;
+    !film.broken[at] && film.strains[at].iter().all(|strain| strain.is_finite())
+}
+
+/// Strains along MD and TD and shear of each patch, as shares of their ranges.
+fn strains(face: &Face, state: &Frame, ranges: [[f32; 2]; 3]) -> Vec<u8> {
+    let film = &state.films[face.index];
+    let share =
+        |value: f32, [low, high]: [f32; 2]| ((value - low) / (high - low) * f32::from(BROKEN - 1)).round() as u8;
+    let patch = |at: &u32| match holds(film, *at) {
+        true => [0, 1, 2].map(|part| share(film.strains[*at as usize][part], ranges[part])),
+        false => [BROKEN; 3],
+    };
+    face.picture.element.iter().flat_map(patch).collect()
+}
+
+/// Coordinates as shares of the box, axis by axis.
+fn quantised(places: &[[f32; 3]], [low, high]: [[f32; 3]; 2]) -> impl Iterator<Item = u16> {
+    let most = f32::from(u16::MAX);
+    let share = move |axis: usize, value: f32| {
+        let extent = high[axis] - low[axis];
+        if extent > 0.0 { ((value - low[axis]) / extent * most).round() as u16 } else { 0 }
+    };
+    places.iter().flat_map(move |place| [0, 1, 2].map(|axis| share(axis, place[axis])))
+}
+
+fn text(bytes: impl IntoIterator<Item = u8>) -> String {
+    STANDARD.encode(bytes.into_iter().collect::<Vec<u8>>())
+}
+
+fn body(body: &Body) -> Value {
+    let near = |c: f32| short(f64::from(c));
+    if let Some(profile) = body.profile() {
+        return json!({ "profile": profile.iter().map(|point| point.map(near)).collect::<Vec<_>>() });
+    }
+    let Body::Surface { points, triangles } = body else { return Value::Null };
+    let outlines: Vec<[u32; 4]> = triangles.iter().map(|&[a, b, c]| [a, b, c, c]).collect();
+    let picture = Picture::of(points, &outlines, MOST_OF_BODY);
+    let places = picture.places(points);
+    json!({ "points": places.iter().map(|place| place.map(near)).collect::<Vec<_>>(), "patches": picture.patches })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Mesh, Quality};
+
+    /// A square sheet of `n` × `n` quadrilaterals.
+    fn sheet(n: u32) -> (Vec<[f32; 3]>, Film) {
+        let row = n + 1;
+        let points =
+            (0..row * row).map(|at| [(at % row) as f32 / n as f32, (at / row) as f32 / n as f32, 0.0]).collect();
+        let corner = |at: u32| at / n * row + at % n;
+        let quads = (0..n * n).map(|at| [corner(at), corner(at) + 1, corner(at) + row + 1, corner(at) + row]).collect();
+        let quality = Quality::of(&Mesh::default());
+        (points, Film { nodes: (row * row) as usize, quads, tris: vec![], mirrored: [true; 2], held: vec![], quality })
+    }
+
+    fn frame(time: f64, points: &[[f32; 3]], film: &Film) -> Frame {
+        let state = FilmState {
+            positions: points.to_vec(),
+            strains: vec![[0.1, 0.5, -0.2]; film.quads.len()],
+            broken: (0..film.quads.len()).map(|at| at == 0).collect(),
+            touching: vec![],
+            detail: None,
+        };
+        Frame { time, films: vec![state], impactor: None }
+    }
+
+    #[test]
+    fn places_are_near_where_they_were() {
+        let places = [[-0.2_f32, 0.0, 0.013], [0.2, 0.4, -0.17], [0.0123, 0.3, -0.05]];
+        let ends = bounds(places.iter().copied());
+        let back: Vec<u16> = quantised(&places, ends).collect();
+        for (place, steps) in places.iter().zip(back.chunks(3)) {
+            for axis in 0..3 {
+                let extent = ends[1][axis] - ends[0][axis];
+                let read = ends[0][axis] + f32::from(steps[axis]) / f32::from(u16::MAX) * extent;
+                assert!((read - place[axis]).abs() <= 0.51 * extent / f32::from(u16::MAX), "{read} {place:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn strains_are_near_and_broken_elements_are_told_apart() {
+        let (points, film) = sheet(2);
+        let outlines: Vec<[u32; 4]> = outlines(&film).collect();
+        let face = Face { index: 0, mirrored: film.mirrored, picture: Picture::of(&points, &outlines, 100) };
+        let written = strains(&face, &frame(0.0, &points, &film), [[0.0, 0.5], [0.0, 0.5], [-0.2, 0.3]]);
+        assert_eq!(written[..6], [BROKEN, BROKEN, BROKEN, 51, 254, 0]);
+    }
+
+    #[test]
+    fn fine_meshes_are_drawn_coarser_and_cover_the_same_place() {
+        let (points, film) = sheet(200);
+        let outlines: Vec<[u32; 4]> = outlines(&film).collect();
+        let picture = Picture::of(&points, &outlines, 3000);
+        assert!(picture.patches.len() <= 3000 && picture.patches.len() > 1500, "{}", picture.patches.len());
+        let [low, high] = bounds(picture.places(&points).into_iter());
+        assert!(low[0] < 0.02 && high[0] > 0.98 && low[1] < 0.02 && high[1] > 0.98);
+        assert!(picture.corners().all(|corner| (corner as usize) < picture.groups));
+    }
+
+    #[test]
+    fn states_hold_the_moments_and_stay_few() {
+        let (points, film) = sheet(1);
+        let frames: Vec<Frame> = (0..240).map(|at| frame(f64::from(at) * 0.5e-3, &points, &film)).collect();
+        let frames: Vec<&Frame> = frames.iter().collect();
+        let chosen = chosen(&frames, &[("lowest point", 57.3e-3), ("rupture", 80.2e-3)], 32);
+        assert!(chosen.len() <= 32 && chosen.len() > 28, "{}", chosen.len());
+        assert!([0, 239, 115, 161].iter().all(|at| chosen.contains(at)), "{chosen:?}");
+        assert_eq!(super::chosen(&frames[..1], &[("lowest point", 1.0)], 32).len(), 1);
+    }
+
+    #[test]
+    fn the_largest_film_stays_small_enough_to_be_sent() {
+        let (points, film) = sheet(300);
+        let frames: Vec<Frame> = (0..40).map(|at| frame(f64::from(at), &points, &film)).collect();
+        let outlines: Vec<[u32; 4]> = outlines(&film).collect();
+        let picture = Picture::of(&points, &outlines, MOST_PATCHES / 4);
+        let bytes = 6 * picture.groups + 3 * picture.patches.len();
+        let most = (MOST_BYTES / bytes).clamp(2, MOST_STATES);
+        let face = Face { index: 0, mirrored: film.mirrored, picture };
+        let states = frames.iter().take(most).collect();
+        let scene = Scene { faces: vec![face], states, moments: vec![], body: None };
+        let text = data(&scene.contents());
+        assert!(text.len() < 1_400_000, "{}", text.len());
+    }
+}

@@ -1,0 +1,170 @@
+//! What a script left, as sections of a page.
+
+use serde_json::Value;
+
+use super::figure::heading;
+use super::html::{self, escape};
+use super::{convergence, plot, rounded};
+use crate::plot::Plot;
+use crate::script::{File, Findings, Row};
+
+/// Rows of one table that a page shows; all are in its file.
+const MOST_ROWS: usize = 200;
+
+/// Rows of a table that is shown at once; a longer one unfolds.
+const SHOWN_ROWS: usize = 16;
+
+/// Points that the plots of a script and of its searches have together on a page, which so stays below 3 MB.
+const MOST_POINTS: usize = 120_000;
+
+/// Tables, plots, searches, correlations and files; nothing where a script left nothing.
+pub(super) fn sections(findings: &Findings) -> String {
+    let tables = findings.tables.iter().map(|(name, rows)| html::section(&name.replace('_', " "), &table(name, rows)));
+    let correlations: String =
+        findings.correlations.iter().map(|found| html::matrix(&found.title, &found.names, &found.rows)).collect();
+    let sections = [
+        html::section("Plots", &plot::figures(&findings.plots)),
+        searches(findings),
+        html::section("Correlations", &correlations),
+        html::section(
+            "Files of the script",
+            &html::table("rows", &["file", "rows", "bytes"].map(String::from), &files(findings)),
+        ),
+    ];
+    tables.chain(sections).collect()
+}
+
+/// The columns of a table: every name that a row has, in the order of first appearance.
+pub fn columns(rows: &[Row]) -> Vec<String> {
+    let mut columns: Vec<String> = Vec::new();
+    for name in rows.iter().flat_map(Row::keys) {
+        if !columns.contains(name) {
+            columns.push(name.clone());
+        }
+    }
+    columns
+}
+
+/// A value of a table as people read it; numbers rounded, nothing where there is none.
+pub fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
+        Value::Number(number) if number.is_f64() => rounded(number.as_f64().unwrap_or(f64::NAN)),
+        other => other.to_string(),
+    }
+}
+
+fn table(name: &str, rows: &[Row]) -> String {
+    let columns = beside(columns(rows));
+    let cells = |row: &Row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect();
+    let shown: Vec<Vec<String>> = rows.iter().take(MOST_ROWS).map(cells).collect();
+    let header: Vec<String> = columns.iter().map(|name| heading(name)).collect();
+    let rest = match rows.len().saturating_sub(MOST_ROWS) {
+        0 => String::new(),
+        rest => format!("<p class=\"note\">and {rest} more rows in tables/{}.csv</p>\n", escape(name)),
+    };
+    let table = html::table("rows", &header, &shown) + rest.as_str();
+    match rows.len() {
+        0..=SHOWN_ROWS => table,
+        count => format!("<details><summary>{count} rows</summary>\n{table}</details>\n"),
+    }
+}
+
+/// The columns with those that a paper prints, `paper_<name>`, right beside ours.
+fn beside(columns: Vec<String>) -> Vec<String> {
+    let papers = |name: &String| columns.iter().find(|other| other.strip_prefix("paper_") == Some(name)).cloned();
+    let is_own =
+        |name: &&String| !name.strip_prefix("paper_").is_some_and(|own| columns.iter().any(|other| other == own));
+    columns.iter().filter(is_own).flat_map(|name| std::iter::once(name.clone()).chain(papers(name))).collect()
+}
+
+/// A section a search, as many as the page has room for.
+fn searches(findings: &Findings) -> String {
+    let count =
+        |plots: &[Plot]| plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.points.len()).sum::<usize>();
+    let mut left = MOST_POINTS - count(&findings.plots).min(MOST_POINTS);
+    let mut sections = String::new();
+    let mut without: Vec<&str> = Vec::new();
+    for convergence in &findings.searches {
+        let plots = convergence::plots(convergence);
+        match left.checked_sub(count(&plots)) {
+            Some(rest) => {
+                left = rest;
+                sections.push_str(&html::section(&format!("Search: {}", convergence.title), &plot::figures(&plots)));
+            }
+            None => without.push(&convergence.title),
+        }
+    }
+    sections.push_str(&html::section("Further searches", &unshown(&without)));
+    sections
+}
+
+fn unshown(without: &[&str]) -> String {
+    match without {
+        [] => String::new(),
+        titles => format!("<p class=\"note\">shown in the recording only: {}</p>\n", escape(&titles.join(", "))),
+    }
+}
+
+/// Name, rows and bytes.
+fn files(findings: &Findings) -> Vec<Vec<String>> {
+    let row = |file: &File| vec![file.name.clone(), rows(file), file.content.len().to_string()];
+    findings.files.iter().map(row).collect()
+}
+
+/// Rows of a table below its header; nothing of other files.
+fn rows(file: &File) -> String {
+    let lines = file.content.lines().filter(|line| !line.starts_with('#')).count();
+    if file.name.ends_with(".csv") { lines.saturating_sub(1).to_string() } else { String::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::script::Convergence;
+
+    fn row(value: Value) -> Row {
+        value.as_object().cloned().unwrap()
+    }
+
+    #[test]
+    fn the_paper_stands_beside_us() {
+        let columns = ["test", "k1", "ke", "paper_k1", "paper_ke", "paper_only", "papers"].map(String::from).to_vec();
+        assert_eq!(beside(columns), ["test", "k1", "paper_k1", "ke", "paper_ke", "paper_only", "papers"]);
+    }
+
+    #[test]
+    fn long_tables_are_cut_short_and_say_so() {
+        let rows: Vec<Row> = (0..250).map(|i| row(json!({ "rupture_time_s": i }))).collect();
+        let html = table("times", &rows);
+        assert!(html.contains("rupture time (s)") && html.contains("and 50 more rows in tables/times.csv"), "{html}");
+        assert!(html.starts_with("<details><summary>250 rows"));
+        assert!(html.contains("<td>199</td>") && !html.contains("<td>200</td>"));
+    }
+
+    #[test]
+    fn a_page_has_room_for_so_many_searches() {
+        let course: Vec<(usize, f64)> = (0..50_000).map(|iteration| (iteration, 1.0)).collect();
+        let search = |title: &str| Convergence {
+            title: title.into(),
+            unknowns: vec![],
+            objectives: vec![course.clone()],
+            course: vec![],
+            pursuits: vec![],
+        };
+        let findings = Findings { searches: ["first", "<second>", "third"].map(search).into(), ..Findings::default() };
+        let html = sections(&findings);
+        assert!(html.contains("Search: first") && html.contains("&lt;second&gt;: objective"));
+        assert!(html.contains("shown in the recording only: third"));
+    }
+
+    #[test]
+    fn files_have_rows_and_bytes() {
+        let file = |name: &str| File { name: name.into(), content: "# virtual\na,b\n1,2\n3,4\n".into() };
+        assert_eq!((rows(&file("a.csv")), rows(&file("a.txt"))), ("2".into(), String::new()));
+    }
+}

@@ -1,0 +1,114 @@
+//! The few figures that a reader looks for first.
+
+use serde_json::{Map, Value};
+
+use super::duration;
+use super::figure::{G, significant};
+use super::html::escape;
+use crate::post::Measures;
+
+/// A figure of the summary as its card shows it.
+struct Key {
+    /// HTML.
+    words: &'static str,
+    /// Name in the summary.
+    name: &'static str,
+    /// From the summary's unit to the one shown.
+    factor: f64,
+    unit: &'static str,
+    /// What stands under it.
+    beside: Beside,
+}
+
+enum Beside {
+    Nothing,
+    /// When, by the name of a time.
+    Time(&'static str),
+    /// At which strain, by its name.
+    Strain(&'static str),
+    /// At which depth, by its name.
+    Depth(&'static str),
+}
+
+const fn key(words: &'static str, name: &'static str, factor: f64, unit: &'static str) -> Key {
+    Key { words, name, factor, unit, beside: Beside::Nothing }
+}
+
+const fn at(key: Key, beside: Beside) -> Key {
+    Key { beside, ..key }
+}
+
+const BALANCE: Key = key("energy balance error", "energy_balance_error", 100.0, "%");
+
+const IMPACT: [Key; 7] = [
+    at(key("peak deceleration", "peak_acceleration_m_s2", 1.0 / G, "g"), Beside::Time("time_of_peak_acceleration_s")),
+    at(key("lowest point", "peak_displacement_m", 1e3, "mm"), Beside::Time("time_of_peak_displacement_s")),
+    key("energy absorbed", "energy_absorption", 100.0, "%"),
+    key("rebound velocity", "rebound_velocity_m_s", 1.0, "m/s"),
+    key("acceleration error E<sub>a</sub>", "acceleration_error", 100.0, "%"),
+    key("displacement error E<sub>d</sub>", "displacement_error", 100.0, "%"),
+    BALANCE,
+];
+
+const STRETCH: [Key; 5] = [
+    at(key("peak stress", "peak_stress_Pa", 1e-6, "MPa"), Beside::Strain("strain_at_peak_stress")),
+    key("peak force", "peak_force_N", 1.0, "N"),
+    key("strain at break", "strain_at_break", 100.0, "%"),
+    key("final strain", "final_strain", 100.0, "%"),
+    BALANCE,
+];
+
+const INDENT: [Key; 5] = [
+    at(key("peak force", "peak_force_N", 1.0, "N"), Beside::Depth("depth_at_peak_force_m")),
+    key("work", "work_J", 1.0, "J"),
+    key("depth at break", "depth_at_break_m", 1e3, "mm"),
+    key("final depth", "final_depth_m", 1e3, "mm"),
+    BALANCE,
+];
+
+const INFLATION: [Key; 5] = [
+    key("deflection", "final_deflection_m", 1e3, "mm"),
+    key("peak pressure", "peak_pressure_Pa", 1e-3, "kPa"),
+    key("burst pressure", "burst_pressure_Pa", 1e-3, "kPa"),
+    key("settled within", "settling", 100.0, "%"),
+    BALANCE,
+];
+
+/// Cards of the key figures that the summary has, and whether the film held.
+pub(super) fn cards(measures: &Measures, summary: &Map<String, Value>) -> String {
+    let keys: &[Key] = match measures {
+        Measures::Impact(_) => &IMPACT,
+        Measures::Stretch(_) => &STRETCH,
+        Measures::Indent(_) => &INDENT,
+        Measures::Inflation(_) => &INFLATION,
+    };
+    let cards: String = keys.iter().filter_map(|key| card(key, summary)).collect();
+    format!("<ul class=\"cards\">\n{cards}{}</ul>\n", film(summary))
+}
+
+fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, Value>) -> Option<String> {
+    let number = |name: &str| summary.get(name)?.as_f64();
+    let value = number(name)?;
+    let beside = match beside {
+        Beside::Nothing => None,
+        Beside::Time(name) => number(name).map(|time| format!("at {}", duration(time))),
+        Beside::Strain(name) => number(name).map(|strain| format!("at {} %", significant(strain * 100.0, 4))),
+        Beside::Depth(name) => number(name).map(|depth| format!("at {} mm", significant(depth * 1e3, 4))),
+    };
+    let shown = significant(value * factor, 4).replace('-', "\u{2212}");
+    let beside = beside.map_or(String::new(), |beside| format!("<span class=\"beside\">{}</span>", escape(&beside)));
+    Some(format!(
+        "<li data-figure=\"{name}\" data-value=\"{value}\" data-factor=\"{factor}\"><span class=\"words\">{words}</span>\
+         <span class=\"value\">{shown}</span> <span class=\"unit\">{unit}</span>{beside}</li>\n"
+    ))
+}
+
+/// Whether the film held, and if not, until when.
+fn film(summary: &Map<String, Value>) -> String {
+    let rupture = summary.get("rupture_time_s").and_then(Value::as_f64);
+    let (shown, beside) = match rupture {
+        Some(time) => ("ruptured", format!("<span class=\"beside\">at {}</span>", duration(time))),
+        None => ("held", String::new()),
+    };
+    format!("<li><span class=\"words\">film</span><span class=\"value\">{shown}</span>{beside}</li>\n")
+}

@@ -1,0 +1,451 @@
+// Draws the figure of class "film": faces and impactor in 3-D on a plain canvas, patch by patch from back to front, so that
+// it works wherever a page opens. Times go by the event "moment", as those of the plots do.
+(() => {
+  "use strict";
+
+  const WORDS = "time (ms)";
+  const BROKEN = 255;
+  const AROUND = 36; // facets around a body of revolution
+  const PLAYED = 5000; // ms that the whole film takes
+  const LIGHT = [0.35, -0.5, 0.79];
+  const VIEWS = {
+    aslant: [-0.6, 0.42],
+    "from above": [0, Math.PI / 2],
+    "from the side": [0, 0.03],
+    "from below": [-0.6, -0.5],
+  };
+  const VIRIDIS = [
+    [68, 1, 84], [71, 45, 123], [59, 82, 139], [44, 114, 142], [33, 145, 140], [40, 174, 128], [94, 201, 98], [173, 220, 48], [253, 231, 37],
+  ];
+  const COLOURS = Array.from({ length: 256 }, (_, at) => {
+    const place = (at / 255) * (VIRIDIS.length - 1);
+    const below = Math.min(Math.floor(place), VIRIDIS.length - 2);
+    return VIRIDIS[below].map((part, channel) => part + (place - below) * (VIRIDIS[below + 1][channel] - part));
+  });
+  const SHADES = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
+
+  /** What a patch is coloured by: the strain from its parts, the range, and how a number of it is written. */
+  const QUANTITIES = {
+    larger: { words: "larger fibre strain", of: (md, td) => Math.max(md, td), range: "fibre" },
+    md: { words: "strain along MD", of: (md) => md, range: "fibre" },
+    td: { words: "strain along TD", of: (_, td) => td, range: "fibre" },
+    shear: { words: "shear angle", of: (_md, _td, shear) => shear, range: "shear" },
+  };
+
+  const make = (tag, properties = {}, ...children) => {
+    const element = Object.assign(document.createElement(tag), properties);
+    element.append(...children);
+    return element;
+  };
+
+  const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const mixed = (a, b, share) => a + (b - a) * share;
+
+  /** Turns a point by a unit quaternion i, j, k, w. */
+  const turned = ([x, y, z], [i, j, k, w]) => {
+    const [a, b, c] = [2 * (j * z - k * y), 2 * (k * x - i * z), 2 * (i * y - j * x)];
+    return [x + w * a + j * c - k * b, y + w * b + k * a - i * c, z + w * c + i * b - j * a];
+  };
+
+  /** Points and patches of a body of revolution, or of the surface that is given. */
+  const surface = (body) => {
+    if (!body) return { points: [], patches: [] };
+    if (!body.profile) return body;
+    const points = body.profile.flatMap(([radius, height]) =>
+      Array.from({ length: AROUND }, (_, at) => {
+        const angle = (2 * Math.PI * at) / AROUND;
+        return [radius * Math.cos(angle), radius * Math.sin(angle), height];
+      }),
+    );
+    const patches = [];
+    for (let ring = 0; ring + 1 < body.profile.length; ring++) {
+      for (let at = 0; at < AROUND; at++) {
+        const [a, b] = [ring * AROUND + at, ring * AROUND + ((at + 1) % AROUND)];
+        patches.push([a, a + AROUND, b + AROUND, b]);
+      }
+    }
+    return { points, patches };
+  };
+
+  class Film {
+    constructor(element) {
+      const data = JSON.parse(element.querySelector("script").textContent);
+      this.element = element;
+      this.ranges = { fibre: data.fibre, shear: data.shear };
+      this.moments = data.moments;
+      this.faces = data.faces.map((face) => ({ ...face, patches: new Uint32Array(bytes(face.patches).buffer) }));
+      this.states = data.states.map((state) => this.state(state, data.box));
+      this.body = surface(data.body);
+      this.mirrored = this.faces.some((face) => face.mirrored.some(Boolean));
+      this.time = this.states[0].time;
+      this.quantity = "larger";
+      this.whole = true;
+      [this.yaw, this.pitch] = VIEWS.aslant;
+      this.zoom = 1;
+      this.frame(data.box);
+      this.build();
+      new ResizeObserver(() => this.draw()).observe(this.canvas);
+      document.addEventListener("theme", () => this.draw());
+      document.addEventListener("moment", ({ detail }) => {
+        if (detail.from !== this && detail.words === WORDS) this.show(detail.x, false);
+      });
+      this.show(this.busiest(), false);
+    }
+
+    /** A state with its places in m and its strains as they were written. */
+    state({ time, places, strains, pose }, [low, high]) {
+      const steps = new Uint16Array(bytes(places).buffer);
+      const points = Float32Array.from(steps, (step, at) => low[at % 3] + (step / 65535) * (high[at % 3] - low[at % 3]));
+      return { time, points, strains: bytes(strains), pose };
+    }
+
+    /** Centre and size of what is to be seen. */
+    frame([low, high]) {
+      const [from, to] = [[...low], [...high]];
+      const { mirrored } = this.faces[0];
+      for (const axis of [0, 1]) if (mirrored[axis]) from[axis] = -to[axis];
+      // The impactor's upper part may be cut: the film matters.
+      const radius = Math.max(0, ...this.body.points.map(([, , z]) => z));
+      const span = Math.max(to[0] - from[0], to[1] - from[1]);
+      this.centre = from.map((c, axis) => (c + to[axis]) / 2);
+      if (radius) this.centre[2] += Math.min(radius, 0.15 * span);
+      this.span = 1.12 * Math.hypot(to[0] - from[0], to[1] - from[1]);
+    }
+
+    /** The time that shows most: the last moment before a rupture, else the end of a slow test. */
+    busiest() {
+      const named = this.moments.find(([words]) => words === "lowest point") ?? this.moments.find(([words]) => words === "largest force");
+      return named ? named[1] : this.states[this.states.length - 1].time;
+    }
+
+    build() {
+      this.canvas = make("canvas", { tabIndex: 0 });
+      this.canvas.setAttribute("role", "application");
+      this.canvas.setAttribute("aria-roledescription", "picture that can be turned");
+      this.canvas.setAttribute("aria-label", "The film in three dimensions, coloured by strain. Arrow keys turn it, plus and minus zoom, space plays, zero resets.");
+      this.canvas.addEventListener("keydown", (event) => this.key(event));
+      this.canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+      this.drag();
+
+      const button = (text, act) => {
+        const made = make("button", { type: "button", textContent: text });
+        made.addEventListener("click", () => act());
+        return made;
+      };
+      const choice = (label, options, act) => {
+        const select = make("select", {}, ...options.map(([value, text]) => make("option", { value, textContent: text })));
+        select.setAttribute("aria-label", label);
+        select.addEventListener("change", () => act(select.value));
+        return select;
+      };
+      const [first, last] = [this.states[0].time, this.states[this.states.length - 1].time];
+      this.play = button("play", () => this.run());
+      this.slider = make("input", { type: "range", min: first, max: last, step: (last - first) / 400 || 1, value: this.time });
+      this.slider.setAttribute("aria-label", "time");
+      this.slider.addEventListener("input", () => this.show(Number(this.slider.value), true));
+      this.at = make("output", { className: "at" });
+      const moments = this.moments.map(([words, time]) => button(words, () => this.show(time, true)));
+      const quantities = Object.entries(QUANTITIES).map(([name, { words }]) => [name, words]);
+      const colour = choice("colour", quantities, (name) => {
+        this.quantity = name;
+        this.draw();
+      });
+      const views = Object.keys(VIEWS).map((name) => button(name, () => this.turn(name)));
+      const cut = this.mirrored
+        ? [choice("part", [["whole", "whole film"], ["half", "cut in half"]], (part) => {
+            this.whole = part === "whole";
+            this.draw();
+          })]
+        : [];
+      this.scale = make("div", { className: "scale" });
+      this.scale.style.background = `linear-gradient(to right, ${SHADES.join()})`;
+      this.ends = [0, 1, 2].map(() => make("span"));
+      const key = make("div", { className: "key" }, this.scale, make("div", { className: "ends" }, ...this.ends));
+      this.element.prepend(
+        make("div", { className: "tools" }, colour, ...cut, ...views),
+        this.canvas,
+        key,
+        make("div", { className: "tools time" }, this.play, this.slider, this.at),
+        make("div", { className: "tools moments" }, ...moments),
+      );
+    }
+
+    /** Turning with one finger or the mouse, zooming with two fingers. */
+    drag() {
+      const held = new Map();
+      const spread = () => {
+        const [a, b] = [...held.values()];
+        return Math.hypot(a[0] - b[0], a[1] - b[1]);
+      };
+      this.canvas.addEventListener("pointerdown", (event) => {
+        held.set(event.pointerId, [event.clientX, event.clientY]);
+        this.canvas.setPointerCapture(event.pointerId);
+      });
+      this.canvas.addEventListener("pointermove", (event) => {
+        const before = held.get(event.pointerId);
+        if (!before) return;
+        const apart = held.size === 2 ? spread() : 0;
+        held.set(event.pointerId, [event.clientX, event.clientY]);
+        if (held.size === 2) {
+          if (apart > 0) this.scaleBy(spread() / apart);
+          return;
+        }
+        this.turnBy(0.008 * (event.clientX - before[0]), 0.008 * (event.clientY - before[1]));
+      });
+      for (const end of ["pointerup", "pointercancel"]) this.canvas.addEventListener(end, (event) => held.delete(event.pointerId));
+    }
+
+    /** The page scrolls unless the picture was chosen, or the wheel is a pinch. */
+    wheel(event) {
+      if (document.activeElement !== this.canvas && !event.ctrlKey) return;
+      event.preventDefault();
+      this.scaleBy(Math.exp(-0.0015 * event.deltaY));
+    }
+
+    key(event) {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      const actions = {
+        ArrowLeft: () => this.turnBy(-0.1, 0),
+        ArrowRight: () => this.turnBy(0.1, 0),
+        ArrowUp: () => this.turnBy(0, 0.1),
+        ArrowDown: () => this.turnBy(0, -0.1),
+        "+": () => this.scaleBy(1.2),
+        "=": () => this.scaleBy(1.2),
+        "-": () => this.scaleBy(1 / 1.2),
+        0: () => this.turn("aslant"),
+        Escape: () => this.turn("aslant"),
+        " ": () => this.run(),
+      };
+      const action = actions[event.key];
+      if (!action) return;
+      event.preventDefault();
+      action();
+    }
+
+    turn(view) {
+      [this.yaw, this.pitch] = VIEWS[view];
+      this.zoom = 1;
+      this.draw();
+    }
+
+    turnBy(yaw, pitch) {
+      this.yaw += yaw;
+      this.pitch = Math.min(Math.max(this.pitch + pitch, -Math.PI / 2), Math.PI / 2);
+      this.draw();
+    }
+
+    scaleBy(factor) {
+      this.zoom = Math.min(Math.max(this.zoom * factor, 0.4), 12);
+      this.draw();
+    }
+
+    /** Shows the film at a time (ms); `told` to the plots where the reader asked for it here. */
+    show(time, told) {
+      const [first, last] = [this.states[0].time, this.states[this.states.length - 1].time];
+      this.time = Math.min(Math.max(time, first), last);
+      this.slider.value = this.time;
+      this.at.textContent = `${this.time.toFixed(last < 1000 ? 1 : 0)} ms`;
+      this.slider.setAttribute("aria-valuetext", this.at.textContent);
+      this.draw();
+      if (told) document.dispatchEvent(new CustomEvent("moment", { detail: { words: WORDS, x: this.time, from: this } }));
+    }
+
+    /** Plays from here to the end, from the start where that is reached; pressed again it stops. */
+    run() {
+      if (this.running) {
+        cancelAnimationFrame(this.running);
+        this.running = null;
+        this.play.textContent = "play";
+        return;
+      }
+      const [first, last] = [this.states[0].time, this.states[this.states.length - 1].time];
+      const from = this.time >= last ? first : this.time;
+      let begin;
+      const next = (now) => {
+        begin ??= now;
+        const time = from + ((now - begin) / PLAYED) * (last - first);
+        this.running = requestAnimationFrame(next);
+        this.show(time, true);
+        if (time >= last) this.run();
+      };
+      this.play.textContent = "stop";
+      this.running = requestAnimationFrame(next);
+    }
+
+    /** The states around the present time, and the share of the second. */
+    between() {
+      const after = Math.max(1, this.states.findIndex((state) => state.time >= this.time));
+      const [a, b] = [this.states[after - 1], this.states[after] ?? this.states[after - 1]];
+      return [a, b, b.time > a.time ? (this.time - a.time) / (b.time - a.time) : 0];
+    }
+
+    draw() {
+      if (this.due) return;
+      this.due = requestAnimationFrame(() => {
+        this.due = null;
+        this.paint();
+      });
+    }
+
+    paint() {
+      const ratio = Math.min(devicePixelRatio || 1, 2);
+      const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.round(side * ratio));
+      if (!width || !height) return;
+      if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });
+      const context = this.canvas.getContext("2d");
+      const style = getComputedStyle(this.canvas);
+      context.clearRect(0, 0, width, height);
+
+      const look = this.camera(width, height);
+      const patches = [];
+      this.film(look, patches);
+      this.impactor(look, patches);
+      patches.sort((a, b) => a.depth - b.depth);
+      context.lineJoin = "round";
+      context.lineWidth = 0.7 * ratio;
+      for (const { places, fill, edge, alpha } of patches) {
+        context.globalAlpha = alpha;
+        context.beginPath();
+        context.moveTo(places[0], places[1]);
+        for (let at = 2; at < places.length; at += 2) context.lineTo(places[at], places[at + 1]);
+        context.closePath();
+        context.fillStyle = fill;
+        context.fill();
+        if (edge) {
+          context.strokeStyle = edge;
+          context.stroke();
+        }
+      }
+      context.globalAlpha = 1;
+      this.triad(context, look, ratio, height, style.color);
+      const { range } = QUANTITIES[this.quantity];
+      const [low, high] = this.ranges[range];
+      const written = (value) => (range === "shear" ? `${((value * 180) / Math.PI).toFixed(1)}°` : `${(100 * value).toFixed(0)} %`).replace(/^-(?=[0.]+\D)/, "").replace("-", "−");
+      [low, (low + high) / 2, high].forEach((value, at) => (this.ends[at].textContent = written(value)));
+    }
+
+    /** Projection of a point in m: right and down in pixels, and towards the eye. */
+    camera(width, height) {
+      const [sy, cy, sp, cp] = [Math.sin(this.yaw), Math.cos(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch)];
+      const scale = (this.zoom * Math.min(width, 1.55 * height)) / this.span;
+      const [x0, y0, z0] = this.centre;
+      const project = (x, y, z) => {
+        const [a, b, c] = [x - x0, y - y0, z - z0];
+        const [right, away] = [cy * a - sy * b, sy * a + cy * b];
+        return [width / 2 + scale * right, height / 2 - scale * (sp * away + cp * c), sp * c - cp * away];
+      };
+      /** Of a normal in the room: how it faces the eye and the light. */
+      const facing = (x, y, z) => {
+        const [right, away] = [cy * x - sy * y, sy * x + cy * y];
+        const [up, near] = [sp * away + cp * z, sp * z - cp * away];
+        return [near, LIGHT[0] * right + -LIGHT[1] * up + LIGHT[2] * near];
+      };
+      return { project, facing };
+    }
+
+    film(look, patches) {
+      const [a, b, share] = this.between();
+      const { of, range } = QUANTITIES[this.quantity];
+      const [low, high] = this.ranges[range];
+      const parts = ["fibre", "fibre", "shear"].map((name) => this.ranges[name]);
+      const strain = (state, at, part) => parts[part][0] + (state.strains[at + part] / (BROKEN - 1)) * (parts[part][1] - parts[part][0]);
+      const edges = this.faces.reduce((sum, face) => sum + face.patches.length, 0) < 4 * 8000;
+      let [node, element] = [0, 0];
+      for (const { groups, patches: corners, mirrored } of this.faces) {
+        const colours = [];
+        for (let at = 0; at < corners.length / 4; at++) {
+          const place = 3 * (element + at);
+          if (a.strains[place] === BROKEN || (share > 0 && b.strains[place] === BROKEN)) {
+            colours.push(null);
+            continue;
+          }
+          const value = of(...[0, 1, 2].map((part) => mixed(strain(a, place, part), strain(b, place, part), share)));
+          colours.push(COLOURS[Math.round(255 * Math.min(Math.max((value - low) / (high - low), 0), 1))]);
+        }
+        const points = new Float32Array(3 * groups);
+        for (let at = 0; at < points.length; at++) points[at] = mixed(a.points[3 * node + at], b.points[3 * node + at], share);
+        const signs = (axis) => (mirrored[axis] && (this.whole || axis === 0) ? [1, -1] : [1]);
+        for (const sx of signs(0)) {
+          for (const sy of signs(1)) this.sheet(look, points, corners, colours, [sx, sy], edges, patches);
+        }
+        node += groups;
+        element += corners.length / 4;
+      }
+    }
+
+    /** One image of a face. */
+    sheet({ project, facing }, points, corners, colours, [sx, sy], edges, patches) {
+      const seen = new Float32Array(points.length);
+      for (let at = 0; at < points.length; at += 3) seen.set(project(sx * points[at], sy * points[at + 1], points[at + 2]), at);
+      for (let at = 0; at < colours.length; at++) {
+        const colour = colours[at];
+        if (!colour) continue;
+        const [p, q, r, s] = corners.subarray(4 * at, 4 * at + 4);
+        const d = (from, to, axis) => points[3 * to + axis] - points[3 * from + axis];
+        const [ux, uy, uz] = [sx * d(p, r, 0), sy * d(p, r, 1), d(p, r, 2)];
+        const other = s === r ? [p, q] : [q, s];
+        const [vx, vy, vz] = [sx * d(...other, 0), sy * d(...other, 1), d(...other, 2)];
+        const [nx, ny, nz] = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
+        const length = Math.hypot(nx, ny, nz) || 1;
+        const [near, lit] = facing(nx / length, ny / length, nz / length);
+        const shade = 0.62 + 0.38 * Math.max(0, near < 0 ? -lit : lit);
+        const fill = `rgb(${colour.map((part) => Math.round(part * shade)).join()})`;
+        const places = [p, q, r].concat(s === r ? [] : [s]).flatMap((corner) => [seen[3 * corner], seen[3 * corner + 1]]);
+        const depth = (seen[3 * p + 2] + seen[3 * q + 2] + seen[3 * r + 2] + seen[3 * s + 2]) / 4;
+        patches.push({ places, fill, edge: edges ? `rgb(${colour.map((part) => Math.round(part * shade * 0.78)).join()})` : fill, depth, alpha: 1 });
+      }
+    }
+
+    /** The side of the impactor that is seen, glassy so that the film behind it is too. */
+    impactor({ project, facing }, patches) {
+      const [a, b, share] = this.between();
+      if (!a.pose || !b.pose) return;
+      const pose = a.pose.map((part, at) => mixed(part, b.pose[at], share));
+      const size = Math.hypot(...pose.slice(3)) || 1;
+      const turn = pose.slice(3).map((part) => part / size);
+      const places = this.body.points.map((point) => turned(point, turn).map((c, axis) => c + pose[axis]));
+      const seen = places.map((place) => project(...place));
+      for (const [p, q, r, s] of this.body.patches) {
+        const [u, v] = [[p, r], s === r ? [p, q] : [q, s]].map(([from, to]) => places[to].map((c, axis) => c - places[from][axis]));
+        const normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        const length = Math.hypot(...normal);
+        if (!length) continue;
+        const [near, lit] = facing(...normal.map((c) => (s === r ? -c : c) / length));
+        if (near <= 0 || (!this.whole && [p, q, r, s].every((corner) => places[corner][1] < -1e-9))) continue;
+        const shade = Math.round(95 + 120 * Math.max(0, lit));
+        const corners = [p, q, r, s].flatMap((corner) => [seen[corner][0], seen[corner][1]]);
+        const depth = (seen[p][2] + seen[q][2] + seen[r][2] + seen[s][2]) / 4;
+        patches.push({ places: corners, fill: `rgb(${shade},${shade},${shade + 8})`, edge: null, depth, alpha: 0.42 });
+      }
+    }
+
+    /** Where x, y and z point. */
+    triad(context, { project }, ratio, height, colour) {
+      const origin = project(...this.centre);
+      const size = 26 * ratio;
+      const unit = this.span / 4;
+      const full = Math.max(...[[unit, 0, 0], [0, unit, 0], [0, 0, unit]].map((step) => {
+        const tip = project(...this.centre.map((c, axis) => c + step[axis]));
+        return Math.hypot(tip[0] - origin[0], tip[1] - origin[1]);
+      }));
+      context.font = `${11 * ratio}px system-ui, sans-serif`;
+      context.fillStyle = context.strokeStyle = colour;
+      context.lineWidth = 1.3 * ratio;
+      context.textAlign = "center";
+      context.textBaseline = "middle";
+      const corner = [38 * ratio, height - 38 * ratio];
+      ["x", "y", "z"].forEach((name, axis) => {
+        const tip = project(...this.centre.map((c, at) => c + (at === axis ? unit : 0)));
+        const [h, v] = [tip[0] - origin[0], tip[1] - origin[1]].map((side) => (size * side) / full);
+        if (Math.hypot(h, v) < 0.15 * size) return;
+        context.beginPath();
+        context.moveTo(...corner);
+        context.lineTo(corner[0] + h, corner[1] + v);
+        context.stroke();
+        context.fillText(name, corner[0] + 1.3 * h, corner[1] + 1.3 * v);
+      });
+    }
+  }
+
+  for (const element of document.querySelectorAll("figure.film")) new Film(element);
+})();

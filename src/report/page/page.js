@@ -1,0 +1,53 @@
+// What every page has: links to its sections, and light or dark as the reader's system says until the button is pressed.
+// Nothing is remembered.
+(() => {
+  "use strict";
+
+  const headings = [...document.querySelectorAll("main > section > h2")];
+  if (headings.length > 2) {
+    const nav = document.createElement("nav");
+    nav.setAttribute("aria-label", "sections");
+    for (const [at, heading] of headings.entries()) {
+      heading.parentElement.id = `section-${at + 1}`;
+      const link = document.createElement("a");
+      link.href = `#section-${at + 1}`;
+      link.textContent = heading.textContent;
+      nav.append(link);
+    }
+    const title = document.querySelector("main > .lead") ?? document.querySelector("main > h1");
+    title.after(nav);
+  }
+
+  const root = document.documentElement;
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  const isDark = () => (root.dataset.theme ? root.dataset.theme === "dark" : system.matches);
+
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = "theme";
+  const changed = () => {
+    button.textContent = isDark() ? "light" : "dark";
+    button.setAttribute("aria-label", `show the page ${button.textContent}`);
+    document.dispatchEvent(new CustomEvent("theme"));
+  };
+  button.addEventListener("click", () => {
+    root.dataset.theme = isDark() ? "light" : "dark";
+    changed();
+  });
+  system.addEventListener("change", changed);
+  document.body.prepend(button);
+  changed();
+
+  // Paper is white: what is drawn has to be drawn again for it.
+  let before;
+  addEventListener("beforeprint", () => {
+    before = root.dataset.theme;
+    root.dataset.theme = "light";
+    changed();
+  });
+  addEventListener("afterprint", () => {
+    if (before) root.dataset.theme = before;
+    else delete root.dataset.theme;
+    changed();
+  });
+})();

@@ -1,0 +1,479 @@
+// Draws every figure of class "plot" with uPlot, from the data that stands in it. Curves may have grids of their own and may
+// turn back, so all plots are made in uPlot's mode 2: x and y for each curve.
+// Figures over the same axis share their cursor; so does whatever else speaks the event "moment" { words, x }.
+(() => {
+  "use strict";
+
+  const DASH = [7, 5];
+  const STEPS = 100; // key presses across a plot
+  const TOLD = 6; // curves in one reading aloud
+  const VIRIDIS = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
+  const COLOURS = 8;
+  const figures = [];
+
+  const make = (tag, properties = {}, ...children) => {
+    const element = Object.assign(document.createElement(tag), properties);
+    element.append(...children);
+    return element;
+  };
+
+  /** Four significant digits, as few letters as that takes. */
+  const short = (value) => {
+    if (value === 0) return "0";
+    const size = Math.abs(value);
+    const text = size < 1e-3 || size >= 1e6 ? value.toExponential(2) : String(Number(value.toPrecision(4)));
+    return text.replace("-", "−");
+  };
+
+  const tick = (value) => {
+    if (value == null) return "";
+    if (value === 0) return "0";
+    const size = Math.abs(value);
+    const number = Number(value.toPrecision(10));
+    const text = size < 1e-3 || size >= 1e5 ? number.toExponential() : String(number);
+    return text.replace("e+", "e").replaceAll("-", "−");
+  };
+
+  /** `time (ms)` → ["time", "ms"]. */
+  const split = (words) => {
+    const found = /^(.*?)\s*\(([^()]*)\)$/.exec(words);
+    return found ? [found[1], found[2]] : [words, ""];
+  };
+
+  /** Ends of a logarithmic axis that read well: one digit and zeros. */
+  const roundEnds = ([low, high]) => {
+    const digit = (value) => 10 ** Math.floor(Math.log10(value) + 1e-9);
+    return [Math.floor(low / digit(low) + 1e-9) * digit(low), Math.ceil(high / digit(high) - 1e-9) * digit(high)];
+  };
+
+  const mixed = (from, to, share) => {
+    const part = (colour, at) => parseInt(colour.slice(at, at + 2), 16);
+    return `rgb(${[1, 3, 5].map((at) => Math.round(part(from, at) * (1 - share) + part(to, at) * share)).join()})`;
+  };
+
+  const viridis = (share) => {
+    const place = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
+    const below = Math.min(Math.floor(place), VIRIDIS.length - 2);
+    return mixed(VIRIDIS[below], VIRIDIS[below + 1], place - below);
+  };
+
+  /** CSS colours of all curves: lines in turn, a single dashed one in ink, several like the lines that they belong to. */
+  const colours = (curves) => {
+    const dashed = curves.filter((curve) => curve.look === "dashed").length;
+    const lines = curves.length - dashed;
+    const turn = { line: 0, dashed: 0 };
+    return curves.map((curve) => {
+      const kind = curve.look === "dashed" ? "dashed" : "line";
+      const place = turn[kind]++;
+      if (kind === "dashed" && (dashed === 1 || lines === 0)) return "var(--ink)";
+      // Many lines are a sequence.
+      if (lines > COLOURS) return viridis(0.1 + (0.8 * place) / (lines - 1));
+      return `var(--c${place % COLOURS})`;
+    });
+  };
+
+  class Figure {
+    constructor(element) {
+      const data = JSON.parse(element.querySelector("script").textContent);
+      this.element = element;
+      this.title = element.querySelector("h3").textContent;
+      this.axes = { x: data.x, y: data.y };
+      this.marked = data.window;
+      this.filled = data.filled;
+      this.curves = data.curves;
+      for (const curve of this.curves) {
+        if (typeof curve.x === "number") curve.x = this.curves[curve.x].x;
+        curve.rises = curve.x.every((x, at) => at === 0 || x >= curve.x[at - 1]);
+      }
+      this.whole = this.span();
+      this.view = this.whole;
+      this.build();
+      this.draw();
+      new ResizeObserver(() => this.resize()).observe(this.area);
+      document.addEventListener("theme", () => this.plot.redraw(true));
+      document.addEventListener("moment", (event) => this.follow(event.detail));
+    }
+
+    /** First and last place of all curves along x. */
+    span() {
+      let low = Infinity;
+      let high = -Infinity;
+      for (const { x, y } of this.curves) {
+        x.forEach((place, at) => {
+          if (place == null || y[at] == null) return;
+          low = Math.min(low, place);
+          high = Math.max(high, place);
+        });
+      }
+      if (low < high) return this.axes.x.log ? roundEnds([low, high]) : [low, high];
+      return this.axes.x.log ? [low / 2, high * 2] : [low - 0.5, high + 0.5];
+    }
+
+    /** Heights that the shown curves take within the view, with a margin. */
+    heights() {
+      let low = Infinity;
+      let high = -Infinity;
+      this.curves.forEach(({ x, y, rises }, index) => {
+        if (this.plot && !this.plot.series[index + 1].show) return;
+        let [from, to] = [0, x.length - 1];
+        if (rises) {
+          // With the neighbours beside the view, so that a line through it is seen.
+          from = Math.max(this.nearest(x, this.view[0]) - 1, 0);
+          to = Math.min(this.nearest(x, this.view[1]) + 1, to);
+        }
+        for (let at = from; at <= to; at++) {
+          if (y[at] == null) continue;
+          low = Math.min(low, y[at]);
+          high = Math.max(high, y[at]);
+        }
+      });
+      if (low > high) return this.axes.y.log ? [1, 10] : [0, 1];
+      if (this.axes.y.log) return roundEnds(low < high ? [low / 1.05, high * 1.05] : [low / 3, high * 3]);
+      const margin = 0.06 * (high - low) || 0.5 * Math.abs(high) || 1;
+      return [this.filled ? 0 : low - margin, high + margin];
+    }
+
+    /** Index of the value nearest to `place` in ascending values. */
+    nearest(values, place) {
+      let [from, to] = [0, values.length - 1];
+      while (to - from > 1) {
+        const middle = (from + to) >> 1;
+        if (values[middle] < place) from = middle;
+        else to = middle;
+      }
+      return place - values[from] <= values[to] - place ? from : to;
+    }
+
+    build() {
+      const shades = colours(this.curves);
+      this.legend = make("ul", { className: "legend" });
+      this.entries = this.curves.map((curve, index) => {
+        const swatch = make("span", { className: `swatch ${this.filled ? "filled" : curve.look}` });
+        swatch.style.color = shades[index];
+        const value = make("span", { className: "value" });
+        value.setAttribute("aria-hidden", "true");
+        const button = make("button", { type: "button" }, swatch, make("span", { textContent: curve.name }), value);
+        button.setAttribute("aria-pressed", "true");
+        button.title = "show or hide";
+        button.addEventListener("click", () => this.toggle(index));
+        this.legend.append(make("li", {}, button));
+        return { button, swatch, value };
+      });
+      this.area = make("div", { className: "area", tabIndex: 0 });
+      this.area.setAttribute("role", "application");
+      this.area.setAttribute("aria-roledescription", "interactive plot");
+      const keys = "arrow keys move the cursor, plus and minus zoom, zero or Escape shows everything";
+      this.area.setAttribute("aria-label", `${this.title}. ${this.element.querySelector("figcaption").textContent}. ${keys}`);
+      this.area.addEventListener("keydown", (event) => this.key(event));
+      this.at = make("span", { className: "at" });
+      const tool = (text, label, act) => {
+        const button = make("button", { type: "button", textContent: text, title: label });
+        button.setAttribute("aria-label", `${label}: ${this.title}`);
+        button.addEventListener("click", act);
+        return button;
+      };
+      this.all = tool("all", "show everything", () => this.look(this.whole));
+      this.all.disabled = true;
+      const tools = make(
+        "div",
+        { className: "tools" },
+        this.at,
+        tool("+", "zoom in", () => this.zoom(0.5)),
+        tool("−", "zoom out", () => this.zoom(2)),
+        this.all,
+        tool("csv", "save the points as a table", () => this.save()),
+      );
+      this.reading = make("p", { className: "reading unseen" });
+      this.reading.setAttribute("role", "status");
+      this.element.append(this.area, make("div", { className: "under" }, this.legend, tools), this.reading);
+    }
+
+    draw() {
+      const css = (element, property) => getComputedStyle(element)[property];
+      const axis = (scale, size) => ({
+        scale,
+        label: this.axes[scale].words,
+        labelSize: 20,
+        labelFont: "12px system-ui, sans-serif",
+        font: "12px system-ui, sans-serif",
+        stroke: () => css(this.at, "color"),
+        grid: { stroke: () => css(this.element, "borderTopColor"), width: 1 },
+        ticks: { stroke: () => css(this.element, "borderTopColor"), width: 1, size: 5 },
+        values: (_, places) => places.map(tick),
+        size,
+        space: scale === "x" ? 64 : 34,
+      });
+      const wide = (plot, values) => {
+        if (!values?.length) return 40;
+        plot.ctx.font = `${12 * uPlot.pxRatio}px system-ui, sans-serif`;
+        return 16 + Math.max(...values.map((text) => plot.ctx.measureText(text).width)) / uPlot.pxRatio;
+      };
+      const series = this.curves.map((curve, index) => ({
+        label: curve.name,
+        facets: [
+          { scale: "x", auto: true },
+          { scale: "y", auto: true },
+        ],
+        stroke: () => css(this.entries[index].swatch, "color"),
+        fill: this.filled ? () => css(this.entries[index].swatch, "color").replace(")", " / 0.35)").replaceAll(",", " ") : null,
+        width: 2,
+        dash: curve.look === "dashed" ? DASH : null,
+        paths: (plot, at) => (curve.look === "points" ? this.dots(plot, at) : this.line(plot, at)),
+        points: { show: false },
+      }));
+      this.plot = new uPlot(
+        {
+          mode: 2,
+          ...this.size(),
+          legend: { show: false },
+          padding: [10, 14, 0, 0],
+          scales: {
+            x: { time: false, distr: this.axes.x.log ? 3 : 1, range: () => this.view },
+            y: { distr: this.axes.y.log ? 3 : 1, range: () => this.heights() },
+          },
+          axes: [axis("x", 30), axis("y", wide)],
+          series: [{}, ...series],
+          cursor: {
+            y: false,
+            drag: { x: true, y: false, dist: 8, setScale: false },
+            dataIdx: (_, at) => this.index(at - 1),
+            points: { size: 9, width: 2, stroke: (plot, at) => css(this.entries[at - 1].swatch, "color"), fill: () => css(document.body, "backgroundColor") },
+            bind: { dblclick: () => () => this.look(this.whole) },
+          },
+          hooks: {
+            drawClear: [(plot) => this.mark(plot)],
+            setCursor: [() => this.read()],
+            setSelect: [(plot) => this.selected(plot)],
+          },
+        },
+        [null, ...this.curves.map(({ x, y }) => [x, y])],
+        this.area,
+      );
+      const over = this.plot.over;
+      over.addEventListener("pointermove", (event) => {
+        if (event.pointerType !== "touch") return;
+        const box = over.getBoundingClientRect();
+        this.plot.setCursor({ left: event.clientX - box.left, top: event.clientY - box.top });
+      });
+    }
+
+    size() {
+      const width = Math.max(Math.floor(this.area.clientWidth), 160);
+      return { width, height: Math.round(Math.min(Math.max(0.62 * width, 230), 330)) };
+    }
+
+    resize() {
+      const size = this.size();
+      if (size.width !== this.plot.width) this.plot.setSize(size);
+    }
+
+    line(plot, at) {
+      const [stroke, fill] = [new Path2D(), this.filled ? new Path2D() : null];
+      uPlot.orient(plot, at, (_series, x, y, scaleX, scaleY, toX, toY, left, top, width, height) => {
+        let down = false;
+        const floor = top + height;
+        for (let index = 0; index < x.length; index++) {
+          if (x[index] == null || y[index] == null) {
+            down = false;
+            continue;
+          }
+          const place = [toX(x[index], scaleX, width, left), toY(y[index], scaleY, height, top)];
+          if (down) stroke.lineTo(...place);
+          else stroke.moveTo(...place);
+          if (fill) {
+            if (index === 0) fill.moveTo(place[0], floor);
+            fill.lineTo(...place);
+          }
+          down = true;
+        }
+      });
+      return { stroke, fill };
+    }
+
+    dots(plot, at) {
+      const fill = new Path2D();
+      const radius = 3 * uPlot.pxRatio;
+      uPlot.orient(plot, at, (_series, x, y, scaleX, scaleY, toX, toY, left, top, width, height) => {
+        for (let index = 0; index < x.length; index++) {
+          if (x[index] == null || y[index] == null) continue;
+          const [h, v] = [toX(x[index], scaleX, width, left), toY(y[index], scaleY, height, top)];
+          fill.moveTo(h + radius, v);
+          fill.arc(h, v, radius, 0, 2 * Math.PI);
+        }
+      });
+      return { stroke: fill };
+    }
+
+    /** The marked stretch of the x axis with its words. */
+    mark(plot) {
+      if (!this.marked) return;
+      const { ctx, bbox } = plot;
+      const inside = (place) => Math.min(Math.max(place, bbox.left), bbox.left + bbox.width);
+      const [from, to] = this.marked.range.map((place) => inside(plot.valToPos(place, "x", true)));
+      if (!(to > from)) return;
+      const ratio = uPlot.pxRatio;
+      const style = getComputedStyle(this.at);
+      ctx.save();
+      ctx.fillStyle = style.outlineColor;
+      ctx.fillRect(from, bbox.top, to - from, bbox.height);
+      ctx.fillStyle = style.color;
+      ctx.font = `${11 * ratio}px system-ui, sans-serif`;
+      ctx.textBaseline = "top";
+      const room = to - from - 12 * ratio;
+      if (ctx.measureText(this.marked.words).width < room) ctx.fillText(this.marked.words, from + 6 * ratio, bbox.top + 4 * ratio);
+      ctx.restore();
+    }
+
+    /** Index of the point of a curve that the cursor is at. */
+    index(curve) {
+      const { x, y, rises } = this.curves[curve];
+      const { left, top } = this.plot.cursor;
+      if (left < 0 || x.length === 0) return null;
+      if (rises) {
+        const place = this.plot.posToVal(left, "x");
+        const slack = (this.view[1] - this.view[0]) / STEPS;
+        if (place < x[0] - slack || place > x[x.length - 1] + slack) return null;
+        const at = this.nearest(x, place);
+        return y[at] == null ? null : at;
+      }
+      if (this.stepped?.curve === curve) return this.stepped.at;
+      let [best, least] = [null, Infinity];
+      for (let at = 0; at < x.length; at++) {
+        if (y[at] == null) continue;
+        const distance = Math.hypot(this.plot.valToPos(x[at], "x") - left, this.plot.valToPos(y[at], "y") - top);
+        if (distance < least) [best, least] = [at, distance];
+      }
+      return best;
+    }
+
+    /** Shows the values at the cursor, and tells the others where it is. */
+    read() {
+      if (!this.plot) return;
+      const { left } = this.plot.cursor;
+      const told = [];
+      const unit = split(this.axes.y.words)[1];
+      this.entries.forEach(({ value }, curve) => {
+        const at = left < 0 || !this.plot.series[curve + 1].show ? null : this.index(curve);
+        value.textContent = at == null ? "" : short(this.curves[curve].y[at]);
+        if (at != null) told.push(`${this.curves[curve].name} ${value.textContent}${unit && ` ${unit}`}`);
+      });
+      if (left < 0) {
+        this.at.textContent = "";
+        return;
+      }
+      const x = this.plot.posToVal(left, "x");
+      const [quantity, of] = split(this.axes.x.words);
+      this.at.textContent = `${quantity} ${short(x)}${of && ` ${of}`}`;
+      const rest = told.length > TOLD ? `, and ${told.length - TOLD} more` : "";
+      this.reading.textContent = `${this.at.textContent}: ${told.slice(0, TOLD).join(", ")}${rest}`;
+      if (this.following) return;
+      document.dispatchEvent(new CustomEvent("moment", { detail: { words: this.axes.x.words, x, from: this } }));
+    }
+
+    /** Puts the cursor where another figure has its own. */
+    follow({ words, x, from }) {
+      if (from === this || words !== this.axes.x.words) return;
+      this.following = true;
+      const inside = x >= this.view[0] && x <= this.view[1];
+      this.plot.setCursor(inside ? { left: this.plot.valToPos(x, "x"), top: 0 } : { left: -10, top: -10 });
+      // What follows is told there, not here.
+      this.reading.textContent = "";
+      this.following = false;
+    }
+
+    selected(plot) {
+      const { left, width } = plot.select;
+      if (width > 0) this.look([plot.posToVal(left, "x"), plot.posToVal(left + width, "x")]);
+      plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    }
+
+    /** Shows the stretch of the x axis, within the whole. */
+    look(wanted) {
+      const [low, high] = this.whole;
+      const [from, to] = this.axes.x.log ? roundEnds(wanted) : wanted;
+      const view = [Math.max(from, low), Math.min(to, high)];
+      if (!(view[1] > view[0])) return;
+      this.view = view;
+      this.all.disabled = view[0] === low && view[1] === high;
+      this.plot.setScale("x", { min: view[0], max: view[1] });
+    }
+
+    /** Widens or narrows the view about the cursor. */
+    zoom(factor) {
+      const scale = this.axes.x.log ? [Math.log, Math.exp] : [(x) => x, (x) => x];
+      const [low, high] = this.view.map(scale[0]);
+      const { left } = this.plot.cursor;
+      const about = left > 0 ? scale[0](this.plot.posToVal(left, "x")) : (low + high) / 2;
+      const least = 1e-6 * Math.abs(scale[0](this.whole[1]) - scale[0](this.whole[0]));
+      if (factor < 1 && high - low < least) return;
+      const ends = [about - factor * (about - low), about + factor * (high - about)].map(scale[1]);
+      this.look(ends);
+    }
+
+    key(event) {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      const actions = {
+        ArrowLeft: () => this.step(event.shiftKey ? -10 : -1),
+        ArrowRight: () => this.step(event.shiftKey ? 10 : 1),
+        Home: () => this.step(-Infinity),
+        End: () => this.step(Infinity),
+        "+": () => this.zoom(0.5),
+        "=": () => this.zoom(0.5),
+        "-": () => this.zoom(2),
+        0: () => this.look(this.whole),
+        Escape: () => {
+          this.look(this.whole);
+          this.plot.setCursor({ left: -10, top: -10 });
+          this.reading.textContent = "everything is shown";
+        },
+      };
+      const action = actions[event.key];
+      if (!action) return;
+      event.preventDefault();
+      action();
+    }
+
+    /** Moves the cursor by so many hundredths: of the view, or along the first shown curve where that turns back. */
+    step(count) {
+      const plot = this.plot;
+      const first = this.curves.findIndex((_, curve) => plot.series[curve + 1].show);
+      if (first < 0) return;
+      const { x, y, rises } = this.curves[first];
+      const bounded = (value, most) => Math.min(Math.max(value, 0), most);
+      if (rises) {
+        const width = plot.over.clientWidth;
+        const start = plot.cursor.left < 0 ? (count > 0 ? 0 : width) : plot.cursor.left;
+        plot.setCursor({ left: bounded(start + (count * width) / STEPS, width), top: 0 });
+        return;
+      }
+      const before = this.stepped?.at ?? (plot.cursor.left < 0 ? 0 : this.index(first) ?? 0);
+      const at = bounded(before + count * Math.max(1, Math.round(x.length / STEPS)), x.length - 1);
+      this.stepped = { curve: first, at };
+      if (y[at] != null) plot.setCursor({ left: plot.valToPos(x[at], "x"), top: plot.valToPos(y[at], "y") });
+      delete this.stepped;
+    }
+
+    toggle(curve) {
+      const show = !this.plot.series[curve + 1].show;
+      this.entries[curve].button.setAttribute("aria-pressed", String(show));
+      this.plot.setSeries(curve + 1, { show });
+      this.look(this.view);
+    }
+
+    /** Saves what is drawn as a table, a line a point. */
+    save() {
+      const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
+      const lines = [["curve", this.axes.x.words, this.axes.y.words].map(quoted).join()];
+      for (const { name, x, y } of this.curves) {
+        x.forEach((place, at) => lines.push([quoted(name), place ?? "", y[at] ?? ""].join()));
+      }
+      const link = make("a", { download: `${this.title.replace(/[^\p{L}\p{N}]+/gu, "-")}.csv` });
+      link.href = URL.createObjectURL(new Blob([lines.join("\n"), "\n"], { type: "text/csv" }));
+      link.click();
+      URL.revokeObjectURL(link.href);
+    }
+  }
+
+  for (const element of document.querySelectorAll("figure.plot")) figures.push(new Figure(element));
+  document.documentElement.dataset.plots = figures.length;
+})();

@@ -1,0 +1,77 @@
+//! Runs laid over each other, on one timeline.
+
+use std::path::Path;
+
+use droptower_viz::{Chart, Places, Scene, SignalTrack, Stroke};
+
+use serde_json::Value;
+
+use super::{RecordingError, Text, diagram, text};
+use crate::plot::Plot;
+use crate::post::Overlay;
+use crate::report::compare_page;
+use crate::script::Row;
+
+/// Plots over time that stand beside the texts; the others stand behind each other.
+const FIRST: usize = 4;
+
+/// Writes runs laid over each other to `path`: plots over time as signals, others as diagrams.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_comparison(path: &Path, overlay: &Overlay) -> Result<(), RecordingError> {
+    let (over_time, others): (Vec<Plot>, Vec<Plot>) = compare_page::plots(overlay);
+    let mut charts: Vec<Chart> = over_time.iter().enumerate().map(chart).collect();
+    let more_charts = charts.split_off(charts.len().min(FIRST));
+    let ends = over_time.iter().flat_map(|plot| &plot.curves).filter_map(|curve| curve.points.last());
+    let scene = Scene {
+        name: overlay.title(),
+        duration: ends.map(|[time, _]| time * 1e-3).fold(0.0, f64::max),
+        documents: vec![text(overlay).document()],
+        signals: over_time.iter().enumerate().flat_map(tracks).collect(),
+        charts,
+        more_charts,
+        diagrams: diagram::diagrams("plots", &others).collect(),
+        ..Scene::default()
+    };
+    Ok(droptower_viz::write(path, &scene)?)
+}
+
+/// What the terminal shows.
+fn text(overlay: &Overlay) -> Text {
+    let notes = overlay.notes.iter().map(|note| format!("- {}\n", text::escaped(note)));
+    let row = |head: &str, cells: Vec<String>| -> Row {
+        let heads = std::iter::once(head).chain(overlay.runs.iter().map(|run| run.name.as_str()));
+        heads.map(str::to_owned).zip(cells.into_iter().map(Value::from)).collect()
+    };
+    let table = |title: &str, head: &str, rows: Vec<Vec<String>>| {
+        text::table(title, &rows.into_iter().map(|cells| row(head, cells)).collect::<Vec<_>>())
+    };
+    let parts = [
+        notes.collect(),
+        table("Figures", "figure", compare_page::figures(overlay.telling_figures())),
+        table("Scenarios", "key", compare_page::keys(overlay)),
+        table("Distance of signals", "signal", compare_page::errors(overlay)),
+    ];
+    Text { title: "Comparison".to_owned(), markdown: parts.join("\n") }
+}
+
+/// Where the curve of a run stands in the recording. Names of columns and runs may hold any letters; numbers are safe.
+fn entity(plot: usize, run: usize) -> String {
+    format!("signals/{plot}/{run}")
+}
+
+fn chart((number, plot): (usize, &Plot)) -> Chart {
+    let signals = (0..plot.curves.len()).map(|run| entity(number, run)).collect();
+    Chart { title: plot.y.words.clone(), signals }
+}
+
+fn tracks<'a>((number, plot): (usize, &'a Plot)) -> impl Iterator<Item = SignalTrack> + use<'a> {
+    plot.curves.iter().enumerate().map(move |(run, curve)| SignalTrack {
+        path: entity(number, run),
+        label: curve.name.clone(),
+        places: Places::Times(curve.points.iter().map(|[time, _]| time * 1e-3).collect()),
+        values: curve.points.iter().map(|[_, value]| *value as f32).collect(),
+        stroke: Stroke::nth(run),
+    })
+}

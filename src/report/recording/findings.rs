@@ -1,0 +1,84 @@
+//! What a study left, as its recording shows it.
+
+use serde_json::{Map, Value, json};
+
+use super::text::{self, Text};
+use super::{Approach, Iteration, StudyRecording};
+use crate::plot::{Correlation, Curve, Plot};
+use crate::report::convergence::{objective, simulated, target};
+use crate::report::{StudyPage, markdown};
+use crate::script::{Convergence, Findings, Pursuit, Row, Waypoint};
+
+impl StudyRecording {
+    /// The same study as its page shows.
+    pub fn of(study: &StudyPage) -> StudyRecording {
+        let findings = study.findings;
+        let is_over_time = |plot: &&Plot| plot.x.words == "time (ms)";
+        let (over_time, plots): (Vec<&Plot>, Vec<&Plot>) = findings.plots.iter().partition(is_over_time);
+        StudyRecording {
+            name: study.name.into(),
+            texts: texts(study),
+            searches: findings.searches.iter().flat_map(approaches).collect(),
+            plots: plots.into_iter().cloned().collect(),
+            over_time: over_time.into_iter().cloned().collect(),
+            log: findings.log.clone(),
+        }
+    }
+}
+
+/// Figures, tables, correlations, and what was run.
+fn texts(study: &StudyPage) -> Vec<Text> {
+    let summary = Text { title: "Summary".into(), markdown: markdown(&study.findings.measures) };
+    let given = serde_json::to_string_pretty(study.call).unwrap_or_else(|error| error.to_string());
+    let run = [Text::verbatim("Script", study.script), Text::verbatim("What was run", &given)];
+    let own = [Some(summary), Text::tables(study.findings), correlations(study.findings)];
+    own.into_iter().flatten().chain(run).collect()
+}
+
+fn correlations(findings: &Findings) -> Option<Text> {
+    let tables: Vec<String> =
+        findings.correlations.iter().map(|found| text::table(&found.title, &rows(found))).collect();
+    (!tables.is_empty()).then(|| Text { title: "Correlations".into(), markdown: tables.join("\n") })
+}
+
+fn rows(Correlation { names, rows, .. }: &Correlation) -> Vec<Row> {
+    let row = |(name, row): (&String, &Vec<f64>)| {
+        let first = ("parameter".to_owned(), json!(name));
+        let values = names.iter().cloned().zip(row.iter().map(|value| json!(value)));
+        std::iter::once(first).chain(values).collect::<Map<String, Value>>()
+    };
+    names.iter().zip(rows).map(row).collect()
+}
+
+/// One approach to each target of a search; of a search without any, its objective and its unknowns.
+fn approaches(search: &Convergence) -> Vec<Approach> {
+    if search.pursuits.is_empty() {
+        return vec![without_target(search)];
+    }
+    search.pursuits.iter().map(|pursuit| approach(search, pursuit)).collect()
+}
+
+fn approach(search: &Convergence, pursuit: &Pursuit) -> Approach {
+    let name = match search.pursuits.as_slice() {
+        [_] => search.title.clone(),
+        _ => format!("{}, {}", search.title, pursuit.words),
+    };
+    let curves = |improvement| vec![simulated("simulated", pursuit, improvement)];
+    let iterations = pursuit.improvements.iter();
+    let iterations = iterations.map(|improvement| iteration(search, &improvement.at, curves(improvement)));
+    Approach { name, target: target(search, pursuit), iterations: iterations.collect() }
+}
+
+fn without_target(search: &Convergence) -> Approach {
+    let iterations = search.course.iter().map(|at| iteration(search, at, vec![])).collect();
+    Approach { name: search.title.clone(), target: objective(search), iterations }
+}
+
+fn iteration(search: &Convergence, at: &Waypoint, curves: Vec<Curve>) -> Iteration {
+    Iteration {
+        number: u32::try_from(at.iteration).unwrap_or(u32::MAX),
+        objective: at.f,
+        parameters: search.unknowns.iter().cloned().zip(at.x.iter().copied()).collect(),
+        curves,
+    }
+}

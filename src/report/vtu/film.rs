@@ -1,0 +1,164 @@
+//! The film in one state, with what its elements and nodes carry.
+
+use vtkio::model::Attribute;
+
+use super::image::Image;
+use super::{Grid, VtuError, numbers, scalars, vectors};
+use crate::model::{Face, Model};
+use crate::simulate::{Detail, Film, FilmState, Frame, Outcome};
+
+/// One face in one state, or a mirror image of it.
+struct Sheet<'a> {
+    number: u32,
+    image: Image,
+    face: &'a Face,
+    film: &'a Film,
+    /// Where it was in the first state.
+    rest: &'a [[f32; 3]],
+    state: &'a FilmState,
+    detail: &'a Detail,
+    /// Number of its first point in the file.
+    first: u64,
+}
+
+/// An element that holds.
+#[derive(Clone, Copy)]
+struct Cell<'a> {
+    sheet: &'a Sheet<'a>,
+    element: usize,
+}
+
+/// The film of `outcome` in one of its states.
+pub fn grid(model: &Model, outcome: &Outcome, frame: &Frame) -> Result<Grid, VtuError> {
+    let sheets = sheets(model, outcome, frame)?;
+    let held = |sheet: &Sheet<'_>, element: &usize| !sheet.state.broken[*element];
+    let cells: Vec<Cell<'_>> = sheets
+        .iter()
+        .flat_map(|sheet| {
+            (0..sheet.state.broken.len()).filter(|e| held(sheet, e)).map(move |element| Cell { sheet, element })
+        })
+        .collect();
+    Ok(Grid {
+        points: points(&sheets, |sheet, node| sheet.image.of(sheet.state.positions[node])).collect(),
+        cells: cells.iter().map(Cell::corners).collect(),
+        on_points: on_points(&sheets),
+        on_cells: on_cells(&cells, says_thickness(outcome)),
+    })
+}
+
+fn sheets<'a>(model: &'a Model, outcome: &'a Outcome, frame: &'a Frame) -> Result<Vec<Sheet<'a>>, VtuError> {
+    let mut sheets = vec![];
+    let mut first = 0;
+    let rest = outcome.frames.first().unwrap_or(frame);
+    for (index, ((face, film), state)) in model.faces.iter().zip(&outcome.films).zip(&frame.films).enumerate() {
+        let detail = state.detail.as_ref().ok_or(VtuError::NoDetail)?;
+        for image in Image::all(film) {
+            let (number, rest) = (index as u32 + 1, &rest.films[index].positions);
+            sheets.push(Sheet { number, image, face, film, rest, state, detail, first });
+            first += film.nodes as u64;
+        }
+    }
+    Ok(sheets)
+}
+
+/// Whether a law of the run knows how thick its film is.
+fn says_thickness(outcome: &Outcome) -> bool {
+    let details = outcome.frames.iter().flat_map(|frame| &frame.films).filter_map(|state| state.detail.as_ref());
+    details.flat_map(|detail| &detail.thinning).any(|thinning| thinning.is_finite())
+}
+
+fn points<'a, T>(sheets: &'a [Sheet<'a>], value: impl Fn(&Sheet<'_>, usize) -> T + 'a) -> impl Iterator<Item = T> + 'a {
+    sheets.iter().flat_map(|sheet| (0..sheet.film.nodes).map(move |node| (sheet, node))).map(move |(s, n)| value(s, n))
+}
+
+fn on_points(sheets: &[Sheet<'_>]) -> Vec<Attribute> {
+    let displacement = |sheet: &Sheet<'_>, node: usize| {
+        let (now, then) = (sheet.state.positions[node], sheet.rest[node]);
+        sheet.image.of([0, 1, 2].map(|axis| now[axis] - then[axis]))
+    };
+    let touching =
+        |sheet: &Sheet<'_>, node: usize| u32::from(sheet.state.touching.binary_search(&(node as u32)).is_ok());
+    vec![
+        vectors("displacement_m", points(sheets, displacement)),
+        vectors("velocity_m_s", points(sheets, |sheet, node| sheet.image.of(sheet.detail.velocities[node]))),
+        numbers("touching", points(sheets, touching)),
+    ]
+}
+
+fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
+    let of = |name: &str, value: &dyn Fn(&Cell<'_>) -> f32| scalars(name, cells.iter().map(value));
+    let count = |name: &str, value: &dyn Fn(&Cell<'_>) -> u32| numbers(name, cells.iter().map(value));
+    let mut arrays = vec![
+        of("strain_md", &|cell| cell.strain()[0]),
+        of("strain_td", &|cell| cell.strain()[1]),
+        of("shear_angle_rad", &|cell| cell.strain()[2]),
+        of("stress_md_Pa", &|cell| cell.stress()[0]),
+        of("stress_td_Pa", &|cell| cell.stress()[1]),
+        of("stress_shear_Pa", &|cell| cell.stress()[2]),
+        of("resultant_md_N_m", &|cell| cell.stress()[0] * cell.thickness()),
+        of("resultant_td_N_m", &|cell| cell.stress()[1] * cell.thickness()),
+        of("resultant_shear_N_m", &|cell| cell.stress()[2] * cell.thickness()),
+        of("largest_strain_md", &|cell| cell.sheet.detail.peaks[cell.element][0]),
+        of("largest_strain_td", &|cell| cell.sheet.detail.peaks[cell.element][1]),
+        of("reference_thickness_m", &|cell| cell.thickness()),
+        of("area_ratio", &|cell| cell.area_ratio()),
+        vectors("direction_md", cells.iter().map(|cell| cell.direction(0))),
+        vectors("direction_td", cells.iter().map(|cell| cell.direction(1))),
+        count("face", &|cell| cell.sheet.number),
+        count("element", &|cell| cell.element as u32),
+        count("layers", &|cell| cell.sheet.face.layers),
+        count("image", &|cell| cell.sheet.image.number),
+    ];
+    if with_thickness {
+        arrays.push(of("thickness_m", &|cell| cell.thickness() * cell.sheet.detail.thinning[cell.element]));
+    }
+    arrays
+}
+
+impl Cell<'_> {
+    /// Numbers of its points in the file, round it in the sense of the film itself.
+    fn corners(&self) -> Vec<u64> {
+        let Film { quads, tris, .. } = self.sheet.film;
+        let mut corners: Vec<u64> = match quads.get(self.element) {
+            Some(quad) => quad.iter().map(|n| self.sheet.first + u64::from(*n)).collect(),
+            None => tris[self.element - quads.len()].iter().map(|n| self.sheet.first + u64::from(*n)).collect(),
+        };
+        if self.sheet.image.is_reversed() {
+            corners.reverse();
+        }
+        corners
+    }
+
+    fn strain(&self) -> [f32; 3] {
+        self.mirrored(self.sheet.state.strains[self.element])
+    }
+
+    fn stress(&self) -> [f32; 3] {
+        self.mirrored(self.sheet.detail.stresses[self.element])
+    }
+
+    /// What is along MD and TD stays in an image; what is in shear may change its sense.
+    fn mirrored(&self, [md, td, shear]: [f32; 3]) -> [f32; 3] {
+        [md, td, if self.sheet.image.is_reversed() { -shear } else { shear }]
+    }
+
+    /// Of all layers, stress-free, m.
+    fn thickness(&self) -> f32 {
+        let Face { material, layers, .. } = self.sheet.face;
+        (material.thickness * f64::from(*layers)) as f32
+    }
+
+    fn area_ratio(&self) -> f32 {
+        let [a, b] = self.sheet.detail.fibres[self.element].map(nalgebra::Vector3::from);
+        a.cross(&b).norm()
+    }
+
+    /// Unit vector along the MD (0) or TD (1) fibres.
+    fn direction(&self, fibre: usize) -> [f32; 3] {
+        let image = nalgebra::Vector3::from(self.sheet.detail.fibres[self.element][fibre]);
+        // Only films whose fibres lie along the axes have mirror planes.
+        let md_axis = usize::from(self.sheet.face.md_angle.cos().abs() < 0.5);
+        let axis = if fibre == 0 { md_axis } else { 1 - md_axis };
+        self.sheet.image.of_fibre(image.normalize().into(), axis)
+    }
+}

@@ -1,0 +1,181 @@
+//! A run as ParaView reads it: the kept states as two series, `film.pvd` and `impactor.pvd`, one file a state.
+//!
+//! The whole film is there, the mirror images of a part that was computed alone included; broken elements are not. Cells carry
+//!
+//! | array | what it is |
+//! |---|---|
+//! | `strain_md`, `strain_td`, `shear_angle_rad` | engineering strain of the fibres, angle by which they left their right angle |
+//! | `stress_md_Pa`, `stress_td_Pa`, `stress_shear_Pa` | engineering stresses: force on the stress-free cross-section of one layer, what does work on those strains; of fabric the values of its curves |
+//! | `resultant_md_N_m`, `resultant_td_N_m`, `resultant_shear_N_m` | the same of all layers, over stress-free width |
+//! | `largest_strain_md`, `largest_strain_td` | so far; a fibre below its own is unloading |
+//! | `reference_thickness_m` | of all layers, stress-free |
+//! | `thickness_m` | of all layers as they are; only where the law says it, in plane stress (a fabric's curves do not) |
+//! | `area_ratio` | area over that of stress-free film, without wrinkles; an incompressible film is `reference_thickness_m / area_ratio` thick |
+//! | `direction_md`, `direction_td` | unit vectors along the fibres |
+//! | `face`, `element`, `layers`, `image` | from 1; from 0 within the face; number; 0 what was computed, else its mirror images |
+//!
+//! and points `displacement_m` (from the first kept state), `velocity_m_s` and `touching` (1 where the impactor is).
+
+mod film;
+mod image;
+
+use quick_xml::Writer;
+use thiserror::Error;
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, ElementType, IOBuffer, Piece,
+    UnstructuredGridPiece, Version, VertexNumbers, Vtk,
+};
+use vtkio::xml::Compressor;
+
+use crate::model::Model;
+use crate::simulate::{self, Frame, Outcome, RunError};
+
+/// Folder of the states.
+pub const FOLDER: &str = "vtu";
+
+/// From 0, which compresses nothing, to 9: beyond this one files hardly become smaller.
+const COMPRESSION: u32 = 5;
+
+/// Why a run cannot be written for ParaView.
+#[derive(Debug, Error)]
+pub enum VtuError {
+    #[error("VTU: {0}")]
+    Vtk(#[from] vtkio::Error),
+    #[error("VTU: {0}")]
+    Xml(#[from] vtkio::xml::Error),
+    #[error("PVD: {0}")]
+    Collection(#[from] quick_xml::Error),
+    #[error("the impactor's surface: {0}")]
+    Impactor(#[from] RunError),
+    #[error("the kept states have no stresses: the run was not asked for them")]
+    NoDetail,
+}
+
+/// One file of a series.
+#[derive(Clone, Debug)]
+pub struct File {
+    /// With its folder, `/` between them.
+    pub name: String,
+    pub content: Vec<u8>,
+}
+
+/// Points and cells with their arrays.
+struct Grid {
+    points: Vec<[f32; 3]>,
+    /// Corners of triangles and quadrilaterals.
+    cells: Vec<Vec<u64>>,
+    on_points: Vec<Attribute>,
+    on_cells: Vec<Attribute>,
+}
+
+/// All files of a run, made one by one.
+///
+/// # Errors
+/// The surface of the impactor cannot be read again. Each file: states that were kept without their
+/// [`simulate::Detail`], and what the formats refuse.
+pub fn files<'a>(
+    model: &'a Model,
+    outcome: &'a Outcome,
+) -> Result<impl Iterator<Item = Result<File, VtuError>> + 'a, VtuError> {
+    let film = series("film", &outcome.frames, move |frame| film::grid(model, outcome, frame));
+    let body = model.impactor.as_ref().map(simulate::impactor_surface).transpose()?;
+    let body = body.map(|surface| {
+        let (points, triangles) = surface.triangles();
+        series("impactor", &outcome.frames, move |frame| Ok(posed(&points, &triangles, frame)))
+    });
+    Ok(film.chain(body.into_iter().flatten()))
+}
+
+/// A state in a file each, then the collection of them with their times.
+fn series<'a>(
+    name: &'static str,
+    frames: &'a [Frame],
+    grid: impl Fn(&Frame) -> Result<Grid, VtuError> + 'a,
+) -> impl Iterator<Item = Result<File, VtuError>> + 'a {
+    let place = move |state: usize| format!("{FOLDER}/{name}_{state:04}.vtu");
+    let state = move |(number, frame): (usize, &Frame)| {
+        Ok(File { name: place(number), content: grid(frame).and_then(unstructured)? })
+    };
+    let times = frames.iter().enumerate().map(move |(number, frame)| (place(number), frame.time));
+    let collection =
+        std::iter::once_with(move || Ok(File { name: format!("{name}.pvd"), content: collection(times)? }));
+    frames.iter().enumerate().map(state).chain(collection)
+}
+
+fn unstructured(grid: Grid) -> Result<Vec<u8>, VtuError> {
+    let kind = |corners: &Vec<u64>| if corners.len() == 3 { CellType::Triangle } else { CellType::Quad };
+    let ends = grid.cells.iter().scan(0, |end, corners| {
+        *end += corners.len() as u64;
+        Some(*end)
+    });
+    let cells = Cells {
+        cell_verts: VertexNumbers::XML { offsets: ends.collect(), connectivity: grid.cells.concat() },
+        types: grid.cells.iter().map(kind).collect(),
+    };
+    let data = Attributes { point: grid.on_points, cell: grid.on_cells };
+    let piece = UnstructuredGridPiece { points: IOBuffer::F32(grid.points.concat()), cells, data };
+    // A piece without cells would be written without their number, and then VTK does not read it.
+    let pieces = if grid.cells.is_empty() { vec![] } else { vec![Piece::Inline(Box::new(piece))] };
+    let vtk = Vtk {
+        version: Version::new_xml(1, 0),
+        title: String::new(),
+        byte_order: ByteOrder::LittleEndian,
+        data: DataSet::UnstructuredGrid { meta: None, pieces },
+        file_path: None,
+    };
+    let mut out = Vec::new();
+    vtk.try_into_xml_format(Compressor::ZLib, COMPRESSION)?.write(&mut out)?;
+    Ok(out)
+}
+
+/// `.pvd`: which file is at which time (s).
+fn collection(states: impl Iterator<Item = (String, f64)>) -> Result<Vec<u8>, quick_xml::Error> {
+    let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
+    let file = writer.create_element("VTKFile");
+    let file = file.with_attributes([("type", "Collection"), ("version", "0.1"), ("byte_order", "LittleEndian")]);
+    file.write_inner_content(|writer| {
+        writer.create_element("Collection").write_inner_content(|writer| {
+            for (name, time) in states {
+                let state = writer.create_element("DataSet").with_attribute(("timestep", time.to_string().as_str()));
+                state.with_attribute(("part", "0")).with_attribute(("file", name.as_str())).write_empty()?;
+            }
+            Ok::<_, quick_xml::Error>(())
+        })?;
+        Ok::<_, quick_xml::Error>(())
+    })?;
+    Ok(writer.into_inner())
+}
+
+/// The impactor where it is in a state; nothing where it is nowhere.
+fn posed(points: &[nalgebra::Point3<f64>], triangles: &[[u32; 3]], frame: &Frame) -> Grid {
+    let pose = frame.impactor.map(|(position, [i, j, k, w])| {
+        let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, i, j, k));
+        nalgebra::Isometry3::from_parts(nalgebra::Translation3::from(position), turn)
+    });
+    let place = |pose: nalgebra::Isometry3<f64>| points.iter().map(move |p| <[f64; 3]>::from((pose * p).coords));
+    Grid {
+        points: pose.into_iter().flat_map(place).map(|p| p.map(|c| c as f32)).collect(),
+        cells: pose.into_iter().flat_map(|_| triangles).map(|corners| corners.map(u64::from).to_vec()).collect(),
+        on_points: vec![],
+        on_cells: vec![],
+    }
+}
+
+/// One number a point or cell.
+fn scalars(name: &str, values: impl Iterator<Item = f32>) -> Attribute {
+    array(name, ElementType::Scalars { num_comp: 1, lookup_table: None }, IOBuffer::F32(values.collect()))
+}
+
+/// One whole number a point or cell.
+fn numbers(name: &str, values: impl Iterator<Item = u32>) -> Attribute {
+    array(name, ElementType::Scalars { num_comp: 1, lookup_table: None }, IOBuffer::U32(values.collect()))
+}
+
+/// One vector a point or cell.
+fn vectors(name: &str, values: impl Iterator<Item = [f32; 3]>) -> Attribute {
+    array(name, ElementType::Vectors, IOBuffer::F32(values.flatten().collect()))
+}
+
+fn array(name: &str, elem: ElementType, data: IOBuffer) -> Attribute {
+    Attribute::DataArray(DataArray { name: name.into(), elem, data })
+}

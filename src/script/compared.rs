@@ -1,0 +1,95 @@
+//! What an objective holds its simulations against, thinned out for pictures.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::experiment::coupon::Curve;
+use crate::signal::Series;
+
+/// Most samples of a picture.
+const MOST_SAMPLES: usize = 200;
+
+/// What stands along the x axis of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Over {
+    /// s
+    Time,
+    /// Of a coupon; the values are stresses, Pa.
+    Strain,
+}
+
+/// A reference, as far as simulations are held against it; equal to another to the bit.
+#[derive(Clone, Debug)]
+pub struct Target {
+    pub over: Over,
+    /// Times or strains, increasing.
+    pub places: Vec<f32>,
+    /// The reference at these places; one that was not measured is not a number.
+    pub values: Vec<f32>,
+}
+
+/// What was simulated, at the places of what it was held against.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compared {
+    pub target: Arc<Target>,
+    pub values: Vec<f32>,
+}
+
+impl PartialEq for Target {
+    fn eq(&self, other: &Target) -> bool {
+        let same = |a: &[f32], b: &[f32]| a.iter().map(|a| a.to_bits()).eq(b.iter().map(|b| b.to_bits()));
+        self.over == other.over && same(&self.places, &other.places) && same(&self.values, &other.values)
+    }
+}
+
+impl Compared {
+    /// `signal` over the samples of `reference` with `from <= time <= to`.
+    pub fn signals(signal: &Series, reference: &Series, window: [f64; 2]) -> Compared {
+        let samples = reference.window(window);
+        Compared::sampled(Over::Time, samples.samples(), |time| signal.at(time))
+    }
+
+    /// `curve` over the samples of `reference`.
+    pub fn curves(curve: &Curve, reference: &Curve) -> Compared {
+        let samples = reference.strain().iter().zip(reference.stress()).map(|(strain, stress)| [*strain, *stress]);
+        Compared::sampled(Over::Strain, samples, |strain| curve.at(strain))
+    }
+
+    fn sampled(over: Over, samples: impl Iterator<Item = [f64; 2]>, found: impl Fn(f64) -> Option<f64>) -> Compared {
+        let samples: Vec<[f64; 2]> = samples.collect();
+        let shown = thinned(samples.len());
+        let values = shown.clone().map(|place| found(samples[place][0]).unwrap_or(f64::NAN) as f32).collect();
+        let places = shown.clone().map(|place| samples[place][0] as f32).collect();
+        let target = Target { over, places, values: shown.map(|place| samples[place][1] as f32).collect() };
+        Compared { target: Arc::new(target), values }
+    }
+}
+
+/// Places of at most [`MOST_SAMPLES`] out of `count`, even from the first on, and the last.
+fn thinned(count: usize) -> impl Iterator<Item = usize> + Clone {
+    let every = count.div_ceil(MOST_SAMPLES - 1).max(1);
+    (0..count).filter(move |place| place % every == 0 || place + 1 == count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_thin_and_hold_the_signals_own_samples() {
+        for count in [1, 2, 199, 200, 201, 5000] {
+            let time: Vec<f64> = (0..count).map(|i| i as f64 * 1e-4).collect();
+            let reference = Series::new(time.clone(), time.iter().map(|t| t.sin()).collect::<Vec<_>>());
+            let signal = reference.with_values(time.iter().map(|t| 2.0 * t).collect());
+            let Compared { target, values } = Compared::signals(&signal, &reference, [0.0, 1.0]);
+            assert!(values.len() <= 200 && values.len() == count.min(values.len()), "{count}");
+            assert_eq!(target.places.first().zip(target.places.last()), Some((&0.0, &(time[count - 1] as f32))));
+            for (place, value) in target.places.iter().zip(&values) {
+                let at = time.iter().position(|time| *time as f32 == *place).unwrap();
+                assert_eq!(*value, signal.values()[at] as f32);
+            }
+        }
+    }
+}

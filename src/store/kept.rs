@@ -1,0 +1,136 @@
+//! A run read back from its folder, or a recording from its file.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value};
+use thiserror::Error;
+
+use crate::signal::file::{self, Wanted};
+use crate::signal::{Recording, says_virtual};
+
+/// What a run has left, as far as it is there.
+#[derive(Clone, Debug, Default)]
+pub struct Kept {
+    /// Folder or file, as it was given.
+    pub place: PathBuf,
+    /// The channels of `signals.csv`, or of the recording.
+    pub signals: Recording,
+    /// `summary.json`; nothing of a recording or of a run that broke off before it could be measured.
+    pub summary: Map<String, Value>,
+    /// The resolved scenario; empty of a recording.
+    pub scenario: String,
+    /// Why the run broke off, where it did.
+    pub failure: Option<String>,
+    /// Whether it is a recording that says it is virtual.
+    pub says_virtual: bool,
+}
+
+/// Why there is nothing to be read back.
+#[derive(Debug, Error)]
+pub enum KeptError {
+    #[error("{} is not there", path.display())]
+    Missing { path: PathBuf },
+    #[error("{} is not a run folder of droptower: it has no signals.csv", path.display())]
+    NotARun { path: PathBuf },
+    #[error("{}: {source}", path.display())]
+    Summary { path: PathBuf, source: serde_json::Error },
+    #[error("{} holds no figures: it is no table of names and values", path.display())]
+    NoFigures { path: PathBuf },
+    #[error(transparent)]
+    Signals(#[from] file::ReadError),
+    #[error("{}: its channels do not share one time axis", path.display())]
+    NoCommonTime { path: PathBuf },
+}
+
+impl Kept {
+    /// Reads the run folder, or the file of signals, at `place`.
+    ///
+    /// # Errors
+    /// It is neither, or damaged.
+    pub fn read(place: &Path) -> Result<Kept, KeptError> {
+        if !place.exists() {
+            return Err(KeptError::Missing { path: place.into() });
+        }
+        let table = place.join("signals.csv");
+        if place.is_dir() && table.is_file() {
+            return Kept::of_folder(place, &table);
+        }
+        // A folder may be a recording in ISO-MME.
+        let is_test = || fs::read_dir(place).into_iter().flatten().flatten().any(|entry| is_mme(&entry.path()));
+        if place.is_dir() && !is_test() {
+            return Err(KeptError::NotARun { path: place.into() });
+        }
+        let (signals, says_virtual) = signals(place)?;
+        Ok(Kept { place: place.into(), signals, says_virtual, ..Kept::default() })
+    }
+
+    fn of_folder(place: &Path, table: &Path) -> Result<Kept, KeptError> {
+        let text = |name: &str| fs::read_to_string(place.join(name)).ok();
+        let (signals, says_virtual) = signals(table)?;
+        Ok(Kept {
+            place: place.into(),
+            signals,
+            summary: summary(&place.join("summary.json"))?,
+            scenario: text("scenario.toml").unwrap_or_default(),
+            failure: text("failure.txt").map(|cause| cause.trim().to_owned()),
+            says_virtual,
+        })
+    }
+}
+
+fn is_mme(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mme"))
+}
+
+fn signals(path: &Path) -> Result<(Recording, bool), KeptError> {
+    let measurement = file::read(path, &Wanted::default())?;
+    let recording = measurement.recording().ok_or_else(|| KeptError::NoCommonTime { path: path.into() })?;
+    Ok((recording, says_virtual(&measurement.notes)))
+}
+
+/// What stands in the file; nothing where there is none.
+fn summary(path: &Path) -> Result<Map<String, Value>, KeptError> {
+    let Ok(text) = fs::read(path) else { return Ok(Map::new()) };
+    match serde_json::from_slice(&text) {
+        Ok(Value::Object(summary)) => Ok(summary),
+        Ok(_) => Err(KeptError::NoFigures { path: path.into() }),
+        Err(source) => Err(KeptError::Summary { path: path.into(), source }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_a_run_where_it_has_signals() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path();
+        let refusal = |place: &Path| Kept::read(place).unwrap_err().to_string();
+        assert!(refusal(&place.join("nowhere")).ends_with("is not there"));
+        assert!(refusal(place).ends_with("it has no signals.csv"));
+        fs::write(place.join("signals.csv"), "time_s,force_N\n0,1\n1,2\n").unwrap();
+        let kept = Kept::read(place).unwrap();
+        assert_eq!(kept.signals.channel("force_N"), Some([1.0, 2.0].as_slice()));
+        assert!(kept.summary.is_empty() && kept.failure.is_none());
+        fs::write(place.join("summary.json"), "{\"peak\": 1").unwrap();
+        assert!(refusal(place).contains("summary.json: EOF while parsing"), "{}", refusal(place));
+        fs::write(place.join("summary.json"), "[1]").unwrap();
+        assert!(refusal(place).contains("no figures"));
+        fs::write(place.join("summary.json"), "{\"peak\": 1}").unwrap();
+        fs::write(place.join("failure.txt"), "lost\n").unwrap();
+        let kept = Kept::read(place).unwrap();
+        assert_eq!((kept.summary["peak"].as_f64(), kept.failure.as_deref()), (Some(1.0), Some("lost")));
+    }
+
+    #[test]
+    fn a_file_is_a_recording() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("test.csv");
+        fs::write(&path, "# virtual: nothing fell\ntime [ms],force [kN]\n0,1\n1,2\n").unwrap();
+        let kept = Kept::read(&path).unwrap();
+        assert!(kept.says_virtual);
+        assert_eq!(kept.signals.channel("force_N"), Some([1e3, 2e3].as_slice()));
+    }
+}

@@ -1,0 +1,143 @@
+//! A run as ParaView reads it: what is in the files, and that nobody gets them who did not ask.
+
+use std::fs;
+use std::path::Path;
+
+use roxmltree::Document;
+use vtkio::Vtk;
+use vtkio::model::{Attribute, Attributes, Cells, DataSet, IOBuffer, Piece, UnstructuredGridPiece, VertexNumbers};
+
+use droptower::signal::csv;
+
+use crate::workbench::{close, droptower, error, printed, root};
+
+/// Coarse and short.
+const QUICK: [&str; 6] =
+    ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=12ms", "--set", "output.frames=4"];
+
+/// Times and files of a `.pvd`.
+fn states(folder: &Path, name: &str) -> Vec<(f64, UnstructuredGridPiece)> {
+    let text = fs::read_to_string(folder.join(name)).expect("a collection");
+    let document = Document::parse(&text).expect("XML");
+    let entries = document.descendants().filter(|node| node.has_tag_name("DataSet"));
+    let read = |node: roxmltree::Node| {
+        let said = |name| node.attribute(name).expect("an attribute");
+        (said("timestep").parse().expect("a time"), grid(&folder.join(said("file"))))
+    };
+    entries.map(read).collect()
+}
+
+fn grid(path: &Path) -> UnstructuredGridPiece {
+    let DataSet::UnstructuredGrid { pieces, .. } = Vtk::import(path).expect("a VTU").data else { panic!("no grid") };
+    match &pieces[..] {
+        [Piece::Inline(piece)] => (**piece).clone(),
+        // Nothing is left.
+        [] => nothing(),
+        _ => panic!("more than one piece"),
+    }
+}
+
+fn nothing() -> UnstructuredGridPiece {
+    let cell_verts = VertexNumbers::XML { connectivity: vec![], offsets: vec![] };
+    UnstructuredGridPiece {
+        points: IOBuffer::F32(vec![]),
+        cells: Cells { cell_verts, types: vec![] },
+        data: Attributes::new(),
+    }
+}
+
+/// The numbers of an array.
+fn array(of: &[Attribute], name: &str) -> Vec<f64> {
+    let found = of.iter().find(|attribute| attribute.name() == name).unwrap_or_else(|| panic!("no {name}"));
+    let Attribute::DataArray(array) = found else { panic!("{name} is no array") };
+    array.data.cast_into().expect("numbers")
+}
+
+#[test]
+fn a_drop_is_there_whole_and_as_the_signals_say() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = root().join("scenarios/drop/1008.toml").display().to_string();
+    let arguments = [&["run", &scenario, "--vtu", "--out", "results"][..], &QUICK].concat();
+    printed(&droptower(folder.path(), &arguments));
+    // What was written is ours: it is replaced by the next run, with or without it.
+    printed(&droptower(folder.path(), &arguments));
+    let results = folder.path().join("results");
+    let (film, body) = (states(&results, "film.pvd"), states(&results, "impactor.pvd"));
+    let times = |series: &[(f64, UnstructuredGridPiece)]| series.iter().map(|(time, _)| *time).collect::<Vec<_>>();
+    assert_eq!(film.len(), 4);
+    assert_eq!(times(&film), times(&body));
+    let signals = csv::read(&results.join("signals.csv")).expect("signals");
+    for ((time, film), (_, body)) in film.iter().zip(&body) {
+        let cells = |name: &str| array(&film.data.cell, name);
+        // A quarter of 4 x 4 elements on each of two faces, and three mirror images.
+        assert_eq!(film.cells.num_cells(), 2 * 4 * 16);
+        let (image, face, element) = (cells("image"), cells("face"), cells("element"));
+        let strain = ["strain_md", "strain_td", "shear_angle_rad"].map(cells);
+        for cell in 0..image.len() {
+            let own = (0..image.len()).find(|o| [image[*o], face[*o], element[*o]] == [0.0, face[cell], element[cell]]);
+            let own = own.expect("what was computed");
+            assert_eq!([strain[0][cell], strain[1][cell]], [strain[0][own], strain[1][own]]);
+            let sense = if [1.0, 2.0].contains(&image[cell]) { -1.0 } else { 1.0 };
+            assert_eq!(strain[2][cell], sense * strain[2][own]);
+        }
+        // Eight layers of 12 µm.
+        for part in ["md", "td", "shear"] {
+            let (stress, resultant) = (cells(&format!("stress_{part}_Pa")), cells(&format!("resultant_{part}_N_m")));
+            stress.iter().zip(resultant).for_each(|(s, n)| assert!((n - s * 96e-6).abs() <= 1e-6 * n.abs()));
+        }
+        assert!(film.data.cell.iter().all(|a| a.name() != "thickness_m"), "a fabric does not say how it thins");
+        // The mirror images close the film: its extent is that of the frame.
+        let points: Vec<f64> = film.points.cast_into().expect("points");
+        let extreme = |axis: usize, sign: f64| {
+            points.iter().skip(axis).step_by(3).map(|c| sign * c).fold(f64::NEG_INFINITY, f64::max)
+        };
+        for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
+            close(extreme(axis, sign), 0.2, 1e-6);
+        }
+        let said = |name: &str| signals.series(name).expect("a channel").at(*time);
+        if let (Some(largest), Some(travel)) = (said("max_strain_md"), said("displacement_m")) {
+            let most = strain[0].iter().copied().fold(0.0, f64::max);
+            assert!((most - largest).abs() < 2e-3, "{most} at {time} s, {largest} in the signals");
+            let points: Vec<f64> = body.points.cast_into().expect("points");
+            let lowest = points.iter().skip(2).step_by(3).copied().fold(f64::INFINITY, f64::min);
+            assert!((lowest - travel).abs() < 1e-3, "{lowest} at {time} s, {travel} in the signals");
+        }
+    }
+    let displacement = |state: usize| array(&film[state].1.data.point, "displacement_m");
+    assert!(displacement(0).iter().all(|d| *d == 0.0));
+    let (first, last) = (&film[0].1.points, &film[3].1.points);
+    let [first, last]: [Vec<f64>; 2] = [first, last].map(|points| points.cast_into().expect("points"));
+    let moved = displacement(3);
+    assert!((0..first.len()).all(|c| (first[c] + moved[c] - last[c]).abs() < 1e-6));
+    assert!(array(&film[3].1.data.point, "touching").contains(&1.0));
+}
+
+#[test]
+fn what_broke_is_gone_and_what_nobody_asked_for_is_not_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = root().join("scenarios/stretch/md-0.2.toml").display().to_string();
+    let run = |more: &[&str]| {
+        let arguments = ["run", &scenario, "--set", "loading.stretch.until=1.45", "--set", "output.frames=8"];
+        printed(&droptower(folder.path(), &[&arguments[..], &["--out", "results"], more].concat()));
+    };
+    run(&["--vtu"]);
+    let results = folder.path().join("results");
+    let film = states(&results, "film.pvd");
+    let cells: Vec<usize> = film.iter().map(|(_, grid)| grid.cells.num_cells()).collect();
+    assert_eq!(cells, [1, 1, 1, 1, 1, 1, 1, 0]);
+    assert!(!results.join("impactor.pvd").exists(), "nothing hits a coupon");
+    run(&[]);
+    assert!(!results.join("film.pvd").exists() && !results.join("vtu").exists());
+}
+
+#[test]
+fn a_foreign_file_beside_the_states_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = root().join("scenarios/stretch/md-0.2.toml").display().to_string();
+    let arguments = ["run", &scenario, "--vtu", "--out", "results", "--set", "output.frames=2"];
+    printed(&droptower(folder.path(), &arguments));
+    fs::write(folder.path().join("results/vtu/mine.vtu"), "mine").expect("a file");
+    let refused = droptower(folder.path(), &arguments);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(error(&refused).contains("vtu/mine.vtu"), "{}", error(&refused));
+}

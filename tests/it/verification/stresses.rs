@@ -1,0 +1,69 @@
+//! Stress and thickness of kept states, against what the run itself measures and against a closed form.
+
+use droptower::model::Model;
+use droptower::simulate::{self, Detail, FilmState, Manner, Outcome};
+
+use super::axisymmetric::Sheet;
+use super::claims::Claims;
+use super::tower::{shipped, written};
+
+/// Runs `model` with detailed states.
+fn detailed(model: &Model) -> Outcome {
+    let manner = Manner { detailed: true, ..Manner::default() };
+    simulate::run_in(model, manner, &mut |_| {}).unwrap_or_else(|error| panic!("{}: {error}", model.name))
+}
+
+fn detail(state: &FilmState) -> &Detail {
+    state.detail.as_ref().expect("a detailed state")
+}
+
+/// The pull of the jaws over the stress-free section is the stress along the fibres.
+#[test]
+fn a_stretched_fibre_has_the_stress_that_the_jaws_feel() {
+    let mut claims = Claims::of("stress of kept states");
+    for (name, fibre) in [("md", 0), ("td", 1)] {
+        let outcome = detailed(&shipped(&format!("stretch/{name}-0.02.toml"), &[]));
+        let signal = outcome.signals.series("stress_Pa").expect("a stress");
+        let largest = signal.largest().expect("a peak")[1];
+        let held = outcome.frames.iter().filter(|frame| !frame.films[0].broken[0]);
+        let off = held.filter_map(|frame| {
+            let stress = detail(&frame.films[0]).stresses[0][fibre];
+            Some((f64::from(stress) - signal.at(frame.time)?).abs() / largest)
+        });
+        let off: Vec<f64> = off.collect();
+        claims.at_most(&format!("{name}: states without one, of 60"), 60.0 - off.len() as f64, 2.0);
+        claims.at_most(&format!("{name}: stress off the signal"), off.iter().fold(0.0, |m, o| m.max(*o)), 1e-3);
+    }
+    claims.judge();
+}
+
+/// At the pole of an inflated disc both directions are stretched alike, and stress and thickness follow from that stretch.
+#[test]
+fn the_pole_of_an_inflated_disc_is_strained_alike_in_all_directions() {
+    let mut claims = Claims::of("stress and thickness at the pole");
+    let (radius, pressure) = (0.05, 15e3);
+    let sheet = Sheet { young: 50e6, poisson: 0.44, thickness: 50e-6, wrinkling: false };
+    let outcome = detailed(&written(&format!(
+        "specimen.shape = {{ circle = {{ radius = {radius} }} }}
+         specimen.material = {{ density = 915, thickness = {}, elastic = {{ young = {}, poisson = {} }} }}
+         specimen.mesh.size = \"5 mm\"
+         specimen.symmetry = \"quarter\"
+         loading.pressure = {{ pressure = {pressure}, ramp = 0.1 }}
+         output.frames = 2",
+        sheet.thickness, sheet.young, sheet.poisson
+    )));
+    let stretch = sheet.inflated(radius, radius, pressure).stretch[0][0];
+    let (film, state) = (&outcome.films[0], &outcome.frames.last().expect("a state").films[0]);
+    let pole = |node: &u32| state.positions[*node as usize][..2].iter().all(|c| c.abs() < 1e-6);
+    let element = film.quads.iter().position(|quad| quad.iter().any(pole)).expect("the pole");
+    let Detail { stresses, thinning, .. } = detail(state);
+    let stress = sheet.first(stretch, stretch);
+    for (fibre, name) in ["MD", "TD"].iter().enumerate() {
+        claims.near(&format!("stress along {name}, Pa"), stresses[element][fibre].into(), stress, 2e-2);
+    }
+    claims.at_most("shear over stress", f64::from(stresses[element][2].abs()) / stress, 2e-2);
+    // E33 = −ν/(1−ν)·(E11 + E22) in plane stress.
+    let across = -sheet.poisson / (1.0 - sheet.poisson) * (stretch * stretch - 1.0);
+    claims.near("thickness over stress-free thickness", thinning[element].into(), (1.0 + 2.0 * across).sqrt(), 1e-2);
+    claims.judge();
+}
