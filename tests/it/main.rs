@@ -13,6 +13,8 @@ mod identification;
 mod mesh;
 mod paper_study;
 mod paraview;
+#[cfg(feature = "rerun")]
+mod playback;
 mod recordings;
 mod resume;
 mod runs;
