@@ -10,6 +10,8 @@ mod folder;
 mod forecast;
 mod functions;
 mod list;
+#[cfg_attr(not(feature = "rerun"), path = "live_off.rs")]
+mod live;
 mod new;
 mod output;
 mod progress;
@@ -20,6 +22,7 @@ mod script;
 mod signal;
 mod table;
 mod tensile;
+mod view;
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
@@ -74,6 +77,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// List the scenarios of a folder
     List(list::ListArgs),
+    /// Open the recordings of runs in the Rerun viewer
+    View(view::ViewArgs),
     /// Run a Rhai script over scenarios
     Script(script::ScriptArgs),
     /// Work on recordings without a simulation
@@ -101,6 +106,7 @@ pub fn main() -> ExitCode {
         Command::New(args) => new::run(&args, &shared),
         Command::Compare(args) => compare::run(&args, &shared),
         Command::List(args) => list::run(&args, &shared),
+        Command::View(args) => view::run(&args, &shared),
         Command::Script(args) => script::run(&args, &shared),
         Command::Signal(command) => signal::run(&command, &shared),
         Command::Tensile(command) => tensile::run(&command, &shared),

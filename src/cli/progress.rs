@@ -87,6 +87,11 @@ impl Bar {
         }
     }
 
+    /// Tells of something that will be missing.
+    pub fn warn(&self, text: &str) {
+        self.print(&format!("warning: {text}"));
+    }
+
     /// Tells of something that went wrong, though the runs go on.
     pub fn complain(&self, mistake: &Diagnostic) {
         self.print(&diagnostic::render(std::slice::from_ref(mistake), false));

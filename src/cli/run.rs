@@ -11,12 +11,13 @@ use super::checkpoint::{self, Keeper, Wish};
 use super::faults::{WRITE_FAILURE, evaluating, storing};
 use super::folder::{self, Contents, SCRIPT};
 use super::forecast::Forecast;
+use super::live::{self, Show, Viewer};
 use super::progress::Bar;
 use super::scenarios::{Checked, Selection, both};
 use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report};
 use crate::diagnostic::Diagnostic;
-use crate::report::duration;
-use crate::simulate::{self, Checkpoint, Checkpoints, Failure, Manner, Outcome, Progress, RunError};
+use crate::report::{RunPage, duration};
+use crate::simulate::{self, Checkpoint, Checkpoints, Failure, Glimpse, Manner, Outcome, Progress, RunError};
 use crate::store::{self, Draft};
 
 #[derive(Debug, Args)]
@@ -33,6 +34,15 @@ pub struct RunArgs {
     /// scenarios, those without a checkpoint start from their beginning, those that are done already too
     #[arg(long)]
     pub resume: bool,
+    /// Show the runs in a running Rerun viewer while they go [usual address: rerun+http://127.0.0.1:9876/proxy]
+    #[arg(
+        long,
+        value_name = "URL",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "rerun+http://127.0.0.1:9876/proxy"
+    )]
+    pub live: Option<String>,
     /// Write the kept states for ParaView besides: film.pvd and impactor.pvd, with strain, stress and thickness
     #[arg(long)]
     pub vtu: bool,
@@ -59,13 +69,14 @@ struct Done {
 }
 
 pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
-    let jobs = match jobs(args) {
-        Ok(jobs) => jobs,
+    let viewer = args.live.as_deref().map(live::viewer).transpose();
+    let (viewer, jobs) = match both(viewer.map_err(|mistake| vec![mistake]), jobs(args)) {
+        Ok(both) => both,
         Err(mistakes) => return report(&mistakes),
     };
     let bar = Bar::new(jobs.len(), shared.quiet);
     jobs.iter().filter_map(|job| job.keeper.as_ref()).flat_map(|keeper| &keeper.notes).for_each(|note| bar.note(note));
-    let run = |(index, job): (usize, &Job)| job.run(&bar, index);
+    let run = |(index, job): (usize, &Job)| job.run(&bar, index, viewer.as_ref());
     // One run has all threads to itself; several share them.
     let done: Vec<Done> = match jobs.as_slice() {
         [job] => vec![run((0, job))],
@@ -112,11 +123,15 @@ fn place(out: Option<&Path>, name: &str, several: bool) -> Result<PathBuf, store
 }
 
 impl Job {
-    fn run(&self, bar: &Bar, index: usize) -> Done {
-        let done = match self.simulate(bar, index) {
+    fn run(&self, bar: &Bar, index: usize, viewer: Option<&Viewer>) -> Done {
+        let scenario = self.resolved();
+        let mut show = Show::begin(viewer, &self.checked, &scenario, bar);
+        let done = match self.simulate(bar, index, &mut show) {
             Err((status, mistake)) => return self.broken(status, mistake),
-            Ok(Ok(outcome)) => self.keep(&outcome).unwrap_or_else(|(status, mistake)| self.broken(status, mistake)),
-            Ok(Err(RunError::Failure(failure))) => self.keep_failed(&failure),
+            Ok(Ok(outcome)) => {
+                self.keep(&outcome, &scenario, show).unwrap_or_else(|(status, mistake)| self.broken(status, mistake))
+            }
+            Ok(Err(RunError::Failure(failure))) => self.keep_failed(&failure, &scenario, show),
             Ok(Err(error)) => self.broken(BAD_INPUT, Diagnostic::new(format!("{}: {error}", self.checked.model.name))),
         };
         // Results that could not be stored can still be had from the last checkpoint, and so can those that a post
@@ -128,7 +143,12 @@ impl Job {
     }
 
     /// The run itself, watched by `bar`, from its checkpoint where there is one to go on from.
-    fn simulate(&self, bar: &Bar, index: usize) -> Result<Result<Outcome, RunError>, (u8, Diagnostic)> {
+    fn simulate(
+        &self,
+        bar: &Bar,
+        index: usize,
+        show: &mut Show,
+    ) -> Result<Result<Outcome, RunError>, (u8, Diagnostic)> {
         let model = &self.checked.model;
         let mut saved = None;
         if let Some(keeper) = &self.keeper {
@@ -158,7 +178,10 @@ impl Job {
             }
         };
         let checkpoints = every.map(|every| Checkpoints { every, keep: &mut keep });
-        let manner = Manner { saved, checkpoints, detailed: self.vtu, ..Manner::default() };
+        let is_on = show.is_on();
+        let mut look = |glimpse: &Glimpse<'_>| show.look(glimpse);
+        let onlooker = is_on.then_some(&mut look as &mut dyn FnMut(&Glimpse<'_>));
+        let manner = Manner { saved, checkpoints, onlooker, detailed: self.vtu, ..Manner::default() };
         let outcome = simulate::run_in(model, manner, &mut progress);
         if lost > 1 {
             bar.complain(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));
@@ -166,15 +189,16 @@ impl Job {
         Ok(outcome)
     }
 
-    fn keep(&self, outcome: &Outcome) -> Result<Done, (u8, Diagnostic)> {
+    fn keep(&self, outcome: &Outcome, scenario: &str, show: Show) -> Result<Done, (u8, Diagnostic)> {
         let model = &self.checked.model;
         let results =
             self.checked.plan.evaluate(model, outcome, |_| {}).map_err(|error| (BAD_INPUT, evaluating(&error)))?;
+        show.finish(Some(&RunPage { model, outcome, results: &results, scenario, failure: None, files: &[] }));
         let contents = Contents {
             model,
             outcome,
             results: Some(&results),
-            scenario: &self.resolved(),
+            scenario,
             script: self.checked.plan.script(),
             failure: None,
             vtu: self.vtu,
@@ -188,18 +212,19 @@ impl Job {
         Ok(Done { status: 0, text, summary: Some(results.summary(model).into()), mistakes: Vec::new(), stored: true })
     }
 
-    fn keep_failed(&self, failure: &Failure) -> Done {
+    fn keep_failed(&self, failure: &Failure, scenario: &str, show: Show) -> Done {
         let (model, outcome) = (&self.checked.model, &failure.so_far);
         // What broke off may be too short or too wild to be measured; then its signals stand alone.
         let results = self.checked.plan.measure(model, outcome).ok();
-        let scenario = self.resolved();
         let cause = failure.cause.to_string();
+        let page = |results| RunPage { model, outcome, results, scenario, failure: Some(&cause), files: &[] };
+        show.finish(results.as_ref().map(page).as_ref());
         let script = self.checked.plan.script();
         let contents = Contents {
             model,
             outcome,
             results: results.as_ref(),
-            scenario: &scenario,
+            scenario,
             script,
             failure: Some(&cause),
             vtu: self.vtu,

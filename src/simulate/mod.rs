@@ -29,6 +29,7 @@ use crate::lane::Width;
 use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
 use crate::signal::Recording;
+use build::Mounting;
 pub use build::impactor_surface;
 pub use cancellation::Cancellation;
 pub use checkpoint::{Checkpoint, Checkpoints, Saved};
@@ -214,8 +215,22 @@ pub struct Manner<'a> {
     pub team: Option<Team>,
     /// Ends the run before its time, without an outcome.
     pub cancellation: Cancellation,
+    /// Is shown every state that is kept, as soon as it is.
+    pub onlooker: Option<&'a mut dyn FnMut(&Glimpse<'_>)>,
     /// Whether kept states have their [`Detail`]. Of a film so fine that its states do not all fit into memory, fewer are kept.
     pub detailed: bool,
+}
+
+/// A run as far as it has come, after a state was kept.
+#[derive(Clone, Copy)]
+pub struct Glimpse<'a> {
+    /// What the state is one of.
+    pub films: &'a [Film],
+    pub frame: &'a Frame,
+    /// Channels of `signals.csv` until then, without the filtered one.
+    pub signals: &'a Recording,
+    /// The energy audit until then.
+    pub energies: &'a Recording,
 }
 
 /// The engine of a run before its first step.
@@ -231,7 +246,7 @@ pub fn engine(model: &Model) -> Result<Engine, RunError> {
 /// # Errors
 /// As [`run`]; also a checkpoint of another scene, and [`RunError::Cancelled`].
 pub fn run_in(model: &Model, manner: Manner<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, RunError> {
-    let Manner { saved, checkpoints, team, cancellation, detailed } = manner;
+    let Manner { saved, checkpoints, team, cancellation, onlooker, detailed } = manner;
     let begin = Instant::now();
     let scene = build::scene(model)?;
     let team = team.unwrap_or_else(|| build::team(scene.engine.elements()));
@@ -243,7 +258,8 @@ pub fn run_in(model: &Model, manner: Manner<'_>, progress: &mut dyn FnMut(Progre
         saved.put_back(&mut engine, &mut probe)?;
     }
     let wall = || before + begin.elapsed();
-    let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall, &cancellation).err();
+    let mut gallery = Gallery { onlooker, mounting: &scene.mounting, shown: 0 };
+    let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall, &cancellation, &mut gallery).err();
     if cancellation.is_cancelled() {
         return Err(RunError::Cancelled);
     }
@@ -255,6 +271,28 @@ pub fn run_in(model: &Model, manner: Manner<'_>, progress: &mut dyn FnMut(Progre
     }
 }
 
+/// Shows kept states to whoever looks on.
+struct Gallery<'a, 'm> {
+    onlooker: Option<&'a mut dyn FnMut(&Glimpse<'_>)>,
+    mounting: &'m Mounting,
+    /// States shown so far.
+    shown: usize,
+}
+
+impl Gallery<'_, '_> {
+    /// Shows the states that were kept since.
+    fn show(&mut self, probe: &Probe<'_>) {
+        let new = &probe.frames()[self.shown..];
+        let Some(onlooker) = self.onlooker.as_mut().filter(|_| !new.is_empty()) else { return };
+        let (signals, energies) = (probe.signals(self.mounting), probe.energies());
+        for frame in new {
+            let films = &self.mounting.films;
+            onlooker(&Glimpse { films, frame, signals: &signals, energies: &energies });
+        }
+        self.shown = probe.frames().len();
+    }
+}
+
 fn advance(
     engine: &mut Engine,
     probe: &mut Probe<'_>,
@@ -262,6 +300,7 @@ fn advance(
     progress: &mut dyn FnMut(Progress),
     wall: &dyn Fn() -> Duration,
     cancellation: &Cancellation,
+    gallery: &mut Gallery<'_, '_>,
 ) -> Result<(), Fault> {
     let elements = engine.elements();
     let stride = (REPORT_AFTER / elements.max(1)).max(1) as u64;
@@ -276,6 +315,7 @@ fn advance(
         if engine.step(probe)? > 0 {
             probe.broke(time);
         }
+        gallery.show(probe);
         if engine.steps().is_multiple_of(stride) {
             let (time, steps, time_step) = (engine.time(), engine.steps(), engine.time_step());
             progress(Progress { time, duration: probe.duration(), steps, time_step, elements });

@@ -114,6 +114,16 @@ impl<'a> Probe<'a> {
         self.record = record;
     }
 
+    /// States kept so far.
+    pub(super) fn frames(&self) -> &[Frame] {
+        &self.record.frames
+    }
+
+    /// The energy audit so far.
+    pub(super) fn energies(&self) -> Recording {
+        self.record.energy.recording()
+    }
+
     /// Simulated time, s.
     pub(super) fn duration(&self) -> f64 {
         self.duration
@@ -213,7 +223,7 @@ impl<'a> Probe<'a> {
         let balance = self.record.energy.balance_error();
         let settling = self.settling();
         let signals = self.signals(&mounting);
-        let energies = self.record.energy.recording();
+        let energies = self.energies();
         let rates = self.record.rates.finish();
         let unfinished = signals.channel("contact_force_N").is_some_and(impact::ends_loaded);
         let frames = [self.model.output.frames, self.frames];
@@ -243,7 +253,8 @@ impl<'a> Probe<'a> {
         }
     }
 
-    fn signals(&self, mounting: &Mounting) -> Recording {
+    /// The signals of `signals.csv` so far.
+    pub(super) fn signals(&self, mounting: &Mounting) -> Recording {
         let tracks = &self.record.tracks;
         let mut signals = match self.model.loading {
             Loading::Impact { gravity, .. } => {

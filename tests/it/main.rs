@@ -8,10 +8,13 @@ mod coupons;
 mod diagnostics;
 mod language;
 mod golden;
+mod guide;
 mod identification;
 mod mesh;
 mod paper_study;
 mod paraview;
+#[cfg(feature = "rerun")]
+mod playback;
 mod recordings;
 mod resume;
 mod runs;

@@ -1,27 +1,27 @@
 //! The rigid body: its shape once, its pose at every time.
 
 use re_sdk::{RecordingStream, RecordingStreamResult};
-use re_sdk_types::archetypes::{Ellipsoids3D, Mesh3D, Transform3D};
-use re_sdk_types::components::FillMode;
-use re_sdk_types::datatypes::Quaternion;
+use re_sdk_types::archetypes::{Mesh3D, Transform3D};
+use re_sdk_types::datatypes::{Quaternion, Rgba32};
 
 use crate::normals;
 use crate::scene::{BodyShape, BodyTrack, Pose};
 use crate::series::Moment;
 
-const STEEL: [u8; 3] = [150, 155, 165];
+/// Steel that lets the film behind it show through.
+const STEEL: [u8; 4] = [170, 178, 190, 100];
 
 /// Sides of a revolved surface.
-const SIDES: u32 = 48;
+const SIDES: u32 = 64;
+
+/// Pieces of the half circle that a sphere is turned from.
+const ARC: u32 = 32;
 
 /// Logs the shape.
 pub(crate) fn log_shape(stream: &RecordingStream, body: &BodyTrack) -> RecordingStreamResult<()> {
     match &body.shape {
-        BodyShape::Sphere { radius } => stream.log_static(entity(body), &sphere(*radius)),
-        BodyShape::Revolved { profile } => {
-            let (points, triangles) = revolved(profile);
-            stream.log_static(entity(body), &surface(&points, &triangles))
-        }
+        BodyShape::Sphere { radius } => log_turned(stream, body, &half_circle(*radius)),
+        BodyShape::Revolved { profile } => log_turned(stream, body, profile),
         BodyShape::Surface { points, triangles } => stream.log_static(entity(body), &surface(points, triangles)),
     }
 }
@@ -39,15 +39,22 @@ fn entity(body: &BodyTrack) -> String {
     format!("scene/{}", body.name)
 }
 
-fn sphere(radius: f32) -> Ellipsoids3D {
-    Ellipsoids3D::from_half_sizes([[radius; 3]]).with_colors([STEEL]).with_fill_mode(FillMode::Solid)
+fn log_turned(stream: &RecordingStream, body: &BodyTrack, profile: &[[f32; 2]]) -> RecordingStreamResult<()> {
+    let (points, triangles) = revolved(profile);
+    stream.log_static(entity(body), &surface(&points, &triangles))
+}
+
+/// The profile of a sphere.
+fn half_circle(radius: f32) -> Vec<[f32; 2]> {
+    let angle = |piece: u32| std::f32::consts::PI * piece as f32 / ARC as f32;
+    (0..=ARC).map(|piece| [radius * angle(piece).sin(), radius * angle(piece).cos()]).collect()
 }
 
 fn surface(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh3D {
     Mesh3D::new(points.iter().copied())
         .with_triangle_indices(triangles.iter().copied())
         .with_vertex_normals(normals::of_surface(points, triangles))
-        .with_albedo_factor(STEEL)
+        .with_albedo_factor(Rgba32::from_unmultiplied_rgba(STEEL[0], STEEL[1], STEEL[2], STEEL[3]))
 }
 
 /// Rings of points and the triangles between them, facing outwards for a profile from top to bottom.

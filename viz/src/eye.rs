@@ -3,10 +3,13 @@
 use crate::scene::{BodyShape, FilmTrack, Scene};
 
 /// Direction from the scene to the eye: from the side and a little above, so that film and body are both seen.
-const DIRECTION: [f32; 3] = [0.55, -0.78, 0.30];
+const DIRECTION: [f32; 3] = [0.56, -0.79, 0.24];
 
-/// Distance of the eye over the size of what it looks at: the viewer's field of view is 55°.
-const DISTANCE: f32 = 1.15;
+/// Distance of the eye over the size of what it looks at; the viewer's field of view is 55°.
+const DISTANCE: f32 = 0.8;
+
+/// Depth over the width of a film to which it is looked at: before a run nobody knows how deep it will go.
+const DEPTH: f32 = 0.4;
 
 /// Where the eye is and what it looks at, m.
 pub(crate) struct Eye {
@@ -15,18 +18,20 @@ pub(crate) struct Eye {
 }
 
 impl Eye {
-    /// An eye that has all films and the body in view, at all times.
+    /// An eye that has the films and the body in view as they are at first, and what is below them.
     pub(crate) fn on(scene: &Scene) -> Eye {
-        let (low, high) = bounds(scene);
+        let points = scene.films.iter().flat_map(film_ends);
+        let (mut low, mut high) = bounds(points);
+        low[2] -= DEPTH * (high[0] - low[0]).max(high[1] - low[1]);
+        high[2] = high[2].max(body_top(scene));
         let target = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
         let size = [0, 1, 2].map(|k| (high[k] - low[k]).powi(2)).iter().sum::<f32>().sqrt();
         Eye { position: [0, 1, 2].map(|k| target[k] + DISTANCE * size * DIRECTION[k]), target }
     }
 }
 
-/// The corners of a box around everything.
-fn bounds(scene: &Scene) -> ([f32; 3], [f32; 3]) {
-    let points = scene.films.iter().flat_map(film_ends).chain(body_ends(scene));
+/// The corners of a box around points; that of a metre where there are none.
+fn bounds(points: impl Iterator<Item = [f32; 3]>) -> ([f32; 3], [f32; 3]) {
     let begin = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     let (low, high) = points.fold(begin, |(low, high), point| {
         ([0, 1, 2].map(|k| low[k].min(point[k])), [0, 1, 2].map(|k| high[k].max(point[k])))
@@ -34,21 +39,37 @@ fn bounds(scene: &Scene) -> ([f32; 3], [f32; 3]) {
     if low[0] <= high[0] { (low, high) } else { ([-0.5; 3], [0.5; 3]) }
 }
 
-/// All points of a film and their mirror images.
+/// All points of a film at first, and their mirror images.
 fn film_ends(film: &FilmTrack) -> impl Iterator<Item = [f32; 3]> + '_ {
-    let points = film.frames.iter().flat_map(|frame| &frame.positions);
+    let points = film.frames.first().into_iter().flat_map(|frame| &frame.positions);
     let opposite = |p: &[f32; 3]| [0, 1, 2].map(|k| if film.mirrored.get(k) == Some(&true) { -p[k] } else { p[k] });
     points.flat_map(move |point| [*point, opposite(point)])
 }
 
-/// Top and bottom of the body at its poses that are not far from where it was first: a rebound may go anywhere.
-fn body_ends(scene: &Scene) -> Vec<[f32; 3]> {
-    let Some(body) = &scene.body else { return vec![] };
+/// Height of the body's top at first.
+fn body_top(scene: &Scene) -> f32 {
+    let place = scene.body.as_ref().and_then(|body| Some((body, body.poses.first()?)));
+    let Some((body, pose)) = place else { return f32::NEG_INFINITY };
     let reach = match &body.shape {
         BodyShape::Sphere { radius } => *radius,
-        BodyShape::Revolved { profile } => profile.iter().map(|[_, z]| z.abs()).fold(0.0, f32::max),
-        BodyShape::Surface { points, .. } => points.iter().map(|p| p[2].abs()).fold(0.0, f32::max),
+        BodyShape::Revolved { profile } => profile.iter().map(|[_, z]| *z).fold(0.0, f32::max),
+        BodyShape::Surface { points, .. } => points.iter().map(|point| point[2]).fold(0.0, f32::max),
     };
-    let first = body.poses.first().map(|pose| pose.position);
-    first.into_iter().flat_map(|[x, y, z]| [[x, y, z - reach], [x, y, z + reach]]).collect()
+    pose.position[2] + reach
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::FilmFrame;
+
+    #[test]
+    fn the_eye_looks_at_the_whole_of_a_quarter_from_outside() {
+        let frame = FilmFrame { positions: vec![[0.0; 3], [0.2, 0.2, 0.0]], ..FilmFrame::default() };
+        let film = FilmTrack { mirrored: [true; 2], frames: vec![frame], ..FilmTrack::default() };
+        let eye = Eye::on(&Scene { films: vec![film], ..Scene::default() });
+        assert!(eye.target[..2] == [0.0; 2] && (eye.target[2] + 0.08).abs() < 1e-6, "{:?}", eye.target);
+        let away = [0, 1, 2].map(|k| (eye.position[k] - eye.target[k]).powi(2)).iter().sum::<f32>().sqrt();
+        assert!(away > 0.4 && eye.position[2] > 0.0, "{:?}", eye.position);
+    }
 }

@@ -1,6 +1,7 @@
 //! A film as one mesh: what does not change is logged once.
 
 use re_sdk::{RecordingStream, RecordingStreamResult};
+use re_sdk_types::AsComponents;
 use re_sdk_types::archetypes::{InstancePoses3D, LineStrips3D, Mesh3D, Points3D};
 use re_sdk_types::components::{Color, Radius};
 use re_sdk_types::external::re_types_core::DynamicArchetype;
@@ -14,8 +15,11 @@ use crate::series::Moment;
 /// Name of the colours of one quantity among the components of a film.
 pub(crate) const COLOURS: &str = "Colours";
 
-/// Positions are rounded to 2^-16 m, fifteen micrometres: random last digits do not compress.
-const STEPS_PER_METRE: f32 = 65_536.0;
+/// Positions are rounded to 2^-15 m, thirty micrometres: random last digits do not compress.
+const STEPS_PER_METRE: f32 = 32_768.0;
+
+/// Marks at the nodes in touch are rounded to 2^-12 m, a quarter of a millimetre.
+const MARKS_PER_METRE: f32 = 4_096.0;
 
 /// Normals follow every so many states: light changes more slowly than shape.
 const STATES_PER_NORMALS: usize = 4;
@@ -26,7 +30,6 @@ const TOUCH: [u8; 3] = [240, 90, 40];
 /// The states of a film as they go into a recording.
 pub(crate) struct Film<'a> {
     track: &'a FilmTrack,
-    quantities: &'a [Quantity],
     states: usize,
     /// What the recording shows at present.
     shown: Shown,
@@ -41,21 +44,23 @@ struct Shown {
 
 impl<'a> Film<'a> {
     /// Logs what stays.
-    pub(crate) fn begin(
-        stream: &RecordingStream,
-        track: &'a FilmTrack,
-        quantities: &'a [Quantity],
-    ) -> RecordingStreamResult<Film<'a>> {
+    pub(crate) fn begin(stream: &RecordingStream, track: &'a FilmTrack) -> RecordingStreamResult<Film<'a>> {
         let poses = InstancePoses3D::new().with_scales(images(track.mirrored));
         stream.log_static(entity(track), &poses)?;
-        Ok(Film { track, quantities, states: 0, shown: Shown::default() })
+        Ok(Film { track, states: 0, shown: Shown::default() })
     }
 
     /// Logs a state, which has passed the track's check.
-    pub(crate) fn log(&mut self, stream: &RecordingStream, frame: &FilmFrame) -> RecordingStreamResult<()> {
+    pub(crate) fn log(
+        &mut self,
+        stream: &RecordingStream,
+        frame: &FilmFrame,
+        quantities: &[Quantity],
+    ) -> RecordingStreamResult<()> {
         Moment::Time(frame.time).set(stream);
         let broke = self.shown.visible != frame.visible;
-        let mut mesh = Mesh3D::update_fields().with_vertex_positions(frame.positions.iter().map(|p| p.map(rounded)));
+        let mut mesh =
+            Mesh3D::update_fields().with_vertex_positions(frame.positions.iter().map(|p| rounded(p, STEPS_PER_METRE)));
         if broke || self.states.is_multiple_of(STATES_PER_NORMALS) {
             mesh = mesh.with_vertex_normals(normals::of(self.track, frame));
         }
@@ -64,13 +69,12 @@ impl<'a> Film<'a> {
             self.shown.visible.clone_from(&frame.visible);
         }
         let mut colours = DynamicArchetype::new(COLOURS);
-        for (quantity, values) in self.quantities.iter().zip(&frame.values) {
+        for (quantity, values) in quantities.iter().zip(&frame.values) {
             let shades = colour::of(values, quantity.range);
             let shades = shades.map(|[r, g, b]| Color::from_rgb(r, g, b));
             colours = colours.with_component::<Color>(quantity.key, shades);
         }
-        stream.log(entity(self.track), &mesh)?;
-        stream.log(entity(self.track), &colours)?;
+        stream.log(entity(self.track), &[&mesh as &dyn AsComponents, &colours])?;
         self.states += 1;
         self.log_held(stream, frame)?;
         self.log_touch(stream, frame)
@@ -78,7 +82,7 @@ impl<'a> Film<'a> {
 
     /// The held edges, where they have moved.
     fn log_held(&mut self, stream: &RecordingStream, frame: &FilmFrame) -> RecordingStreamResult<()> {
-        let ends = |edge: &[u32; 2]| edge.map(|node| frame.positions[node as usize].map(rounded));
+        let ends = |edge: &[u32; 2]| edge.map(|node| rounded(&frame.positions[node as usize], STEPS_PER_METRE));
         let held: Vec<_> = self.track.held.iter().map(ends).collect();
         if held == self.shown.held {
             return Ok(());
@@ -97,7 +101,7 @@ impl<'a> Film<'a> {
         if frame.touching.is_empty() && !self.shown.touching {
             return Ok(());
         }
-        let points = frame.touching.iter().map(|node| frame.positions[*node as usize].map(rounded));
+        let points = frame.touching.iter().map(|node| rounded(&frame.positions[*node as usize], MARKS_PER_METRE));
         let points: Vec<_> = points.collect();
         let whole = images(self.track.mirrored)
             .into_iter()
@@ -126,8 +130,8 @@ fn mirrored(point: [f32; 3], image: [f32; 3]) -> [f32; 3] {
     [0, 1, 2].map(|axis| point[axis] * image[axis])
 }
 
-fn rounded(coordinate: f32) -> f32 {
-    (coordinate * STEPS_PER_METRE).round() / STEPS_PER_METRE
+fn rounded(point: &[f32; 3], steps_per_metre: f32) -> [f32; 3] {
+    point.map(|coordinate| (coordinate * steps_per_metre).round() / steps_per_metre)
 }
 
 /// The triangles that are left.

@@ -6,11 +6,16 @@ use re_sdk::blueprint::{
 };
 use re_sdk_types::VisualizableArchetype;
 use re_sdk_types::archetypes::Mesh3D;
-use re_sdk_types::blueprint::archetypes::{Background, EyeControls3D, LineGrid3D, PlotLegend, VisualBounds2D};
-use re_sdk_types::blueprint::components::{
-    BackgroundKind, Corner2D, LoopMode, PanelState, PlayState, VisualBounds2D as Bounds, VisualizerComponentMapping,
+use re_sdk_types::blueprint::archetypes::{
+    Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns, VisualBounds2D,
 };
-use re_sdk_types::blueprint::datatypes::VisualizerComponentMapping as Mapping;
+use re_sdk_types::blueprint::components::{
+    BackgroundKind, Corner2D, LoopMode, PanelState, PlayState, TextLogColumn, VisualBounds2D as Bounds,
+    VisualizerComponentMapping,
+};
+use re_sdk_types::blueprint::datatypes::{
+    TextLogColumn as Column, TextLogColumnKind, VisualizerComponentMapping as Mapping,
+};
 use re_sdk_types::datatypes::Range2D;
 
 use crate::blueprint::Properties;
@@ -29,7 +34,11 @@ const ITERATIONS_PER_SECOND: f64 = 4.0;
 
 /// The arrangement for `scene`, and the properties of its views.
 pub(crate) fn blueprint(scene: &Scene, properties: &mut Properties) -> Blueprint {
-    let left = left(scene, properties);
+    let texts = texts(scene, properties);
+    let left = match pictures(scene, properties) {
+        Some(pictures) => Vertical::new([pictures, texts]).with_row_shares(vec![7.0, 2.0]).into(),
+        None => texts,
+    };
     let charts = charts(scene, properties);
     let all = if charts.is_empty() {
         Horizontal::new([left])
@@ -46,7 +55,7 @@ pub(crate) fn blueprint(scene: &Scene, properties: &mut Properties) -> Blueprint
 fn time_panel(scene: &Scene) -> TimePanel {
     let panel = TimePanel::new()
         .with_state(PanelState::Collapsed)
-        .with_play_state(PlayState::Playing)
+        .with_play_state(if scene.is_live { PlayState::Following } else { PlayState::Playing })
         .with_loop_mode(LoopMode::All);
     let searched = scene.signals.iter().any(|signal| matches!(signal.places, Places::Iterations(_)));
     if searched || scene.diagrams.iter().any(|diagram| !diagram.states.is_empty()) {
@@ -56,25 +65,17 @@ fn time_panel(scene: &Scene) -> TimePanel {
     }
 }
 
-/// Pictures above texts; texts alone where there is no picture.
-fn left(scene: &Scene, properties: &mut Properties) -> ContainerLike {
-    if scene.films.is_empty() && scene.diagrams.is_empty() {
-        return texts(scene);
-    }
-    Vertical::new([pictures(scene, properties), texts(scene)]).with_row_shares(vec![7.0, 2.0]).into()
-}
-
 /// The films in one tab a quantity, each beside its colours; of a scene without films the diagrams.
-fn pictures(scene: &Scene, properties: &mut Properties) -> ContainerLike {
+fn pictures(scene: &Scene, properties: &mut Properties) -> Option<ContainerLike> {
     if scene.films.is_empty() {
-        return diagrams(scene, properties);
+        return (!scene.diagrams.is_empty()).then(|| diagrams(scene, properties));
     }
     let eye = Eye::on(scene);
-    Tabs::new(scene.quantities.iter().map(|quantity| coloured(scene, quantity, &eye, properties))).into()
+    Some(Tabs::new(scene.quantities.iter().map(|quantity| coloured(scene, quantity, &eye, properties))).into())
 }
 
 fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Properties) -> ContainerLike {
-    let mut view = Spatial3DView::new(quantity.title.as_str()).with_origin("scene");
+    let mut view = Spatial3DView::new("Film and impactor").with_origin("scene");
     for film in &scene.films {
         view = view
             .with_override(film::entity(film), Mesh3D::update_fields().visualizer().with_mappings([mapping(quantity)]));
@@ -86,11 +87,17 @@ fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Prop
         &EyeControls3D::new().with_position(eye.position).with_look_target(eye.target).with_eye_up([0.0, 0.0, 1.0]),
     );
     properties.set(&view, "LineGrid3D", &LineGrid3D::new().with_visible(false));
-    properties.set(&view, "Background", &Background::new(BackgroundKind::GradientBright));
+    properties.set(&view, "Background", &ground());
     let legend: ContainerLike = Spatial2DView::new("").with_origin(quantity.legend()).into();
     let bounds = Range2D { x_range: [-0.05, 0.35].into(), y_range: [-0.12, 1.05].into() };
     properties.set(&legend, "VisualBounds2D", &VisualBounds2D::new(Bounds(bounds)));
+    properties.set(&legend, "Background", &ground());
     Horizontal::new([view, legend]).with_column_shares(vec![7.0, 1.0]).with_name(quantity.title.as_str()).into()
+}
+
+/// Dark in every theme: bright strains stand out from it, and so does steel.
+fn ground() -> Background {
+    Background::new(BackgroundKind::SolidColor).with_color([27, 30, 36])
 }
 
 /// Vertex colours from those that are kept for the quantity.
@@ -129,10 +136,23 @@ fn plane(diagram: &Diagram, properties: &mut Properties) -> ContainerLike {
     view
 }
 
-fn texts(scene: &Scene) -> ContainerLike {
-    let events = (!scene.events.is_empty()).then(|| TextLogView::new("Events").with_origin("events").into());
+fn texts(scene: &Scene, properties: &mut Properties) -> ContainerLike {
+    let events = (!scene.events.is_empty()).then(|| events(properties));
     let documents = scene.documents.iter().map(document);
     Tabs::new(events.into_iter().chain(documents)).into()
+}
+
+/// The log with level and text; all of it comes from one entity.
+fn events(properties: &mut Properties) -> ContainerLike {
+    let view = TextLogView::new("Events").with_origin("events").into();
+    let column = |kind, visible: bool| TextLogColumn(Column { kind, visible: visible.into() });
+    let columns = [
+        column(TextLogColumnKind::EntityPath, false),
+        column(TextLogColumnKind::LogLevel, true),
+        column(TextLogColumnKind::Body, true),
+    ];
+    properties.set(&view, "TextLogColumns", &TextLogColumns::new().with_text_log_columns(columns));
+    view
 }
 
 fn document(document: &Document) -> ContainerLike {

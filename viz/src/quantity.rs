@@ -41,17 +41,17 @@ impl Quantity {
         let strips = (0..BANDS).map(|band| [[0.0, 1.0 - middle(band)], [WIDTH, 1.0 - middle(band)]]);
         let bar = LineStrips2D::new(strips)
             .with_colors(colour::of(&values, self.range))
-            .with_radii([Radius::new_scene_units(0.6 / BANDS as f32)]);
-        stream.log(format!("{entity}/bar"), &bar)?;
+            .with_radii([Radius::new_scene_units(0.8 / BANDS as f32)]);
+        stream.log_static(format!("{entity}/bar"), &bar)?;
         let scale = Scale::over(self.range.iter().map(|end| f64::from(*end)), false);
         let numbers = scale.ticks().into_iter().map(|(share, words)| ([2.6 * WIDTH, 1.0 - share as f32], words));
-        let title = ([WIDTH, -0.05], self.words.clone());
+        let title = ([2.0 * WIDTH, -0.06], self.words.clone());
         let (places, words): (Vec<[f32; 2]>, Vec<String>) = numbers.chain([title]).unzip();
         let labels = Points2D::new(places)
             .with_labels(words)
             .with_show_labels(true)
             .with_colors([colour::GREY])
             .with_radii([Radius::new_ui_points(0.0)]);
-        stream.log(format!("{entity}/numbers"), &labels)
+        stream.log_static(format!("{entity}/numbers"), &labels)
     }
 }

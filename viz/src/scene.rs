@@ -12,6 +12,8 @@ pub struct Scene {
     pub name: String,
     /// Time that is simulated, s: playback takes a few seconds for it.
     pub duration: f64,
+    /// Whether it is shown while it goes: then the viewer follows it.
+    pub is_live: bool,
     /// Texts, the one that is open first.
     pub documents: Vec<Document>,
     /// What the films can be coloured by, the one that is shown first.

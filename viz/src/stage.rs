@@ -3,11 +3,14 @@
 use std::path::Path;
 use std::time::Duration;
 
+use re_sdk::sink::{FileSink, FileSinkOptions};
 use re_sdk::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
 use re_sdk_types::archetypes::{Scalars, SeriesLines, TextDocument, TextLog, ViewCoordinates};
 use re_sdk_types::components::{MediaType, TextLogLevel};
 
 use crate::film::Film;
+use crate::live::Address;
+use crate::quantity::Quantity;
 use crate::scene::{Document, Event, FilmFrame, Pose, Scene, Severity};
 use crate::series::{Places, SignalTrack};
 use crate::{VizError, blueprint, body, diagram};
@@ -20,6 +23,8 @@ pub struct Stage<'a> {
     stream: RecordingStream,
     scene: &'a Scene,
     films: Vec<Film<'a>>,
+    /// With the ranges that are in force.
+    quantities: Vec<Quantity>,
 }
 
 impl<'a> Stage<'a> {
@@ -29,16 +34,19 @@ impl<'a> Stage<'a> {
     /// The file cannot be written, or lists of the scene do not fit each other; then nothing is written.
     pub fn file(path: &Path, scene: &'a Scene) -> Result<Stage<'a>, VizError> {
         scene.check()?;
-        Stage::begin(recording(scene).save(path)?, scene)
+        let stream = recording(scene).buffered()?;
+        let sink = FileSink::with_options(path, FileSinkOptions { write_footer: false });
+        stream.set_sink(Box::new(sink.map_err(RecordingStreamError::from)?));
+        Stage::begin(stream, scene)
     }
 
-    /// The same in the viewer that listens at `url`, e.g. `rerun+http://127.0.0.1:9876/proxy`.
+    /// The same in the viewer at `address`.
     ///
     /// # Errors
-    /// The address is none, or lists of the scene do not fit each other. That nobody listens is no error here.
-    pub fn live(url: &str, scene: &'a Scene) -> Result<Stage<'a>, VizError> {
+    /// Lists of the scene do not fit each other. That nobody listens is no error here: [`Address::answers`] tells.
+    pub fn live(address: &Address, scene: &'a Scene) -> Result<Stage<'a>, VizError> {
         scene.check()?;
-        Stage::begin(recording(scene).connect_grpc_opts(url)?, scene)
+        Stage::begin(recording(scene).connect_grpc_opts(address.to_string())?, scene)
     }
 
     /// Logs a state of the film with this index.
@@ -50,7 +58,16 @@ impl<'a> Stage<'a> {
             return Err(VizError::NoFilm { index });
         };
         track.check(frame, self.scene.quantities.len())?;
-        Ok(film.log(&self.stream, frame)?)
+        Ok(film.log(&self.stream, frame, &self.quantities)?)
+    }
+
+    /// Spreads the colours of each quantity over another range, from the next state on.
+    pub fn spread(&mut self, ranges: &[[f32; 2]]) -> Result<(), VizError> {
+        for (quantity, range) in self.quantities.iter_mut().zip(ranges) {
+            quantity.range = *range;
+            quantity.log_legend(&self.stream)?;
+        }
+        Ok(())
     }
 
     /// Logs where the body is, if the scene has one.
@@ -99,9 +116,9 @@ impl<'a> Stage<'a> {
         blueprint::send(&stream, scene)?;
         stream.log_static("scene", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
         scene.quantities.iter().try_for_each(|quantity| quantity.log_legend(&stream))?;
-        let films = scene.films.iter().map(|film| Film::begin(&stream, film, &scene.quantities));
+        let films = scene.films.iter().map(|film| Film::begin(&stream, film));
         let films = films.collect::<Result<_, _>>()?;
-        let mut stage = Stage { stream, scene, films };
+        let mut stage = Stage { stream, scene, films, quantities: scene.quantities.clone() };
         stage.log_scene()?;
         Ok(stage)
     }
@@ -117,7 +134,7 @@ impl<'a> Stage<'a> {
             body.poses.iter().try_for_each(|pose| self.pose(pose))?;
         }
         for (film, track) in self.films.iter_mut().zip(&scene.films) {
-            track.frames.iter().try_for_each(|frame| film.log(&self.stream, frame))?;
+            track.frames.iter().try_for_each(|frame| film.log(&self.stream, frame, &scene.quantities))?;
         }
         scene.events.iter().try_for_each(|event| self.event(event))
     }

@@ -23,11 +23,11 @@ impl Stroke {
 
     /// The line of what others are held against, such as a measurement: broad and grey, so that it shows beneath them.
     pub fn target() -> Stroke {
-        Stroke { colour: colour::GREY, width: 3.5 }
+        Stroke { colour: colour::GREY, width: 5.0 }
     }
 
     /// A line that is there for orientation: thin.
     pub fn faint(self) -> Stroke {
-        Stroke { width: 0.75, ..self }
+        Stroke { width: 1.0, ..self }
     }
 }

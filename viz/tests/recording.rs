@@ -1,20 +1,13 @@
 //! Writes a recording and reads it back.
 
-use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufReader;
-use std::path::Path;
-
+use droptower_viz::playback::Playback;
 use droptower_viz::{
-    BodyShape, BodyTrack, Chart, Document, Event, FilmFrame, FilmTrack, Moment, Places, Pose, Scene, Severity,
-    SignalTrack, Stroke, TIME, VizError, write,
+    Axis, BodyShape, BodyTrack, Chart, Curve, Diagram, Document, Event, FilmFrame, FilmTrack, ITERATION, Look, Moment,
+    Places, Pose, Quantity, Scene, Severity, SignalTrack, State, Stroke, TIME, VizError, Window, write,
 };
-use re_log_encoding::DecoderApp;
-use re_sdk::log::{Chunk, LogMsg};
-use re_sdk_types::ComponentDescriptor;
-use re_sdk_types::archetypes::{Mesh3D, Scalars, Transform3D};
-use re_sdk_types::components::{Position3D, TriangleIndices};
-use re_sdk_types::external::re_types_core::Loggable;
+use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Transform3D};
+use re_sdk_types::blueprint::components::{TimelineName, ViewClass};
+use re_sdk_types::components::{Color, LineStrip2D, LineStrip3D, Translation3D};
 
 /// A square of n × n cells that sinks to a depth of one tenth, over `frames` states.
 fn film(n: u32, frames: usize) -> FilmTrack {
@@ -28,8 +21,8 @@ fn film(n: u32, frames: usize) -> FilmTrack {
     FilmTrack {
         name: "film".to_owned(),
         triangles: cells.flat_map(|[row, column]| cell(row, column)).collect(),
+        held: vec![[0, 1]],
         mirrored: [true, true],
-        range: [0.0, 0.1],
         frames: (0..frames).map(|index| state(n, index, frames)).collect(),
     }
 }
@@ -46,10 +39,15 @@ fn state(n: u32, index: usize, frames: usize) -> FilmFrame {
     let positions: Vec<[f32; 3]> = nodes.map(position).collect();
     FilmFrame {
         time: index as f64 * 5e-4,
-        values: positions.iter().map(|p| -p[2]).collect(),
+        values: vec![positions.iter().map(|p| -p[2]).collect(); 2],
         visible: vec![true; 2 * (n * n) as usize],
+        touching: if index == 0 { vec![] } else { vec![0, 1, 2] },
         positions,
     }
+}
+
+fn quantity(key: &'static str) -> Quantity {
+    Quantity { key, title: key.to_owned(), words: key.to_owned(), range: [0.0, 0.1] }
 }
 
 fn signal(name: &str, samples: usize) -> SignalTrack {
@@ -75,93 +73,54 @@ fn scene(films: Vec<FilmTrack>, signals: Vec<SignalTrack>) -> Scene {
                 .collect(),
         }),
         events: vec![Event { at: Moment::Time(0.5), severity: Severity::Warning, text: "rupture".to_owned() }],
+        quantities: vec![quantity("md"), quantity("td")],
         films,
         signals,
-        diagrams: vec![],
+        ..Scene::default()
     }
 }
 
-/// Chunks of the recording (not of the blueprint), by entity.
-fn read(path: &Path) -> BTreeMap<String, Vec<Chunk>> {
-    let file = BufReader::new(File::open(path).unwrap());
-    let mut entities = BTreeMap::<String, Vec<Chunk>>::new();
-    for message in DecoderApp::decode_lazy(file) {
-        if let LogMsg::ArrowMsg(store, message) = message.unwrap()
-            && store.is_recording()
-        {
-            let chunk = Chunk::from_arrow_msg(&message).unwrap();
-            let entity = chunk.entity_path().to_string();
-            entities.entry(entity).or_default().push(chunk);
-        }
-    }
-    entities
-}
-
-/// Each row of one component in time order; static rows come first.
-fn rows<T: Loggable>(chunks: &[Chunk], component: &ComponentDescriptor) -> Vec<(i64, Vec<T>)> {
-    let mut rows = Vec::new();
-    for chunk in chunks {
-        let Some(column) = chunk.components().get_array(component.component) else {
-            continue;
-        };
-        let times = chunk.timelines().get(&TIME.into());
-        for row in 0..chunk.num_rows() {
-            if !arrow_is_valid(column, row) {
-                continue;
-            }
-            let time = times.map_or(i64::MIN, |times| times.times_raw()[row]);
-            rows.push((time, T::from_arrow(&column.value(row)).unwrap()));
-        }
-    }
-    rows.sort_by_key(|(time, _)| *time);
-    rows
-}
-
-fn arrow_is_valid(column: &re_sdk::external::arrow::array::ListArray, row: usize) -> bool {
-    use re_sdk::external::arrow::array::Array;
-    column.is_valid(row)
-}
-
-fn written(scene: &Scene) -> (BTreeMap<String, Vec<Chunk>>, u64) {
+/// The recording of a scene, read back.
+fn written(scene: &Scene) -> Playback {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("recording.rrd");
     write(&path, scene).unwrap();
-    (read(&path), std::fs::metadata(&path).unwrap().len())
+    Playback::read(&path).unwrap()
 }
 
 #[test]
 fn everything_in_the_scene_comes_back() {
     let scene = scene(vec![film(4, 5)], vec![signal("velocity_m_s", 1200)]);
-    let (entities, _) = written(&scene);
-    for entity in ["/scene", "/scene/film", "/scene/impactor", "/summary", "/events"] {
-        assert!(entities.contains_key(entity), "{entity} in {:?}", entities.keys());
+    let played = written(&scene);
+    let entities: Vec<&str> = played.entities().collect();
+    for entity in
+        ["/scene", "/scene/film", "/scene/impactor", "/scene/frame/film", "/legends/td/bar", "/summary", "/events"]
+    {
+        assert!(entities.contains(&entity), "{entity} in {entities:?}");
     }
 
-    let film = &entities["/scene/film"];
-    let positions = rows::<Position3D>(film, &Mesh3D::descriptor_vertex_positions());
-    assert_eq!(positions.len(), 5);
-    let (time, last) = &positions[4];
-    assert_eq!(*time, 2_000_000);
-    for (read, given) in last.iter().zip(&scene.films[0].frames[4].positions) {
-        for (read, given) in read.0.0.iter().zip(given) {
-            assert!((read - given).abs() <= 0.5 / 262_144.0);
-        }
+    let states = played.nodes("/scene/film");
+    assert_eq!((states.len(), states[4].0), (5, 2_000_000));
+    for (read, given) in states[4].1.iter().flatten().zip(scene.films[0].frames[4].positions.iter().flatten()) {
+        assert!((read - given).abs() <= 0.5 / 32_768.0);
     }
-    let triangles = rows::<TriangleIndices>(film, &Mesh3D::descriptor_triangle_indices());
-    assert_eq!((triangles.len(), triangles[0].0), (1, i64::MIN));
+    let triangles = played.triangles("/scene/film");
+    assert_eq!((triangles.len(), triangles[0].0), (1, 0), "triangles that stay are logged once");
+    for quantity in ["Colours:md", "Colours:td"] {
+        assert_eq!(played.rows::<Color>(TIME, "/scene/film", quantity.into()).len(), 5);
+    }
+    let touching = played.marks("/scene/contact/film");
+    let counts: Vec<usize> = touching.iter().map(|(_, points)| points.len()).collect();
+    assert_eq!(counts, [12; 4], "four images of three nodes, from the second state on");
+    let strips = LineStrips3D::descriptor_strips().component;
+    let held = played.rows::<LineStrip3D>(TIME, "/scene/frame/film", strips);
+    assert_eq!(held.iter().map(|(_, strips)| strips.len()).collect::<Vec<_>>(), [4; 5], "edges that move follow");
 
-    let values =
-        rows::<re_sdk_types::components::Scalar>(&entities["/signals/velocity_m_s"], &Scalars::descriptor_scalars());
-    assert_eq!(values.len(), 1200);
-    assert_eq!(values[1199].0, 119_900_000);
-    assert_eq!(values[7].1[0].0.0, f64::from((0.07_f32).sin()));
-
-    let moves = rows::<re_sdk_types::components::Translation3D>(
-        &entities["/scene/impactor"],
-        &Transform3D::descriptor_translation(),
-    );
-    assert_eq!(moves.len(), 3);
-    assert_eq!(moves[2].1[0].0.0, [0.0, 0.0, 2.0]);
+    let values = played.values(TIME, "/signals/velocity_m_s");
+    assert_eq!((values.len(), values[1199].0, values[7].1), (1200, 119_900_000, f64::from((0.07_f32).sin())));
+    let moved = Transform3D::descriptor_translation().component;
+    let moves = played.rows::<Translation3D>(TIME, "/scene/impactor", moved);
+    assert_eq!((moves.len(), moves[2].1[0].0.0), (3, [0.0, 0.0, 2.0]));
 }
 
 #[test]
@@ -169,21 +128,62 @@ fn broken_triangles_vanish_when_they_break() {
     let mut film = film(2, 4);
     film.frames[2].visible[3] = false;
     film.frames[3].visible.fill(false);
-    let (entities, _) = written(&scene(vec![film], Vec::new()));
-    let triangles = rows::<TriangleIndices>(&entities["/scene/film"], &Mesh3D::descriptor_triangle_indices());
+    let triangles = written(&scene(vec![film], Vec::new())).triangles("/scene/film");
     let counts: Vec<_> = triangles.iter().map(|(time, t)| (*time, t.len())).collect();
     // What is left of nothing is one triangle without area.
     assert_eq!(counts, [(0, 8), (1_000_000, 7), (1_500_000, 1)]);
 }
 
 #[test]
-fn an_ordinary_drop_test_stays_small() {
-    let mut lower = film(20, 240);
-    lower.name = "lower".to_owned();
-    let signals = (0..12).map(|i| signal(&format!("channel_{i}"), 1200)).collect();
-    let (_, bytes) = written(&scene(vec![film(20, 240), lower], signals));
-    println!("{bytes} bytes");
-    assert!(bytes < 8_000_000, "{bytes} bytes");
+fn the_viewer_is_told_what_to_show() {
+    let played = written(&scene(vec![film(2, 2)], vec![signal("velocity_m_s", 3)]));
+    let class = |path: &str| played.blueprint_rows::<ViewClass>(path, "ViewBlueprint:class_identifier".into());
+    let mut classes: Vec<String> =
+        played.blueprint().flat_map(class).map(|(_, class)| class[0].0.to_string()).collect();
+    classes.sort();
+    assert_eq!(classes, ["2D", "2D", "3D", "3D", "TextDocument", "TextLog", "TimeSeries"]);
+    let set = |name: &str| played.blueprint().filter(|path| path.ends_with(name)).count();
+    assert_eq!(["/EyeControls3D", "/Background", "/TextLogColumns", "/time_panel"].map(set), [2, 4, 1, 1]);
+}
+
+#[test]
+fn a_search_closes_in_along_its_iterations() {
+    let played = written(&search());
+    let strips = LineStrips2D::descriptor_strips().component;
+    let states = played.rows::<LineStrip2D>(ITERATION, "/searches/0/states/0", strips);
+    assert_eq!(states.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [1, 2, 4]);
+    let on_time = played.rows::<LineStrip2D>(TIME, "/searches/0/states/0", strips);
+    assert!(on_time.iter().all(|(at, _)| *at == i64::MIN), "no iteration has a time");
+    let ends: Vec<f32> = states.iter().map(|(_, strips)| strips[0].0[1].y()).collect();
+    assert!(ends.windows(2).all(|pair| pair[0] < pair[1]), "up is less in the plane of the viewer: {ends:?}");
+    let target = played.rows::<LineStrip2D>(ITERATION, "/searches/0/curves/0", strips);
+    assert!(target.len() == 1 && target[0].1.len() > 10, "the target stays, in dashes");
+    assert_eq!(played.values(ITERATION, "/signals/objective"), [(1, 1.0), (2, 0.5), (4, 0.25)]);
+    assert_eq!(played.values(TIME, "/signals/acceleration").len(), 4);
+    let timeline = played.blueprint_rows::<TimelineName>("/time_panel", "TimePanelBlueprint:timeline".into());
+    assert_eq!(timeline[0].1[0].0.as_str(), ITERATION);
+}
+
+/// A search that has gone through three iterations.
+fn search() -> Scene {
+    let axis = |words: &str| Axis { words: words.to_owned(), logarithmic: false };
+    let line = |height: f64, look| Curve { name: "curve".to_owned(), points: vec![[0.0, 0.0], [1.0, height]], look };
+    let state =
+        |number: u32| State { at: Moment::Iteration(number), curves: vec![line(1.0 / f64::from(number), Look::Line)] };
+    let objective = SignalTrack {
+        places: Places::Iterations(vec![1, 2, 4]),
+        values: vec![1.0, 0.5, 0.25],
+        ..signal("objective", 0)
+    };
+    let diagram = Diagram {
+        path: "searches/0".to_owned(),
+        title: "closing in".to_owned(),
+        axes: [axis("x"), axis("y")],
+        curves: vec![line(0.2, Look::Dashed)],
+        states: [1, 2, 4].map(state).to_vec(),
+        window: Some(Window { words: "window".to_owned(), ends: [0.0, 0.5] }),
+    };
+    Scene { diagrams: vec![diagram], ..scene(vec![], vec![objective, signal("acceleration", 4)]) }
 }
 
 #[test]

@@ -20,7 +20,7 @@ pub(super) fn diagram(path: String, plot: &Plot) -> Diagram {
         axes: [axis(&plot.x), axis(&plot.y)],
         curves: plot.curves.iter().map(curve).collect(),
         states: vec![],
-        window: plot.window.as_ref().map(|window| window.range),
+        window: plot.window.as_ref().map(|window| viz::Window { words: window.words.clone(), ends: window.range }),
     }
 }
 

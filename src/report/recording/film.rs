@@ -14,40 +14,30 @@ struct Strain {
 
 /// What can be chosen, the one that is shown first; %. The sense of a shear angle turns round in a mirror, so its size is shown.
 const STRAINS: [Strain; 4] = [
-    Strain {
-        key: "largest",
-        title: "Larger fibre strain",
-        words: "larger of MD, TD, %",
-        of: |[md, td, _]| md.max(*td),
-    },
-    Strain { key: "md", title: "Strain MD", words: "strain MD, %", of: |[md, _, _]| *md },
-    Strain { key: "td", title: "Strain TD", words: "strain TD, %", of: |[_, td, _]| *td },
-    Strain { key: "shear", title: "Shear", words: "shear |γ|, %", of: |[_, _, shear]| shear.abs() },
+    Strain { key: "largest", title: "Larger fibre strain", words: "max(MD, TD), %", of: |[md, td, _]| md.max(*td) },
+    Strain { key: "md", title: "Strain MD", words: "MD, %", of: |[md, _, _]| *md },
+    Strain { key: "td", title: "Strain TD", words: "TD, %", of: |[_, td, _]| *td },
+    Strain { key: "shear", title: "Shear", words: "|γ|, %", of: |[_, _, shear]| shear.abs() },
 ];
 
-/// The strains with the ranges of a whole run: from nothing to the largest of an element that holds. Less than nothing is slack.
-pub fn quantities(outcome: &Outcome) -> Vec<Quantity> {
+/// The strains, from nothing to the largest of an element that holds in any of `frames`. Less than nothing is slack.
+pub fn quantities(frames: &[Frame]) -> Vec<Quantity> {
     let highest = |strain: &Strain| {
-        let states = outcome.frames.iter().flat_map(|frame| &frame.films);
+        let states = frames.iter().flat_map(|frame| &frame.films);
         states.map(|state| largest(strain, state)).fold(0.0, f32::max)
     };
     STRAINS.iter().map(|strain| strain.quantity(highest(strain))).collect()
-}
-
-/// The strains with ranges up to the same strain, for a run whose own are not known yet.
-pub fn quantities_up_to(highest: f32) -> Vec<Quantity> {
-    STRAINS.iter().map(|strain| strain.quantity(highest)).collect()
 }
 
 /// One face and all its kept states.
 pub fn track(outcome: &Outcome, face: usize) -> FilmTrack {
     let film = &outcome.films[face];
     let frames = outcome.frames.iter().map(|frame| state(film, frame, face)).collect();
-    FilmTrack { frames, ..face_alone(film, face) }
+    FilmTrack { frames, ..alone(film, face) }
 }
 
 /// One face before any state.
-pub fn face_alone(film: &Film, face: usize) -> FilmTrack {
+pub fn alone(film: &Film, face: usize) -> FilmTrack {
     FilmTrack {
         name: format!("face-{}", face + 1),
         triangles: triangles(film),

@@ -5,6 +5,7 @@ mod comparison;
 mod diagram;
 mod events;
 mod film;
+mod live;
 mod findings;
 mod signals;
 mod study;
@@ -18,6 +19,8 @@ use thiserror::Error;
 use super::{RunPage, figure, subject};
 use crate::mesh::MeshError;
 pub use comparison::write_comparison;
+pub use droptower_viz::Address;
+pub use live::{Live, LiveError};
 pub use study::{Approach, Iteration, StudyRecording, write_study};
 pub use text::Text;
 
@@ -40,21 +43,29 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
 
 fn scene(run: &RunPage) -> Result<Scene, MeshError> {
     let RunPage { model, outcome, results, .. } = run;
-    let signals = signals::of(&results.signals, &outcome.energies, results.comparison.as_ref());
+    let signals = signals::of(&results.signals, &outcome.energies, results.comparison.as_ref(), model.run_time());
     let impactor = model.impactor.as_ref();
     Ok(Scene {
         name: model.name.clone(),
+        is_live: false,
         duration: model.run_time(),
         documents: documents(run),
-        quantities: film::quantities(outcome),
+        quantities: film::quantities(&outcome.frames),
         films: (0..outcome.films.len()).map(|face| film::track(outcome, face)).collect(),
-        body: impactor.map(|impactor| body::track(impactor, outcome)).transpose()?,
+        body: impactor.map(|impactor| body::track(impactor, &outcome.frames)).transpose()?,
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
         diagrams: diagram::diagrams("plots", &results.findings.plots).collect(),
         events: events::of(run),
     })
+}
+
+/// Title of the text that a run opens with.
+const SUMMARY: &str = "Summary";
+
+fn scenario(text: &str) -> Text {
+    Text::verbatim("Scenario", text)
 }
 
 /// Summary, what the post script left in tables, and the scenario.
@@ -65,8 +76,7 @@ fn documents(run: &RunPage) -> Vec<Document> {
     let figures = figure::markdown(&results.summary(model));
     let summary =
         format!("# {}\n\n{}\n\n{warnings}\n{figures}", text::escaped(&model.title), text::escaped(&subject(model)));
-    let summary = Text { title: "Summary".to_owned(), markdown: summary };
-    let scenario = Text::verbatim("Scenario", run.scenario);
-    let texts = std::iter::once(summary).chain(Text::tables(&results.findings)).chain([scenario]);
+    let summary = Text { title: SUMMARY.to_owned(), markdown: summary };
+    let texts = std::iter::once(summary).chain(Text::tables(&results.findings)).chain([scenario(run.scenario)]);
     texts.map(|text| text.document()).collect()
 }

@@ -90,6 +90,14 @@ const MORE: [Picture; 4] = [
     },
 ];
 
+/// What a run is compared with, as far as it is shown.
+#[derive(Clone, Copy)]
+struct Measured<'a> {
+    comparison: &'a Comparison,
+    /// s.
+    end: f64,
+}
+
 /// Pictures and their signals.
 #[derive(Default)]
 pub struct Signals {
@@ -98,11 +106,12 @@ pub struct Signals {
     pub more_charts: Vec<Chart>,
 }
 
-/// All signals of a run that has come to `signals` and `energies`, measured ones beneath simulated ones.
-pub fn of(signals: &Recording, energies: &Recording, comparison: Option<&Comparison>) -> Signals {
+/// All signals of a run that has come to `signals` and `energies`, and beneath them what was measured until the time `end`, s.
+pub fn of(signals: &Recording, energies: &Recording, comparison: Option<&Comparison>, end: f64) -> Signals {
+    let measured = comparison.map(|comparison| Measured { comparison, end });
     let mut tracks = vec![];
     let mut charts = |pictures: &[Picture]| -> Vec<Chart> {
-        pictures.iter().filter_map(|picture| picture.chart(signals, comparison, &mut tracks)).collect()
+        pictures.iter().filter_map(|picture| picture.chart(signals, measured, &mut tracks)).collect()
     };
     let (charts, mut more_charts) = (charts(&FIRST), charts(&MORE));
     more_charts.extend(audit(energies, &mut tracks));
@@ -111,17 +120,16 @@ pub fn of(signals: &Recording, energies: &Recording, comparison: Option<&Compari
 
 impl Picture {
     /// The picture of the channels that there are, none where there are none.
-    fn chart(&self, signals: &Recording, comparison: Option<&Comparison>, all: &mut Vec<SignalTrack>) -> Option<Chart> {
+    fn chart(&self, signals: &Recording, measured: Option<Measured<'_>>, all: &mut Vec<SignalTrack>) -> Option<Chart> {
         let own = self.channels.iter().filter_map(|shown| Some((shown, signals.channel(shown.channel)?)));
         let own = own.enumerate().map(|(index, (shown, values))| {
-            let stroke = if shown.label == RAW { Stroke::target().faint() } else { Stroke::nth(index) };
+            let stroke = if shown.label == RAW { Stroke::nth(4).faint() } else { Stroke::nth(index) };
             track(format!("signals/{}", shown.entity), shown, [&signals.time, values], stroke)
         });
         let own: Vec<SignalTrack> = own.collect();
-        let last = signals.time.last().copied().unwrap_or(f64::INFINITY);
-        let reference = comparison.zip(self.reference.as_ref()).filter(|_| !own.is_empty());
-        let reference = reference.and_then(|(comparison, (shown, series))| {
-            let series = series(comparison)?.window([0.0, last]);
+        let reference = measured.zip(self.reference.as_ref()).filter(|_| !own.is_empty());
+        let reference = reference.and_then(|(Measured { comparison, end }, (shown, series))| {
+            let series = series(comparison)?.window([0.0, end]);
             let label = if says_virtual(&comparison.said) { "measured (virtual)" } else { "measured" };
             let shown = Shown { label, ..*shown };
             let path = format!("measured/{}", shown.entity);
@@ -132,9 +140,9 @@ impl Picture {
     }
 }
 
-/// Every term of the energy audit that is not zero throughout.
+/// Every term of the energy audit that is not zero throughout; of its first sample, all.
 fn audit(energies: &Recording, all: &mut Vec<SignalTrack>) -> Option<Chart> {
-    let is_there = |values: &[f64]| values.is_empty() || values.iter().any(|value| *value != 0.0);
+    let is_there = |values: &[f64]| values.len() < 2 || values.iter().any(|value| *value != 0.0);
     let terms = energies.channels.iter().filter(|channel| is_there(&channel.values));
     let tracks = terms.enumerate().map(|(index, channel)| {
         let words = channel.name.trim_end_matches("_J").replace('_', " ");
@@ -180,7 +188,7 @@ mod tests {
     #[test]
     fn charts_show_the_channels_that_a_run_has_in_their_units() {
         let signals = recording(&["displacement_m", "force_N", "velocity_m_s"]);
-        let Signals { tracks, charts, more_charts } = of(&signals, &recording(&["hourglass_J"]), None);
+        let Signals { tracks, charts, more_charts } = of(&signals, &recording(&["hourglass_J"]), None, 1.0);
         let shown = charts.iter().chain(&more_charts).map(|c| (c.title.as_str(), c.signals.join(" ")));
         let expected = [
             ("Displacement, mm", "signals/displacement_mm"),
@@ -206,7 +214,8 @@ mod tests {
             said: vec!["VIRTUAL drop test".to_owned()],
             reduced: vec![],
         };
-        let Signals { tracks, charts, .. } = of(&recording(&["displacement_m"]), &recording(&[]), Some(&comparison));
+        let Signals { tracks, charts, .. } =
+            of(&recording(&["displacement_m"]), &recording(&[]), Some(&comparison), 0.1);
         assert_eq!(charts[0].signals, ["measured/displacement_mm", "signals/displacement_mm"]);
         assert_eq!(
             (tracks[0].label.as_str(), tracks[0].values.as_slice()),

@@ -3,10 +3,10 @@
 use re_sdk::{RecordingStream, RecordingStreamResult};
 use re_sdk_types::AsComponents;
 use re_sdk_types::archetypes::{Boxes2D, LineStrips2D, Points2D};
-use re_sdk_types::components::{Color, Radius};
+use re_sdk_types::components::Radius;
 
 use super::ticks::Scale;
-use super::{Curve, Diagram, Look, WIDTH};
+use super::{Curve, Diagram, Look, WIDTH, Window};
 use crate::colour::GREY;
 use crate::series::Moment;
 use crate::stroke::Stroke;
@@ -14,13 +14,14 @@ use crate::stroke::Stroke;
 /// Lengths of a dash and of the gap after it, in heights of the box.
 const DASH: [f64; 2] = [0.03, 0.02];
 
-/// Length of a tick, and distances of labels from the box, in heights of it.
+/// Length of a tick, and distances of labels from the box, in heights of it. The viewer centres a label below its point.
 const TICK: f64 = 0.015;
-const BELOW: [f64; 2] = [0.05, 0.13];
-const LEFT: [f64; 2] = [0.06, 0.05];
+const BELOW: [f64; 2] = [0.02, 0.10];
+const LEFT: f64 = 0.07;
+const LABEL: f64 = 0.03;
 
 /// Distance of the legend from the box, and of its lines from each other.
-const LEGEND: [f64; 2] = [0.06, 0.075];
+const LEGEND: [f64; 2] = [0.3, 0.08];
 
 /// A point of the viewer's plane: across, down.
 type Point = [f32; 2];
@@ -32,8 +33,11 @@ pub(crate) fn log(stream: &RecordingStream, diagram: &Diagram) -> RecordingStrea
     stream.log_static(entity("frame"), &page.frame())?;
     stream.log_static(entity("labels"), &page.labels(diagram))?;
     stream.log_static(entity("legend"), &legend(diagram))?;
-    if let Some(window) = diagram.window {
-        stream.log_static(entity("window"), &page.window(window))?;
+    if let Some(window) = &diagram.window {
+        let [from, to] = page.ends(window);
+        stream.log_static(entity("window"), &outline([from, to]))?;
+        let words = (place(0.5 * (from + to), 0.99), window.words.clone());
+        stream.log_static(entity("window/words"), &texts([words].into_iter(), [GREY]))?;
     }
     for (index, curve) in diagram.curves.iter().enumerate() {
         page.log_curve(stream, &entity(&format!("curves/{index}")), curve, None, stroke(curve, index))?;
@@ -79,20 +83,15 @@ impl Page {
     /// Numbers at the ticks and the words of both axes.
     fn labels(&self, diagram: &Diagram) -> Points2D {
         let below = self.x.ticks().into_iter().map(|(x, words)| (place(x, -BELOW[0]), words));
-        let left = self.y.ticks().into_iter().map(|(y, words)| (place(-LEFT[0] / WIDTH, y), words));
+        let left = self.y.ticks().into_iter().map(|(y, words)| (place(-LEFT / WIDTH, y + LABEL), words));
         let across = (place(0.5, -BELOW[1]), diagram.axes[0].words.clone());
-        let up = (place(0.0, 1.0 + LEFT[1]), diagram.axes[1].words.clone());
+        let up = (place(0.0, 1.0 + 4.0 * LABEL), diagram.axes[1].words.clone());
         texts(below.chain(left).chain([across, up]), [GREY])
     }
 
-    /// A stretch of the axis across, shaded by its outline.
-    fn window(&self, ends: [f64; 2]) -> Boxes2D {
-        let shares: Vec<f64> = ends.iter().filter_map(|end| self.x.share(*end)).map(|x| x.clamp(0.0, 1.0)).collect();
-        let [from, to] = [shares.first(), shares.last()].map(|share| share.copied().unwrap_or(0.0));
-        let centre = place(0.5 * (from + to), 0.5);
-        Boxes2D::from_centers_and_half_sizes([centre], [[(0.5 * (to - from) * WIDTH) as f32, 0.5]])
-            .with_colors([Color::from_unmultiplied_rgba(GREY[0], GREY[1], GREY[2], 120)])
-            .with_radii([Radius::new_ui_points(0.5)])
+    /// Shares of the axis across at which a window begins and ends.
+    fn ends(&self, window: &Window) -> [f64; 2] {
+        window.ends.map(|end| self.x.share(end).unwrap_or(0.0).clamp(0.0, 1.0))
     }
 
     fn log_curve(
@@ -125,6 +124,14 @@ impl Page {
     }
 }
 
+/// The outline of a stretch of the axis across, full height.
+fn outline([from, to]: [f64; 2]) -> Boxes2D {
+    let half_width = (0.5 * (to - from) * WIDTH) as f32;
+    Boxes2D::from_centers_and_half_sizes([place(0.5 * (from + to), 0.5)], [[half_width, 0.5]])
+        .with_colors([GREY])
+        .with_radii([Radius::new_ui_points(0.5)])
+}
+
 /// Where shares of both axes are in the viewer's plane.
 fn place(x: f64, y: f64) -> Point {
     [(x * WIDTH) as f32, (1.0 - y) as f32]
@@ -137,15 +144,15 @@ fn stroke(curve: &Curve, index: usize) -> Stroke {
     }
 }
 
-/// The names of the curves beside points of their colours, in a column right of the box.
+/// The names of the curves in their colours, in a column right of the box.
 fn legend(diagram: &Diagram) -> Points2D {
     let states = diagram.states.first().map_or(&[][..], |state| &state.curves);
     let all: Vec<&Curve> = diagram.curves.iter().chain(states).collect();
     let entry = |(index, curve): (usize, &&Curve)| {
-        (place(1.0 + LEGEND[0] / WIDTH, 1.0 - LEGEND[1] * (index as f64 + 0.5)), curve.name.clone())
+        (place(1.0 + LEGEND[0] / WIDTH, 1.0 - LEGEND[1] * index as f64), curve.name.clone())
     };
     let colours: Vec<[u8; 3]> = all.iter().enumerate().map(|(index, curve)| stroke(curve, index).colour).collect();
-    texts(all.iter().enumerate().map(entry), colours).with_radii([Radius::new_ui_points(4.0)])
+    texts(all.iter().enumerate().map(entry), colours)
 }
 
 /// Words at points that do not show.
@@ -208,7 +215,7 @@ mod tests {
             let legs = dash.windows(2).map(|p| f64::from((p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])));
             legs.sum::<f64>()
         };
-        let corner = dashes(&[[0.0, 0.0], [0.115, 0.0], [0.115, 0.135]]);
+        let corner = dashes(&[[0.0, 0.0], [0.115, 0.0], [0.115, 0.125]]);
         assert_eq!(corner.len(), 5);
         for dash in &corner {
             assert!((length(dash) - DASH[0]).abs() < 1e-6, "{dash:?}");

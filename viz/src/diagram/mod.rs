@@ -15,7 +15,7 @@ use crate::series::Moment;
 pub(crate) const WIDTH: f64 = 1.6;
 
 /// What of the plane is to be seen, across and down: the box with its labels and legend.
-pub(crate) const BOUNDS: [[f64; 2]; 2] = [[-0.2, WIDTH + 0.5], [-0.12, 1.2]];
+pub(crate) const BOUNDS: [[f64; 2]; 2] = [[-0.2, WIDTH + 0.6], [-0.12, 1.2]];
 
 /// A picture of curves.
 #[derive(Clone, Debug)]
@@ -29,8 +29,15 @@ pub struct Diagram {
     pub curves: Vec<Curve>,
     /// What takes the place of the state before, from its moment on.
     pub states: Vec<State>,
-    /// A stretch of the axis across to be marked.
-    pub window: Option<[f64; 2]>,
+    pub window: Option<Window>,
+}
+
+/// A stretch of the axis across to be marked.
+#[derive(Clone, Debug)]
+pub struct Window {
+    /// What it is.
+    pub words: String,
+    pub ends: [f64; 2],
 }
 
 /// What an axis of a diagram shows.

@@ -60,7 +60,7 @@ fn laid(value: f64, logarithmic: bool) -> Option<f64> {
 fn step(span: f64) -> f64 {
     let raw = span / SPACES;
     let power = 10_f64.powf(raw.log10().floor());
-    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= 0.85 * raw).unwrap_or(10.0);
+    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= 0.8 * raw).unwrap_or(10.0);
     factor * power
 }
 

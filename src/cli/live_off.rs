@@ -1,0 +1,33 @@
+//! `--live` of a build without recordings, which refuses it.
+
+use super::progress::Bar;
+use super::scenarios::Checked;
+use crate::diagnostic::Diagnostic;
+use crate::report::RunPage;
+use crate::simulate::Glimpse;
+
+/// A viewer, of which there is none.
+pub enum Viewer {}
+
+/// A run that nobody looks at.
+pub struct Show;
+
+/// Refuses every address.
+pub fn viewer(_: &str) -> Result<Viewer, Diagnostic> {
+    let mistake = Diagnostic::new("--live: this build makes no recordings");
+    Err(mistake.hint("build it with the feature `rerun`, which it has unless --no-default-features is given"))
+}
+
+impl Show {
+    pub fn begin(_: Option<&Viewer>, _: &Checked, _: &str, _: &Bar) -> Show {
+        Show
+    }
+
+    pub fn is_on(&self) -> bool {
+        false
+    }
+
+    pub fn look(&mut self, _: &Glimpse<'_>) {}
+
+    pub fn finish(self, _: Option<&RunPage>) {}
+}

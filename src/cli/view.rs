@@ -1,0 +1,111 @@
+//! `droptower view`: recordings in the installed Rerun viewer.
+
+use std::ffi::OsString;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+
+use clap::Args;
+
+use super::{Shared, report};
+use crate::diagnostic::{Diagnostic, printable, shown_path};
+
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    /// Folders of runs and studies, or recordings themselves
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
+    /// The viewer's program, in place of $DROPTOWER_VIEWER and of `rerun` on the PATH
+    #[arg(long, value_name = "PROGRAM")]
+    pub viewer: Option<OsString>,
+}
+
+/// The version of the viewer that recordings are made for.
+const VERSION: &str = "0.36";
+
+/// How to come by the viewer.
+const INSTALL: &str = "`pip install rerun-sdk==0.36.3` or `cargo install rerun-cli --version 0.36.3 --locked` installs it; \
+     --viewer or $DROPTOWER_VIEWER names one that is not on the PATH";
+
+/// Opens the recordings and waits until the viewer is closed; its exit status is that of the command.
+pub fn run(args: &ViewArgs, shared: &Shared) -> ExitCode {
+    let found = args.runs.iter().map(|run| recording(run));
+    let (recordings, mistakes): (Vec<_>, Vec<_>) = found.partition(Result::is_ok);
+    let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();
+    if !mistakes.is_empty() {
+        return report(&mistakes);
+    }
+    let recordings = recordings.into_iter().filter_map(Result::ok);
+    match open(&program(args), recordings, shared.quiet) {
+        Ok(status) => status,
+        Err(mistake) => report(&[mistake]),
+    }
+}
+
+/// The recording of a run.
+fn recording(run: &Path) -> Result<PathBuf, Diagnostic> {
+    if !run.exists() {
+        let mistake = Diagnostic::new(format!("there is no {}", shown_path(run)));
+        return Err(mistake.hint("name the folder of a run, such as runs/drop/1008"));
+    }
+    if run.is_file() {
+        return Ok(run.to_owned());
+    }
+    let recording = run.join("recording.rrd");
+    if recording.is_file() {
+        return Ok(recording);
+    }
+    let mistake = Diagnostic::new(format!("{} holds no recording.rrd", shown_path(run)));
+    Err(mistake.hint("runs that broke off too early have none, nor have those of a build without the feature `rerun`"))
+}
+
+fn program(args: &ViewArgs) -> OsString {
+    let named = args.viewer.clone().or_else(|| std::env::var_os("DROPTOWER_VIEWER").filter(|name| !name.is_empty()));
+    named.unwrap_or_else(|| "rerun".into())
+}
+
+fn open(program: &OsString, recordings: impl Iterator<Item = PathBuf>, quiet: bool) -> Result<ExitCode, Diagnostic> {
+    let version = version(program)?;
+    if !quiet && !is_made_for(&version) {
+        let text = format!("warning: recordings are made for the Rerun viewer {VERSION}, this is {version}");
+        // Nobody may be listening.
+        let _ = writeln!(io::stderr(), "{}", printable(&text));
+    }
+    let status = Command::new(program).args(recordings).status().map_err(|error| not_started(program, &error))?;
+    Ok(if status.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// What the viewer says of its version.
+fn version(program: &OsString) -> Result<String, Diagnostic> {
+    let said = Command::new(program).arg("--version").stdin(Stdio::null()).output();
+    let said = said.map_err(|error| not_started(program, &error))?;
+    Ok(String::from_utf8_lossy(&said.stdout).lines().next().unwrap_or("a program that says no version").to_owned())
+}
+
+fn not_started(program: &OsString, error: &io::Error) -> Diagnostic {
+    let name = shown_path(Path::new(program));
+    let message = match error.kind() {
+        io::ErrorKind::NotFound => format!("the Rerun viewer `{name}` is not installed"),
+        _ => format!("the Rerun viewer `{name}` cannot be started: {error}"),
+    };
+    Diagnostic::new(message).hint(INSTALL)
+}
+
+/// Whether the viewer is of the version that recordings are made for.
+fn is_made_for(version: &str) -> bool {
+    version
+        .split_whitespace()
+        .any(|word| word.strip_prefix(VERSION).is_some_and(|rest| rest.is_empty() || rest.starts_with('.')))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_are_told_apart() {
+        assert!(is_made_for("rerun-cli 0.36.3 [rustc 1.92.0] x86_64-unknown-linux-gnu release-0.36.3 d2f3"));
+        assert!(!is_made_for("rerun-cli 0.37.0 (built with 0.366)"));
+        assert!(!is_made_for("GNU bash, version 5.2"));
+    }
+}

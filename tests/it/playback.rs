@@ -1,0 +1,107 @@
+//! Recordings of runs, read back: what the viewer shows is what the engine computed.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use droptower::model;
+use droptower::scenario::Document;
+use droptower::signal::{Recording, csv};
+use droptower::simulate::{self, FilmState, Outcome};
+use droptower_viz::TIME;
+use droptower_viz::playback::Playback;
+use tempfile::TempDir;
+
+use crate::workbench::{droptower, error, root};
+
+/// Half the distance of two positions in a recording, m.
+const ROUNDED: f32 = 0.5 / 32_768.0;
+
+/// A run of the built binary, and its folder.
+fn run(scenario: &str, changes: &[&str]) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = root().join(scenario);
+    let changes = changes.iter().flat_map(|change| ["--set", change]);
+    let arguments = ["run", scenario.to_str().expect("a path"), "--out", "out"].into_iter().chain(changes);
+    let output = droptower(folder.path(), &arguments.collect::<Vec<_>>());
+    assert!(output.status.success(), "{}", error(&output));
+    let out = folder.path().join("out");
+    (folder, out)
+}
+
+/// The same run once more, by its own scenario.
+fn outcome(out: &Path) -> Outcome {
+    let model = Document::read(&out.join("scenario.toml")).and_then(|document| model::check(&document));
+    simulate::run(&model.expect("a model"), &mut |_| {}).expect("an outcome")
+}
+
+#[test]
+fn a_recording_holds_what_the_engine_computed() {
+    let changes =
+        ["specimen.mesh.size=25mm", "loading.impact.velocity=8", "loading.impact.duration=50ms", "output.frames=30"];
+    let (_folder, out) = run("scenarios/drop/1008.toml", &changes);
+    let played = Playback::read(&out.join("recording.rrd")).expect("a recording");
+    let outcome = outcome(&out);
+    assert!(outcome.rupture_time.is_some(), "the film breaks, so that there is something to see of it");
+
+    let entities: BTreeSet<&str> = played.entities().collect();
+    for entity in ["/scene/impactor", "/scene/frame/face-1", "/events", "/texts/summary", "/texts/scenario"] {
+        assert!(entities.contains(entity), "{entity} in {entities:?}");
+    }
+    assert!(played.blueprint().any(|path| path.ends_with("/EyeControls3D")), "it says how to look at it");
+    for face in 0..outcome.films.len() {
+        film_is_the_engines(&played, &outcome, face);
+    }
+    signals_are_those_of_the_table(&played, &csv::read(&out.join("signals.csv")).expect("signals"));
+    assert!(!played.values(TIME, "/measured/displacement_mm").is_empty(), "what was measured lies beside it");
+}
+
+/// All states of a face, node by node, with its broken elements and the nodes in touch.
+fn film_is_the_engines(played: &Playback, outcome: &Outcome, face: usize) {
+    let states: Vec<&FilmState> = outcome.frames.iter().map(|frame| &frame.films[face]).collect();
+    let nodes = played.nodes(&format!("/scene/face-{}", face + 1));
+    assert_eq!(nodes.len(), states.len());
+    for ((at, shown), (frame, state)) in nodes.iter().zip(outcome.frames.iter().zip(&states)) {
+        assert!((*at as f64 * 1e-9 - frame.time).abs() < 2e-9);
+        let both = shown.iter().flatten().zip(state.positions.iter().flatten());
+        assert!(both.clone().count() == 3 * outcome.films[face].nodes);
+        assert!(both.into_iter().all(|(shown, computed)| (shown - computed).abs() <= 1.001 * ROUNDED), "{at} ns");
+    }
+    let triangles = played.triangles(&format!("/scene/face-{}", face + 1));
+    let left = |state: &FilmState| 2 * state.broken.iter().filter(|broken| !**broken).count();
+    assert_eq!(triangles.first().map(|(_, all)| all.len()), Some(left(states[0])));
+    let last = states[states.len() - 1];
+    assert_eq!(triangles.last().map(|(_, all)| all.len()), Some(left(last)));
+
+    let touching = played.marks(&format!("/scene/contact/face-{}", face + 1));
+    let most = |counts: &mut dyn Iterator<Item = usize>| counts.max();
+    let computed = most(&mut states.iter().map(|state| 4 * state.touching.len()));
+    assert_eq!(most(&mut touching.iter().map(|(_, points)| points.len())), computed, "a quarter is shown whole");
+}
+
+fn signals_are_those_of_the_table(played: &Playback, table: &Recording) {
+    for (entity, column, factor) in [
+        ("/signals/displacement_mm", "displacement_m", 1e3),
+        ("/signals/acceleration_filtered_m_s2", "acceleration_filtered_m_s2", 1.0),
+        ("/signals/contact_force_N", "contact_force_N", 1.0),
+        ("/signals/total_energy_J", "total_energy_J", 1.0),
+        ("/signals/max_strain_md_percent", "max_strain_md", 100.0),
+    ] {
+        let shown = played.values(TIME, entity);
+        let values = table.channel(column).expect(column);
+        assert_eq!(shown.len(), values.len(), "{entity}");
+        for ((at, shown), (time, value)) in shown.iter().zip(table.time.iter().zip(values)) {
+            assert!((*at as f64 * 1e-9 - time).abs() < 2e-9, "{entity}");
+            assert!(*shown == f64::from((value * factor) as f32) || value.is_nan(), "{entity} at {time}");
+        }
+    }
+}
+
+/// Of the 3.8 MB of the default run, a half are the positions of 882 nodes in 240 states, 0.6 MB its four colours, 0.5 MB the
+/// nodes in touch, 0.2 MB normals, and 0.6 MB the signals and texts.
+#[test]
+fn the_default_run_stays_within_four_megabytes() {
+    let (_folder, out) = run("scenarios/drop/1008.toml", &[]);
+    let bytes = fs::metadata(out.join("recording.rrd")).expect("a recording").len();
+    assert!(bytes <= 4_000_000, "{bytes} bytes");
+}

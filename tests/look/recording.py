@@ -1,0 +1,229 @@
+"""Opens a recording in the real Rerun viewer without a display, looks at the picture, and fails where it is not as it should be.
+
+    python3 tests/look/recording.py --viewer PROGRAM --recording runs/drop/1008/recording.rrd --picture shot.png
+    python3 tests/look/recording.py … --timeline iteration --at 0 8
+
+Needs Python 3 and a Vulkan driver (Debian: mesa-vulkan-drivers), and the viewer's own binary, which
+`pip install --no-deps --target DIR rerun-sdk==0.36.3` puts at DIR/rerun_sdk/rerun_cli/rerun. The picture that is kept is the one
+at the last of the times. Times are seconds, iterations are counted.
+"""
+
+import argparse
+import json
+import os
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import zlib
+
+WINDOW = (1400, 900)
+# The viewer's panels, as shares of the window: the film or the first diagram, and the charts beside it.
+PICTURE = (0.0, 0.10, 0.52, 0.74)
+CHARTS = (0.62, 0.06, 1.0, 0.95)
+# Pixels of 1400 x 900 that have to be there.
+STRAINED, CHANGED, DRAWN = 20_000, 10_000, 800
+PATIENCE = 40.0
+LAVAPIPE = "/usr/share/vulkan/icd.d/lvp_icd.x86_64.json"
+
+
+def main():
+    args = arguments()
+    environment = dict(os.environ)
+    if os.path.exists(LAVAPIPE):
+        environment.setdefault("VK_ICD_FILENAMES", LAVAPIPE)
+    port = free_port()
+    command = [args.viewer, args.recording, "--headless", "--bind", "127.0.0.1", "--port", str(port)]
+    command += ["--window-size", "x".join(map(str, WINDOW)), "--hide-welcome-screen"]
+    viewer = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        pictures = photographs(args, port)
+    finally:
+        viewer.terminate()
+        viewer.wait()
+    wrong = faults(pictures, args.timeline)
+    for fault in wrong:
+        print(f"{args.recording}: {fault}", file=sys.stderr)
+    print(f"{args.recording}: looked at {len(pictures)} pictures, the last is {args.picture}")
+    return 1 if wrong else 0
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--viewer", required=True, help="the viewer's binary")
+    parser.add_argument("--recording", required=True)
+    parser.add_argument("--picture", required=True, help="where to put the PNG")
+    parser.add_argument("--timeline", default="time", choices=["time", "iteration"])
+    parser.add_argument("--at", nargs="+", type=float, default=[0.005, 0.055])
+    return parser.parse_args()
+
+
+def free_port():
+    with socket.socket() as door:
+        door.bind(("127.0.0.1", 0))
+        return door.getsockname()[1]
+
+
+def photographs(args, port):
+    """Pictures at all the times, as rows of RGB."""
+    control = Control(args.viewer, port)
+    try:
+        deadline = time.monotonic() + PATIENCE
+        while not has_timeline(control, args.timeline):
+            if time.monotonic() > deadline:
+                sys.exit(f"{args.recording}: the viewer shows no timeline `{args.timeline}`")
+            time.sleep(0.5)
+        return [photograph(control, args, at) for at in args.at]
+    finally:
+        control.close()
+
+
+def has_timeline(control, name):
+    recordings = control.call("viewer_state").get("recordings", [])
+    return any(line["timeline"] == name for recording in recordings for line in recording["timelines"])
+
+
+def photograph(control, args, at):
+    place = round(at * 1e9) if args.timeline == "time" else round(at)
+    control.call("set_time", timeline=args.timeline, time=place)
+    # The notices at the start go away, and what is drawn settles.
+    time.sleep(2.0)
+    control.call("screenshot", save_path=os.path.abspath(args.picture), pixels_per_point=1.0)
+    return pixels(args.picture)
+
+
+class Control:
+    """The viewer's own remote control: JSON-RPC over standard input and output."""
+
+    def __init__(self, viewer, port):
+        pipes = dict(stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.process = subprocess.Popen([viewer, "viewer-mcp"], **pipes)
+        self.asked = 0
+        client = {"name": "droptower", "version": "1"}
+        self.ask("initialize", {"protocolVersion": "2025-03-26", "capabilities": {}, "clientInfo": client})
+        self.send({"method": "notifications/initialized"})
+        self.connect(f"http://127.0.0.1:{port}")
+
+    def connect(self, endpoint):
+        deadline = time.monotonic() + PATIENCE
+        while not self.call("connect", endpoint=endpoint).get("ok"):
+            if time.monotonic() > deadline:
+                sys.exit("the viewer does not start")
+            time.sleep(0.5)
+
+    def call(self, tool, **arguments):
+        """The answer of a tool; nothing where it has none to give yet."""
+        answer = self.ask("tools/call", {"name": tool, "arguments": arguments})
+        content = answer.get("result", {}).get("content", [])
+        text = next((part["text"] for part in content if part.get("type") == "text"), "{}")
+        try:
+            return json.loads(text)
+        except ValueError:
+            return {}
+
+    def ask(self, method, params):
+        self.asked += 1
+        self.send({"method": method, "params": params, "id": self.asked})
+        for line in self.process.stdout:
+            answer = json.loads(line)
+            if answer.get("id") == self.asked:
+                return answer
+        sys.exit("the viewer's remote control has ended")
+
+    def send(self, message):
+        self.process.stdin.write(json.dumps({"jsonrpc": "2.0", **message}) + "\n")
+        self.process.stdin.flush()
+
+    def close(self):
+        self.process.terminate()
+        self.process.wait()
+
+
+def pixels(path):
+    """Rows of (red, green, blue) of a PNG with eight bits a channel and no interlacing."""
+    with open(path, "rb") as file:
+        data = file.read()
+    place, compressed, header = 8, b"", None
+    while place < len(data):
+        length, kind = struct.unpack(">I4s", data[place : place + 8])
+        body = data[place + 8 : place + 8 + length]
+        header = struct.unpack(">IIBBBBB", body) if kind == b"IHDR" else header
+        compressed += body if kind == b"IDAT" else b""
+        place += length + 12
+    width, height, depth, colour, _, _, interlaced = header
+    if depth != 8 or colour not in (2, 6) or interlaced:
+        sys.exit(f"{path}: a kind of PNG that is not expected")
+    step = 3 if colour == 2 else 4
+    raw, rows, above = zlib.decompress(compressed), [], bytes(width * step)
+    for row in range(height):
+        start = row * (width * step + 1)
+        above = unfiltered(raw[start], bytearray(raw[start + 1 : start + 1 + width * step]), above, step)
+        rows.append([tuple(above[i : i + 3]) for i in range(0, len(above), step)])
+    return rows
+
+
+def unfiltered(kind, line, above, step):
+    for i in range(len(line)):
+        left = line[i - step] if i >= step else 0
+        corner = above[i - step] if i >= step else 0
+        if kind == 1:
+            line[i] = (line[i] + left) & 255
+        elif kind == 2:
+            line[i] = (line[i] + above[i]) & 255
+        elif kind == 3:
+            line[i] = (line[i] + (left + above[i]) // 2) & 255
+        elif kind == 4:
+            near = left + above[i] - corner
+            ways = abs(near - left), abs(near - above[i]), abs(near - corner)
+            guess = left if ways[0] <= min(ways[1:]) else above[i] if ways[1] <= ways[2] else corner
+            line[i] = (line[i] + guess) & 255
+    return line
+
+
+def faults(pictures, timeline):
+    last = pictures[-1]
+    wrong = []
+    if timeline == "time":
+        strained = count(last, PICTURE, is_viridis)
+        if strained < STRAINED:
+            wrong.append(f"{strained} pixels have the colours of strain, of {STRAINED} at least")
+        changed = sum(a != b for a, b in zip(part(pictures[0], PICTURE), part(last, PICTURE)))
+        if changed < CHANGED:
+            wrong.append(f"{changed} pixels of the film change between the times, of {CHANGED} at least")
+    else:
+        changed = sum(a != b for a, b in zip(part(pictures[0], PICTURE), part(last, PICTURE)))
+        if changed < DRAWN:
+            wrong.append(f"{changed} pixels of the curves change between the iterations, of {DRAWN} at least")
+    drawn = count(last, CHARTS, is_bright_colour)
+    if drawn < DRAWN:
+        wrong.append(f"{drawn} pixels of coloured lines are in the charts, of {DRAWN} at least")
+    return wrong
+
+
+def part(rows, share):
+    left, top, right, bottom = share
+    height, width = len(rows), len(rows[0])
+    for row in rows[int(top * height) : int(bottom * height)]:
+        yield from row[int(left * width) : int(right * width)]
+
+
+def count(rows, share, test):
+    return sum(map(test, part(rows, share)))
+
+
+def is_viridis(pixel):
+    """Purple over blue to green and yellow, in light and shade: neither grey nor red."""
+    red, green, blue = pixel
+    purple = blue > green + 25 and blue >= red
+    green_or_yellow = green > red + 15 or (green > blue + 40 and red <= green + 25)
+    return max(pixel) > 45 and (purple or green_or_yellow)
+
+
+def is_bright_colour(pixel):
+    return max(pixel) > 90 and max(pixel) - min(pixel) > 60
+
+
+if __name__ == "__main__":
+    sys.exit(main())
