@@ -1,6 +1,6 @@
 //! The film of a page: kept states of faces and impactor, small enough to be sent by mail.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -21,7 +21,7 @@ const MOST_STATES: usize = 32;
 const MOST_BYTES: usize = 900_000;
 
 /// Most patches of the whole film, mirror images included; more are slow to draw.
-const MOST_PATCHES: usize = 12_000;
+const MOST_PATCHES: usize = 8_000;
 
 /// Most patches of an impactor that is a mesh.
 const MOST_OF_BODY: usize = 2_000;
@@ -39,7 +39,7 @@ pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> R
         return Ok(String::new());
     };
     let faces = faces(outcome, first);
-    let bytes: usize = faces.iter().map(|face| 6 * face.picture.groups + 3 * face.picture.patches.len()).sum();
+    let bytes: usize = faces.iter().map(|face| face.picture.bytes()).sum();
     let most = (MOST_BYTES / bytes.max(1)).clamp(2, MOST_STATES);
     let moments = moments(model, outcome, signals);
     let chosen = chosen(&frames, &moments, most);
@@ -117,12 +117,11 @@ fn outlines(film: &Film) -> impl Iterator<Item = [u32; 4]> {
     film.quads.iter().copied().chain(film.tris.iter().map(|&[a, b, c]| [a, b, c, c]))
 }
 
-/// A surface with few enough patches: groups of nodes that are drawn as one, and the elements that still have an area.
+/// A surface with few enough patches: the nodes that stand for those around them, and the elements that still have an area.
 struct Picture {
-    /// Group of each node.
-    group: Vec<u32>,
-    groups: usize,
-    /// Groups at the corners.
+    /// Of the mesh.
+    nodes: Vec<u32>,
+    /// Corners, counted in `nodes`.
     patches: Vec<[u32; 4]>,
     /// The element that each patch shows.
     element: Vec<u32>,
@@ -132,16 +131,16 @@ impl Picture {
     /// All elements where there are at most `most`, else those that remain when the nodes of a cell are one.
     fn of(points: &[[f32; 3]], outlines: &[[u32; 4]], most: usize) -> Picture {
         if outlines.len() <= most {
-            let group = (0..points.len() as u32).collect();
+            let nodes = (0..points.len() as u32).collect();
             let element = (0..outlines.len() as u32).collect();
-            return Picture { group, groups: points.len(), patches: outlines.to_vec(), element };
+            return Picture { nodes, patches: outlines.to_vec(), element };
         }
         let [low, high] = bounds(points.iter().copied());
         let mut extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
         extents.sort_by(f32::total_cmp);
         let mut cell = (extents[2] * extents[1] / most.max(1) as f32).sqrt().max(extents[2] / most.max(1) as f32);
         loop {
-            let picture = Picture::coarse(points, outlines, low, cell);
+            let picture = Picture::coarse(points, outlines, &Lattice::new([low, high], cell));
             if picture.patches.len() <= most {
                 return picture;
             }
@@ -149,42 +148,77 @@ impl Picture {
         }
     }
 
-    fn coarse(points: &[[f32; 3]], outlines: &[[u32; 4]], low: [f32; 3], cell: f32) -> Picture {
-        let mut numbers: HashMap<[i32; 3], u32> = HashMap::new();
-        let mut number = |point: &[f32; 3]| {
-            let place = [0, 1, 2].map(|axis| ((point[axis] - low[axis]) / cell).floor() as i32);
-            let next = numbers.len() as u32;
-            *numbers.entry(place).or_insert(next)
+    fn coarse(points: &[[f32; 3]], outlines: &[[u32; 4]], lattice: &Lattice) -> Picture {
+        // Of each point of the lattice its number and the node nearest to it, which keeps edges where they are.
+        let mut nearest: HashMap<[u32; 3], (u32, f32)> = HashMap::new();
+        let mut nodes: Vec<u32> = Vec::new();
+        let mut number = |(node, point): (usize, &[f32; 3])| {
+            let (place, distance) = lattice.nearest(point);
+            let next = nodes.len() as u32;
+            let (number, least) = nearest.entry(place).or_insert((next, f32::INFINITY));
+            if *number == next {
+                nodes.push(node as u32);
+            }
+            if distance < *least {
+                *least = distance;
+                nodes[*number as usize] = node as u32;
+            }
+            *number
         };
-        let group: Vec<u32> = points.iter().map(&mut number).collect();
-        let mut seen: HashMap<Vec<u32>, ()> = HashMap::new();
+        let group: Vec<u32> = points.iter().enumerate().map(&mut number).collect();
+        let mut seen: HashSet<Vec<u32>> = HashSet::new();
         let (mut patches, mut element) = (Vec::new(), Vec::new());
         for (at, outline) in outlines.iter().enumerate() {
             let patch = outline.map(|node| group[node as usize]);
             let mut corners = patch.to_vec();
             corners.sort_unstable();
             corners.dedup();
-            if corners.len() >= 3 && seen.insert(corners, ()).is_none() {
+            if corners.len() >= 3 && seen.insert(corners) {
                 patches.push(patch);
                 element.push(at as u32);
             }
         }
-        Picture { group, groups: numbers.len(), patches, element }
+        Picture { nodes, patches, element }
     }
 
-    /// Where the groups are: the mean of their nodes.
+    /// Where its nodes are.
     fn places(&self, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let mut sums = vec![([0.0_f64; 3], 0.0_f64); self.groups];
-        for (point, group) in points.iter().zip(&self.group) {
-            let (sum, count) = &mut sums[*group as usize];
-            sum.iter_mut().zip(point).for_each(|(sum, c)| *sum += f64::from(*c));
-            *count += 1.0;
-        }
-        sums.into_iter().map(|(sum, count)| sum.map(|c| (c / count) as f32)).collect()
+        self.nodes.iter().map(|node| points[*node as usize]).collect()
+    }
+
+    /// What a state takes, bytes.
+    fn bytes(&self) -> usize {
+        6 * self.nodes.len() + 3 * self.patches.len()
     }
 
     fn corners(&self) -> impl Iterator<Item = u32> {
         self.patches.iter().flatten().copied()
+    }
+}
+
+/// Points at equal distances along each axis, from end to end of a box.
+struct Lattice {
+    low: [f32; 3],
+    step: [f32; 3],
+}
+
+impl Lattice {
+    /// With steps of at most about `cell`.
+    fn new([low, high]: [[f32; 3]; 2], cell: f32) -> Lattice {
+        let step = [0, 1, 2].map(|axis| {
+            let extent = high[axis] - low[axis];
+            extent / (extent / cell).round().max(1.0)
+        });
+        Lattice { low, step }
+    }
+
+    /// The nearest point, counted along each axis, and the square of its distance in steps.
+    fn nearest(&self, point: &[f32; 3]) -> ([u32; 3], f32) {
+        let steps = [0, 1, 2].map(|axis| match self.step[axis] > 0.0 {
+            true => (point[axis] - self.low[axis]) / self.step[axis],
+            false => 0.0,
+        });
+        (steps.map(|step| step.round() as u32), steps.iter().map(|step| (step - step.round()).powi(2)).sum())
     }
 }
 
@@ -208,7 +242,8 @@ impl Scene<'_> {
     fn contents(&self) -> Value {
         let places: Vec<Vec<[f32; 3]>> = self.states.iter().map(|state| self.places(state)).collect();
         let ends = bounds(places.iter().flatten().copied());
-        let fibre = self.range(|[md, td, _]| [*md, *td]);
+        // A slack fibre is like another.
+        let fibre = self.range(|[md, td, _]| [md.max(0.0), td.max(0.0)]);
         let shear = self.range(|[_, _, shear]| [*shear; 2]);
         let state = |(state, places): (&&Frame, &Vec<[f32; 3]>)| {
             let strains: Vec<u8> =
@@ -224,7 +259,7 @@ impl Scene<'_> {
         };
         let face = |face: &Face| {
             json!({
-                "groups": face.picture.groups,
+                "nodes": face.picture.nodes.len(),
                 "patches": text(face.picture.corners().flat_map(u32::to_le_bytes)),
                 "mirrored": face.mirrored,
             })
@@ -281,7 +316,7 @@ fn holds(film: &FilmState, element: u32) -> bool {
     !film.broken[at] && film.strains[at].iter().all(|strain| strain.is_finite())
 }
 
-/// Strains along MD and TD and shear of each patch, as shares of their ranges.
+/// Strains along MD and TD and shear of each patch, as shares of their ranges; what lies outside stands at their ends.
 fn strains(face: &Face, state: &Frame, ranges: [[f32; 2]; 3]) -> Vec<u8> {
     let film = &state.films[face.index];
     let share =
@@ -376,8 +411,8 @@ mod tests {
         let picture = Picture::of(&points, &outlines, 3000);
         assert!(picture.patches.len() <= 3000 && picture.patches.len() > 1500, "{}", picture.patches.len());
         let [low, high] = bounds(picture.places(&points).into_iter());
-        assert!(low[0] < 0.02 && high[0] > 0.98 && low[1] < 0.02 && high[1] > 0.98);
-        assert!(picture.corners().all(|corner| (corner as usize) < picture.groups));
+        assert_eq!((low, high), ([0.0; 3], [1.0, 1.0, 0.0]), "its edges stay where they are");
+        assert!(picture.corners().all(|corner| (corner as usize) < picture.nodes.len()));
     }
 
     #[test]
@@ -397,8 +432,7 @@ mod tests {
         let frames: Vec<Frame> = (0..40).map(|at| frame(f64::from(at), &points, &film)).collect();
         let outlines: Vec<[u32; 4]> = outlines(&film).collect();
         let picture = Picture::of(&points, &outlines, MOST_PATCHES / 4);
-        let bytes = 6 * picture.groups + 3 * picture.patches.len();
-        let most = (MOST_BYTES / bytes).clamp(2, MOST_STATES);
+        let most = (MOST_BYTES / picture.bytes()).clamp(2, MOST_STATES);
         let face = Face { index: 0, mirrored: film.mirrored, picture };
         let states = frames.iter().take(most).collect();
         let scene = Scene { faces: vec![face], states, moments: vec![], body: None };

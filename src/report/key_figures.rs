@@ -119,3 +119,26 @@ fn film(summary: &Map<String, Value>) -> String {
     };
     format!("<li><span class=\"words\">film</span><span class=\"value\">{shown}</span>{beside}</li>\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_card_shows_the_figure_in_its_unit_and_names_it_in_full() {
+        let summary = json!({ "peak_displacement_m": -0.169854473, "time_of_peak_displacement_s": 0.0573 });
+        let html = card(&IMPACT[1], summary.as_object().unwrap()).unwrap();
+        assert!(html.contains("data-figure=\"peak_displacement_m\" data-value=\"-0.169854473\" data-factor=\"1000\""));
+        assert!(html.contains("\u{2212}169.9</span> <span class=\"unit\">mm") && html.contains("at 57.3 ms"), "{html}");
+        assert_eq!(card(&IMPACT[0], &Map::new()), None);
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, expected) in [(1.37e-9, "1.370e-9"), (0.0, "0"), (15.1, "15.1"), (-0.02091, "-0.02091")] {
+            assert_eq!(number_of(value), expected.replace('-', "\u{2212}"));
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{duration, figure, film, findings, key_figures, plot, run_plots, subject};
+use super::{duration, figure, film, findings, key_figures, plot, run_plots, subject, vtu};
 use crate::diagnostic::shown_path;
 use crate::mesh::MeshError;
 use crate::model::{Model, Window};
@@ -141,22 +141,29 @@ fn reference(run: &RunPage) -> String {
     format!("<p>{}</p>\n{}", escape(&over), html::list(&notes))
 }
 
-/// Files of a run's folder, and what they hold.
-const HOLDINGS: [(&str, &str); 8] = [
+/// Files of a run's folder, and what they hold; what is not named here was left by its script.
+const HOLDINGS: [(&str, &str); 9] = [
     ("signals.csv", "all channels over time, SI"),
     ("energies.csv", "the energy audit over time"),
     ("summary.json", "the figures, for other programs"),
     ("scenario.toml", "the scenario with everything that it takes from elsewhere"),
     ("post.rhai", "the script that added figures"),
     ("recording.rrd", "film, impactor and signals to be played: droptower view"),
+    ("film.pvd", "the film for ParaView"),
+    ("impactor.pvd", "the impactor for ParaView"),
     ("failure.txt", "why the run broke off"),
-    ("report.html", "this page"),
 ];
 
 fn files(run: &RunPage) -> String {
     let holding = |name: &String| HOLDINGS.iter().find(|(known, _)| known == name).map(|(_, holding)| *holding);
     let row = |name: &String| vec![name.clone(), holding(name).unwrap_or("left by the script").to_owned()];
-    html::table("rows", &["file", "what it holds"].map(String::from), &run.files.iter().map(row).collect::<Vec<_>>())
+    let is_state = |name: &&String| name.split('/').next() == Some(vtu::FOLDER);
+    let (states, named): (Vec<&String>, Vec<&String>) = run.files.iter().partition(is_state);
+    let mut rows: Vec<Vec<String>> = named.into_iter().map(row).collect();
+    if !states.is_empty() {
+        rows.push(vec![format!("{}/", vtu::FOLDER), format!("the {} states that ParaView is shown", states.len())]);
+    }
+    html::table("rows", &["file", "what it holds"].map(String::from), &rows)
 }
 
 /// How to run it again.

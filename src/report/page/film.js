@@ -337,6 +337,7 @@
       const digits = Math.min(Math.max(2 - Math.floor(Math.log10(step)), 0), 4);
       const written = (value) => `${Number((factor * value).toFixed(digits)) || 0}${unit}`.replace("-", "−");
       [low, (low + high) / 2, high].forEach((value, at) => (this.numbers[at].textContent = written(value)));
+      if (range === "fibre") this.numbers[0].textContent = "0 % or slack";
     }
 
     /** Pixels a metre, so that the film fits. */
@@ -373,7 +374,7 @@
       const strain = (state, at, part) => parts[part][0] + (state.strains[at + part] / (BROKEN - 1)) * (parts[part][1] - parts[part][0]);
       const edges = this.faces.reduce((sum, face) => sum + face.patches.length / 4, 0) < EDGES;
       let [node, element] = [0, 0];
-      for (const { groups, patches: corners, mirrored } of this.faces) {
+      for (const [face, { nodes, patches: corners, mirrored }] of this.faces.entries()) {
         const colours = [];
         for (let at = 0; at < corners.length / 4; at++) {
           const place = 3 * (element + at);
@@ -386,19 +387,19 @@
           const value = of(...[0, 1, 2].map((part) => mixed(strain(a, place, part), strain(then ? b : a, place, part), share)));
           colours.push(COLOURS[Math.round(255 * Math.min(Math.max((value - low) / (high - low), 0), 1))]);
         }
-        const points = new Float32Array(3 * groups);
+        const points = new Float32Array(3 * nodes);
         for (let at = 0; at < points.length; at++) points[at] = mixed(a.points[3 * node + at], b.points[3 * node + at], share);
         const signs = (axis) => (mirrored[axis] && (this.whole || axis === 0) ? [1, -1] : [1]);
         for (const sx of signs(0)) {
-          for (const sy of signs(1)) this.sheet(look, points, corners, colours, [sx, sy], edges, patches);
+          for (const sy of signs(1)) this.sheet(look, points, corners, colours, { face, sx, sy, edges }, patches);
         }
-        node += groups;
+        node += nodes;
         element += corners.length / 4;
       }
     }
 
     /** One image of a face. */
-    sheet({ project, facing }, points, corners, colours, [sx, sy], edges, patches) {
+    sheet({ project, facing }, points, corners, colours, { face, sx, sy, edges }, patches) {
       const seen = new Float32Array(points.length);
       for (let at = 0; at < points.length; at += 3) seen.set(project(sx * points[at], sy * points[at + 1], points[at + 2]), at);
       for (let at = 0; at < colours.length; at++) {
@@ -415,7 +416,10 @@
         const shade = 0.62 + 0.38 * Math.max(0, near < 0 ? -lit : lit);
         const fill = page.rgb(colour.map((part) => part * shade));
         const places = [p, q, r].concat(s === r ? [] : [s]).flatMap((corner) => [seen[3 * corner], seen[3 * corner + 1]]);
-        const depth = (seen[3 * p + 2] + seen[3 * q + 2] + seen[3 * r + 2] + seen[3 * s + 2]) / 4;
+        // Where faces lie on each other and on the impactor, the first is the upper one, whichever side is seen.
+        const size = Math.max(Math.hypot(ux, uy, uz), Math.hypot(vx, vy, vz));
+        const under = 0.8 * size * (face + 1) * Math.sign(near * sx * sy);
+        const depth = (seen[3 * p + 2] + seen[3 * q + 2] + seen[3 * r + 2] + seen[3 * s + 2]) / 4 - under;
         patches.push({ places, fill, edge: edges ? page.rgb(colour.map((part) => part * shade * 0.78)) : fill, depth, alpha: 1 });
       }
     }
