@@ -91,14 +91,15 @@ impl Curve {
     pub fn dashed(self) -> Curve {
         Curve { look: Look::Dashed, ..self }
     }
-    /// At most about `most` points: of every stretch the lowest and the highest, in their order.
-    pub fn thinned(self, most: usize) -> Curve {
+
+    /// The same with at most `most` points, 3 at least: of every stretch the lowest, the highest and the first gap.
+    pub fn thinned(&self, most: usize) -> Curve {
         if self.points.len() <= most {
-            return self;
+            return self.clone();
         }
-        let stretch = self.points.len().div_ceil((most / 2).max(1));
+        let stretch = self.points.len().div_ceil((most / 3).max(1));
         let points = self.points.chunks(stretch).flat_map(extremes).collect();
-        Curve { points, ..self }
+        Curve { name: self.name.clone(), points, look: self.look }
     }
 }
 
@@ -127,7 +128,7 @@ mod tests {
         points[654][1] = -7.0;
         points[800][1] = f64::NAN;
         let thin = Curve::line("loop", points.clone()).thinned(100);
-        assert!(thin.points.len() <= 101 && thin.points.contains(&points[321]) && thin.points.contains(&points[654]));
+        assert!(thin.points.len() <= 100 && thin.points.contains(&points[321]) && thin.points.contains(&points[654]));
         assert_eq!(thin.points.iter().filter(|point| point[1].is_nan()).count(), 1);
         let mut rest = points.iter();
         let is_next = |point: &[f64; 2]| rest.any(|other| other[0] == point[0]);

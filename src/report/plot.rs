@@ -90,7 +90,7 @@ fn description(plot: &Plot) -> String {
 fn contents(plot: &Plot, filled: bool) -> Value {
     let mut abscissae: Vec<Vec<Value>> = Vec::new();
     let mut curve = |curve: &Curve| {
-        let points = thinned(&curve.points);
+        let points = curve.thinned(MOST_POINTS).points;
         let column = |axis: usize| -> Vec<Value> {
             let number =
                 |point: &[f64; 2]| if has_place(plot, point) { short(point[axis]).into() } else { Value::Null };
@@ -116,26 +116,6 @@ fn contents(plot: &Plot, filled: bool) -> Value {
         "filled": filled,
         "curves": plot.curves.iter().map(&mut curve).collect::<Vec<_>>(),
     })
-}
-
-/// At most [`MOST_POINTS`] of the points: lowest and highest of every stretch, and its first gap.
-fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    if points.len() <= MOST_POINTS {
-        return points.to_vec();
-    }
-    let stretch = points.len().div_ceil(MOST_POINTS / 3);
-    points.chunks(stretch).flat_map(extremes).collect()
-}
-
-fn extremes(stretch: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let drawn = || (0..stretch.len()).filter(|at| stretch[*at].iter().all(|c| c.is_finite()));
-    let by_height = |a: &usize, b: &usize| stretch[*a][1].total_cmp(&stretch[*b][1]);
-    let gap = stretch.iter().position(|point| !point.iter().all(|c| c.is_finite()));
-    let mut kept: Vec<usize> =
-        [drawn().min_by(by_height), drawn().max_by(by_height), gap].into_iter().flatten().collect();
-    kept.sort_unstable();
-    kept.dedup();
-    kept.into_iter().map(|at| stretch[at]).collect()
 }
 
 /// The number with [`DIGITS`] significant digits, so that few letters write it.
@@ -197,19 +177,6 @@ mod tests {
         logarithmic.x.scale = Scale::Logarithmic;
         assert_eq!(figure(&logarithmic), "");
         assert_eq!(figures(&[plot(vec![])]), "");
-    }
-
-    #[test]
-    fn long_curves_keep_their_extremes_and_gaps() {
-        let mut points: Vec<[f64; 2]> = (0..50_000).map(|i| [f64::from(i), 0.0]).collect();
-        points[31_415][1] = 7.0;
-        points[27_182][1] = -3.0;
-        points[14_142][1] = f64::NAN;
-        let thin = thinned(&points);
-        assert!(thin.len() <= MOST_POINTS);
-        assert!(thin.contains(&[31_415.0, 7.0]) && thin.contains(&[27_182.0, -3.0]));
-        assert!(thin.iter().any(|point| point[0] == 14_142.0 && point[1].is_nan()));
-        assert!(thin.windows(2).all(|pair| pair[0][0] < pair[1][0]));
     }
 
     #[test]

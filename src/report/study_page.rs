@@ -22,25 +22,83 @@ pub struct StudyPage<'a> {
 pub fn study_page(study: &StudyPage) -> String {
     let body = [
         format!("<h1>{}</h1>\n", escape(study.name)),
-        html::section("What was run", &html::table("rows", &[], &call(study.call))),
+        html::section("What was run", &run(study.call)),
         html::section("Figures", &figure::table(study.findings.measures.iter())),
         findings::sections(study.findings),
         html::section("Log", &html::list(&study.findings.log)),
         html::section("Script", &html::verbatim(study.script)),
+        html::section("Run it again", &again(study.call)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     html::page(study.name, &body.concat())
 }
 
-fn call(call: &Map<String, Value>) -> Vec<Vec<String>> {
+/// Script, scenario, changes and arguments, one line each.
+fn run(call: &Map<String, Value>) -> String {
     let written = |value: &Value| match value {
         Value::Array(items) => items.iter().map(cell).collect::<Vec<_>>().join("  "),
-        Value::Object(args) => {
-            let args = args.iter().map(|(name, value)| format!("{name}={}", cell(value)));
-            args.collect::<Vec<_>>().join("  ")
-        }
+        Value::Object(args) => args.iter().map(argument).collect::<Vec<_>>().join("  "),
         other => cell(other),
     };
     let rows = call.iter().map(|(name, value)| vec![name.clone(), written(value)]);
-    rows.filter(|row| !row[1].is_empty()).collect()
+    html::table("rows", &[], &rows.filter(|row| !row[1].is_empty()).collect::<Vec<_>>())
+}
+
+fn argument((name, value): (&String, &Value)) -> String {
+    format!("{name}={}", value.as_str().map_or_else(|| value.to_string(), str::to_owned))
+}
+
+/// The command that makes the study again.
+fn again(call: &Map<String, Value>) -> String {
+    let text = |name: &str| call.get(name).and_then(Value::as_str);
+    let changes = call.get("set").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
+    let arguments = call.get("args").and_then(Value::as_object).into_iter().flatten().map(argument);
+    let script = text("script").map(quoted);
+    let scenario = text("scenario").map(|scenario| format!("--scenario {}", quoted(scenario)));
+    let changes = changes.map(|change| format!("--set {}", quoted(change)));
+    let arguments = arguments.map(|argument| format!("--arg {}", quoted(&argument)));
+    let words: Vec<String> = script.into_iter().chain(scenario).chain(changes).chain(arguments).collect();
+    format!(
+        "<p>Where it was run, with droptower {}:</p>\n{}",
+        env!("CARGO_PKG_VERSION"),
+        html::verbatim(&format!("droptower script {}", words.join(" ")))
+    )
+}
+
+/// A word of a command line, in quotes where a shell would take it apart.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=:,+%".contains(c);
+    if word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_study_is_run_again_by_the_words_it_was_run_by() {
+        let call = json!({
+            "script": "scripts/identify.rhai", "scenario": "drop/1008.toml", "set": ["specimen.mesh.size=20 mm"],
+            "args": { "start": "it's", "starts": 5 },
+        });
+        let html = again(call.as_object().unwrap());
+        let command = "droptower script scripts/identify.rhai --scenario drop/1008.toml --set 'specimen.mesh.size=20 mm' \
+                       --arg 'start=it'\\''s' --arg starts=5";
+        assert!(html.contains(&escape(command)), "{html}");
+    }
+
+    #[test]
+    fn what_a_script_left_is_escaped() {
+        let findings = Findings { log: vec!["<i>".into()], ..Findings::default() };
+        let study = StudyPage { name: "<b>", call: &Map::new(), findings: &findings, script: "1 < 2" };
+        let page = study_page(&study);
+        assert!(
+            page.contains("&lt;b&gt;")
+                && page.contains("&lt;i&gt;")
+                && page.contains("1 &lt; 2")
+                && !page.contains("<i>")
+        );
+    }
 }
