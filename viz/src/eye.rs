@@ -14,6 +14,9 @@ const LEAST_SIZE: f32 = 0.5;
 /// Distance of the eye over the size of what it looks at; the viewer's field of view is 55°.
 const DISTANCE: f32 = 0.8;
 
+/// The same of films alone.
+const ABOVE_DISTANCE: f32 = 1.1;
+
 /// Depth over the width of a film to which it is looked at: before a run nobody knows how deep it will go.
 const DEPTH: f32 = 0.4;
 
@@ -26,7 +29,7 @@ pub(crate) struct Eye {
 }
 
 impl Eye {
-    /// An eye that has the films and the body in view as they are at first, and what is below them.
+    /// An eye that has the films and the body in view as they are at first and at last, and what is below them.
     pub(crate) fn on(scene: &Scene) -> Eye {
         let points = scene.films.iter().flat_map(film_ends);
         let (mut low, mut high) = bounds(points);
@@ -37,9 +40,9 @@ impl Eye {
         let target = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
         let size = [0, 1, 2].map(|k| (high[k] - low[k]).powi(2)).iter().sum::<f32>().sqrt();
         let enlargement = if size > 0.0 { (LEAST_SIZE / size).max(1.0) } else { 1.0 };
-        let direction = if scene.body.is_some() { DIRECTION } else { ABOVE };
+        let (direction, distance) = if scene.body.is_some() { (DIRECTION, DISTANCE) } else { (ABOVE, ABOVE_DISTANCE) };
         Eye {
-            position: [0, 1, 2].map(|k| enlargement * (target[k] + DISTANCE * size * direction[k])),
+            position: [0, 1, 2].map(|k| enlargement * (target[k] + distance * size * direction[k])),
             target: target.map(|coordinate| enlargement * coordinate),
             enlargement,
         }
@@ -55,9 +58,9 @@ fn bounds(points: impl Iterator<Item = [f32; 3]>) -> ([f32; 3], [f32; 3]) {
     if low[0] <= high[0] { (low, high) } else { ([-0.5; 3], [0.5; 3]) }
 }
 
-/// All points of a film at first, and their mirror images.
+/// All points of a film at first and at last, and their mirror images.
 fn film_ends(film: &FilmTrack) -> impl Iterator<Item = [f32; 3]> + '_ {
-    let points = film.frames.first().into_iter().flat_map(|frame| &frame.positions);
+    let points = film.frames.first().into_iter().chain(film.frames.last()).flat_map(|frame| &frame.positions);
     let opposite = |p: &[f32; 3]| [0, 1, 2].map(|k| if film.mirrored.get(k) == Some(&true) { -p[k] } else { p[k] });
     points.flat_map(move |point| [*point, opposite(point)])
 }

@@ -10,8 +10,11 @@ struct Picture {
     title: &'static str,
     channels: &'static [Shown],
     /// The recording that the first channel is compared with.
-    reference: Option<(Shown, fn(&Comparison) -> Option<&Series>)>,
+    reference: Option<(Shown, MeasuredSeries)>,
 }
+
+/// Which series of a recording.
+type MeasuredSeries = fn(&Comparison) -> Option<&Series>;
 
 /// A channel as it is shown.
 struct Shown {
