@@ -81,10 +81,10 @@ fn unreadable(error: &KeptError) -> Diagnostic {
         KeptError::Signals(error) => recording(error),
         KeptError::Missing { .. } | KeptError::NotARun { .. } => Diagnostic::new(error.to_string())
             .hint("a run folder is what `droptower run` leaves, such as runs/drop/1008"),
-        KeptError::Summary { .. } | KeptError::NoFigures { .. } => {
+        KeptError::Summary { .. } | KeptError::NoFigures { .. } | KeptError::Scenario { .. } => {
             Diagnostic::new(error.to_string()).hint("run the scenario again, or compare its signals.csv alone")
         }
-        KeptError::NoCommonTime { .. } => Diagnostic::new(error.to_string()),
+        KeptError::NoCommonTime { .. } | KeptError::Unreadable { .. } => Diagnostic::new(error.to_string()),
     }
 }
 

@@ -373,12 +373,13 @@ fn warnings(
     let lower = points.iter().filter_map(|point| Some((square(point)?, point))).min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((found, point)) = lower.filter(|(found, _)| least * least - found > DONE * (threshold - least * least))
     {
+        let x: Vec<String> = point.x.iter().map(|x| format!("{x:.4}")).collect();
         warnings.push(format!(
-            "where {name} is held at {:.4} the objective is lower than at the estimate, {:.6} for {least:.6}, at {:?}: the \
+            "where {name} is held at {:.4} the objective is lower than at the estimate, {:.6} for {least:.6}, at [{}]: the \
              search had not ended at the minimum",
             point.value,
             found.sqrt(),
-            point.x
+            x.join(", ")
         ));
     }
     warnings

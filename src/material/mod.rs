@@ -288,7 +288,7 @@ mod tests {
     /// Central differences of the energy by the strains against the engineering stresses.
     fn check_work(law: &impl MembraneLaw<Past<1> = Peaks<1>>) {
         let step = 1e-6;
-        for at in [[0.1, 0.3, 0.2], [0.5, 0.02, -0.4], [0.2, 0.1, 0.0]] {
+        for at in [[0.1, 0.3, 0.2], [0.5, 0.02, -0.4], [0.25, 0.1, 0.0]] {
             let energy = |at: [f64; 3]| {
                 let (d, mut past) = (strained(at), Peaks::fresh());
                 law.stress(&d, &mut past, 0.0);

@@ -120,9 +120,12 @@ impl Overlay {
 
     /// The figures worth showing: those that differ and those that say what came out.
     pub fn telling_figures(&self) -> impl Iterator<Item = &Figures> {
-        self.figures.iter().filter(|figure| {
-            KEY.contains(&figure.name.as_str()) || figure.differs() && !COST.contains(&figure.name.as_str())
-        })
+        self.figures.iter().filter(|figure| figure.is_telling())
+    }
+
+    /// All other figures.
+    pub fn further_figures(&self) -> impl Iterator<Item = &Figures> {
+        self.figures.iter().filter(|figure| !figure.is_telling())
     }
 
     /// What `summary.json` of the comparison holds.
@@ -146,17 +149,18 @@ impl Overlay {
 }
 
 impl Figures {
-    /// By how much a run's number is above the first one's, over its magnitude; none of the first run, of what is no number,
-    /// and where the first one is zero.
+    /// Growth of a run's number over the first one's, as a share of that: of negative numbers, that of their magnitude. None of
+    /// the first run, of what is no number, and where the first one is zero.
     pub fn difference(&self, run: usize) -> Option<f64> {
         let number = |run: usize| self.values.get(run)?.as_ref()?.as_f64();
         let first = number(0).filter(|first| *first != 0.0)?;
-        (run > 0).then(|| number(run).map(|value| (value - first) / first.abs()))?
+        (run > 0).then(|| number(run).map(|value| value / first - 1.0))?
     }
 
-    /// Whether the runs disagree.
-    pub fn differs(&self) -> bool {
-        self.values.iter().any(|value| *value != self.values[0])
+    fn is_telling(&self) -> bool {
+        let is_one_of = |names: &[&str]| names.contains(&self.name.as_str());
+        let differs = self.values.iter().any(|value| *value != self.values[0]);
+        is_one_of(&KEY) || differs && !is_one_of(&COST)
     }
 }
 

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::html::{self, escape};
-use super::{Figure, figure, plot, rounded};
+use super::{Figure, figure, plot, significant};
 use crate::diagnostic::shown_path;
 use crate::plot::{Curve, Plot};
 use crate::post::Overlay;
@@ -31,11 +31,11 @@ pub fn compare_page(overlay: &Overlay) -> String {
         ),
         notes,
         html::section("Runs", &html::table("rows", &header_of_runs(), &runs(overlay))),
-        html::section("Figures", &html::table("rows", &header("figure"), &figures(overlay.telling_figures()))),
         html::section("Scenarios", &html::table("rows", &header("key"), &keys(overlay))),
+        html::section("Figures", &html::table("rows", &header("figure"), &figures(overlay.telling_figures()))),
         html::section("Signals", &plot::figures(against.iter().chain(&over_time))),
         html::section("Distance of signals", &html::table("rows", &header("signal"), &errors(overlay))),
-        html::section("All figures", &html::table("rows", &header("figure"), &figures(overlay.figures.iter()))),
+        html::section("Further figures", &html::table("rows", &header("figure"), &figures(overlay.further_figures()))),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     html::page(&title, &body.concat())
@@ -79,7 +79,8 @@ pub fn keys(overlay: &Overlay) -> Vec<Vec<String>> {
 
 /// A signal, then how far each run's is from the first one's.
 pub fn errors(overlay: &Overlay) -> Vec<Vec<String>> {
-    let value = |value: &Option<f64>| value.map_or_else(|| "-".into(), |error| format!("{} %", rounded(100.0 * error)));
+    let value =
+        |value: &Option<f64>| value.map_or_else(|| "-".into(), |error| format!("{} %", significant(100.0 * error, 3)));
     let row = |signals: &Signals| {
         std::iter::once(quantity(&signals.column)).chain(signals.errors.iter().map(value)).collect()
     };
@@ -95,7 +96,7 @@ fn quantity(name: &str) -> String {
 }
 
 fn signed_percent(share: f64) -> String {
-    let text = rounded(100.0 * share);
+    let text = significant(100.0 * share, 3);
     format!("{}{text} %", if share > 0.0 { "+" } else { "" })
 }
 
@@ -105,7 +106,7 @@ pub fn plots(overlay: &Overlay) -> (Vec<Plot>, Vec<Plot>) {
         let shown = Shown::of(&signals.column);
         let points = |series: &Series| series.samples().map(|[t, v]| [t * 1e3, v * shown.factor]).collect::<Vec<_>>();
         let curves = curves(overlay, |run| signals.series[run].as_ref().map(points));
-        Plot::new(&shown.words, ["time (ms)", &shown.axis()], curves)
+        Plot::new(sentence(&shown.words), ["time (ms)", &shown.axis()], curves)
     });
     let against = AGAINST.iter().filter_map(|pair| {
         let [x, y] = pair.map(|column| overlay.signals.iter().find(|signals| signals.column == column));
@@ -120,13 +121,19 @@ fn over_each_other(overlay: &Overlay, x: &Signals, y: &Signals) -> Plot {
         let (x, y) = (x.series[run].as_ref()?, y.series[run].as_ref()?);
         Some(x.values().iter().zip(y.values()).map(|(x, y)| [x * across.factor, y * up.factor]).collect())
     };
-    let title = format!("{} over {}", up.words, across.words);
+    let title = sentence(&format!("{} over {}", up.words, across.words));
     Plot::new(title, [&across.axis(), &up.axis()], curves(overlay, points))
 }
 
 fn curves(overlay: &Overlay, points: impl Fn(usize) -> Option<Vec<[f64; 2]>>) -> Vec<Curve> {
     let curve = |(run, subject): (usize, &Subject)| Some(Curve::line(&subject.name, points(run)?));
     overlay.runs.iter().enumerate().filter_map(curve).collect()
+}
+
+/// With a capital, as a heading.
+fn sentence(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// How a column is shown: in words and in the unit that people read.

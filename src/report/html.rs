@@ -51,9 +51,9 @@ pub fn page(title: &str, body: &str) -> String {
          <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <title>{title}</title>\n<style>\n{styles}</style>\n</head>\n<body>\n<main>\n{body}\
-         <noscript><p class=\"note\">Plots and film are drawn by scripts, which are turned off here; all figures stand in the tables.</p></noscript>\n\
-         </main>\n{scripts}</body>\n</html>\n"
+         <title>{title}</title>\n<style>\n{styles}</style>\n</head>\n<body>\n<main>\n\
+         <noscript><p class=\"warnings\">Plots and film are drawn by scripts, which are turned off here; all figures stand in the tables.</p></noscript>\n\
+         {body}</main>\n{scripts}</body>\n</html>\n"
     )
 }
 
@@ -82,17 +82,17 @@ pub fn table(class: &str, header: &[String], rows: &[Vec<String>]) -> String {
     let numbers: Vec<bool> = (0..width).map(is_number).collect();
     let mut html = format!("<div class=\"scroll\"><table class=\"{class}\">\n");
     if !header.is_empty() {
-        html += &row("th", header, &numbers);
+        html += &row(header, "th", " scope=\"col\"", &numbers);
     }
-    rows.iter().for_each(|cells| html += &row("td", cells, &numbers));
+    rows.iter().for_each(|cells| html += &row(cells, "td", "", &numbers));
     html + "</table></div>\n"
 }
 
-fn row(tag: &str, cells: &[String], numbers: &[bool]) -> String {
+fn row(cells: &[String], tag: &str, scope: &str, numbers: &[bool]) -> String {
     let mut html = String::from("<tr>");
     for (at, cell) in cells.iter().enumerate() {
         let class = if numbers.get(at) == Some(&true) { " class=\"number\"" } else { "" };
-        let _ = write!(html, "<{tag}{class}>{}</{tag}>", escape(cell));
+        let _ = write!(html, "<{tag}{scope}{class}>{}</{tag}>", escape(cell));
     }
     html + "</tr>\n"
 }
@@ -157,7 +157,7 @@ mod tests {
     fn numbers_stand_to_the_right_and_text_is_escaped() {
         let rows = [vec!["<a>".to_owned(), "-1.5e-3".into()], vec!["2".into(), String::new()]];
         let html = table("rows", &["name", "value"].map(String::from), &rows);
-        assert!(html.contains("<th>name</th><th class=\"number\">value</th>"), "{html}");
+        assert!(html.contains("<th scope=\"col\">name</th><th scope=\"col\" class=\"number\">value</th>"), "{html}");
         assert!(html.contains("<td>&lt;a&gt;</td><td class=\"number\">-1.5e-3</td>"), "{html}");
     }
 

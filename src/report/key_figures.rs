@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::duration;
-use super::figure::{G, significant};
+use super::figure::{G, rounded, significant};
 use super::html::escape;
 use crate::post::Measures;
 
@@ -95,12 +95,19 @@ fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, V
         Beside::Strain(name) => number(name).map(|strain| format!("at {} %", significant(strain * 100.0, 4))),
         Beside::Depth(name) => number(name).map(|depth| format!("at {} mm", significant(depth * 1e3, 4))),
     };
-    let shown = significant(value * factor, 4).replace('-', "\u{2212}");
+    let shown = number_of(value * factor);
     let beside = beside.map_or(String::new(), |beside| format!("<span class=\"beside\">{}</span>", escape(&beside)));
     Some(format!(
         "<li data-figure=\"{name}\" data-value=\"{value}\" data-factor=\"{factor}\"><span class=\"words\">{words}</span>\
          <span class=\"value\">{shown}</span> <span class=\"unit\">{unit}</span>{beside}</li>\n"
     ))
+}
+
+/// Four significant digits, as short as they can be written.
+fn number_of(value: f64) -> String {
+    let small = value != 0.0 && value.abs() < 1e-3;
+    let text = if small { rounded(value) } else { significant(value, 4) };
+    text.replace('-', "\u{2212}")
 }
 
 /// Whether the film held, and if not, until when.

@@ -52,11 +52,11 @@ pub fn run_page(run: &RunPage) -> Result<String, MeshError> {
         html::section("Signals", &plot::figures(&run_plots::signals(run))),
         findings::sections(&results.findings),
         html::section("Figures", &figures(&summary)),
-        html::section("Trust", &trust(run)),
+        html::section("Audit", &audit(run)),
         html::section("Reference", &reference(run)),
         html::section("Log", &html::list(&results.findings.log)),
         html::section("Files", &files(run)),
-        html::section("Again", &again(run)),
+        html::section("Run it again", &again(run)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     Ok(html::page(&model.title, &body.concat()))
@@ -94,7 +94,7 @@ fn figures(summary: &Map<String, Value>) -> String {
 }
 
 /// Where the energy went, how fast the film was strained, and how its elements are shaped.
-fn trust(run: &RunPage) -> String {
+fn audit(run: &RunPage) -> String {
     let audit = run.results.measures.audit();
     let (energies, negligible) = run_plots::energies(&run.outcome.energies);
     let note = match negligible.as_slice() {

@@ -13,11 +13,14 @@ use crate::signal::Series;
 const MOST_PLOTS: usize = 100;
 const MOST_CURVES: usize = 60;
 
-/// Points that are kept of one curve; a longer one is thinned out, with its extremes.
-const CURVE_POINTS: usize = 2_000;
+/// Points that are kept of one curve, at least and at most; a longer one is thinned out, with its extremes.
+const CURVE_POINTS: [usize; 2] = [200, 2_000];
+
+/// Points that the curves of one plot share, as far as that leaves each its least.
+const PLOT_POINTS: usize = 12_000;
 
 /// Most points that the plots of one script hold together.
-const MOST_POINTS: usize = 60_000;
+const MOST_POINTS: usize = 80_000;
 
 /// Longest title, name or words of an axis, characters.
 const LONGEST: usize = 200;
@@ -106,7 +109,9 @@ fn written(title: &str, options: &Map, curves: &Dynamic) -> Answer<Plot> {
     options.check(&["x", "y", "log_x", "log_y", "window", "window_name"])?;
     let given = given(title, curves)?;
     let Axes { x, y, factors } = axes(title, &options, &given)?;
-    let curves = given.iter().map(|given| given.drawn(factors)).collect();
+    let [least, most] = CURVE_POINTS;
+    let points = (PLOT_POINTS / given.len().max(1)).clamp(least, most);
+    let curves = given.iter().map(|given| given.drawn(factors).thinned(points)).collect();
     let window = marked(&options, factors[0])?;
     Ok(Plot { title: title.into(), x, y, curves, window })
 }
@@ -148,7 +153,7 @@ impl Given {
             Shape::Law(law) => law.strain().iter().zip(law.stress()).map(|(e, s)| [e * x, s * y]).collect(),
             Shape::Pair([xs, ys]) => xs.values().iter().zip(ys.values()).map(|(x, y)| [*x, *y]).collect(),
         };
-        Curve { name: self.name.clone(), points, look: self.look }.thinned(CURVE_POINTS)
+        Curve { name: self.name.clone(), points, look: self.look }
     }
 }
 
@@ -309,7 +314,7 @@ mod tests {
         let thin = plots(&format!("{long} plot(\"a\", s); plot(\"a\", s);"));
         assert!(thin.len() == 1 && (1900..=2000).contains(&thin[0].curves[0].points.len()));
         for (text, expected) in [
-            ("for i in 0..31 { plot(\"p\" + i, s); }", "at most 100 plots of 60000 points together"),
+            ("for i in 0..41 { plot(\"p\" + i, s); }", "at most 100 plots of 80000 points together"),
             ("for i in 0..101 { plot(\"p\" + i, signal([0], [1])); }", "at most 100 plots"),
             ("let m = #{}; for i in 0..61 { m[\"c\" + i] = s; } plot(\"p\", m)", "has 61 curves; a plot has 1 to 60"),
             ("let t = \"x\"; for i in 0..8 { t += t; } plot(t, s)", "1 to 200 characters"),

@@ -1,6 +1,7 @@
 //! A run read back from its folder, or a recording from its file.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
@@ -34,6 +35,10 @@ pub enum KeptError {
     #[error("{} is not a run folder of droptower: it has no signals.csv", path.display())]
     NotARun { path: PathBuf },
     #[error("{}: {source}", path.display())]
+    Unreadable { path: PathBuf, source: io::Error },
+    #[error("{}: {source}", path.display())]
+    Scenario { path: PathBuf, source: Box<toml::de::Error> },
+    #[error("{}: {source}", path.display())]
     Summary { path: PathBuf, source: serde_json::Error },
     #[error("{} holds no figures: it is no table of names and values", path.display())]
     NoFigures { path: PathBuf },
@@ -66,14 +71,13 @@ impl Kept {
     }
 
     fn of_folder(place: &Path, table: &Path) -> Result<Kept, KeptError> {
-        let text = |name: &str| fs::read_to_string(place.join(name)).ok();
         let (signals, says_virtual) = signals(table)?;
         Ok(Kept {
             place: place.into(),
             signals,
             summary: summary(&place.join("summary.json"))?,
-            scenario: text("scenario.toml").unwrap_or_default(),
-            failure: text("failure.txt").map(|cause| cause.trim().to_owned()),
+            scenario: scenario(&place.join("scenario.toml"))?,
+            failure: text(&place.join("failure.txt"))?.map(|cause| cause.trim().to_owned()),
             says_virtual,
         })
     }
@@ -89,10 +93,26 @@ fn signals(path: &Path) -> Result<(Recording, bool), KeptError> {
     Ok((recording, says_virtual(&measurement.notes)))
 }
 
-/// What stands in the file; nothing where there is none.
+/// What stands in a file; none where there is no such file.
+fn text(path: &Path) -> Result<Option<String>, KeptError> {
+    match fs::read_to_string(path) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(KeptError::Unreadable { path: path.into(), source }),
+    }
+}
+
+fn scenario(path: &Path) -> Result<String, KeptError> {
+    let scenario = text(path)?.unwrap_or_default();
+    match scenario.parse::<toml::Table>() {
+        Ok(_) => Ok(scenario),
+        Err(source) => Err(KeptError::Scenario { path: path.into(), source: source.into() }),
+    }
+}
+
 fn summary(path: &Path) -> Result<Map<String, Value>, KeptError> {
-    let Ok(text) = fs::read(path) else { return Ok(Map::new()) };
-    match serde_json::from_slice(&text) {
+    let Some(text) = text(path)? else { return Ok(Map::new()) };
+    match serde_json::from_str(&text) {
         Ok(Value::Object(summary)) => Ok(summary),
         Ok(_) => Err(KeptError::NoFigures { path: path.into() }),
         Err(source) => Err(KeptError::Summary { path: path.into(), source }),
@@ -119,6 +139,9 @@ mod tests {
         fs::write(place.join("summary.json"), "[1]").unwrap();
         assert!(refusal(place).contains("no figures"));
         fs::write(place.join("summary.json"), "{\"peak\": 1}").unwrap();
+        fs::write(place.join("scenario.toml"), "[layers\n").unwrap();
+        assert!(refusal(place).contains("scenario.toml: TOML parse error"), "{}", refusal(place));
+        fs::write(place.join("scenario.toml"), "layers.count = 8\n").unwrap();
         fs::write(place.join("failure.txt"), "lost\n").unwrap();
         let kept = Kept::read(place).unwrap();
         assert_eq!((kept.summary["peak"].as_f64(), kept.failure.as_deref()), (Some(1.0), Some("lost")));

@@ -3,13 +3,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use droptower::diagnostic;
-use droptower::identify::{self, Laboratory};
+use droptower::identify::{self, Heard, Laboratory};
 use droptower::post;
 use droptower::scenario::Assignment;
-use droptower::script::{self, Limits};
+use droptower::script::{self, Convergence, Limits};
+use droptower::signal::Series;
 use rhai::Engine;
 use serde_json::Value as Json;
 use tempfile::TempDir;
@@ -210,13 +212,17 @@ fn how_well_multipliers_are_known_does_not_depend_on_threads_and_is_true() {
 
 /// An engine in which `recorded` is the scenario 1008 on a coarse mesh with the recording of `bench` as its reference.
 fn engine(bench: &Bench, changes: &[&str]) -> Engine {
+    engine_with(bench, changes, Laboratory::new(None, |_| {}))
+}
+
+fn engine_with(bench: &Bench, changes: &[&str], laboratory: Laboratory) -> Engine {
     let recording = format!("reference.signals={}", bench.path("recording/signals.csv").display());
     let changes = [bench.mesh.as_str(), recording.as_str()].into_iter().chain(changes.iter().copied());
     let read =
         |change| Assignment::from_argument(change).unwrap_or_else(|m| panic!("{}", diagnostic::render(&m, false)));
     let mut engine = script::engine(Limits::STUDY);
     post::register_studies(&mut engine, changes.map(read).collect());
-    identify::register(&mut engine, &Laboratory::new(None, |_| {}));
+    identify::register(&mut engine, &laboratory);
     engine
 }
 
@@ -259,6 +265,54 @@ fn a_run_within_an_objective_ends_with_the_window_and_has_the_same_errors() {
     // CFC 1000: 2 ms, and three samples of 0.1 ms.
     assert!(found[2] > 0.0019 && found[2] < 0.0024 && found[3] > 0.119, "{found:?}");
     assert_eq!(found[4], 1.0);
+}
+
+/// The pictures of a search hold what was simulated, sample by sample, from the start to the best, on any number of threads.
+#[test]
+fn a_search_shows_its_simulations_closing_in_on_the_reference() {
+    let bench = Bench::new("40 mm");
+    let text = script(
+        r#"
+        let scaled = |x| test.with(#{ "specimen.material.fabric.scale.ke": x[0] }).simulate();
+        let o = #{ max_evaluations: 12, title: "1008", names: ["ke"], signals: ["displacement (m)"] };
+        let best = minimize("nelder-mead", [2.0], o, |x| {
+            relative_error(scaled.call(x).displacement, test.reference.displacement, test.window)
+        });
+        [scaled.call(best.x).displacement, test.reference.displacement]"#,
+    );
+    let searched = |threads| {
+        let seen: Arc<Mutex<Vec<Convergence>>> = Arc::default();
+        let heard = Arc::clone(&seen);
+        let laboratory = Laboratory::new(None, move |said| {
+            if let Heard::Found(convergence) = said {
+                heard.lock().expect("whole").push(convergence.clone());
+            }
+        });
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let engine = engine_with(&bench, &[], laboratory);
+        let runs = pool.install(|| engine.eval::<rhai::Array>(&text)).unwrap_or_else(|error| panic!("{error}"));
+        let found = seen.lock().expect("whole").clone();
+        (runs, found)
+    };
+    let (runs, found) = searched(2);
+    let [best, reference] = [0, 1].map(|place: usize| runs[place].clone().cast::<Series>());
+    let [Convergence { title, unknowns, objectives, course, pursuits }] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((title.as_str(), unknowns.as_slice(), objectives.len()), ("1008", &["ke".to_owned()][..], 1));
+    assert_eq!(course.len(), objectives[0].len());
+    let [pursuit] = &pursuits[..] else { panic!("{pursuits:?}") };
+    let improvements = &pursuit.improvements;
+    assert!(improvements.len() > 2 && improvements.windows(2).all(|pair| pair[1].at.f < pair[0].at.f));
+    let assert_shown = |values: &[f32], signal: &Series| {
+        assert_eq!(values.len(), pursuit.target.places.len());
+        for (place, value) in pursuit.target.places.iter().zip(values) {
+            let [_, expected] = signal.samples().find(|[time, _]| *time as f32 == *place).expect("a sample");
+            assert_eq!(*value, expected as f32, "at {place}");
+        }
+    };
+    assert_shown(&pursuit.target.values, &reference);
+    assert_shown(&improvements[improvements.len() - 1].values, &best);
+    let (_, alone) = searched(1);
+    assert_eq!(format!("{alone:?}"), format!("{found:?}"));
 }
 
 #[test]
@@ -335,8 +389,12 @@ fn searches_at_the_same_time_are_taken_up_again() {
         fs::write(&file, &bytes[..bytes.len() * share / 8]).expect("cut");
     }
     let before = bench.table("together", "found");
+    let page = || fs::read_to_string(bench.path("together/report.html")).expect("a page");
+    let pictures = page();
+    assert!(pictures.contains("Search: search 1") && pictures.contains("search 2: signal 1"));
     run("together", &["--threads", "1"]);
     assert!(bench.table("together", "found") == before, "they differ");
+    assert!(page() == pictures, "the pictures differ");
 }
 
 #[test]

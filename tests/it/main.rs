@@ -2,11 +2,13 @@
 
 mod architecture;
 mod commands;
+mod compare;
 mod conversions;
 mod coupons;
 mod diagnostics;
 mod language;
 mod golden;
+mod guide;
 mod identification;
 mod mesh;
 mod paper_study;

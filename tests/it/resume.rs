@@ -241,8 +241,8 @@ fn with_checkpoints(model: &Model, every: f64, saved: Option<Saved>) -> (Outcome
     let mut written = vec![];
     let mut keep = |checkpoint: &Checkpoint<'_>| written.push(postcard::to_stdvec(checkpoint).expect("plain numbers"));
     let checkpoints = Checkpoints { every, keep: &mut keep };
-    let outcome =
-        simulate::run_in(model, Manner { saved, checkpoints: Some(checkpoints), ..Manner::default() }, &mut |_| {});
+    let manner = Manner { saved, checkpoints: Some(checkpoints), detailed: true, ..Manner::default() };
+    let outcome = simulate::run_in(model, manner, &mut |_| {});
     (outcome.unwrap_or_else(|error| panic!("{}: {error}", model.name)), written)
 }
 
@@ -274,7 +274,9 @@ fn every_kind_of_run_goes_on_to_the_same_bits() {
     ] {
         let model = golden(case, changes);
         let every = 0.22 * model.run_time();
-        let through = simulate::run(&model, &mut |_| {}).unwrap_or_else(|error: RunError| panic!("{case}: {error}"));
+        let detailed = Manner { detailed: true, ..Manner::default() };
+        let through = simulate::run_in(&model, detailed, &mut |_| {});
+        let through = through.unwrap_or_else(|error: RunError| panic!("{case}: {error}"));
         let (kept, written) = with_checkpoints(&model, every, None);
         assert_same(&through, &kept, case);
         assert_eq!(written.len(), 4, "{case}");

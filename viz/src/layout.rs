@@ -139,9 +139,9 @@ fn plane(diagram: &Diagram, properties: &mut Properties) -> ContainerLike {
 }
 
 fn texts(scene: &Scene, properties: &mut Properties) -> ContainerLike {
-    let events = events(properties);
+    let events = (!scene.events.is_empty()).then(|| events(properties));
     let documents = scene.documents.iter().map(document);
-    Tabs::new(std::iter::once(events).chain(documents)).into()
+    Tabs::new(events.into_iter().chain(documents)).into()
 }
 
 /// The log with level and text; all of it comes from one entity.

@@ -3,8 +3,10 @@
 (() => {
   "use strict";
 
+  const { make } = page;
   const WORDS = "time (ms)";
   const BROKEN = 255;
+  const EDGES = 2500; // patches from which their edges are no longer drawn
   const AROUND = 36; // facets around a body of revolution
   const PLAYED = 5000; // ms that the whole film takes
   const LIGHT = [0.35, -0.5, 0.79];
@@ -14,15 +16,7 @@
     "from the side": [0, 0.03],
     "from below": [-0.6, -0.5],
   };
-  const VIRIDIS = [
-    [68, 1, 84], [71, 45, 123], [59, 82, 139], [44, 114, 142], [33, 145, 140], [40, 174, 128], [94, 201, 98], [173, 220, 48], [253, 231, 37],
-  ];
-  const COLOURS = Array.from({ length: 256 }, (_, at) => {
-    const place = (at / 255) * (VIRIDIS.length - 1);
-    const below = Math.min(Math.floor(place), VIRIDIS.length - 2);
-    return VIRIDIS[below].map((part, channel) => part + (place - below) * (VIRIDIS[below + 1][channel] - part));
-  });
-  const SHADES = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
+  const COLOURS = Array.from({ length: 256 }, (_, at) => page.viridis(at / 255));
 
   /** What a patch is coloured by: the strain from its parts, the range, and how a number of it is written. */
   const QUANTITIES = {
@@ -30,12 +24,6 @@
     md: { words: "strain along MD", of: (md) => md, range: "fibre" },
     td: { words: "strain along TD", of: (_, td) => td, range: "fibre" },
     shear: { words: "shear angle", of: (_md, _td, shear) => shear, range: "shear" },
-  };
-
-  const make = (tag, properties = {}, ...children) => {
-    const element = Object.assign(document.createElement(tag), properties);
-    element.append(...children);
-    return element;
   };
 
   const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -82,7 +70,8 @@
       this.whole = true;
       [this.yaw, this.pitch] = VIEWS.aslant;
       this.zoom = 1;
-      this.frame(data.box);
+      this.centre = this.middle(data.box);
+      this.fit();
       this.build();
       new ResizeObserver(() => this.draw()).observe(this.canvas);
       document.addEventListener("theme", () => this.draw());
@@ -99,23 +88,45 @@
       return { time, points, strains: bytes(strains), pose };
     }
 
-    /** Centre and size of what is to be seen. */
-    frame([low, high]) {
-      const [from, to] = [[...low], [...high]];
+    /** Middle of the film before anything moves it, about which it is turned. */
+    middle([low, high]) {
       const { mirrored } = this.faces[0];
-      for (const axis of [0, 1]) if (mirrored[axis]) from[axis] = -to[axis];
-      // The impactor's upper part may be cut: the film matters.
-      const radius = Math.max(0, ...this.body.points.map(([, , z]) => z));
-      const span = Math.max(to[0] - from[0], to[1] - from[1]);
-      this.centre = from.map((c, axis) => (c + to[axis]) / 2);
-      if (radius) this.centre[2] += Math.min(radius, 0.15 * span);
-      this.span = 1.12 * Math.hypot(to[0] - from[0], to[1] - from[1]);
+      return [0, 1, 2].map((axis) => (mirrored[axis] ? 0 : (low[axis] + high[axis]) / 2));
     }
 
-    /** The time that shows most: the last moment before a rupture, else the end of a slow test. */
+    /** The place that the film takes on the screen as seen from here, m: right, left, down, up. */
+    fit() {
+      const { project } = this.camera(0, 0, 1);
+      const { mirrored } = this.faces[0];
+      const ends = [-Infinity, Infinity, -Infinity, Infinity];
+      const take = (x, y, z) => {
+        const [right, down] = project(x, y, z);
+        ends[0] = Math.max(ends[0], right);
+        ends[1] = Math.min(ends[1], right);
+        ends[2] = Math.max(ends[2], down);
+        ends[3] = Math.min(ends[3], down);
+      };
+      const every = Math.ceil(this.states.length / 8);
+      for (const { points } of this.states.filter((_, at) => at % every === 0)) {
+        for (let at = 0; at < points.length; at += 3) {
+          for (const sx of mirrored[0] ? [1, -1] : [1]) {
+            for (const sy of mirrored[1] ? [1, -1] : [1]) take(sx * points[at], sy * points[at + 1], points[at + 2]);
+          }
+        }
+      }
+      // The impactor's upper part may be cut: the film matters.
+      const top = Math.max(0, ...this.body.points.map(([, , z]) => z));
+      const [x, y, z] = this.centre;
+      if (top) take(x, y, z + Math.min(top, 0.3 * (ends[0] - ends[1])));
+      this.ends = ends;
+    }
+
+    /** The time that shows most: the lowest point or the largest force, but not what broke. */
     busiest() {
-      const named = this.moments.find(([words]) => words === "lowest point") ?? this.moments.find(([words]) => words === "largest force");
-      return named ? named[1] : this.states[this.states.length - 1].time;
+      const time = (name) => this.moments.find(([words]) => words === name)?.[1] ?? Infinity;
+      const rupture = time("rupture");
+      const held = this.states.filter((state) => state.time < rupture).pop() ?? this.states[0];
+      return Math.min(time("lowest point"), time("largest force"), held.time);
     }
 
     build() {
@@ -157,10 +168,10 @@
             this.draw();
           })]
         : [];
-      this.scale = make("div", { className: "scale" });
-      this.scale.style.background = `linear-gradient(to right, ${SHADES.join()})`;
-      this.ends = [0, 1, 2].map(() => make("span"));
-      const key = make("div", { className: "key" }, this.scale, make("div", { className: "ends" }, ...this.ends));
+      const bar = make("div", { className: "scale" });
+      bar.style.background = `linear-gradient(to right, ${COLOURS.filter((_, at) => at % 17 === 0).map(page.rgb).join()})`;
+      this.numbers = [0, 1, 2].map(() => make("span"));
+      const key = make("div", { className: "key" }, bar, make("div", { className: "ends" }, ...this.numbers));
       this.element.prepend(
         make("div", { className: "tools" }, colour, ...cut, ...views),
         this.canvas,
@@ -225,6 +236,7 @@
     turn(view) {
       [this.yaw, this.pitch] = VIEWS[view];
       this.zoom = 1;
+      this.fit();
       this.draw();
     }
 
@@ -296,7 +308,7 @@
       const style = getComputedStyle(this.canvas);
       context.clearRect(0, 0, width, height);
 
-      const look = this.camera(width, height);
+      const look = this.camera(width, height, this.scaleIn(width, height));
       const patches = [];
       this.film(look, patches);
       this.impactor(look, patches);
@@ -320,19 +332,29 @@
       this.triad(context, look, ratio, height, style.color);
       const { range } = QUANTITIES[this.quantity];
       const [low, high] = this.ranges[range];
-      const written = (value) => (range === "shear" ? `${((value * 180) / Math.PI).toFixed(1)}°` : `${(100 * value).toFixed(0)} %`).replace(/^-(?=[0.]+\D)/, "").replace("-", "−");
-      [low, (low + high) / 2, high].forEach((value, at) => (this.ends[at].textContent = written(value)));
+      const [factor, unit] = range === "shear" ? [180 / Math.PI, "°"] : [100, " %"];
+      const step = Math.max(Math.abs(low), Math.abs(high)) * factor;
+      const digits = Math.min(Math.max(2 - Math.floor(Math.log10(step)), 0), 4);
+      const written = (value) => `${Number((factor * value).toFixed(digits)) || 0}${unit}`.replace("-", "−");
+      [low, (low + high) / 2, high].forEach((value, at) => (this.numbers[at].textContent = written(value)));
+    }
+
+    /** Pixels a metre, so that the film fits. */
+    scaleIn(width, height) {
+      const [right, left, down, up] = this.ends;
+      return this.zoom * Math.min((0.92 * width) / (right - left || 1), (0.9 * height) / (down - up || 1));
     }
 
     /** Projection of a point in m: right and down in pixels, and towards the eye. */
-    camera(width, height) {
+    camera(width, height, scale) {
       const [sy, cy, sp, cp] = [Math.sin(this.yaw), Math.cos(this.yaw), Math.sin(this.pitch), Math.cos(this.pitch)];
-      const scale = (this.zoom * Math.min(width, 1.55 * height)) / this.span;
       const [x0, y0, z0] = this.centre;
+      const [right = 0, left = 0, down = 0, up = 0] = width ? this.ends : [];
+      const [h0, v0] = [width / 2 - (scale * (right + left)) / 2, height / 2 - (scale * (down + up)) / 2];
       const project = (x, y, z) => {
         const [a, b, c] = [x - x0, y - y0, z - z0];
         const [right, away] = [cy * a - sy * b, sy * a + cy * b];
-        return [width / 2 + scale * right, height / 2 - scale * (sp * away + cp * c), sp * c - cp * away];
+        return [h0 + scale * right, v0 - scale * (sp * away + cp * c), sp * c - cp * away];
       };
       /** Of a normal in the room: how it faces the eye and the light. */
       const facing = (x, y, z) => {
@@ -349,17 +371,19 @@
       const [low, high] = this.ranges[range];
       const parts = ["fibre", "fibre", "shear"].map((name) => this.ranges[name]);
       const strain = (state, at, part) => parts[part][0] + (state.strains[at + part] / (BROKEN - 1)) * (parts[part][1] - parts[part][0]);
-      const edges = this.faces.reduce((sum, face) => sum + face.patches.length, 0) < 4 * 8000;
+      const edges = this.faces.reduce((sum, face) => sum + face.patches.length / 4, 0) < EDGES;
       let [node, element] = [0, 0];
       for (const { groups, patches: corners, mirrored } of this.faces) {
         const colours = [];
         for (let at = 0; at < corners.length / 4; at++) {
           const place = 3 * (element + at);
-          if (a.strains[place] === BROKEN || (share > 0 && b.strains[place] === BROKEN)) {
+          const [now, then] = [a, b].map((state) => state.strains[place] !== BROKEN);
+          if (!now || (share === 1 && !then)) {
             colours.push(null);
             continue;
           }
-          const value = of(...[0, 1, 2].map((part) => mixed(strain(a, place, part), strain(b, place, part), share)));
+          // Up to its break an element keeps the strain that it had last.
+          const value = of(...[0, 1, 2].map((part) => mixed(strain(a, place, part), strain(then ? b : a, place, part), share)));
           colours.push(COLOURS[Math.round(255 * Math.min(Math.max((value - low) / (high - low), 0), 1))]);
         }
         const points = new Float32Array(3 * groups);
@@ -389,10 +413,10 @@
         const length = Math.hypot(nx, ny, nz) || 1;
         const [near, lit] = facing(nx / length, ny / length, nz / length);
         const shade = 0.62 + 0.38 * Math.max(0, near < 0 ? -lit : lit);
-        const fill = `rgb(${colour.map((part) => Math.round(part * shade)).join()})`;
+        const fill = page.rgb(colour.map((part) => part * shade));
         const places = [p, q, r].concat(s === r ? [] : [s]).flatMap((corner) => [seen[3 * corner], seen[3 * corner + 1]]);
         const depth = (seen[3 * p + 2] + seen[3 * q + 2] + seen[3 * r + 2] + seen[3 * s + 2]) / 4;
-        patches.push({ places, fill, edge: edges ? `rgb(${colour.map((part) => Math.round(part * shade * 0.78)).join()})` : fill, depth, alpha: 1 });
+        patches.push({ places, fill, edge: edges ? page.rgb(colour.map((part) => part * shade * 0.78)) : fill, depth, alpha: 1 });
       }
     }
 
@@ -412,10 +436,10 @@
         if (!length) continue;
         const [near, lit] = facing(...normal.map((c) => (s === r ? -c : c) / length));
         if (near <= 0 || (!this.whole && [p, q, r, s].every((corner) => places[corner][1] < -1e-9))) continue;
-        const shade = Math.round(95 + 120 * Math.max(0, lit));
+        const shade = 95 + 120 * Math.max(0, lit);
         const corners = [p, q, r, s].flatMap((corner) => [seen[corner][0], seen[corner][1]]);
         const depth = (seen[p][2] + seen[q][2] + seen[r][2] + seen[s][2]) / 4;
-        patches.push({ places: corners, fill: `rgb(${shade},${shade},${shade + 8})`, edge: null, depth, alpha: 0.42 });
+        patches.push({ places: corners, fill: page.rgb([shade, shade, shade + 8]), edge: null, depth, alpha: 0.42 });
       }
     }
 
@@ -423,7 +447,7 @@
     triad(context, { project }, ratio, height, colour) {
       const origin = project(...this.centre);
       const size = 26 * ratio;
-      const unit = this.span / 4;
+      const unit = 1;
       const full = Math.max(...[[unit, 0, 0], [0, unit, 0], [0, 0, unit]].map((step) => {
         const tip = project(...this.centre.map((c, axis) => c + step[axis]));
         return Math.hypot(tip[0] - origin[0], tip[1] - origin[1]);

@@ -1,6 +1,7 @@
 // What every page has: links to its sections, and light or dark as the reader's system says until the button is pressed.
 // Nothing is remembered.
-(() => {
+// What the other scripts share is in `page`.
+const page = (() => {
   "use strict";
 
   const headings = [...document.querySelectorAll("main > section > h2")];
@@ -50,4 +51,32 @@
     else delete root.dataset.theme;
     changed();
   });
+
+  /** An element with its properties and children. */
+  const make = (tag, properties = {}, ...children) => {
+    const element = Object.assign(document.createElement(tag), properties);
+    element.append(...children);
+    return element;
+  };
+
+  const VIRIDIS = [
+    [68, 1, 84],
+    [71, 45, 123],
+    [59, 82, 139],
+    [44, 114, 142],
+    [33, 145, 140],
+    [40, 174, 128],
+    [94, 201, 98],
+    [173, 220, 48],
+    [253, 231, 37],
+  ];
+
+  /** Red, green and blue (0 to 255) of a share of the colour scale. */
+  const viridis = (share) => {
+    const place = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
+    const below = Math.min(Math.floor(place), VIRIDIS.length - 2);
+    return VIRIDIS[below].map((part, channel) => part + (place - below) * (VIRIDIS[below + 1][channel] - part));
+  };
+
+  return { make, viridis, rgb: (parts) => `rgb(${parts.map(Math.round).join()})` };
 })();

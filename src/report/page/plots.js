@@ -4,18 +4,11 @@
 (() => {
   "use strict";
 
+  const { make } = page;
   const DASH = [7, 5];
   const STEPS = 100; // key presses across a plot
   const TOLD = 6; // curves in one reading aloud
-  const VIRIDIS = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
-  const COLOURS = 8;
-  const figures = [];
-
-  const make = (tag, properties = {}, ...children) => {
-    const element = Object.assign(document.createElement(tag), properties);
-    element.append(...children);
-    return element;
-  };
+  const COLOURS = 8; // --c0 to --c7 of the style
 
   /** Four significant digits, as few letters as that takes. */
   const short = (value) => {
@@ -46,17 +39,6 @@
     return [Math.floor(low / digit(low) + 1e-9) * digit(low), Math.ceil(high / digit(high) - 1e-9) * digit(high)];
   };
 
-  const mixed = (from, to, share) => {
-    const part = (colour, at) => parseInt(colour.slice(at, at + 2), 16);
-    return `rgb(${[1, 3, 5].map((at) => Math.round(part(from, at) * (1 - share) + part(to, at) * share)).join()})`;
-  };
-
-  const viridis = (share) => {
-    const place = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
-    const below = Math.min(Math.floor(place), VIRIDIS.length - 2);
-    return mixed(VIRIDIS[below], VIRIDIS[below + 1], place - below);
-  };
-
   /** CSS colours of all curves: lines in turn, a single dashed one in ink, several like the lines that they belong to. */
   const colours = (curves) => {
     const dashed = curves.filter((curve) => curve.look === "dashed").length;
@@ -67,7 +49,7 @@
       const place = turn[kind]++;
       if (kind === "dashed" && (dashed === 1 || lines === 0)) return "var(--ink)";
       // Many lines are a sequence.
-      if (lines > COLOURS) return viridis(0.1 + (0.8 * place) / (lines - 1));
+      if (lines > COLOURS) return page.rgb(page.viridis(0.1 + (0.8 * place) / (lines - 1)));
       return `var(--c${place % COLOURS})`;
     });
   };
@@ -177,7 +159,6 @@
       const tools = make(
         "div",
         { className: "tools" },
-        this.at,
         tool("+", "zoom in", () => this.zoom(0.5)),
         tool("−", "zoom out", () => this.zoom(2)),
         this.all,
@@ -185,7 +166,7 @@
       );
       this.reading = make("p", { className: "reading unseen" });
       this.reading.setAttribute("role", "status");
-      this.element.append(this.area, make("div", { className: "under" }, this.legend, tools), this.reading);
+      this.element.append(this.at, this.area, make("div", { className: "under" }, this.legend, tools), this.reading);
     }
 
     draw() {
@@ -242,6 +223,7 @@
           },
           hooks: {
             drawClear: [(plot) => this.mark(plot)],
+            drawAxes: [(plot) => this.name(plot)],
             setCursor: [() => this.read()],
             setSelect: [(plot) => this.selected(plot)],
           },
@@ -304,23 +286,41 @@
       return { stroke: fill };
     }
 
-    /** The marked stretch of the x axis with its words. */
-    mark(plot) {
-      if (!this.marked) return;
-      const { ctx, bbox } = plot;
+    /** Ends of the marked stretch on the canvas, if any of it is seen. */
+    stretch({ bbox, valToPos }) {
+      if (!this.marked) return null;
       const inside = (place) => Math.min(Math.max(place, bbox.left), bbox.left + bbox.width);
-      const [from, to] = this.marked.range.map((place) => inside(plot.valToPos(place, "x", true)));
-      if (!(to > from)) return;
+      const [from, to] = this.marked.range.map((place) => inside(valToPos(place, "x", true)));
+      return to > from ? [from, to] : null;
+    }
+
+    /** Shades the marked stretch of the x axis. */
+    mark(plot) {
+      const stretch = this.stretch(plot);
+      if (!stretch) return;
+      plot.ctx.fillStyle = getComputedStyle(this.at).outlineColor;
+      plot.ctx.fillRect(stretch[0], plot.bbox.top, stretch[1] - stretch[0], plot.bbox.height);
+    }
+
+    /** Says what is marked, over the grid and below the curves. */
+    name(plot) {
+      const stretch = this.stretch(plot);
+      if (!stretch) return;
+      const { ctx, bbox } = plot;
       const ratio = uPlot.pxRatio;
-      const style = getComputedStyle(this.at);
+      const { color, outlineColor } = getComputedStyle(this.at);
       ctx.save();
-      ctx.fillStyle = style.outlineColor;
-      ctx.fillRect(from, bbox.top, to - from, bbox.height);
-      ctx.fillStyle = style.color;
       ctx.font = `${11 * ratio}px system-ui, sans-serif`;
       ctx.textBaseline = "top";
-      const room = to - from - 12 * ratio;
-      if (ctx.measureText(this.marked.words).width < room) ctx.fillText(this.marked.words, from + 6 * ratio, bbox.top + 4 * ratio);
+      ctx.textAlign = "left";
+      const width = ctx.measureText(this.marked.words).width;
+      const [left, top] = [stretch[0] + 6 * ratio, bbox.top + 4 * ratio];
+      if (width < stretch[1] - stretch[0] - 12 * ratio) {
+        ctx.fillStyle = outlineColor;
+        ctx.fillRect(left - 2 * ratio, top - ratio, width + 4 * ratio, 13 * ratio);
+        ctx.fillStyle = color;
+        ctx.fillText(this.marked.words, left, top);
+      }
       ctx.restore();
     }
 
@@ -474,6 +474,5 @@
     }
   }
 
-  for (const element of document.querySelectorAll("figure.plot")) figures.push(new Figure(element));
-  document.documentElement.dataset.plots = figures.length;
+  for (const element of document.querySelectorAll("figure.plot")) new Figure(element);
 })();

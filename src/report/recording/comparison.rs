@@ -20,11 +20,15 @@ const FIRST: usize = 4;
 /// # Errors
 /// The file cannot be written.
 pub fn write_comparison(path: &Path, overlay: &Overlay) -> Result<(), RecordingError> {
+    Ok(droptower_viz::write(path, &scene(overlay))?)
+}
+
+fn scene(overlay: &Overlay) -> Scene {
     let (over_time, others): (Vec<Plot>, Vec<Plot>) = compare_page::plots(overlay);
     let mut charts: Vec<Chart> = over_time.iter().enumerate().map(chart).collect();
     let more_charts = charts.split_off(charts.len().min(FIRST));
     let ends = over_time.iter().flat_map(|plot| &plot.curves).filter_map(|curve| curve.points.last());
-    let scene = Scene {
+    Scene {
         name: overlay.title(),
         duration: ends.map(|[time, _]| time * 1e-3).fold(0.0, f64::max),
         documents: vec![text(overlay).document()],
@@ -33,8 +37,7 @@ pub fn write_comparison(path: &Path, overlay: &Overlay) -> Result<(), RecordingE
         more_charts,
         diagrams: diagram::diagrams("plots", &others).collect(),
         ..Scene::default()
-    };
-    Ok(droptower_viz::write(path, &scene)?)
+    }
 }
 
 /// What the terminal shows.
@@ -74,4 +77,29 @@ fn tracks<'a>((number, plot): (usize, &'a Plot)) -> impl Iterator<Item = SignalT
         values: curve.points.iter().map(|[_, value]| *value as f32).collect(),
         stroke: Stroke::nth(run),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal::{Channel, Recording};
+    use crate::store::Kept;
+
+    #[test]
+    fn every_run_has_a_curve_in_every_picture() {
+        let run = |place: &str, last: f64| {
+            let channel = |name: &str, values: [f64; 2]| Channel { name: name.into(), values: values.to_vec() };
+            let channels = vec![channel("strain", [0.0, 0.5]), channel("stress_Pa", [0.0, last])];
+            let signals = Recording { time: vec![0.0, 0.25], channels };
+            Kept { place: place.into(), signals, ..Kept::default() }
+        };
+        let scene = scene(&Overlay::of(&[run("/r/a", 2e6), run("/r/b", 4e6)], &[]));
+        let charts: Vec<_> = scene.charts.iter().map(|chart| (chart.title.as_str(), chart.signals.len())).collect();
+        assert_eq!(charts, [("strain", 2), ("stress (MPa)", 2)]);
+        let of_b = scene.signals.iter().find(|track| track.path == scene.charts[1].signals[1]).expect("a signal");
+        assert_eq!((of_b.label.as_str(), of_b.values.as_slice()), ("b", [0.0, 4.0].as_slice()));
+        assert_eq!(of_b.places, Places::Times(vec![0.0, 0.25]));
+        assert_eq!((scene.diagrams.len(), scene.duration), (1, 0.25));
+        assert!(scene.documents[0].text.contains("| strain | - | 0 % |"), "{}", scene.documents[0].text);
+    }
 }

@@ -1,0 +1,114 @@
+//! `droptower compare`: runs laid over each other.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value as Json;
+use tempfile::TempDir;
+
+use crate::workbench::{close, data, droptower, error, figures, printed, root};
+
+/// Two drops with eight and nine layers, coarse and short, and a coupon.
+fn bench() -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |scenario: &str, more: &[&str]| {
+        let scenario = root().join("scenarios").join(scenario).display().to_string();
+        printed(&droptower(folder.path(), &[&["run", &scenario, "--quiet"], more].concat()));
+    };
+    let quick = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=12ms"];
+    run("drop/1008.toml", &[&quick[..], &["--out", "runs/drop/eight"]].concat());
+    run("drop/1008.toml", &[&quick[..], &["--set", "layers.count=9", "--out", "runs/drop/nine"]].concat());
+    run("stretch/md-0.2.toml", &["--out", "runs/coupon"]);
+    folder
+}
+
+fn json(path: &Path) -> Json {
+    serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON")
+}
+
+#[test]
+fn runs_are_laid_over_each_other() {
+    let bench = bench();
+    let compare =
+        |more: &[&str]| droptower(bench.path(), &[&["compare", "runs/drop/eight", "runs/drop/nine"], more].concat());
+    let text = printed(&compare(&[]));
+    let has = |start: &str, parts: &[&str]| {
+        let line =
+            text.lines().find(|line| line.trim().starts_with(start)).unwrap_or_else(|| panic!("no {start}: {text}"));
+        assert!(parts.iter().all(|part| line.contains(part)), "{line}");
+    };
+    has("scenario", &["eight", "nine"]);
+    has("layers.count", &["8", "9"]);
+    has("ruptured", &["no"]);
+    has("displacement (m)", &[" %"]);
+    assert!(!text.contains("wall"), "cost is no result: {text}");
+    assert!(printed(&compare(&["--all"])).contains("wall (s)"));
+
+    // What is printed, what is kept, and the two summaries agree.
+    let folder = bench.path().join("runs/compare");
+    let summary = json(&folder.join("summary.json"));
+    assert_eq!(figures(&compare(&["--json"])), summary);
+    let of = |name: &str| json(&bench.path().join("runs/drop").join(name).join("summary.json"));
+    let peaks = ["eight", "nine"].map(|name| of(name)["peak_acceleration_m_s2"].as_f64().expect("a peak"));
+    let found = &summary["figures"]["peak_acceleration_m_s2"];
+    assert_eq!(found["values"], serde_json::json!(peaks));
+    close(found["differences"][1].as_f64().expect("a difference"), peaks[1] / peaks[0] - 1.0, 1e-12);
+    assert_eq!(summary["keys"], serde_json::json!({ "layers.count": ["8", "9"] }));
+    assert!(summary["errors"]["displacement_m"][1].as_f64().is_some_and(|error| error > 0.0 && error < 0.1));
+    let page = fs::read_to_string(folder.join("report.html")).expect("a page");
+    assert!(page.contains("<h3>Acceleration filtered</h3>") && page.contains("<td>layers.count</td>"));
+    assert_eq!(folder.join("recording.rrd").is_file(), cfg!(feature = "rerun"));
+
+    // One signal alone.
+    let alone = figures(&compare(&["--json", "--signal", "velocity_m_s"]));
+    assert_eq!(alone["errors"].as_object().expect("errors").keys().collect::<Vec<_>>(), ["velocity_m_s"]);
+}
+
+#[test]
+fn what_runs_do_not_share_is_said() {
+    let bench = bench();
+    let recording = bench.path().join("recording.csv");
+    fs::write(&recording, "# VIRTUAL: nothing fell\ntime [ms],displacement [mm]\n0,0\n1,-4\n2,-8\n").expect("a file");
+    let arguments = ["compare", "runs/drop/eight", "runs/coupon", "recording.csv", "--json", "--out", "mixed"];
+    let found = figures(&droptower(bench.path(), &arguments));
+    assert_eq!(found["errors"].as_object().expect("errors").keys().collect::<Vec<_>>(), ["displacement_m"]);
+    let notes: Vec<&str> = found["notes"].as_array().expect("notes").iter().filter_map(Json::as_str).collect();
+    assert_eq!(notes[0], "recording.csv is a VIRTUAL recording: nothing was measured");
+    assert!(notes[1].starts_with("eight alone has `velocity_m_s`"), "{notes:?}");
+    assert_eq!(notes[2], "coupon alone has `force_N`, `strain`, `stress_Pa`");
+    assert_eq!(found["figures"]["peak_force_N"]["values"][0], Json::Null);
+    // A raw recording has no channel of ours, but it can be looked at.
+    let raw = data("virtual/1008.csv").display().to_string();
+    let found = figures(&droptower(bench.path(), &["compare", "runs/drop/eight", &raw, "--json", "--out", "mixed"]));
+    assert!(found["notes"].to_string().contains("no signal is common to them"));
+}
+
+#[test]
+fn mistakes_are_told_at_once_and_nothing_is_written() {
+    let bench = bench();
+    fs::create_dir(bench.path().join("empty")).expect("a folder");
+    fs::create_dir_all(bench.path().join("damaged")).expect("a folder");
+    fs::copy(bench.path().join("runs/coupon/signals.csv"), bench.path().join("damaged/signals.csv")).expect("a copy");
+    fs::write(bench.path().join("damaged/summary.json"), "{\"peak\": ").expect("a file");
+    let refused = |arguments: &[&str]| {
+        let output = droptower(bench.path(), &[&["compare"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{}", error(&output));
+        assert!(!bench.path().join("runs/compare").exists());
+        error(&output)
+    };
+    let all = refused(&["runs/coupon", "runs/coupon/", "empty", "damaged", "nowhere"]);
+    for expected in [
+        "runs/coupon is given twice",
+        "empty is not a run folder of droptower: it has no signals.csv",
+        "summary.json: EOF while parsing",
+        "nowhere is not there",
+    ] {
+        assert!(all.contains(expected), "{all}");
+    }
+    assert!(refused(&["runs/coupon"]).contains("one run has nothing to be compared with"));
+    let taken = refused(&["runs/coupon", "runs/drop/nine", "--out", "runs/coupon"]);
+    assert!(taken.contains("would take the place of runs/coupon"), "{taken}");
+    let misspelt = refused(&["runs/coupon", "runs/drop/nine", "--signal", "displacment_m"]);
+    assert!(misspelt.contains("did you mean `displacement_m`?"), "{misspelt}");
+    assert!(bench.path().join("runs/coupon/summary.json").exists());
+}
