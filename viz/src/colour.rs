@@ -27,7 +27,8 @@ pub(crate) fn of(values: &[f32], [low, high]: [f32; 2]) -> impl Iterator<Item = 
 
 fn at(share: f32) -> [u8; 3] {
     let last = VIRIDIS.len() - 1;
-    let place = (share.max(0.0).min(1.0) * STEPS).round() / STEPS * last as f32;
+    let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
+    let place = (share * STEPS).round() / STEPS * last as f32;
     let below = (place as usize).min(last - 1);
     let rest = place - below as f32;
     let mix = |i: usize| {

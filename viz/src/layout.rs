@@ -75,7 +75,9 @@ fn pictures(scene: &Scene, properties: &mut Properties) -> Option<ContainerLike>
 }
 
 fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Properties) -> ContainerLike {
-    let mut view = Spatial3DView::new("Film and impactor").with_origin("scene");
+    let mut view = Spatial3DView::new(if scene.body.is_some() { "Film and impactor" } else { "Film" })
+        .with_origin("/")
+        .with_contents(["+ /scene/**"]);
     for film in &scene.films {
         view = view
             .with_override(film::entity(film), Mesh3D::update_fields().visualizer().with_mappings([mapping(quantity)]));

@@ -5,9 +5,10 @@ use std::time::Duration;
 
 use re_sdk::sink::{FileSink, FileSinkOptions};
 use re_sdk::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
-use re_sdk_types::archetypes::{Scalars, SeriesLines, TextDocument, TextLog, ViewCoordinates};
+use re_sdk_types::archetypes::{Scalars, SeriesLines, TextDocument, TextLog, Transform3D, ViewCoordinates};
 use re_sdk_types::components::{MediaType, TextLogLevel};
 
+use crate::eye::Eye;
 use crate::film::Film;
 use crate::live::Address;
 use crate::quantity::Quantity;
@@ -114,7 +115,11 @@ impl<'a> Stage<'a> {
         stream.set_log_tick_enabled(false);
         stream.set_log_time_enabled(false);
         blueprint::send(&stream, scene)?;
-        stream.log_static("scene", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
+        stream.log_static("/", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
+        let enlargement = Eye::on(scene).enlargement;
+        if enlargement > 1.0 {
+            stream.log_static("scene", &Transform3D::from_scale(enlargement))?;
+        }
         scene.quantities.iter().try_for_each(|quantity| quantity.log_legend(&stream))?;
         let films = scene.films.iter().map(|film| Film::begin(&stream, film));
         let films = films.collect::<Result<_, _>>()?;

@@ -25,8 +25,9 @@ fn motion(signals: &Recording) -> Vec<(f64, String)> {
     let contact = force.iter().position(|force| *force > 0.0).map(|k| (k, "first contact".to_owned()));
     let braking = extreme(signals, "acceleration_filtered_m_s2", 1.0)
         .map(|(k, peak)| (k, format!("largest deceleration, {peak:.1} m/s²")));
-    let lowest =
-        extreme(signals, "displacement_m", -1.0).map(|(k, depth)| (k, format!("lowest point, {:.1} mm", 1e3 * depth)));
+    // At the end of what was sampled it may go on.
+    let lowest = extreme(signals, "displacement_m", -1.0).filter(|(k, _)| k + 1 < force.len());
+    let lowest = lowest.map(|(k, depth)| (k, format!("lowest point, {:.1} mm", 1e3 * depth)));
     let rebound = lowest.as_ref().and_then(|(k, _)| rebound(signals, force, *k));
     let timed = |(k, text)| Some((*signals.time.get(k)?, text));
     [contact, braking, lowest, rebound].into_iter().flatten().filter_map(timed).collect()

@@ -9,9 +9,12 @@ use crate::signal::{Recording, Series, says_virtual};
 struct Picture {
     title: &'static str,
     channels: &'static [Shown],
-    /// The recording that the first channel is compared with.
-    reference: Option<(Shown, fn(&Comparison) -> Option<&Series>)>,
+    /// What it is compared with, each with the beginning of its label.
+    measured: &'static [(Shown, MeasuredSeries)],
 }
+
+/// Which series of a recording.
+type MeasuredSeries = fn(&Comparison) -> Option<&Series>;
 
 /// A channel as it is shown.
 struct Shown {
@@ -44,7 +47,7 @@ const FIRST: [Picture; 7] = [
     Picture {
         title: "Acceleration, m/s²",
         channels: &[shown("acceleration_filtered_m_s2", "simulated, filtered"), shown("acceleration_m_s2", RAW)],
-        reference: Some((shown("acceleration_filtered_m_s2", ""), |c| c.acceleration.as_ref())),
+        measured: &[(shown("acceleration_filtered_m_s2", ""), |c| c.acceleration.as_ref())],
     },
     Picture {
         title: "Displacement, mm",
@@ -53,7 +56,9 @@ const FIRST: [Picture; 7] = [
             in_mm("depth_m", "depth_mm"),
             in_mm("deflection_m", "deflection_mm"),
         ],
-        reference: Some((in_mm("displacement_m", "displacement_mm"), |c| c.displacement.as_ref())),
+        measured: &[(Shown { channel: "displacement_m", entity: "displacement_mm", label: "", factor: 1e3 }, |c| {
+            c.displacement.as_ref()
+        })],
     },
     Picture {
         title: "Energy of the impactor, J",
@@ -63,30 +68,33 @@ const FIRST: [Picture; 7] = [
             shown("absorbed_energy_J", "absorbed by the film"),
             shown("total_energy_J", "total"),
         ],
-        reference: None,
+        measured: &[
+            (shown("absorbed_energy_J", "absorbed by the film, "), |c| c.absorbed_energy.as_ref()),
+            (shown("total_energy_J", "total, "), |c| c.total_energy.as_ref()),
+        ],
     },
-    Picture { title: "Force, N", channels: &[shown("force_N", "simulated")], reference: None },
-    Picture { title: "Stress, MPa", channels: &[in_units("stress_Pa", "stress_MPa", 1e-6)], reference: None },
-    Picture { title: "Strain, %", channels: &[in_units("strain", "strain_percent", 100.0)], reference: None },
-    Picture { title: "Pressure, kPa", channels: &[in_units("pressure_Pa", "pressure_kPa", 1e-3)], reference: None },
+    Picture { title: "Force, N", channels: &[shown("force_N", "simulated")], measured: &[] },
+    Picture { title: "Stress, MPa", channels: &[in_units("stress_Pa", "stress_MPa", 1e-6)], measured: &[] },
+    Picture { title: "Strain, %", channels: &[in_units("strain", "strain_percent", 100.0)], measured: &[] },
+    Picture { title: "Pressure, kPa", channels: &[in_units("pressure_Pa", "pressure_kPa", 1e-3)], measured: &[] },
 ];
 
 /// Pictures behind each other.
 const MORE: [Picture; 4] = [
-    Picture { title: "Contact force, N", channels: &[shown("contact_force_N", "simulated")], reference: None },
-    Picture { title: "Velocity, m/s", channels: &[shown("velocity_m_s", "simulated")], reference: None },
+    Picture { title: "Contact force, N", channels: &[shown("contact_force_N", "simulated")], measured: &[] },
+    Picture { title: "Velocity, m/s", channels: &[shown("velocity_m_s", "simulated")], measured: &[] },
     Picture {
         title: "Largest strain, %",
         channels: &[
             Shown { channel: "max_strain_md", entity: "max_strain_md_percent", label: "MD", factor: 100.0 },
             Shown { channel: "max_strain_td", entity: "max_strain_td_percent", label: "TD", factor: 100.0 },
         ],
-        reference: None,
+        measured: &[],
     },
     Picture {
         title: "Pull on the frame, N",
         channels: &[shown("frame_force_x_N", "along x"), shown("frame_force_y_N", "along y")],
-        reference: None,
+        measured: &[],
     },
 ];
 
@@ -96,6 +104,21 @@ struct Measured<'a> {
     comparison: &'a Comparison,
     /// s.
     end: f64,
+}
+
+impl Measured<'_> {
+    /// What was measured of a picture.
+    fn tracks(self, picture: &Picture) -> impl Iterator<Item = SignalTrack> {
+        let Measured { comparison, end } = self;
+        let word = if says_virtual(&comparison.said) { "measured (virtual)" } else { "measured" };
+        picture.measured.iter().filter_map(move |(shown, series)| {
+            let series = series(comparison)?.window([0.0, end]);
+            let label = format!("{}{word}", shown.label);
+            let drawn =
+                track(format!("measured/{}", shown.entity), shown, [series.time(), series.values()], Stroke::target());
+            Some(SignalTrack { label, ..drawn })
+        })
+    }
 }
 
 /// Pictures and their signals.
@@ -127,15 +150,8 @@ impl Picture {
             track(format!("signals/{}", shown.entity), shown, [&signals.time, values], stroke)
         });
         let own: Vec<SignalTrack> = own.collect();
-        let reference = measured.zip(self.reference.as_ref()).filter(|_| !own.is_empty());
-        let reference = reference.and_then(|(Measured { comparison, end }, (shown, series))| {
-            let series = series(comparison)?.window([0.0, end]);
-            let label = if says_virtual(&comparison.said) { "measured (virtual)" } else { "measured" };
-            let shown = Shown { label, ..*shown };
-            let path = format!("measured/{}", shown.entity);
-            Some(track(path, &shown, [series.time(), series.values()], Stroke::target()))
-        });
-        let tracks: Vec<SignalTrack> = reference.into_iter().chain(own).collect();
+        let measured = measured.filter(|_| !own.is_empty()).into_iter().flat_map(|measured| measured.tracks(self));
+        let tracks: Vec<SignalTrack> = measured.chain(own).collect();
         chart(self.title, tracks, all)
     }
 }
@@ -207,9 +223,9 @@ mod tests {
         let comparison = Comparison {
             acceleration: None,
             displacement: Some(series),
-            window: [0.0, 0.1],
             absorbed_energy: None,
             total_energy: None,
+            window: [0.0, 0.1],
             energy_absorption: None,
             said: vec!["VIRTUAL drop test".to_owned()],
             reduced: vec![],

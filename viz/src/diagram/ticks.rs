@@ -44,7 +44,7 @@ impl Scale {
         let decimals = (-step.log10().floor()).max(0.0) as usize;
         let words = |value: f64| match self.logarithmic {
             true => format!("1e{value:.0}"),
-            false if step >= 1e6 || step < 1e-5 => format!("{value:.1e}"),
+            false if !(1e-5..1e6).contains(&step) => format!("{value:.1e}"),
             false => format!("{:.decimals$}", value + 0.0),
         };
         (first..=last).map(|k| k as f64 * step).map(|value| ((value - self.low) / span, words(value))).collect()
