@@ -81,7 +81,7 @@ def plots_are_drawn(look):
         title = figure.locator("h3").inner_text()
         canvas = figure.locator("canvas")
         expect(canvas.count() == 1, f"`{title}` has {canvas.count()} canvases")
-        expect(canvas.evaluate(COLOURED) > 50 or only_ink(figure), f"`{title}` is blank")
+        expect(canvas.evaluate(COLOURED) > 10 or only_ink(figure), f"`{title}` is blank")
     return figures.count()
 
 
