@@ -88,6 +88,7 @@ impl Bar {
     }
 
     /// Tells of something that will be missing.
+    #[cfg(feature = "rerun")]
     pub fn warn(&self, text: &str) {
         self.print(&format!("warning: {text}"));
     }

@@ -22,5 +22,6 @@ mod shipped;
 mod signals;
 mod slow;
 mod verification;
+mod view;
 mod virtual_drops;
 mod workbench;

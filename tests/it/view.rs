@@ -1,0 +1,61 @@
+//! `droptower view` and `run --live`: what they refuse, and how.
+
+use std::fs;
+
+use crate::workbench::{droptower, error};
+
+#[test]
+fn what_cannot_be_opened_is_told_with_a_way_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("empty")).expect("a folder");
+    fs::write(folder.path().join("recording.rrd"), "").expect("a file");
+    for (arguments, expected) in [
+        (&["view", "nowhere"][..], "there is no nowhere"),
+        (&["view", "empty"], "empty holds no recording.rrd"),
+        (&["view", ".", "--viewer", "no-such-viewer"], "pip install rerun-sdk==0.36.3"),
+    ] {
+        let output = droptower(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(error(&output).contains(expected), "{arguments:?}: {}", error(&output));
+    }
+}
+
+/// A viewer that says another version and notes what it was told to open.
+#[cfg(unix)]
+#[test]
+fn a_viewer_of_another_version_is_used_with_a_warning() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("recording.rrd"), "").expect("a file");
+    let viewer = folder.path().join("viewer.sh");
+    fs::write(&viewer, "#!/bin/sh\n[ \"$1\" = --version ] && echo rerun-cli 0.30.1 || echo \"$@\" > opened\n")
+        .expect("a file");
+    fs::set_permissions(&viewer, fs::Permissions::from_mode(0o755)).expect("executable");
+    let output = droptower(folder.path(), &["view", ".", "--viewer", "./viewer.sh"]);
+    assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+    assert!(error(&output).contains("made for the Rerun viewer 0.36"), "{}", error(&output));
+    assert_eq!(fs::read_to_string(folder.path().join("opened")).expect("opened"), "./recording.rrd\n");
+}
+
+#[test]
+fn a_run_is_refused_an_address_that_is_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    assert!(droptower(folder.path(), &["new", "drop", "drop.toml"]).status.success());
+    let output = droptower(folder.path(), &["run", "drop.toml", "--live=nowhere"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("--live: "), "{}", error(&output));
+    assert!(!folder.path().join("runs").exists(), "nothing was written");
+}
+
+#[cfg(feature = "rerun")]
+#[test]
+fn a_missing_viewer_is_a_warning() {
+    let folder = tempfile::tempdir().expect("a folder");
+    assert!(droptower(folder.path(), &["new", "drop", "drop.toml"]).status.success());
+    let coarse = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=10ms"];
+    let live = ["run", "drop.toml", "--live=rerun+http://127.0.0.1:1/proxy"];
+    let output = droptower(folder.path(), &[&live[..], &coarse].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+    assert!(error(&output).contains("warning: --live: no viewer answers"), "{}", error(&output));
+    assert!(folder.path().join("runs/drop/recording.rrd").is_file());
+}
