@@ -8,7 +8,7 @@ const MOST_CURVES: usize = 8;
 
 /// Objective and unknowns over iterations, then what was pursued; none of a search that ended where it began.
 pub fn plots(convergence: &Convergence) -> Vec<Plot> {
-    let own = [objective(convergence), unknowns(convergence)].into_iter().filter(|plot| has_lines(plot));
+    let own = [objective(convergence), unknowns(convergence)].into_iter().filter(has_lines);
     own.chain(convergence.pursuits.iter().map(|pursuit| chosen(convergence, pursuit))).collect()
 }
 
