@@ -10,11 +10,12 @@ use sha2::{Digest, Sha256};
 
 const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
 
-/// What every page runs, in this order: the plotting library, the page's own parts, the plots, the film.
-const SCRIPTS: [&str; 4] = [
+/// What every page runs, in this order: the plotting library, the page's own parts, the plots, the raster, the film.
+const SCRIPTS: [&str; 5] = [
     include_str!("page/uplot/uPlot.iife.min.js"),
     include_str!("page/page.js"),
     include_str!("page/plots.js"),
+    include_str!("page/raster.js"),
     include_str!("page/film.js"),
 ];
 

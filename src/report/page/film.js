@@ -1,12 +1,15 @@
-// Draws the figure of class "film": faces and impactor in 3-D on a plain canvas, patch by patch from back to front, so that
-// it works wherever a page opens. Times go by the event "moment", as those of the plots do.
+// Draws the figure of class "film": faces and impactor in 3-D on a plain canvas, by a raster of its own, so that it works
+// wherever a page opens. Times go by the event "moment", as those of the plots do.
 (() => {
   "use strict";
 
-  const { make } = page;
+  const { make, Raster } = page;
   const WORDS = "time (ms)";
   const BROKEN = 255;
   const EDGES = 2500; // patches from which their edges are no longer drawn
+  const SHARPER = 2; // pixels of the raster in one of the page
+  const GLASS = 0.42; // share of the impactor's own colour
+  const APART = 0.02; // of a patch: by how much faces that lie on each other are set apart
   const AROUND = 36; // facets around a body of revolution
   const PLAYED = 5000; // ms that the whole film takes
   const LIGHT = [0.35, -0.5, 0.79];
@@ -70,6 +73,7 @@
       this.whole = true;
       [this.yaw, this.pitch] = VIEWS.aslant;
       this.zoom = 1;
+      this.raster = new Raster();
       this.centre = this.middle(data.box);
       this.fit();
       this.build();
@@ -309,26 +313,14 @@
       context.clearRect(0, 0, width, height);
 
       const look = this.camera(width, height, this.scaleIn(width, height));
-      const patches = [];
-      this.film(look, patches);
-      this.impactor(look, patches);
-      patches.sort((a, b) => a.depth - b.depth);
-      context.lineJoin = "round";
-      context.lineWidth = 0.7 * ratio;
-      for (const { places, fill, edge, alpha } of patches) {
-        context.globalAlpha = alpha;
-        context.beginPath();
-        context.moveTo(places[0], places[1]);
-        for (let at = 2; at < places.length; at += 2) context.lineTo(places[at], places[at + 1]);
-        context.closePath();
-        context.fillStyle = fill;
-        context.fill();
-        if (edge) {
-          context.strokeStyle = edge;
-          context.stroke();
-        }
-      }
-      context.globalAlpha = 1;
+      const [wide, tall] = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.round(SHARPER * side));
+      this.raster.size(wide, tall);
+      this.raster.clear();
+      const sharper = this.camera(wide, tall, this.scaleIn(wide, tall));
+      this.film(sharper);
+      this.impactor(sharper);
+      this.raster.glaze(GLASS, 0.01 * (this.ends[0] - this.ends[1]));
+      this.raster.show(context, width, height);
       this.triad(context, look, ratio, height, style.color);
       const { range } = QUANTITIES[this.quantity];
       const [low, high] = this.ranges[range];
@@ -366,7 +358,7 @@
       return { project, facing };
     }
 
-    film(look, patches) {
+    film(look) {
       const [a, b, share] = this.between();
       const { of, range } = QUANTITIES[this.quantity];
       const [low, high] = this.ranges[range];
@@ -391,7 +383,7 @@
         for (let at = 0; at < points.length; at++) points[at] = mixed(a.points[3 * node + at], b.points[3 * node + at], share);
         const signs = (axis) => (mirrored[axis] && (this.whole || axis === 0) ? [1, -1] : [1]);
         for (const sx of signs(0)) {
-          for (const sy of signs(1)) this.sheet(look, points, corners, colours, { face, sx, sy, edges }, patches);
+          for (const sy of signs(1)) this.sheet(look, points, corners, colours, { face, sx, sy, edges });
         }
         node += nodes;
         element += corners.length / 4;
@@ -399,7 +391,7 @@
     }
 
     /** One image of a face. */
-    sheet({ project, facing }, points, corners, colours, { face, sx, sy, edges }, patches) {
+    sheet({ project, facing }, points, corners, colours, { face, sx, sy, edges }) {
       const seen = new Float32Array(points.length);
       for (let at = 0; at < points.length; at += 3) seen.set(project(sx * points[at], sy * points[at + 1], points[at + 2]), at);
       for (let at = 0; at < colours.length; at++) {
@@ -414,18 +406,21 @@
         const length = Math.hypot(nx, ny, nz) || 1;
         const [near, lit] = facing(nx / length, ny / length, nz / length);
         const shade = 0.62 + 0.38 * Math.max(0, near < 0 ? -lit : lit);
-        const fill = page.rgb(colour.map((part) => part * shade));
-        const places = [p, q, r].concat(s === r ? [] : [s]).flatMap((corner) => [seen[3 * corner], seen[3 * corner + 1]]);
-        // Where faces lie on each other and on the impactor, the first is the upper one, whichever side is seen.
+        // Where faces lie on each other, the first is the upper one, whichever side is seen.
         const size = Math.max(Math.hypot(ux, uy, uz), Math.hypot(vx, vy, vz));
-        const under = 0.8 * size * (face + 1) * Math.sign(near * sx * sy);
-        const depth = (seen[3 * p + 2] + seen[3 * q + 2] + seen[3 * r + 2] + seen[3 * s + 2]) / 4 - under;
-        patches.push({ places, fill, edge: edges ? page.rgb(colour.map((part) => part * shade * 0.78)) : fill, depth, alpha: 1 });
+        const under = APART * size * (face + 1) * Math.sign(near * sx * sy);
+        const places = (s === r ? [p, q, r] : [p, q, r, s]).map((corner) => [
+          seen[3 * corner],
+          seen[3 * corner + 1],
+          seen[3 * corner + 2] - under,
+        ]);
+        const [fill, edge] = [shade, 0.72 * shade].map((light) => Raster.colour(colour.map((part) => part * light)));
+        this.raster.patch(places, fill, edge, edges ? 0.35 * SHARPER : 0);
       }
     }
 
     /** The side of the impactor that is seen, glassy so that the film behind it is too. */
-    impactor({ project, facing }, patches) {
+    impactor({ project, facing }) {
       const [a, b, share] = this.between();
       if (!a.pose || !b.pose) return;
       const pose = a.pose.map((part, at) => mixed(part, b.pose[at], share));
@@ -441,9 +436,7 @@
         const [near, lit] = facing(...normal.map((c) => (s === r ? -c : c) / length));
         if (near <= 0 || (!this.whole && [p, q, r, s].every((corner) => places[corner][1] < -1e-9))) continue;
         const shade = 95 + 120 * Math.max(0, lit);
-        const corners = [p, q, r, s].flatMap((corner) => [seen[corner][0], seen[corner][1]]);
-        const depth = (seen[p][2] + seen[q][2] + seen[r][2] + seen[s][2]) / 4;
-        patches.push({ places: corners, fill: page.rgb([shade, shade, shade + 8]), edge: null, depth, alpha: 0.42 });
+        this.raster.pane((s === r ? [p, q, r] : [p, q, r, s]).map((corner) => seen[corner]), Raster.colour([shade, shade, shade + 8]));
       }
     }
 
