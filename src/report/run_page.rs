@@ -47,7 +47,7 @@ pub fn run_page(run: &RunPage) -> Result<String, MeshError> {
     let body = [
         format!("<h1>{}</h1>\n{}", escape(&model.title), lead(run)),
         warnings(run),
-        key_figures::cards(&results.measures, &summary),
+        key_figures::cards(run, &summary),
         html::section("Film", &film::figure(model, outcome, &results.signals)?),
         html::section("Signals", &plot::figures(&run_plots::signals(run))),
         findings::sections(&results.findings),
