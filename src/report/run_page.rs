@@ -78,10 +78,7 @@ fn warnings(run: &RunPage) -> String {
     let rupture = run.outcome.rupture_time.map(|time| format!("The film ruptured at {}", duration(time)));
     let warnings = run.results.measures.warnings().iter().cloned();
     let lines: Vec<String> = failure.into_iter().chain(rupture).chain(warnings).collect();
-    if lines.is_empty() {
-        return String::new();
-    }
-    format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{}</div>\n", html::list(&lines))
+    html::warnings("Warnings", &lines)
 }
 
 /// All figures of the summary, those of the machine behind a fold.
