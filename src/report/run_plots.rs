@@ -1,11 +1,9 @@
 //! The plots of one run.
 
 use super::RunPage;
-use crate::plot::{Curve, Plot, Window};
+use crate::plot::{Curve, Plot, TIME, Window};
 use crate::post::{Comparison, Measures};
 use crate::signal::{Channel, Recording, Series, says_virtual};
-
-const TIME: &str = "time (ms)";
 
 /// Signals over time and against each other, by kind of loading.
 pub(super) fn signals(run: &RunPage) -> Vec<Plot> {
