@@ -7,6 +7,7 @@ use super::{duration, figure, film, findings, key_figures, plot, run_plots, subj
 use crate::diagnostic::shown_path;
 use crate::mesh::MeshError;
 use crate::model::{Model, Window};
+use crate::plot::thinned;
 use crate::post::Results;
 use crate::signal::says_virtual;
 use crate::simulate::Outcome;
@@ -24,6 +25,9 @@ pub struct RunPage<'a> {
     /// Names of the other files in the run's folder.
     pub files: &'a [String],
 }
+
+/// Points of the signals, of the energies, and of what the script left: beside the film, the page so stays below 3 MB.
+const MOST_POINTS: [usize; 3] = [35_000, 10_000, 40_000];
 
 /// Figures of the machine and the mesh, not of the film.
 const COST: [&str; 8] = [
@@ -49,8 +53,8 @@ pub fn run_page(run: &RunPage) -> Result<String, MeshError> {
         warnings(run),
         key_figures::cards(run, &summary),
         html::section("Film", &film::figure(model, outcome, &results.signals)?),
-        html::section("Signals", &plot::figures(&run_plots::signals(run))),
-        findings::sections(&results.findings),
+        html::section("Signals", &plot::figures(&thinned(run_plots::signals(run), MOST_POINTS[0]))),
+        findings::sections(&results.findings, MOST_POINTS[2]),
         html::section("Figures", &figures(&summary)),
         html::section("Audit", &audit(run)),
         html::section("Reference", &reference(run)),
@@ -103,7 +107,8 @@ fn audit(run: &RunPage) -> String {
         ),
     };
     let rates = plot::rates("Strain rates while loading", &audit.strain_rates);
-    let energies = format!("<div>\n{}{note}</div>\n", plot::figure(&energies));
+    let energies = plot::figures(&thinned(vec![energies], MOST_POINTS[1]));
+    let energies = format!("<div>\n{energies}{note}</div>\n");
     let header =
         ["face", "elements", "shortest edge (mm)", "longest edge (mm)", "aspect ratio", "scaled Jacobian", "skew"];
     let row = |(face, mesh): (usize, &crate::post::MeshFigures)| {
