@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
+use super::{COST, HEADER};
 use crate::scenario;
 use crate::signal::norm::relative_error;
 use crate::signal::{Series, says_virtual};
@@ -80,21 +81,6 @@ const KEY: [&str; 12] = [
     "energy_balance_error",
     "ruptured",
 ];
-
-/// Figures of the machine and of the mesh, which differ from one run of a scenario to the next, or say what the keys do.
-const COST: [&str; 8] = [
-    "elements",
-    "bytes_per_element",
-    "steps",
-    "time_step_s",
-    "wall_s",
-    "ns_per_element_step",
-    "threads",
-    "instructions",
-];
-
-/// Entries of a summary that are no figures, and keys that decide nothing.
-const NAMES: [&str; 3] = ["scenario", "title", "droptower"];
 
 impl Overlay {
     /// The runs laid over each other; of the signals only those that `wanted` names, or all where it names none.
@@ -183,7 +169,7 @@ fn names(places: &[&Path]) -> Vec<String> {
 
 fn figures(runs: &[Kept]) -> Vec<Figures> {
     let is_figure = |name: &String, value: &Value| {
-        !NAMES.contains(&name.as_str()) && (value.is_number() || value.is_string() || value.is_boolean())
+        !HEADER.contains(&name.as_str()) && (value.is_number() || value.is_string() || value.is_boolean())
     };
     let mut all: Vec<Figures> = vec![];
     for (name, _) in runs.iter().flat_map(|run| &run.summary).filter(|(name, value)| is_figure(name, value)) {
@@ -205,7 +191,7 @@ fn keys(runs: &[Kept]) -> Vec<Keys> {
         path: path.clone(),
         values: scenarios.iter().map(|scenario| scenario.get(path).cloned()).collect(),
     };
-    paths.into_iter().filter(|path| !NAMES.contains(&path.as_str())).filter(differs).map(of).collect()
+    paths.into_iter().filter(|path| !HEADER.contains(&path.as_str())).filter(differs).map(of).collect()
 }
 
 /// The common signals, and what is to be said of the others.

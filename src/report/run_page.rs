@@ -8,8 +8,7 @@ use crate::diagnostic::shown_path;
 use crate::mesh::MeshError;
 use crate::model::{Model, Window};
 use crate::plot::thinned;
-use crate::post::Results;
-use crate::signal::says_virtual;
+use crate::post::{COST, Comparison, HEADER, Results};
 use crate::simulate::Outcome;
 
 /// What the page of a run is made of.
@@ -28,18 +27,6 @@ pub struct RunPage<'a> {
 
 /// Points of the signals, of the energies, and of what the script left: beside the film, the page so stays below 3 MB.
 const MOST_POINTS: [usize; 3] = [35_000, 10_000, 40_000];
-
-/// Figures of the machine and the mesh, not of the film.
-const COST: [&str; 8] = [
-    "elements",
-    "steps",
-    "time_step_s",
-    "wall_s",
-    "ns_per_element_step",
-    "bytes_per_element",
-    "threads",
-    "instructions",
-];
 
 /// `report.html` of a run.
 ///
@@ -71,7 +58,7 @@ fn lead(run: &RunPage) -> String {
     let RunPage { model, results, .. } = run;
     let file = |path: &std::path::Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
     let against = model.reference.as_ref().and_then(|reference| file(&reference.signals));
-    let is_virtual = results.comparison.as_ref().is_some_and(|comparison| says_virtual(&comparison.said));
+    let is_virtual = results.comparison.as_ref().is_some_and(Comparison::is_virtual);
     let kind = if is_virtual { "the virtual recording" } else { "the recording" };
     let against = against.map_or(String::new(), |file| format!(", against {kind} {file}"));
     format!("<p class=\"lead\">{}</p>\n", escape(&format!("{}: {}{against}", model.name, subject(model))))
@@ -88,7 +75,7 @@ fn warnings(run: &RunPage) -> String {
 /// All figures of the summary, those of the machine behind a fold.
 fn figures(summary: &Map<String, Value>) -> String {
     let is_cost = |name: &String| COST.contains(&name.as_str());
-    let own = |name: &String| !["scenario", "title", "droptower"].contains(&name.as_str());
+    let own = |name: &String| !HEADER.contains(&name.as_str());
     let figures = figure::table(summary.iter().filter(|(name, _)| own(name) && !is_cost(name)));
     let cost = figure::table(summary.iter().filter(|(name, _)| is_cost(name)));
     format!("{figures}<h3>Mesh and machine</h3>\n{cost}")

@@ -3,7 +3,7 @@
 use droptower_viz::{Chart, Places, SignalTrack, Stroke};
 
 use crate::post::Comparison;
-use crate::signal::{Recording, Series, says_virtual};
+use crate::signal::{Recording, Series};
 
 /// Channels in one picture.
 struct Picture {
@@ -110,7 +110,7 @@ impl Measured<'_> {
     /// What was measured of a picture.
     fn tracks(self, picture: &Picture) -> impl Iterator<Item = SignalTrack> {
         let Measured { comparison, end } = self;
-        let word = if says_virtual(&comparison.said) { "measured (virtual)" } else { "measured" };
+        let word = comparison.label();
         picture.measured.iter().filter_map(move |(shown, series)| {
             let series = series(comparison)?.window([0.0, end]);
             let label = format!("{}{word}", shown.label);
