@@ -77,6 +77,9 @@ fn documents(run: &RunPage) -> Vec<Document> {
     let summary =
         format!("# {}\n\n{}\n\n{warnings}\n{figures}", text::escaped(&model.title), text::escaped(&subject(model)));
     let summary = Text { title: SUMMARY.to_owned(), markdown: summary };
-    let texts = std::iter::once(summary).chain(Text::tables(&results.findings)).chain([scenario(run.scenario)]);
+    let texts = std::iter::once(summary)
+        .chain(Text::tables(&results.findings))
+        .chain(Text::files(&results.findings))
+        .chain([scenario(run.scenario)]);
     texts.map(|text| text.document()).collect()
 }
