@@ -469,6 +469,19 @@ mod tests {
     }
 
     #[test]
+    fn page_and_recording_have_the_same_colours() {
+        let rows = |text: &'static str| -> String {
+            let (_, rest) = text.split_once("const VIRIDIS").expect("colours");
+            let (_, rest) = rest.split_once("= [").expect("their beginning");
+            let (rows, _) = rest.split_once("];").expect("their end");
+            rows.split_whitespace().collect()
+        };
+        let [page, recording] = [include_str!("page/page.js"), include_str!("../../viz/src/colour.rs")].map(rows);
+        assert_eq!(page.matches('[').count(), 9);
+        assert_eq!(page, recording);
+    }
+
+    #[test]
     fn states_hold_the_moments_and_stay_few() {
         let (points, film) = sheet(1);
         let frames: Vec<Frame> = (0..240).map(|at| frame(f64::from(at) * 0.5e-3, &points, &film)).collect();
