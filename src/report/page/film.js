@@ -113,8 +113,9 @@
         ends[2] = Math.max(ends[2], down);
         ends[3] = Math.min(ends[3], down);
       };
-      const every = Math.ceil(this.states.length / 8);
-      for (const { points } of this.states.filter((_, at) => at % every === 0)) {
+      const lowest = Math.min(0, ...this.body.points.map(([, , z]) => z));
+      for (const { points, pose } of this.states) {
+        if (pose) take(pose[0], pose[1], pose[2] + lowest);
         for (let at = 0; at < points.length; at += 3) {
           for (const sx of mirrored[0] ? [1, -1] : [1]) {
             for (const sy of mirrored[1] ? [1, -1] : [1]) take(sx * points[at], sy * points[at + 1], points[at + 2]);
