@@ -87,7 +87,7 @@ mod tests {
     fn of_long_files_the_first_lines_are_shown() {
         let content: String = (0..50).map(|i| format!("{i},1\n")).collect();
         let text = file(&File { name: "tests_a.csv".into(), content });
-        assert!(text.starts_with("## tests\\_a.csv\n\n50 lines, 230 bytes\n\n```\n0,1\n1,1\n"), "{text}");
+        assert!(text.starts_with("## tests\\_a.csv\n\n50 lines, 240 bytes\n\n```\n0,1\n1,1\n"), "{text}");
         assert!(text.ends_with("\n9,1\n```\n"), "{text}");
         assert!(Text::files(&Findings::default()).is_none());
     }
