@@ -245,4 +245,26 @@ mod tests {
             ("measured (virtual)", &[-100.0, -200.0][..])
         );
     }
+
+    #[test]
+    fn two_that_were_measured_have_two_colours() {
+        let series = || Some(Series::new(vec![0.0, 0.1], vec![0.0, 1.0]));
+        let comparison = Comparison {
+            acceleration: None,
+            displacement: series(),
+            absorbed_energy: series(),
+            total_energy: series(),
+            window: [0.0, 0.1],
+            energy_absorption: None,
+            said: vec![],
+            reduced: vec![],
+        };
+        let names = ["displacement_m", "kinetic_energy_J", "absorbed_energy_J", "total_energy_J"];
+        let tracks = of(&recording(&names), &recording(&[]), Some(&comparison), 0.1).tracks;
+        let stroke = |path: &str| tracks.iter().find(|track| track.path == path).map(|track| track.stroke);
+        let [absorbed, total] = ["absorbed_energy_J", "total_energy_J"].map(|name| stroke(&format!("measured/{name}")));
+        assert_ne!(absorbed, total);
+        assert_eq!(total, stroke("signals/total_energy_J").map(Stroke::target_of));
+        assert_eq!(stroke("measured/displacement_mm"), Some(Stroke::target()));
+    }
 }
