@@ -8,13 +8,13 @@ use crate::report::body::Body;
 use crate::simulate::Frame;
 
 /// The impactor in the states `frames`.
-pub fn track(impactor: &Impactor, frames: &[Frame]) -> Result<BodyTrack, MeshError> {
+pub fn track(impactor: &Impactor, frames: &[&Frame]) -> Result<BodyTrack, MeshError> {
     let shape = match Body::of(&impactor.shape)? {
         Body::Sphere { radius } => BodyShape::Sphere { radius },
         Body::Revolved { profile } => BodyShape::Revolved { profile },
         Body::Surface { points, triangles } => BodyShape::Surface { points, triangles },
     };
-    Ok(BodyTrack { name: "impactor".to_owned(), shape, poses: frames.iter().filter_map(pose).collect() })
+    Ok(BodyTrack { name: "impactor".to_owned(), shape, poses: frames.iter().filter_map(|frame| pose(frame)).collect() })
 }
 
 /// Where the impactor is in a state.

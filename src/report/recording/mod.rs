@@ -13,11 +13,15 @@ mod text;
 
 use std::path::Path;
 
-use droptower_viz::{Document, Scene, VizError};
+use std::time::Duration;
+
+use droptower_viz::{Document, Scene, Stage, VizError};
 use thiserror::Error;
 
+use super::film::is_finite;
 use super::{RunPage, figure, subject};
 use crate::mesh::MeshError;
+use crate::simulate::Frame;
 pub use comparison::write_comparison;
 pub use droptower_viz::Address;
 pub use live::{Live, LiveError};
@@ -33,32 +37,56 @@ pub enum RecordingError {
     Impactor(#[from] MeshError),
 }
 
-/// Writes the recording of a run to `path`.
+/// Longest time that a file may take to be written.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// Writes the recording of a run to `path`, state by state.
 ///
 /// # Errors
 /// The file cannot be written, or the mesh of the impactor cannot be read.
 pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
-    Ok(droptower_viz::write(path, &scene(run)?)?)
+    let outcome = run.outcome;
+    let frames = drawn(&outcome.frames);
+    let mut stage = Stage::file(path, scene(run, &frames)?)?;
+    for frame in frames {
+        for (face, film) in outcome.films.iter().enumerate() {
+            stage.film(face, &film::state(film, frame, face))?;
+        }
+    }
+    Ok(stage.finish(PATIENCE)?)
 }
 
-fn scene(run: &RunPage) -> Result<Scene, MeshError> {
+/// All but the states of the films, of which `frames` are shown.
+fn scene(run: &RunPage, frames: &[&Frame]) -> Result<Scene, MeshError> {
     let RunPage { model, outcome, results, .. } = run;
     let signals = signals::of(&results.signals, &outcome.energies, results.comparison.as_ref(), model.run_time());
     let impactor = model.impactor.as_ref();
     Ok(Scene {
         name: model.name.clone(),
         is_live: false,
+        extent: film::extent(&outcome.films, &ends(frames, run.failure.is_some())),
         duration: model.run_time(),
         documents: documents(run),
-        quantities: film::quantities(&outcome.frames),
-        films: (0..outcome.films.len()).map(|face| film::track(outcome, face)).collect(),
-        body: impactor.map(|impactor| body::track(impactor, &outcome.frames)).transpose()?,
+        quantities: film::quantities(frames),
+        films: film::tracks(&outcome.films),
+        body: impactor.map(|impactor| body::track(impactor, frames)).transpose()?,
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
         diagrams: diagram::diagrams("plots", &results.findings.plots).collect(),
         events: events::of(run),
     })
+}
+
+/// The states that can be drawn: what flew to infinity before a run broke off cannot.
+fn drawn(frames: &[Frame]) -> Vec<&Frame> {
+    frames.iter().filter(|frame| is_finite(frame)).collect()
+}
+
+/// The states that have to be in view: the first and the last, which of a run that broke off may be anywhere.
+fn ends<'a>(frames: &[&'a Frame], broke_off: bool) -> Vec<&'a Frame> {
+    let last = frames.last().filter(|_| !broke_off);
+    frames.first().into_iter().chain(last).copied().collect()
 }
 
 /// Title of the text that a run opens with.
@@ -82,4 +110,29 @@ fn documents(run: &RunPage) -> Vec<Document> {
         .chain(Text::files(&results.findings))
         .chain([scenario(run.scenario)]);
     texts.map(|text| text.document()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::FilmState;
+
+    #[test]
+    fn what_flew_off_is_neither_drawn_nor_looked_at() {
+        let frame = |place: f32| {
+            let state = FilmState {
+                positions: vec![[place; 3]],
+                strains: vec![],
+                broken: vec![],
+                touching: vec![],
+                detail: None,
+            };
+            Frame { time: 0.0, films: vec![state], impactor: None }
+        };
+        let frames = [0.0, 1.0, 1e9, f32::NAN].map(frame);
+        let drawn = drawn(&frames);
+        let at = |frames: Vec<&Frame>| frames.iter().map(|frame| frame.films[0].positions[0][0]).collect::<Vec<_>>();
+        assert_eq!(at(drawn.clone()), [0.0, 1.0, 1e9]);
+        assert_eq!((at(ends(&drawn, false)), at(ends(&drawn, true))), (vec![0.0, 1e9], vec![0.0]));
+    }
 }

@@ -107,15 +107,20 @@ struct Measured<'a> {
 }
 
 impl Measured<'_> {
-    /// What was measured of a picture.
-    fn tracks(self, picture: &Picture) -> impl Iterator<Item = SignalTrack> {
+    /// What was measured of a picture, beside what was simulated: one in grey, of several each in the colour of its own.
+    fn tracks(self, picture: &Picture, own: &[SignalTrack]) -> impl Iterator<Item = SignalTrack> {
         let Measured { comparison, end } = self;
         let word = comparison.label();
         picture.measured.iter().filter_map(move |(shown, series)| {
             let series = series(comparison)?.window([0.0, end]);
             let label = format!("{}{word}", shown.label);
-            let drawn =
-                track(format!("measured/{}", shown.entity), shown, [series.time(), series.values()], Stroke::target());
+            let path = format!("measured/{}", shown.entity);
+            let its_own = own.iter().find(|track| track.path.ends_with(&format!("/{}", shown.entity)));
+            let stroke = match its_own.filter(|_| picture.measured.len() > 1) {
+                Some(track) => track.stroke.target_of(),
+                None => Stroke::target(),
+            };
+            let drawn = track(path, shown, [series.time(), series.values()], stroke);
             Some(SignalTrack { label, ..drawn })
         })
     }
@@ -150,8 +155,10 @@ impl Picture {
             track(format!("signals/{}", shown.entity), shown, [&signals.time, values], stroke)
         });
         let own: Vec<SignalTrack> = own.collect();
-        let measured = measured.filter(|_| !own.is_empty()).into_iter().flat_map(|measured| measured.tracks(self));
-        let tracks: Vec<SignalTrack> = measured.chain(own).collect();
+        let measured =
+            measured.filter(|_| !own.is_empty()).into_iter().flat_map(|measured| measured.tracks(self, &own));
+        let mut tracks: Vec<SignalTrack> = measured.collect();
+        tracks.extend(own);
         chart(self.title, tracks, all)
     }
 }
@@ -237,5 +244,27 @@ mod tests {
             (tracks[0].label.as_str(), tracks[0].values.as_slice()),
             ("measured (virtual)", &[-100.0, -200.0][..])
         );
+    }
+
+    #[test]
+    fn two_that_were_measured_have_two_colours() {
+        let series = || Some(Series::new(vec![0.0, 0.1], vec![0.0, 1.0]));
+        let comparison = Comparison {
+            acceleration: None,
+            displacement: series(),
+            absorbed_energy: series(),
+            total_energy: series(),
+            window: [0.0, 0.1],
+            energy_absorption: None,
+            said: vec![],
+            reduced: vec![],
+        };
+        let names = ["displacement_m", "kinetic_energy_J", "absorbed_energy_J", "total_energy_J"];
+        let tracks = of(&recording(&names), &recording(&[]), Some(&comparison), 0.1).tracks;
+        let stroke = |path: &str| tracks.iter().find(|track| track.path == path).map(|track| track.stroke);
+        let [absorbed, total] = ["absorbed_energy_J", "total_energy_J"].map(|name| stroke(&format!("measured/{name}")));
+        assert_ne!(absorbed, total);
+        assert_eq!(total, stroke("signals/total_energy_J").map(Stroke::target_of));
+        assert_eq!(stroke("measured/displacement_mm"), Some(Stroke::target()));
     }
 }
