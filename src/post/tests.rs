@@ -84,6 +84,7 @@ fn outcome() -> Outcome {
         energies,
         frames: Vec::new(),
         films: Vec::new(),
+        impactor: None,
         rates: RateHistogram::default(),
         warnings: vec!["as made".into()],
         rupture_time: None,

@@ -5,7 +5,6 @@ use serde_json::{Map, Value};
 use super::html::{self, escape};
 use super::{duration, figure, film, findings, key_figures, plot, run_plots, subject, vtu};
 use crate::diagnostic::shown_path;
-use crate::mesh::MeshError;
 use crate::model::{Model, Window};
 use crate::post::Results;
 use crate::signal::says_virtual;
@@ -38,17 +37,14 @@ const COST: [&str; 8] = [
 ];
 
 /// `report.html` of a run.
-///
-/// # Errors
-/// The impactor's mesh cannot be read any more.
-pub fn run_page(run: &RunPage) -> Result<String, MeshError> {
+pub fn run_page(run: &RunPage) -> String {
     let RunPage { model, outcome, results, .. } = run;
     let summary = results.summary(model);
     let body = [
         format!("<h1>{}</h1>\n{}", escape(&model.title), lead(run)),
         warnings(run),
         key_figures::cards(&results.measures, &summary),
-        html::section("Film", &film::figure(model, outcome, &results.signals)?),
+        html::section("Film", &film::figure(model, outcome, &results.signals)),
         html::section("Signals", &plot::figures(&run_plots::signals(run))),
         findings::sections(&results.findings),
         html::section("Figures", &figures(&summary)),
@@ -59,7 +55,7 @@ pub fn run_page(run: &RunPage) -> Result<String, MeshError> {
         html::section("Run it again", &again(run)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
-    Ok(html::page(&model.title, &body.concat()))
+    html::page(&model.title, &body.concat())
 }
 
 /// What was run and what it is held against, in words.

@@ -1,6 +1,6 @@
 //! From where a scene is looked at.
 
-use crate::scene::{BodyShape, FilmTrack, Scene};
+use crate::scene::{FilmTrack, Scene};
 
 /// Direction from the scene to the eye: from the side and a little above, so that film and body are both seen.
 const DIRECTION: [f32; 3] = [0.56, -0.79, 0.24];
@@ -69,12 +69,7 @@ fn film_ends(film: &FilmTrack) -> impl Iterator<Item = [f32; 3]> + '_ {
 fn body_top(scene: &Scene) -> f32 {
     let place = scene.body.as_ref().and_then(|body| Some((body, body.poses.first()?)));
     let Some((body, pose)) = place else { return f32::NEG_INFINITY };
-    let reach = match &body.shape {
-        BodyShape::Sphere { radius } => *radius,
-        BodyShape::Revolved { profile } => profile.iter().map(|[_, z]| *z).fold(0.0, f32::max),
-        BodyShape::Surface { points, .. } => points.iter().map(|point| point[2]).fold(0.0, f32::max),
-    };
-    pose.position[2] + reach
+    pose.position[2] + body.points.iter().map(|point| point[2]).fold(0.0, f32::max)
 }
 
 #[cfg(test)]

@@ -60,26 +60,11 @@ pub struct FilmFrame {
 #[derive(Clone, Debug)]
 pub struct BodyTrack {
     pub name: String,
-    pub shape: BodyShape,
+    /// Points of its surface in its own axes.
+    pub points: Vec<[f32; 3]>,
+    /// Corners of each triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
     pub poses: Vec<Pose>,
-}
-
-/// Shape of a body in its own axes.
-#[derive(Clone, Debug)]
-pub enum BodyShape {
-    Sphere {
-        radius: f32,
-    },
-    /// Surface made by turning a line about the z axis; its points are distance from the axis and z,
-    /// from the top to the bottom.
-    Revolved {
-        profile: Vec<[f32; 2]>,
-    },
-    /// Points and triangles, counter-clockwise seen from outside.
-    Surface {
-        points: Vec<[f32; 3]>,
-        triangles: Vec<[u32; 3]>,
-    },
 }
 
 /// Where a body is at one time.

@@ -2,8 +2,8 @@
 
 use droptower_viz::playback::Playback;
 use droptower_viz::{
-    Axis, BodyShape, BodyTrack, Chart, Curve, Diagram, Document, Event, FilmFrame, FilmTrack, ITERATION, Look, Moment,
-    Places, Pose, Quantity, Scene, Severity, SignalTrack, State, Stroke, TIME, VizError, Window, write,
+    Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, FilmFrame, FilmTrack, ITERATION, Look, Moment, Places,
+    Pose, Quantity, Scene, Severity, SignalTrack, State, Stroke, TIME, VizError, Window, write,
 };
 use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Transform3D};
 use re_sdk_types::blueprint::components::{TimelineName, ViewClass};
@@ -67,7 +67,8 @@ fn scene(films: Vec<FilmTrack>, signals: Vec<SignalTrack>) -> Scene {
         charts: vec![Chart { title: "All".to_owned(), signals: signals.iter().map(|s| s.path.clone()).collect() }],
         body: Some(BodyTrack {
             name: "impactor".to_owned(),
-            shape: BodyShape::Sphere { radius: 0.15 },
+            points: vec![[0.1, 0.0, 0.1], [-0.1, 0.0, 0.1], [0.0, 0.1, -0.1], [0.0, -0.1, -0.1]],
+            triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
             poses: (0..3)
                 .map(|i| Pose { time: f64::from(i), position: [0.0, 0.0, i as f32], rotation: [0.0, 0.0, 0.0, 1.0] })
                 .collect(),

@@ -88,7 +88,7 @@ impl<'a> Live<'a> {
     /// The impactor cannot be drawn.
     pub fn show(&mut self, glimpse: &Glimpse<'_>) -> Result<(), LiveError> {
         if self.viewer.is_none() {
-            let scene = self.scene(glimpse)?;
+            let scene = self.scene(glimpse);
             self.ranges = scene.quantities.iter().map(|quantity| quantity.range).collect();
             self.sent = [glimpse.signals.time.len(), glimpse.energies.time.len()];
             self.viewer = Some(Viewer::start(self.address.clone(), scene));
@@ -124,7 +124,7 @@ impl<'a> Live<'a> {
     }
 
     /// The scene with the first state.
-    fn scene(&self, glimpse: &Glimpse<'_>) -> Result<Scene, RecordingError> {
+    fn scene(&self, glimpse: &Glimpse<'_>) -> Scene {
         let Live { model, comparison, scenario, .. } = self;
         let signals = signals::of(glimpse.signals, glimpse.energies, *comparison, model.run_time());
         let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&subject(model)));
@@ -134,20 +134,19 @@ impl<'a> Live<'a> {
             ..film::alone(film, face)
         });
         let quantities = film::quantities(std::slice::from_ref(glimpse.frame));
-        let impactor = model.impactor.as_ref();
-        Ok(Scene {
+        Scene {
             name: model.name.clone(),
             duration: model.run_time(),
             is_live: true,
             documents: texts.iter().map(super::Text::document).collect(),
             quantities: quantities.into_iter().map(spread).collect(),
             films: films.collect(),
-            body: impactor.map(|impactor| body::track(impactor, std::slice::from_ref(glimpse.frame))).transpose()?,
+            body: glimpse.impactor.map(|impactor| body::track(impactor, std::slice::from_ref(glimpse.frame))),
             signals: signals.tracks,
             charts: signals.charts,
             more_charts: signals.more_charts,
             ..Scene::default()
-        })
+        }
     }
 
     fn state(&mut self, glimpse: &Glimpse<'_>) -> News {

@@ -17,7 +17,6 @@ use droptower_viz::{Document, Scene, VizError};
 use thiserror::Error;
 
 use super::{RunPage, figure, subject};
-use crate::mesh::MeshError;
 pub use comparison::write_comparison;
 pub use droptower_viz::Address;
 pub use live::{Live, LiveError};
@@ -29,36 +28,33 @@ pub use text::Text;
 pub enum RecordingError {
     #[error("recording: {0}")]
     Viz(#[from] VizError),
-    #[error("recording: {0}")]
-    Impactor(#[from] MeshError),
 }
 
 /// Writes the recording of a run to `path`.
 ///
 /// # Errors
-/// The file cannot be written, or the mesh of the impactor cannot be read.
+/// The file cannot be written.
 pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
-    Ok(droptower_viz::write(path, &scene(run)?)?)
+    Ok(droptower_viz::write(path, &scene(run))?)
 }
 
-fn scene(run: &RunPage) -> Result<Scene, MeshError> {
+fn scene(run: &RunPage) -> Scene {
     let RunPage { model, outcome, results, .. } = run;
     let signals = signals::of(&results.signals, &outcome.energies, results.comparison.as_ref(), model.run_time());
-    let impactor = model.impactor.as_ref();
-    Ok(Scene {
+    Scene {
         name: model.name.clone(),
         is_live: false,
         duration: model.run_time(),
         documents: documents(run),
         quantities: film::quantities(&outcome.frames),
         films: (0..outcome.films.len()).map(|face| film::track(outcome, face)).collect(),
-        body: impactor.map(|impactor| body::track(impactor, &outcome.frames)).transpose()?,
+        body: outcome.impactor.as_ref().map(|impactor| body::track(impactor, &outcome.frames)),
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
         diagrams: diagram::diagrams("plots", &results.findings.plots).collect(),
         events: events::of(run),
-    })
+    }
 }
 
 /// Title of the text that a run opens with.
