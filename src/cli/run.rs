@@ -193,7 +193,6 @@ impl Job {
         let model = &self.checked.model;
         let results =
             self.checked.plan.evaluate(model, outcome, |_| {}).map_err(|error| (BAD_INPUT, evaluating(&error)))?;
-        show.finish(Some(&RunPage { model, outcome, results: &results, scenario, failure: None, files: &[] }));
         let contents = Contents {
             model,
             outcome,
@@ -207,6 +206,8 @@ impl Job {
             let files = folder::fill(&draft, &contents)?;
             Ok((draft.publish()?, files))
         });
+        // The viewer may let itself be waited for: the results do not.
+        show.finish(Some(&RunPage { model, outcome, results: &results, scenario, failure: None, files: &[] }));
         let (place, files) = stored.map_err(|error| (WRITE_FAILURE, storing(&error)))?;
         let text = [digest::run(model, outcome, &results), digest::folder(&place, &files)].concat();
         Ok(Done { status: 0, text, summary: Some(results.summary(model).into()), mistakes: Vec::new(), stored: true })
@@ -217,8 +218,6 @@ impl Job {
         // What broke off may be too short or too wild to be measured; then its signals stand alone.
         let results = self.checked.plan.measure(model, outcome).ok();
         let cause = failure.cause.to_string();
-        let page = |results| RunPage { model, outcome, results, scenario, failure: Some(&cause), files: &[] };
-        show.finish(results.as_ref().map(page).as_ref());
         let script = self.checked.plan.script();
         let contents = Contents {
             model,
@@ -233,6 +232,8 @@ impl Job {
             folder::fill(&draft, &contents)?;
             draft.publish_failed()
         });
+        let page = |results| RunPage { model, outcome, results, scenario, failure: Some(&cause), files: &[] };
+        show.finish(results.as_ref().map(page).as_ref());
         let mistake = Diagnostic::new(format!("{}: {cause}", model.name));
         match stored {
             Ok(place) => {

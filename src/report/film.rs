@@ -85,7 +85,7 @@ fn chosen(frames: &[&Frame], moments: &[Moment], most: usize) -> BTreeSet<usize>
     chosen
 }
 
-fn is_finite(frame: &Frame) -> bool {
+pub(super) fn is_finite(frame: &Frame) -> bool {
     let finite = |place: &[f32; 3]| place.iter().all(|c| c.is_finite());
     let body = frame.impactor.is_none_or(|(place, turn)| place.iter().chain(&turn).all(|c| c.is_finite()));
     body && frame.films.iter().all(|film| film.positions.iter().all(finite))

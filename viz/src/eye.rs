@@ -1,6 +1,6 @@
 //! From where a scene is looked at.
 
-use crate::scene::{FilmTrack, Scene};
+use crate::scene::{FilmFrame, FilmTrack, Scene};
 
 /// Direction from the scene to the eye: from the side and a little above, so that film and body are both seen.
 const DIRECTION: [f32; 3] = [0.56, -0.79, 0.24];
@@ -20,6 +20,13 @@ const ABOVE_DISTANCE: f32 = 1.1;
 /// Depth over the width of a film to which it is looked at: before a run nobody knows how deep it will go.
 const DEPTH: f32 = 0.4;
 
+/// A box around films with their mirror images, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
 /// Where the eye is and what it looks at, m, in the enlarged scene.
 pub(crate) struct Eye {
     pub(crate) position: [f32; 3],
@@ -28,11 +35,47 @@ pub(crate) struct Eye {
     pub(crate) enlargement: f32,
 }
 
+impl Default for Extent {
+    /// Around nothing.
+    fn default() -> Extent {
+        Extent { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] }
+    }
+}
+
+impl Extent {
+    /// The same with room for a state of `film`: for the corners of the triangles that hold.
+    pub fn with(self, film: &FilmTrack, frame: &FilmFrame) -> Extent {
+        let hold = film.triangles.iter().zip(&frame.visible).filter(|(_, visible)| **visible);
+        let corners = hold.flat_map(|(corners, _)| corners).filter_map(|node| frame.positions.get(*node as usize));
+        corners.fold(self, |extent, point| extent.around(*point).around(film.opposite(*point)))
+    }
+
+    /// Its longest side; zero where there is nothing.
+    pub(crate) fn size(&self) -> f32 {
+        [0, 1, 2].map(|k| self.high[k] - self.low[k]).into_iter().fold(0.0, f32::max)
+    }
+
+    fn around(self, point: [f32; 3]) -> Extent {
+        let Extent { low, high } = self;
+        Extent { low: [0, 1, 2].map(|k| low[k].min(point[k])), high: [0, 1, 2].map(|k| high[k].max(point[k])) }
+    }
+
+    fn or_a_metre(self) -> Extent {
+        if self.low[0] <= self.high[0] { self } else { Extent { low: [-0.5; 3], high: [0.5; 3] } }
+    }
+}
+
+impl FilmTrack {
+    /// The point of the farthest mirror image.
+    fn opposite(&self, point: [f32; 3]) -> [f32; 3] {
+        [0, 1, 2].map(|k| if self.mirrored.get(k) == Some(&true) { -point[k] } else { point[k] })
+    }
+}
+
 impl Eye {
-    /// An eye that has the films and the body in view as they are at first and at last, and what is below them.
+    /// An eye that has the films and the body in view, and what is below them.
     pub(crate) fn on(scene: &Scene) -> Eye {
-        let points = scene.films.iter().flat_map(film_ends);
-        let (mut low, mut high) = bounds(points);
+        let Extent { mut low, mut high } = scene.extent.or_a_metre();
         if scene.body.is_some() {
             low[2] -= DEPTH * (high[0] - low[0]).max(high[1] - low[1]);
         }
@@ -49,22 +92,6 @@ impl Eye {
     }
 }
 
-/// The corners of a box around points; that of a metre where there are none.
-fn bounds(points: impl Iterator<Item = [f32; 3]>) -> ([f32; 3], [f32; 3]) {
-    let begin = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    let (low, high) = points.fold(begin, |(low, high), point| {
-        ([0, 1, 2].map(|k| low[k].min(point[k])), [0, 1, 2].map(|k| high[k].max(point[k])))
-    });
-    if low[0] <= high[0] { (low, high) } else { ([-0.5; 3], [0.5; 3]) }
-}
-
-/// All points of a film at first and at last, and their mirror images.
-fn film_ends(film: &FilmTrack) -> impl Iterator<Item = [f32; 3]> + '_ {
-    let points = film.frames.first().into_iter().chain(film.frames.last()).flat_map(|frame| &frame.positions);
-    let opposite = |p: &[f32; 3]| [0, 1, 2].map(|k| if film.mirrored.get(k) == Some(&true) { -p[k] } else { p[k] });
-    points.flat_map(move |point| [*point, opposite(point)])
-}
-
 /// Height of the body's top at first.
 fn body_top(scene: &Scene) -> f32 {
     let place = scene.body.as_ref().and_then(|body| Some((body, body.poses.first()?)));
@@ -75,23 +102,26 @@ fn body_top(scene: &Scene) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::FilmFrame;
+
+    /// One triangle from the origin to a corner, and another that is broken and has flown off.
+    fn scene(corner: [f32; 3], mirrored: [bool; 2]) -> Scene {
+        let film = FilmTrack { triangles: vec![[0, 1, 1], [0, 2, 2]], mirrored, ..FilmTrack::default() };
+        let positions = vec![[0.0; 3], corner, [1e6; 3]];
+        let frame = FilmFrame { positions, visible: vec![true, false], ..FilmFrame::default() };
+        Scene { extent: Extent::default().with(&film, &frame), films: vec![film], ..Scene::default() }
+    }
 
     #[test]
     fn the_eye_looks_at_the_whole_of_a_quarter_from_outside() {
-        let frame = FilmFrame { positions: vec![[0.0; 3], [0.2, 0.2, 0.0]], ..FilmFrame::default() };
-        let film = FilmTrack { mirrored: [true; 2], frames: vec![frame], ..FilmTrack::default() };
-        let eye = Eye::on(&Scene { films: vec![film], ..Scene::default() });
+        let eye = Eye::on(&scene([0.2, 0.2, 0.0], [true; 2]));
         assert!(eye.target[..2] == [0.0; 2] && eye.target[2] == 0.0 && eye.enlargement == 1.0, "{:?}", eye.target);
         let away = [0, 1, 2].map(|k| (eye.position[k] - eye.target[k]).powi(2)).iter().sum::<f32>().sqrt();
-        assert!(away > 0.4 && eye.position[2] > 0.0, "{:?}", eye.position);
+        assert!((0.4..1.0).contains(&away) && eye.position[2] > 0.0, "{:?}", eye.position);
     }
 
     #[test]
     fn a_coupon_is_enlarged() {
-        let frame = FilmFrame { positions: vec![[-0.003, 0.0, 0.0], [0.003, 0.004, 0.0]], ..FilmFrame::default() };
-        let film = FilmTrack { frames: vec![frame], ..FilmTrack::default() };
-        let eye = Eye::on(&Scene { films: vec![film], ..Scene::default() });
+        let eye = Eye::on(&scene([0.006, 0.004, 0.0], [false; 2]));
         assert!(eye.enlargement > 50.0 && eye.position[2] > 0.1, "{} {:?}", eye.enlargement, eye.position);
     }
 }

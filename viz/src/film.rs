@@ -7,6 +7,7 @@ use re_sdk_types::components::{Color, Radius};
 use re_sdk_types::external::re_types_core::DynamicArchetype;
 
 use crate::colour;
+use crate::eye::Extent;
 use crate::normals;
 use crate::quantity::Quantity;
 use crate::scene::{FilmFrame, FilmTrack};
@@ -15,11 +16,11 @@ use crate::series::Moment;
 /// Name of the colours of one quantity among the components of a film.
 pub(crate) const COLOURS: &str = "Colours";
 
-/// Positions are rounded to 2^-15 m, thirty micrometres: random last digits do not compress.
-const STEPS_PER_METRE: f32 = 32_768.0;
+/// Positions are rounded to about so many steps along the longest side of the films: random last digits do not compress.
+const STEPS: f32 = 16_384.0;
 
-/// Marks at the nodes in touch are rounded to 2^-12 m, a quarter of a millimetre.
-const MARKS_PER_METRE: f32 = 4_096.0;
+/// Marks at the nodes in touch are rounded to so many steps of positions.
+const STEPS_PER_MARK: f32 = 8.0;
 
 /// Normals follow every so many states: light changes more slowly than shape.
 const STATES_PER_NORMALS: usize = 4;
@@ -28,8 +29,9 @@ const FRAME: [u8; 3] = [120, 124, 134];
 const TOUCH: [u8; 3] = [240, 90, 40];
 
 /// The states of a film as they go into a recording.
-pub(crate) struct Film<'a> {
-    track: &'a FilmTrack,
+pub(crate) struct Film {
+    /// Steps that positions are rounded to, a power of two, m.
+    step: f32,
     states: usize,
     /// What the recording shows at present.
     shown: Shown,
@@ -42,30 +44,31 @@ struct Shown {
     touching: bool,
 }
 
-impl<'a> Film<'a> {
-    /// Logs what stays.
-    pub(crate) fn begin(stream: &RecordingStream, track: &'a FilmTrack) -> RecordingStreamResult<Film<'a>> {
+impl Film {
+    /// Logs what stays of a film in a scene of this extent.
+    pub(crate) fn begin(stream: &RecordingStream, track: &FilmTrack, extent: &Extent) -> RecordingStreamResult<Film> {
         let poses = InstancePoses3D::new().with_scales(images(track.mirrored));
         stream.log_static(entity(track), &poses)?;
-        Ok(Film { track, states: 0, shown: Shown::default() })
+        Ok(Film { step: step(extent.size()), states: 0, shown: Shown::default() })
     }
 
     /// Logs a state, which has passed the track's check.
     pub(crate) fn log(
         &mut self,
         stream: &RecordingStream,
+        track: &FilmTrack,
         frame: &FilmFrame,
         quantities: &[Quantity],
     ) -> RecordingStreamResult<()> {
         Moment::Time(frame.time).set(stream);
         let broke = self.shown.visible != frame.visible;
         let mut mesh =
-            Mesh3D::update_fields().with_vertex_positions(frame.positions.iter().map(|p| rounded(p, STEPS_PER_METRE)));
+            Mesh3D::update_fields().with_vertex_positions(frame.positions.iter().map(|p| rounded(p, self.step)));
         if broke || self.states.is_multiple_of(STATES_PER_NORMALS) {
-            mesh = mesh.with_vertex_normals(normals::of(self.track, frame));
+            mesh = mesh.with_vertex_normals(normals::of(track, frame, 0.5 * self.step));
         }
         if broke {
-            mesh = mesh.with_triangle_indices(visible(self.track, frame));
+            mesh = mesh.with_triangle_indices(visible(track, frame));
             self.shown.visible.clone_from(&frame.visible);
         }
         let mut colours = DynamicArchetype::new(COLOURS);
@@ -74,40 +77,51 @@ impl<'a> Film<'a> {
             let shades = shades.map(|[r, g, b]| Color::from_rgb(r, g, b));
             colours = colours.with_component::<Color>(quantity.key, shades);
         }
-        stream.log(entity(self.track), &[&mesh as &dyn AsComponents, &colours])?;
+        stream.log(entity(track), &[&mesh as &dyn AsComponents, &colours])?;
         self.states += 1;
-        self.log_held(stream, frame)?;
-        self.log_touch(stream, frame)
+        self.log_held(stream, track, frame)?;
+        self.log_touch(stream, track, frame)
     }
 
     /// The held edges, where they have moved.
-    fn log_held(&mut self, stream: &RecordingStream, frame: &FilmFrame) -> RecordingStreamResult<()> {
-        let ends = |edge: &[u32; 2]| edge.map(|node| rounded(&frame.positions[node as usize], STEPS_PER_METRE));
-        let held: Vec<_> = self.track.held.iter().map(ends).collect();
+    fn log_held(
+        &mut self,
+        stream: &RecordingStream,
+        track: &FilmTrack,
+        frame: &FilmFrame,
+    ) -> RecordingStreamResult<()> {
+        let ends = |edge: &[u32; 2]| edge.map(|node| rounded(&frame.positions[node as usize], self.step));
+        let held: Vec<_> = track.held.iter().map(ends).collect();
         if held == self.shown.held {
             return Ok(());
         }
-        let whole = images(self.track.mirrored)
+        let whole = images(track.mirrored)
             .into_iter()
             .flat_map(|image| held.iter().map(move |edge| edge.map(|end| mirrored(end, image))));
         let lines = LineStrips3D::new(whole).with_colors([FRAME]).with_radii([Radius::new_ui_points(2.0)]);
-        stream.log(format!("scene/frame/{}", self.track.name), &lines)?;
+        stream.log(format!("scene/frame/{}", track.name), &lines)?;
         self.shown.held = held;
         Ok(())
     }
 
     /// The nodes in touch, until there are none.
-    fn log_touch(&mut self, stream: &RecordingStream, frame: &FilmFrame) -> RecordingStreamResult<()> {
+    fn log_touch(
+        &mut self,
+        stream: &RecordingStream,
+        track: &FilmTrack,
+        frame: &FilmFrame,
+    ) -> RecordingStreamResult<()> {
         if frame.touching.is_empty() && !self.shown.touching {
             return Ok(());
         }
-        let points = frame.touching.iter().map(|node| rounded(&frame.positions[*node as usize], MARKS_PER_METRE));
+        let step = STEPS_PER_MARK * self.step;
+        let points = frame.touching.iter().map(|node| rounded(&frame.positions[*node as usize], step));
         let points: Vec<_> = points.collect();
-        let whole = images(self.track.mirrored)
+        let whole = images(track.mirrored)
             .into_iter()
             .flat_map(|image| points.iter().map(move |point| mirrored(*point, image)));
         let touch = Points3D::new(whole).with_colors([TOUCH]).with_radii([Radius::new_ui_points(2.0)]);
-        stream.log(format!("scene/contact/{}", self.track.name), &touch)?;
+        stream.log(format!("scene/contact/{}", track.name), &touch)?;
         self.shown.touching = !frame.touching.is_empty();
         Ok(())
     }
@@ -130,8 +144,14 @@ fn mirrored(point: [f32; 3], image: [f32; 3]) -> [f32; 3] {
     [0, 1, 2].map(|axis| point[axis] * image[axis])
 }
 
-fn rounded(point: &[f32; 3], steps_per_metre: f32) -> [f32; 3] {
-    point.map(|coordinate| (coordinate * steps_per_metre).round() / steps_per_metre)
+/// The power of two nearest to the length that divides a size into [`STEPS`]; of no size, to that of a metre.
+fn step(size: f32) -> f32 {
+    let size = if size.is_normal() { size } else { 1.0 };
+    (size / STEPS).log2().round().exp2()
+}
+
+fn rounded(point: &[f32; 3], step: f32) -> [f32; 3] {
+    point.map(|coordinate| (coordinate / step).round() * step)
 }
 
 /// The triangles that are left.

@@ -32,6 +32,9 @@ const PLAYBACK: f64 = 6.0;
 /// Iterations a second of watching.
 const ITERATIONS_PER_SECOND: f64 = 4.0;
 
+/// Charts that have room in one column; further ones stand behind each other.
+const MOST_CHARTS: usize = 4;
+
 /// The arrangement for `scene`, and the properties of its views.
 pub(crate) fn blueprint(scene: &Scene, properties: &mut Properties) -> Blueprint {
     let texts = texts(scene, properties);
@@ -61,17 +64,19 @@ fn time_panel(scene: &Scene) -> TimePanel {
     if searched || scene.diagrams.iter().any(|diagram| !diagram.states.is_empty()) {
         panel.with_timeline(ITERATION).with_fps(ITERATIONS_PER_SECOND)
     } else {
-        panel.with_timeline(TIME).with_playback_speed(scene.duration / PLAYBACK)
+        let panel = panel.with_timeline(TIME);
+        if scene.duration > 0.0 { panel.with_playback_speed(scene.duration / PLAYBACK) } else { panel }
     }
 }
 
-/// The films in one tab a quantity, each beside its colours; of a scene without films the diagrams.
+/// The films in one tab a quantity, each beside its colours, and behind them the diagrams.
 fn pictures(scene: &Scene, properties: &mut Properties) -> Option<ContainerLike> {
-    if scene.films.is_empty() {
-        return (!scene.diagrams.is_empty()).then(|| diagrams(scene, properties));
-    }
     let eye = Eye::on(scene);
-    Some(Tabs::new(scene.quantities.iter().map(|quantity| coloured(scene, quantity, &eye, properties))).into())
+    let quantities: &[Quantity] = if scene.films.is_empty() { &[] } else { &scene.quantities };
+    let mut tabs: Vec<ContainerLike> =
+        quantities.iter().map(|quantity| coloured(scene, quantity, &eye, properties)).collect();
+    tabs.extend(scene.diagrams.iter().map(|diagram| plane(diagram, properties)));
+    (!tabs.is_empty()).then(|| Tabs::new(tabs).into())
 }
 
 fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Properties) -> ContainerLike {
@@ -109,12 +114,12 @@ fn mapping(quantity: &Quantity) -> VisualizerComponentMapping {
 }
 
 fn charts(scene: &Scene, properties: &mut Properties) -> Vec<ContainerLike> {
-    let mut charts: Vec<ContainerLike> = scene.charts.iter().map(|shown| chart(shown, properties)).collect();
-    if !scene.more_charts.is_empty() {
-        charts.push(Tabs::new(scene.more_charts.iter().map(|shown| chart(shown, properties))).into());
-    }
-    if !scene.films.is_empty() && !scene.diagrams.is_empty() {
-        charts.push(diagrams(scene, properties));
+    let (first, others) = scene.charts.split_at(scene.charts.len().min(MOST_CHARTS));
+    let mut charts: Vec<ContainerLike> = first.iter().map(|shown| chart(shown, properties)).collect();
+    let others: Vec<ContainerLike> =
+        others.iter().chain(&scene.more_charts).map(|shown| chart(shown, properties)).collect();
+    if !others.is_empty() {
+        charts.push(Tabs::new(others).into());
     }
     charts
 }
@@ -124,10 +129,6 @@ fn chart(chart: &Chart, properties: &mut Properties) -> ContainerLike {
     let view = TimeSeriesView::new(chart.title.as_str()).with_contents(contents).into();
     properties.set(&view, "PlotLegend", &PlotLegend::new().with_corner(Corner2D::RightTop));
     view
-}
-
-fn diagrams(scene: &Scene, properties: &mut Properties) -> ContainerLike {
-    Tabs::new(scene.diagrams.iter().map(|diagram| plane(diagram, properties))).into()
 }
 
 fn plane(diagram: &Diagram, properties: &mut Properties) -> ContainerLike {

@@ -24,6 +24,7 @@ use re_sdk::sink::SinkFlushError;
 use thiserror::Error;
 
 pub use diagram::{Axis, Curve, Diagram, Look, State, Window};
+pub use eye::Extent;
 pub use live::{Address, AddressError};
 pub use quantity::Quantity;
 pub use scene::{BodyTrack, Document, Event, FilmFrame, FilmTrack, Pose, Scene, Severity};
@@ -65,6 +66,6 @@ const PATIENCE: Duration = Duration::from_secs(600);
 ///
 /// # Errors
 /// As [`Stage::file`].
-pub fn write(path: &Path, scene: &Scene) -> Result<(), VizError> {
+pub fn write(path: &Path, scene: Scene) -> Result<(), VizError> {
     Stage::file(path, scene)?.finish(PATIENCE)
 }

@@ -8,18 +8,15 @@ const STEPS: f32 = 32.0;
 /// Cosine of the angle between two triangles from which there is an edge between them: 30°.
 const EDGE: f32 = 0.866;
 
-/// Distance from a mirror plane, m, within which a node stands on it.
-const ON_PLANE: f32 = 1e-5;
-
 /// One normal a node, weighted by the area of the triangles that are left around it; on a mirror
-/// plane it lies in that plane, so that no crease shows.
-pub fn of(film: &FilmTrack, frame: &FilmFrame) -> Vec<[f32; 3]> {
+/// plane, which nodes nearer than `near` stand on, it lies in that plane, so that no crease shows.
+pub fn of(film: &FilmTrack, frame: &FilmFrame, near: f32) -> Vec<[f32; 3]> {
     let left = film.triangles.iter().zip(&frame.visible);
     let left = left.filter(|(_, visible)| **visible).map(|(t, _)| *t);
     let mut normals = sums(&frame.positions, left);
     for (normal, position) in normals.iter_mut().zip(&frame.positions) {
         for axis in (0..2).filter(|axis| film.mirrored[*axis]) {
-            if position[axis].abs() < ON_PLANE {
+            if position[axis].abs() < near {
                 normal[axis] = 0.0;
             }
         }

@@ -6,6 +6,7 @@ use re_sdk_types::components::Radius;
 
 use crate::colour;
 use crate::diagram::Scale;
+use crate::series::Moment;
 
 /// A value of every node that films are coloured by.
 #[derive(Clone, Debug)]
@@ -32,9 +33,8 @@ impl Quantity {
         format!("legends/{}", self.key)
     }
 
-    /// Logs the bar: colours from bottom to top, numbers beside them.
-    pub(crate) fn log_legend(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
-        let entity = self.legend();
+    /// Logs the bar: colours from bottom to top.
+    pub(crate) fn log_bar(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
         let middle = |band: usize| (band as f32 + 0.5) / BANDS as f32;
         let [low, high] = self.range;
         let values: Vec<f32> = (0..BANDS).map(|band| low + middle(band) * (high - low)).collect();
@@ -42,7 +42,12 @@ impl Quantity {
         let bar = LineStrips2D::new(strips)
             .with_colors(colour::of(&values, self.range))
             .with_radii([Radius::new_scene_units(0.8 / BANDS as f32)]);
-        stream.log_static(format!("{entity}/bar"), &bar)?;
+        stream.log_static(format!("{}/bar", self.legend()), &bar)
+    }
+
+    /// Logs the numbers beside the bar, from a moment on: what was coloured before keeps the numbers of its own range.
+    pub(crate) fn log_numbers(&self, stream: &RecordingStream, from: Moment) -> RecordingStreamResult<()> {
+        from.set(stream);
         let scale = Scale::over(self.range.iter().map(|end| f64::from(*end)), false);
         let numbers = scale.ticks().into_iter().map(|(share, words)| ([2.6 * WIDTH, 1.0 - share as f32], words));
         let title = ([2.0 * WIDTH, -0.06], self.words.clone());
@@ -52,6 +57,6 @@ impl Quantity {
             .with_show_labels(true)
             .with_colors([colour::GREY])
             .with_radii([Radius::new_ui_points(0.0)]);
-        stream.log_static(format!("{entity}/numbers"), &labels)
+        stream.log(format!("{}/numbers", self.legend()), &labels)
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::VizError;
 use crate::diagram::Diagram;
+use crate::eye::Extent;
 use crate::quantity::Quantity;
 use crate::series::{Chart, Moment, SignalTrack};
 
@@ -14,6 +15,8 @@ pub struct Scene {
     pub duration: f64,
     /// Whether it is shown while it goes: then the viewer follows it.
     pub is_live: bool,
+    /// What of the films is in view, and as how large as they are coordinates are rounded.
+    pub extent: Extent,
     /// Texts, the one that is open first.
     pub documents: Vec<Document>,
     /// What the films can be coloured by, the one that is shown first.
@@ -21,7 +24,7 @@ pub struct Scene {
     pub films: Vec<FilmTrack>,
     pub body: Option<BodyTrack>,
     pub signals: Vec<SignalTrack>,
-    /// Pictures of signals beside the films, from top to bottom.
+    /// Pictures of signals beside the films, from top to bottom as far as there is room.
     pub charts: Vec<Chart>,
     /// Further pictures of signals, one behind the other.
     pub more_charts: Vec<Chart>,
@@ -29,17 +32,17 @@ pub struct Scene {
     pub events: Vec<Event>,
 }
 
-/// A film that moves, stretches and breaks.
+/// A film that moves, stretches and breaks; its states are logged one by one.
 #[derive(Clone, Debug, Default)]
 pub struct FilmTrack {
     pub name: String,
+    pub nodes: usize,
     /// Corners of each triangle, counter-clockwise seen from +z.
     pub triangles: Vec<[u32; 3]>,
     /// Edges by which a frame or jaws hold it, as pairs of nodes.
     pub held: Vec<[u32; 2]>,
     /// Mirror planes x = 0 and y = 0 that complete the picture.
     pub mirrored: [bool; 2],
-    pub frames: Vec<FilmFrame>,
 }
 
 /// A film at one time.
@@ -104,10 +107,6 @@ pub enum Severity {
 impl Scene {
     /// Refuses lists whose lengths do not fit each other.
     pub(crate) fn check(&self) -> Result<(), VizError> {
-        let quantities = self.quantities.len();
-        self.films
-            .iter()
-            .try_for_each(|film| film.frames.iter().try_for_each(|frame| film.check(frame, quantities)))?;
         self.signals.iter().try_for_each(SignalTrack::check)?;
         self.diagrams.iter().try_for_each(Diagram::check)
     }
@@ -117,8 +116,7 @@ impl FilmTrack {
     /// Refuses a state that is not one of this film with so many quantities.
     pub(crate) fn check(&self, frame: &FilmFrame, quantities: usize) -> Result<(), VizError> {
         let named = self.triangles.iter().flatten().chain(self.held.iter().flatten()).chain(&frame.touching).max();
-        let needed = named.map_or(0, |node| *node as usize + 1);
-        let nodes = self.frames.first().map_or(frame.positions.len(), |first| first.positions.len()).max(needed);
+        let nodes = named.map_or(0, |node| *node as usize + 1).max(self.nodes);
         let film = || self.name.clone();
         let time = frame.time;
         let lists = std::iter::once(frame.positions.len()).chain(frame.values.iter().map(Vec::len));

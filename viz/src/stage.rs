@@ -11,31 +11,29 @@ use re_sdk_types::components::{MediaType, TextLogLevel};
 use crate::eye::Eye;
 use crate::film::Film;
 use crate::live::Address;
-use crate::quantity::Quantity;
 use crate::scene::{Document, Event, FilmFrame, Pose, Scene, Severity};
-use crate::series::{Places, SignalTrack};
+use crate::series::{Moment, Places, SignalTrack};
 use crate::{VizError, blueprint, body, diagram};
 
 /// Name of the application in the viewer, which keeps one arrangement for all its recordings.
 const APPLICATION: &str = "droptower";
 
 /// A scene on its way into a recording.
-pub struct Stage<'a> {
+pub struct Stage {
     stream: RecordingStream,
-    scene: &'a Scene,
-    films: Vec<Film<'a>>,
-    /// With the ranges that are in force.
-    quantities: Vec<Quantity>,
+    /// With the ranges of colours that are in force.
+    scene: Scene,
+    films: Vec<Film>,
 }
 
-impl<'a> Stage<'a> {
-    /// Begins the file `path`, replacing what is there, with all of `scene` that stays and all that it holds already.
+impl Stage {
+    /// Begins the file `path`, replacing what is there, with all that `scene` holds; states of its films follow.
     ///
     /// # Errors
     /// The file cannot be written, or lists of the scene do not fit each other; then nothing is written.
-    pub fn file(path: &Path, scene: &'a Scene) -> Result<Stage<'a>, VizError> {
+    pub fn file(path: &Path, scene: Scene) -> Result<Stage, VizError> {
         scene.check()?;
-        let stream = recording(scene).buffered()?;
+        let stream = recording(&scene).buffered()?;
         let sink = FileSink::with_options(path, FileSinkOptions { write_footer: false });
         stream.set_sink(Box::new(sink.map_err(RecordingStreamError::from)?));
         Stage::begin(stream, scene)
@@ -45,9 +43,10 @@ impl<'a> Stage<'a> {
     ///
     /// # Errors
     /// Lists of the scene do not fit each other. That nobody listens is no error here: [`Address::answers`] tells.
-    pub fn live(address: &Address, scene: &'a Scene) -> Result<Stage<'a>, VizError> {
+    pub fn live(address: &Address, scene: Scene) -> Result<Stage, VizError> {
         scene.check()?;
-        Stage::begin(recording(scene).connect_grpc_opts(address.to_string())?, scene)
+        let stream = recording(&scene).connect_grpc_opts(address.to_string())?;
+        Stage::begin(stream, scene)
     }
 
     /// Logs a state of the film with this index.
@@ -59,16 +58,33 @@ impl<'a> Stage<'a> {
             return Err(VizError::NoFilm { index });
         };
         track.check(frame, self.scene.quantities.len())?;
-        Ok(film.log(&self.stream, frame, &self.quantities)?)
+        Ok(film.log(&self.stream, track, frame, &self.scene.quantities)?)
     }
 
-    /// Spreads the colours of each quantity over another range, from the next state on.
-    pub fn spread(&mut self, ranges: &[[f32; 2]]) -> Result<(), VizError> {
-        for (quantity, range) in self.quantities.iter_mut().zip(ranges) {
+    /// Spreads the colours of each quantity over another range, for the states from `from` on.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn spread(&mut self, from: Moment, ranges: &[[f32; 2]]) -> Result<(), VizError> {
+        for (quantity, range) in self.scene.quantities.iter_mut().zip(ranges) {
             quantity.range = *range;
-            quantity.log_legend(&self.stream)?;
+            quantity.log_numbers(&self.stream, from)?;
         }
         Ok(())
+    }
+
+    /// Takes up the texts, signals, charts, diagrams and events of `rest` in place of those before, and arranges the viewer
+    /// for them. Of signals that are there already, `rest` holds the values that are new.
+    ///
+    /// # Errors
+    /// Lists of `rest` do not fit each other.
+    pub fn complete(&mut self, rest: Scene) -> Result<(), VizError> {
+        rest.check()?;
+        let Scene { documents, signals, charts, more_charts, diagrams, events, .. } = rest;
+        let begun = std::mem::take(&mut self.scene);
+        self.scene = Scene { documents, signals, charts, more_charts, diagrams, events, ..begun };
+        blueprint::send(&self.stream, &self.scene)?;
+        self.log_lists()
     }
 
     /// Logs where the body is, if the scene has one.
@@ -87,22 +103,6 @@ impl<'a> Stage<'a> {
         Ok(self.stream.send_columns(path, [places.column()], columns)?)
     }
 
-    /// Logs what happened.
-    pub fn event(&self, event: &Event) -> Result<(), VizError> {
-        let level = match event.severity {
-            Severity::Info => TextLogLevel::INFO,
-            Severity::Warning => TextLogLevel::WARN,
-        };
-        event.at.set(&self.stream);
-        Ok(self.stream.log("events", &TextLog::new(event.text.as_str()).with_level(level))?)
-    }
-
-    /// Logs a text, in place of the one that was at its path.
-    pub fn document(&self, document: &Document) -> Result<(), VizError> {
-        let text = TextDocument::new(document.text.as_str()).with_media_type(MediaType::markdown());
-        Ok(self.stream.log_static(document.path.as_str(), &text)?)
-    }
-
     /// Waits until all is written or sent.
     ///
     /// # Errors
@@ -111,37 +111,51 @@ impl<'a> Stage<'a> {
         Ok(self.stream.flush_with_timeout(patience)?)
     }
 
-    fn begin(stream: RecordingStream, scene: &'a Scene) -> Result<Stage<'a>, VizError> {
+    fn begin(stream: RecordingStream, scene: Scene) -> Result<Stage, VizError> {
         stream.set_log_tick_enabled(false);
         stream.set_log_time_enabled(false);
-        blueprint::send(&stream, scene)?;
+        blueprint::send(&stream, &scene)?;
         stream.log_static("/", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
-        let enlargement = Eye::on(scene).enlargement;
+        let enlargement = Eye::on(&scene).enlargement;
         if enlargement > 1.0 {
             stream.log_static("scene", &Transform3D::from_scale(enlargement))?;
         }
-        scene.quantities.iter().try_for_each(|quantity| quantity.log_legend(&stream))?;
-        let films = scene.films.iter().map(|film| Film::begin(&stream, film));
+        for quantity in &scene.quantities {
+            quantity.log_bar(&stream)?;
+            quantity.log_numbers(&stream, Moment::Time(0.0))?;
+        }
+        let films = scene.films.iter().map(|film| Film::begin(&stream, film, &scene.extent));
         let films = films.collect::<Result<_, _>>()?;
-        let mut stage = Stage { stream, scene, films, quantities: scene.quantities.clone() };
-        stage.log_scene()?;
+        let stage = Stage { stream, scene, films };
+        if let Some(body) = &stage.scene.body {
+            body::log_shape(&stage.stream, body)?;
+            body.poses.iter().try_for_each(|pose| stage.pose(pose))?;
+        }
+        stage.log_lists()?;
         Ok(stage)
     }
 
-    /// All that the scene holds already.
-    fn log_scene(&mut self) -> Result<(), VizError> {
-        let scene = self.scene;
-        scene.documents.iter().try_for_each(|document| self.document(document))?;
-        scene.signals.iter().try_for_each(|signal| self.signal(signal))?;
-        scene.diagrams.iter().try_for_each(|diagram| diagram::log(&self.stream, diagram))?;
-        if let Some(body) = &scene.body {
-            body::log_shape(&self.stream, body)?;
-            body.poses.iter().try_for_each(|pose| self.pose(pose))?;
-        }
-        for (film, track) in self.films.iter_mut().zip(&scene.films) {
-            track.frames.iter().try_for_each(|frame| film.log(&self.stream, frame, &scene.quantities))?;
-        }
-        scene.events.iter().try_for_each(|event| self.event(event))
+    /// Texts, signals, diagrams and events of the scene.
+    fn log_lists(&self) -> Result<(), VizError> {
+        let Scene { documents, signals, diagrams, events, .. } = &self.scene;
+        documents.iter().try_for_each(|document| self.document(document))?;
+        signals.iter().try_for_each(|signal| self.signal(signal))?;
+        diagrams.iter().try_for_each(|diagram| diagram::log(&self.stream, diagram))?;
+        events.iter().try_for_each(|event| self.event(event))
+    }
+
+    fn event(&self, event: &Event) -> Result<(), VizError> {
+        let level = match event.severity {
+            Severity::Info => TextLogLevel::INFO,
+            Severity::Warning => TextLogLevel::WARN,
+        };
+        event.at.set(&self.stream);
+        Ok(self.stream.log("events", &TextLog::new(event.text.as_str()).with_level(level))?)
+    }
+
+    fn document(&self, document: &Document) -> Result<(), VizError> {
+        let text = TextDocument::new(document.text.as_str()).with_media_type(MediaType::markdown());
+        Ok(self.stream.log_static(document.path.as_str(), &text)?)
     }
 
     fn signal(&self, signal: &SignalTrack) -> Result<(), VizError> {

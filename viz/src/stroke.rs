@@ -26,6 +26,12 @@ impl Stroke {
         Stroke { colour: colour::GREY, width: 5.0 }
     }
 
+    /// The line of what this one is held against, where a picture has several: broad and paler.
+    pub fn target_of(self) -> Stroke {
+        let paler = |shade: u8| shade.midpoint(colour::GREY[0]);
+        Stroke { colour: self.colour.map(paler), ..Stroke::target() }
+    }
+
     /// A line that is there for orientation: thin.
     pub fn faint(self) -> Stroke {
         Stroke { width: 1.0, ..self }

@@ -1,16 +1,21 @@
 //! Writes a recording and reads it back.
 
+use std::time::Duration;
+
 use droptower_viz::playback::Playback;
 use droptower_viz::{
-    Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, FilmFrame, FilmTrack, ITERATION, Look, Moment, Places,
-    Pose, Quantity, Scene, Severity, SignalTrack, State, Stroke, TIME, VizError, Window, write,
+    Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmFrame, FilmTrack, ITERATION, Look,
+    Moment, Places, Pose, Quantity, Scene, Severity, SignalTrack, Stage, State, Stroke, TIME, VizError, Window, write,
 };
-use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Transform3D};
-use re_sdk_types::blueprint::components::{TimelineName, ViewClass};
-use re_sdk_types::components::{Color, LineStrip2D, LineStrip3D, Translation3D};
+use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Points2D, Transform3D};
+use re_sdk_types::blueprint::components::{ContainerKind, IncludedContent, PlaybackSpeed, TimelineName, ViewClass};
+use re_sdk_types::components::{Color, LineStrip2D, LineStrip3D, Text, Translation3D};
+
+/// A film and its states.
+type Film = (FilmTrack, Vec<FilmFrame>);
 
 /// A square of n × n cells that sinks to a depth of one tenth, over `frames` states.
-fn film(n: u32, frames: usize) -> FilmTrack {
+fn film(n: u32, frames: usize) -> Film {
     let node = |column: u32, row: u32| row * (n + 1) + column;
     let cell = |row: u32, column: u32| {
         let [a, b] = [node(column, row), node(column + 1, row)];
@@ -18,13 +23,14 @@ fn film(n: u32, frames: usize) -> FilmTrack {
         [[a, b, c], [a, c, d]]
     };
     let cells = (0..n).flat_map(|row| (0..n).map(move |column| [row, column]));
-    FilmTrack {
+    let track = FilmTrack {
         name: "film".to_owned(),
+        nodes: ((n + 1) * (n + 1)) as usize,
         triangles: cells.flat_map(|[row, column]| cell(row, column)).collect(),
         held: vec![[0, 1]],
         mirrored: [true, true],
-        frames: (0..frames).map(|index| state(n, index, frames)).collect(),
-    }
+    };
+    (track, (0..frames).map(|index| state(n, index, frames)).collect())
 }
 
 /// Sinks like a membrane under a sphere, with a ripple so that every digit moves.
@@ -60,8 +66,10 @@ fn signal(name: &str, samples: usize) -> SignalTrack {
     }
 }
 
-fn scene(films: Vec<FilmTrack>, signals: Vec<SignalTrack>) -> Scene {
+fn scene(films: &[Film], signals: Vec<SignalTrack>) -> Scene {
+    let ends = films.iter().flat_map(|(track, frames)| frames.iter().map(move |frame| (track, frame)));
     Scene {
+        extent: ends.fold(Extent::default(), |extent, (track, frame)| extent.with(track, frame)),
         name: "test".to_owned(),
         documents: vec![Document { path: "summary".into(), title: "Summary".into(), text: "# A test".into() }],
         charts: vec![Chart { title: "All".to_owned(), signals: signals.iter().map(|s| s.path.clone()).collect() }],
@@ -75,24 +83,35 @@ fn scene(films: Vec<FilmTrack>, signals: Vec<SignalTrack>) -> Scene {
         }),
         events: vec![Event { at: Moment::Time(0.5), severity: Severity::Warning, text: "rupture".to_owned() }],
         quantities: vec![quantity("md"), quantity("td")],
-        films,
+        films: films.iter().map(|(track, _)| track.clone()).collect(),
         signals,
         ..Scene::default()
     }
 }
 
-/// The recording of a scene, read back.
-fn written(scene: &Scene) -> Playback {
+/// The recording of a scene with the states of its films, read back.
+fn written(scene: Scene, films: &[Film]) -> Playback {
+    played(scene, |stage| {
+        for (index, (_, frames)) in films.iter().enumerate() {
+            frames.iter().for_each(|frame| stage.film(index, frame).unwrap());
+        }
+    })
+}
+
+/// The recording of a scene and of what happens on its stage, read back.
+fn played(scene: Scene, happens: impl FnOnce(&mut Stage)) -> Playback {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("recording.rrd");
-    write(&path, scene).unwrap();
+    let mut stage = Stage::file(&path, scene).unwrap();
+    happens(&mut stage);
+    stage.finish(Duration::from_secs(60)).unwrap();
     Playback::read(&path).unwrap()
 }
 
 #[test]
 fn everything_in_the_scene_comes_back() {
-    let scene = scene(vec![film(4, 5)], vec![signal("velocity_m_s", 1200)]);
-    let played = written(&scene);
+    let films = [film(4, 5)];
+    let played = written(scene(&films, vec![signal("velocity_m_s", 1200)]), &films);
     let entities: Vec<&str> = played.entities().collect();
     for entity in ["/", "/scene/film", "/scene/impactor", "/scene/frame/film", "/legends/td/bar", "/summary", "/events"]
     {
@@ -101,7 +120,7 @@ fn everything_in_the_scene_comes_back() {
 
     let states = played.nodes("/scene/film");
     assert_eq!((states.len(), states[4].0), (5, 2_000_000));
-    for (read, given) in states[4].1.iter().flatten().zip(scene.films[0].frames[4].positions.iter().flatten()) {
+    for (read, given) in states[4].1.iter().flatten().zip(films[0].1[4].positions.iter().flatten()) {
         assert!((read - given).abs() <= 0.5 / 32_768.0);
     }
     let triangles = played.triangles("/scene/film");
@@ -125,10 +144,11 @@ fn everything_in_the_scene_comes_back() {
 
 #[test]
 fn broken_triangles_vanish_when_they_break() {
-    let mut film = film(2, 4);
-    film.frames[2].visible[3] = false;
-    film.frames[3].visible.fill(false);
-    let triangles = written(&scene(vec![film], Vec::new())).triangles("/scene/film");
+    let (track, mut frames) = film(2, 4);
+    frames[2].visible[3] = false;
+    frames[3].visible.fill(false);
+    let films = [(track, frames)];
+    let triangles = written(scene(&films, Vec::new()), &films).triangles("/scene/film");
     let counts: Vec<_> = triangles.iter().map(|(time, t)| (*time, t.len())).collect();
     // What is left of nothing is one triangle without area.
     assert_eq!(counts, [(0, 8), (1_000_000, 7), (1_500_000, 1)]);
@@ -136,11 +156,9 @@ fn broken_triangles_vanish_when_they_break() {
 
 #[test]
 fn the_viewer_is_told_what_to_show() {
-    let played = written(&scene(vec![film(2, 2)], vec![signal("velocity_m_s", 3)]));
-    let class = |path: &str| played.blueprint_rows::<ViewClass>(path, "ViewBlueprint:class_identifier".into());
-    let mut classes: Vec<String> =
-        played.blueprint().flat_map(class).map(|(_, class)| class[0].0.to_string()).collect();
-    classes.sort();
+    let films = [film(2, 2)];
+    let played = written(scene(&films, vec![signal("velocity_m_s", 3)]), &films);
+    let classes = views(&played);
     assert_eq!(classes, ["2D", "2D", "3D", "3D", "TextDocument", "TextLog", "TimeSeries"]);
     let set = |name: &str| played.blueprint().filter(|path| path.ends_with(name)).count();
     assert_eq!(["/EyeControls3D", "/Background", "/TextLogColumns", "/time_panel"].map(set), [2, 4, 1, 1]);
@@ -148,7 +166,7 @@ fn the_viewer_is_told_what_to_show() {
 
 #[test]
 fn a_search_closes_in_along_its_iterations() {
-    let played = written(&search());
+    let played = written(search(), &[]);
     let strips = LineStrips2D::descriptor_strips().component;
     let states = played.rows::<LineStrip2D>(ITERATION, "/searches/0/states/0", strips);
     assert_eq!(states.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [1, 2, 4]);
@@ -183,16 +201,94 @@ fn search() -> Scene {
         states: [1, 2, 4].map(state).to_vec(),
         window: Some(Window { words: "window".to_owned(), ends: [0.0, 0.5] }),
     };
-    Scene { diagrams: vec![diagram], ..scene(vec![], vec![objective, signal("acceleration", 4)]) }
+    Scene { diagrams: vec![diagram], ..scene(&[], vec![objective, signal("acceleration", 4)]) }
+}
+
+/// Kinds of the views that a recording opens with, in alphabetical order.
+fn views(played: &Playback) -> Vec<String> {
+    let class = |path: &str| played.blueprint_rows::<ViewClass>(path, "ViewBlueprint:class_identifier".into());
+    let mut classes: Vec<String> =
+        played.blueprint().flat_map(class).map(|(_, class)| class[0].0.to_string()).collect();
+    classes.sort();
+    classes
+}
+
+#[test]
+fn a_small_film_is_rounded_by_its_own_size() {
+    let (track, mut frames) = film(10, 2);
+    let tiny = |frame: &mut FilmFrame| frame.positions.iter_mut().flatten().for_each(|c| *c *= 2.5e-3);
+    frames.iter_mut().for_each(tiny);
+    let films = [(track, frames)];
+    let states = written(scene(&films, vec![]), &films).nodes("/scene/film");
+    for (read, given) in states[1].1.iter().flatten().zip(films[0].1[1].positions.iter().flatten()) {
+        assert!((read - given).abs() <= 1e-3 / 16_384.0, "{read} {given}");
+    }
+}
+
+#[test]
+fn a_wider_range_of_colours_has_numbers_from_its_own_moment_on() {
+    let films = [film(2, 4)];
+    let played = played(scene(&films, vec![]), |stage| {
+        stage.film(0, &films[0].1[0]).unwrap();
+        stage.spread(Moment::Time(1e-3), &[[0.0, 0.5]]).unwrap();
+        stage.film(0, &films[0].1[2]).unwrap();
+    });
+    let labels = Points2D::descriptor_labels().component;
+    let last = |(at, words): (i64, Vec<Text>)| (at, words[words.len() - 2].to_string());
+    let numbers: Vec<_> = played.rows::<Text>(TIME, "/legends/md/numbers", labels).into_iter().map(last).collect();
+    assert_eq!(numbers, [(0, "0.10".to_owned()), (1_000_000, "0.5".to_owned())]);
+}
+
+#[test]
+fn a_scene_is_completed_when_its_run_has_ended() {
+    let (films, search) = ([film(2, 1)], search());
+    let played = played(scene(&films, vec![signal("force_N", 3)]), |stage| {
+        let places = Places::Times(vec![4e-4]);
+        let more = SignalTrack { places, values: vec![7.0], ..signal("force_N", 0) };
+        let rest = Scene { diagrams: search.diagrams, ..scene(&[], vec![more, signal("filtered", 4)]) };
+        stage.complete(rest).unwrap();
+    });
+    let force = played.values(TIME, "/signals/force_N");
+    assert_eq!((force.len(), force[3]), (4, (400_000, 7.0)));
+    assert_eq!(played.values(TIME, "/signals/filtered").len(), 4);
+    assert!(played.entities().any(|entity| entity == "/searches/0/frame"), "a diagram of the end");
+    // Those of the beginning, and those of the end with one diagram more.
+    let planes = views(&played).iter().filter(|class| *class == "2D").count();
+    assert_eq!(planes, 2 + 3);
+}
+
+#[test]
+fn many_charts_stand_behind_each_other_and_nothing_that_lasts_no_time_is_played() {
+    let signals: Vec<SignalTrack> = (0..30).map(|index| signal(&index.to_string(), 2)).collect();
+    let chart = |track: &SignalTrack| Chart { title: track.label.clone(), signals: vec![track.path.clone()] };
+    let charts = signals.iter().map(chart).collect();
+    let played = written(Scene { charts, ..scene(&[], signals) }, &[]);
+    let rows = |path: &str| {
+        played.blueprint_rows::<IncludedContent>(path, "ContainerBlueprint:contents".into()).into_iter().last()
+    };
+    let most = played.blueprint().filter(|path| path.starts_with("/container/")).filter_map(|path| {
+        let kind = played.blueprint_rows::<ContainerKind>(path, "ContainerBlueprint:container_kind".into());
+        kind.iter().any(|(_, kind)| kind[0] == ContainerKind::Vertical).then(|| rows(path))?
+    });
+    assert_eq!(most.map(|(_, contents)| contents.len()).max(), Some(5), "four charts and the tabs of the others");
+    let speed = played.blueprint_rows::<PlaybackSpeed>("/time_panel", "TimePanelBlueprint:playback_speed".into());
+    assert!(speed.is_empty(), "{speed:?}");
 }
 
 #[test]
 fn lists_that_do_not_fit_are_refused() {
-    let mut short = film(2, 2);
-    short.frames[1].positions.pop();
+    let films = [film(2, 2)];
+    let mut short = films[0].1[1].clone();
+    short.positions.pop();
+    played(scene(&films, Vec::new()), |stage| {
+        let error = stage.film(0, &short).unwrap_err();
+        assert!(matches!(error, VizError::Nodes { found: 8, expected: 9, .. }));
+        assert!(matches!(stage.film(1, &short).unwrap_err(), VizError::NoFilm { index: 1 }));
+    });
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("recording.rrd");
-    let error = write(&path, &scene(vec![short], Vec::new())).unwrap_err();
-    assert!(matches!(error, VizError::Nodes { found: 8, expected: 9, .. }));
+    let longer = SignalTrack { values: vec![0.0; 3], ..signal("force_N", 2) };
+    let error = write(&path, scene(&[], vec![longer])).unwrap_err();
+    assert!(matches!(error, VizError::Samples { found: 3, expected: 2, .. }));
     assert!(!path.exists());
 }

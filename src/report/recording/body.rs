@@ -10,9 +10,10 @@ use crate::simulate::Frame;
 const SIDES: u32 = 64;
 
 /// The impactor in the states `frames`.
-pub fn track(impactor: &Surface, frames: &[Frame]) -> BodyTrack {
+pub fn track(impactor: &Surface, frames: &[&Frame]) -> BodyTrack {
     let Body { points, triangles } = Body::of(impactor, SIDES);
-    BodyTrack { name: "impactor".to_owned(), points, triangles, poses: frames.iter().filter_map(pose).collect() }
+    let poses = frames.iter().filter_map(|frame| pose(frame)).collect();
+    BodyTrack { name: "impactor".to_owned(), points, triangles, poses }
 }
 
 /// Where the impactor is in a state.

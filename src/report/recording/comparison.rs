@@ -12,29 +12,23 @@ use crate::post::Overlay;
 use crate::report::compare_page;
 use crate::script::Row;
 
-/// Plots over time that stand beside the texts; the others stand behind each other.
-const FIRST: usize = 4;
-
 /// Writes runs laid over each other to `path`: plots over time as signals, others as diagrams.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write_comparison(path: &Path, overlay: &Overlay) -> Result<(), RecordingError> {
-    Ok(droptower_viz::write(path, &scene(overlay))?)
+    Ok(droptower_viz::write(path, scene(overlay))?)
 }
 
 fn scene(overlay: &Overlay) -> Scene {
     let (over_time, others): (Vec<Plot>, Vec<Plot>) = compare_page::plots(overlay);
-    let mut charts: Vec<Chart> = over_time.iter().enumerate().map(chart).collect();
-    let more_charts = charts.split_off(charts.len().min(FIRST));
     let ends = over_time.iter().flat_map(|plot| &plot.curves).filter_map(|curve| curve.points.last());
     Scene {
         name: overlay.title(),
         duration: ends.map(|[time, _]| time * 1e-3).fold(0.0, f64::max),
         documents: vec![text(overlay).document()],
         signals: over_time.iter().enumerate().flat_map(tracks).collect(),
-        charts,
-        more_charts,
+        charts: over_time.iter().enumerate().map(chart).collect(),
         diagrams: diagram::diagrams("plots", &others).collect(),
         ..Scene::default()
     }

@@ -1,27 +1,44 @@
 //! Faces of film as the recording shows them: triangles, coloured by strain.
 
-use droptower_viz::{FilmFrame, FilmTrack, Quantity};
+use droptower_viz::{Extent, FilmFrame, FilmTrack, Quantity};
 
-use crate::simulate::{Film, FilmState, Frame, Outcome};
+use crate::simulate::{Film, FilmState, Frame};
 
-/// A strain that faces are coloured by, of the MD fibre, the TD fibre and the shear angle of an element.
+/// A strain that faces are coloured by, of the MD fibre, the TD fibre and the shear angle (rad) of an element.
 struct Strain {
     key: &'static str,
     title: &'static str,
     words: &'static str,
+    /// From what `of` gives to the unit of the words.
+    factor: f32,
     of: fn(&[f32; 3]) -> f32,
 }
 
-/// What can be chosen, the one that is shown first; %. The sense of a shear angle turns round in a mirror, so its size is shown.
+/// What can be chosen, the one that is shown first. The sense of a shear angle turns round in a mirror, so its size is shown.
 const STRAINS: [Strain; 4] = [
-    Strain { key: "largest", title: "Larger fibre strain", words: "max(MD, TD), %", of: |[md, td, _]| md.max(*td) },
-    Strain { key: "md", title: "Strain MD", words: "MD, %", of: |[md, _, _]| *md },
-    Strain { key: "td", title: "Strain TD", words: "TD, %", of: |[_, td, _]| *td },
-    Strain { key: "shear", title: "Shear", words: "|γ|, %", of: |[_, _, shear]| shear.abs() },
+    Strain {
+        key: "largest",
+        title: "Larger fibre strain",
+        words: "max(MD, TD), %",
+        factor: 100.0,
+        of: |[md, td, _]| md.max(*td),
+    },
+    Strain { key: "md", title: "Strain MD", words: "MD, %", factor: 100.0, of: |[md, _, _]| *md },
+    Strain { key: "td", title: "Strain TD", words: "TD, %", factor: 100.0, of: |[_, td, _]| *td },
+    Strain {
+        key: "shear",
+        title: "Shear",
+        words: "|γ|, °",
+        factor: 180.0 / std::f32::consts::PI,
+        of: |[_, _, shear]| shear.abs(),
+    },
 ];
 
+/// The end of the colours where nothing is strained more: strains below it are no more than rounding.
+const LEAST_STRAIN: f32 = 1e-6;
+
 /// The strains, from nothing to the largest of an element that holds in any of `frames`. Less than nothing is slack.
-pub fn quantities(frames: &[Frame]) -> Vec<Quantity> {
+pub fn quantities(frames: &[&Frame]) -> Vec<Quantity> {
     let highest = |strain: &Strain| {
         let states = frames.iter().flat_map(|frame| &frame.films);
         states.map(|state| largest(strain, state)).fold(0.0, f32::max)
@@ -29,21 +46,26 @@ pub fn quantities(frames: &[Frame]) -> Vec<Quantity> {
     STRAINS.iter().map(|strain| strain.quantity(highest(strain))).collect()
 }
 
-/// One face and all its kept states.
-pub fn track(outcome: &Outcome, face: usize) -> FilmTrack {
-    let film = &outcome.films[face];
-    let frames = outcome.frames.iter().map(|frame| state(film, frame, face)).collect();
-    FilmTrack { frames, ..alone(film, face) }
+/// All faces.
+pub fn tracks(films: &[Film]) -> Vec<FilmTrack> {
+    films.iter().enumerate().map(|(face, film)| track(film, face)).collect()
 }
 
-/// One face before any state.
-pub fn alone(film: &Film, face: usize) -> FilmTrack {
+/// What the faces take up in all of `frames`.
+pub fn extent(films: &[Film], frames: &[&Frame]) -> Extent {
+    let faces = films.iter().enumerate().map(|(face, film)| (face, film, track(film, face)));
+    faces.fold(Extent::default(), |extent, (face, film, track)| {
+        frames.iter().fold(extent, |extent, frame| extent.with(&track, &state(film, frame, face)))
+    })
+}
+
+fn track(film: &Film, face: usize) -> FilmTrack {
     FilmTrack {
         name: format!("face-{}", face + 1),
+        nodes: film.nodes,
         triangles: triangles(film),
         held: film.held.clone(),
         mirrored: film.mirrored,
-        frames: vec![],
     }
 }
 
@@ -61,8 +83,9 @@ pub fn state(film: &Film, frame: &Frame, face: usize) -> FilmFrame {
 
 impl Strain {
     fn quantity(&self, highest: f32) -> Quantity {
-        let Strain { key, title, words, .. } = *self;
-        Quantity { key, title: title.to_owned(), words: words.to_owned(), range: [0.0, 100.0 * highest] }
+        let Strain { key, title, words, factor, .. } = *self;
+        let range = [0.0, factor * highest.max(LEAST_STRAIN)];
+        Quantity { key, title: title.to_owned(), words: words.to_owned(), range }
     }
 }
 
@@ -87,7 +110,7 @@ fn per_triangle(film: &Film, value: impl Fn(usize) -> bool) -> Vec<bool> {
     of_quads.chain(of_tris).collect()
 }
 
-/// A strain at the nodes, %: the mean of the elements around that hold.
+/// A strain at the nodes, in the unit of its words: the mean of the elements around that hold.
 fn nodal(strain: &Strain, film: &Film, state: &FilmState) -> Vec<f32> {
     let mut sums = vec![(0.0_f32, 0.0_f32); film.nodes];
     let quads = film.quads.iter().map(|quad| quad.as_slice());
@@ -96,7 +119,7 @@ fn nodal(strain: &Strain, film: &Film, state: &FilmState) -> Vec<f32> {
     for ((corners, strains), _) in held.filter(|(_, broken)| !**broken) {
         for node in corners {
             let (sum, elements) = &mut sums[*node as usize];
-            *sum += 100.0 * (strain.of)(strains);
+            *sum += strain.factor * (strain.of)(strains);
             *elements += 1.0;
         }
     }

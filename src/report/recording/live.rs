@@ -2,22 +2,25 @@
 //! may hold up and the run not.
 
 use std::io;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-use droptower_viz::{Address, Document, Event, FilmFrame, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
+use droptower_viz::{Address, FilmFrame, Moment, Places, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
 use thiserror::Error;
 
-use super::{RecordingError, body, documents, events, film, signals, text};
+use super::{RecordingError, body, diagram, documents, events, film, signals, text};
 use crate::model::Model;
 use crate::post::Comparison;
+use crate::report::film::is_finite;
 use crate::report::{RunPage, subject};
 use crate::signal::{Channel, Recording};
 use crate::simulate::Glimpse;
 
-/// Longest wait for a viewer to answer, and for it to take what is left at the end.
+/// Longest wait for a viewer to answer, and for it to take what is left at the end: of the thread that talks to it for what it
+/// has sent, and a little longer of the run for that thread.
 const PATIENCE: Duration = Duration::from_secs(2);
+const SENDING: Duration = Duration::from_secs(8);
 const LAST_PATIENCE: Duration = Duration::from_secs(10);
 
 /// States that may wait for the viewer before the next one is left out.
@@ -48,21 +51,28 @@ pub struct Live<'a> {
     viewer: Option<Viewer>,
     /// Samples of the signals and of the energies that were handed over.
     sent: [usize; 2],
-    /// Upper ends of the colours.
+    /// Paths of the signals that the viewer has.
+    shown: Vec<String>,
+    /// Ranges of the colours, as the viewer has them.
     ranges: Vec<[f32; 2]>,
     lost: usize,
 }
 
 /// The thread that talks to the viewer.
 struct Viewer {
-    news: SyncSender<News>,
+    news: SyncSender<State>,
+    /// Apart from the states, so that none of them can keep the end from getting through.
+    end: Sender<Scene>,
     done: Receiver<Result<(), VizError>>,
 }
 
-/// What is new in a run.
-enum News {
-    State { films: Vec<FilmFrame>, pose: Option<Pose>, samples: Vec<SignalTrack>, ranges: Option<Vec<[f32; 2]>> },
-    End { documents: Vec<Document>, events: Vec<Event> },
+/// What is new in a run after a state was kept.
+struct State {
+    time: f64,
+    films: Vec<FilmFrame>,
+    pose: Option<Pose>,
+    samples: Vec<SignalTrack>,
+    ranges: Option<Vec<[f32; 2]>>,
 }
 
 impl<'a> Live<'a> {
@@ -79,42 +89,50 @@ impl<'a> Live<'a> {
         let no_answer = |source| LiveError::NoAnswer { address: address.to_string(), source };
         address.answers(PATIENCE).map_err(no_answer)?;
         let address = address.clone();
-        Ok(Live { address, model, comparison, scenario, viewer: None, sent: [0; 2], ranges: vec![], lost: 0 })
+        Ok(Live {
+            address,
+            model,
+            comparison,
+            scenario,
+            viewer: None,
+            sent: [0; 2],
+            shown: vec![],
+            ranges: vec![],
+            lost: 0,
+        })
     }
 
-    /// Shows a state, unless the viewer has fallen behind.
-    ///
-    /// # Errors
-    /// The impactor cannot be drawn.
-    pub fn show(&mut self, glimpse: &Glimpse<'_>) -> Result<(), LiveError> {
+    /// Shows a state that can be drawn, unless the viewer has fallen behind.
+    pub fn show(&mut self, glimpse: &Glimpse<'_>) {
+        if !is_finite(glimpse.frame) {
+            return;
+        }
         if self.viewer.is_none() {
-            let scene = self.scene(glimpse);
-            self.ranges = scene.quantities.iter().map(|quantity| quantity.range).collect();
-            self.sent = [glimpse.signals.time.len(), glimpse.energies.time.len()];
-            self.viewer = Some(Viewer::start(self.address.clone(), scene));
-            return Ok(());
+            self.viewer = Some(Viewer::start(self.address.clone(), self.begin(glimpse)));
         }
-        let state = self.state(glimpse);
-        let Some(viewer) = &self.viewer else { return Ok(()) };
-        match viewer.news.try_send(state) {
-            Ok(()) => self.sent = [glimpse.signals.time.len(), glimpse.energies.time.len()],
-            Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => self.lost += 1,
+        let Some(viewer) = &self.viewer else { return };
+        let ranges = self.wider(glimpse);
+        // A viewer that is gone is told at the end.
+        if viewer.news.try_send(self.state(glimpse, ranges.clone())).is_err() {
+            self.lost += 1;
+            return;
         }
-        Ok(())
+        self.sent = samples(glimpse);
+        self.ranges = ranges.unwrap_or_else(|| std::mem::take(&mut self.ranges));
     }
 
     /// Hands over what was measured in the end, if anything was, and waits for the viewer to take it, but not for long.
     ///
     /// # Errors
     /// The viewer fell behind, got stuck or refused.
-    pub fn finish(self, run: Option<&RunPage>) -> Result<(), LiveError> {
-        let Some(Viewer { news, done }) = self.viewer else { return Ok(()) };
+    pub fn finish(mut self, run: Option<&RunPage>) -> Result<(), LiveError> {
+        let Some(Viewer { news, end, done }) = self.viewer.take() else { return Ok(()) };
         let address = self.address.to_string();
         if let Some(run) = run {
-            // A full queue is told below.
-            let _ = news.try_send(News::End { documents: documents(run), events: events::of(run) });
+            // Where nobody takes it, `done` tells why.
+            let _ = end.send(self.rest(run));
         }
-        drop(news);
+        drop((news, end));
         match done.recv_timeout(LAST_PATIENCE) {
             Ok(Err(error)) => Err(RecordingError::from(error).into()),
             Ok(Ok(())) if self.lost == 0 => Ok(()),
@@ -123,25 +141,25 @@ impl<'a> Live<'a> {
         }
     }
 
-    /// The scene with the first state.
-    fn scene(&self, glimpse: &Glimpse<'_>) -> Scene {
-        let Live { model, comparison, scenario, .. } = self;
-        let signals = signals::of(glimpse.signals, glimpse.energies, *comparison, model.run_time());
+    /// The scene before its first state.
+    fn begin(&mut self, glimpse: &Glimpse<'_>) -> Scene {
+        let Live { model, comparison, scenario, .. } = *self;
+        let signals = signals::of(glimpse.signals, glimpse.energies, comparison, model.run_time());
         let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&subject(model)));
         let texts = [super::Text { title: super::SUMMARY.to_owned(), markdown: begun }, super::scenario(scenario)];
-        let films = glimpse.films.iter().enumerate().map(|(face, film)| droptower_viz::FilmTrack {
-            frames: vec![film::state(film, glimpse.frame, face)],
-            ..film::alone(film, face)
-        });
-        let quantities = film::quantities(std::slice::from_ref(glimpse.frame));
+        let quantities: Vec<Quantity> = film::quantities(&[glimpse.frame]).into_iter().map(spread).collect();
+        self.sent = samples(glimpse);
+        self.shown = signals.tracks.iter().map(|track| track.path.clone()).collect();
+        self.ranges = quantities.iter().map(|quantity| quantity.range).collect();
         Scene {
             name: model.name.clone(),
             duration: model.run_time(),
             is_live: true,
+            extent: film::extent(glimpse.films, &[glimpse.frame]),
             documents: texts.iter().map(super::Text::document).collect(),
-            quantities: quantities.into_iter().map(spread).collect(),
-            films: films.collect(),
-            body: glimpse.impactor.map(|impactor| body::track(impactor, std::slice::from_ref(glimpse.frame))),
+            quantities,
+            films: film::tracks(glimpse.films),
+            body: glimpse.impactor.map(|impactor| body::track(impactor, &[glimpse.frame])),
             signals: signals.tracks,
             charts: signals.charts,
             more_charts: signals.more_charts,
@@ -149,64 +167,97 @@ impl<'a> Live<'a> {
         }
     }
 
-    fn state(&mut self, glimpse: &Glimpse<'_>) -> News {
+    fn state(&self, glimpse: &Glimpse<'_>, ranges: Option<Vec<[f32; 2]>>) -> State {
         let films = glimpse.films.iter().enumerate();
         let [signals, energies] = self.sent;
         let (signals, energies) = (since(glimpse.signals, signals), since(glimpse.energies, energies));
-        News::State {
+        State {
+            time: glimpse.frame.time,
             films: films.map(|(face, film)| film::state(film, glimpse.frame, face)).collect(),
             pose: body::pose(glimpse.frame),
             samples: signals::of(&signals, &energies, None, f64::INFINITY).tracks,
-            ranges: self.wider(glimpse),
+            ranges,
         }
     }
 
     /// The ranges of the colours, where the state goes beyond them.
-    fn wider(&mut self, glimpse: &Glimpse<'_>) -> Option<Vec<[f32; 2]>> {
-        let now = film::quantities(std::slice::from_ref(glimpse.frame));
-        let is_beyond = |(quantity, range): (&Quantity, &[f32; 2])| quantity.range[1] > range[1];
-        if !now.iter().zip(&self.ranges).any(is_beyond) {
-            return None;
+    fn wider(&self, glimpse: &Glimpse<'_>) -> Option<Vec<[f32; 2]>> {
+        let now = film::quantities(&[glimpse.frame]);
+        let wider = now.iter().zip(&self.ranges).map(|(quantity, range)| match quantity.range {
+            [_, high] if high > range[1] => [range[0], SPREAD * high],
+            _ => *range,
+        });
+        let wider: Vec<[f32; 2]> = wider.collect();
+        (wider != self.ranges).then_some(wider)
+    }
+
+    /// What the viewer does not have yet: samples after the last state that it got, channels that are made in the end, what the
+    /// post script left, and what happened.
+    fn rest(&self, run: &RunPage) -> Scene {
+        let results = run.results;
+        let all = signals::of(&results.signals, &run.outcome.energies, self.comparison, self.model.run_time());
+        Scene {
+            documents: documents(run),
+            signals: all.tracks.into_iter().map(|track| self.unsent(track)).collect(),
+            charts: all.charts,
+            more_charts: all.more_charts,
+            diagrams: diagram::diagrams("plots", &results.findings.plots).collect(),
+            events: events::of(run),
+            ..Scene::default()
         }
-        for (quantity, range) in now.iter().zip(&mut self.ranges) {
-            if quantity.range[1] > range[1] {
-                range[1] = SPREAD * quantity.range[1];
-            }
+    }
+
+    /// A track without the samples that the viewer has.
+    fn unsent(&self, track: SignalTrack) -> SignalTrack {
+        if !self.shown.contains(&track.path) {
+            return track;
         }
-        Some(self.ranges.clone())
+        let [signals, energies] = self.sent;
+        let sent = match track.path.split('/').next() {
+            Some("signals") => signals,
+            Some("energies") => energies,
+            // What was measured was there from the beginning.
+            _ => track.values.len(),
+        };
+        let SignalTrack { places, mut values, .. } = track;
+        let places = match places {
+            Places::Times(times) => Places::Times(times.into_iter().skip(sent).collect()),
+            Places::Iterations(numbers) => Places::Iterations(numbers.into_iter().skip(sent).collect()),
+        };
+        let values = values.split_off(sent.min(values.len()));
+        SignalTrack { places, values, ..track }
     }
 }
 
 impl Viewer {
     fn start(address: Address, scene: Scene) -> Viewer {
         let (news, heard) = sync_channel(WAITING);
+        let (end, ended) = channel();
         let (told, done) = channel();
         thread::spawn(move || {
             // Whoever waited for it may have given up.
-            let _ = told.send(tell(&address, &scene, &heard));
+            let _ = told.send(tell(&address, scene, &heard, &ended));
         });
-        Viewer { news, done }
+        Viewer { news, end, done }
     }
 }
 
-/// Tells the viewer all news until there are no more.
-fn tell(address: &Address, scene: &Scene, news: &Receiver<News>) -> Result<(), VizError> {
+/// Tells the viewer all states until there are no more, and how it ended, if it did.
+fn tell(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receiver<Scene>) -> Result<(), VizError> {
     let mut stage = Stage::live(address, scene)?;
-    for news in news {
-        match news {
-            News::State { films, pose, samples, ranges } => {
-                stage.spread(&ranges.unwrap_or_default())?;
-                films.iter().enumerate().try_for_each(|(face, frame)| stage.film(face, frame))?;
-                pose.iter().try_for_each(|pose| stage.pose(pose))?;
-                samples.iter().try_for_each(|track| stage.samples(&track.path, &track.places, &track.values))?;
-            }
-            News::End { documents, events } => {
-                documents.iter().try_for_each(|document| stage.document(document))?;
-                events.iter().try_for_each(|event| stage.event(event))?;
-            }
-        }
+    for State { time, films, pose, samples, ranges } in states {
+        stage.spread(Moment::Time(time), &ranges.unwrap_or_default())?;
+        films.iter().enumerate().try_for_each(|(face, frame)| stage.film(face, frame))?;
+        pose.iter().try_for_each(|pose| stage.pose(pose))?;
+        samples.iter().try_for_each(|track| stage.samples(&track.path, &track.places, &track.values))?;
     }
-    stage.finish(LAST_PATIENCE)
+    end.recv().map_or(Ok(()), |rest| stage.complete(rest))?;
+    stage.finish(SENDING)
+}
+
+/// Samples of the signals and of the energies so far.
+fn samples(glimpse: &Glimpse<'_>) -> [usize; 2] {
+    [glimpse.signals.time.len(), glimpse.energies.time.len()]
 }
 
 fn spread(quantity: Quantity) -> Quantity {

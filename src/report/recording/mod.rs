@@ -13,10 +13,14 @@ mod text;
 
 use std::path::Path;
 
-use droptower_viz::{Document, Scene, VizError};
+use std::time::Duration;
+
+use droptower_viz::{Document, Scene, Stage, VizError};
 use thiserror::Error;
 
+use super::film::is_finite;
 use super::{RunPage, figure, subject};
+use crate::simulate::Frame;
 pub use comparison::write_comparison;
 pub use droptower_viz::Address;
 pub use live::{Live, LiveError};
@@ -30,31 +34,50 @@ pub enum RecordingError {
     Viz(#[from] VizError),
 }
 
-/// Writes the recording of a run to `path`.
+/// Longest time that a file may take to be written.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// Writes the recording of a run to `path`, state by state.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
-    Ok(droptower_viz::write(path, &scene(run))?)
+    let outcome = run.outcome;
+    // What flew to infinity before the run broke off cannot be drawn.
+    let frames: Vec<&Frame> = outcome.frames.iter().filter(|frame| is_finite(frame)).collect();
+    let mut stage = Stage::file(path, scene(run, &frames))?;
+    for frame in frames {
+        let films = outcome.films.iter().enumerate();
+        films.into_iter().try_for_each(|(face, film)| stage.film(face, &film::state(film, frame, face)))?;
+    }
+    Ok(stage.finish(PATIENCE)?)
 }
 
-fn scene(run: &RunPage) -> Scene {
+/// All but the states of the films, of which `frames` are shown.
+fn scene(run: &RunPage, frames: &[&Frame]) -> Scene {
     let RunPage { model, outcome, results, .. } = run;
     let signals = signals::of(&results.signals, &outcome.energies, results.comparison.as_ref(), model.run_time());
     Scene {
         name: model.name.clone(),
         is_live: false,
+        extent: film::extent(&outcome.films, &ends(frames, run.failure.is_some())),
         duration: model.run_time(),
         documents: documents(run),
-        quantities: film::quantities(&outcome.frames),
-        films: (0..outcome.films.len()).map(|face| film::track(outcome, face)).collect(),
-        body: outcome.impactor.as_ref().map(|impactor| body::track(impactor, &outcome.frames)),
+        quantities: film::quantities(frames),
+        films: film::tracks(&outcome.films),
+        body: outcome.impactor.as_ref().map(|impactor| body::track(impactor, frames)),
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
         diagrams: diagram::diagrams("plots", &results.findings.plots).collect(),
         events: events::of(run),
     }
+}
+
+/// The states that have to be in view: the first and the last, which of a run that broke off may be anywhere.
+fn ends<'a>(frames: &[&'a Frame], broke_off: bool) -> Vec<&'a Frame> {
+    let last = frames.last().filter(|_| !broke_off);
+    frames.first().into_iter().chain(last).copied().collect()
 }
 
 /// Title of the text that a run opens with.

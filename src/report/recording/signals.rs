@@ -107,15 +107,20 @@ struct Measured<'a> {
 }
 
 impl Measured<'_> {
-    /// What was measured of a picture.
-    fn tracks(self, picture: &Picture) -> impl Iterator<Item = SignalTrack> {
+    /// What was measured of a picture, beside what was simulated: one in grey, of several each in the colour of its own.
+    fn tracks(self, picture: &Picture, own: &[SignalTrack]) -> impl Iterator<Item = SignalTrack> {
         let Measured { comparison, end } = self;
         let word = if says_virtual(&comparison.said) { "measured (virtual)" } else { "measured" };
         picture.measured.iter().filter_map(move |(shown, series)| {
             let series = series(comparison)?.window([0.0, end]);
             let label = format!("{}{word}", shown.label);
-            let drawn =
-                track(format!("measured/{}", shown.entity), shown, [series.time(), series.values()], Stroke::target());
+            let path = format!("measured/{}", shown.entity);
+            let its_own = own.iter().find(|track| track.path.ends_with(&format!("/{}", shown.entity)));
+            let stroke = match its_own.filter(|_| picture.measured.len() > 1) {
+                Some(track) => track.stroke.target_of(),
+                None => Stroke::target(),
+            };
+            let drawn = track(path, shown, [series.time(), series.values()], stroke);
             Some(SignalTrack { label, ..drawn })
         })
     }
@@ -150,8 +155,10 @@ impl Picture {
             track(format!("signals/{}", shown.entity), shown, [&signals.time, values], stroke)
         });
         let own: Vec<SignalTrack> = own.collect();
-        let measured = measured.filter(|_| !own.is_empty()).into_iter().flat_map(|measured| measured.tracks(self));
-        let tracks: Vec<SignalTrack> = measured.chain(own).collect();
+        let measured =
+            measured.filter(|_| !own.is_empty()).into_iter().flat_map(|measured| measured.tracks(self, &own));
+        let mut tracks: Vec<SignalTrack> = measured.collect();
+        tracks.extend(own);
         chart(self.title, tracks, all)
     }
 }

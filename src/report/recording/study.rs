@@ -20,7 +20,7 @@ pub struct StudyRecording {
     pub searches: Vec<Approach>,
     /// Plots that stay the same.
     pub plots: Vec<Plot>,
-    /// Plots over the time of a test in ms, which also go on the recording's timeline `time`.
+    /// Plots over the time of a test in ms, which also go on the timeline `time` of a study without a search.
     pub over_time: Vec<Plot>,
     /// What the script logged.
     pub log: Vec<String>,
@@ -54,16 +54,21 @@ pub struct Iteration {
 /// # Errors
 /// The file cannot be written, or an approach has more curves in one iteration than in another.
 pub fn write_study(path: &Path, study: &StudyRecording) -> Result<(), RecordingError> {
-    Ok(droptower_viz::write(path, &scene(study))?)
+    Ok(droptower_viz::write(path, scene(study))?)
 }
 
 fn scene(study: &StudyRecording) -> Scene {
     let approaches = study.searches.iter().enumerate().map(|(index, search)| approach(search, index));
     let plots = diagram::diagrams("plots", study.over_time.iter().chain(&study.plots));
-    let timed = study.over_time.iter().enumerate().map(|(index, plot)| over_time(plot, index));
-    let (charts, signals): (Vec<Chart>, Vec<Vec<SignalTrack>>) = objectives(study).into_iter().chain(timed).unzip();
+    let (charts, signals): (Vec<Chart>, Vec<Vec<SignalTrack>>) = match study.searches.as_slice() {
+        // The viewer is on one timeline at a time.
+        [] => study.over_time.iter().enumerate().map(|(index, plot)| over_time(plot, index)).unzip(),
+        _ => objectives(study).into_iter().unzip(),
+    };
+    let ends = study.over_time.iter().flat_map(|plot| &plot.curves).filter_map(|curve| curve.points.last());
     Scene {
         name: study.name.clone(),
+        duration: ends.map(|[time, _]| time * 1e-3).fold(0.0, f64::max),
         documents: study.texts.iter().map(Text::document).collect(),
         signals: signals.concat(),
         charts,
@@ -80,8 +85,7 @@ fn approach(search: &Approach, index: usize) -> Diagram {
         curves: iteration.curves.iter().map(diagram::curve).collect(),
     };
     let states = search.iterations.iter().map(state).collect();
-    let title = format!("{}: {}", search.name, search.target.title);
-    Diagram { title, states, ..diagram(format!("searches/{index}"), &search.target) }
+    Diagram { states, ..diagram(format!("searches/{index}"), &search.target) }
 }
 
 /// One chart of all objectives, and one a parameter.
@@ -92,26 +96,27 @@ fn objectives(study: &StudyRecording) -> Vec<(Chart, Vec<SignalTrack>)> {
             names.push(name);
         }
     }
-    let objective = along_iterations(study, "objective", |at| Some(at.objective));
-    let parameter = |name: &&String| {
+    let objective = along_iterations(study, "objective", "objective", |at| Some(at.objective));
+    let parameter = |(number, name): (usize, &&String)| {
         let value = |at: &Iteration| at.parameters.iter().find(|(other, _)| other == *name).map(|(_, value)| *value);
-        along_iterations(study, name, value)
+        along_iterations(study, name, &format!("unknowns/{number}"), value)
     };
-    let charts = std::iter::once(objective).chain(names.iter().map(parameter));
+    let charts = std::iter::once(objective).chain(names.iter().enumerate().map(parameter));
     charts.filter(|(_, signals)| !signals.is_empty()).collect()
 }
 
-/// A figure of every search along its iterations.
+/// A figure of every search along its iterations, at the entity `part` of each. Names may hold any letters; numbers are safe.
 fn along_iterations(
     study: &StudyRecording,
     name: &str,
+    part: &str,
     figure: impl Fn(&Iteration) -> Option<f64>,
 ) -> (Chart, Vec<SignalTrack>) {
     let track = |(index, search): (usize, &Approach)| {
         let places = search.iterations.iter().map(|at| at.number).collect();
         let values: Vec<f64> = search.iterations.iter().map(|at| figure(at).unwrap_or(f64::NAN)).collect();
         values.iter().any(|value| value.is_finite()).then(|| SignalTrack {
-            path: format!("searches/{index}/{name}"),
+            path: format!("searches/{index}/{part}"),
             label: search.name.clone(),
             places: Places::Iterations(places),
             values: values.into_iter().map(|value| value as f32).collect(),
@@ -139,16 +144,21 @@ fn chart(title: &str, signals: &[SignalTrack]) -> Chart {
     Chart { title: title.to_owned(), signals: signals.iter().map(|signal| signal.path.clone()).collect() }
 }
 
-/// Every iteration of every search, and what the script said, which has no iteration of its own, after the last.
+/// Every iteration of every search, and after the last what the script said, which has no iteration of its own; without a
+/// search, at the beginning.
 fn events(study: &StudyRecording) -> Vec<Event> {
-    let event = |number, text| Event { at: Moment::Iteration(number), severity: Severity::Info, text };
+    let event = |at, text| Event { at, severity: Severity::Info, text };
     let iterations = study.searches.iter().flat_map(|search| search.iterations.iter().map(move |at| (search, at)));
-    let last = iterations.clone().map(|(_, at)| at.number).max().unwrap_or_default();
+    let last = iterations.clone().map(|(_, at)| at.number).max();
+    let end = last.map_or(Moment::Time(0.0), Moment::Iteration);
     let words = |(search, at): (&Approach, &Iteration)| {
         let parameters = at.parameters.iter().map(|(name, value)| format!(", {name} {value:.4}"));
-        event(at.number, format!("{}: objective {:.5}{}", search.name, at.objective, parameters.collect::<String>()))
+        event(
+            Moment::Iteration(at.number),
+            format!("{}: objective {:.5}{}", search.name, at.objective, parameters.collect::<String>()),
+        )
     };
-    let said = study.log.iter().map(|line| event(last, line.clone()));
+    let said = study.log.iter().map(|line| event(end, line.clone()));
     iterations.map(words).chain(said).collect()
 }
 

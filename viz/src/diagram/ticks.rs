@@ -3,6 +3,9 @@
 /// Spaces between ticks that an axis aims at.
 const SPACES: f64 = 5.0;
 
+/// Spans below this are none: their ticks cannot be told apart.
+const LEAST_SPAN: f64 = 1e-300;
+
 /// An axis with its ends and ticks, all as numbers on the page: logarithms where it is by decades.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Scale {
@@ -17,7 +20,8 @@ impl Scale {
         let placed = values.filter_map(|value| laid(value, logarithmic));
         let (low, high) = placed.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         let (low, high) = match high - low {
-            span if span > 0.0 => (low, high),
+            // Ends so close that steps between them are lost in their last digits are one value.
+            span if span > LEAST_SPAN && span > 1e-12 * low.abs().max(high.abs()) => (low, high),
             _ if low.is_finite() => (low - 0.5 * low.abs().max(1.0), low + 0.5 * low.abs().max(1.0)),
             _ => (0.0, 1.0),
         };
@@ -44,7 +48,7 @@ impl Scale {
         let decimals = (-step.log10().floor()).max(0.0) as usize;
         let words = |value: f64| match self.logarithmic {
             true => format!("1e{value:.0}"),
-            false if !(1e-5..1e6).contains(&step) => format!("{value:.1e}"),
+            false if !(1e-5..1e6).contains(&step) => format!("{value:.*e}", digits(value, step)),
             false => format!("{:.decimals$}", value + 0.0),
         };
         (first..=last).map(|k| k as f64 * step).map(|value| ((value - self.low) / span, words(value))).collect()
@@ -54,6 +58,12 @@ impl Scale {
 fn laid(value: f64, logarithmic: bool) -> Option<f64> {
     let value = if logarithmic { value.log10() } else { value };
     value.is_finite().then_some(value)
+}
+
+/// Digits behind the point of a number in powers of ten that tell it from one a step away.
+fn digits(value: f64, step: f64) -> usize {
+    let power = |number: f64| number.log10().floor();
+    (power(value.abs().max(step)) - power(step)).max(0.0) as usize
 }
 
 /// The round step (1, 2 or 5 times a power of ten) that comes closest to the wanted number of spaces.
@@ -66,6 +76,8 @@ fn step(span: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     #[test]
@@ -85,5 +97,17 @@ mod tests {
     fn an_axis_of_one_value_or_none_has_a_width() {
         assert_eq!(Scale::over([2.0].into_iter(), false).share(2.0), Some(0.5));
         assert_eq!(Scale::over([f64::NAN].into_iter(), false).share(0.5), Some(0.5));
+        let subnormal = Scale::over([0.0, 5e-324].into_iter(), false);
+        assert_eq!((subnormal.share(0.0), subnormal.ticks().len()), (Some(0.5), 5));
+    }
+
+    #[test]
+    fn neighbours_far_from_nothing_have_words_of_their_own() {
+        for ends in [[1.0, 1.00001], [1.23e12, 1.23e12 + 4e6], [-2e-9, 3e-9]] {
+            let words: Vec<String> =
+                Scale::over(ends.into_iter(), false).ticks().into_iter().map(|(_, words)| words).collect();
+            let different: BTreeSet<&String> = words.iter().collect();
+            assert!(words.len() > 3 && different.len() == words.len(), "{words:?}");
+        }
     }
 }
