@@ -15,7 +15,7 @@ use crate::identify::{self, Heard, Identity, Laboratory};
 use crate::post;
 use crate::report::StudyPage;
 use crate::script::{
-    Arguments, Fault, Findings, Ledger, Limits, Script, TooManyPictures, engine, register_recordings, to_json,
+    Arguments, Fault, Findings, Ledger, Limits, Script, Session, TooManyPictures, engine, register_recordings, to_json,
 };
 use crate::store::{self, Draft, StoreError};
 
@@ -38,7 +38,7 @@ pub struct ScriptArgs {
 }
 
 /// Names that belong to a study's summary.
-const RESERVED: [&str; 6] = ["script", "droptower", "study", "tables", "plots", "files"];
+const RESERVED: [&str; 7] = ["script", "droptower", "study", "warning", "tables", "plots", "files"];
 
 /// A script that was run, and what it found.
 struct Studied {
@@ -129,7 +129,12 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     laboratory.identify(Identity { script: program.text().into(), given: decisive(&call) });
     let stopped = |fault: Fault| Stopped { mistakes: vec![script(&fault)], numerical: fault.numerical };
     program.run(&engine, scope).map_err(stopped)?;
-    Ok(Studied { name, call, text: program.text().into(), findings: ledger.findings() })
+    let virtual_recordings = Session::of_engine(&engine).virtual_recordings();
+    let findings = Findings { virtual_recordings, ..ledger.findings() };
+    if let Some(warning) = findings.warning() {
+        say(&format!("warning: {warning}"));
+    }
+    Ok(Studied { name, call, text: program.text().into(), findings })
 }
 
 /// Every argument has its place in the script: one that is misspelt would change nothing.
@@ -202,6 +207,7 @@ fn summary(studied: &Studied) -> Map<String, Value> {
     summary.insert("script".into(), json!(name));
     summary.insert("droptower".into(), json!(env!("CARGO_PKG_VERSION")));
     summary.insert("study".into(), Value::Object(call.clone()));
+    summary.extend(findings.warning().map(|warning| ("warning".into(), json!(warning))));
     summary.extend(findings.measures.clone());
     let tables = findings.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
     summary.insert("tables".into(), Value::Object(tables.collect()));

@@ -38,8 +38,8 @@ impl Labels {
     }
 }
 
-/// What `best` went through; what was compared on the way is asked for at `desk`.
-pub(super) fn of(best: &Best, title: String, labels: &Labels, desk: &Desk<'_, '_>) -> Convergence {
+/// What `best` went through; what was compared on the way, which `is_virtual` or measured, is asked for at `desk`.
+pub(super) fn of(best: &Best, title: String, labels: &Labels, is_virtual: bool, desk: &Desk<'_, '_>) -> Convergence {
     let objective = |ended: &Ended| thinned(&ended.history, MOST_ITERATIONS).map(|i| (i.iteration, i.f)).collect();
     let course = thinned(&best.best.history, MOST_ITERATIONS).map(waypoint);
     Convergence {
@@ -48,6 +48,7 @@ pub(super) fn of(best: &Best, title: String, labels: &Labels, desk: &Desk<'_, '_
         objectives: best.starts.iter().map(objective).collect(),
         course: course.collect(),
         pursuits: pursuits(&best.best, labels, desk),
+        is_virtual,
     }
 }
 

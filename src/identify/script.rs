@@ -76,6 +76,7 @@ impl Laboratory {
         let tasks: Vec<(Search, FnPtr)> =
             searches.iter().zip(calls).map(|(written, call)| (written.search.clone(), call.clone())).collect();
         let begun = self.searches.load(Ordering::Relaxed);
+        let session = Session::of(context);
         let found = self.at_work(context, &tasks, |desk, number| {
             let Written { search, labels } = &searches[number];
             let name = labels.title.clone().or_else(|| several.then(|| format!("search {}", number + 1)));
@@ -83,7 +84,7 @@ impl Laboratory {
             let mut listener = |iteration: &Iteration| (self.listener)(Heard::Progress(&watch.look(iteration)));
             let best = search::minimise(search, desk, &mut listener)?;
             let title = labels.title.clone().unwrap_or_else(|| format!("search {}", begun + number + 1));
-            let convergence = convergence::of(&best, title, labels, desk);
+            let convergence = convergence::of(&best, title, labels, session.is_all_virtual(), desk);
             Ok::<_, SearchError>((best, convergence))
         })?;
         let (found, convergences): (Vec<_>, Vec<_>) = found.into_iter().unzip();

@@ -45,8 +45,7 @@ impl Impact {
         let displacement = channel("displacement_m");
         let peak = acceleration.largest();
         let deepest = displacement.smallest();
-        let turned = deepest.filter(|[time, _]| displacement.time().last() > Some(time));
-        let rebound = turned.and_then(|[time, _]| {
+        let rebound = turned_round(signals).and_then(|[time, _]| {
             let after = channel("velocity_m_s").window([time, f64::INFINITY]);
             after.largest()
         });
@@ -99,6 +98,12 @@ impl Impact {
     }
 }
 
+/// Where the impactor turned round: time (s) and displacement (m). None where it was still going down at the end.
+pub fn turned_round(signals: &Recording) -> Option<[f64; 2]> {
+    let displacement = signals.series("displacement_m")?;
+    displacement.smallest().filter(|[time, _]| displacement.time().last() > Some(time))
+}
+
 /// The smallest over the faces, along MD and TD.
 fn break_strains(model: &Model) -> [Option<f64>; 2] {
     let strains = || model.faces.iter().map(|face| face.material.law.break_strains());
@@ -115,4 +120,24 @@ fn absorption(model: &Model, signals: &Recording) -> Option<f64> {
     let body = Body { mass: *mass, gravity: *gravity };
     let velocity = signals.channel("velocity_m_s")?;
     energy_absorption(body, velocity, signals.channel("displacement_m")?).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal::Channel;
+
+    #[test]
+    fn an_impactor_that_still_goes_down_has_no_lowest_point() {
+        let falls = |values: &[f64]| {
+            let displacement = Channel { name: "displacement_m".into(), values: values.to_vec() };
+            turned_round(&Recording {
+                time: (0..values.len()).map(|i| i as f64).collect(),
+                channels: vec![displacement],
+            })
+        };
+        assert_eq!(falls(&[0.0, -0.2, -0.1]), Some([1.0, -0.2]));
+        assert_eq!(falls(&[0.0, -0.1, -0.2]), None);
+        assert_eq!(turned_round(&Recording::default()), None);
+    }
 }

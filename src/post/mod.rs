@@ -19,7 +19,7 @@ mod trial;
 use crate::script::Chapter;
 
 pub use audit::{Audit, Histogram, MeshFigures};
-pub use impact::Impact;
+pub use impact::{Impact, turned_round};
 pub use indent::Indent;
 pub use inflation::Inflation;
 pub use overlay::Overlay;

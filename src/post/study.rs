@@ -16,6 +16,7 @@ use crate::material::Law;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
 use crate::script::{Answer, Entry, Options, Session, from_json, number, refuse, to_json, went_wrong};
+use crate::signal::says_virtual;
 use crate::simulate::{self, Across, Manner, RunError};
 
 /// A checked scenario in a script. Cheap to clone.
@@ -49,6 +50,9 @@ impl Study {
             Some(other) => other.plan.clone(),
             None => Plan::prepare(&model).map_err(refuse)?,
         };
+        if let (Some(reference), Some(comparison)) = (&model.reference, plan.comparison()) {
+            session.hears(&reference.signals, says_virtual(&comparison.said));
+        }
         Ok(Study(Arc::new(Parts { document, model, plan })))
     }
 

@@ -74,7 +74,11 @@ fn outcome() -> Outcome {
         name: name.into(),
         values: time.iter().map(|t| motion(*t)[index]).collect(),
     };
-    let channels = vec![channel("displacement_m", 0), channel("velocity_m_s", 1), channel("acceleration_m_s2", 2)];
+    let acceleration = channel("acceleration_m_s2", 2);
+    // Without gravity, nothing else acts on the impactor.
+    let force = acceleration.values.iter().map(|a| MASS * a).collect();
+    let contact_force = Channel { name: "contact_force_N".into(), values: force };
+    let channels = vec![channel("displacement_m", 0), channel("velocity_m_s", 1), acceleration, contact_force];
     let energies = Recording {
         time: time.clone(),
         channels: vec![Channel { name: "elastic_J".into(), values: vec![0.0; time.len()] }],

@@ -20,16 +20,12 @@ pub fn compare_page(overlay: &Overlay) -> String {
     let names = || overlay.runs.iter().map(|run| run.name.clone());
     let header = |first: &str| std::iter::once(first.to_owned()).chain(names()).collect::<Vec<_>>();
     let (over_time, against) = plots(overlay);
-    let notes = match overlay.notes.as_slice() {
-        [] => String::new(),
-        notes => format!("<div class=\"warnings\">\n<h2>Notes</h2>\n{}</div>\n", html::list(notes)),
-    };
     let body = [
         format!(
             "<h1>{}</h1>\n<p class=\"lead\">runs laid over each other, held against the first</p>\n",
             escape(&title)
         ),
-        notes,
+        html::warnings("Notes", &overlay.notes),
         html::section("Runs", &html::table("rows", &header_of_runs(), &runs(overlay))),
         html::section("Scenarios", &html::table("rows", &header("key"), &keys(overlay))),
         html::section("Figures", &html::table("rows", &header("figure"), &figures(overlay.telling_figures()))),
@@ -90,7 +86,7 @@ pub fn errors(overlay: &Overlay) -> Vec<Vec<String>> {
 /// `peak force (N)`.
 fn quantity(name: &str) -> String {
     match figure::named(name) {
-        (words, "") => words,
+        (words, unit) if unit.is_empty() => words,
         (words, unit) => format!("{words} ({unit})"),
     }
 }
@@ -139,7 +135,7 @@ fn sentence(words: &str) -> String {
 /// How a column is shown: in words and in the unit that people read.
 struct Shown {
     words: String,
-    unit: &'static str,
+    unit: String,
     /// From SI to the unit.
     factor: f64,
 }
@@ -147,11 +143,11 @@ struct Shown {
 impl Shown {
     fn of(column: &str) -> Shown {
         let (words, unit) = figure::named(column);
-        let (unit, factor) = match unit {
-            "m" => ("mm", 1e3),
-            "Pa" if column.starts_with("pressure") => ("kPa", 1e-3),
-            "Pa" => ("MPa", 1e-6),
-            unit => (unit, 1.0),
+        let (unit, factor) = match unit.as_str() {
+            "m" => ("mm".into(), 1e3),
+            "Pa" if column.starts_with("pressure") => ("kPa".into(), 1e-3),
+            "Pa" => ("MPa".into(), 1e-6),
+            _ => (unit, 1.0),
         };
         Shown { words, unit, factor }
     }

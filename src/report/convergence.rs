@@ -23,7 +23,8 @@ pub fn target(convergence: &Convergence, pursuit: &Pursuit) -> Plot {
         Over::Time => "time (ms)",
         Over::Strain => "strain",
     };
-    let reference = Curve::line("reference", points(target, &target.values)).dashed();
+    let name = if convergence.is_virtual { "reference (virtual)" } else { "reference" };
+    let reference = Curve::line(name, points(target, &target.values)).dashed();
     Plot::new(title, [x, words.as_str()], vec![reference])
 }
 
@@ -112,6 +113,7 @@ mod tests {
             objectives: vec![objectives.iter().enumerate().map(|(place, f)| (place + 1, *f)).collect()],
             course: (0..objectives.len()).map(at).collect(),
             pursuits: vec![Pursuit { words: "acceleration (m/s²)".into(), target, improvements }],
+            is_virtual: false,
         }
     }
 

@@ -3,31 +3,13 @@
 use serde_json::{Map, Value};
 
 use super::html::escape;
+use crate::units::{STANDARD_GRAVITY, Unit};
 
 /// Standard gravity, m/s²: decelerations are shown in multiples of it.
-pub const G: f64 = 9.806_65;
+pub const G: f64 = STANDARD_GRAVITY;
 
-/// Suffixes of names, longest first, and the units they stand for.
-const UNITS: [(&str, &str); 18] = [
-    ("_percent", "%"),
-    ("_N_mm", "N/mm"),
-    ("_N_m", "N/m"),
-    ("_1_s", "1/s"),
-    ("_m_s2", "m/s²"),
-    ("_MPa", "MPa"),
-    ("_kPa", "kPa"),
-    ("_kN", "kN"),
-    ("_mm", "mm"),
-    ("_ms", "ms"),
-    ("_m_s", "m/s"),
-    ("_Pa", "Pa"),
-    ("_Hz", "Hz"),
-    ("_J", "J"),
-    ("_N", "N"),
-    ("_g", "g"),
-    ("_m", "m"),
-    ("_s", "s"),
-];
+/// Suffixes that mean a force by length here; a recording might mean a moment by them.
+const LINE_FORCES: [(&str, &str); 2] = [("_N_mm", "N/mm"), ("_N_m", "N/m")];
 
 /// One line of a table of figures.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,9 +24,9 @@ impl Figure {
     /// The figure `name` of a summary; `None` where there is no value or it is not one number, text or truth.
     pub fn of(name: &str, value: &Value) -> Option<Figure> {
         let (words, unit) = named(name);
-        let unit = match (unit, value.as_f64()) {
+        let unit = match (unit.as_str(), value.as_f64()) {
             ("m/s²", Some(acceleration)) => format!("m/s² ({} g)", rounded(acceleration / G)),
-            (unit, _) => unit.into(),
+            _ => unit,
         };
         let value = match value {
             Value::Number(number) if number.is_f64() => rounded(number.as_f64()?),
@@ -84,19 +66,49 @@ pub fn heading(name: &str) -> String {
 }
 
 /// Words and unit in the name of a figure or of a column: `peak_acceleration_m_s2` is a peak acceleration in m/s².
-pub fn named(name: &str) -> (String, &'static str) {
-    let mut units = UNITS.iter().filter_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, *unit)));
-    let (stem, unit) = units.find(|(stem, _)| !stem.is_empty()).unwrap_or((name, ""));
-    (stem.replace('_', " "), if name == "penetration" { "of the radius" } else { unit })
+pub fn named(name: &str) -> (String, String) {
+    let force = LINE_FORCES.iter().find_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, (*unit).to_owned())));
+    let other = || Unit::of_name(name).map(|(stem, unit)| (stem, printed(unit.symbol()).to_owned()));
+    match force.or_else(other) {
+        _ if name == "penetration" => (name.into(), "of the radius".into()),
+        Some((stem, unit)) => (stem.replace('_', " "), unit),
+        None => (name.replace('_', " "), String::new()),
+    }
+}
+
+/// A unit as print has it.
+fn printed(symbol: &str) -> &str {
+    match symbol {
+        "m/s2" => "m/s²",
+        "mm/s2" => "mm/s²",
+        "g_n" => "g",
+        "percent" => "%",
+        "deg" => "°",
+        "um" => "µm",
+        "us" => "µs",
+        other => other,
+    }
 }
 
 /// The figures of a summary as a table in Markdown.
 pub fn markdown(summary: &Map<String, Value>) -> String {
     let figures = summary.iter().filter_map(|(name, value)| Figure::of(name, value));
-    // A bar in a text would end its cell.
-    let line = |figure: Figure| format!("| {} |\n", figure.cells().map(|cell| cell.replace('|', "\\|")).join(" | "));
+    let line = |figure: Figure| format!("| {} |\n", figure.cells().map(|cell| escaped(&cell)).join(" | "));
     let lines: String = figures.map(line).collect();
     format!("| figure | value | unit |\n|---|---:|---|\n{lines}")
+}
+
+/// Text that means itself in Markdown, within a table as elsewhere.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        match c {
+            '\n' | '\r' => out.push(' '),
+            '|' | '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '#' | '~' | '&' | '!' => out.extend(['\\', c]),
+            c => out.push(c),
+        }
+    }
+    out
 }
 
 /// The number with four significant digits.
@@ -125,6 +137,9 @@ pub fn duration(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::Path;
+
     use super::*;
 
     #[test]
@@ -134,12 +149,50 @@ mod tests {
             ("rupture_time_s", Value::from(0.0312345), "rupture time 0.03123 s"),
             ("ruptured", Value::from(true), "ruptured yes "),
             ("penetration", Value::from(0.01), "penetration 0.01000 of the radius"),
+            ("mass_kg", Value::from(0.2), "mass 0.2000 kg"),
+            ("thickness_um", Value::from(12), "thickness 12 µm"),
+            ("angle_deg", Value::from(45), "angle 45 °"),
+            ("work_kJ", Value::from(2), "work 2 kJ"),
             ("steps", Value::from(11_240), "steps 11240 "),
             ("energy_balance_error", Value::from(4.0e-6), "energy balance error 4.000e-6 "),
         ] {
             assert_eq!(Figure::of(name, &value).unwrap().cells().join(" "), expected);
         }
         assert_eq!(Figure::of("rupture_time_s", &Value::Null), None);
+    }
+
+    #[test]
+    fn shipped_scripts_name_units_that_are_known() {
+        let read = |path: &Path| fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let scripts = ["scripts", "scripts/post"].map(|folder| fs::read_dir(root.join(folder)).expect("a folder"));
+        let scripts = scripts.into_iter().flatten().map(|entry| entry.expect("an entry").path());
+        let scripts = scripts.filter(|path| path.extension().is_some_and(|extension| extension == "rhai"));
+        let texts: Vec<String> = scripts.chain([root.join("docs/guide.md")]).map(|path| read(&path)).collect();
+        assert!(texts.len() > 10);
+        let is_name = |text: &&str| text.contains('_') && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        let names: Vec<&str> = texts.iter().flat_map(|text| text.split('"')).filter(is_name).collect();
+        let units =
+            ["failure_mass_kg", "head_km_h", "resultant_N_mm"].map(|name| (names.contains(&name), named(name).1));
+        assert_eq!(units, [(true, "kg".into()), (true, "km/h".into()), (true, "N/mm".into())]);
+        for name in names {
+            let last = name.rsplit('_').next().unwrap_or_default();
+            // Letters that stand for something else in these names.
+            let is_unit =
+                Unit::parse(last).is_ok() && !["a", "d", "min"].contains(&last) && last.parse::<f64>().is_err();
+            assert!(!is_unit || !named(name).1.is_empty(), "{name} has no unit");
+        }
+    }
+
+    #[test]
+    fn texts_mean_themselves_in_markdown() {
+        let summary = serde_json::json!({ "note": "![x](https://a.b)\n**b** <img> | &lt;" });
+        let expected = "| note | \\!\\[x\\](https://a.b) \\*\\*b\\*\\* \\<img\\> \\| \\&lt; |  |\n";
+        assert!(
+            markdown(summary.as_object().unwrap()).ends_with(expected),
+            "{}",
+            markdown(summary.as_object().unwrap())
+        );
     }
 
     #[test]

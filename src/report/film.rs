@@ -10,6 +10,7 @@ use super::body::Body;
 use super::html::{data, escape};
 use super::plot::short;
 use crate::model::{Loading, Model};
+use crate::post::turned_round;
 use crate::signal::Recording;
 use crate::simulate::{Film, FilmState, Frame, Outcome};
 
@@ -21,6 +22,9 @@ const MOST_BYTES: usize = 900_000;
 
 /// Most patches of the whole film, mirror images included; more are slow to draw.
 const MOST_PATCHES: usize = 8_000;
+
+/// Patches that a face has at any rate, beside faces with very many elements.
+const LEAST_PATCHES: usize = 8;
 
 /// Most patches of an impactor that is a mesh.
 const MOST_OF_BODY: usize = 2_000;
@@ -37,7 +41,7 @@ pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> S
     let Some(first) = frames.first() else {
         return String::new();
     };
-    let faces = faces(outcome, first);
+    let faces = faces(&outcome.films, first);
     let bytes: usize = faces.iter().map(|face| face.picture.bytes()).sum();
     let most = (MOST_BYTES / bytes.max(1)).clamp(2, MOST_STATES);
     let moments = moments(model, outcome, signals);
@@ -57,9 +61,8 @@ fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment>
     let peak = |channel: &str| Some(signals.series(channel)?.largest()?[0]);
     let mut moments = Vec::new();
     if matches!(model.loading, Loading::Impact { .. }) {
-        let lowest = || Some(signals.series("displacement_m")?.smallest()?[0]);
         moments.extend(peak("acceleration_filtered_m_s2").map(|time| ("largest deceleration", time)));
-        moments.extend(lowest().map(|time| ("lowest point", time)));
+        moments.extend(turned_round(signals).map(|[time, _]| ("lowest point", time)));
     } else {
         moments.extend(peak("force_N").map(|time| ("largest force", time)));
     }
@@ -98,17 +101,17 @@ struct Face {
     picture: Picture,
 }
 
-fn faces(outcome: &Outcome, first: &Frame) -> Vec<Face> {
+fn faces(films: &[Film], first: &Frame) -> Vec<Face> {
     let images = |film: &Film| 1 << film.mirrored.iter().filter(|mirrored| **mirrored).count();
-    let drawn: usize = outcome.films.iter().map(|film| images(film) * (film.quads.len() + film.tris.len())).sum();
+    let drawn: usize = films.iter().map(|film| images(film) * (film.quads.len() + film.tris.len())).sum();
     let face = |(index, film): (usize, &Film)| {
         let outlines: Vec<[u32; 4]> = outlines(film).collect();
         // Every face has its share of the patches.
         let share = (outlines.len() as f64 * (MOST_PATCHES as f64 / drawn as f64).min(1.0)) as usize;
-        let picture = Picture::of(&first.films[index].positions, &outlines, share);
+        let picture = Picture::of(&first.films[index].positions, &outlines, share.max(LEAST_PATCHES));
         Face { index, mirrored: film.mirrored, picture }
     };
-    outcome.films.iter().enumerate().map(face).collect()
+    films.iter().enumerate().map(face).collect()
 }
 
 /// Corners of the elements in the order of their strains; those of a triangle with its last one twice.
@@ -127,7 +130,8 @@ struct Picture {
 }
 
 impl Picture {
-    /// All elements where there are at most `most`, else those that remain when the nodes of a cell are one.
+    /// All elements where there are at most `most`, else those that remain when the nodes of a cell are one; more than `most`
+    /// where even the corners of their box have more between them.
     fn of(points: &[[f32; 3]], outlines: &[[u32; 4]], most: usize) -> Picture {
         if outlines.len() <= most {
             let nodes = (0..points.len() as u32).collect();
@@ -139,8 +143,9 @@ impl Picture {
         extents.sort_by(f32::total_cmp);
         let mut cell = (extents[2] * extents[1] / most.max(1) as f32).sqrt().max(extents[2] / most.max(1) as f32);
         loop {
-            let picture = Picture::coarse(points, outlines, &Lattice::new([low, high], cell));
-            if picture.patches.len() <= most {
+            let lattice = Lattice::new([low, high], cell);
+            let picture = Picture::coarse(points, outlines, &lattice);
+            if picture.patches.len() <= most || lattice.is_coarsest() {
                 return picture;
             }
             cell *= 1.2;
@@ -198,17 +203,22 @@ impl Picture {
 /// Points at equal distances along each axis, from end to end of a box.
 struct Lattice {
     low: [f32; 3],
+    /// From end to end along each axis, at least one.
+    steps: [f32; 3],
     step: [f32; 3],
 }
 
 impl Lattice {
     /// With steps of at most about `cell`.
     fn new([low, high]: [[f32; 3]; 2], cell: f32) -> Lattice {
-        let step = [0, 1, 2].map(|axis| {
-            let extent = high[axis] - low[axis];
-            extent / (extent / cell).round().max(1.0)
-        });
-        Lattice { low, step }
+        let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+        let steps = extent.map(|extent| (extent / cell).round().max(1.0));
+        Lattice { low, steps, step: [0, 1, 2].map(|axis| extent[axis] / steps[axis]) }
+    }
+
+    /// Whether only the corners of the box are left.
+    fn is_coarsest(&self) -> bool {
+        self.steps.iter().all(|steps| *steps == 1.0)
     }
 
     /// The nearest point, counted along each axis, and the square of its distance in steps.
@@ -409,6 +419,27 @@ mod tests {
         let [low, high] = bounds(picture.places(&points).into_iter());
         assert_eq!((low, high), ([0.0; 3], [1.0, 1.0, 0.0]), "its edges stay where they are");
         assert!(picture.corners().all(|corner| (corner as usize) < picture.nodes.len()));
+    }
+
+    #[test]
+    fn a_small_face_beside_a_fine_one_is_still_drawn() {
+        let (fine, small) = (sheet(200), sheet(1));
+        let states = [&fine, &small].map(|(points, film)| frame(0.0, points, film).films.remove(0));
+        let first = Frame { time: 0.0, films: states.into(), impactor: None };
+        let patches: Vec<usize> =
+            faces(&[fine.1, small.1], &first).iter().map(|face| face.picture.patches.len()).collect();
+        assert!(patches[0] > 500 && patches[1] == 1, "{patches:?}");
+    }
+
+    #[test]
+    fn what_no_lattice_makes_few_enough_stays_as_it_is() {
+        let bent: Vec<[f32; 3]> = (0..9).map(|at| [(at % 3) as f32, (at / 3) as f32, (at % 2) as f32]).collect();
+        let corner = |at: u32| at / 2 * 3 + at % 2;
+        let outlines: Vec<[u32; 4]> =
+            (0..4).map(|at| [corner(at), corner(at) + 1, corner(at) + 4, corner(at) + 3]).collect();
+        for most in [0, 1, 2] {
+            assert!(!Picture::of(&bent, &outlines, most).patches.is_empty(), "{most}");
+        }
     }
 
     #[test]

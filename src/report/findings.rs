@@ -157,6 +157,7 @@ mod tests {
             objectives: vec![course.clone()],
             course: vec![],
             pursuits: vec![],
+            is_virtual: false,
         };
         let findings = Findings { searches: ["first", "<second>", "third"].map(search).into(), ..Findings::default() };
         let html = sections(&findings);

@@ -58,6 +58,14 @@ pub fn page(title: &str, body: &str) -> String {
     )
 }
 
+/// What a reader must know, set off from the rest; nothing where there is nothing. Heading and lines are text.
+pub fn warnings(heading: &str, lines: &[String]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    format!("<div class=\"warnings\">\n<h2>{}</h2>\n{}</div>\n", escape(heading), list(lines))
+}
+
 /// Data for the page's scripts; no text in it can end the block.
 pub fn data(value: &Value) -> String {
     let text = value.to_string().replace('<', "\\u003c");

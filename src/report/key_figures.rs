@@ -2,10 +2,10 @@
 
 use serde_json::{Map, Value};
 
-use super::duration;
 use super::figure::{G, rounded, significant};
 use super::html::escape;
-use crate::post::Measures;
+use super::{RunPage, duration};
+use crate::post::{Measures, turned_round};
 
 /// A figure of the summary as its card shows it.
 struct Key {
@@ -50,6 +50,21 @@ const IMPACT: [Key; 7] = [
     BALANCE,
 ];
 
+/// An impact that ended before the impactor turned round.
+const DESCENT: [Key; 5] = [
+    at(
+        key("largest deceleration so far", "peak_acceleration_m_s2", 1.0 / G, "g"),
+        Beside::Time("time_of_peak_acceleration_s"),
+    ),
+    at(
+        key("lowest so far, still going down", "peak_displacement_m", 1e3, "mm"),
+        Beside::Time("time_of_peak_displacement_s"),
+    ),
+    key("acceleration error E<sub>a</sub>", "acceleration_error", 100.0, "%"),
+    key("displacement error E<sub>d</sub>", "displacement_error", 100.0, "%"),
+    BALANCE,
+];
+
 const STRETCH: [Key; 5] = [
     at(key("peak stress", "peak_stress_Pa", 1e-6, "MPa"), Beside::Strain("strain_at_peak_stress")),
     key("peak force", "peak_force_N", 1.0, "N"),
@@ -75,15 +90,16 @@ const INFLATION: [Key; 5] = [
 ];
 
 /// Cards of the key figures that the summary has, and whether the film held.
-pub(super) fn cards(measures: &Measures, summary: &Map<String, Value>) -> String {
-    let keys: &[Key] = match measures {
+pub(super) fn cards(run: &RunPage, summary: &Map<String, Value>) -> String {
+    let keys: &[Key] = match run.results.measures {
+        Measures::Impact(_) if turned_round(&run.results.signals).is_none() => &DESCENT,
         Measures::Impact(_) => &IMPACT,
         Measures::Stretch(_) => &STRETCH,
         Measures::Indent(_) => &INDENT,
         Measures::Inflation(_) => &INFLATION,
     };
     let cards: String = keys.iter().filter_map(|key| card(key, summary)).collect();
-    format!("<ul class=\"cards\">\n{cards}{}</ul>\n", film(summary))
+    format!("<ul class=\"cards\">\n{cards}{}</ul>\n", film(summary, run.failure.is_some()))
 }
 
 fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, Value>) -> Option<String> {
@@ -110,11 +126,12 @@ fn number_of(value: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// Whether the film held, and if not, until when.
-fn film(summary: &Map<String, Value>) -> String {
+/// Whether the film held, and if not, until when; of a run that broke off, only how far it got.
+fn film(summary: &Map<String, Value>, broke_off: bool) -> String {
     let rupture = summary.get("rupture_time_s").and_then(Value::as_f64);
     let (shown, beside) = match rupture {
         Some(time) => ("ruptured", format!("<span class=\"beside\">at {}</span>", duration(time))),
+        None if broke_off => ("held", "<span class=\"beside\">until the run broke off</span>".into()),
         None => ("held", String::new()),
     };
     format!("<li><span class=\"words\">film</span><span class=\"value\">{shown}</span>{beside}</li>\n")
@@ -133,6 +150,15 @@ mod tests {
         assert!(html.contains("data-figure=\"peak_displacement_m\" data-value=\"-0.169854473\" data-factor=\"1000\""));
         assert!(html.contains("\u{2212}169.9</span> <span class=\"unit\">mm") && html.contains("at 57.3 ms"), "{html}");
         assert_eq!(card(&IMPACT[0], &Map::new()), None);
+    }
+
+    #[test]
+    fn a_film_held_only_as_long_as_the_run_went() {
+        let whole = film(&Map::new(), false);
+        assert!(whole.contains("held") && !whole.contains("broke off"));
+        assert!(film(&Map::new(), true).contains("until the run broke off"));
+        let ruptured = json!({ "rupture_time_s": 0.04 });
+        assert!(film(ruptured.as_object().unwrap(), true).contains("ruptured</span><span class=\"beside\">at 40.0 ms"));
     }
 
     #[test]

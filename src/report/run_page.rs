@@ -43,7 +43,7 @@ pub fn run_page(run: &RunPage) -> String {
     let body = [
         format!("<h1>{}</h1>\n{}", escape(&model.title), lead(run)),
         warnings(run),
-        key_figures::cards(&results.measures, &summary),
+        key_figures::cards(run, &summary),
         html::section("Film", &film::figure(model, outcome, &results.signals)),
         html::section("Signals", &plot::figures(&run_plots::signals(run))),
         findings::sections(&results.findings),
@@ -74,10 +74,7 @@ fn warnings(run: &RunPage) -> String {
     let rupture = run.outcome.rupture_time.map(|time| format!("The film ruptured at {}", duration(time)));
     let warnings = run.results.measures.warnings().iter().cloned();
     let lines: Vec<String> = failure.into_iter().chain(rupture).chain(warnings).collect();
-    if lines.is_empty() {
-        return String::new();
-    }
-    format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{}</div>\n", html::list(&lines))
+    html::warnings("Warnings", &lines)
 }
 
 /// All figures of the summary, those of the machine behind a fold.

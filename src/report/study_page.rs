@@ -22,6 +22,7 @@ pub struct StudyPage<'a> {
 pub fn study_page(study: &StudyPage) -> String {
     let body = [
         format!("<h1>{}</h1>\n", escape(study.name)),
+        html::warnings("Warnings", study.findings.warning().as_slice()),
         html::section("What was run", &run(study.call)),
         html::section("Figures", &figure::table(study.findings.measures.iter())),
         findings::sections(study.findings),
@@ -87,6 +88,17 @@ mod tests {
         let command = "droptower script scripts/identify.rhai --scenario drop/1008.toml --set 'specimen.mesh.size=20 mm' \
                        --arg 'start=it'\\''s' --arg starts=5";
         assert!(html.contains(&escape(command)), "{html}");
+    }
+
+    #[test]
+    fn a_page_says_that_recordings_are_virtual() {
+        let page = |virtual_recordings| {
+            let findings = Findings { virtual_recordings, ..Findings::default() };
+            study_page(&StudyPage { name: "identify", call: &Map::new(), findings: &findings, script: "" })
+        };
+        let said = "VIRTUAL recordings, nothing was measured: drops/1008.csv";
+        assert!(page(vec!["drops/1008.csv".into()]).contains(said));
+        assert!(!page(vec![]).contains("VIRTUAL"));
     }
 
     #[test]

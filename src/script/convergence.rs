@@ -17,6 +17,8 @@ pub struct Convergence {
     pub course: Vec<Waypoint>,
     /// What the objective held simulations against, while the best start improved.
     pub pursuits: Vec<Pursuit>,
+    /// Whether what it was held against comes from virtual recordings alone.
+    pub is_virtual: bool,
 }
 
 /// Simulations that close in on a reference.

@@ -7,7 +7,9 @@ use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
 use super::curve::{list, numbers, spread_map, strains, yield_map};
 use super::{Answer, Entry, Options, Session, refuse};
-use crate::experiment::coupon::{Along, AtSpeed, Coupon, Curve, Machine, Reading, Recorded, Reduction, Rules, Sample};
+use crate::experiment::coupon::{
+    Along, AtSpeed, Coupon, Curve, Machine, Reading, Recorded, RecordingError, Reduction, Rules, Sample,
+};
 use crate::signal::Series;
 use crate::units::{Length, Velocity};
 
@@ -60,8 +62,12 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> An
         session.reads(path);
     }
     let reading = Reading::new(coupon, rules(&Options { of: "read_coupons", map: given })?);
-    let read = |path: &PathBuf| reading.read(path).map(|recorded| recorded_map(&recorded).into());
-    paths.iter().map(read).collect::<Result<Array, _>>().map_err(|error| match error.hint() {
+    let read = |path: &PathBuf| {
+        let recorded = reading.read(path)?;
+        session.hears(path, recorded.sample.is_virtual);
+        Ok::<_, RecordingError>(recorded_map(&recorded).into())
+    };
+    paths.iter().map(read).collect::<Result<Array, RecordingError>>().map_err(|error| match error.hint() {
         Some(hint) => refuse(format!("{error} ({hint})")),
         None => refuse(error),
     })

@@ -1,5 +1,6 @@
 //! What a script leaves behind: figures, tables, plots, files, and a log.
 
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rhai::{Array, Dynamic, Engine, Map};
@@ -9,6 +10,7 @@ use thiserror::Error;
 use super::files::{self, File, FileError, Files};
 use super::plots::{self, PlotError};
 use super::{Answer, Convergence, Entry, refuse, to_json};
+use crate::diagnostic::shown_path;
 use crate::plot::{Correlation, Plot};
 use crate::store;
 
@@ -20,6 +22,9 @@ const MOST_ENTRIES: usize = 10_000;
 
 /// Most searches and correlations whose pictures are kept.
 const MOST_PICTURES: usize = 100;
+
+/// Most virtual recordings that are named one by one.
+const MOST_NAMED: usize = 6;
 
 /// Figures, tables, plots, files and log lines in the order in which the script gave them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,6 +38,20 @@ pub struct Findings {
     pub correlations: Vec<Correlation>,
     pub files: Files,
     pub log: Vec<String>,
+    /// Recordings that it read, or that its scenarios are compared with, and that say they are virtual.
+    pub virtual_recordings: Vec<PathBuf>,
+}
+
+impl Findings {
+    /// What a reader must know before anything else: that recordings behind it are virtual.
+    pub fn warning(&self) -> Option<String> {
+        let named: Vec<String> = self.virtual_recordings.iter().take(MOST_NAMED).map(|path| shown_path(path)).collect();
+        let more = match self.virtual_recordings.len().saturating_sub(MOST_NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        (!named.is_empty()).then(|| format!("VIRTUAL recordings, nothing was measured: {}{more}", named.join(", ")))
+    }
 }
 
 /// Why a name cannot be given to a figure or a table.

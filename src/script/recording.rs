@@ -6,7 +6,7 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, Identifier, Map, NativeCallCon
 
 use super::{Answer, Entry, Session, refuse};
 use crate::signal::file::{self, Wanted};
-use crate::signal::{ChannelError, Measurement, Series};
+use crate::signal::{ChannelError, Measurement, Series, says_virtual};
 use crate::units::Unit;
 
 /// Offers the type `measurement` to scripts that may read files.
@@ -31,8 +31,11 @@ pub fn register(engine: &mut Engine) {
 
 /// The path is relative to the working directory.
 fn read(context: &NativeCallContext, path: &str, wanted: &Wanted) -> Answer<Measurement> {
-    Session::of(context).reads_recording(Path::new(path));
-    file::read(Path::new(path), wanted).map_err(|error| hinted(&error, error.hint()))
+    let (session, path) = (Session::of(context), Path::new(path));
+    session.reads_recording(path);
+    let measurement = file::read(path, wanted).map_err(|error| hinted(&error, error.hint()))?;
+    session.hears(path, says_virtual(&measurement.notes));
+    Ok(measurement)
 }
 
 /// What a script says of a file: `#{ time: name, columns: [name, …], units: #{ name: unit } }`, each as on the command line.

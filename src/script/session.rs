@@ -6,7 +6,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rhai::{Dynamic, NativeCallContext};
+use rhai::{Dynamic, Engine, NativeCallContext};
 
 use super::Compared;
 use crate::simulate::Cancellation;
@@ -18,6 +18,7 @@ const MOST_COMPARED: usize = 12;
 #[derive(Clone, Debug, Default)]
 pub struct Session {
     inputs: Arc<Mutex<BTreeMap<PathBuf, String>>>,
+    recordings: Arc<Mutex<BTreeMap<PathBuf, bool>>>,
     trial: Option<Arc<Mutex<Trial>>>,
     cancellation: Cancellation,
 }
@@ -36,14 +37,21 @@ pub struct Trial {
 impl Session {
     /// The session of the script that calls a host function.
     pub fn of(context: &NativeCallContext) -> Session {
-        let session = context.tag().and_then(|tag| tag.read_lock::<Session>().map(|session| session.clone()));
-        session.unwrap_or_default()
+        context.tag().and_then(Session::in_tag).unwrap_or_default()
+    }
+
+    /// The session of the scripts that `engine` runs.
+    pub fn of_engine(engine: &Engine) -> Session {
+        Session::in_tag(engine.default_tag()).unwrap_or_default()
+    }
+
+    fn in_tag(tag: &Dynamic) -> Option<Session> {
+        tag.read_lock::<Session>().map(|session| session.clone())
     }
 
     /// The same session within an evaluation of an objective, which may be cancelled.
     pub fn with_trial(&self, cancellation: &Cancellation) -> Session {
-        let (inputs, cancellation) = (Arc::clone(&self.inputs), cancellation.clone());
-        Session { inputs, trial: Some(Arc::default()), cancellation }
+        Session { trial: Some(Arc::default()), cancellation: cancellation.clone(), ..self.clone() }
     }
 
     /// What ends the simulations of an evaluation that nobody waits for any more.
@@ -98,6 +106,23 @@ impl Session {
         for entry in fs::read_dir(path.with_file_name("Channel")).into_iter().flatten().flatten() {
             self.reads(&entry.path());
         }
+    }
+
+    /// Remembers whether the recording at `path` says that it is virtual.
+    pub fn hears(&self, path: &Path, is_virtual: bool) {
+        lock(&self.recordings).insert(path.into(), is_virtual);
+    }
+
+    /// Recordings that were read so far and say that they are virtual.
+    pub fn virtual_recordings(&self) -> Vec<PathBuf> {
+        let recordings = lock(&self.recordings);
+        recordings.iter().filter(|(_, is_virtual)| **is_virtual).map(|(path, _)| path.clone()).collect()
+    }
+
+    /// Whether nothing that was read so far was measured: there are recordings, and all are virtual.
+    pub fn is_all_virtual(&self) -> bool {
+        let recordings = lock(&self.recordings);
+        !recordings.is_empty() && recordings.values().all(|is_virtual| *is_virtual)
     }
 
     /// The files that were read so far, and what they held.
@@ -159,6 +184,17 @@ mod tests {
         let inputs = session.inputs();
         assert_eq!(inputs.len(), 1);
         assert_ne!(inputs[&path], content(&path));
+    }
+
+    #[test]
+    fn virtual_recordings_are_told_from_measured_ones() {
+        let session = Session::default();
+        assert!(!session.is_all_virtual());
+        session.with_trial(&Cancellation::default()).hears(Path::new("b.csv"), true);
+        assert!(session.is_all_virtual());
+        session.hears(Path::new("a.csv"), false);
+        assert!(!session.is_all_virtual());
+        assert_eq!(session.virtual_recordings(), [PathBuf::from("b.csv")]);
     }
 
     #[test]

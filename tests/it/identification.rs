@@ -296,7 +296,7 @@ fn a_search_shows_its_simulations_closing_in_on_the_reference() {
     };
     let (runs, found) = searched(2);
     let [best, reference] = [0, 1].map(|place: usize| runs[place].clone().cast::<Series>());
-    let [Convergence { title, unknowns, objectives, course, pursuits }] = &found[..] else { panic!("{found:?}") };
+    let [Convergence { title, unknowns, objectives, course, pursuits, .. }] = &found[..] else { panic!("{found:?}") };
     assert_eq!((title.as_str(), unknowns.as_slice(), objectives.len()), ("1008", &["ke".to_owned()][..], 1));
     assert_eq!(course.len(), objectives[0].len());
     let [pursuit] = &pursuits[..] else { panic!("{pursuits:?}") };

@@ -2,6 +2,7 @@
 
 use droptower_viz::{Event, Moment, Severity};
 
+use crate::post::turned_round;
 use crate::report::RunPage;
 use crate::signal::Recording;
 
@@ -23,28 +24,28 @@ pub fn of(run: &RunPage) -> Vec<Event> {
 fn motion(signals: &Recording) -> Vec<(f64, String)> {
     let Some(force) = signals.channel("contact_force_N") else { return vec![] };
     let contact = force.iter().position(|force| *force > 0.0).map(|k| (k, "first contact".to_owned()));
-    let braking = extreme(signals, "acceleration_filtered_m_s2", 1.0)
+    let braking = largest(signals, "acceleration_filtered_m_s2")
         .map(|(k, peak)| (k, format!("largest deceleration, {peak:.1} m/s²")));
-    // At the end of what was sampled it may go on.
-    let lowest = extreme(signals, "displacement_m", -1.0).filter(|(k, _)| k + 1 < force.len());
-    let lowest = lowest.map(|(k, depth)| (k, format!("lowest point, {:.1} mm", 1e3 * depth)));
-    let rebound = lowest.as_ref().and_then(|(k, _)| rebound(signals, force, *k));
+    let turn = turned_round(signals);
+    let lowest = turn.map(|[time, depth]| (time, format!("lowest point, {:.1} mm", 1e3 * depth)));
+    let rebound = turn.and_then(|[time, _]| rebound(signals, force, time));
     let timed = |(k, text)| Some((*signals.time.get(k)?, text));
-    [contact, braking, lowest, rebound].into_iter().flatten().filter_map(timed).collect()
+    [contact, braking].into_iter().flatten().filter_map(timed).chain(lowest).chain(rebound).collect()
 }
 
-/// The first sample from which on nothing touches any more, with the speed there.
-fn rebound(signals: &Recording, force: &[f64], lowest: usize) -> Option<(usize, String)> {
+/// When nothing touches any more after the turn at the time `turn`, s, and the speed then.
+fn rebound(signals: &Recording, force: &[f64], turn: f64) -> Option<(f64, String)> {
     let left = force.iter().rposition(|force| *force > 0.0)? + 1;
     let speed = signals.channel("velocity_m_s")?.get(left)?;
-    (left > lowest && *speed > 0.0).then(|| (left, format!("leaves the film at {speed:.2} m/s")))
+    let time = *signals.time.get(left)?;
+    (time > turn && *speed > 0.0).then(|| (time, format!("leaves the film at {speed:.2} m/s")))
 }
 
-/// Index and value of the largest sample of a channel, or of the smallest where `sign` is -1.
-fn extreme(signals: &Recording, channel: &str, sign: f64) -> Option<(usize, f64)> {
+/// Index and value of the largest sample of a channel.
+fn largest(signals: &Recording, channel: &str) -> Option<(usize, f64)> {
     let samples = signals.channel(channel)?.iter().copied().enumerate();
     let finite = samples.filter(|(_, value)| value.is_finite());
-    finite.max_by(|(_, a), (_, b)| (sign * a).total_cmp(&(sign * b)))
+    finite.max_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
 #[cfg(test)]

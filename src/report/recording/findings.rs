@@ -21,14 +21,15 @@ impl StudyRecording {
             searches: findings.searches.iter().flat_map(approaches).collect(),
             plots: plots.into_iter().cloned().collect(),
             over_time: over_time.into_iter().cloned().collect(),
-            log: findings.log.clone(),
+            log: findings.warning().into_iter().chain(findings.log.iter().cloned()).collect(),
         }
     }
 }
 
 /// Figures, tables, correlations, and what was run.
 fn texts(study: &StudyPage) -> Vec<Text> {
-    let summary = Text { title: "Summary".into(), markdown: markdown(&study.findings.measures) };
+    let warning = study.findings.warning().map_or(String::new(), |warning| format!("{}\n\n", text::escaped(&warning)));
+    let summary = Text { title: "Summary".into(), markdown: warning + markdown(&study.findings.measures).as_str() };
     let given = serde_json::to_string_pretty(study.call).unwrap_or_else(|error| error.to_string());
     let run = [Text::verbatim("Script", study.script), Text::verbatim("What was run", &given)];
     let own = [Some(summary), Text::tables(study.findings), correlations(study.findings)];

@@ -3,6 +3,8 @@
 use droptower_viz::Document;
 
 use crate::report::{cell, columns};
+
+pub(super) use crate::report::figure::escaped;
 use crate::script::{Findings, Row};
 
 /// A text of its own.
@@ -46,19 +48,6 @@ pub(super) fn table(name: &str, rows: &[Row]) -> String {
     let cells = |row: &Row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect::<Vec<_>>();
     let rows = rows.iter().map(|row| line(cells(row).iter().map(|cell| escaped(cell)).collect()));
     format!("## {}\n\n{heads}{rule}{}", escaped(&name.replace('_', " ")), rows.collect::<String>())
-}
-
-/// Text that means itself within a table.
-pub(super) fn escaped(text: &str) -> String {
-    let mut out = String::new();
-    for c in text.chars() {
-        match c {
-            '\n' | '\r' => out.push(' '),
-            '|' | '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '#' | '~' => out.extend(['\\', c]),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 #[cfg(test)]
