@@ -92,14 +92,14 @@ impl Curve {
         Curve { look: Look::Dashed, ..self }
     }
 
-    /// The same with [thinned] points.
+    /// The same through the [outline] of its points.
     pub fn thinned(&self, most: usize) -> Curve {
-        Curve { name: self.name.clone(), points: thinned(&self.points, most), look: self.look }
+        Curve { name: self.name.clone(), points: outline(&self.points, most), look: self.look }
     }
 }
 
 /// At most `most` points, 5 at least: the ends, and of every stretch between them the lowest, the highest and the first gap.
-pub fn thinned(points: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
+pub fn outline(points: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
     match points {
         [first, between @ .., last] if points.len() > most => {
             let stretch = between.len().div_ceil((most.saturating_sub(2) / 3).max(1));

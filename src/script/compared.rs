@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::experiment::coupon::Curve;
-use crate::plot::thinned;
+use crate::plot::outline;
 use crate::signal::Series;
 
 /// Most samples of a picture.
@@ -59,7 +59,7 @@ impl Compared {
     }
 
     fn sampled(over: Over, samples: impl Iterator<Item = [f64; 2]>, found: impl Fn(f64) -> Option<f64>) -> Compared {
-        let samples = thinned(&samples.collect::<Vec<_>>(), MOST_SAMPLES);
+        let samples = outline(&samples.collect::<Vec<_>>(), MOST_SAMPLES);
         let values = samples.iter().map(|[place, _]| found(*place).unwrap_or(f64::NAN) as f32).collect();
         let places = samples.iter().map(|[place, _]| *place as f32).collect();
         let target = Target { over, places, values: samples.iter().map(|[_, value]| *value as f32).collect() };

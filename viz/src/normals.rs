@@ -15,7 +15,7 @@ pub fn of(film: &FilmTrack, frame: &FilmFrame, near: f32) -> Vec<[f32; 3]> {
     let left = left.filter(|(_, visible)| **visible).map(|(t, _)| *t);
     let mut normals = sums(&frame.positions, left);
     for (normal, position) in normals.iter_mut().zip(&frame.positions) {
-        for axis in (0..2).filter(|axis| film.mirrored[*axis]) {
+        for axis in (0..2).filter(|axis| film.images.iter().any(|image| image[*axis] < 0.0)) {
             if position[axis].abs() < near {
                 normal[axis] = 0.0;
             }

@@ -41,8 +41,8 @@ pub struct FilmTrack {
     pub triangles: Vec<[u32; 3]>,
     /// Edges by which a frame or jaws hold it, as pairs of nodes.
     pub held: Vec<[u32; 2]>,
-    /// Mirror planes x = 0 and y = 0 that complete the picture.
-    pub mirrored: [bool; 2],
+    /// Factors on x, y and z of the mirror images that complete the picture.
+    pub images: Vec<[f32; 3]>,
 }
 
 /// A film at one time.

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use droptower_viz::playback::Playback;
 use droptower_viz::{
-    Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmFrame, FilmTrack, ITERATION, Look,
-    Moment, Places, Pose, Quantity, Scene, Severity, SignalTrack, Stage, State, Stroke, TIME, VizError, Window, write,
+    Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmFrame, FilmTrack, ITERATION, Look, Moment,
+    Places, Pose, Quantity, Scene, Severity, SignalTrack, Stage, State, Stroke, TIME, VizError, Window, write,
 };
 use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Points2D, Transform3D};
 use re_sdk_types::blueprint::components::{ContainerKind, IncludedContent, PlaybackSpeed, TimelineName, ViewClass};
@@ -28,7 +28,7 @@ fn film(n: u32, frames: usize) -> Film {
         nodes: ((n + 1) * (n + 1)) as usize,
         triangles: cells.flat_map(|[row, column]| cell(row, column)).collect(),
         held: vec![[0, 1]],
-        mirrored: [true, true],
+        images: vec![[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]],
     };
     (track, (0..frames).map(|index| state(n, index, frames)).collect())
 }
