@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use rayon::iter::ParallelIterator;
 use roxmltree::Document as Xml;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, Attributes, Cells, DataSet, IOBuffer, Piece, UnstructuredGridPiece, VertexNumbers};
