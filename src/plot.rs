@@ -95,14 +95,21 @@ impl Curve {
         Curve { look: Look::Dashed, ..self }
     }
 
-    /// The same with at most `most` points, 3 at least: of every stretch the lowest, the highest and the first gap.
+    /// The same through the [outline] of its points.
     pub fn thinned(&self, most: usize) -> Curve {
-        if self.points.len() <= most {
-            return self.clone();
+        Curve { name: self.name.clone(), points: outline(&self.points, most), look: self.look }
+    }
+}
+
+/// At most `most` points, 5 at least: the ends, and of every stretch between them the lowest, the highest and the first gap.
+pub fn outline(points: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
+    match points {
+        [first, between @ .., last] if points.len() > most => {
+            let stretch = between.len().div_ceil((most.saturating_sub(2) / 3).max(1));
+            let between = between.chunks(stretch).flat_map(extremes);
+            [*first].into_iter().chain(between).chain([*last]).collect()
         }
-        let stretch = self.points.len().div_ceil((most / 3).max(1));
-        let points = self.points.chunks(stretch).flat_map(extremes).collect();
-        Curve { name: self.name.clone(), points, look: self.look }
+        _ => points.to_vec(),
     }
 }
 
@@ -170,6 +177,7 @@ mod tests {
         let thin = Curve::line("loop", points.clone()).thinned(100);
         assert!(thin.points.len() <= 100 && thin.points.contains(&points[321]) && thin.points.contains(&points[654]));
         assert_eq!(thin.points.iter().filter(|point| point[1].is_nan()).count(), 1);
+        assert_eq!([thin.points[0], thin.points[thin.points.len() - 1]], [points[0], points[999]]);
         let mut rest = points.iter();
         let is_next = |point: &[f64; 2]| rest.any(|other| other[0] == point[0]);
         assert!(thin.points.iter().all(is_next));

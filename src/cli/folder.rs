@@ -2,6 +2,7 @@
 
 use std::io;
 
+use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use crate::model::Model;
@@ -95,8 +96,6 @@ impl Files<'_> {
     fn page(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
         let Contents { model, outcome, scenario, failure, .. } = *contents;
         let page = report::run_page(&RunPage { model, outcome, results, scenario, failure, files: &self.names });
-        let page =
-            page.map_err(|error| StoreError::write(self.draft.path().join("report.html"), io::Error::other(error)))?;
         self.write("report.html", page.into_bytes())
     }
 
@@ -130,12 +129,15 @@ impl Files<'_> {
     }
 
     fn vtu(&mut self, model: &Model, outcome: &Outcome) -> Result<(), StoreError> {
-        let failed = |error| StoreError::write(self.draft.path().join(vtu::FOLDER), io::Error::other(error));
-        for file in vtu::files(model, outcome).map_err(failed)? {
+        let folder = self.draft.path().join(vtu::FOLDER);
+        let failed = |error| StoreError::write(&folder, io::Error::other(error));
+        let draft = self.draft;
+        let written = vtu::files(model, outcome).map(|file| {
             let vtu::File { name, content } = file.map_err(failed)?;
-            self.draft.write(&name, content)?;
-            self.names.push(name);
-        }
+            draft.write(&name, content)?;
+            Ok(name)
+        });
+        self.names.extend(written.collect::<Result<Vec<String>, StoreError>>()?);
         Ok(())
     }
 

@@ -58,9 +58,8 @@ impl<'a> Show<'a> {
         if self.viewer.is_some_and(Viewer::is_gone) {
             self.live = None;
         }
-        if let Some(Err(error)) = self.live.as_mut().map(|live| live.show(glimpse)) {
-            self.warn(&error);
-            self.live = None;
+        if let Some(live) = &mut self.live {
+            live.show(glimpse);
         }
     }
 

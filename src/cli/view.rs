@@ -48,15 +48,18 @@ fn recording(run: &Path) -> Result<PathBuf, Diagnostic> {
         let mistake = Diagnostic::new(format!("there is no {}", shown_path(run)));
         return Err(mistake.hint("name the folder of a run, such as runs/drop/1008"));
     }
-    if run.is_file() {
-        return Ok(run.to_owned());
-    }
-    let recording = run.join("recording.rrd");
+    let recording = if run.is_file() { run.to_owned() } else { run.join("recording.rrd") };
     if recording.is_file() {
-        return Ok(recording);
+        return absolute(&recording);
     }
     let mistake = Diagnostic::new(format!("{} holds no recording.rrd", shown_path(run)));
     Err(mistake.hint("runs that broke off too early have none, nor have those of a build without the feature `rerun`"))
+}
+
+/// The same place by a path that no viewer takes for an option.
+fn absolute(recording: &Path) -> Result<PathBuf, Diagnostic> {
+    std::path::absolute(recording)
+        .map_err(|error| Diagnostic::new(format!("cannot open {}: {error}", shown_path(recording))))
 }
 
 fn program(args: &ViewArgs) -> OsString {

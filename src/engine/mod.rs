@@ -223,6 +223,11 @@ impl Engine {
         self.films.iter().map(Film::elements).sum()
     }
 
+    /// Surface of the impactor.
+    pub fn impactor(&self) -> Option<&Surface> {
+        self.impact.as_ref().map(|impact| impact.contact.surface())
+    }
+
     /// The present time step, s.
     pub fn time_step(&self) -> f64 {
         self.time_step.now()

@@ -98,8 +98,8 @@ fn improvements(history: &[Iteration]) -> Vec<&Iteration> {
 }
 
 /// At most `most` of the items, even from the first on, and the last.
-fn thinned<T>(items: &[T], most: usize) -> impl Iterator<Item = &T> {
-    let every = items.len().div_ceil(most - 1).max(1);
+pub(super) fn thinned<T>(items: &[T], most: usize) -> impl Iterator<Item = &T> {
+    let every = items.len().div_ceil(most.saturating_sub(1).max(1)).max(1);
     items
         .iter()
         .enumerate()

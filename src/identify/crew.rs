@@ -23,7 +23,8 @@ use crate::simulate::Cancellation;
 /// Relative step aside of a trial that is repeated.
 const ASIDE: f64 = 1e-6;
 
-/// Most samples that the pictures of one search's trials hold together; trials behind that have none.
+/// Most samples that the pictures of one search's trials hold together, taken up ones included; trials that are finished behind
+/// that have none.
 const MOST_SAMPLES: usize = 64 << 20;
 
 /// Evaluates the trials of one or several searches in parallel, remembers them, and writes them down.
@@ -360,9 +361,11 @@ impl Floor<'_> {
 impl<'a> Board<'a> {
     fn new(history: Option<&'a mut History>) -> Board<'a> {
         let targets = history.iter().flat_map(|history| history.targets()).cloned().collect();
-        let done = history.iter().flat_map(|history| history.trials()).map(|(x, observed)| (bits(x), observed.clone()));
+        let trials = || history.iter().flat_map(|history| history.trials());
+        let samples = trials().map(|(_, observed)| samples_of(&observed.compared)).sum();
+        let done = trials().map(|(x, observed)| (bits(x), observed.clone())).collect();
         let (awaited, expected) = Default::default();
-        Board { done: done.collect(), awaited, expected, history, error: None, over: false, targets, samples: 0 }
+        Board { done, awaited, expected, history, error: None, over: false, targets, samples }
     }
 
     fn found(&self, point: &Point) -> Option<Evaluation> {
@@ -387,10 +390,11 @@ impl<'a> Board<'a> {
                 None => self.targets.push(Arc::clone(&one.target)),
             }
         }
-        let samples: usize = compared.iter().map(|one| one.values.len()).sum();
-        self.samples += samples;
-        if self.samples > MOST_SAMPLES {
+        let samples = self.samples + samples_of(compared);
+        if samples > MOST_SAMPLES {
             compared.clear();
+        } else {
+            self.samples = samples;
         }
     }
 
@@ -407,12 +411,17 @@ impl<'a> Board<'a> {
     }
 }
 
+fn samples_of(compared: &[Compared]) -> usize {
+    compared.iter().map(|one| one.values.len()).sum()
+}
+
 fn bits(x: &[f64]) -> Point {
     x.iter().map(|x| x.to_bits()).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
     use std::panic::{AssertUnwindSafe, catch_unwind};
     use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
     use std::sync::mpsc;
@@ -422,6 +431,8 @@ mod tests {
 
     use super::*;
     use crate::identify::Answer;
+    use crate::identify::history::Identity;
+    use crate::script::Over;
 
     /// At 7 a trial goes on until it is cancelled, or for half a minute; elsewhere it waits for that one to begin.
     #[derive(Default)]
@@ -478,6 +489,24 @@ mod tests {
             });
             assert!(found.unwrap()[0] && endless.cancelled.load(Ordering::Relaxed));
         }
+    }
+
+    /// Trials that end the search's room for pictures end it in the run that takes it up as well.
+    #[test]
+    fn pictures_that_are_taken_up_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = || History::open(folder.path(), &Identity::default(), 1, BTreeMap::new()).unwrap();
+        let target = Arc::new(Target { over: Over::Time, places: vec![0.0, 0.1], values: vec![1.0, 2.0] });
+        let compared = vec![Compared { target, values: vec![1.5, 2.5] }];
+        let observed = Observed { found: Answer::Value(1.0).checked(), compared };
+        let none = |_: &[f64]| 0.0;
+        let mut history = open();
+        let mut board = Board::new(Some(&mut history));
+        board.keep(bits(&[1.0]), observed.clone(), 0.1, &none);
+        board.keep(bits(&[2.0]), observed, 0.1, &none);
+        assert_eq!(board.samples, 4);
+        drop(history);
+        assert_eq!(Board::new(Some(&mut open())).samples, 4);
     }
 
     #[test]

@@ -447,10 +447,8 @@ fn ending(ended: &Ended) -> Map {
 /// Iterations as rows of a table; thinned out evenly where they are more than a script's value may hold.
 fn history(starts: &[Ended], names: &[String], several: bool) -> Array {
     let all: Vec<&Iteration> = starts.iter().flat_map(|ended| &ended.history).collect();
-    let every = (all.len() * (names.len() + 7)).div_ceil(MOST_SHOWN).max(1);
-    let last = all.len().saturating_sub(1);
-    let shown = all.iter().enumerate().filter(|(place, _)| place % every == 0 || *place == last);
-    shown.map(|(_, iteration)| row(iteration, names, several).into()).collect()
+    let shown = convergence::thinned(&all, MOST_SHOWN / (names.len() + 7));
+    shown.map(|iteration| row(iteration, names, several).into()).collect()
 }
 
 fn row(iteration: &Iteration, names: &[String], several: bool) -> Map {

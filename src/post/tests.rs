@@ -86,6 +86,7 @@ fn outcome() -> Outcome {
         energies,
         frames: Vec::new(),
         films: Vec::new(),
+        impactor: None,
         rates: RateHistogram::default(),
         warnings: vec!["as made".into()],
         rupture_time: None,

@@ -9,7 +9,6 @@ use serde_json::{Value, json};
 use super::body::Body;
 use super::html::{data, escape};
 use super::plot::short;
-use crate::mesh::MeshError;
 use crate::model::{Loading, Model};
 use crate::post::turned_round;
 use crate::signal::Recording;
@@ -30,17 +29,17 @@ const LEAST_PATCHES: usize = 8;
 /// Most patches of an impactor that is a mesh.
 const MOST_OF_BODY: usize = 2_000;
 
+/// Sides of an impactor that is round.
+const SIDES: u32 = 36;
+
 /// The value of a strain that stands for a broken element; those of others lie below.
 const BROKEN: u8 = u8::MAX;
 
 /// The figure with the film in 3-D, as HTML that the page's script draws; empty where no state was kept.
-///
-/// # Errors
-/// The impactor's mesh cannot be read.
-pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> Result<String, MeshError> {
+pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> String {
     let frames: Vec<&Frame> = outcome.frames.iter().filter(|frame| is_finite(frame)).collect();
     let Some(first) = frames.first() else {
-        return Ok(String::new());
+        return String::new();
     };
     let faces = faces(&outcome.films, first);
     let bytes: usize = faces.iter().map(|face| face.picture.bytes()).sum();
@@ -48,11 +47,11 @@ pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> R
     let moments = moments(model, outcome, signals);
     let chosen = chosen(&frames, &moments, most);
     let states: Vec<&Frame> = chosen.iter().map(|at| frames[*at]).collect();
-    let body = model.impactor.as_ref().map(|impactor| Body::of(&impactor.shape)).transpose()?;
+    let body = outcome.impactor.as_ref().map(|surface| Body::of(surface, SIDES));
     let scene = Scene { faces, states, moments, body };
     let note = scene.note(outcome);
     let data = data(&scene.contents());
-    Ok(format!("<figure class=\"film\">\n{data}<figcaption class=\"note\">{}</figcaption>\n</figure>\n", escape(&note)))
+    format!("<figure class=\"film\">\n{data}<figcaption class=\"note\">{}</figcaption>\n</figure>\n", escape(&note))
 }
 
 /// A moment worth looking at, and its time, s.
@@ -364,10 +363,7 @@ fn text(bytes: impl IntoIterator<Item = u8>) -> String {
 
 fn body(body: &Body) -> Value {
     let near = |c: f32| short(f64::from(c));
-    if let Some(profile) = body.profile() {
-        return json!({ "profile": profile.iter().map(|point| point.map(near)).collect::<Vec<_>>() });
-    }
-    let Body::Surface { points, triangles } = body else { return Value::Null };
+    let Body { points, triangles } = body;
     let outlines: Vec<[u32; 4]> = triangles.iter().map(|&[a, b, c]| [a, b, c, c]).collect();
     let picture = Picture::of(points, &outlines, MOST_OF_BODY);
     let places = picture.places(points);

@@ -5,7 +5,6 @@ use serde_json::{Map, Value};
 use super::html::{self, escape};
 use super::{duration, figure, film, findings, key_figures, plot, run_plots, subject, vtu};
 use crate::diagnostic::shown_path;
-use crate::mesh::MeshError;
 use crate::model::{Model, Window};
 use crate::plot::thinned;
 use crate::post::{COST, Comparison, HEADER, Results};
@@ -29,17 +28,14 @@ pub struct RunPage<'a> {
 const MOST_POINTS: [usize; 3] = [35_000, 10_000, 40_000];
 
 /// `report.html` of a run.
-///
-/// # Errors
-/// The impactor's mesh cannot be read any more.
-pub fn run_page(run: &RunPage) -> Result<String, MeshError> {
+pub fn run_page(run: &RunPage) -> String {
     let RunPage { model, outcome, results, .. } = run;
     let summary = results.summary(model);
     let body = [
         format!("<h1>{}</h1>\n{}", escape(&model.title), lead(run)),
         warnings(run),
         key_figures::cards(run, &summary),
-        html::section("Film", &film::figure(model, outcome, &results.signals)?),
+        html::section("Film", &film::figure(model, outcome, &results.signals)),
         html::section("Signals", &plot::figures(&thinned(run_plots::signals(run), MOST_POINTS[0]))),
         findings::sections(&results.findings, MOST_POINTS[2]),
         html::section("Figures", &figures(&summary)),
@@ -50,7 +46,7 @@ pub fn run_page(run: &RunPage) -> Result<String, MeshError> {
         html::section("Run it again", &again(run)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
-    Ok(html::page(&model.title, &body.concat()))
+    html::page(&model.title, &body.concat())
 }
 
 /// What was run and what it is held against, in words.

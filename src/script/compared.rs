@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::experiment::coupon::Curve;
+use crate::plot::outline;
 use crate::signal::Series;
 
 /// Most samples of a picture.
@@ -58,24 +59,25 @@ impl Compared {
     }
 
     fn sampled(over: Over, samples: impl Iterator<Item = [f64; 2]>, found: impl Fn(f64) -> Option<f64>) -> Compared {
-        let samples: Vec<[f64; 2]> = samples.collect();
-        let shown = thinned(samples.len());
-        let values = shown.clone().map(|place| found(samples[place][0]).unwrap_or(f64::NAN) as f32).collect();
-        let places = shown.clone().map(|place| samples[place][0] as f32).collect();
-        let target = Target { over, places, values: shown.map(|place| samples[place][1] as f32).collect() };
+        let samples = outline(&samples.collect::<Vec<_>>(), MOST_SAMPLES);
+        let values = samples.iter().map(|[place, _]| found(*place).unwrap_or(f64::NAN) as f32).collect();
+        let places = samples.iter().map(|[place, _]| *place as f32).collect();
+        let target = Target { over, places, values: samples.iter().map(|[_, value]| *value as f32).collect() };
         Compared { target: Arc::new(target), values }
     }
-}
-
-/// Places of at most [`MOST_SAMPLES`] out of `count`, even from the first on, and the last.
-fn thinned(count: usize) -> impl Iterator<Item = usize> + Clone {
-    let every = count.div_ceil(MOST_SAMPLES - 1).max(1);
-    (0..count).filter(move |place| place % every == 0 || place + 1 == count)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_short_peak_stays_in_the_picture() {
+        let values: Vec<f64> = (0..5000).map(|i| if i == 1234 { -90.0 } else { 0.0 }).collect();
+        let reference = Series::new((0..5000).map(|i| i as f64 * 1e-4).collect::<Vec<_>>(), values);
+        let Compared { target, .. } = Compared::signals(&reference, &reference, [0.0, 1.0]);
+        assert!(target.values.contains(&-90.0));
+    }
 
     #[test]
     fn pictures_are_thin_and_hold_the_signals_own_samples() {

@@ -103,7 +103,7 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
 ///
 /// # Errors
 /// Its mesh cannot be read, or is no closed surface.
-pub fn impactor_surface(impactor: &Impactor) -> Result<Surface, RunError> {
+fn impactor_surface(impactor: &Impactor) -> Result<Surface, RunError> {
     let triangles = match &impactor.shape {
         ImpactorShape::Mesh(path) => Some(mesh::import::surface(path)?),
         _ => None,

@@ -7,6 +7,7 @@ mod energy_check;
 mod frame_force;
 mod frames;
 mod grid;
+mod image;
 mod impact;
 mod indent;
 mod pressure;
@@ -24,15 +25,15 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::engine::{Engine, Fault, Misfit, Team, UprightElement};
+use crate::engine::{Engine, Fault, Misfit, Surface, Team, UprightElement};
 use crate::lane::Width;
 use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
 use crate::signal::Recording;
 use build::Mounting;
-pub use build::impactor_surface;
 pub use cancellation::Cancellation;
 pub use checkpoint::{Checkpoint, Checkpoints, Saved};
+pub use image::Image;
 use probe::Probe;
 pub use pull::{Across, PullError, pull};
 
@@ -47,6 +48,8 @@ pub struct Outcome {
     pub frames: Vec<Frame>,
     /// What the frames are states of, one entry a face.
     pub films: Vec<Film>,
+    /// Surface of the impactor that moves in the frames.
+    pub impactor: Option<Surface>,
     pub rates: RateHistogram,
     pub warnings: Vec<String>,
     /// First time at which an element broke, s.
@@ -226,6 +229,7 @@ pub struct Manner<'a> {
 pub struct Glimpse<'a> {
     /// What the state is one of.
     pub films: &'a [Film],
+    pub impactor: Option<&'a Surface>,
     pub frame: &'a Frame,
     /// Channels of `signals.csv` until then, without the filtered one.
     pub signals: &'a Recording,
@@ -281,13 +285,13 @@ struct Gallery<'a, 'm> {
 
 impl Gallery<'_, '_> {
     /// Shows the states that were kept since.
-    fn show(&mut self, probe: &Probe<'_>) {
+    fn show(&mut self, probe: &Probe<'_>, impactor: Option<&Surface>) {
         let new = &probe.frames()[self.shown..];
         let Some(onlooker) = self.onlooker.as_mut().filter(|_| !new.is_empty()) else { return };
         let (signals, energies) = (probe.signals(self.mounting), probe.energies());
         for frame in new {
             let films = &self.mounting.films;
-            onlooker(&Glimpse { films, frame, signals: &signals, energies: &energies });
+            onlooker(&Glimpse { films, impactor, frame, signals: &signals, energies: &energies });
         }
         self.shown = probe.frames().len();
     }
@@ -315,7 +319,7 @@ fn advance(
         if engine.step(probe)? > 0 {
             probe.broke(time);
         }
-        gallery.show(probe);
+        gallery.show(probe, engine.impactor());
         if engine.steps().is_multiple_of(stride) {
             let (time, steps, time_step) = (engine.time(), engine.steps(), engine.time_step());
             progress(Progress { time, duration: probe.duration(), steps, time_step, elements });

@@ -235,6 +235,7 @@ impl<'a> Probe<'a> {
             frames: self.record.frames,
             warnings: self.record.warnings.finish(&figures, &mounting.films),
             films: mounting.films,
+            impactor: engine.impactor().cloned(),
             rates,
             rupture_time: self.record.rupture_time,
             energy_balance_error: balance,

@@ -108,6 +108,8 @@ fn mistakes_are_told_at_once_and_nothing_is_written() {
     assert!(refused(&["runs/coupon"]).contains("one run has nothing to be compared with"));
     let taken = refused(&["runs/coupon", "runs/drop/nine", "--out", "runs/coupon"]);
     assert!(taken.contains("would take the place of runs/coupon"), "{taken}");
+    let run = refused(&["runs/drop/eight", "runs/drop/nine", "--out", "runs/coupon"]);
+    assert!(run.contains("would take the place of the run runs/coupon"), "{run}");
     let misspelt = refused(&["runs/coupon", "runs/drop/nine", "--signal", "displacment_m"]);
     assert!(misspelt.contains("did you mean `displacement_m`?"), "{misspelt}");
     assert!(bench.path().join("runs/coupon/summary.json").exists());

@@ -3,11 +3,16 @@
 use std::fs;
 use std::path::Path;
 
-use roxmltree::Document;
+use rayon::iter::ParallelIterator;
+use roxmltree::Document as Xml;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, Attributes, Cells, DataSet, IOBuffer, Piece, UnstructuredGridPiece, VertexNumbers};
 
+use droptower::model;
+use droptower::report::vtu;
+use droptower::scenario::{Assignment, Document};
 use droptower::signal::csv;
+use droptower::simulate::{self, Manner};
 
 use crate::workbench::{close, droptower, error, printed, root};
 
@@ -18,7 +23,7 @@ const QUICK: [&str; 6] =
 /// Times and files of a `.pvd`.
 fn states(folder: &Path, name: &str) -> Vec<(f64, UnstructuredGridPiece)> {
     let text = fs::read_to_string(folder.join(name)).expect("a collection");
-    let document = Document::parse(&text).expect("XML");
+    let document = Xml::parse(&text).expect("XML");
     let entries = document.descendants().filter(|node| node.has_tag_name("DataSet"));
     let read = |node: roxmltree::Node| {
         let said = |name| node.attribute(name).expect("an attribute");
@@ -140,4 +145,38 @@ fn a_foreign_file_beside_the_states_stays() {
     let refused = droptower(folder.path(), &arguments);
     assert_eq!(refused.status.code(), Some(2));
     assert!(error(&refused).contains("vtu/mine.vtu"), "{}", error(&refused));
+}
+
+/// A tetrahedron whose tip points down, m.
+const TIP: &str = "solid tip
+facet normal 0 0 0\nouter loop\nvertex 0 0 -0.1\nvertex 0 0.1 0.1\nvertex 0.1 -0.1 0.1\nendloop\nendfacet
+facet normal 0 0 0\nouter loop\nvertex 0 0 -0.1\nvertex -0.1 -0.1 0.1\nvertex 0 0.1 0.1\nendloop\nendfacet
+facet normal 0 0 0\nouter loop\nvertex 0 0 -0.1\nvertex 0.1 -0.1 0.1\nvertex -0.1 -0.1 0.1\nendloop\nendfacet
+facet normal 0 0 0\nouter loop\nvertex 0 0.1 0.1\nvertex -0.1 -0.1 0.1\nvertex 0.1 -0.1 0.1\nendloop\nendfacet
+endsolid tip
+";
+
+#[test]
+fn an_impactor_whose_file_is_gone_by_the_end_is_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tip.stl");
+    fs::write(&path, TIP).expect("a file");
+    let shape = format!("impactor.shape={{ mesh = '{}' }}", path.display());
+    let changes = [&shape, "specimen.symmetry=none", "specimen.mesh.size=50mm", "loading.impact.duration=2ms"];
+    let changes = changes.map(|change| Assignment::from_argument(change).expect("a change"));
+    let document = Document::read(&root().join("scenarios/drop/1008.toml")).expect("a scenario").with(&changes);
+    let model = model::check(&document).expect("a model");
+    let manner = Manner { detailed: true, ..Manner::default() };
+    let outcome = simulate::run_in(&model, manner, &mut |_| {}).expect("an outcome");
+    fs::remove_file(&path).expect("the file was there");
+
+    let files: Vec<vtu::File> = vtu::files(&model, &outcome).collect::<Result<_, _>>().expect("all files");
+    let shown = files.iter().find(|file| file.name == "vtu/impactor_0000.vtu").expect("the impactor");
+    let place = folder.path().join("impactor.vtu");
+    fs::write(&place, &shown.content).expect("a file");
+    assert_eq!(grid(&place).cells.num_cells(), 4);
+    let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+    let mut sorted = names.clone();
+    sorted.sort_unstable_by_key(|name| (name.contains("impactor"), name.ends_with(".pvd"), name.to_string()));
+    assert_eq!(names, sorted, "however many threads wrote them");
 }

@@ -51,7 +51,9 @@ fn a_recording_holds_what_the_engine_computed() {
     assert!(played.blueprint().any(|path| path.ends_with("/EyeControls3D")), "it says how to look at it");
     for face in 0..outcome.films.len() {
         film_is_the_engines(&played, &outcome, face);
+        colours_are_those_of_the_strains(&played, &outcome, face);
     }
+    impactor_is_the_engines(&played, &outcome);
     signals_are_those_of_the_table(&played, &csv::read(&out.join("signals.csv")).expect("signals"));
     assert!(!played.values(TIME, "/measured/displacement_mm").is_empty(), "what was measured lies beside it");
 }
@@ -77,6 +79,53 @@ fn film_is_the_engines(played: &Playback, outcome: &Outcome, face: usize) {
     let most = |counts: &mut dyn Iterator<Item = usize>| counts.max();
     let computed = most(&mut states.iter().map(|state| 4 * state.touching.len()));
     assert_eq!(most(&mut touching.iter().map(|(_, points)| points.len())), computed, "a quarter is shown whole");
+}
+
+/// The strain along MD of the elements around each node that hold, in the colours of the map.
+fn colours_are_those_of_the_strains(played: &Playback, outcome: &Outcome, face: usize) {
+    let held = |state: &FilmState| {
+        let elements = state.strains.iter().zip(&state.broken).filter(|(_, broken)| !**broken);
+        elements.map(|(strains, _)| strains[0]).fold(0.0, f32::max)
+    };
+    let largest = outcome.frames.iter().flat_map(|frame| &frame.films).map(held).fold(0.0, f32::max);
+    let shown = played.colours(&format!("/scene/face-{}", face + 1), "md");
+    assert_eq!(shown.len(), outcome.frames.len());
+    for ((at, colours), frame) in shown.iter().zip(&outcome.frames) {
+        let (film, state) = (&outcome.films[face], &frame.films[face]);
+        let mut around = vec![vec![]; film.nodes];
+        for (element, quad) in film.quads.iter().enumerate().filter(|(element, _)| !state.broken[*element]) {
+            quad.iter().for_each(|node| around[*node as usize].push(state.strains[element][0]));
+        }
+        assert_eq!(colours.len(), film.nodes);
+        for ([_, green, _], strains) in colours.iter().zip(around) {
+            let mean = strains.iter().sum::<f32>() / strains.len().max(1) as f32;
+            let expected = green_of(mean / largest);
+            assert!((f32::from(*green) - expected).abs() < 4.0, "{green} for {mean} of {largest} at {at} ns");
+        }
+    }
+}
+
+/// Green of the colour map, which rises all the way with the share of its range.
+fn green_of(share: f32) -> f32 {
+    const GREENS: [f32; 9] = [1.0, 44.0, 81.0, 113.0, 144.0, 173.0, 200.0, 220.0, 231.0];
+    let place = 8.0 * share.clamp(0.0, 1.0);
+    let below = (place as usize).min(7);
+    GREENS[below] + (GREENS[below + 1] - GREENS[below]) * (place - below as f32)
+}
+
+fn impactor_is_the_engines(played: &Playback, outcome: &Outcome) {
+    let (places, turns) = (played.places("/scene/impactor"), played.rotations("/scene/impactor"));
+    assert_eq!([places.len(), turns.len()], [outcome.frames.len(); 2]);
+    for (((at, place), (_, turn)), frame) in places.iter().zip(&turns).zip(&outcome.frames) {
+        assert!((*at as f64 * 1e-9 - frame.time).abs() < 2e-9);
+        let (computed, turned) = frame.impactor.expect("an impactor");
+        assert_eq!((place[0], turn[0]), (computed.map(|c| c as f32), turned.map(|c| c as f32)), "{at} ns");
+    }
+    let surface = outcome.impactor.as_ref().expect("an impactor");
+    let shape = played.nodes("/scene/impactor");
+    let away = |point: &[f32; 3]| point.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
+    assert!(shape[0].1.len() > 500, "it is round");
+    assert!(shape[0].1.iter().all(|point| (away(point) - surface.size()).abs() < 1e-6), "a ball");
 }
 
 fn signals_are_those_of_the_table(played: &Playback, table: &Recording) {

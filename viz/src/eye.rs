@@ -1,6 +1,7 @@
 //! From where a scene is looked at.
 
-use crate::scene::{BodyShape, FilmFrame, FilmTrack, Scene};
+use crate::film::mirrored;
+use crate::scene::{FilmFrame, FilmTrack, Scene};
 
 /// Direction from the scene to the eye: from the side and a little above, so that film and body are both seen.
 const DIRECTION: [f32; 3] = [0.56, -0.79, 0.24];
@@ -47,7 +48,10 @@ impl Extent {
     pub fn with(self, film: &FilmTrack, frame: &FilmFrame) -> Extent {
         let hold = film.triangles.iter().zip(&frame.visible).filter(|(_, visible)| **visible);
         let corners = hold.flat_map(|(corners, _)| corners).filter_map(|node| frame.positions.get(*node as usize));
-        corners.fold(self, |extent, point| extent.around(*point).around(film.opposite(*point)))
+        let images = |extent: Extent, point: &[f32; 3]| {
+            film.images.iter().fold(extent.around(*point), |extent, image| extent.around(mirrored(*point, *image)))
+        };
+        corners.fold(self, images)
     }
 
     /// Its longest side; zero where there is nothing.
@@ -62,13 +66,6 @@ impl Extent {
 
     fn or_a_metre(self) -> Extent {
         if self.low[0] <= self.high[0] { self } else { Extent { low: [-0.5; 3], high: [0.5; 3] } }
-    }
-}
-
-impl FilmTrack {
-    /// The point of the farthest mirror image.
-    fn opposite(&self, point: [f32; 3]) -> [f32; 3] {
-        [0, 1, 2].map(|k| if self.mirrored.get(k) == Some(&true) { -point[k] } else { point[k] })
     }
 }
 
@@ -96,12 +93,7 @@ impl Eye {
 fn body_top(scene: &Scene) -> f32 {
     let place = scene.body.as_ref().and_then(|body| Some((body, body.poses.first()?)));
     let Some((body, pose)) = place else { return f32::NEG_INFINITY };
-    let reach = match &body.shape {
-        BodyShape::Sphere { radius } => *radius,
-        BodyShape::Revolved { profile } => profile.iter().map(|[_, z]| *z).fold(0.0, f32::max),
-        BodyShape::Surface { points, .. } => points.iter().map(|point| point[2]).fold(0.0, f32::max),
-    };
-    pose.position[2] + reach
+    pose.position[2] + body.points.iter().map(|point| point[2]).fold(0.0, f32::max)
 }
 
 #[cfg(test)]
@@ -109,8 +101,8 @@ mod tests {
     use super::*;
 
     /// One triangle from the origin to a corner, and another that is broken and has flown off.
-    fn scene(corner: [f32; 3], mirrored: [bool; 2]) -> Scene {
-        let film = FilmTrack { triangles: vec![[0, 1, 1], [0, 2, 2]], mirrored, ..FilmTrack::default() };
+    fn scene(corner: [f32; 3], images: Vec<[f32; 3]>) -> Scene {
+        let film = FilmTrack { triangles: vec![[0, 1, 1], [0, 2, 2]], images, ..FilmTrack::default() };
         let positions = vec![[0.0; 3], corner, [1e6; 3]];
         let frame = FilmFrame { positions, visible: vec![true, false], ..FilmFrame::default() };
         Scene { extent: Extent::default().with(&film, &frame), films: vec![film], ..Scene::default() }
@@ -118,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_eye_looks_at_the_whole_of_a_quarter_from_outside() {
-        let eye = Eye::on(&scene([0.2, 0.2, 0.0], [true; 2]));
+        let eye = Eye::on(&scene([0.2, 0.2, 0.0], vec![[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]]));
         assert!(eye.target[..2] == [0.0; 2] && eye.target[2] == 0.0 && eye.enlargement == 1.0, "{:?}", eye.target);
         let away = [0, 1, 2].map(|k| (eye.position[k] - eye.target[k]).powi(2)).iter().sum::<f32>().sqrt();
         assert!((0.4..1.0).contains(&away) && eye.position[2] > 0.0, "{:?}", eye.position);
@@ -126,7 +118,7 @@ mod tests {
 
     #[test]
     fn a_coupon_is_enlarged() {
-        let eye = Eye::on(&scene([0.006, 0.004, 0.0], [false; 2]));
+        let eye = Eye::on(&scene([0.006, 0.004, 0.0], vec![]));
         assert!(eye.enlargement > 50.0 && eye.position[2] > 0.1, "{} {:?}", eye.enlargement, eye.position);
     }
 }

@@ -47,7 +47,7 @@ struct Shown {
 impl Film {
     /// Logs what stays of a film in a scene of this extent.
     pub(crate) fn begin(stream: &RecordingStream, track: &FilmTrack, extent: &Extent) -> RecordingStreamResult<Film> {
-        let poses = InstancePoses3D::new().with_scales(images(track.mirrored));
+        let poses = InstancePoses3D::new().with_scales(images(track));
         stream.log_static(entity(track), &poses)?;
         Ok(Film { step: step(extent.size()), states: 0, shown: Shown::default() })
     }
@@ -95,9 +95,7 @@ impl Film {
         if held == self.shown.held {
             return Ok(());
         }
-        let whole = images(track.mirrored)
-            .into_iter()
-            .flat_map(|image| held.iter().map(move |edge| edge.map(|end| mirrored(end, image))));
+        let whole = images(track).flat_map(|image| held.iter().map(move |edge| edge.map(|end| mirrored(end, image))));
         let lines = LineStrips3D::new(whole).with_colors([FRAME]).with_radii([Radius::new_ui_points(2.0)]);
         stream.log(format!("scene/frame/{}", track.name), &lines)?;
         self.shown.held = held;
@@ -117,9 +115,7 @@ impl Film {
         let step = STEPS_PER_MARK * self.step;
         let points = frame.touching.iter().map(|node| rounded(&frame.positions[*node as usize], step));
         let points: Vec<_> = points.collect();
-        let whole = images(track.mirrored)
-            .into_iter()
-            .flat_map(|image| points.iter().map(move |point| mirrored(*point, image)));
+        let whole = images(track).flat_map(|image| points.iter().map(move |point| mirrored(*point, image)));
         let touch = Points3D::new(whole).with_colors([TOUCH]).with_radii([Radius::new_ui_points(2.0)]);
         stream.log(format!("scene/contact/{}", track.name), &touch)?;
         self.shown.touching = !frame.touching.is_empty();
@@ -133,14 +129,11 @@ pub(crate) fn entity(track: &FilmTrack) -> String {
 }
 
 /// Factors on x, y, z that show a film and its mirror images.
-pub(crate) fn images(mirrored: [bool; 2]) -> Vec<[f32; 3]> {
-    let signs = |mirrored: bool| if mirrored { &[1.0, -1.0][..] } else { &[1.0] };
-    let [along_x, along_y] = mirrored.map(signs);
-    let row = |y: &f32| along_x.iter().map(|x| [*x, *y, 1.0]).collect::<Vec<_>>();
-    along_y.iter().flat_map(row).collect()
+fn images(track: &FilmTrack) -> impl Iterator<Item = [f32; 3]> {
+    std::iter::once([1.0; 3]).chain(track.images.iter().copied())
 }
 
-fn mirrored(point: [f32; 3], image: [f32; 3]) -> [f32; 3] {
+pub(crate) fn mirrored(point: [f32; 3], image: [f32; 3]) -> [f32; 3] {
     [0, 1, 2].map(|axis| point[axis] * image[axis])
 }
 

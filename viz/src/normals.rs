@@ -5,6 +5,9 @@ use crate::scene::{FilmFrame, FilmTrack};
 /// Normals are rounded to 1/32: enough for light, and they compress.
 const STEPS: f32 = 32.0;
 
+/// Cosine of the angle between two triangles from which there is an edge between them: 30°.
+const EDGE: f32 = 0.866;
+
 /// One normal a node, weighted by the area of the triangles that are left around it; on a mirror
 /// plane, which nodes nearer than `near` stand on, it lies in that plane, so that no crease shows.
 pub fn of(film: &FilmTrack, frame: &FilmFrame, near: f32) -> Vec<[f32; 3]> {
@@ -12,7 +15,7 @@ pub fn of(film: &FilmTrack, frame: &FilmFrame, near: f32) -> Vec<[f32; 3]> {
     let left = left.filter(|(_, visible)| **visible).map(|(t, _)| *t);
     let mut normals = sums(&frame.positions, left);
     for (normal, position) in normals.iter_mut().zip(&frame.positions) {
-        for axis in (0..2).filter(|axis| film.mirrored[*axis]) {
+        for axis in (0..2).filter(|axis| film.images.iter().any(|image| image[*axis] < 0.0)) {
             if position[axis].abs() < near {
                 normal[axis] = 0.0;
             }
@@ -21,28 +24,55 @@ pub fn of(film: &FilmTrack, frame: &FilmFrame, near: f32) -> Vec<[f32; 3]> {
     normals.into_iter().map(rounded_unit).collect()
 }
 
-/// One normal a point of a closed surface.
-pub fn of_surface(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
-    let sums = sums(points, triangles.iter().copied());
-    sums.into_iter().map(rounded_unit).collect()
+/// The normals at the corners of each triangle of a closed surface, weighted by the area of those around the corner that do not
+/// turn away from it by more than an edge does.
+pub fn of_corners(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32; 3]; 3]> {
+    let areas: Vec<[f32; 3]> = triangles.iter().map(|triangle| area(points, triangle)).collect();
+    let mut around: Vec<Vec<usize>> = vec![vec![]; points.len()];
+    for (index, triangle) in triangles.iter().enumerate() {
+        triangle.iter().for_each(|node| around[*node as usize].push(index));
+    }
+    let is_smooth = |one: &[f32; 3], other: &[f32; 3]| dot(one, other) > EDGE * length(one) * length(other);
+    let normal = |index: usize, node: u32| {
+        let smooth = around[node as usize].iter().map(|other| areas[*other]).filter(|o| is_smooth(&areas[index], o));
+        rounded_unit(smooth.fold([0.0; 3], plus))
+    };
+    triangles.iter().enumerate().map(|(index, triangle)| triangle.map(|node| normal(index, node))).collect()
 }
 
 fn sums(points: &[[f32; 3]], triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[f32; 3]> {
     let mut normals = vec![[0.0; 3]; points.len()];
     for triangle in triangles {
-        let [a, b, c] = triangle.map(|node| points[node as usize]);
-        let area = cross(minus(b, a), minus(c, a));
+        let area = area(points, &triangle);
         for node in triangle {
             let normal = &mut normals[node as usize];
-            *normal = [0, 1, 2].map(|i| normal[i] + area[i]);
+            *normal = plus(*normal, area);
         }
     }
     normals
 }
 
+/// Along its normal, twice as long as its area.
+fn area(points: &[[f32; 3]], triangle: &[u32; 3]) -> [f32; 3] {
+    let [a, b, c] = triangle.map(|node| points[node as usize]);
+    cross(minus(b, a), minus(c, a))
+}
+
 fn rounded_unit(normal: [f32; 3]) -> [f32; 3] {
-    let length = normal.iter().map(|c| c * c).sum::<f32>().sqrt();
+    let length = length(&normal);
     if length > 0.0 { normal.map(|c| (c / length * STEPS).round() / STEPS) } else { [0.0, 0.0, 1.0] }
+}
+
+fn length(a: &[f32; 3]) -> f32 {
+    dot(a, a).sqrt()
+}
+
+fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn plus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|i| a[i] + b[i])
 }
 
 fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {

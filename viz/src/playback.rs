@@ -8,11 +8,13 @@ use std::path::Path;
 use re_sdk::external::arrow::array::{Array, ListArray};
 use re_sdk::external::re_log_encoding::DecoderApp;
 use re_sdk::log::{Chunk, LogMsg};
-use re_sdk_types::archetypes::{Mesh3D, Points3D, Scalars};
-use re_sdk_types::components::{Position3D, Scalar, TriangleIndices};
+use re_sdk_types::archetypes::{Mesh3D, Points3D, Scalars, Transform3D};
+use re_sdk_types::components::{Color, Position3D, RotationQuat, Scalar, Translation3D, TriangleIndices};
 use re_sdk_types::external::re_types_core::Loggable;
 use re_sdk_types::{ComponentDescriptor, ComponentIdentifier};
 use thiserror::Error;
+
+use crate::film::COLOURS;
 
 /// Rows of one component in the order of their places on a timeline: ns on [`crate::TIME`], numbers on [`crate::ITERATION`].
 /// Rows that stay come first, at `i64::MIN`.
@@ -74,6 +76,29 @@ impl Playback {
     pub fn triangles(&self, entity: &str) -> Rows<[u32; 3]> {
         let rows = self.rows::<TriangleIndices>(crate::TIME, entity, Mesh3D::descriptor_triangle_indices().component);
         rows.into_iter().map(|(at, triangles)| (at, triangles.into_iter().map(|t| t.0.0).collect())).collect()
+    }
+
+    /// Colours of the nodes of a film by one of its quantities, sRGB, on [`crate::TIME`].
+    pub fn colours(&self, entity: &str, quantity: &str) -> Rows<[u8; 3]> {
+        let component = ComponentIdentifier::try_new(format!("{COLOURS}:{quantity}"));
+        let rows = component.map_or_else(|_| Rows::new(), |name| self.rows::<Color>(crate::TIME, entity, name));
+        let plain = |colour: Color| {
+            let [r, g, b, _] = colour.0.to_array();
+            [r, g, b]
+        };
+        rows.into_iter().map(|(at, colours)| (at, colours.into_iter().map(plain).collect())).collect()
+    }
+
+    /// Where a body is, m, on [`crate::TIME`].
+    pub fn places(&self, entity: &str) -> Rows<[f32; 3]> {
+        let rows = self.rows::<Translation3D>(crate::TIME, entity, Transform3D::descriptor_translation().component);
+        rows.into_iter().map(|(at, places)| (at, places.into_iter().map(|place| place.0.0).collect())).collect()
+    }
+
+    /// How a body is turned, unit quaternions i, j, k, w, on [`crate::TIME`].
+    pub fn rotations(&self, entity: &str) -> Rows<[f32; 4]> {
+        let rows = self.rows::<RotationQuat>(crate::TIME, entity, Transform3D::descriptor_quaternion().component);
+        rows.into_iter().map(|(at, turns)| (at, turns.into_iter().map(|turn| turn.0.0).collect())).collect()
     }
 
     /// Values of a signal, on a timeline.

@@ -41,8 +41,8 @@ pub struct FilmTrack {
     pub triangles: Vec<[u32; 3]>,
     /// Edges by which a frame or jaws hold it, as pairs of nodes.
     pub held: Vec<[u32; 2]>,
-    /// Mirror planes x = 0 and y = 0 that complete the picture.
-    pub mirrored: [bool; 2],
+    /// Factors on x, y and z of the mirror images that complete the picture.
+    pub images: Vec<[f32; 3]>,
 }
 
 /// A film at one time.
@@ -63,26 +63,11 @@ pub struct FilmFrame {
 #[derive(Clone, Debug)]
 pub struct BodyTrack {
     pub name: String,
-    pub shape: BodyShape,
+    /// Points of its surface in its own axes.
+    pub points: Vec<[f32; 3]>,
+    /// Corners of each triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
     pub poses: Vec<Pose>,
-}
-
-/// Shape of a body in its own axes.
-#[derive(Clone, Debug)]
-pub enum BodyShape {
-    Sphere {
-        radius: f32,
-    },
-    /// Surface made by turning a line about the z axis; its points are distance from the axis and z,
-    /// from the top to the bottom.
-    Revolved {
-        profile: Vec<[f32; 2]>,
-    },
-    /// Points and triangles, counter-clockwise seen from outside.
-    Surface {
-        points: Vec<[f32; 3]>,
-        triangles: Vec<[u32; 3]>,
-    },
 }
 
 /// Where a body is at one time.

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use droptower_viz::playback::Playback;
 use droptower_viz::{
-    Axis, BodyShape, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmFrame, FilmTrack, ITERATION, Look,
-    Moment, Places, Pose, Quantity, Scene, Severity, SignalTrack, Stage, State, Stroke, TIME, VizError, Window, write,
+    Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmFrame, FilmTrack, ITERATION, Look, Moment,
+    Places, Pose, Quantity, Scene, Severity, SignalTrack, Stage, State, Stroke, TIME, VizError, Window, write,
 };
 use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Points2D, Transform3D};
 use re_sdk_types::blueprint::components::{ContainerKind, IncludedContent, PlaybackSpeed, TimelineName, ViewClass};
@@ -28,7 +28,7 @@ fn film(n: u32, frames: usize) -> Film {
         nodes: ((n + 1) * (n + 1)) as usize,
         triangles: cells.flat_map(|[row, column]| cell(row, column)).collect(),
         held: vec![[0, 1]],
-        mirrored: [true, true],
+        images: vec![[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]],
     };
     (track, (0..frames).map(|index| state(n, index, frames)).collect())
 }
@@ -75,7 +75,8 @@ fn scene(films: &[Film], signals: Vec<SignalTrack>) -> Scene {
         charts: vec![Chart { title: "All".to_owned(), signals: signals.iter().map(|s| s.path.clone()).collect() }],
         body: Some(BodyTrack {
             name: "impactor".to_owned(),
-            shape: BodyShape::Sphere { radius: 0.15 },
+            points: vec![[0.1, 0.0, 0.1], [-0.1, 0.0, 0.1], [0.0, 0.1, -0.1], [0.0, -0.1, -0.1]],
+            triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
             poses: (0..3)
                 .map(|i| Pose { time: f64::from(i), position: [0.0, 0.0, i as f32], rotation: [0.0, 0.0, 0.0, 1.0] })
                 .collect(),

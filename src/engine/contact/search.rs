@@ -13,7 +13,7 @@ use crate::lane::{LANES, Lane, Lane3, dot, larger, smaller, splat};
 use crate::model::ImpactorShape;
 
 /// The impactor's surface about its centre of mass, body axes.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Surface {
     shape: Kind,
     size: f64,
@@ -27,11 +27,8 @@ pub struct Surface {
 /// Vertices (m) and triangles of a surface.
 pub type Triangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 
-/// Sides of a round shape as pictures show it.
-const ROUND: u32 = 48;
-
 /// The round ones apart: their queries are resolved at compile time and exact, where other shapes are searched.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 enum Kind {
     Ball(Ball),
     /// About its centre, upright in body axes.
@@ -114,9 +111,9 @@ impl Surface {
         })
     }
 
-    /// Vertices about the centre of mass and triangles, for pictures; what is round has some dozens of sides.
-    pub fn triangles(&self) -> Triangles {
-        triangulated(self.shape.as_shape())
+    /// Vertices about the centre of mass and triangles, for pictures; what is round has so many `sides`.
+    pub fn triangles(&self, sides: u32) -> Triangles {
+        triangulated(self.shape.as_shape(), sides)
     }
 
     /// Half the smallest extent, m: the radius of a sphere.
@@ -159,7 +156,8 @@ impl Surface {
                 let axis = pose.rotation * Vector3::z();
                 let off = arm - axis * along(capsule, arm.dot(&axis));
                 let length = off.norm();
-                Touch { gap: length - capsule.radius, normal: off / length }
+                let normal = if length > 0.0 { off / length } else { pose.rotation * Vector3::x() };
+                Touch { gap: length - capsule.radius, normal }
             }
             Kind::Other(shape) => turned_touch(&**shape, pose, &arm),
         }
@@ -181,19 +179,19 @@ impl Surface {
                 }
                 for axis in 0..3 {
                     for l in 0..LANES {
-                        normal[axis][l] = arm[axis][l] * scale[l];
+                        normal[axis][l] = if squared[l] > 0.0 { arm[axis][l] * scale[l] } else { ANYWHERE[axis] };
                     }
                 }
             }
             Kind::Capsule(capsule) => {
                 let axis = pose.rotation * Vector3::z();
-                let axis = [axis.x, axis.y, axis.z];
+                let (axis, aside) = ([axis.x, axis.y, axis.z], pose.rotation * Vector3::x());
                 for l in 0..LANES {
                     let place = along(capsule, arm[0][l] * axis[0] + arm[1][l] * axis[1] + arm[2][l] * axis[2]);
                     let off = [0, 1, 2].map(|k| arm[k][l] - axis[k] * place);
                     let length = (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]).sqrt();
                     gap[l] = length - capsule.radius;
-                    (0..3).for_each(|k| normal[k][l] = off[k] / length);
+                    (0..3).for_each(|k| normal[k][l] = if length > 0.0 { off[k] / length } else { aside[k] });
                 }
             }
             Kind::Other(shape) => {
@@ -292,6 +290,9 @@ impl Surface {
     }
 }
 
+/// Normal of a ball at its centre, where it has none: parry's choice.
+const ANYWHERE: [f64; 3] = [0.0, 1.0, 0.0];
+
 /// Longest line of an element over the shape's size from which its triangles are looked at as a whole.
 const COARSE: f64 = 0.25;
 
@@ -389,22 +390,22 @@ impl Kind {
 }
 
 /// The surface of one of the shapes that [`Surface::new`] makes; of others nothing.
-fn triangulated(shape: &dyn Shape) -> Triangles {
+fn triangulated(shape: &dyn Shape, sides: u32) -> Triangles {
     let (vertices, triangles) = match shape.as_typed_shape() {
-        TypedShape::Ball(ball) => ball.to_trimesh(ROUND, ROUND / 2),
-        TypedShape::Capsule(capsule) => capsule.to_trimesh(ROUND, ROUND / 4),
-        TypedShape::Cylinder(cylinder) => cylinder.to_trimesh(ROUND),
+        TypedShape::Ball(ball) => ball.to_trimesh(sides, sides / 2),
+        TypedShape::Capsule(capsule) => capsule.to_trimesh(sides, sides / 2),
+        TypedShape::Cylinder(cylinder) => cylinder.to_trimesh(sides),
         TypedShape::TriMesh(mesh) => (mesh.vertices().to_vec(), mesh.indices().to_vec()),
-        TypedShape::Compound(compound) => return joined(compound),
+        TypedShape::Compound(compound) => return joined(compound, sides),
         _ => (vec![], vec![]),
     };
     (vertices.iter().map(|v| Point3::new(v.x, v.y, v.z)).collect(), triangles)
 }
 
-fn joined(compound: &Compound) -> Triangles {
+fn joined(compound: &Compound, sides: u32) -> Triangles {
     let (mut vertices, mut triangles) = (vec![], vec![]);
     for (pose, part) in compound.shapes() {
-        let (own, corners) = triangulated(&**part);
+        let (own, corners) = triangulated(&**part, sides);
         let first = vertices.len() as u32;
         let placed = own.iter().map(|p| pose * Vector::new(p.x, p.y, p.z));
         vertices.extend(placed.map(|v| Point3::new(v.x, v.y, v.z)));
@@ -461,7 +462,7 @@ mod tests {
             (ImpactorShape::Hemisphere { radius, length }, ball + shaft, -radius - 0.5 * length),
             (ImpactorShape::Cylinder { radius, length }, shaft, -0.5 * length),
         ] {
-            let (vertices, triangles) = Surface::new(&shape, None).unwrap().triangles();
+            let (vertices, triangles) = Surface::new(&shape, None).unwrap().triangles(48);
             let six = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(|n| vertices[n as usize].coords);
                 a.dot(&b.cross(&c))
@@ -486,7 +487,23 @@ mod tests {
         }
     }
 
-    /// Points at the centre are left out: nothing has a normal there.
+    /// A node in the middle of the body has to leave it somewhere.
+    #[test]
+    fn points_at_the_centre_and_on_the_axis_have_a_normal() {
+        for surface in shapes() {
+            let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::zeros());
+            for height in [0.0, 0.5, -1.0].map(|share| share * (surface.size() + surface.lowest())) {
+                let arm = Vector3::new(0.0, 0.0, height);
+                let (gap, normal) = surface.touch_lanes(&pose, &[0, 1, 2].map(|axis| splat(arm[axis])), &splat(1.0));
+                let lanes = Touch { gap: gap[0], normal: Vector3::from_fn(|axis, _| normal[axis][0]) };
+                for touch in [lanes, surface.touch(&pose, &(pose.translation.vector + arm).into())] {
+                    assert!((touch.gap + surface.size()).abs() < 1e-12, "{touch:?}");
+                    assert!((touch.normal.norm() - 1.0).abs() < 1e-12, "{touch:?}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn lanes_find_what_parry_finds() {
         for surface in shapes() {

@@ -1,20 +1,19 @@
 //! The impactor as the recording shows it.
 
-use droptower_viz::{BodyShape, BodyTrack, Pose};
+use droptower_viz::{BodyTrack, Pose};
 
-use crate::mesh::MeshError;
-use crate::model::Impactor;
+use crate::engine::Surface;
 use crate::report::body::Body;
 use crate::simulate::Frame;
 
+/// Sides of an impactor that is round.
+const SIDES: u32 = 64;
+
 /// The impactor in the states `frames`.
-pub fn track(impactor: &Impactor, frames: &[&Frame]) -> Result<BodyTrack, MeshError> {
-    let shape = match Body::of(&impactor.shape)? {
-        Body::Sphere { radius } => BodyShape::Sphere { radius },
-        Body::Revolved { profile } => BodyShape::Revolved { profile },
-        Body::Surface { points, triangles } => BodyShape::Surface { points, triangles },
-    };
-    Ok(BodyTrack { name: "impactor".to_owned(), shape, poses: frames.iter().filter_map(|frame| pose(frame)).collect() })
+pub fn track(impactor: &Surface, frames: &[&Frame]) -> BodyTrack {
+    let Body { points, triangles } = Body::of(impactor, SIDES);
+    let poses = frames.iter().filter_map(|frame| pose(frame)).collect();
+    BodyTrack { name: "impactor".to_owned(), points, triangles, poses }
 }
 
 /// Where the impactor is in a state.

@@ -2,7 +2,7 @@
 
 use droptower_viz::{Extent, FilmFrame, FilmTrack, Quantity};
 
-use crate::simulate::{Film, FilmState, Frame};
+use crate::simulate::{Film, FilmState, Frame, Image};
 
 /// A strain that faces are coloured by, of the MD fibre, the TD fibre and the shear angle (rad) of an element.
 struct Strain {
@@ -65,7 +65,7 @@ fn track(film: &Film, face: usize) -> FilmTrack {
         nodes: film.nodes,
         triangles: triangles(film),
         held: film.held.clone(),
-        mirrored: film.mirrored,
+        images: film.images().skip(1).map(Image::signs).collect(),
     }
 }
 

@@ -103,26 +103,22 @@ impl<'a> Live<'a> {
     }
 
     /// Shows a state that can be drawn, unless the viewer has fallen behind.
-    ///
-    /// # Errors
-    /// The impactor cannot be drawn.
-    pub fn show(&mut self, glimpse: &Glimpse<'_>) -> Result<(), LiveError> {
+    pub fn show(&mut self, glimpse: &Glimpse<'_>) {
         if !is_finite(glimpse.frame) {
-            return Ok(());
+            return;
         }
         if self.viewer.is_none() {
-            self.viewer = Some(Viewer::start(self.address.clone(), self.begin(glimpse)?));
+            self.viewer = Some(Viewer::start(self.address.clone(), self.begin(glimpse)));
         }
-        let Some(viewer) = &self.viewer else { return Ok(()) };
+        let Some(viewer) = &self.viewer else { return };
         let ranges = self.wider(glimpse);
         // A viewer that is gone is told at the end.
         if viewer.news.try_send(self.state(glimpse, ranges.clone())).is_err() {
             self.lost += 1;
-            return Ok(());
+            return;
         }
         self.sent = samples(glimpse);
         self.ranges = ranges.unwrap_or_else(|| std::mem::take(&mut self.ranges));
-        Ok(())
     }
 
     /// Hands over what was measured in the end, if anything was, and waits for the viewer to take it, but not for long.
@@ -147,18 +143,16 @@ impl<'a> Live<'a> {
     }
 
     /// The scene before its first state.
-    fn begin(&mut self, glimpse: &Glimpse<'_>) -> Result<Scene, RecordingError> {
+    fn begin(&mut self, glimpse: &Glimpse<'_>) -> Scene {
         let Live { model, comparison, scenario, .. } = *self;
         let signals = signals::of(glimpse.signals, glimpse.energies, comparison, model.run_time());
         let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&subject(model)));
         let texts = [super::Text { title: super::SUMMARY.to_owned(), markdown: begun }, super::scenario(scenario)];
         let quantities: Vec<Quantity> = film::quantities(&[glimpse.frame]).into_iter().map(spread).collect();
-        let impactor = model.impactor.as_ref();
-        let body = impactor.map(|impactor| body::track(impactor, &[glimpse.frame])).transpose()?;
         self.sent = samples(glimpse);
         self.shown = signals.tracks.iter().map(|track| track.path.clone()).collect();
         self.ranges = quantities.iter().map(|quantity| quantity.range).collect();
-        Ok(Scene {
+        Scene {
             name: model.name.clone(),
             duration: model.run_time(),
             is_live: true,
@@ -166,12 +160,12 @@ impl<'a> Live<'a> {
             documents: texts.iter().map(super::Text::document).collect(),
             quantities,
             films: film::tracks(glimpse.films),
-            body,
+            body: glimpse.impactor.map(|impactor| body::track(impactor, &[glimpse.frame])),
             signals: signals.tracks,
             charts: signals.charts,
             more_charts: signals.more_charts,
             ..Scene::default()
-        })
+        }
     }
 
     fn state(&self, glimpse: &Glimpse<'_>, ranges: Option<Vec<[f32; 2]>>) -> State {
@@ -339,8 +333,9 @@ mod tests {
         };
         let mut show = |strain, samples| {
             let (frame, signals) = (stretched(strain), forces(samples));
-            let glimpse = Glimpse { films: &films, frame: &frame, signals: &signals, energies: &energies };
-            live.show(&glimpse).expect("a state that can be drawn");
+            let glimpse =
+                Glimpse { films: &films, impactor: None, frame: &frame, signals: &signals, energies: &energies };
+            live.show(&glimpse);
         };
         let samples = |state: &State| state.samples.iter().map(|track| track.values.len()).collect::<Vec<_>>();
         show(0.001, 2);

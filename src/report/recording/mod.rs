@@ -20,7 +20,6 @@ use thiserror::Error;
 
 use super::film::is_finite;
 use super::{RunPage, figure, subject};
-use crate::mesh::MeshError;
 use crate::simulate::Frame;
 pub use comparison::write_comparison;
 pub use droptower_viz::Address;
@@ -33,8 +32,6 @@ pub use text::Text;
 pub enum RecordingError {
     #[error("recording: {0}")]
     Viz(#[from] VizError),
-    #[error("recording: {0}")]
-    Impactor(#[from] MeshError),
 }
 
 /// Longest time that a file may take to be written.
@@ -43,11 +40,11 @@ const PATIENCE: Duration = Duration::from_secs(600);
 /// Writes the recording of a run to `path`, state by state.
 ///
 /// # Errors
-/// The file cannot be written, or the mesh of the impactor cannot be read.
+/// The file cannot be written.
 pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
     let outcome = run.outcome;
     let frames = drawn(&outcome.frames);
-    let mut stage = Stage::file(path, scene(run, &frames)?)?;
+    let mut stage = Stage::file(path, scene(run, &frames))?;
     for frame in frames {
         for (face, film) in outcome.films.iter().enumerate() {
             stage.film(face, &film::state(film, frame, face))?;
@@ -57,11 +54,10 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
 }
 
 /// All but the states of the films, of which `frames` are shown.
-fn scene(run: &RunPage, frames: &[&Frame]) -> Result<Scene, MeshError> {
+fn scene(run: &RunPage, frames: &[&Frame]) -> Scene {
     let RunPage { model, outcome, results, .. } = run;
     let signals = signals::of(&results.signals, &outcome.energies, results.comparison.as_ref(), model.run_time());
-    let impactor = model.impactor.as_ref();
-    Ok(Scene {
+    Scene {
         name: model.name.clone(),
         is_live: false,
         extent: film::extent(&outcome.films, &ends(frames, run.failure.is_some())),
@@ -69,13 +65,13 @@ fn scene(run: &RunPage, frames: &[&Frame]) -> Result<Scene, MeshError> {
         documents: documents(run),
         quantities: film::quantities(frames),
         films: film::tracks(&outcome.films),
-        body: impactor.map(|impactor| body::track(impactor, frames)).transpose()?,
+        body: outcome.impactor.as_ref().map(|impactor| body::track(impactor, frames)),
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
         diagrams: diagram::diagrams("plots", &results.findings.plots).collect(),
         events: events::of(run),
-    })
+    }
 }
 
 /// The states that can be drawn: what flew to infinity before a run broke off cannot.

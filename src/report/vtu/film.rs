@@ -2,10 +2,9 @@
 
 use vtkio::model::Attribute;
 
-use super::image::Image;
 use super::{Grid, VtuError, numbers, scalars, vectors};
 use crate::model::{Face, Model};
-use crate::simulate::{Detail, Film, FilmState, Frame, Outcome};
+use crate::simulate::{Detail, Film, FilmState, Frame, Image, Outcome};
 
 /// One face in one state, or a mirror image of it.
 struct Sheet<'a> {
@@ -52,7 +51,7 @@ fn sheets<'a>(model: &'a Model, outcome: &'a Outcome, frame: &'a Frame) -> Resul
     let rest = outcome.frames.first().unwrap_or(frame);
     for (index, ((face, film), state)) in model.faces.iter().zip(&outcome.films).zip(&frame.films).enumerate() {
         let detail = state.detail.as_ref().ok_or(VtuError::NoDetail)?;
-        for image in Image::all(film) {
+        for image in film.images() {
             let (number, rest) = (index as u32 + 1, &rest.films[index].positions);
             sheets.push(Sheet { number, image, face, film, rest, state, detail, first });
             first += film.nodes as u64;

@@ -17,9 +17,9 @@
 //! and points `displacement_m` (from the first kept state), `velocity_m_s` and `touching` (1 where the impactor is).
 
 mod film;
-mod image;
 
 use quick_xml::Writer;
+use rayon::prelude::*;
 use thiserror::Error;
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, ElementType, IOBuffer, Piece,
@@ -28,10 +28,13 @@ use vtkio::model::{
 use vtkio::xml::Compressor;
 
 use crate::model::Model;
-use crate::simulate::{self, Frame, Outcome, RunError};
+use crate::simulate::{Frame, Outcome};
 
 /// Folder of the states.
 pub const FOLDER: &str = "vtu";
+
+/// Sides of an impactor that is round.
+const SIDES: u32 = 64;
 
 /// From 0, which compresses nothing, to 9: beyond this one files hardly become smaller.
 const COMPRESSION: u32 = 5;
@@ -45,8 +48,6 @@ pub enum VtuError {
     Xml(#[from] vtkio::xml::Error),
     #[error("PVD: {0}")]
     Collection(#[from] quick_xml::Error),
-    #[error("the impactor's surface: {0}")]
-    Impactor(#[from] RunError),
     #[error("the kept states have no stresses: the run was not asked for them")]
     NoDetail,
 }
@@ -68,38 +69,34 @@ struct Grid {
     on_cells: Vec<Attribute>,
 }
 
-/// All files of a run, made one by one.
+/// All files of a run, in their order, made by as many threads as there are.
 ///
 /// # Errors
-/// The surface of the impactor cannot be read again. Each file: states that were kept without their
-/// [`simulate::Detail`], and what the formats refuse.
-pub fn files<'a>(
-    model: &'a Model,
-    outcome: &'a Outcome,
-) -> Result<impl Iterator<Item = Result<File, VtuError>> + 'a, VtuError> {
+/// Of each file: states that were kept without their [`Detail`](crate::simulate::Detail), and what the formats refuse.
+pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     let film = series("film", &outcome.frames, move |frame| film::grid(model, outcome, frame));
-    let body = model.impactor.as_ref().map(simulate::impactor_surface).transpose()?;
-    let body = body.map(|surface| {
-        let (points, triangles) = surface.triangles();
+    let body = outcome.impactor.as_ref().map(|surface| {
+        let (points, triangles) = surface.triangles(SIDES);
         series("impactor", &outcome.frames, move |frame| Ok(posed(&points, &triangles, frame)))
     });
-    Ok(film.chain(body.into_iter().flatten()))
+    film.chain(body.into_par_iter().flatten())
 }
 
 /// A state in a file each, then the collection of them with their times.
 fn series<'a>(
     name: &'static str,
     frames: &'a [Frame],
-    grid: impl Fn(&Frame) -> Result<Grid, VtuError> + 'a,
-) -> impl Iterator<Item = Result<File, VtuError>> + 'a {
+    grid: impl Fn(&Frame) -> Result<Grid, VtuError> + Send + Sync + 'a,
+) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     let place = move |state: usize| format!("{FOLDER}/{name}_{state:04}.vtu");
     let state = move |(number, frame): (usize, &Frame)| {
         Ok(File { name: place(number), content: grid(frame).and_then(unstructured)? })
     };
-    let times = frames.iter().enumerate().map(move |(number, frame)| (place(number), frame.time));
-    let collection =
-        std::iter::once_with(move || Ok(File { name: format!("{name}.pvd"), content: collection(times)? }));
-    frames.iter().enumerate().map(state).chain(collection)
+    let collected = move |()| {
+        let times = frames.iter().enumerate().map(|(number, frame)| (place(number), frame.time));
+        Ok(File { name: format!("{name}.pvd"), content: collection(times)? })
+    };
+    frames.par_iter().enumerate().map(state).chain(rayon::iter::once(()).map(collected))
 }
 
 fn unstructured(grid: Grid) -> Result<Vec<u8>, VtuError> {

@@ -1,0 +1,74 @@
+//! Mirror images that complete a film of which only a part was computed.
+
+use super::Film;
+
+/// A film itself or one of its mirror images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Image {
+    /// 0 is the film itself.
+    pub number: u32,
+    /// Planes that it is mirrored in: x = 0, y = 0.
+    mirrored: [bool; 2],
+}
+
+impl Film {
+    /// The film and its mirror images.
+    pub fn images(&self) -> impl Iterator<Item = Image> + use<> {
+        let [x, y] = self.mirrored;
+        (0..4)
+            .map(|number| Image { number, mirrored: [number & 1 == 1, number & 2 == 2] })
+            .filter(move |Image { mirrored, .. }| (x || !mirrored[0]) && (y || !mirrored[1]))
+    }
+}
+
+impl Image {
+    /// Factors on x, y and z.
+    pub fn signs(self) -> [f32; 3] {
+        let sign = |mirrored: bool| if mirrored { -1.0 } else { 1.0 };
+        [sign(self.mirrored[0]), sign(self.mirrored[1]), 1.0]
+    }
+
+    /// Whether it turns right into left, and with it the sense of corners and of shear.
+    pub fn is_reversed(self) -> bool {
+        self.mirrored[0] != self.mirrored[1]
+    }
+
+    /// Where a point or a vector goes.
+    pub fn of(self, place: [f32; 3]) -> [f32; 3] {
+        let signs = self.signs();
+        [0, 1, 2].map(|axis| signs[axis] * place[axis])
+    }
+
+    /// Direction of fibres that lie along `axis` (0 x, 1 y) in stress-free film: a fibre has no sense, but those of the images
+    /// are drawn with that of the film itself.
+    pub fn of_fibre(self, direction: [f32; 3], axis: usize) -> [f32; 3] {
+        let sign = self.signs()[axis];
+        self.of(direction).map(|c| sign * c)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Mesh, Quality};
+
+    #[test]
+    fn a_quarter_has_four_images_a_half_two_and_a_whole_one() {
+        for (mirrored, numbers) in [
+            ([true, true], &[0, 1, 2, 3][..]),
+            ([true, false], &[0, 1]),
+            ([false, true], &[0, 2]),
+            ([false, false], &[0]),
+        ] {
+            let quality = Quality::of(&Mesh::default());
+            let film = Film { nodes: 0, quads: vec![], tris: vec![], held: vec![], mirrored, quality };
+            let found: Vec<u32> = film.images().map(|image| image.number).collect();
+            assert_eq!(found, numbers);
+            for image in film.images() {
+                assert_eq!(image.of([1.0, 2.0, 3.0])[2], 3.0);
+                assert_eq!(image.is_reversed(), image.signs().iter().product::<f32>() < 0.0);
+                assert_eq!(image.of_fibre([1.0, 0.0, 0.0], 0), [1.0, 0.0, 0.0], "with the sense of the film itself");
+            }
+        }
+    }
+}
