@@ -92,16 +92,15 @@ fn unreadable(error: &KeptError) -> Diagnostic {
 fn free(args: &CompareArgs) -> Result<(), Vec<Diagnostic>> {
     let mistake = |mistake: Diagnostic| vec![mistake];
     store::check_places(std::slice::from_ref(&args.out)).map_err(|error| mistake(storing(&error)))?;
-    // What `droptower run` leaves has signals, a comparison has none.
-    if args.out.join("signals.csv").exists() {
-        let message = format!("the results would take the place of the run {}", shown_path(&args.out));
-        return Err(mistake(Diagnostic::new(message).hint("give another --out")));
-    }
     let replaced = args.runs.iter().find(|run| is_same(run, &args.out) || run.starts_with(&args.out));
-    replaced.map_or(Ok(()), |run| {
-        let message = format!("the results would take the place of {}, which is compared", shown_path(run));
-        Err(mistake(Diagnostic::new(message).hint("give another --out")))
-    })
+    // What `droptower run` leaves has signals, a comparison has none.
+    let is_run = || args.out.join("signals.csv").exists();
+    let message = match replaced {
+        Some(run) => format!("the results would take the place of {}, which is compared", shown_path(run)),
+        None if is_run() => format!("the results would take the place of the run {}", shown_path(&args.out)),
+        None => return Ok(()),
+    };
+    Err(mistake(Diagnostic::new(message).hint("give another --out")))
 }
 
 fn is_same(one: &Path, other: &Path) -> bool {

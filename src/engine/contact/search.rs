@@ -148,8 +148,9 @@ impl Surface {
         match &self.shape {
             // A ball looks the same however it is turned, and a point's projection on it is the normal itself.
             Kind::Ball(ball) => {
-                let normal = ball.project_local_point(vector(&arm), false).point * self.curvature;
-                let normal = Vector3::new(normal.x, normal.y, normal.z);
+                let point = ball.project_local_point(vector(&arm), false).point * self.curvature;
+                let is_centre = arm.norm_squared() == 0.0;
+                let normal = if is_centre { ANYWHERE.into() } else { Vector3::new(point.x, point.y, point.z) };
                 Touch { gap: arm.dot(&normal) - ball.radius, normal }
             }
             Kind::Capsule(capsule) => {
@@ -290,7 +291,7 @@ impl Surface {
     }
 }
 
-/// Normal of a ball at its centre, where it has none: parry's choice.
+/// Normal of a ball at its centre, from where its surface is as near everywhere.
 const ANYWHERE: [f64; 3] = [0.0, 1.0, 0.0];
 
 /// Longest line of an element over the shape's size from which its triangles are looked at as a whole.
