@@ -146,7 +146,7 @@ fn text(overlay: &Overlay, all: bool) -> String {
             compare_page::keys(overlay).into_iter().map(|row| row.into_iter().map(cut).collect()).collect(),
         ),
         part("figure", figures),
-        part("signal, off the first", compare_page::errors(overlay)),
+        part("signal, RMS of the difference over that of the first", compare_page::errors(overlay)),
         notes,
     ]
     .concat()

@@ -33,7 +33,7 @@ pub fn compare_page(overlay: &Overlay) -> String {
         html::section("Scenarios", &html::table("rows", &header("key"), &keys(overlay))),
         html::section("Figures", &html::table("rows", &header("figure"), &figures(overlay.telling_figures()))),
         html::section("Signals", &plot::figures(against.iter().chain(&over_time))),
-        html::section("Distance of signals", &html::table("rows", &header("signal"), &errors(overlay))),
+        html::section("Distance of signals", &distances(&html::table("rows", &header("signal"), &errors(overlay)))),
         html::section("Further figures", &html::table("rows", &header("figure"), &figures(overlay.further_figures()))),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
@@ -59,7 +59,10 @@ fn values(figure: &Figures) -> impl Iterator<Item = String> + '_ {
     figure.values.iter().enumerate().map(move |(run, of_run)| {
         let of_run = of_run.as_ref().map_or_else(|| "-".into(), value);
         match figure.difference(run) {
-            Some(difference) if difference != 0.0 => format!("{of_run} ({})", signed_percent(difference)),
+            // An error is a share already.
+            Some(difference) if difference != 0.0 && !figure.name.ends_with("_error") => {
+                format!("{of_run} ({})", signed_percent(difference))
+            }
             _ => of_run,
         }
     })
@@ -84,6 +87,11 @@ pub fn errors(overlay: &Overlay) -> Vec<Vec<String>> {
         std::iter::once(quantity(&signals.column)).chain(signals.errors.iter().map(value)).collect()
     };
     overlay.signals.iter().map(row).collect()
+}
+
+fn distances(table: &str) -> String {
+    let note = "RMS of the difference from the first run's signal over the RMS of that, over the time that both cover";
+    if table.is_empty() { String::new() } else { format!("<p class=\"note\">{note}</p>\n{table}") }
 }
 
 /// `peak force (N)`.

@@ -102,6 +102,9 @@ pub(super) fn cards(run: &RunPage, summary: &Map<String, Value>) -> String {
     format!("<ul class=\"cards\">\n{cards}{}</ul>\n", film(summary, run.failure.is_some()))
 }
 
+/// Share in % below which nobody asks for digits.
+const LEAST_SHARE: f64 = 0.01;
+
 fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, Value>) -> Option<String> {
     let number = |name: &str| summary.get(name)?.as_f64();
     let value = number(name)?;
@@ -111,7 +114,11 @@ fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, V
         Beside::Strain(name) => number(name).map(|strain| format!("at {} %", significant(strain * 100.0, 4))),
         Beside::Depth(name) => number(name).map(|depth| format!("at {} mm", significant(depth * 1e3, 4))),
     };
-    let shown = number_of(value * factor);
+    let shown = if *unit == "%" && (value * factor).abs() < LEAST_SHARE {
+        format!("&lt; {LEAST_SHARE}")
+    } else {
+        number_of(value * factor)
+    };
     let beside = beside.map_or(String::new(), |beside| format!("<span class=\"beside\">{}</span>", escape(&beside)));
     Some(format!(
         "<li data-figure=\"{name}\" data-value=\"{value}\" data-factor=\"{factor}\"><span class=\"words\">{words}</span>\

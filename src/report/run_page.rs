@@ -39,6 +39,7 @@ pub fn run_page(run: &RunPage) -> String {
         html::section("Signals", &plot::figures(&thinned(run_plots::signals(run), MOST_POINTS[0]))),
         findings::sections(&results.findings, MOST_POINTS[2]),
         html::section("Figures", &figures(&summary)),
+        html::section("Assumed", &html::list(&assumed(run.scenario))),
         html::section("Audit", &audit(run)),
         html::section("Reference", &reference(run)),
         html::section("Log", &html::list(&results.findings.log)),
@@ -151,6 +152,24 @@ fn files(run: &RunPage) -> String {
     html::table("rows", &["file", "what it holds"].map(String::from), &rows)
 }
 
+/// The lines of the scenario whose comments say that something is assumed, each with the table it stands in.
+fn assumed(scenario: &str) -> Vec<String> {
+    let mut table = "";
+    let mut found = Vec::new();
+    for line in scenario.lines() {
+        if line.starts_with('[') {
+            table = line.trim_matches(['[', ']']);
+            continue;
+        }
+        // The resolved text has one blank more before a comment than any value has within.
+        if let Some((value, comment)) = line.rsplit_once("  #").filter(|(_, comment)| comment.contains("assumed")) {
+            let dot = if table.is_empty() { "" } else { "." };
+            found.push(format!("{table}{dot}{value}: {}", comment.trim()));
+        }
+    }
+    found
+}
+
 /// How to run it again.
 fn again(run: &RunPage) -> String {
     let command = html::verbatim("droptower run scenario.toml --out again");
@@ -160,4 +179,19 @@ fn again(run: &RunPage) -> String {
          <details open>\n<summary>scenario.toml</summary>\n{scenario}</details>\n",
         env!("CARGO_PKG_VERSION")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_assumed_is_listed_with_its_table() {
+        let scenario = "title = \"a\"\n[impactor]\nfriction = 0.4  # assumed\nmass = 1.0  # Table 3\n[[layer]]\n\
+                        height = \"a  # b\"  # distance assumed\n";
+        assert_eq!(
+            assumed(scenario),
+            ["impactor.friction = 0.4: assumed", "layer.height = \"a  # b\": distance assumed"]
+        );
+    }
 }

@@ -23,13 +23,15 @@ const MOST_POINTS: usize = 120_000;
 
 /// `report.html` of a study.
 pub fn study_page(study: &StudyPage) -> String {
+    let (warned, said) = study.findings.warned_and_said();
+    let warnings: Vec<String> = study.findings.warning().into_iter().chain(warned).collect();
     let body = [
         format!("<h1>{}</h1>\n", escape(study.name)),
-        html::warnings("Warnings", study.findings.warning().as_slice()),
+        html::warnings("Warnings", &warnings),
         html::section("What was run", &run(study.call)),
         html::section("Figures", &figure::table(study.findings.measures.iter())),
         findings::sections(study.findings, MOST_POINTS),
-        html::section("Log", &html::list(&study.findings.log)),
+        html::section("Log", &html::list(&said)),
         html::section("Script", &html::verbatim(study.script)),
         html::section("Run it again", &again(study.call)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),

@@ -52,6 +52,18 @@ impl Findings {
         };
         (!named.is_empty()).then(|| format!("VIRTUAL recordings, nothing was measured: {}{more}", named.join(", ")))
     }
+
+    /// The lines of the log in two: those that the script began with `warning: `, without that word, and the others.
+    pub fn warned_and_said(&self) -> (Vec<String>, Vec<String>) {
+        let (mut warned, mut said) = (Vec::new(), Vec::new());
+        for line in &self.log {
+            match line.strip_prefix("warning: ") {
+                Some(warning) => warned.push(warning.to_owned()),
+                None => said.push(line.clone()),
+            }
+        }
+        (warned, said)
+    }
 }
 
 /// Why a name cannot be given to a figure or a table.
