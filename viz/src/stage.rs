@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use re_sdk::log::ChunkBatcherConfig;
 use re_sdk::sink::{FileSink, FileSinkOptions};
 use re_sdk::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
 use re_sdk_types::archetypes::{Scalars, SeriesLines, TextDocument, TextLog, Transform3D, ViewCoordinates};
@@ -33,7 +34,7 @@ impl Stage {
     /// The file cannot be written, or lists of the scene do not fit each other; then nothing is written.
     pub fn file(path: &Path, scene: Scene) -> Result<Stage, VizError> {
         scene.check()?;
-        let stream = recording(&scene).buffered()?;
+        let stream = recording(&scene).batcher_config(by_size()).buffered()?;
         let sink = FileSink::with_options(path, FileSinkOptions { write_footer: false });
         stream.set_sink(Box::new(sink.map_err(RecordingStreamError::from)?));
         Stage::begin(stream, scene)
@@ -166,6 +167,11 @@ impl Stage {
         self.stream.log_static(signal.path.as_str(), &style)?;
         self.samples(&signal.path, &signal.places, &signal.values)
     }
+}
+
+/// Chunks of a file end where they are large enough, not when time has passed: then its size is always the same.
+fn by_size() -> ChunkBatcherConfig {
+    ChunkBatcherConfig { flush_tick: Duration::MAX, ..ChunkBatcherConfig::DEFAULT }
 }
 
 fn recording(scene: &Scene) -> RecordingStreamBuilder {

@@ -45,8 +45,9 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
     let outcome = run.outcome;
     let frames = drawn(&outcome.frames);
     let mut stage = Stage::file(path, scene(run, &frames))?;
-    for frame in frames {
-        for (face, film) in outcome.films.iter().enumerate() {
+    // One face after the other: states of one entity in a row compress better.
+    for (face, film) in outcome.films.iter().enumerate() {
+        for frame in &frames {
             stage.film(face, &film::state(film, frame, face))?;
         }
     }
