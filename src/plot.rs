@@ -1,5 +1,8 @@
 //! Diagrams as values: axes, curves, and what is marked on them. Has never heard of pages, recordings or scripts.
 
+/// Words of an axis along which the time of a test runs.
+pub const TIME: &str = "time (ms)";
+
 /// Curves over a common axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
@@ -110,6 +113,28 @@ pub fn outline(points: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
     }
 }
 
+/// The plots with at most `most` points together, but 3 a curve at least: long curves are thinned, all to the same number of
+/// points.
+pub fn thinned(plots: Vec<Plot>, most: usize) -> Vec<Plot> {
+    let share = share(plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.points.len()).collect(), most);
+    let thin = |plot: Plot| Plot { curves: plot.curves.iter().map(|curve| curve.thinned(share)).collect(), ..plot };
+    plots.into_iter().map(thin).collect()
+}
+
+/// What each may have so that all together have `most`: those that have less leave the rest to the others.
+fn share(mut lengths: Vec<usize>, most: usize) -> usize {
+    lengths.sort_unstable();
+    let (mut left, count) = (most, lengths.len());
+    for (place, length) in lengths.into_iter().enumerate() {
+        let share = left / (count - place);
+        if length > share {
+            return share;
+        }
+        left -= length;
+    }
+    usize::MAX
+}
+
 /// The lowest and the highest point, and one that interrupts the curve where there is such a one.
 fn extremes(stretch: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let finite = || (0..stretch.len()).filter(|place| stretch[*place].iter().all(|value| value.is_finite()));
@@ -125,6 +150,21 @@ fn extremes(stretch: &[[f64; 2]]) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn plots_share_their_points() {
+        let plot = |count: usize| {
+            let points = (0..count).map(|i| [i as f64, (i as f64).sin()]);
+            Plot::new("a", ["x", "y"], vec![Curve::line("c", points)])
+        };
+        let counts = |lengths: &[usize], most| {
+            let plots = thinned(lengths.iter().map(|length| plot(*length)).collect(), most);
+            plots.iter().map(|plot| plot.curves[0].points.len()).collect::<Vec<_>>()
+        };
+        assert_eq!(counts(&[10, 2000], 2010), [10, 2000]);
+        let shared = counts(&[10, 2000, 3000], 1010);
+        assert!(shared[0] == 10 && shared[1..].iter().all(|count| (300..=500).contains(count)), "{shared:?}");
+    }
 
     #[test]
     fn thinning_keeps_extremes_their_order_and_gaps() {

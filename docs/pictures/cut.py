@@ -12,7 +12,7 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
-COLOURS = 96
+COLOURS = 255
 # Name, run, what is cut out, and the time in ms to which the film is moved.
 CUTS = [
     ("drop", "drop", "figure.film", 57.3),
@@ -33,7 +33,7 @@ MOVE = """(slider, time) => {
 
 
 def small(source, target):
-    Image.open(source).convert("RGB").quantize(COLOURS).save(target, optimize=True)
+    Image.open(source).convert("RGB").quantize(COLOURS, kmeans=2).save(target, optimize=True)
 
 
 def cut(browser, results, pictures):

@@ -12,7 +12,7 @@ use crate::scenario::grammar::{self, Key, Rule, TableRule};
 
 #[derive(Debug, Args)]
 pub struct ExplainArgs {
-    /// Key path, e.g. specimen.mesh; the top tables where it is left out; `functions` for those of scripts
+    /// Key path, e.g. specimen.mesh; the top tables where it is left out; a function of scripts, e.g. plot; `functions` for all of them
     #[arg(value_name = "KEY")]
     pub path: Option<String>,
 }
@@ -38,11 +38,12 @@ struct Choice {
 
 pub fn run(args: &ExplainArgs, shared: &Shared) -> ExitCode {
     if args.path.as_deref() == Some(functions::WORD) {
-        return functions::run(shared);
+        return functions::run(None, shared);
     }
     let explanations = match &args.path {
         Some(path) => match find(path) {
             Ok((name, key)) => under(&name, key),
+            Err(_) if functions::are_called(path) => return functions::run(Some(path), shared),
             Err(mistake) => return report(&[mistake]),
         },
         None => top(),

@@ -21,24 +21,43 @@ struct Function {
     example: &'static str,
 }
 
-/// Prints the reference of scripts.
-pub fn run(shared: &Shared) -> ExitCode {
-    let chapters = post::REFERENCE.iter().chain(identify::REFERENCE).chain(script::REFERENCE);
+/// Prints the reference of scripts: all of it, or what the function `name` has in it.
+pub fn run(name: Option<&str>, shared: &Shared) -> ExitCode {
+    let chapters = chapters().map(|chapter| (chapter.title, entries(chapter, name))).filter(|(_, e)| !e.is_empty());
     if !shared.json {
         return print(chapters.map(text).collect::<String>().trim_end());
     }
-    let functions = chapters.flat_map(|chapter| {
-        let function = |entry: &script::Entry| {
+    let functions = chapters.flat_map(|(chapter, entries)| {
+        let function = move |entry: &script::Entry| {
             let script::Entry { call, gives, example } = *entry;
-            Function { chapter: chapter.title, call, gives, example }
+            Function { chapter, call, gives, example }
         };
-        chapter.entries.iter().map(function)
+        entries.into_iter().map(function)
     });
     print_json(&functions.collect::<Vec<_>>())
 }
 
-fn text(chapter: &Chapter) -> String {
+/// Whether scripts can call something of this name.
+pub fn are_called(name: &str) -> bool {
+    chapters().any(|chapter| !entries(chapter, Some(name)).is_empty())
+}
+
+fn chapters() -> impl Iterator<Item = &'static Chapter> {
+    post::REFERENCE.iter().chain(identify::REFERENCE).chain(script::REFERENCE)
+}
+
+/// The entries of a chapter in which `name` is called; all of them where there is no name.
+fn entries(chapter: &'static Chapter, name: Option<&str>) -> Vec<&'static script::Entry> {
+    let calls = |call: &str, name: &str| {
+        let opened = format!("{name}(");
+        let begins = |at: usize| !call[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
+        call.match_indices(&opened).any(|(at, _)| begins(at))
+    };
+    chapter.entries.iter().filter(|entry| name.is_none_or(|name| calls(entry.call, name))).collect()
+}
+
+fn text((title, entries): (&str, Vec<&script::Entry>)) -> String {
     let entry =
         |entry: &script::Entry| format!("  {}\n      {}\n      e.g. {}\n", entry.call, entry.gives, entry.example);
-    format!("{}\n{}\n", chapter.title, chapter.entries.iter().map(entry).collect::<String>())
+    format!("{title}\n{}\n", entries.into_iter().map(entry).collect::<String>())
 }

@@ -7,6 +7,18 @@ use crate::mesh::Quality;
 use crate::signal::csv::clean_time;
 use crate::simulate::{Outcome, RateHistogram};
 
+/// Figures of the machine and of the mesh, which differ from one run of a scenario to the next, or say what its keys do.
+pub const COST: [&str; 8] = [
+    "elements",
+    "steps",
+    "time_step_s",
+    "wall_s",
+    "ns_per_element_step",
+    "bytes_per_element",
+    "threads",
+    "instructions",
+];
+
 /// Size, cost and trust of a run; fields of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Audit {

@@ -18,14 +18,14 @@ mod trial;
 
 use crate::script::Chapter;
 
-pub use audit::{Audit, Histogram, MeshFigures};
+pub use audit::{Audit, COST, Histogram, MeshFigures};
 pub use impact::{Impact, turned_round};
 pub use indent::Indent;
 pub use inflation::Inflation;
 pub use overlay::Overlay;
 pub use plan::{Plan, PrepareError};
 pub use reference::{Comparison, ReferenceError};
-pub use results::{EvaluateError, Measures, Results};
+pub use results::{EvaluateError, HEADER, Measures, Results};
 pub use run::Run;
 pub use stretch::Stretch;
 pub use study::{Study, register as register_studies};

@@ -5,9 +5,10 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
+use super::{COST, HEADER};
 use crate::scenario;
-use crate::signal::Series;
 use crate::signal::norm::relative_error;
+use crate::signal::{Series, says_virtual};
 use crate::store::Kept;
 
 /// Several runs, the first of which the others are held against.
@@ -80,21 +81,6 @@ const KEY: [&str; 12] = [
     "energy_balance_error",
     "ruptured",
 ];
-
-/// Figures of the machine and of the mesh, which differ from one run of a scenario to the next, or say what the keys do.
-const COST: [&str; 8] = [
-    "elements",
-    "bytes_per_element",
-    "steps",
-    "time_step_s",
-    "wall_s",
-    "ns_per_element_step",
-    "threads",
-    "instructions",
-];
-
-/// Entries of a summary that are no figures, and keys that decide nothing.
-const NAMES: [&str; 3] = ["scenario", "title", "droptower"];
 
 impl Overlay {
     /// The runs laid over each other; of the signals only those that `wanted` names, or all where it names none.
@@ -183,7 +169,7 @@ fn names(places: &[&Path]) -> Vec<String> {
 
 fn figures(runs: &[Kept]) -> Vec<Figures> {
     let is_figure = |name: &String, value: &Value| {
-        !NAMES.contains(&name.as_str()) && (value.is_number() || value.is_string() || value.is_boolean())
+        !HEADER.contains(&name.as_str()) && (value.is_number() || value.is_string() || value.is_boolean())
     };
     let mut all: Vec<Figures> = vec![];
     for (name, _) in runs.iter().flat_map(|run| &run.summary).filter(|(name, value)| is_figure(name, value)) {
@@ -205,7 +191,7 @@ fn keys(runs: &[Kept]) -> Vec<Keys> {
         path: path.clone(),
         values: scenarios.iter().map(|scenario| scenario.get(path).cloned()).collect(),
     };
-    paths.into_iter().filter(|path| !NAMES.contains(&path.as_str())).filter(differs).map(of).collect()
+    paths.into_iter().filter(|path| !HEADER.contains(&path.as_str())).filter(differs).map(of).collect()
 }
 
 /// The common signals, and what is to be said of the others.
@@ -257,8 +243,18 @@ fn notes<'a>(runs: &'a [Kept], names: &'a [String]) -> impl Iterator<Item = Stri
     runs.iter().zip(names).flat_map(|(run, name)| {
         let failure = run.failure.as_ref().map(|cause| format!("{name} broke off: {cause}"));
         let mark = run.says_virtual.then(|| format!("{name} is a VIRTUAL recording: nothing was measured"));
-        failure.into_iter().chain(mark)
+        let against = is_against_virtual(run);
+        let against =
+            against.then(|| format!("{name}: its errors are against a VIRTUAL recording: nothing was measured"));
+        failure.into_iter().chain(mark).chain(against)
     })
+}
+
+/// Whether a run was compared with a recording that says it is virtual.
+fn is_against_virtual(run: &Kept) -> bool {
+    let notes = run.summary.get("reference_notes").and_then(Value::as_array);
+    let notes: Vec<String> = notes.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect();
+    says_virtual(&notes)
 }
 
 #[cfg(test)]
@@ -328,6 +324,11 @@ mod tests {
         let unreal = Kept { says_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
         let notes = Overlay::of(&[broken, unreal], &[]).notes;
         assert_eq!(notes[..2], ["a broke off: lost", "b is a VIRTUAL recording: nothing was measured"]);
+        let compared = json!({ "acceleration_error": 0.1, "reference_notes": ["VIRTUAL drop test: nothing fell"] });
+        let notes_of =
+            |summary| Overlay::of(&[run("/r/a", summary, "", &[]), run("/r/b", json!({}), "", &[])], &[]).notes;
+        assert_eq!(notes_of(compared)[0], "a: its errors are against a VIRTUAL recording: nothing was measured");
+        assert!(!notes_of(json!({ "reference_notes": ["a test"] }))[0].contains("VIRTUAL"));
         assert_eq!(notes[2..], ["a alone has `force_N`", "b alone has `strain`", "no signal is common to them"]);
         let only = Overlay::of(&[run("/a", json!({}), "", &[]), run("/b", json!({}), "", &[])], &["none".into()]);
         assert!(only.signals.is_empty());

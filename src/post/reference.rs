@@ -94,6 +94,16 @@ impl Comparison {
         mark.into_iter().chain(&self.reduced).map(|note| format!("reference: {note}"))
     }
 
+    /// Whether the recording says that nothing was measured.
+    pub fn is_virtual(&self) -> bool {
+        says_virtual(&self.said)
+    }
+
+    /// What its curves are called.
+    pub fn label(&self) -> &'static str {
+        if self.is_virtual() { "measured (virtual)" } else { "measured" }
+    }
+
     /// Error of a filtered acceleration (paper, equation 14).
     pub fn acceleration_error(&self, filtered: &Series) -> Option<Result<f64, NormError>> {
         let reference = self.acceleration.as_ref()?;

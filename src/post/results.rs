@@ -12,6 +12,9 @@ use crate::signal::resample::{self, ResampleError};
 use crate::signal::{Channel, Recording};
 use crate::simulate::Outcome;
 
+/// Entries of a summary that are no figures: which scenario, and by which droptower.
+pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
+
 /// Figures by kind of loading.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measures {
@@ -90,12 +93,8 @@ impl Results {
 }
 
 fn header(model: &Model) -> Map<String, Value> {
-    let fields = [
-        ("scenario", json!(model.name)),
-        ("title", json!(model.title)),
-        ("droptower", json!(env!("CARGO_PKG_VERSION"))),
-    ];
-    fields.map(|(name, value)| (name.into(), value)).into_iter().collect()
+    let values = [json!(model.name), json!(model.title), json!(env!("CARGO_PKG_VERSION"))];
+    HEADER.map(String::from).into_iter().zip(values).collect()
 }
 
 impl Measures {
@@ -135,8 +134,8 @@ impl Measures {
 
     /// The names that a post script cannot give: those of this run and of the summary's own parts.
     pub(super) fn reserved(&self) -> Vec<String> {
-        let own = ["scenario", "title", "droptower", "tables", "plots", "files"].map(String::from);
-        own.into_iter().chain(self.figures().into_iter().map(|(name, _)| name)).collect()
+        let own = HEADER.into_iter().chain(["tables", "plots", "files"]).map(String::from);
+        own.chain(self.figures().into_iter().map(|(name, _)| name)).collect()
     }
 }
 

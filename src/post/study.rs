@@ -16,7 +16,6 @@ use crate::material::Law;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
 use crate::script::{Answer, Entry, Options, Session, from_json, number, refuse, to_json, went_wrong};
-use crate::signal::says_virtual;
 use crate::simulate::{self, Across, Manner, RunError};
 
 /// A checked scenario in a script. Cheap to clone.
@@ -51,7 +50,7 @@ impl Study {
             None => Plan::prepare(&model).map_err(refuse)?,
         };
         if let (Some(reference), Some(comparison)) = (&model.reference, plan.comparison()) {
-            session.hears(&reference.signals, says_virtual(&comparison.said));
+            session.hears(&reference.signals, comparison.is_virtual());
         }
         Ok(Study(Arc::new(Parts { document, model, plan })))
     }

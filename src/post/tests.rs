@@ -74,11 +74,9 @@ fn outcome() -> Outcome {
         name: name.into(),
         values: time.iter().map(|t| motion(*t)[index]).collect(),
     };
-    let acceleration = channel("acceleration_m_s2", 2);
-    // Without gravity, nothing else acts on the impactor.
-    let force = acceleration.values.iter().map(|a| MASS * a).collect();
-    let contact_force = Channel { name: "contact_force_N".into(), values: force };
-    let channels = vec![channel("displacement_m", 0), channel("velocity_m_s", 1), acceleration, contact_force];
+    let mut channels = vec![channel("displacement_m", 0), channel("velocity_m_s", 1), channel("acceleration_m_s2", 2)];
+    let force = channels[2].values.iter().map(|acceleration| MASS * acceleration).collect();
+    channels.push(Channel { name: "contact_force_N".into(), values: force });
     let energies = Recording {
         time: time.clone(),
         channels: vec![Channel { name: "elastic_J".into(), values: vec![0.0; time.len()] }],
@@ -147,7 +145,7 @@ fn a_pulse_has_the_measures_of_its_formula() {
     assert_eq!(impact.audit.ns_per_element_step, 100.0);
     let names: Vec<&str> = results.signals.channels.iter().map(|c| c.name.as_str()).collect();
     let filtered = "acceleration_filtered_m_s2";
-    assert_eq!(names, ["displacement_m", "velocity_m_s", "acceleration_m_s2", filtered]);
+    assert_eq!(names, ["displacement_m", "velocity_m_s", "acceleration_m_s2", filtered, "contact_force_N"]);
 }
 
 #[test]
@@ -267,7 +265,10 @@ fn the_examples_of_the_reference_hold() {
 fn the_shipped_script_measures_the_pulse() {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/post/impact.rhai");
     let results = with_script(&fs::read_to_string(shipped).unwrap()).unwrap();
-    let measures = &results.findings.measures;
+    let findings = &results.findings;
+    assert_eq!(findings.plots.iter().map(|plot| plot.title.as_str()).collect::<Vec<_>>(), ["Deceleration over travel"]);
+    assert_eq!(findings.files.names(), ["loading.csv"]);
+    let measures = &findings.measures;
     let turn = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
     close(measures["loading_duration_s"].as_f64(), turn, 1e-4);
     close(measures["mean_deceleration_m_s2"].as_f64(), SPEED / turn, 0.2);

@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::html::{self, escape};
 use super::{Figure, figure, plot, significant};
 use crate::diagnostic::shown_path;
-use crate::plot::{Curve, Plot};
+use crate::plot::{self as diagrams, Curve, Plot, TIME};
 use crate::post::Overlay;
 use crate::post::overlay::{Figures, Signals, Subject};
 use crate::signal::Series;
@@ -13,6 +13,9 @@ use crate::signal::Series;
 /// Pairs of columns of which the second is drawn over the first, besides over time.
 const AGAINST: [[&str; 2]; 4] =
     [["strain", "stress_Pa"], ["displacement_m", "force_N"], ["depth_m", "force_N"], ["deflection_m", "pressure_Pa"]];
+
+/// Points that all curves have together, so that page and recording stay small enough to be sent.
+const MOST_POINTS: usize = 100_000;
 
 /// `report.html` of a comparison.
 pub fn compare_page(overlay: &Overlay) -> String {
@@ -102,13 +105,18 @@ pub fn plots(overlay: &Overlay) -> (Vec<Plot>, Vec<Plot>) {
         let shown = Shown::of(&signals.column);
         let points = |series: &Series| series.samples().map(|[t, v]| [t * 1e3, v * shown.factor]).collect::<Vec<_>>();
         let curves = curves(overlay, |run| signals.series[run].as_ref().map(points));
-        Plot::new(sentence(&shown.words), ["time (ms)", &shown.axis()], curves)
+        Plot::new(sentence(&shown.words), [TIME, &shown.axis()], curves)
     });
     let against = AGAINST.iter().filter_map(|pair| {
         let [x, y] = pair.map(|column| overlay.signals.iter().find(|signals| signals.column == column));
         Some(over_each_other(overlay, x?, y?))
     });
-    (over_time.collect(), against.collect())
+    let (mut over_time, against): (Vec<Plot>, Vec<Plot>) = (over_time.collect(), against.collect());
+    let count = over_time.len();
+    over_time.extend(against);
+    let mut over_time = diagrams::thinned(over_time, MOST_POINTS);
+    let against = over_time.split_off(count);
+    (over_time, against)
 }
 
 fn over_each_other(overlay: &Overlay, x: &Signals, y: &Signals) -> Plot {
@@ -154,5 +162,32 @@ impl Shown {
 
     fn axis(&self) -> String {
         if self.unit.is_empty() { self.words.clone() } else { format!("{} ({})", self.words, self.unit) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal::{Channel, Recording};
+    use crate::store::Kept;
+
+    #[test]
+    fn many_long_runs_stay_a_page_that_can_be_sent() {
+        let time: Vec<f64> = (0..6_000).map(|i| f64::from(i) * 5e-5).collect();
+        let run = |number: usize| {
+            let channel = |name: &str| {
+                let values = time.iter().map(|t| (t * 40.0 + number as f64).sin()).collect();
+                Channel { name: name.into(), values }
+            };
+            let names =
+                ["displacement_m", "force_N", "velocity_m_s", "acceleration_m_s2", "kinetic_energy_J", "depth_m"];
+            let signals = Recording { time: time.clone(), channels: names.map(channel).into() };
+            Kept { place: format!("/r/{number}").into(), signals, ..Kept::default() }
+        };
+        let overlay = Overlay::of(&(0..16).map(run).collect::<Vec<_>>(), &[]);
+        let (over_time, against) = plots(&overlay);
+        assert_eq!((over_time.len(), against.len()), (6, 2));
+        let page = compare_page(&overlay);
+        assert!(page.len() < 3_000_000, "{}", page.len());
     }
 }

@@ -1,7 +1,8 @@
 //! Pictures of a search: its objective, its unknowns, and its simulations closing in on what was measured.
 
-use crate::plot::{Axis, Curve, Plot, Scale};
-use crate::script::{Convergence, Improvement, Over, Pursuit, Target};
+use crate::plot::{Axis, Curve, Plot, Scale, TIME};
+use crate::script::{Convergence, Improvement, Over, Pursuit};
+use crate::units::{Pressure, Unit};
 
 /// Most iterations whose curves one plot shows.
 const MOST_CURVES: usize = 8;
@@ -12,7 +13,7 @@ pub fn plots(convergence: &Convergence) -> Vec<Plot> {
     own.chain(convergence.pursuits.iter().map(|pursuit| chosen(convergence, pursuit))).collect()
 }
 
-/// What was pursued, without any simulation; in ms and MPa.
+/// What was pursued, without any simulation.
 pub fn target(convergence: &Convergence, pursuit: &Pursuit) -> Plot {
     let Pursuit { words, target, .. } = pursuit;
     let title = match words.split_once(" (") {
@@ -20,17 +21,32 @@ pub fn target(convergence: &Convergence, pursuit: &Pursuit) -> Plot {
         None => format!("{}: {words}", convergence.title),
     };
     let x = match target.over {
-        Over::Time => "time (ms)",
+        Over::Time => TIME,
         Over::Strain => "strain",
     };
     let name = if convergence.is_virtual { "reference (virtual)" } else { "reference" };
-    let reference = Curve::line(name, points(target, &target.values)).dashed();
-    Plot::new(title, [x, words.as_str()], vec![reference])
+    let (y, _) = ordinate(pursuit);
+    let reference = Curve::line(name, points(pursuit, &target.values)).dashed();
+    Plot::new(title, [x, y.as_str()], vec![reference])
+}
+
+/// Words of the y axis, and the factor from SI. What a script says of signals over time is theirs; stresses over strain stand in
+/// the unit that it names, else in MPa, which is then said.
+fn ordinate(Pursuit { words, target, .. }: &Pursuit) -> (String, f64) {
+    let named = || words.strip_suffix(')').and_then(|words| words.rsplit_once('(')).map(|(_, symbol)| symbol);
+    let stress = || Unit::parse(named()?).ok().filter(|unit| unit.measures(Pressure::DIMENSION));
+    match target.over {
+        Over::Time => (words.clone(), 1.0),
+        Over::Strain => match stress() {
+            Some(unit) => (words.clone(), 1.0 / unit.to_si(1.0)),
+            None => (format!("{words} (MPa)"), 1e-6),
+        },
+    }
 }
 
 /// A simulation on its way to the target, in the units of [`target`].
 pub fn simulated(name: impl Into<String>, pursuit: &Pursuit, improvement: &Improvement) -> Curve {
-    Curve::line(name, points(&pursuit.target, &improvement.values))
+    Curve::line(name, points(pursuit, &improvement.values))
 }
 
 /// Best values of the objective; one curve a start.
@@ -87,12 +103,19 @@ fn by_steps(improvements: &[Improvement]) -> Vec<&Improvement> {
     chosen
 }
 
-fn points(target: &Target, values: &[f32]) -> Vec<[f64; 2]> {
-    let [x, y] = match target.over {
-        Over::Time => [1e3, 1.0],
-        Over::Strain => [1.0, 1e-6],
+fn points(pursuit: &Pursuit, values: &[f32]) -> Vec<[f64; 2]> {
+    let (_, y) = ordinate(pursuit);
+    let x = match pursuit.target.over {
+        Over::Time => 1e3,
+        Over::Strain => 1.0,
     };
-    target.places.iter().zip(values).map(|(place, value)| [f64::from(*place) * x, f64::from(*value) * y]).collect()
+    pursuit
+        .target
+        .places
+        .iter()
+        .zip(values)
+        .map(|(place, value)| [f64::from(*place) * x, f64::from(*value) * y])
+        .collect()
 }
 
 #[cfg(test)]
@@ -100,7 +123,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::script::Waypoint;
+    use crate::script::{Target, Waypoint};
 
     fn search(objectives: &[f64]) -> Convergence {
         let target = Arc::new(Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, 150.0] });
@@ -129,6 +152,22 @@ mod tests {
         assert_eq!((names.len(), names[0], names[7], names[8]), (9, "iteration 1", "best, iteration 60", "reference"));
         let [time, value] = curves.curves[0].points[1];
         assert!((time - 50.0).abs() < 1e-5 && value == 2.0);
+    }
+
+    #[test]
+    fn stresses_stand_in_the_unit_that_their_axis_names() {
+        let target = Arc::new(Target { over: Over::Strain, places: vec![0.0, 0.5], values: vec![0.0, 8e6] });
+        for (words, expected) in [
+            ("stress (MPa)", ("stress (MPa)", 8.0)),
+            ("stress (kPa)", ("stress (kPa)", 8e3)),
+            ("stress (Pa)", ("stress (Pa)", 8e6)),
+            ("MD", ("MD (MPa)", 8.0)),
+        ] {
+            let pursuit = Pursuit { words: words.into(), target: Arc::clone(&target), improvements: vec![] };
+            let plot = super::target(&Convergence { is_virtual: true, ..search(&[1.0]) }, &pursuit);
+            assert_eq!((plot.y.words.as_str(), plot.curves[0].points[1][1]), expected);
+            assert_eq!(plot.curves[0].name, "reference (virtual)");
+        }
     }
 
     #[test]

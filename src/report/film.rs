@@ -231,12 +231,13 @@ impl Lattice {
     }
 }
 
-/// Smallest and largest coordinates.
+/// Smallest and largest coordinates; zeros of nothing.
 fn bounds(points: impl Iterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
-    points.fold([[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]], |[low, high], point| {
+    let ends = points.map(|point| [point, point]).reduce(|[low, high], [point, _]| {
         let each = |of: fn(f32, f32) -> f32, ends: [f32; 3]| [0, 1, 2].map(|axis| of(ends[axis], point[axis]));
         [each(f32::min, low), each(f32::max, high)]
-    })
+    });
+    ends.unwrap_or_default()
 }
 
 /// What is drawn.
@@ -250,7 +251,7 @@ struct Scene<'a> {
 impl Scene<'_> {
     fn contents(&self) -> Value {
         let places: Vec<Vec<[f32; 3]>> = self.states.iter().map(|state| self.places(state)).collect();
-        let ends = bounds(places.iter().flatten().copied());
+        let ends = bounds(self.states.iter().flat_map(|state| self.held(state)));
         // A slack fibre is like another.
         let fibre = self.range(|[md, td, _]| [md.max(0.0), td.max(0.0)]);
         let shear = self.range(|[_, _, shear]| [*shear; 2]);
@@ -287,6 +288,15 @@ impl Scene<'_> {
     /// All faces, one after the other.
     fn places(&self, state: &Frame) -> Vec<[f32; 3]> {
         self.faces.iter().flat_map(|face| face.picture.places(&state.films[face.index].positions)).collect()
+    }
+
+    /// Places of the corners of what holds; pieces of a broken film may be anywhere.
+    fn held(&self, state: &Frame) -> impl Iterator<Item = [f32; 3]> {
+        self.faces.iter().flat_map(|Face { index, picture, .. }| {
+            let film = &state.films[*index];
+            let held = picture.patches.iter().zip(&picture.element).filter(|(_, element)| holds(film, **element));
+            held.flat_map(|(patch, _)| patch.map(|node| film.positions[picture.nodes[node as usize] as usize]))
+        })
     }
 
     /// Smallest and largest strain of what is drawn and holds; never empty.
@@ -440,6 +450,31 @@ mod tests {
         for most in [0, 1, 2] {
             assert!(!Picture::of(&bent, &outlines, most).patches.is_empty(), "{most}");
         }
+    }
+
+    #[test]
+    fn what_flew_off_does_not_make_the_picture_small() {
+        let (mut points, film) = sheet(2);
+        let outlines: Vec<[u32; 4]> = outlines(&film).collect();
+        let face = Face { index: 0, mirrored: film.mirrored, picture: Picture::of(&points, &outlines, 100) };
+        // A corner that only the first element has, which is broken.
+        points[0] = [-1e6; 3];
+        let state = frame(0.0, &points, &film);
+        let scene = Scene { faces: vec![face], states: vec![&state], moments: vec![], body: None };
+        assert_eq!(scene.contents()["box"], json!([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]));
+    }
+
+    #[test]
+    fn page_and_recording_have_the_same_colours() {
+        let rows = |text: &'static str| -> String {
+            let (_, rest) = text.split_once("const VIRIDIS").expect("colours");
+            let (_, rest) = rest.split_once("= [").expect("their beginning");
+            let (rows, _) = rest.split_once("];").expect("their end");
+            rows.split_whitespace().collect()
+        };
+        let [page, recording] = [include_str!("page/page.js"), include_str!("../../viz/src/colour.rs")].map(rows);
+        assert_eq!(page.matches('[').count(), 9);
+        assert_eq!(page, recording);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::figure::heading;
 use super::html::{self, escape};
 use super::{convergence, plot, rounded};
-use crate::plot::Plot;
+use crate::plot::{Plot, thinned};
 use crate::script::{File, Findings, Row};
 
 /// Rows of one table that a page shows; all are in its file.
@@ -14,19 +14,19 @@ const MOST_ROWS: usize = 200;
 /// Rows of a table that is shown at once; a longer one unfolds.
 const SHOWN_ROWS: usize = 16;
 
-/// Points that the plots of a script and of its searches have together on a page, which so stays below 3 MB.
-const MOST_POINTS: usize = 120_000;
-
-/// Tables, plots, searches, correlations and files; nothing where a script left nothing.
-pub(super) fn sections(findings: &Findings) -> String {
+/// Tables, plots, searches, correlations and files; nothing where a script left nothing. All plots together have at most
+/// `most` points.
+pub(super) fn sections(findings: &Findings, most: usize) -> String {
+    let plots = thinned(findings.plots.clone(), most);
+    let left = most.saturating_sub(points(&plots));
     let (short, long): (Vec<_>, Vec<_>) = findings.tables.iter().partition(|(_, rows)| rows.len() <= SHOWN_ROWS);
     let tables = short.into_iter().chain(long);
     let tables = tables.map(|(name, rows)| html::section(&name.replace('_', " "), &table(name, rows)));
     let correlations: String =
         findings.correlations.iter().map(|found| html::matrix(&found.title, &found.names, &found.rows)).collect();
     let sections = [
-        html::section("Plots", &plot::figures(&findings.plots)),
-        searches(findings),
+        html::section("Plots", &plot::figures(&plots)),
+        searches(findings, left),
         html::section("Correlations", &correlations),
         html::section(
             "Files of the script",
@@ -82,16 +82,17 @@ fn beside(columns: Vec<String>) -> Vec<String> {
     columns.iter().filter(is_own).flat_map(|name| std::iter::once(name.clone()).chain(papers(name))).collect()
 }
 
-/// A section a search, as many as the page has room for.
-fn searches(findings: &Findings) -> String {
-    let count =
-        |plots: &[Plot]| plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.points.len()).sum::<usize>();
-    let mut left = MOST_POINTS - count(&findings.plots).min(MOST_POINTS);
+fn points(plots: &[Plot]) -> usize {
+    plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.points.len()).sum()
+}
+
+/// A section a search, as many as there is room for with `left` points.
+fn searches(findings: &Findings, mut left: usize) -> String {
     let mut sections = String::new();
     let mut without: Vec<&str> = Vec::new();
     for convergence in &findings.searches {
         let plots = convergence::plots(convergence);
-        match left.checked_sub(count(&plots)) {
+        match left.checked_sub(points(&plots)) {
             Some(rest) => {
                 left = rest;
                 sections.push_str(&html::section(&format!("Search: {}", convergence.title), &plot::figures(&plots)));
@@ -160,7 +161,7 @@ mod tests {
             is_virtual: false,
         };
         let findings = Findings { searches: ["first", "<second>", "third"].map(search).into(), ..Findings::default() };
-        let html = sections(&findings);
+        let html = sections(&findings, 120_000);
         assert!(html.contains("Search: first") && html.contains("&lt;second&gt;: objective"));
         assert!(html.contains("shown in the recording only: third"));
     }

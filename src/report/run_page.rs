@@ -6,8 +6,8 @@ use super::html::{self, escape};
 use super::{duration, figure, film, findings, key_figures, plot, run_plots, subject, vtu};
 use crate::diagnostic::shown_path;
 use crate::model::{Model, Window};
-use crate::post::Results;
-use crate::signal::says_virtual;
+use crate::plot::thinned;
+use crate::post::{COST, Comparison, HEADER, Results};
 use crate::simulate::Outcome;
 
 /// What the page of a run is made of.
@@ -24,17 +24,8 @@ pub struct RunPage<'a> {
     pub files: &'a [String],
 }
 
-/// Figures of the machine and the mesh, not of the film.
-const COST: [&str; 8] = [
-    "elements",
-    "steps",
-    "time_step_s",
-    "wall_s",
-    "ns_per_element_step",
-    "bytes_per_element",
-    "threads",
-    "instructions",
-];
+/// Points of the signals, of the energies, and of what the script left: beside the film, the page so stays below 3 MB.
+const MOST_POINTS: [usize; 3] = [35_000, 10_000, 40_000];
 
 /// `report.html` of a run.
 pub fn run_page(run: &RunPage) -> String {
@@ -45,8 +36,8 @@ pub fn run_page(run: &RunPage) -> String {
         warnings(run),
         key_figures::cards(run, &summary),
         html::section("Film", &film::figure(model, outcome, &results.signals)),
-        html::section("Signals", &plot::figures(&run_plots::signals(run))),
-        findings::sections(&results.findings),
+        html::section("Signals", &plot::figures(&thinned(run_plots::signals(run), MOST_POINTS[0]))),
+        findings::sections(&results.findings, MOST_POINTS[2]),
         html::section("Figures", &figures(&summary)),
         html::section("Audit", &audit(run)),
         html::section("Reference", &reference(run)),
@@ -63,7 +54,7 @@ fn lead(run: &RunPage) -> String {
     let RunPage { model, results, .. } = run;
     let file = |path: &std::path::Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
     let against = model.reference.as_ref().and_then(|reference| file(&reference.signals));
-    let is_virtual = results.comparison.as_ref().is_some_and(|comparison| says_virtual(&comparison.said));
+    let is_virtual = results.comparison.as_ref().is_some_and(Comparison::is_virtual);
     let kind = if is_virtual { "the virtual recording" } else { "the recording" };
     let against = against.map_or(String::new(), |file| format!(", against {kind} {file}"));
     format!("<p class=\"lead\">{}</p>\n", escape(&format!("{}: {}{against}", model.name, subject(model))))
@@ -80,7 +71,7 @@ fn warnings(run: &RunPage) -> String {
 /// All figures of the summary, those of the machine behind a fold.
 fn figures(summary: &Map<String, Value>) -> String {
     let is_cost = |name: &String| COST.contains(&name.as_str());
-    let own = |name: &String| !["scenario", "title", "droptower"].contains(&name.as_str());
+    let own = |name: &String| !HEADER.contains(&name.as_str());
     let figures = figure::table(summary.iter().filter(|(name, _)| own(name) && !is_cost(name)));
     let cost = figure::table(summary.iter().filter(|(name, _)| is_cost(name)));
     format!("{figures}<h3>Mesh and machine</h3>\n{cost}")
@@ -99,7 +90,8 @@ fn audit(run: &RunPage) -> String {
         ),
     };
     let rates = plot::rates("Strain rates while loading", &audit.strain_rates);
-    let energies = format!("<div>\n{}{note}</div>\n", plot::figure(&energies));
+    let energies = plot::figures(&thinned(vec![energies], MOST_POINTS[1]));
+    let energies = format!("<div>\n{energies}{note}</div>\n");
     let header =
         ["face", "elements", "shortest edge (mm)", "longest edge (mm)", "aspect ratio", "scaled Jacobian", "skew"];
     let row = |(face, mesh): (usize, &crate::post::MeshFigures)| {

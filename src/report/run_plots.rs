@@ -1,11 +1,9 @@
 //! The plots of one run.
 
 use super::RunPage;
-use crate::plot::{Curve, Plot, Window};
+use crate::plot::{Curve, Plot, TIME, Window};
 use crate::post::{Comparison, Measures};
-use crate::signal::{Channel, Recording, Series, says_virtual};
-
-const TIME: &str = "time (ms)";
+use crate::signal::{Channel, Recording, Series};
 
 /// Signals over time and against each other, by kind of loading.
 pub(super) fn signals(run: &RunPage) -> Vec<Plot> {
@@ -44,8 +42,7 @@ fn impact(signals: &Recording, comparison: Option<&Comparison>) -> Vec<Plot> {
     let simulated = |name: &str, column: &str, factor| Some(over_time(name, &signals.series(column)?, factor));
     let measured = |of: fn(&Comparison) -> &Option<Series>, name: &str, factor| {
         let comparison = comparison?;
-        let kind = if says_virtual(&comparison.said) { "measured (virtual)" } else { "measured" };
-        Some(over_time(&format!("{name}{kind}"), of(comparison).as_ref()?, factor).dashed())
+        Some(over_time(&format!("{name}{}", comparison.label()), of(comparison).as_ref()?, factor).dashed())
     };
     let window = comparison
         .map(|comparison| Window { words: "error window".into(), range: comparison.window.map(|time| time * 1e3) });

@@ -18,6 +18,9 @@ pub struct StudyPage<'a> {
     pub script: &'a str,
 }
 
+/// Points that all plots have together on a page, which so stays below 3 MB.
+const MOST_POINTS: usize = 120_000;
+
 /// `report.html` of a study.
 pub fn study_page(study: &StudyPage) -> String {
     let body = [
@@ -25,7 +28,7 @@ pub fn study_page(study: &StudyPage) -> String {
         html::warnings("Warnings", study.findings.warning().as_slice()),
         html::section("What was run", &run(study.call)),
         html::section("Figures", &figure::table(study.findings.measures.iter())),
-        findings::sections(study.findings),
+        findings::sections(study.findings, MOST_POINTS),
         html::section("Log", &html::list(&study.findings.log)),
         html::section("Script", &html::verbatim(study.script)),
         html::section("Run it again", &again(study.call)),

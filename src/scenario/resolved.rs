@@ -1,12 +1,16 @@
 //! The merged scenario as one text that runs from any folder.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use toml_edit::{DocumentMut, TableLike};
 
 use super::grammar::Rule;
-use super::tree::{Node, Value};
-use crate::diagnostic::tidy_path;
+use super::tree::{Node, Table, Value};
+use crate::diagnostic::{Span, tidy_path};
 
-/// The tree as TOML, with the paths in it made absolute.
+/// The tree as TOML, with the paths in it made absolute. Values keep the comment at the end of the line on which they were
+/// written: it says where they come from, and whether they are assumed.
 pub fn text(root: &Node, rule: &Rule) -> String {
     text_with(root, rule, &[])
 }
@@ -20,10 +24,72 @@ pub fn text_with(root: &Node, rule: &Rule, paths: &[(&str, &str)]) -> String {
         }
     }
     match root.value {
-        Value::Table(table) => table.to_toml().to_string(),
+        Value::Table(table) => commented(&table),
         // A file is always a table.
         _ => String::new(),
     }
+}
+
+fn commented(table: &Table) -> String {
+    let plain = table.to_toml().to_string();
+    match plain.parse::<DocumentMut>() {
+        Ok(mut document) => {
+            comment(document.as_table_mut(), table, &mut BTreeSet::new());
+            document.to_string()
+        }
+        // What was written is read again by the same grammar; without it, the text is whole but for the comments.
+        Err(_) => plain,
+    }
+}
+
+/// Gives the values of `written` the comments of `table`, one line's only once.
+fn comment(written: &mut dyn TableLike, table: &Table, told: &mut BTreeSet<(usize, usize)>) {
+    for entry in &table.entries {
+        let Some(item) = written.get_mut(&entry.key) else { continue };
+        match &entry.node.value {
+            Value::Table(inner) => {
+                if let Some(written) = item.as_table_like_mut() {
+                    comment(written, inner, told);
+                }
+                continue;
+            }
+            Value::List(rows) => {
+                if let Some(written) = item.as_array_of_tables_mut() {
+                    for (written, row) in written.iter_mut().zip(rows) {
+                        if let Value::Table(row) = &row.value {
+                            comment(written, row, told);
+                        }
+                    }
+                    continue;
+                }
+            }
+            _ => {}
+        }
+        if let (Some(value), Some((line, text))) = (item.as_value_mut(), end_of_line(&entry.node.span))
+            && told.insert(line)
+        {
+            value.decor_mut().set_suffix(format!("  {text}"));
+        }
+    }
+}
+
+/// The comment behind a value on its line, and the line: its source and where it ends.
+fn end_of_line(span: &Span) -> Option<((usize, usize), &str)> {
+    let rest = span.source.text.get(span.range.end..)?.lines().next()?;
+    let (mut quote, mut at) = (None, None);
+    for (place, letter) in rest.char_indices() {
+        match (quote, letter) {
+            (None, '#') => {
+                at = Some(place);
+                break;
+            }
+            (None, '"' | '\'') => quote = Some(letter),
+            (Some(open), _) if open == letter => quote = None,
+            _ => {}
+        }
+    }
+    let source = Arc::as_ptr(&span.source) as usize;
+    at.map(|place| ((source, span.range.end + rest.len()), rest[place..].trim_end()))
 }
 
 /// The values of a resolved scenario, as TOML, by the paths of their keys: `layers.count`, `layer.0.height`. None of a text that is
@@ -69,4 +135,35 @@ fn anchored(node: &Node, rule: Option<&Rule>) -> Node {
         other => other.clone(),
     };
     Node { value, ..node.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use crate::scenario::Document;
+
+    #[test]
+    fn values_keep_the_comments_of_their_lines() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+        write(
+            "base.toml",
+            "frame.hold = \"all\"  # assumed\nspecimen = { symmetry = \"quarter\", mesh = { size = \"10 mm\" } } # Table 3\n",
+        );
+        write(
+            "own.toml",
+            "extends = \"base.toml\"\ntitle = \"a # in a text\" # \"quoted\"\n[[layer]]\nheight = \"0 mm\" # one\n",
+        );
+        let text = Document::read(&folder.path().join("own.toml")).unwrap().resolved();
+        for (line, times) in [
+            ("title = \"a # in a text\"  # \"quoted\"\n", 1),
+            ("hold = \"all\"  # assumed\n", 1),
+            ("height = \"0 mm\"  # one\n", 1),
+            ("# Table 3\n", 1),
+        ] {
+            assert_eq!(text.matches(line).count(), times, "{line} in\n{text}");
+        }
+        assert_eq!(super::leaves(&text)["layer.0.height"], "\"0 mm\"");
+    }
 }

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::files::Column;
 use super::{Answer, Entry, Ledger, Options, refuse, window};
 use crate::experiment::coupon;
-use crate::plot::{Axis, Curve, Look, Plot, Scale, Window};
+use crate::plot::{Axis, Curve, Look, Plot, Scale, TIME, Window};
 use crate::signal::Series;
 
 /// Most plots of one script, and most curves of one plot.
@@ -191,7 +191,7 @@ fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> Answer<Axes> {
     let (x, y, factors) = match (over_time, over_strain) {
         (true, true) => return Err(refuse("a plot shows signals over time or curves over strain, not both")),
         (true, false) => {
-            let x = x.unwrap_or_else(|| "time (ms)".into());
+            let x = x.unwrap_or_else(|| TIME.into());
             let factor = in_unit(&x, &[("(ms)", 1e3), ("(s)", 1.0)])?;
             (x, y.unwrap_or_else(|| title.into()), [factor, 1.0])
         }

@@ -97,6 +97,8 @@ fn explain_gives_unit_range_default_and_sentence() {
     let ending = droptower(&["explain", "mesh.size"]);
     assert_eq!(ending.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&ending.stderr).contains("did you mean `specimen.mesh.size`"));
+    let function = standard_output(&["explain", "write_csv"]);
+    assert!(function.contains("write_csv(name,") && !function.contains("measure(name"), "{function}");
     let unknown = droptower(&["explain", "specimen.mehs"]);
     assert_eq!(unknown.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&unknown.stderr).contains("did you mean `mesh`?"));

@@ -7,6 +7,7 @@ mod conversions;
 mod coupons;
 mod diagnostics;
 mod language;
+mod documents;
 mod golden;
 mod guide;
 mod identification;

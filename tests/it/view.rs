@@ -1,8 +1,21 @@
 //! `droptower view` and `run --live`: what they refuse, and how.
 
 use std::fs;
+#[cfg(feature = "rerun")]
+use std::{
+    net::TcpListener,
+    process::Stdio,
+    thread,
+    time::{Duration, Instant},
+};
 
+#[cfg(feature = "rerun")]
+use crate::workbench::command;
 use crate::workbench::{droptower, error};
+
+/// Longer than any run here takes.
+#[cfg(feature = "rerun")]
+const LONG: Duration = Duration::from_secs(120);
 
 #[test]
 fn what_cannot_be_opened_is_told_with_a_way_out() {
@@ -62,4 +75,36 @@ fn a_missing_viewer_is_a_warning() {
     assert_eq!(output.status.code(), Some(0), "{}", error(&output));
     assert!(error(&output).contains("warning: --live: no viewer answers"), "{}", error(&output));
     assert!(folder.path().join("runs/drop/recording.rrd").is_file());
+}
+
+/// A viewer that takes every connection and never says a word.
+#[cfg(feature = "rerun")]
+#[test]
+fn a_silent_viewer_delays_no_results() {
+    let door = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let live = format!("--live=rerun+http://{}/proxy", door.local_addr().expect("an address"));
+    let _silence = thread::spawn(move || door.incoming().collect::<Vec<_>>());
+    let folder = tempfile::tempdir().expect("a folder");
+    let coarse = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=10ms"];
+    for name in ["one", "two"] {
+        assert!(droptower(folder.path(), &["new", "drop", &format!("{name}.toml")]).status.success());
+    }
+    let arguments = [&["run", "one.toml", "two.toml", &live][..], &coarse].concat();
+    let mut run = command(folder.path(), &arguments).stderr(Stdio::piped()).spawn().expect("the binary starts");
+    let begin = Instant::now();
+    let stored = ["one", "two"].map(|name| folder.path().join("runs").join(name).join("recording.rrd"));
+    while !stored.iter().any(|path| path.is_file()) {
+        assert!(begin.elapsed() < LONG, "no results");
+        thread::sleep(Duration::from_millis(20));
+    }
+    let first_stored = Instant::now();
+    while run.try_wait().expect("a child").is_none() {
+        assert!(begin.elapsed() < LONG, "it does not end");
+        thread::sleep(Duration::from_millis(20));
+    }
+    assert!(first_stored.elapsed() > Duration::from_secs(4), "it was the viewer that was waited for");
+    let output = run.wait_with_output().expect("its output");
+    assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+    let told = error(&output).matches("warning: --live: ").count();
+    assert!(told == 1 && stored.iter().all(|path| path.is_file()), "{}", error(&output));
 }

@@ -1,7 +1,11 @@
-"""Opens a recording in the real Rerun viewer without a display, looks at the picture, and fails where it is not as it should be.
+"""Opens a recording, or a run while it goes, in the real Rerun viewer without a display, looks at the picture, and fails where it is not as it should be.
 
     python3 tests/look/recording.py --viewer PROGRAM --recording runs/drop/1008/recording.rrd --picture shot.png
     python3 tests/look/recording.py … --timeline iteration --at 0 8
+    python3 tests/look/recording.py --viewer PROGRAM --picture shot.png --live target/release/droptower scenarios/drop/1008.toml
+
+With --live the droptower that is named runs a scenario and shows it in the viewer while it goes; then the viewer has to have
+all that a recording has. Options of the run follow the scenario.
 
 Needs Python 3 and a Vulkan driver (Debian: mesa-vulkan-drivers), and the viewer's own binary, which
 `pip install --no-deps --target DIR rerun-sdk==0.36.3` puts at DIR/rerun_sdk/rerun_cli/rerun. The picture that is kept is the one
@@ -35,7 +39,8 @@ def main():
     if os.path.exists(LAVAPIPE):
         environment.setdefault("VK_ICD_FILENAMES", LAVAPIPE)
     port = free_port()
-    command = [args.viewer, args.recording, "--headless", "--bind", "127.0.0.1", "--port", str(port)]
+    command = [args.viewer, *([args.recording] if args.recording else [])]
+    command += ["--headless", "--bind", "127.0.0.1", "--port", str(port)]
     command += ["--window-size", "x".join(map(str, WINDOW)), "--hide-welcome-screen"]
     viewer = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
@@ -45,19 +50,36 @@ def main():
         viewer.wait()
     wrong = faults(pictures, args.timeline)
     for fault in wrong:
-        print(f"{args.recording}: {fault}", file=sys.stderr)
-    print(f"{args.recording}: looked at {len(pictures)} pictures, the last is {args.picture}")
+        print(f"{shown(args)}: {fault}", file=sys.stderr)
+    print(f"{shown(args)}: looked at {len(pictures)} pictures, the last is {args.picture}")
     return 1 if wrong else 0
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--viewer", required=True, help="the viewer's binary")
-    parser.add_argument("--recording", required=True)
+    shown = parser.add_mutually_exclusive_group(required=True)
+    shown.add_argument("--recording")
+    shown.add_argument("--live", nargs=argparse.REMAINDER, help="droptower, a scenario and options of its run; comes last")
     parser.add_argument("--picture", required=True, help="where to put the PNG")
     parser.add_argument("--timeline", default="time", choices=["time", "iteration"])
     parser.add_argument("--at", nargs="+", type=float, default=[0.005, 0.055])
     return parser.parse_args()
+
+
+def shown(args):
+    return args.recording or f"{args.live[1]}, live"
+
+
+def run_live(args, port):
+    """A run that is shown in the viewer while it goes, and that says nothing of a viewer that fell behind."""
+    droptower, *scenario = args.live
+    with tempfile.TemporaryDirectory() as folder:
+        live = f"--live=rerun+http://127.0.0.1:{port}/proxy"
+        command = [droptower, "run", "--quiet", *scenario, live, "--out", os.path.join(folder, "run")]
+        run = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=4 * PATIENCE)
+    if run.returncode or "--live" in run.stderr:
+        sys.exit(f"{shown(args)}: {run.stderr}")
 
 
 def free_port():
@@ -70,10 +92,12 @@ def photographs(args, port):
     """Pictures at all the times, as rows of RGB."""
     control = Control(args.viewer, port)
     try:
+        if args.live:
+            run_live(args, port)
         deadline = time.monotonic() + PATIENCE
         while not has_timeline(control, args.timeline):
             if time.monotonic() > deadline:
-                sys.exit(f"{args.recording}: the viewer shows no timeline `{args.timeline}`")
+                sys.exit(f"{shown(args)}: the viewer shows no timeline `{args.timeline}`")
             time.sleep(0.5)
         return [photograph(control, args, at) for at in args.at]
     finally:

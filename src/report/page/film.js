@@ -9,7 +9,7 @@
   const EDGES = 2500; // patches from which their edges are no longer drawn
   const SHARPER = 2; // pixels of the raster in one of the page
   const GLASS = 0.42; // share of the impactor's own colour
-  const APART = 0.02; // of a patch: by how much faces that lie on each other are set apart
+  const APART = 0.06; // of a patch: by how much faces that lie on each other are set apart
   const AROUND = 36; // facets around a body of revolution
   const PLAYED = 5000; // ms that the whole film takes
   const LIGHT = [0.35, -0.5, 0.79];
@@ -26,7 +26,8 @@
     larger: { words: "larger fibre strain", of: (md, td) => Math.max(md, td), range: "fibre" },
     md: { words: "strain along MD", of: (md) => md, range: "fibre" },
     td: { words: "strain along TD", of: (_, td) => td, range: "fibre" },
-    shear: { words: "shear angle", of: (_md, _td, shear) => shear, range: "shear" },
+    // Its sign turns round from one mirror image to the next.
+    shear: { words: "shear angle, either way", of: (_md, _td, shear) => Math.abs(shear), range: "angle" },
   };
 
   const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -62,12 +63,14 @@
     constructor(element) {
       const data = JSON.parse(element.querySelector("script").textContent);
       this.element = element;
-      this.ranges = { fibre: data.fibre, shear: data.shear };
+      this.ranges = { fibre: data.fibre, shear: data.shear, angle: [0, Math.max(...data.shear.map(Math.abs))] };
       this.moments = data.moments;
       this.faces = data.faces.map((face) => ({ ...face, patches: new Uint32Array(bytes(face.patches).buffer) }));
       this.states = data.states.map((state) => this.state(state, data.box));
       this.body = surface(data.body);
       this.mirrored = this.faces.some((face) => face.mirrored.some(Boolean));
+      // The axis whose negative side goes where the film is cut in half.
+      this.cut = this.faces.some((face) => face.mirrored[1]) ? 1 : 0;
       this.time = this.states[0].time;
       this.quantity = "larger";
       this.whole = true;
@@ -110,8 +113,9 @@
         ends[2] = Math.max(ends[2], down);
         ends[3] = Math.min(ends[3], down);
       };
-      const every = Math.ceil(this.states.length / 8);
-      for (const { points } of this.states.filter((_, at) => at % every === 0)) {
+      const lowest = Math.min(0, ...this.body.points.map(([, , z]) => z));
+      for (const { points, pose } of this.states) {
+        if (pose) take(pose[0], pose[1], pose[2] + lowest);
         for (let at = 0; at < points.length; at += 3) {
           for (const sx of mirrored[0] ? [1, -1] : [1]) {
             for (const sy of mirrored[1] ? [1, -1] : [1]) take(sx * points[at], sy * points[at + 1], points[at + 2]);
@@ -324,7 +328,7 @@
       this.triad(context, look, ratio, height, style.color);
       const { range } = QUANTITIES[this.quantity];
       const [low, high] = this.ranges[range];
-      const [factor, unit] = range === "shear" ? [180 / Math.PI, "°"] : [100, " %"];
+      const [factor, unit] = range === "angle" ? [180 / Math.PI, "°"] : [100, " %"];
       const step = Math.max(Math.abs(low), Math.abs(high)) * factor;
       const digits = Math.min(Math.max(2 - Math.floor(Math.log10(step)), 0), 4);
       const written = (value) => `${Number((factor * value).toFixed(digits)) || 0}${unit}`.replace("-", "−");
@@ -381,7 +385,7 @@
         }
         const points = new Float32Array(3 * nodes);
         for (let at = 0; at < points.length; at++) points[at] = mixed(a.points[3 * node + at], b.points[3 * node + at], share);
-        const signs = (axis) => (mirrored[axis] && (this.whole || axis === 0) ? [1, -1] : [1]);
+        const signs = (axis) => (mirrored[axis] && (this.whole || axis !== this.cut) ? [1, -1] : [1]);
         for (const sx of signs(0)) {
           for (const sy of signs(1)) this.sheet(look, points, corners, colours, { face, sx, sy, edges });
         }
@@ -405,7 +409,7 @@
         const [nx, ny, nz] = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
         const length = Math.hypot(nx, ny, nz) || 1;
         const [near, lit] = facing(nx / length, ny / length, nz / length);
-        const shade = 0.62 + 0.38 * Math.max(0, near < 0 ? -lit : lit);
+        const shade = 0.74 + 0.26 * Math.max(0, near < 0 ? -lit : lit);
         // Where faces lie on each other, the first is the upper one, whichever side is seen.
         const size = Math.max(Math.hypot(ux, uy, uz), Math.hypot(vx, vy, vz));
         const under = APART * size * (face + 1) * Math.sign(near * sx * sy);
@@ -423,7 +427,10 @@
     impactor({ project, facing }) {
       const [a, b, share] = this.between();
       if (!a.pose || !b.pose) return;
-      const pose = a.pose.map((part, at) => mixed(part, b.pose[at], share));
+      // A quaternion and its opposite are the same turn; between neighbours, not through the middle.
+      const [from, to] = [a.pose, b.pose];
+      const sense = from.slice(3).reduce((sum, part, at) => sum + part * to[3 + at], 0) < 0 ? -1 : 1;
+      const pose = from.map((part, at) => mixed(part, at < 3 ? to[at] : sense * to[at], share));
       const size = Math.hypot(...pose.slice(3)) || 1;
       const turn = pose.slice(3).map((part) => part / size);
       const places = this.body.points.map((point) => turned(point, turn).map((c, axis) => c + pose[axis]));
@@ -434,7 +441,7 @@
         const length = Math.hypot(...normal);
         if (!length) continue;
         const [near, lit] = facing(...normal.map((c) => (s === r ? -c : c) / length));
-        if (near <= 0 || (!this.whole && [p, q, r, s].every((corner) => places[corner][1] < -1e-9))) continue;
+        if (near <= 0 || (!this.whole && [p, q, r, s].every((corner) => places[corner][this.cut] < 1e-9))) continue;
         const shade = 95 + 120 * Math.max(0, lit);
         this.raster.pane((s === r ? [p, q, r] : [p, q, r, s]).map((corner) => seen[corner]), Raster.colour([shade, shade, shade + 8]));
       }

@@ -87,7 +87,10 @@
           high = Math.max(high, place);
         });
       }
-      if (low < high) return this.axes.x.log ? roundEnds([low, high]) : [low, high];
+      if (low < high && this.axes.x.log) return roundEnds([low, high]);
+      // Points stand whole within the plot.
+      const margin = this.curves.some(({ look }) => look === "points") ? 0.03 * (high - low) : 0;
+      if (low < high) return [low - margin, high + margin];
       return this.axes.x.log ? [low / 2, high * 2] : [low - 0.5, high + 0.5];
     }
 

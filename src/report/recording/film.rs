@@ -155,8 +155,18 @@ mod tests {
             assert!((strain - expected).abs() < 1e-5, "{strains:?}");
         }
         assert_eq!(STRAINS.each_ref().map(|strain| largest(strain, &state)), [0.4, 0.2, 0.4, 0.5]);
+        let shear = nodal(&STRAINS[3], &film, &state);
+        assert!((shear[4] - 0.5_f32.to_degrees()).abs() < 1e-4, "shear is in degrees: {shear:?}");
         assert_eq!(triangles(&film).len(), 4);
         let held = per_triangle(&film, |element| !state.broken[element]);
         assert_eq!(held, [true, true, true, false]);
+    }
+
+    #[test]
+    fn nothing_strained_is_the_lower_end_of_the_colours() {
+        for quantity in quantities(&[]) {
+            let [low, high] = quantity.range;
+            assert!(low == 0.0 && high > 0.0, "{}: {low} to {high}", quantity.title);
+        }
     }
 }

@@ -32,7 +32,7 @@ fn texts(study: &StudyPage) -> Vec<Text> {
     let summary = Text { title: "Summary".into(), markdown: warning + markdown(&study.findings.measures).as_str() };
     let given = serde_json::to_string_pretty(study.call).unwrap_or_else(|error| error.to_string());
     let run = [Text::verbatim("Script", study.script), Text::verbatim("What was run", &given)];
-    let own = [Some(summary), Text::tables(study.findings), correlations(study.findings)];
+    let own = [Some(summary), Text::tables(study.findings), correlations(study.findings), Text::files(study.findings)];
     own.into_iter().flatten().chain(run).collect()
 }
 

@@ -134,6 +134,7 @@ impl<'a> Live<'a> {
         }
         drop((news, end));
         match done.recv_timeout(LAST_PATIENCE) {
+            Ok(Err(VizError::Flush(_))) => Err(LiveError::Stuck { address }),
             Ok(Err(error)) => Err(RecordingError::from(error).into()),
             Ok(Ok(())) if self.lost == 0 => Ok(()),
             Ok(Ok(())) => Err(LiveError::Slow { address, lost: self.lost }),
@@ -269,4 +270,99 @@ fn since(recording: &Recording, first: usize) -> Recording {
     let rest = |values: &[f64]| values.get(first..).unwrap_or_default().to_vec();
     let channel = |channel: &Channel| Channel { name: channel.name.clone(), values: rest(&channel.values) };
     Recording { time: rest(&recording.time), channels: recording.channels.iter().map(channel).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::mesh::{Mesh, Quality};
+    use crate::scenario::Document;
+    use crate::simulate::{Film, FilmState, Frame};
+
+    fn model() -> Model {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/drop/1008.toml");
+        Document::read(&path).and_then(|document| crate::model::check(&document)).expect("a model")
+    }
+
+    fn film() -> Film {
+        let quality = Quality::of(&Mesh::default());
+        Film { nodes: 3, quads: vec![], tris: vec![[0, 1, 2]], held: vec![], mirrored: [false; 2], quality }
+    }
+
+    /// The triangle, stretched.
+    fn stretched(strain: f32) -> Frame {
+        let state = FilmState {
+            positions: vec![[0.0; 3]; 3],
+            strains: vec![[strain; 3]],
+            broken: vec![false],
+            touching: vec![],
+            detail: None,
+        };
+        Frame { time: f64::from(strain), films: vec![state], impactor: None }
+    }
+
+    fn forces(samples: usize) -> Recording {
+        let values: Vec<f64> = (0..samples).map(|sample| sample as f64).collect();
+        let channels = vec![Channel { name: "force_N".to_owned(), values: values.clone() }];
+        Recording { time: values, channels }
+    }
+
+    /// A viewer that has room for one state, and what is told to it.
+    fn viewer() -> (Viewer, Receiver<State>, Receiver<Scene>) {
+        let ((news, states), (end, ends), (_, done)) = (sync_channel(1), channel(), channel());
+        (Viewer { news, end, done }, states, ends)
+    }
+
+    #[test]
+    fn what_a_slow_viewer_misses_it_gets_with_the_next_state() {
+        let (model, films, energies) = (model(), [film()], Recording::default());
+        let (viewer, states, _ends) = viewer();
+        let address = Address::DEFAULT.parse().expect("an address");
+        let mut live = Live {
+            address,
+            model: &model,
+            comparison: None,
+            scenario: "",
+            viewer: Some(viewer),
+            sent: [0; 2],
+            shown: vec!["signals/force_N".to_owned()],
+            ranges: vec![[0.0, 1.0]; 4],
+            lost: 0,
+        };
+        let mut show = |strain, samples| {
+            let (frame, signals) = (stretched(strain), forces(samples));
+            let glimpse =
+                Glimpse { films: &films, impactor: None, frame: &frame, signals: &signals, energies: &energies };
+            live.show(&glimpse);
+        };
+        let samples = |state: &State| state.samples.iter().map(|track| track.values.len()).collect::<Vec<_>>();
+        show(0.001, 2);
+        show(0.2, 5);
+        let taken = states.try_recv().expect("the first state");
+        assert!(taken.ranges.is_none() && samples(&taken) == [2], "{:?}", taken.ranges);
+        show(0.2, 6);
+        let taken = states.try_recv().expect("the third state");
+        assert_eq!(taken.ranges.map(|ranges| ranges[0]), Some([0.0, 25.0]));
+        assert_eq!(taken.samples.iter().map(|track| track.values.len()).collect::<Vec<_>>(), [4]);
+        show(0.2, 7);
+        assert_eq!(live.lost, 1);
+
+        let whole = signals::of(&forces(9), &energies, None, f64::INFINITY).tracks.remove(0);
+        let made = SignalTrack { path: "signals/filtered".to_owned(), ..whole.clone() };
+        assert_eq!(live.unsent(whole).values, [7.0, 8.0], "those after the last state that got through");
+        assert_eq!(live.unsent(made).values.len(), 9, "channels that are made in the end come whole");
+    }
+
+    #[test]
+    fn the_end_gets_through_where_no_state_does() {
+        let (viewer, states, ends) = viewer();
+        let state = || State { time: 0.0, films: vec![], pose: None, samples: vec![], ranges: None };
+        viewer.news.try_send(state()).expect("room for one");
+        assert!(viewer.news.try_send(state()).is_err(), "and no more");
+        viewer.end.send(Scene { name: "end".to_owned(), ..Scene::default() }).expect("room for the end");
+        drop(viewer);
+        assert_eq!((states.iter().count(), ends.recv().expect("the end").name.as_str()), (1, "end"));
+    }
 }

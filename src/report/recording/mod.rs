@@ -43,12 +43,12 @@ const PATIENCE: Duration = Duration::from_secs(600);
 /// The file cannot be written.
 pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
     let outcome = run.outcome;
-    // What flew to infinity before the run broke off cannot be drawn.
-    let frames: Vec<&Frame> = outcome.frames.iter().filter(|frame| is_finite(frame)).collect();
+    let frames = drawn(&outcome.frames);
     let mut stage = Stage::file(path, scene(run, &frames))?;
     for frame in frames {
-        let films = outcome.films.iter().enumerate();
-        films.into_iter().try_for_each(|(face, film)| stage.film(face, &film::state(film, frame, face)))?;
+        for (face, film) in outcome.films.iter().enumerate() {
+            stage.film(face, &film::state(film, frame, face))?;
+        }
     }
     Ok(stage.finish(PATIENCE)?)
 }
@@ -74,6 +74,11 @@ fn scene(run: &RunPage, frames: &[&Frame]) -> Scene {
     }
 }
 
+/// The states that can be drawn: what flew to infinity before a run broke off cannot.
+fn drawn(frames: &[Frame]) -> Vec<&Frame> {
+    frames.iter().filter(|frame| is_finite(frame)).collect()
+}
+
 /// The states that have to be in view: the first and the last, which of a run that broke off may be anywhere.
 fn ends<'a>(frames: &[&'a Frame], broke_off: bool) -> Vec<&'a Frame> {
     let last = frames.last().filter(|_| !broke_off);
@@ -96,6 +101,34 @@ fn documents(run: &RunPage) -> Vec<Document> {
     let summary =
         format!("# {}\n\n{}\n\n{warnings}\n{figures}", text::escaped(&model.title), text::escaped(&subject(model)));
     let summary = Text { title: SUMMARY.to_owned(), markdown: summary };
-    let texts = std::iter::once(summary).chain(Text::tables(&results.findings)).chain([scenario(run.scenario)]);
+    let texts = std::iter::once(summary)
+        .chain(Text::tables(&results.findings))
+        .chain(Text::files(&results.findings))
+        .chain([scenario(run.scenario)]);
     texts.map(|text| text.document()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::FilmState;
+
+    #[test]
+    fn what_flew_off_is_neither_drawn_nor_looked_at() {
+        let frame = |place: f32| {
+            let state = FilmState {
+                positions: vec![[place; 3]],
+                strains: vec![],
+                broken: vec![],
+                touching: vec![],
+                detail: None,
+            };
+            Frame { time: 0.0, films: vec![state], impactor: None }
+        };
+        let frames = [0.0, 1.0, 1e9, f32::NAN].map(frame);
+        let drawn = drawn(&frames);
+        let at = |frames: Vec<&Frame>| frames.iter().map(|frame| frame.films[0].positions[0][0]).collect::<Vec<_>>();
+        assert_eq!(at(drawn.clone()), [0.0, 1.0, 1e9]);
+        assert_eq!((at(ends(&drawn, false)), at(ends(&drawn, true))), (vec![0.0, 1e9], vec![0.0]));
+    }
 }

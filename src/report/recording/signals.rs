@@ -3,7 +3,7 @@
 use droptower_viz::{Chart, Places, SignalTrack, Stroke};
 
 use crate::post::Comparison;
-use crate::signal::{Recording, Series, says_virtual};
+use crate::signal::{Recording, Series};
 
 /// Channels in one picture.
 struct Picture {
@@ -110,7 +110,7 @@ impl Measured<'_> {
     /// What was measured of a picture, beside what was simulated: one in grey, of several each in the colour of its own.
     fn tracks(self, picture: &Picture, own: &[SignalTrack]) -> impl Iterator<Item = SignalTrack> {
         let Measured { comparison, end } = self;
-        let word = if says_virtual(&comparison.said) { "measured (virtual)" } else { "measured" };
+        let word = comparison.label();
         picture.measured.iter().filter_map(move |(shown, series)| {
             let series = series(comparison)?.window([0.0, end]);
             let label = format!("{}{word}", shown.label);
@@ -244,5 +244,27 @@ mod tests {
             (tracks[0].label.as_str(), tracks[0].values.as_slice()),
             ("measured (virtual)", &[-100.0, -200.0][..])
         );
+    }
+
+    #[test]
+    fn two_that_were_measured_have_two_colours() {
+        let series = || Some(Series::new(vec![0.0, 0.1], vec![0.0, 1.0]));
+        let comparison = Comparison {
+            acceleration: None,
+            displacement: series(),
+            absorbed_energy: series(),
+            total_energy: series(),
+            window: [0.0, 0.1],
+            energy_absorption: None,
+            said: vec![],
+            reduced: vec![],
+        };
+        let names = ["displacement_m", "kinetic_energy_J", "absorbed_energy_J", "total_energy_J"];
+        let tracks = of(&recording(&names), &recording(&[]), Some(&comparison), 0.1).tracks;
+        let stroke = |path: &str| tracks.iter().find(|track| track.path == path).map(|track| track.stroke);
+        let [absorbed, total] = ["absorbed_energy_J", "total_energy_J"].map(|name| stroke(&format!("measured/{name}")));
+        assert_ne!(absorbed, total);
+        assert_eq!(total, stroke("signals/total_energy_J").map(Stroke::target_of));
+        assert_eq!(stroke("measured/displacement_mm"), Some(Stroke::target()));
     }
 }

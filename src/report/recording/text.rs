@@ -5,7 +5,12 @@ use droptower_viz::Document;
 use crate::report::{cell, columns};
 
 pub(super) use crate::report::figure::escaped;
-use crate::script::{Findings, Row};
+use crate::script::{File, Findings, Row};
+
+/// Most files that are shown, lines of each, and letters of each line.
+const MOST_FILES: usize = 20;
+const MOST_LINES: usize = 10;
+const MOST_LETTERS: usize = 160;
 
 /// A text of its own.
 #[derive(Clone, Debug)]
@@ -29,6 +34,16 @@ impl Text {
         (!tables.is_empty()).then(|| Text { title: "Tables".to_owned(), markdown: tables.join("\n") })
     }
 
+    /// The beginnings of the files that a script left; none where it left none.
+    pub fn files(findings: &Findings) -> Option<Text> {
+        let files: Vec<String> = findings.files.iter().take(MOST_FILES).map(file).collect();
+        let more = match findings.files.iter().count().saturating_sub(MOST_FILES) {
+            0 => String::new(),
+            more => format!("\nand {more} more in the folder\n"),
+        };
+        (!files.is_empty()).then(|| Text { title: "Files".to_owned(), markdown: files.join("\n") + more.as_str() })
+    }
+
     pub(super) fn document(&self) -> Document {
         let letters = self.title.chars().map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '_' });
         Document {
@@ -37,6 +52,14 @@ impl Text {
             text: self.markdown.clone(),
         }
     }
+}
+
+/// Name, length and first lines of a file.
+fn file(File { name, content }: &File) -> String {
+    let lines: Vec<String> =
+        content.lines().take(MOST_LINES).map(|line| line.chars().take(MOST_LETTERS).collect()).collect();
+    let shown = Text::verbatim(name, &lines.join("\n")).markdown;
+    format!("## {}\n\n{} lines, {} bytes\n\n{shown}", escaped(name), content.lines().count(), content.len())
 }
 
 /// Rows under the names of all their columns, under a heading.
@@ -58,6 +81,15 @@ mod tests {
     fn a_fence_is_longer_than_those_within() {
         let text = Text::verbatim("Script", "let a = `b`;\n// ````\n");
         assert_eq!(text.markdown, "`````\nlet a = `b`;\n// ````\n`````\n");
+    }
+
+    #[test]
+    fn of_long_files_the_first_lines_are_shown() {
+        let content: String = (0..50).map(|i| format!("{i},1\n")).collect();
+        let text = file(&File { name: "tests_a.csv".into(), content });
+        assert!(text.starts_with("## tests\\_a.csv\n\n50 lines, 240 bytes\n\n```\n0,1\n1,1\n"), "{text}");
+        assert!(text.ends_with("\n9,1\n```\n"), "{text}");
+        assert!(Text::files(&Findings::default()).is_none());
     }
 
     #[test]
