@@ -10,7 +10,6 @@
   const SHARPER = 2; // pixels of the raster in one of the page
   const GLASS = 0.42; // share of the impactor's own colour
   const APART = 0.06; // of a patch: by how much faces that lie on each other are set apart
-  const AROUND = 36; // facets around a body of revolution
   const PLAYED = 5000; // ms that the whole film takes
   const LIGHT = [0.35, -0.5, 0.79];
   const VIEWS = {
@@ -39,26 +38,6 @@
     return [x + w * a + j * c - k * b, y + w * b + k * a - i * c, z + w * c + i * b - j * a];
   };
 
-  /** Points and patches of a body of revolution, or of the surface that is given. */
-  const surface = (body) => {
-    if (!body) return { points: [], patches: [] };
-    if (!body.profile) return body;
-    const points = body.profile.flatMap(([radius, height]) =>
-      Array.from({ length: AROUND }, (_, at) => {
-        const angle = (2 * Math.PI * at) / AROUND;
-        return [radius * Math.cos(angle), radius * Math.sin(angle), height];
-      }),
-    );
-    const patches = [];
-    for (let ring = 0; ring + 1 < body.profile.length; ring++) {
-      for (let at = 0; at < AROUND; at++) {
-        const [a, b] = [ring * AROUND + at, ring * AROUND + ((at + 1) % AROUND)];
-        patches.push([a, a + AROUND, b + AROUND, b]);
-      }
-    }
-    return { points, patches };
-  };
-
   class Film {
     constructor(element) {
       const data = JSON.parse(element.querySelector("script").textContent);
@@ -67,7 +46,7 @@
       this.moments = data.moments;
       this.faces = data.faces.map((face) => ({ ...face, patches: new Uint32Array(bytes(face.patches).buffer) }));
       this.states = data.states.map((state) => this.state(state, data.box));
-      this.body = surface(data.body);
+      this.body = data.body ?? { points: [], patches: [] };
       this.mirrored = this.faces.some((face) => face.mirrored.some(Boolean));
       // The axis whose negative side goes where the film is cut in half.
       this.cut = this.faces.some((face) => face.mirrored[1]) ? 1 : 0;
