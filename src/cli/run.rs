@@ -15,7 +15,7 @@ use super::live::{self, Show, Viewer};
 use super::progress::Bar;
 use super::scenarios::{Checked, Selection, both};
 use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, printable};
 use crate::report::{RunPage, duration};
 use crate::simulate::{self, Checkpoint, Checkpoints, Failure, Glimpse, Manner, Outcome, Progress, RunError};
 use crate::store::{self, Draft};
@@ -69,6 +69,13 @@ struct Done {
 }
 
 pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
+    let apart = args.live.as_ref().and_then(|_| args.selection.scenarios.iter().find(|given| given.contains("://")));
+    if let Some(address) = apart {
+        let mistake = Diagnostic::new(format!("{} is an address and no scenario", printable(address)));
+        return report(&[
+            mistake.hint(format!("a viewer's address follows without a blank: --live={}", printable(address)))
+        ]);
+    }
     let viewer = args.live.as_deref().map(live::viewer).transpose();
     let (viewer, jobs) = match both(viewer.map_err(|mistake| vec![mistake]), jobs(args)) {
         Ok(both) => both,

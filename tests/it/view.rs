@@ -61,6 +61,9 @@ fn a_run_is_refused_an_address_that_is_none() {
     let output = droptower(folder.path(), &["run", "drop.toml", "--live=nowhere"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(error(&output).contains("--live: "), "{}", error(&output));
+    let apart = droptower(folder.path(), &["run", "drop.toml", "--live", "rerun+http://127.0.0.1:9876/proxy"]);
+    assert_eq!(apart.status.code(), Some(2));
+    assert!(error(&apart).contains("--live=rerun+http://127.0.0.1:9876/proxy"), "{}", error(&apart));
     assert!(!folder.path().join("runs").exists(), "nothing was written");
 }
 

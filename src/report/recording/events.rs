@@ -3,7 +3,7 @@
 use droptower_viz::{Event, Moment, Severity};
 
 use crate::post::turned_round;
-use crate::report::RunPage;
+use crate::report::{RunPage, duration};
 use crate::signal::Recording;
 
 /// First contact, extremes, rupture, rebound and warnings in the order of time, and what the post script said.
@@ -15,7 +15,9 @@ pub fn of(run: &RunPage) -> Vec<Event> {
     let warnings = run.results.measures.warnings().iter().map(|text| (end, Severity::Warning, text.clone()));
     let said = run.results.findings.log.iter().map(|text| (end, Severity::Info, text.clone()));
     let motion = motion(signals).into_iter().map(|(time, text)| (time, Severity::Info, text));
-    let mut all: Vec<_> = motion.chain(rupture).chain(failure).chain(warnings).chain(said).collect();
+    // The viewer's own column of times is too narrow for them.
+    let timed = |(time, severity, text)| (time, severity, format!("{}: {text}", duration(time)));
+    let mut all: Vec<_> = motion.chain(rupture).map(timed).chain(failure).chain(warnings).chain(said).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     all.into_iter().map(|(time, severity, text)| Event { at: Moment::Time(time), severity, text }).collect()
 }
@@ -33,9 +35,13 @@ fn motion(signals: &Recording) -> Vec<(f64, String)> {
     [contact, braking].into_iter().flatten().filter_map(timed).chain(lowest).chain(rebound).collect()
 }
 
-/// When nothing touches any more after the turn at the time `turn`, s, and the speed then.
+/// Share of the largest contact force below which an impactor is free: slack film still brushes it on its way up.
+const BRUSHING: f64 = 0.01;
+
+/// When the impactor is free for good after the turn at the time `turn`, s, and its speed then.
 fn rebound(signals: &Recording, force: &[f64], turn: f64) -> Option<(f64, String)> {
-    let left = force.iter().rposition(|force| *force > 0.0)? + 1;
+    let brushing = BRUSHING * force.iter().copied().fold(0.0, f64::max);
+    let left = force.iter().rposition(|force| *force > brushing)? + 1;
     let speed = signals.channel("velocity_m_s")?.get(left)?;
     let time = *signals.time.get(left)?;
     (time > turn && *speed > 0.0).then(|| (time, format!("leaves the film at {speed:.2} m/s")))
@@ -68,6 +74,10 @@ mod tests {
         let bounced: Vec<String> = told([0.0, 3.0, 5.0, 1.0, 0.0]).collect();
         assert_eq!(bounced, ["0.1 first contact", "0.2 lowest point, -200.0 mm", "0.4 leaves the film at 1.50 m/s"]);
         assert_eq!(told([0.0, 3.0, 5.0, 1.0, 1.0]).count(), 2, "it stays in touch");
+        assert!(
+            told([0.0, 300.0, 500.0, 1.0, 1.0]).any(|line| line == "0.3 leaves the film at 1.00 m/s"),
+            "it is brushed"
+        );
         assert_eq!(motion(&Recording::default()), []);
     }
 }
