@@ -20,7 +20,7 @@ CUTS = [
     ("rupture", "rupture", "figure.film", 60.0),
     ("stretch", "stretch", "figure.film", None),
     ("inflation", "inflation", "figure.film", None),
-    ("dart", "dart", "figure.film", None),
+    ("dart", "dart", "figure.film", 26.0),
     ("comparison", "comparison", "figure.plot:has(h3:text-matches('^Acceleration filtered'))", None),
     ("identify", "identify", "figure.plot:has(h3:text-matches('acceleration$'))", None),
 ]
