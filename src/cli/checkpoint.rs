@@ -13,10 +13,10 @@ use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
 use crate::model::{ImpactorShape, Model, Shape};
 use crate::scenario;
 use crate::simulate::{Checkpoint, Saved};
-use crate::store::shelf::{self, Shelf};
+use crate::store::checkpoints::{self, CheckpointStore};
 use crate::units::Time;
 
-/// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever `Stamp`,
+/// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever `CheckpointHeader`,
 /// `simulate::Checkpoint` or anything in them (the engine's `State`, the probe's `Record`) gains, loses or moves a field or
 /// gives it another type or meaning: the file holds bare numbers, which another layout would misread, and builds of one
 /// version may differ.
@@ -39,7 +39,7 @@ const LONG: usize = 60;
 
 /// What the user wants of checkpoints.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Wish {
+pub struct CheckpointPolicy {
     /// Simulated time between two, s.
     pub every: Option<f64>,
     /// Whether to go on from the newest.
@@ -52,9 +52,9 @@ pub struct Wish {
 
 /// The checkpoints of one run.
 #[derive(Clone, Debug)]
-pub struct Keeper {
-    shelf: Shelf,
-    stamp: Stamp,
+pub struct CheckpointWriter {
+    store: CheckpointStore,
+    header: CheckpointHeader,
     /// The one to go on from.
     start: Option<PathBuf>,
     /// What the user should know about it.
@@ -63,7 +63,7 @@ pub struct Keeper {
 
 /// What a checkpoint is of; stands before the state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Stamp {
+struct CheckpointHeader {
     version: String,
     /// Simulated time between two checkpoints, s; none where no more were asked for.
     every: Option<f64>,
@@ -77,7 +77,7 @@ struct Stamp {
 
 /// Whether the run whose results go to `place` left checkpoints, whole or not.
 pub fn are_beside(place: &Path) -> bool {
-    !Shelf::beside(place).checkpoints().is_empty()
+    !CheckpointStore::beside(place).checkpoints().is_empty()
 }
 
 /// The interval that `--checkpoint-every` gives, s.
@@ -98,14 +98,18 @@ pub fn interval(text: &str) -> Result<f64, Diagnostic> {
     }
 }
 
-impl Keeper {
-    /// What `wish` means for the run of `checked` whose results go to `place`; none where nothing is to be kept.
+impl CheckpointWriter {
+    /// What `policy` means for the run of `checked` whose results go to `place`; none where nothing is to be kept.
     ///
     /// # Errors
     /// An interval in which the run is over, checkpoints that would be lost, no checkpoint to go on from, or one of another
     /// run.
-    pub fn new(wish: Wish, checked: &Checked, place: &Path) -> Result<Option<Keeper>, Diagnostic> {
-        let Wish { every, resume, or_start, detailed } = wish;
+    pub fn new(
+        policy: CheckpointPolicy,
+        checked: &Checked,
+        place: &Path,
+    ) -> Result<Option<CheckpointWriter>, Diagnostic> {
+        let CheckpointPolicy { every, resume, or_start, detailed } = policy;
         if every.is_none() && !resume {
             return Ok(None);
         }
@@ -116,33 +120,34 @@ impl Keeper {
             let hint = format!("--checkpoint-every is simulated time, and {} is longer", Time(every));
             return Err(Diagnostic::new(message).hint(hint));
         }
-        let shelf = Shelf::beside(place);
+        let store = CheckpointStore::beside(place);
         let run = identity(model).map_err(|error| Diagnostic::new(format!("{}: {error}", model.name)))?;
-        let stamp = Stamp { version: VERSION.into(), every, detailed, scenario: checked.document.resolved(), run };
-        let mut keeper = Keeper { shelf, stamp, start: None, notes: vec![] };
-        if or_start && keeper.shelf.checkpoints().is_empty() {
-            keeper.start_anew(&model.name, place);
+        let header =
+            CheckpointHeader { version: VERSION.into(), every, detailed, scenario: checked.document.resolved(), run };
+        let mut writer = CheckpointWriter { store, header, start: None, notes: vec![] };
+        if or_start && writer.store.checkpoints().is_empty() {
+            writer.start_anew(&model.name, place);
         } else if resume {
-            keeper.find_start(&model.name)?
+            writer.find_start(&model.name)?
         } else {
-            keeper.refuse_to_overwrite(&model.name)?
+            writer.refuse_to_overwrite(&model.name)?
         }
-        Ok(Some(keeper))
+        Ok(Some(writer))
     }
 
     /// Simulated time between two checkpoints, s.
     pub fn every(&self) -> Option<f64> {
-        self.stamp.every
+        self.header.every
     }
 
     /// The same interval as another run of the command has, where none was asked for and checkpoints fall into the
     /// `duration` (s) of this one.
     pub fn keep_as_others(&mut self, every: f64, duration: f64) {
-        self.stamp.every = self.stamp.every.or(Some(every).filter(|every| *every < duration));
+        self.header.every = self.header.every.or(Some(every).filter(|every| *every < duration));
     }
 
     fn start_anew(&mut self, name: &str, place: &Path) {
-        let folder = shown_path(self.shelf.path());
+        let folder = shown_path(self.store.path());
         let replaced = if place.exists() {
             format!("; its results in {} will be replaced: leave it out to keep them", shown_path(place))
         } else {
@@ -152,19 +157,19 @@ impl Keeper {
     }
 
     fn refuse_to_overwrite(&self, name: &str) -> Result<(), Diagnostic> {
-        if self.shelf.checkpoints().is_empty() {
+        if self.store.checkpoints().is_empty() {
             return Ok(());
         }
-        let folder = shown_path(self.shelf.path());
+        let folder = shown_path(self.store.path());
         let mistake = Diagnostic::new(format!("{name}: an unfinished run left checkpoints in {folder}"));
         Err(mistake.hint("--resume goes on from there; remove the folder to start anew"))
     }
 
     /// Finds the newest whole checkpoint and proves that it is of this run.
     fn find_start(&mut self, name: &str) -> Result<(), Diagnostic> {
-        let folder = shown_path(self.shelf.path());
-        let Some(found) = self.shelf.newest() else {
-            let all = self.shelf.checkpoints();
+        let folder = shown_path(self.store.path());
+        let Some(found) = self.store.newest() else {
+            let all = self.store.checkpoints();
             if all.is_empty() {
                 let mistake = Diagnostic::new(format!("{name}: there is no checkpoint in {folder}"));
                 return Err(mistake.hint("only a run with --checkpoint-every leaves some, and only until it ends"));
@@ -173,13 +178,13 @@ impl Keeper {
             let message = format!("{name}: no checkpoint in {folder} is whole: {} damaged", files.join(", "));
             return Err(Diagnostic::new(message).hint("remove the folder and start anew"));
         };
-        let stamp = shelf::open(&found.path).and_then(|mut file| read_stamp(&mut file));
-        let stamp = stamp.map_err(|error| unreadable(&found.path, &error))?;
-        self.stamp.differs_from(&stamp).map_or(Ok(()), |why| {
+        let header = checkpoints::open(&found.path).and_then(|mut file| read_header(&mut file));
+        let header = header.map_err(|error| unreadable(&found.path, &error))?;
+        self.header.differs_from(&header).map_or(Ok(()), |why| {
             let mistake = Diagnostic::new(format!("{name}: the checkpoint in {folder} is of another run"));
             Err(mistake.hint(why))
         })?;
-        self.stamp.every = self.stamp.every.or(stamp.every);
+        self.header.every = self.header.every.or(header.every);
         for damaged in &found.damaged {
             let used = file_name(&found.path);
             self.notes.push(format!("{name}: {} is damaged; {used}, the one before it, is not", shown_path(damaged)));
@@ -192,8 +197,8 @@ impl Keeper {
     pub fn start(&self) -> Result<Option<Saved>, Diagnostic> {
         let Some(path) = &self.start else { return Ok(None) };
         let read = || {
-            let mut file = shelf::open(path)?;
-            read_stamp(&mut file)?;
+            let mut file = checkpoints::open(path)?;
+            read_header(&mut file)?;
             // The state holds no text, for which alone the buffer would be.
             let (saved, (mut file, _)) =
                 postcard::from_io((file, &mut [0_u8; 64][..])).map_err(|_| io::Error::other(LAID_OUT))?;
@@ -205,16 +210,16 @@ impl Keeper {
 
     /// Makes the place for checkpoints, where more are wanted.
     pub fn open(&self) -> Result<(), Diagnostic> {
-        self.every().map_or(Ok(()), |_| self.shelf.open().map_err(|error| storing(&error)))
+        self.every().map_or(Ok(()), |_| self.store.open().map_err(|error| storing(&error)))
     }
 
     /// Writes a checkpoint.
     pub fn keep(&self, checkpoint: &Checkpoint<'_>) -> Result<(), Diagnostic> {
-        let put = self.shelf.put(checkpoint.steps(), |out| {
+        let put = self.store.put(checkpoint.steps(), |out| {
             out.write_all(MAGIC)?;
-            let stamp = postcard::to_allocvec(&self.stamp).map_err(io::Error::other)?;
-            out.write_all(&(stamp.len() as u64).to_le_bytes())?;
-            out.write_all(&stamp)?;
+            let header = postcard::to_allocvec(&self.header).map_err(io::Error::other)?;
+            out.write_all(&(header.len() as u64).to_le_bytes())?;
+            out.write_all(&header)?;
             serialise(checkpoint, out)
         });
         put.map_err(|error| storing(&error))
@@ -222,13 +227,13 @@ impl Keeper {
 
     /// Removes the checkpoints of a run that has ended.
     pub fn clear(&self) {
-        self.shelf.clear();
+        self.store.clear();
     }
 }
 
-impl Stamp {
-    /// Why a run of this stamp cannot go on from a checkpoint of another; none where it can.
-    fn differs_from(&self, other: &Stamp) -> Option<String> {
+impl CheckpointHeader {
+    /// Why a run of this header cannot go on from a checkpoint of another; none where it can.
+    fn differs_from(&self, other: &CheckpointHeader) -> Option<String> {
         if self.version != other.version {
             let (now, then) = (&self.version, &other.version);
             return Some(format!("droptower {then} wrote it, and this is {now}: it could not give the same bits"));
@@ -275,7 +280,7 @@ fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
     mistake.hint("go on with the droptower that wrote it, or remove the folder to start anew")
 }
 
-fn read_stamp(file: &mut impl Read) -> io::Result<Stamp> {
+fn read_header(file: &mut impl Read) -> io::Result<CheckpointHeader> {
     let mut magic = [0; MAGIC.len()];
     file.read_exact(&mut magic)?;
     if magic != *MAGIC {
@@ -283,9 +288,9 @@ fn read_stamp(file: &mut impl Read) -> io::Result<Stamp> {
     }
     let mut length = [0; 8];
     file.read_exact(&mut length)?;
-    let mut stamp = Vec::new();
-    file.take(u64::from_le_bytes(length)).read_to_end(&mut stamp)?;
-    postcard::from_bytes(&stamp).map_err(io::Error::other)
+    let mut header = Vec::new();
+    file.take(u64::from_le_bytes(length)).read_to_end(&mut header)?;
+    postcard::from_bytes(&header).map_err(io::Error::other)
 }
 
 /// Everything that decides a run's bits, as text: the checked model, with meshes by what their files hold. Title, reference
@@ -403,7 +408,7 @@ mod tests {
         let lists = |last: u8| format!("a = [{}{last}]\n[[layer]]\nheight = {last}\n", "0.25, ".repeat(20));
         let told = differences(&lists(1), &lists(2));
         assert_eq!(told, ["there `a` is another one", "there `layer.0.height` is 1, here it is 2"]);
-        let own = |run: &str, scenario: &str| Stamp {
+        let own = |run: &str, scenario: &str| CheckpointHeader {
             version: VERSION.into(),
             every: None,
             detailed: false,
@@ -416,33 +421,33 @@ mod tests {
 
     #[test]
     fn a_stamp_tells_what_is_different() {
-        let stamp = |version: &str, scenario: &str, run: &str| Stamp {
+        let header = |version: &str, scenario: &str, run: &str| CheckpointHeader {
             version: version.into(),
             every: None,
             detailed: false,
             scenario: scenario.into(),
             run: run.into(),
         };
-        let own = stamp("0.1.0", "[layers]\ncount = 8\n", "8");
+        let own = header("0.1.0", "[layers]\ncount = 8\n", "8");
         for (other, expected) in [
-            (stamp("0.1.0", "[layers]\ncount = 8\n", "8"), None),
-            (stamp("0.1.0", "title = \"other\"\n", "8"), None),
+            (header("0.1.0", "[layers]\ncount = 8\n", "8"), None),
+            (header("0.1.0", "title = \"other\"\n", "8"), None),
             (
-                stamp("0.0.9", "[layers]\ncount = 8\n", "8"),
+                header("0.0.9", "[layers]\ncount = 8\n", "8"),
                 Some("droptower 0.0.9 wrote it, and this is 0.1.0: it could not give the same bits"),
             ),
-            (stamp("0.1.0", "[layers]\ncount = 9\n", "9"), Some("there `layers.count` is 9, here it is 8")),
+            (header("0.1.0", "[layers]\ncount = 9\n", "9"), Some("there `layers.count` is 9, here it is 8")),
             (
-                stamp("0.1.0", "[layers]\ncount = 8\nmore = 1\n", "9"),
+                header("0.1.0", "[layers]\ncount = 8\nmore = 1\n", "9"),
                 Some("there it has `layers.more`, here it has none"),
             ),
-            (stamp("0.1.0", "[layers]\n", "9"), Some("there it has no `layers.count`")),
+            (header("0.1.0", "[layers]\n", "9"), Some("there it has no `layers.count`")),
             (
-                stamp("0.1.0", "title = \"a\"\n[layers]\ncount = 9\n", "9"),
+                header("0.1.0", "title = \"a\"\n[layers]\ncount = 9\n", "9"),
                 Some("there `layers.count` is 9, here it is 8"),
             ),
             (
-                stamp("0.1.0", "[layers]\ncount = 8\n", "9"),
+                header("0.1.0", "[layers]\ncount = 8\n", "9"),
                 Some("the scenario is the same, but a file that it names has changed"),
             ),
         ] {

@@ -11,7 +11,7 @@ use super::{Shared, digest, folder, print, print_json, report, table};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post::Overlay;
 use crate::report::compare_page;
-use crate::store::{self, Draft, Kept, KeptError};
+use crate::store::{self, Draft, StoredRun, StoredRunError};
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {
@@ -30,7 +30,7 @@ pub struct CompareArgs {
 }
 
 pub fn run(args: &CompareArgs, shared: &Shared) -> ExitCode {
-    let runs = match both(kept(&args.runs), free(args)) {
+    let runs = match both(stored(&args.runs), free(args)) {
         Ok((runs, ())) => runs,
         Err(mistakes) => return report(&mistakes),
     };
@@ -57,14 +57,14 @@ pub fn run(args: &CompareArgs, shared: &Shared) -> ExitCode {
 }
 
 /// The runs, read back; at least two, each once.
-fn kept(places: &[PathBuf]) -> Result<Vec<Kept>, Vec<Diagnostic>> {
-    let (mut runs, mut mistakes): (Vec<Kept>, Vec<Diagnostic>) = (vec![], vec![]);
+fn stored(places: &[PathBuf]) -> Result<Vec<StoredRun>, Vec<Diagnostic>> {
+    let (mut runs, mut mistakes): (Vec<StoredRun>, Vec<Diagnostic>) = (vec![], vec![]);
     for (index, place) in places.iter().enumerate() {
         if places[..index].iter().any(|before| is_same(before, place)) {
             mistakes.push(Diagnostic::new(format!("{} is given twice", shown_path(place))));
             continue;
         }
-        match Kept::read(place) {
+        match StoredRun::read(place) {
             Ok(run) => runs.push(run),
             Err(error) => mistakes.push(unreadable(&error)),
         }
@@ -76,15 +76,15 @@ fn kept(places: &[PathBuf]) -> Result<Vec<Kept>, Vec<Diagnostic>> {
     if mistakes.is_empty() { Ok(runs) } else { Err(mistakes) }
 }
 
-fn unreadable(error: &KeptError) -> Diagnostic {
+fn unreadable(error: &StoredRunError) -> Diagnostic {
     match error {
-        KeptError::Signals(error) => recording(error),
-        KeptError::Missing { .. } | KeptError::NotARun { .. } => Diagnostic::new(error.to_string())
+        StoredRunError::Signals(error) => recording(error),
+        StoredRunError::Missing { .. } | StoredRunError::NotARun { .. } => Diagnostic::new(error.to_string())
             .hint("a run folder is what `droptower run` leaves, such as runs/drop/1008"),
-        KeptError::Summary { .. } | KeptError::NoFigures { .. } | KeptError::Scenario { .. } => {
+        StoredRunError::Summary { .. } | StoredRunError::NoFigures { .. } | StoredRunError::Scenario { .. } => {
             Diagnostic::new(error.to_string()).hint("run the scenario again, or compare its signals.csv alone")
         }
-        KeptError::NoCommonTime { .. } | KeptError::Unreadable { .. } => Diagnostic::new(error.to_string()),
+        StoredRunError::NoCommonTime { .. } | StoredRunError::Unreadable { .. } => Diagnostic::new(error.to_string()),
     }
 }
 
@@ -111,7 +111,7 @@ fn is_same(one: &Path, other: &Path) -> bool {
 }
 
 /// Every signal that is asked for is there.
-fn check_signals(runs: &[Kept], wanted: &[String]) -> Result<(), Diagnostic> {
+fn check_signals(runs: &[StoredRun], wanted: &[String]) -> Result<(), Diagnostic> {
     let there: Vec<&str> =
         runs.iter().flat_map(|run| &run.signals.channels).map(|channel| channel.name.as_str()).collect();
     let missing = wanted.iter().find(|name| !there.contains(&name.as_str()));

@@ -7,7 +7,7 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::Value;
 
-use super::checkpoint::{self, Keeper, Wish};
+use super::checkpoint::{self, CheckpointPolicy, CheckpointWriter};
 use super::faults::{WRITE_FAILURE, evaluating, storing};
 use super::folder::{self, Contents, SCRIPT};
 use super::forecast::Forecast;
@@ -53,7 +53,7 @@ struct Job {
     checked: Checked,
     place: PathBuf,
     /// Its checkpoints, if it has any.
-    keeper: Option<Keeper>,
+    writer: Option<CheckpointWriter>,
     /// Whether it is written for ParaView.
     vtu: bool,
 }
@@ -82,7 +82,7 @@ pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
         Err(mistakes) => return report(&mistakes),
     };
     let bar = Bar::new(jobs.len(), shared.quiet);
-    jobs.iter().filter_map(|job| job.keeper.as_ref()).flat_map(|keeper| &keeper.notes).for_each(|note| bar.note(note));
+    jobs.iter().filter_map(|job| job.writer.as_ref()).flat_map(|writer| &writer.notes).for_each(|note| bar.note(note));
     let run = |(index, job): (usize, &Job)| job.run(&bar, index, viewer.as_ref());
     // One run has all threads to itself; several share them.
     let done: Vec<Done> = match jobs.as_slice() {
@@ -104,18 +104,18 @@ fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     store::check_places(&places).map_err(|error| vec![storing(&error)])?;
     // A batch leaves runs that are done, runs with checkpoints, and runs that had not come so far.
     let or_start = args.resume && several && places.iter().any(|place| checkpoint::are_beside(place));
-    let wish = Wish { every, resume: args.resume, or_start, detailed: args.vtu };
+    let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.vtu };
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for (checked, place) in scenarios.into_iter().zip(places) {
-        match Keeper::new(wish, &checked, &place) {
-            Ok(keeper) => jobs.push(Job { checked, place, keeper, vtu: args.vtu }),
+        match CheckpointWriter::new(policy, &checked, &place) {
+            Ok(writer) => jobs.push(Job { checked, place, writer, vtu: args.vtu }),
             Err(mistake) => mistakes.push(mistake),
         }
     }
-    let every = jobs.iter().find_map(|job| job.keeper.as_ref()?.every());
-    for Job { checked, keeper, .. } in &mut jobs {
-        if let (Some(every), Some(keeper)) = (every, keeper) {
-            keeper.keep_as_others(every, checked.model.run_time());
+    let every = jobs.iter().find_map(|job| job.writer.as_ref()?.every());
+    for Job { checked, writer, .. } in &mut jobs {
+        if let (Some(every), Some(writer)) = (every, writer) {
+            writer.keep_as_others(every, checked.model.run_time());
         }
     }
     if mistakes.is_empty() { Ok(jobs) } else { Err(mistakes) }
@@ -143,8 +143,8 @@ impl Job {
         };
         // Results that could not be stored can still be had from the last checkpoint, and so can those that a post
         // script, mended since, measures.
-        if let Some(keeper) = self.keeper.as_ref().filter(|_| done.stored) {
-            keeper.clear();
+        if let Some(writer) = self.writer.as_ref().filter(|_| done.stored) {
+            writer.clear();
         }
         done
     }
@@ -158,15 +158,15 @@ impl Job {
     ) -> Result<Result<Outcome, RunError>, (u8, Diagnostic)> {
         let model = &self.checked.model;
         let mut saved = None;
-        if let Some(keeper) = &self.keeper {
-            saved = keeper.start().map_err(|mistake| (BAD_INPUT, mistake))?;
-            keeper.open().map_err(|mistake| (WRITE_FAILURE, mistake))?;
+        if let Some(writer) = &self.writer {
+            saved = writer.start().map_err(|mistake| (BAD_INPUT, mistake))?;
+            writer.open().map_err(|mistake| (WRITE_FAILURE, mistake))?;
         }
         if let Some(saved) = &saved {
             bar.note(&format!("{} goes on at {}", model.name, duration(saved.time())));
             bar.start_at(index, saved.time() / model.run_time());
         }
-        let every = self.keeper.as_ref().and_then(Keeper::every);
+        let every = self.writer.as_ref().and_then(CheckpointWriter::every);
         let mut forecast = Forecast::default();
         let mut progress = |progress: Progress| {
             bar.show(index, progress);
@@ -176,7 +176,7 @@ impl Job {
         };
         let mut lost = 0_usize;
         let mut keep = |checkpoint: &Checkpoint<'_>| {
-            if let Some(mistake) = self.keeper.as_ref().and_then(|keeper| keeper.keep(checkpoint).err()) {
+            if let Some(mistake) = self.writer.as_ref().and_then(|writer| writer.keep(checkpoint).err()) {
                 // A full disk stays full: once is enough.
                 if lost == 0 {
                     bar.complain(&mistake.hint("the run goes on; its last whole checkpoint stays"));

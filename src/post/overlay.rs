@@ -9,7 +9,7 @@ use super::{COST, HEADER};
 use crate::scenario;
 use crate::signal::norm::relative_error;
 use crate::signal::{Series, says_virtual};
-use crate::store::Kept;
+use crate::store::StoredRun;
 
 /// Several runs, the first of which the others are held against.
 #[derive(Clone, Debug)]
@@ -84,11 +84,14 @@ const KEY: [&str; 12] = [
 
 impl Overlay {
     /// The runs laid over each other; of the signals only those that `wanted` names, or all where it names none.
-    pub fn of(runs: &[Kept], wanted: &[String]) -> Overlay {
+    pub fn of(runs: &[StoredRun], wanted: &[String]) -> Overlay {
         let names = names(&runs.iter().map(|run| run.place.as_path()).collect::<Vec<_>>());
-        let title = |run: &Kept| run.summary.get("title").and_then(Value::as_str).map(str::to_owned);
-        let subject =
-            |(run, name): (&Kept, &String)| Subject { name: name.clone(), place: run.place.clone(), title: title(run) };
+        let title = |run: &StoredRun| run.summary.get("title").and_then(Value::as_str).map(str::to_owned);
+        let subject = |(run, name): (&StoredRun, &String)| Subject {
+            name: name.clone(),
+            place: run.place.clone(),
+            title: title(run),
+        };
         let (signals, alone) = signals(runs, &names, wanted);
         Overlay {
             runs: runs.iter().zip(&names).map(subject).collect(),
@@ -167,21 +170,21 @@ fn names(places: &[&Path]) -> Vec<String> {
     parts.iter().map(name).collect()
 }
 
-fn figures(runs: &[Kept]) -> Vec<Figures> {
+fn figures(runs: &[StoredRun]) -> Vec<Figures> {
     let is_figure = |name: &String, value: &Value| {
         !HEADER.contains(&name.as_str()) && (value.is_number() || value.is_string() || value.is_boolean())
     };
     let mut all: Vec<Figures> = vec![];
     for (name, _) in runs.iter().flat_map(|run| &run.summary).filter(|(name, value)| is_figure(name, value)) {
         if all.iter().all(|known| known.name != *name) {
-            let value = |run: &Kept| run.summary.get(name).filter(|value| is_figure(name, value)).cloned();
+            let value = |run: &StoredRun| run.summary.get(name).filter(|value| is_figure(name, value)).cloned();
             all.push(Figures { name: name.clone(), values: runs.iter().map(value).collect() });
         }
     }
     all
 }
 
-fn keys(runs: &[Kept]) -> Vec<Keys> {
+fn keys(runs: &[StoredRun]) -> Vec<Keys> {
     let scenarios: Vec<_> = runs.iter().map(|run| scenario::leaves(&run.scenario)).collect();
     // A recording has no scenario, and differs from none.
     let said: Vec<_> = scenarios.iter().filter(|scenario| !scenario.is_empty()).collect();
@@ -195,7 +198,7 @@ fn keys(runs: &[Kept]) -> Vec<Keys> {
 }
 
 /// The common signals, and what is to be said of the others.
-fn signals(runs: &[Kept], names: &[String], wanted: &[String]) -> (Vec<Signals>, Vec<String>) {
+fn signals(runs: &[StoredRun], names: &[String], wanted: &[String]) -> (Vec<Signals>, Vec<String>) {
     let mut columns: Vec<&String> = vec![];
     for channel in runs.iter().flat_map(|run| &run.signals.channels) {
         if !columns.contains(&&channel.name) && (wanted.is_empty() || wanted.contains(&channel.name)) {
@@ -239,7 +242,7 @@ fn common_window(a: &Series, b: &Series) -> Option<[f64; 2]> {
     (from < to).then_some([from, to])
 }
 
-fn notes<'a>(runs: &'a [Kept], names: &'a [String]) -> impl Iterator<Item = String> + 'a {
+fn notes<'a>(runs: &'a [StoredRun], names: &'a [String]) -> impl Iterator<Item = String> + 'a {
     runs.iter().zip(names).flat_map(|(run, name)| {
         let failure = run.failure.as_ref().map(|cause| format!("{name} broke off: {cause}"));
         let mark = run.says_virtual.then(|| format!("{name} is a VIRTUAL recording: nothing was measured"));
@@ -251,7 +254,7 @@ fn notes<'a>(runs: &'a [Kept], names: &'a [String]) -> impl Iterator<Item = Stri
 }
 
 /// Whether a run was compared with a recording that says it is virtual.
-fn is_against_virtual(run: &Kept) -> bool {
+fn is_against_virtual(run: &StoredRun) -> bool {
     let notes = run.summary.get("reference_notes").and_then(Value::as_array);
     let notes: Vec<String> = notes.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect();
     says_virtual(&notes)
@@ -262,11 +265,11 @@ mod tests {
     use super::*;
     use crate::signal::{Channel, Recording};
 
-    fn run(place: &str, summary: Value, scenario: &str, channels: &[(&str, [f64; 3])]) -> Kept {
+    fn run(place: &str, summary: Value, scenario: &str, channels: &[(&str, [f64; 3])]) -> StoredRun {
         let channel = |(name, values): &(&str, [f64; 3])| Channel { name: (*name).into(), values: values.to_vec() };
         let signals = Recording { time: vec![0.0, 0.1, 0.2], channels: channels.iter().map(channel).collect() };
         let Value::Object(summary) = summary else { panic!("no figures") };
-        Kept { place: place.into(), signals, summary, scenario: scenario.into(), ..Kept::default() }
+        StoredRun { place: place.into(), signals, summary, scenario: scenario.into(), ..StoredRun::default() }
     }
 
     #[test]
@@ -320,8 +323,8 @@ mod tests {
 
     #[test]
     fn what_a_reader_must_know_is_said() {
-        let broken = Kept { failure: Some("lost".into()), ..run("/r/a", json!({}), "", &[("force_N", [0.0; 3])]) };
-        let unreal = Kept { says_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
+        let broken = StoredRun { failure: Some("lost".into()), ..run("/r/a", json!({}), "", &[("force_N", [0.0; 3])]) };
+        let unreal = StoredRun { says_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
         let notes = Overlay::of(&[broken, unreal], &[]).notes;
         assert_eq!(notes[..2], ["a broke off: lost", "b is a VIRTUAL recording: nothing was measured"]);
         let compared = json!({ "acceleration_error": 0.1, "reference_notes": ["VIRTUAL drop test: nothing fell"] });

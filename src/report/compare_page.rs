@@ -177,7 +177,7 @@ impl Shown {
 mod tests {
     use super::*;
     use crate::signal::{Channel, Recording};
-    use crate::store::Kept;
+    use crate::store::StoredRun;
 
     #[test]
     fn many_long_runs_stay_a_page_that_can_be_sent() {
@@ -190,7 +190,7 @@ mod tests {
             let names =
                 ["displacement_m", "force_N", "velocity_m_s", "acceleration_m_s2", "kinetic_energy_J", "depth_m"];
             let signals = Recording { time: time.clone(), channels: names.map(channel).into() };
-            Kept { place: format!("/r/{number}").into(), signals, ..Kept::default() }
+            StoredRun { place: format!("/r/{number}").into(), signals, ..StoredRun::default() }
         };
         let overlay = Overlay::of(&(0..16).map(run).collect::<Vec<_>>(), &[]);
         let (over_time, against) = plots(&overlay);

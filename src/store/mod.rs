@@ -1,7 +1,7 @@
 //! The run folder: written under a temporary name beside its place and renamed when whole.
 
-mod kept;
-pub mod shelf;
+mod stored_run;
+pub mod checkpoints;
 
 use std::collections::HashSet;
 use std::ffi::OsString;
@@ -15,8 +15,8 @@ use thiserror::Error;
 
 use crate::diagnostic::folder_of;
 
-pub use kept::{Kept, KeptError};
-pub use shelf::Shelf;
+pub use checkpoints::CheckpointStore;
+pub use stored_run::{StoredRun, StoredRunError};
 
 /// Files and folders of a run folder that are always ours. What a script wrote is listed in the summary; anything else
 /// belongs to the user.

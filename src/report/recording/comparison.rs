@@ -77,7 +77,7 @@ fn tracks<'a>((number, plot): (usize, &'a Plot)) -> impl Iterator<Item = SignalT
 mod tests {
     use super::*;
     use crate::signal::{Channel, Recording};
-    use crate::store::Kept;
+    use crate::store::StoredRun;
 
     #[test]
     fn every_run_has_a_curve_in_every_picture() {
@@ -85,7 +85,7 @@ mod tests {
             let channel = |name: &str, values: [f64; 2]| Channel { name: name.into(), values: values.to_vec() };
             let channels = vec![channel("strain", [0.0, 0.5]), channel("stress_Pa", [0.0, last])];
             let signals = Recording { time: vec![0.0, 0.25], channels };
-            Kept { place: place.into(), signals, ..Kept::default() }
+            StoredRun { place: place.into(), signals, ..StoredRun::default() }
         };
         let scene = scene(&Overlay::of(&[run("/r/a", 2e6), run("/r/b", 4e6)], &[]));
         let charts: Vec<_> = scene.charts.iter().map(|chart| (chart.title.as_str(), chart.signals.len())).collect();

@@ -28,7 +28,7 @@ const BUFFER: usize = 1 << 20;
 
 /// The checkpoints of the run whose results go to one place.
 #[derive(Clone, Debug)]
-pub struct Shelf {
+pub struct CheckpointStore {
     folder: PathBuf,
 }
 
@@ -41,10 +41,10 @@ pub struct Found {
     pub damaged: Vec<PathBuf>,
 }
 
-impl Shelf {
-    /// The shelf beside the run folder `target`.
-    pub fn beside(target: &Path) -> Shelf {
-        Shelf { folder: sibling_name(target, SUFFIX) }
+impl CheckpointStore {
+    /// The store beside the run folder `target`.
+    pub fn beside(target: &Path) -> CheckpointStore {
+        CheckpointStore { folder: sibling_name(target, SUFFIX) }
     }
 
     /// Where it is.
@@ -173,11 +173,11 @@ impl<W: Write> Write for Summed<W> {
 mod tests {
     use super::*;
 
-    fn shelf() -> (tempfile::TempDir, Shelf) {
+    fn empty() -> (tempfile::TempDir, CheckpointStore) {
         let root = tempfile::tempdir().unwrap();
-        let shelf = Shelf::beside(&root.path().join("drop"));
-        shelf.open().unwrap();
-        (root, shelf)
+        let store = CheckpointStore::beside(&root.path().join("drop"));
+        store.open().unwrap();
+        (root, store)
     }
 
     fn content(path: &Path) -> Vec<u8> {
@@ -188,58 +188,58 @@ mod tests {
 
     #[test]
     fn the_two_newest_are_kept() {
-        let (root, shelf) = shelf();
+        let (root, store) = empty();
         for number in [7_u64, 12, 130] {
-            shelf.put(number, |out| out.write_all(&number.to_le_bytes())).unwrap();
+            store.put(number, |out| out.write_all(&number.to_le_bytes())).unwrap();
         }
-        let found = shelf.newest().unwrap();
+        let found = store.newest().unwrap();
         assert_eq!(content(&found.path), 130_u64.to_le_bytes());
-        assert_eq!(shelf.checkpoints().len(), 2);
+        assert_eq!(store.checkpoints().len(), 2);
         assert!(found.damaged.is_empty());
-        shelf.clear();
+        store.clear();
         assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
     }
 
     #[test]
     fn a_damaged_one_gives_way_to_the_one_before() {
         for damage in [0, 3, 4, 12, 99] {
-            let (_root, shelf) = shelf();
-            shelf.put(1, |out| out.write_all(b"the first")).unwrap();
-            shelf.put(2, |out| out.write_all(&[b'x'; 200])).unwrap();
-            let newest = shelf.newest().unwrap().path;
+            let (_root, store) = empty();
+            store.put(1, |out| out.write_all(b"the first")).unwrap();
+            store.put(2, |out| out.write_all(&[b'x'; 200])).unwrap();
+            let newest = store.newest().unwrap().path;
             let whole = fs::read(&newest).unwrap();
             let mut turned = whole.clone();
             turned[damage] ^= 1;
             for damaged in [turned, whole[..damage].to_vec()] {
                 fs::write(&newest, damaged).unwrap();
-                let found = shelf.newest().unwrap();
+                let found = store.newest().unwrap();
                 assert_eq!(content(&found.path), b"the first");
                 assert_eq!(found.damaged, std::slice::from_ref(&newest));
             }
-            fs::write(shelf.path().join("000000000001.state"), "").unwrap();
-            assert!(shelf.newest().is_none());
+            fs::write(store.path().join("000000000001.state"), "").unwrap();
+            assert!(store.newest().is_none());
         }
     }
 
     #[test]
     fn one_that_fails_on_the_way_leaves_the_one_before() {
-        let (_root, shelf) = shelf();
-        shelf.put(1, |out| out.write_all(b"the first")).unwrap();
+        let (_root, store) = empty();
+        store.put(1, |out| out.write_all(b"the first")).unwrap();
         let full = |out: &mut dyn Write| {
             out.write_all(&[b'x'; 300])?;
             Err(io::Error::other("no space left"))
         };
-        assert!(matches!(shelf.put(2, full), Err(StoreError::Write { .. })));
-        assert_eq!(content(&shelf.newest().unwrap().path), b"the first");
+        assert!(matches!(store.put(2, full), Err(StoreError::Write { .. })));
+        assert_eq!(content(&store.newest().unwrap().path), b"the first");
     }
 
     #[test]
     fn what_is_not_ours_stays() {
-        let (_root, shelf) = shelf();
-        fs::write(shelf.path().join("notes.txt"), "mine").unwrap();
-        shelf.put(1, |out| out.write_all(b"the first")).unwrap();
-        shelf.clear();
-        assert_eq!(fs::read_to_string(shelf.path().join("notes.txt")).unwrap(), "mine");
-        assert!(shelf.checkpoints().is_empty());
+        let (_root, store) = empty();
+        fs::write(store.path().join("notes.txt"), "mine").unwrap();
+        store.put(1, |out| out.write_all(b"the first")).unwrap();
+        store.clear();
+        assert_eq!(fs::read_to_string(store.path().join("notes.txt")).unwrap(), "mine");
+        assert!(store.checkpoints().is_empty());
     }
 }

@@ -12,7 +12,7 @@ use crate::signal::{Recording, says_virtual};
 
 /// What a run has left, as far as it is there.
 #[derive(Clone, Debug, Default)]
-pub struct Kept {
+pub struct StoredRun {
     /// Folder or file, as it was given.
     pub place: PathBuf,
     /// The channels of `signals.csv`, or of the recording.
@@ -29,7 +29,7 @@ pub struct Kept {
 
 /// Why there is nothing to be read back.
 #[derive(Debug, Error)]
-pub enum KeptError {
+pub enum StoredRunError {
     #[error("{} is not there", path.display())]
     Missing { path: PathBuf },
     #[error("{} is not a run folder of droptower: it has no signals.csv", path.display())]
@@ -48,31 +48,31 @@ pub enum KeptError {
     NoCommonTime { path: PathBuf },
 }
 
-impl Kept {
+impl StoredRun {
     /// Reads the run folder, or the file of signals, at `place`.
     ///
     /// # Errors
     /// It is neither, or damaged.
-    pub fn read(place: &Path) -> Result<Kept, KeptError> {
+    pub fn read(place: &Path) -> Result<StoredRun, StoredRunError> {
         if !place.exists() {
-            return Err(KeptError::Missing { path: place.into() });
+            return Err(StoredRunError::Missing { path: place.into() });
         }
         let table = place.join("signals.csv");
         if place.is_dir() && table.is_file() {
-            return Kept::of_folder(place, &table);
+            return StoredRun::of_folder(place, &table);
         }
         // A folder may be a recording in ISO-MME.
         let is_test = || fs::read_dir(place).into_iter().flatten().flatten().any(|entry| is_mme(&entry.path()));
         if place.is_dir() && !is_test() {
-            return Err(KeptError::NotARun { path: place.into() });
+            return Err(StoredRunError::NotARun { path: place.into() });
         }
         let (signals, says_virtual) = signals(place)?;
-        Ok(Kept { place: place.into(), signals, says_virtual, ..Kept::default() })
+        Ok(StoredRun { place: place.into(), signals, says_virtual, ..StoredRun::default() })
     }
 
-    fn of_folder(place: &Path, table: &Path) -> Result<Kept, KeptError> {
+    fn of_folder(place: &Path, table: &Path) -> Result<StoredRun, StoredRunError> {
         let (signals, says_virtual) = signals(table)?;
-        Ok(Kept {
+        Ok(StoredRun {
             place: place.into(),
             signals,
             summary: summary(&place.join("summary.json"))?,
@@ -87,35 +87,35 @@ fn is_mme(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mme"))
 }
 
-fn signals(path: &Path) -> Result<(Recording, bool), KeptError> {
+fn signals(path: &Path) -> Result<(Recording, bool), StoredRunError> {
     let measurement = file::read(path, &Wanted::default())?;
-    let recording = measurement.recording().ok_or_else(|| KeptError::NoCommonTime { path: path.into() })?;
+    let recording = measurement.recording().ok_or_else(|| StoredRunError::NoCommonTime { path: path.into() })?;
     Ok((recording, says_virtual(&measurement.notes)))
 }
 
 /// What stands in a file; none where there is no such file.
-fn text(path: &Path) -> Result<Option<String>, KeptError> {
+fn text(path: &Path) -> Result<Option<String>, StoredRunError> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(source) => Err(KeptError::Unreadable { path: path.into(), source }),
+        Err(source) => Err(StoredRunError::Unreadable { path: path.into(), source }),
     }
 }
 
-fn scenario(path: &Path) -> Result<String, KeptError> {
+fn scenario(path: &Path) -> Result<String, StoredRunError> {
     let scenario = text(path)?.unwrap_or_default();
     match scenario.parse::<toml::Table>() {
         Ok(_) => Ok(scenario),
-        Err(source) => Err(KeptError::Scenario { path: path.into(), source: source.into() }),
+        Err(source) => Err(StoredRunError::Scenario { path: path.into(), source: source.into() }),
     }
 }
 
-fn summary(path: &Path) -> Result<Map<String, Value>, KeptError> {
+fn summary(path: &Path) -> Result<Map<String, Value>, StoredRunError> {
     let Some(text) = text(path)? else { return Ok(Map::new()) };
     match serde_json::from_str(&text) {
         Ok(Value::Object(summary)) => Ok(summary),
-        Ok(_) => Err(KeptError::NoFigures { path: path.into() }),
-        Err(source) => Err(KeptError::Summary { path: path.into(), source }),
+        Ok(_) => Err(StoredRunError::NoFigures { path: path.into() }),
+        Err(source) => Err(StoredRunError::Summary { path: path.into(), source }),
     }
 }
 
@@ -127,13 +127,13 @@ mod tests {
     fn a_folder_is_a_run_where_it_has_signals() {
         let folder = tempfile::tempdir().unwrap();
         let place = folder.path();
-        let refusal = |place: &Path| Kept::read(place).unwrap_err().to_string();
+        let refusal = |place: &Path| StoredRun::read(place).unwrap_err().to_string();
         assert!(refusal(&place.join("nowhere")).ends_with("is not there"));
         assert!(refusal(place).ends_with("it has no signals.csv"));
         fs::write(place.join("signals.csv"), "time_s,force_N\n0,1\n1,2\n").unwrap();
-        let kept = Kept::read(place).unwrap();
-        assert_eq!(kept.signals.channel("force_N"), Some([1.0, 2.0].as_slice()));
-        assert!(kept.summary.is_empty() && kept.failure.is_none());
+        let run = StoredRun::read(place).unwrap();
+        assert_eq!(run.signals.channel("force_N"), Some([1.0, 2.0].as_slice()));
+        assert!(run.summary.is_empty() && run.failure.is_none());
         fs::write(place.join("summary.json"), "{\"peak\": 1").unwrap();
         assert!(refusal(place).contains("summary.json: EOF while parsing"), "{}", refusal(place));
         fs::write(place.join("summary.json"), "[1]").unwrap();
@@ -143,8 +143,8 @@ mod tests {
         assert!(refusal(place).contains("scenario.toml: TOML parse error"), "{}", refusal(place));
         fs::write(place.join("scenario.toml"), "layers.count = 8\n").unwrap();
         fs::write(place.join("failure.txt"), "lost\n").unwrap();
-        let kept = Kept::read(place).unwrap();
-        assert_eq!((kept.summary["peak"].as_f64(), kept.failure.as_deref()), (Some(1.0), Some("lost")));
+        let run = StoredRun::read(place).unwrap();
+        assert_eq!((run.summary["peak"].as_f64(), run.failure.as_deref()), (Some(1.0), Some("lost")));
     }
 
     #[test]
@@ -152,8 +152,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("test.csv");
         fs::write(&path, "# virtual: nothing fell\ntime [ms],force [kN]\n0,1\n1,2\n").unwrap();
-        let kept = Kept::read(&path).unwrap();
-        assert!(kept.says_virtual);
-        assert_eq!(kept.signals.channel("force_N"), Some([1e3, 2e3].as_slice()));
+        let run = StoredRun::read(&path).unwrap();
+        assert!(run.says_virtual);
+        assert_eq!(run.signals.channel("force_N"), Some([1e3, 2e3].as_slice()));
     }
 }
