@@ -1,7 +1,7 @@
 //! From where a scene is looked at.
 
 use crate::film::mirrored;
-use crate::scene::{FilmFrame, FilmTrack, Scene};
+use crate::scene::{FilmSnapshot, FilmTrack, Scene};
 
 /// Direction from the scene to the eye: from the side and a little above, so that film and body are both seen.
 const DIRECTION: [f32; 3] = [0.56, -0.79, 0.24];
@@ -45,9 +45,9 @@ impl Default for Extent {
 
 impl Extent {
     /// The same with room for a state of `film`: for the corners of the triangles that hold.
-    pub fn with(self, film: &FilmTrack, frame: &FilmFrame) -> Extent {
-        let hold = film.triangles.iter().zip(&frame.visible).filter(|(_, visible)| **visible);
-        let corners = hold.flat_map(|(corners, _)| corners).filter_map(|node| frame.positions.get(*node as usize));
+    pub fn with(self, film: &FilmTrack, snapshot: &FilmSnapshot) -> Extent {
+        let hold = film.triangles.iter().zip(&snapshot.visible).filter(|(_, visible)| **visible);
+        let corners = hold.flat_map(|(corners, _)| corners).filter_map(|node| snapshot.positions.get(*node as usize));
         let images = |extent: Extent, point: &[f32; 3]| {
             film.images.iter().fold(extent.around(*point), |extent, image| extent.around(mirrored(*point, *image)))
         };
@@ -104,8 +104,8 @@ mod tests {
     fn scene(corner: [f32; 3], images: Vec<[f32; 3]>) -> Scene {
         let film = FilmTrack { triangles: vec![[0, 1, 1], [0, 2, 2]], images, ..FilmTrack::default() };
         let positions = vec![[0.0; 3], corner, [1e6; 3]];
-        let frame = FilmFrame { positions, visible: vec![true, false], ..FilmFrame::default() };
-        Scene { extent: Extent::default().with(&film, &frame), films: vec![film], ..Scene::default() }
+        let snapshot = FilmSnapshot { positions, visible: vec![true, false], ..FilmSnapshot::default() };
+        Scene { extent: Extent::default().with(&film, &snapshot), films: vec![film], ..Scene::default() }
     }
 
     #[test]

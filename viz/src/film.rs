@@ -10,7 +10,7 @@ use crate::colour;
 use crate::eye::Extent;
 use crate::normals;
 use crate::quantity::Quantity;
-use crate::scene::{FilmFrame, FilmTrack};
+use crate::scene::{FilmSnapshot, FilmTrack};
 use crate::series::Moment;
 
 /// Name of the colours of one quantity among the components of a film.
@@ -41,7 +41,7 @@ pub(crate) struct Film {
 struct Shown {
     visible: Vec<bool>,
     held: Vec<[[f32; 3]; 2]>,
-    touching: bool,
+    in_contact: bool,
 }
 
 impl Film {
@@ -57,30 +57,30 @@ impl Film {
         &mut self,
         stream: &RecordingStream,
         track: &FilmTrack,
-        frame: &FilmFrame,
+        snapshot: &FilmSnapshot,
         quantities: &[Quantity],
     ) -> RecordingStreamResult<()> {
-        Moment::Time(frame.time).set(stream);
-        let broke = self.shown.visible != frame.visible;
+        Moment::Time(snapshot.time).set(stream);
+        let broke = self.shown.visible != snapshot.visible;
         let mut mesh =
-            Mesh3D::update_fields().with_vertex_positions(frame.positions.iter().map(|p| rounded(p, self.step)));
+            Mesh3D::update_fields().with_vertex_positions(snapshot.positions.iter().map(|p| rounded(p, self.step)));
         if broke || self.states.is_multiple_of(STATES_PER_NORMALS) {
-            mesh = mesh.with_vertex_normals(normals::of(track, frame, 0.5 * self.step));
+            mesh = mesh.with_vertex_normals(normals::of(track, snapshot, 0.5 * self.step));
         }
         if broke {
-            mesh = mesh.with_triangle_indices(visible(track, frame));
-            self.shown.visible.clone_from(&frame.visible);
+            mesh = mesh.with_triangle_indices(visible(track, snapshot));
+            self.shown.visible.clone_from(&snapshot.visible);
         }
         let mut colours = DynamicArchetype::new(COLOURS);
-        for (quantity, values) in quantities.iter().zip(&frame.values) {
+        for (quantity, values) in quantities.iter().zip(&snapshot.values) {
             let shades = colour::of(values, quantity.range);
             let shades = shades.map(|[r, g, b]| Color::from_rgb(r, g, b));
             colours = colours.with_component::<Color>(quantity.key, shades);
         }
         stream.log(entity(track), &[&mesh as &dyn AsComponents, &colours])?;
         self.states += 1;
-        self.log_held(stream, track, frame)?;
-        self.log_touch(stream, track, frame)
+        self.log_held(stream, track, snapshot)?;
+        self.log_contact(stream, track, snapshot)
     }
 
     /// The held edges, where they have moved.
@@ -88,9 +88,9 @@ impl Film {
         &mut self,
         stream: &RecordingStream,
         track: &FilmTrack,
-        frame: &FilmFrame,
+        snapshot: &FilmSnapshot,
     ) -> RecordingStreamResult<()> {
-        let ends = |edge: &[u32; 2]| edge.map(|node| rounded(&frame.positions[node as usize], self.step));
+        let ends = |edge: &[u32; 2]| edge.map(|node| rounded(&snapshot.positions[node as usize], self.step));
         let held: Vec<_> = track.held.iter().map(ends).collect();
         if held == self.shown.held {
             return Ok(());
@@ -103,22 +103,22 @@ impl Film {
     }
 
     /// The nodes in touch, until there are none.
-    fn log_touch(
+    fn log_contact(
         &mut self,
         stream: &RecordingStream,
         track: &FilmTrack,
-        frame: &FilmFrame,
+        snapshot: &FilmSnapshot,
     ) -> RecordingStreamResult<()> {
-        if frame.touching.is_empty() && !self.shown.touching {
+        if snapshot.in_contact.is_empty() && !self.shown.in_contact {
             return Ok(());
         }
         let step = STEPS_PER_MARK * self.step;
-        let points = frame.touching.iter().map(|node| rounded(&frame.positions[*node as usize], step));
+        let points = snapshot.in_contact.iter().map(|node| rounded(&snapshot.positions[*node as usize], step));
         let points: Vec<_> = points.collect();
         let whole = images(track).flat_map(|image| points.iter().map(move |point| mirrored(*point, image)));
         let touch = Points3D::new(whole).with_colors([TOUCH]).with_radii([Radius::new_ui_points(2.0)]);
         stream.log(format!("scene/contact/{}", track.name), &touch)?;
-        self.shown.touching = !frame.touching.is_empty();
+        self.shown.in_contact = !snapshot.in_contact.is_empty();
         Ok(())
     }
 }
@@ -148,8 +148,8 @@ fn rounded(point: &[f32; 3], step: f32) -> [f32; 3] {
 }
 
 /// The triangles that are left.
-fn visible(film: &FilmTrack, frame: &FilmFrame) -> Vec<[u32; 3]> {
-    let both = film.triangles.iter().zip(&frame.visible);
+fn visible(film: &FilmTrack, snapshot: &FilmSnapshot) -> Vec<[u32; 3]> {
+    let both = film.triangles.iter().zip(&snapshot.visible);
     let mut left: Vec<_> = both.filter(|(_, v)| **v).map(|(t, _)| *t).collect();
     if left.is_empty() {
         // Without any indices, every three vertices would be drawn as a triangle.

@@ -1,6 +1,6 @@
 //! Vertex normals: meshes without them are drawn unlit.
 
-use crate::scene::{FilmFrame, FilmTrack};
+use crate::scene::{FilmSnapshot, FilmTrack};
 
 /// Normals are rounded to 1/32: enough for light, and they compress.
 const STEPS: f32 = 32.0;
@@ -10,11 +10,11 @@ const EDGE: f32 = 0.866;
 
 /// One normal a node, weighted by the area of the triangles that are left around it; on a mirror
 /// plane, which nodes nearer than `near` stand on, it lies in that plane, so that no crease shows.
-pub fn of(film: &FilmTrack, frame: &FilmFrame, near: f32) -> Vec<[f32; 3]> {
-    let left = film.triangles.iter().zip(&frame.visible);
+pub fn of(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec<[f32; 3]> {
+    let left = film.triangles.iter().zip(&snapshot.visible);
     let left = left.filter(|(_, visible)| **visible).map(|(t, _)| *t);
-    let mut normals = sums(&frame.positions, left);
-    for (normal, position) in normals.iter_mut().zip(&frame.positions) {
+    let mut normals = sums(&snapshot.positions, left);
+    for (normal, position) in normals.iter_mut().zip(&snapshot.positions) {
         for axis in (0..2).filter(|axis| film.images.iter().any(|image| image[*axis] < 0.0)) {
             if position[axis].abs() < near {
                 normal[axis] = 0.0;

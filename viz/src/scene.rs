@@ -47,7 +47,7 @@ pub struct FilmTrack {
 
 /// A film at one time.
 #[derive(Clone, Debug, Default)]
-pub struct FilmFrame {
+pub struct FilmSnapshot {
     pub time: f64,
     /// One entry a node.
     pub positions: Vec<[f32; 3]>,
@@ -56,7 +56,7 @@ pub struct FilmFrame {
     /// Whether a triangle is there still, one entry a triangle.
     pub visible: Vec<bool>,
     /// Nodes that the body touches.
-    pub touching: Vec<u32>,
+    pub in_contact: Vec<u32>,
 }
 
 /// A rigid body that moves.
@@ -114,19 +114,24 @@ impl Scene {
 
 impl FilmTrack {
     /// Refuses a state that is not one of this film with so many quantities.
-    pub(crate) fn check(&self, frame: &FilmFrame, quantities: usize) -> Result<(), VizError> {
-        let named = self.triangles.iter().flatten().chain(self.held.iter().flatten()).chain(&frame.touching).max();
+    pub(crate) fn check(&self, snapshot: &FilmSnapshot, quantities: usize) -> Result<(), VizError> {
+        let named = self.triangles.iter().flatten().chain(self.held.iter().flatten()).chain(&snapshot.in_contact).max();
         let nodes = named.map_or(0, |node| *node as usize + 1).max(self.nodes);
         let film = || self.name.clone();
-        let time = frame.time;
-        let lists = std::iter::once(frame.positions.len()).chain(frame.values.iter().map(Vec::len));
+        let time = snapshot.time;
+        let lists = std::iter::once(snapshot.positions.len()).chain(snapshot.values.iter().map(Vec::len));
         if let Some(found) = lists.into_iter().find(|found| *found != nodes) {
             return Err(VizError::Nodes { film: film(), time, found, expected: nodes });
         }
-        if frame.values.len() != quantities {
-            return Err(VizError::Quantities { film: film(), time, found: frame.values.len(), expected: quantities });
+        if snapshot.values.len() != quantities {
+            return Err(VizError::Quantities {
+                film: film(),
+                time,
+                found: snapshot.values.len(),
+                expected: quantities,
+            });
         }
-        let (found, expected) = (frame.visible.len(), self.triangles.len());
+        let (found, expected) = (snapshot.visible.len(), self.triangles.len());
         if found != expected {
             return Err(VizError::Triangles { film: film(), time, found, expected });
         }

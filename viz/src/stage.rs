@@ -12,7 +12,7 @@ use re_sdk_types::components::{MediaType, TextLogLevel};
 use crate::eye::Eye;
 use crate::film::Film;
 use crate::live::Address;
-use crate::scene::{Document, Event, FilmFrame, Pose, Scene, Severity};
+use crate::scene::{Document, Event, FilmSnapshot, Pose, Scene, Severity};
 use crate::series::{Moment, Places, SignalTrack};
 use crate::{VizError, blueprint, body, diagram};
 
@@ -54,12 +54,12 @@ impl Stage {
     ///
     /// # Errors
     /// The state is not one of that film.
-    pub fn film(&mut self, index: usize, frame: &FilmFrame) -> Result<(), VizError> {
+    pub fn film(&mut self, index: usize, snapshot: &FilmSnapshot) -> Result<(), VizError> {
         let (Some(track), Some(film)) = (self.scene.films.get(index), self.films.get_mut(index)) else {
             return Err(VizError::NoFilm { index });
         };
-        track.check(frame, self.scene.quantities.len())?;
-        Ok(film.log(&self.stream, track, frame, &self.scene.quantities)?)
+        track.check(snapshot, self.scene.quantities.len())?;
+        Ok(film.log(&self.stream, track, snapshot, &self.scene.quantities)?)
     }
 
     /// Spreads the colours of each quantity over another range, for the states from `from` on.

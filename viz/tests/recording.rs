@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use droptower_viz::playback::Playback;
 use droptower_viz::{
-    Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmFrame, FilmTrack, ITERATION, Look, Moment,
+    Axis, BodyTrack, Chart, Curve, Diagram, Document, Event, Extent, FilmSnapshot, FilmTrack, ITERATION, Look, Moment,
     Places, Pose, Quantity, Scene, Severity, SignalTrack, Stage, State, Stroke, TIME, VizError, Window, write,
 };
 use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Points2D, Transform3D};
@@ -12,10 +12,10 @@ use re_sdk_types::blueprint::components::{ContainerKind, IncludedContent, Playba
 use re_sdk_types::components::{Color, LineStrip2D, LineStrip3D, Text, Translation3D};
 
 /// A film and its states.
-type Film = (FilmTrack, Vec<FilmFrame>);
+type Film = (FilmTrack, Vec<FilmSnapshot>);
 
-/// A square of n × n cells that sinks to a depth of one tenth, over `frames` states.
-fn film(n: u32, frames: usize) -> Film {
+/// A square of n × n cells that sinks to a depth of one tenth, over `snapshots` states.
+fn film(n: u32, snapshots: usize) -> Film {
     let node = |column: u32, row: u32| row * (n + 1) + column;
     let cell = |row: u32, column: u32| {
         let [a, b] = [node(column, row), node(column + 1, row)];
@@ -30,12 +30,12 @@ fn film(n: u32, frames: usize) -> Film {
         held: vec![[0, 1]],
         images: vec![[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]],
     };
-    (track, (0..frames).map(|index| state(n, index, frames)).collect())
+    (track, (0..snapshots).map(|index| state(n, index, snapshots)).collect())
 }
 
 /// Sinks like a membrane under a sphere, with a ripple so that every digit moves.
-fn state(n: u32, index: usize, frames: usize) -> FilmFrame {
-    let share = index as f32 / (frames - 1) as f32;
+fn state(n: u32, index: usize, snapshots: usize) -> FilmSnapshot {
+    let share = index as f32 / (snapshots - 1) as f32;
     let nodes = (0..=n).flat_map(|row| (0..=n).map(move |column| [column, row]));
     let position = |[column, row]: [u32; 2]| {
         let [x, y] = [column, row].map(|i| 0.2 * i as f32 / n as f32);
@@ -43,11 +43,11 @@ fn state(n: u32, index: usize, frames: usize) -> FilmFrame {
         [x, y, -0.1 * share * (1.0 - 25.0 * (x * x).max(y * y)) + ripple]
     };
     let positions: Vec<[f32; 3]> = nodes.map(position).collect();
-    FilmFrame {
+    FilmSnapshot {
         time: index as f64 * 5e-4,
         values: vec![positions.iter().map(|p| -p[2]).collect(); 2],
         visible: vec![true; 2 * (n * n) as usize],
-        touching: if index == 0 { vec![] } else { vec![0, 1, 2] },
+        in_contact: if index == 0 { vec![] } else { vec![0, 1, 2] },
         positions,
     }
 }
@@ -67,9 +67,9 @@ fn signal(name: &str, samples: usize) -> SignalTrack {
 }
 
 fn scene(films: &[Film], signals: Vec<SignalTrack>) -> Scene {
-    let ends = films.iter().flat_map(|(track, frames)| frames.iter().map(move |frame| (track, frame)));
+    let ends = films.iter().flat_map(|(track, snapshots)| snapshots.iter().map(move |snapshot| (track, snapshot)));
     Scene {
-        extent: ends.fold(Extent::default(), |extent, (track, frame)| extent.with(track, frame)),
+        extent: ends.fold(Extent::default(), |extent, (track, snapshot)| extent.with(track, snapshot)),
         name: "test".to_owned(),
         documents: vec![Document { path: "summary".into(), title: "Summary".into(), text: "# A test".into() }],
         charts: vec![Chart { title: "All".to_owned(), signals: signals.iter().map(|s| s.path.clone()).collect() }],
@@ -92,8 +92,8 @@ fn scene(films: &[Film], signals: Vec<SignalTrack>) -> Scene {
 /// The recording of a scene with the states of its films, read back.
 fn written(scene: Scene, films: &[Film]) -> Playback {
     played(scene, |stage| {
-        for (index, (_, frames)) in films.iter().enumerate() {
-            frames.iter().for_each(|frame| stage.film(index, frame).unwrap());
+        for (index, (_, snapshots)) in films.iter().enumerate() {
+            snapshots.iter().for_each(|snapshot| stage.film(index, snapshot).unwrap());
         }
     })
 }
@@ -128,8 +128,8 @@ fn everything_in_the_scene_comes_back() {
     for quantity in ["Colours:md", "Colours:td"] {
         assert_eq!(played.rows::<Color>(TIME, "/scene/film", quantity.into()).len(), 5);
     }
-    let touching = played.marks("/scene/contact/film");
-    let counts: Vec<usize> = touching.iter().map(|(_, points)| points.len()).collect();
+    let in_contact = played.marks("/scene/contact/film");
+    let counts: Vec<usize> = in_contact.iter().map(|(_, points)| points.len()).collect();
     assert_eq!(counts, [12; 4], "four images of three nodes, from the second state on");
     let strips = LineStrips3D::descriptor_strips().component;
     let held = played.rows::<LineStrip3D>(TIME, "/scene/frame/film", strips);
@@ -144,10 +144,10 @@ fn everything_in_the_scene_comes_back() {
 
 #[test]
 fn broken_triangles_vanish_when_they_break() {
-    let (track, mut frames) = film(2, 4);
-    frames[2].visible[3] = false;
-    frames[3].visible.fill(false);
-    let films = [(track, frames)];
+    let (track, mut snapshots) = film(2, 4);
+    snapshots[2].visible[3] = false;
+    snapshots[3].visible.fill(false);
+    let films = [(track, snapshots)];
     let triangles = written(scene(&films, Vec::new()), &films).triangles("/scene/film");
     let counts: Vec<_> = triangles.iter().map(|(time, t)| (*time, t.len())).collect();
     // What is left of nothing is one triangle without area.
@@ -216,10 +216,10 @@ fn views(played: &Playback) -> Vec<String> {
 
 #[test]
 fn a_small_film_is_rounded_by_its_own_size() {
-    let (track, mut frames) = film(10, 2);
-    let tiny = |frame: &mut FilmFrame| frame.positions.iter_mut().flatten().for_each(|c| *c *= 2.5e-3);
-    frames.iter_mut().for_each(tiny);
-    let films = [(track, frames)];
+    let (track, mut snapshots) = film(10, 2);
+    let tiny = |snapshot: &mut FilmSnapshot| snapshot.positions.iter_mut().flatten().for_each(|c| *c *= 2.5e-3);
+    snapshots.iter_mut().for_each(tiny);
+    let films = [(track, snapshots)];
     let states = written(scene(&films, vec![]), &films).nodes("/scene/film");
     for (read, given) in states[1].1.iter().flatten().zip(films[0].1[1].positions.iter().flatten()) {
         assert!((read - given).abs() <= 1e-3 / 16_384.0, "{read} {given}");

@@ -1,6 +1,6 @@
 //! Faces of film as the recording shows them: triangles, coloured by strain.
 
-use droptower_viz::{Extent, FilmFrame, FilmTrack, Quantity};
+use droptower_viz::{Extent, FilmSnapshot, FilmTrack, Quantity};
 
 use crate::simulate::{Film, FilmState, Frame, Image};
 
@@ -70,14 +70,14 @@ fn track(film: &Film, face: usize) -> FilmTrack {
 }
 
 /// One face at one time.
-pub fn state(film: &Film, frame: &Frame, face: usize) -> FilmFrame {
+pub fn state(film: &Film, frame: &Frame, face: usize) -> FilmSnapshot {
     let state = &frame.films[face];
-    FilmFrame {
+    FilmSnapshot {
         time: frame.time,
         positions: state.positions.clone(),
         values: STRAINS.iter().map(|strain| nodal(strain, film, state)).collect(),
         visible: per_triangle(film, |element| !state.broken[element]),
-        touching: state.touching.clone(),
+        in_contact: state.touching.clone(),
     }
 }
 

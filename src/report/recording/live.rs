@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, s
 use std::thread;
 use std::time::Duration;
 
-use droptower_viz::{Address, FilmFrame, Moment, Places, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
+use droptower_viz::{Address, FilmSnapshot, Moment, Places, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
 use thiserror::Error;
 
 use super::{RecordingError, body, diagram, documents, events, film, signals, text};
@@ -69,7 +69,7 @@ struct Viewer {
 /// What is new in a run after a state was kept.
 struct State {
     time: f64,
-    films: Vec<FilmFrame>,
+    films: Vec<FilmSnapshot>,
     pose: Option<Pose>,
     samples: Vec<SignalTrack>,
     ranges: Option<Vec<[f32; 2]>>,

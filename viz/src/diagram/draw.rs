@@ -26,11 +26,11 @@ const LEGEND: [f64; 2] = [0.3, 0.08];
 /// A point of the viewer's plane: across, down.
 type Point = [f32; 2];
 
-/// Logs frame, ticks, legend and all curves.
+/// Logs border, ticks, legend and all curves.
 pub(crate) fn log(stream: &RecordingStream, diagram: &Diagram) -> RecordingStreamResult<()> {
     let page = Page::of(diagram);
     let entity = |part: &str| format!("{}/{part}", diagram.path);
-    stream.log_static(entity("frame"), &page.frame())?;
+    stream.log_static(entity("frame"), &page.border())?;
     stream.log_static(entity("labels"), &page.labels(diagram))?;
     stream.log_static(entity("legend"), &legend(diagram))?;
     if let Some(window) = &diagram.window {
@@ -72,7 +72,7 @@ impl Page {
     }
 
     /// The box and its ticks.
-    fn frame(&self) -> LineStrips2D {
+    fn border(&self) -> LineStrips2D {
         let outline = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]].map(|[x, y]| place(x, y)).to_vec();
         let below = self.x.ticks().into_iter().map(|(x, _)| vec![place(x, 0.0), place(x, -TICK)]);
         let left = self.y.ticks().into_iter().map(|(y, _)| vec![place(0.0, y), place(-TICK / WIDTH, y)]);
