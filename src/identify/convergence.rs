@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::crew::Desk;
 use super::search::{Best, Ended, Iteration};
-use crate::script::{Convergence, Improvement, Over, Pursuit, Waypoint};
+use crate::script::{ConvergenceHistory, FitHistory, Improvement, Iterate, Over};
 
 /// Most iterations that a picture shows; of longer courses every second, every third, and so on.
 const MOST_ITERATIONS: usize = 500;
@@ -39,35 +39,41 @@ impl Labels {
 }
 
 /// What `best` went through; what was compared on the way, which `is_virtual` or measured, is asked for at `desk`.
-pub(super) fn of(best: &Best, title: String, labels: &Labels, is_virtual: bool, desk: &Desk<'_, '_>) -> Convergence {
+pub(super) fn of(
+    best: &Best,
+    title: String,
+    labels: &Labels,
+    is_virtual: bool,
+    desk: &Desk<'_, '_>,
+) -> ConvergenceHistory {
     let objective = |ended: &Ended| thinned(&ended.history, MOST_ITERATIONS).map(|i| (i.iteration, i.f)).collect();
-    let course = thinned(&best.best.history, MOST_ITERATIONS).map(waypoint);
-    Convergence {
+    let history = thinned(&best.best.history, MOST_ITERATIONS).map(iterate);
+    ConvergenceHistory {
         title,
         unknowns: labels.names.clone(),
         objectives: best.starts.iter().map(objective).collect(),
-        course: course.collect(),
-        pursuits: pursuits(&best.best, labels, desk),
+        history: history.collect(),
+        fits: fits(&best.best, labels, desk),
         is_virtual,
     }
 }
 
-fn waypoint(Iteration { iteration, f, x, .. }: &Iteration) -> Waypoint {
-    Waypoint { iteration: *iteration, f: *f, x: x.clone() }
+fn iterate(Iteration { iteration, f, x, .. }: &Iteration) -> Iterate {
+    Iterate { iteration: *iteration, f: *f, x: x.clone() }
 }
 
 /// The curves of the trials that were better than all before, one list for each reference.
-fn pursuits(ended: &Ended, labels: &Labels, desk: &Desk<'_, '_>) -> Vec<Pursuit> {
+fn fits(ended: &Ended, labels: &Labels, desk: &Desk<'_, '_>) -> Vec<FitHistory> {
     let better: Vec<&Iteration> = improvements(&ended.history);
-    let mut pursuits: Vec<Pursuit> = Vec::new();
+    let mut fits: Vec<FitHistory> = Vec::new();
     for iteration in thinned(&better, MOST_IMPROVEMENTS) {
         for (place, compared) in desk.compared(&iteration.x).into_iter().enumerate() {
-            let improvement = Improvement { at: waypoint(iteration), values: compared.values };
-            match pursuits.get_mut(place) {
-                // A script that chooses its reference by its unknowns pursues nothing.
-                Some(pursuit) if pursuit.target == compared.target => pursuit.improvements.push(improvement),
+            let improvement = Improvement { at: iterate(iteration), values: compared.values };
+            match fits.get_mut(place) {
+                // An objective that chooses its reference by its unknowns has no fit history.
+                Some(fit) if fit.target == compared.target => fit.improvements.push(improvement),
                 Some(_) => {}
-                None => pursuits.push(Pursuit {
+                None => fits.push(FitHistory {
                     words: words(labels, place, compared.target.over),
                     target: compared.target,
                     improvements: vec![improvement],
@@ -75,7 +81,7 @@ fn pursuits(ended: &Ended, labels: &Labels, desk: &Desk<'_, '_>) -> Vec<Pursuit>
             }
         }
     }
-    pursuits
+    fits
 }
 
 fn words(labels: &Labels, place: usize, over: Over) -> String {

@@ -21,7 +21,7 @@ use super::search::{self, Best, Ended, Iteration, SearchError, Unfound};
 use super::trust;
 use crate::diagnostic::closest;
 use crate::plot::Correlation;
-use crate::script::{Convergence, Entry, STACK, Session, is_numerical, number, refuse, thrown, went_wrong};
+use crate::script::{ConvergenceHistory, Entry, STACK, Session, is_numerical, number, refuse, thrown, went_wrong};
 use crate::signal::Series;
 use crate::simulate::Cancellation;
 
@@ -53,7 +53,7 @@ pub enum Heard<'a> {
     /// Something that the user should know, once.
     Note(&'a str),
     /// How a search came to its result.
-    Found(&'a Convergence),
+    Found(&'a ConvergenceHistory),
     /// How the parameters that were found hang together.
     Correlation(&'a Correlation),
 }

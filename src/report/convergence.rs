@@ -1,21 +1,21 @@
 //! Pictures of a search: its objective, its unknowns, and its simulations closing in on what was measured.
 
 use crate::plot::{Axis, Curve, Plot, Scale, TIME};
-use crate::script::{Convergence, Improvement, Over, Pursuit};
+use crate::script::{ConvergenceHistory, FitHistory, Improvement, Over};
 use crate::units::{Pressure, Unit};
 
 /// Most iterations whose curves one plot shows.
 const MOST_CURVES: usize = 8;
 
-/// Objective and unknowns over iterations, then what was pursued; none of a search that ended where it began.
-pub fn plots(convergence: &Convergence) -> Vec<Plot> {
+/// Objective and unknowns over iterations, then every fit; no objective and no unknowns of a search that did not move.
+pub fn plots(convergence: &ConvergenceHistory) -> Vec<Plot> {
     let own = [objective(convergence), unknowns(convergence)].into_iter().filter(has_lines);
-    own.chain(convergence.pursuits.iter().map(|pursuit| chosen(convergence, pursuit))).collect()
+    own.chain(convergence.fits.iter().map(|fit| chosen(convergence, fit))).collect()
 }
 
-/// What was pursued, without any simulation.
-pub fn target(convergence: &Convergence, pursuit: &Pursuit) -> Plot {
-    let Pursuit { words, target, .. } = pursuit;
+/// The reference of a fit alone.
+pub fn target(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot {
+    let FitHistory { words, target, .. } = fit;
     let title = match words.split_once(" (") {
         Some((quantity, _)) => format!("{}: {quantity}", convergence.title),
         None => format!("{}: {words}", convergence.title),
@@ -25,14 +25,14 @@ pub fn target(convergence: &Convergence, pursuit: &Pursuit) -> Plot {
         Over::Strain => "strain",
     };
     let name = if convergence.is_virtual { "reference (virtual)" } else { "reference" };
-    let (y, _) = ordinate(pursuit);
-    let reference = Curve::line(name, points(pursuit, &target.values)).dashed();
+    let (y, _) = ordinate(fit);
+    let reference = Curve::line(name, points(fit, &target.values)).dashed();
     Plot::new(title, [x, y.as_str()], vec![reference])
 }
 
 /// Words of the y axis, and the factor from SI. What a script says of signals over time is theirs; stresses over strain stand in
 /// the unit that it names, else in MPa, which is then said.
-fn ordinate(Pursuit { words, target, .. }: &Pursuit) -> (String, f64) {
+fn ordinate(FitHistory { words, target, .. }: &FitHistory) -> (String, f64) {
     let named = || words.strip_suffix(')').and_then(|words| words.rsplit_once('(')).map(|(_, symbol)| symbol);
     let stress = || Unit::parse(named()?).ok().filter(|unit| unit.measures(Pressure::DIMENSION));
     match target.over {
@@ -45,15 +45,15 @@ fn ordinate(Pursuit { words, target, .. }: &Pursuit) -> (String, f64) {
 }
 
 /// A simulation on its way to the target, in the units of [`target`].
-pub fn simulated(name: impl Into<String>, pursuit: &Pursuit, improvement: &Improvement) -> Curve {
-    Curve::line(name, points(pursuit, &improvement.values))
+pub fn simulated(name: impl Into<String>, fit: &FitHistory, improvement: &Improvement) -> Curve {
+    Curve::line(name, points(fit, &improvement.values))
 }
 
 /// Best values of the objective; one curve a start.
-pub fn objective(Convergence { title, objectives, .. }: &Convergence) -> Plot {
+pub fn objective(ConvergenceHistory { title, objectives, .. }: &ConvergenceHistory) -> Plot {
     let name = |start: usize| if objectives.len() == 1 { "objective".into() } else { format!("start {}", start + 1) };
-    let curve = |(start, course): (usize, &Vec<(usize, f64)>)| {
-        Curve::line(name(start), course.iter().map(|(iteration, f)| [*iteration as f64, *f]))
+    let curve = |(start, history): (usize, &Vec<(usize, f64)>)| {
+        Curve::line(name(start), history.iter().map(|(iteration, f)| [*iteration as f64, *f]))
     };
     let curves = objectives.iter().enumerate().map(curve).collect();
     let mut plot = Plot::new(format!("{title}: objective"), ["iteration", "objective"], curves);
@@ -63,9 +63,10 @@ pub fn objective(Convergence { title, objectives, .. }: &Convergence) -> Plot {
     plot
 }
 
-fn unknowns(Convergence { title, unknowns, course, .. }: &Convergence) -> Plot {
-    let curve =
-        |(place, name): (usize, &String)| Curve::line(name, course.iter().map(|at| [at.iteration as f64, at.x[place]]));
+fn unknowns(ConvergenceHistory { title, unknowns, history, .. }: &ConvergenceHistory) -> Plot {
+    let curve = |(place, name): (usize, &String)| {
+        Curve::line(name, history.iter().map(|at| [at.iteration as f64, at.x[place]]))
+    };
     let curves = unknowns.iter().enumerate().map(curve).collect();
     Plot::new(format!("{title}: unknowns"), ["iteration", "value"], curves)
 }
@@ -75,15 +76,15 @@ fn has_lines(plot: &Plot) -> bool {
 }
 
 /// The target and some of the simulations that came closer to it.
-fn chosen(convergence: &Convergence, pursuit: &Pursuit) -> Plot {
-    let mut plot = target(convergence, pursuit);
-    let chosen = by_steps(&pursuit.improvements);
+fn chosen(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot {
+    let mut plot = target(convergence, fit);
+    let chosen = by_steps(&fit.improvements);
     let last = chosen.len() - 1;
     let curves = chosen.iter().enumerate().map(|(place, improvement)| {
         let iteration = improvement.at.iteration;
         let name =
             if place == last { format!("best, iteration {iteration}") } else { format!("iteration {iteration}") };
-        simulated(name, pursuit, improvement)
+        simulated(name, fit, improvement)
     });
     plot.curves = curves.chain(plot.curves).collect();
     plot
@@ -103,19 +104,13 @@ fn by_steps(improvements: &[Improvement]) -> Vec<&Improvement> {
     chosen
 }
 
-fn points(pursuit: &Pursuit, values: &[f32]) -> Vec<[f64; 2]> {
-    let (_, y) = ordinate(pursuit);
-    let x = match pursuit.target.over {
+fn points(fit: &FitHistory, values: &[f32]) -> Vec<[f64; 2]> {
+    let (_, y) = ordinate(fit);
+    let x = match fit.target.over {
         Over::Time => 1e3,
         Over::Strain => 1.0,
     };
-    pursuit
-        .target
-        .places
-        .iter()
-        .zip(values)
-        .map(|(place, value)| [f64::from(*place) * x, f64::from(*value) * y])
-        .collect()
+    fit.target.places.iter().zip(values).map(|(place, value)| [f64::from(*place) * x, f64::from(*value) * y]).collect()
 }
 
 #[cfg(test)]
@@ -123,19 +118,19 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::script::{Target, Waypoint};
+    use crate::script::{Iterate, Target};
 
-    fn search(objectives: &[f64]) -> Convergence {
+    fn search(objectives: &[f64]) -> ConvergenceHistory {
         let target = Arc::new(Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, 150.0] });
-        let at = |place: usize| Waypoint { iteration: place + 1, f: objectives[place], x: vec![objectives[place]] };
+        let at = |place: usize| Iterate { iteration: place + 1, f: objectives[place], x: vec![objectives[place]] };
         let improvement = |place: usize| Improvement { at: at(place), values: vec![0.0, objectives[place] as f32] };
         let improvements = (0..objectives.len()).map(improvement).collect();
-        Convergence {
+        ConvergenceHistory {
             title: "1008".into(),
             unknowns: vec!["k1".into()],
             objectives: vec![objectives.iter().enumerate().map(|(place, f)| (place + 1, *f)).collect()],
-            course: (0..objectives.len()).map(at).collect(),
-            pursuits: vec![Pursuit { words: "acceleration (m/s²)".into(), target, improvements }],
+            history: (0..objectives.len()).map(at).collect(),
+            fits: vec![FitHistory { words: "acceleration (m/s²)".into(), target, improvements }],
             is_virtual: false,
         }
     }
@@ -163,8 +158,8 @@ mod tests {
             ("stress (Pa)", ("stress (Pa)", 8e6)),
             ("MD", ("MD (MPa)", 8.0)),
         ] {
-            let pursuit = Pursuit { words: words.into(), target: Arc::clone(&target), improvements: vec![] };
-            let plot = super::target(&Convergence { is_virtual: true, ..search(&[1.0]) }, &pursuit);
+            let fit = FitHistory { words: words.into(), target: Arc::clone(&target), improvements: vec![] };
+            let plot = super::target(&ConvergenceHistory { is_virtual: true, ..search(&[1.0]) }, &fit);
             assert_eq!((plot.y.words.as_str(), plot.curves[0].points[1][1]), expected);
             assert_eq!(plot.curves[0].name, "reference (virtual)");
         }

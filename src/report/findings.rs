@@ -128,7 +128,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::script::Convergence;
+    use crate::script::ConvergenceHistory;
 
     fn row(value: Value) -> Row {
         value.as_object().cloned().unwrap()
@@ -151,13 +151,13 @@ mod tests {
 
     #[test]
     fn a_page_has_room_for_so_many_searches() {
-        let course: Vec<(usize, f64)> = (0..50_000).map(|iteration| (iteration, 1.0)).collect();
-        let search = |title: &str| Convergence {
+        let history: Vec<(usize, f64)> = (0..50_000).map(|iteration| (iteration, 1.0)).collect();
+        let search = |title: &str| ConvergenceHistory {
             title: title.into(),
             unknowns: vec![],
-            objectives: vec![course.clone()],
-            course: vec![],
-            pursuits: vec![],
+            objectives: vec![history.clone()],
+            history: vec![],
+            fits: vec![],
             is_virtual: false,
         };
         let findings = Findings { searches: ["first", "<second>", "third"].map(search).into(), ..Findings::default() };

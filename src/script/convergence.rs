@@ -1,50 +1,53 @@
-//! How a search came to its result, iteration by iteration.
+//! The convergence history of a search: where it stood after each iteration, and the fits on the way.
 
 use std::sync::Arc;
 
 use super::Target;
 
-/// A search as people look at it.
+/// The convergence history of one search.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Convergence {
-    /// What the script calls it, or `search 1`.
+pub struct ConvergenceHistory {
+    /// The title that the script gave, or `search 1`.
     pub title: String,
     /// Names of the unknowns.
     pub unknowns: Vec<String>,
-    /// Best so far after every iteration, one list a start: iteration and objective.
+    /// Lowest objective value after each iteration, one list for each start: iteration and value.
     pub objectives: Vec<Vec<(usize, f64)>>,
-    /// Of the start that ended best: where it stood after every iteration.
-    pub course: Vec<Waypoint>,
-    /// What the objective held simulations against, while the best start improved.
-    pub pursuits: Vec<Pursuit>,
-    /// Whether what it was held against comes from virtual recordings alone.
+    /// The iterates of the best start.
+    pub history: Vec<Iterate>,
+    /// The fits to the references that the objective compares with, at the improvements of the best start.
+    pub fits: Vec<FitHistory>,
+    /// Whether all references are virtual recordings.
     pub is_virtual: bool,
 }
 
-/// Simulations that close in on a reference.
+/// Simulated curves that approach one reference.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pursuit {
-    /// Quantity and unit, e.g. `acceleration (m/s²)`.
+pub struct FitHistory {
+    /// Quantity and unit, such as `acceleration (m/s²)`.
     pub words: String,
+    /// The reference.
     pub target: Arc<Target>,
-    /// In the order of iterations; the first is the start, the last the best.
+    /// By iteration; the first is the start, the last the best.
     pub improvements: Vec<Improvement>,
 }
 
-/// Where a search stood after an iteration: its best trial so far.
+/// The best trial up to an iteration.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Waypoint {
+pub struct Iterate {
+    /// Number of the iteration, from one.
     pub iteration: usize,
-    /// What the objective gave.
+    /// Objective value.
     pub f: f64,
-    /// The unknowns.
+    /// Values of the unknowns.
     pub x: Vec<f64>,
 }
 
-/// A trial that was better than all before.
+/// An iterate with a lower objective value than all before it, and its simulated curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Improvement {
-    pub at: Waypoint,
-    /// What was simulated, at the places of the target.
+    /// The iterate.
+    pub at: Iterate,
+    /// Simulated values at the abscissae of the reference.
     pub values: Vec<f32>,
 }

@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::files::{self, File, FileError, Files};
 use super::plots::{self, PlotError};
-use super::{Answer, Convergence, Entry, refuse, to_json};
+use super::{Answer, ConvergenceHistory, Entry, refuse, to_json};
 use crate::diagnostic::shown_path;
 use crate::plot::{Correlation, Plot};
 use crate::store;
@@ -33,7 +33,7 @@ pub struct Findings {
     pub tables: Vec<(String, Vec<Row>)>,
     pub plots: Vec<Plot>,
     /// How its searches came to their results.
-    pub searches: Vec<Convergence>,
+    pub searches: Vec<ConvergenceHistory>,
     /// Of what its searches found.
     pub correlations: Vec<Correlation>,
     pub files: Files,
@@ -105,7 +105,7 @@ impl Ledger {
     ///
     /// # Errors
     /// There are too many.
-    pub fn searched(&self, convergence: Convergence) -> Result<(), TooManyPictures> {
+    pub fn searched(&self, convergence: ConvergenceHistory) -> Result<(), TooManyPictures> {
         keep(&mut self.lock().searches, convergence)
     }
 

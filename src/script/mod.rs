@@ -26,7 +26,7 @@ mod value;
 
 pub use arguments::Arguments;
 pub use compared::{Compared, Over, Target};
-pub use convergence::{Convergence, Improvement, Pursuit, Waypoint};
+pub use convergence::{ConvergenceHistory, FitHistory, Improvement, Iterate};
 pub use coupon::Reduced;
 pub use fault::{Answer, Fault, is_numerical, refuse, thrown, went_wrong};
 pub use files::{File, FileError, Files};

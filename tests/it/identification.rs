@@ -10,7 +10,7 @@ use droptower::diagnostic;
 use droptower::identify::{self, Heard, Laboratory};
 use droptower::post;
 use droptower::scenario::Assignment;
-use droptower::script::{self, Convergence, Limits};
+use droptower::script::{self, ConvergenceHistory, Limits};
 use droptower::signal::Series;
 use rhai::Engine;
 use serde_json::Value as Json;
@@ -281,7 +281,7 @@ fn a_search_shows_its_simulations_closing_in_on_the_reference() {
         [scaled.call(best.x).displacement, test.reference.displacement]"#,
     );
     let searched = |threads| {
-        let seen: Arc<Mutex<Vec<Convergence>>> = Arc::default();
+        let seen: Arc<Mutex<Vec<ConvergenceHistory>>> = Arc::default();
         let heard = Arc::clone(&seen);
         let laboratory = Laboratory::new(None, move |said| {
             if let Heard::Found(convergence) = said {
@@ -296,20 +296,22 @@ fn a_search_shows_its_simulations_closing_in_on_the_reference() {
     };
     let (runs, found) = searched(2);
     let [best, reference] = [0, 1].map(|place: usize| runs[place].clone().cast::<Series>());
-    let [Convergence { title, unknowns, objectives, course, pursuits, .. }] = &found[..] else { panic!("{found:?}") };
+    let [ConvergenceHistory { title, unknowns, objectives, history, fits, .. }] = &found[..] else {
+        panic!("{found:?}")
+    };
     assert_eq!((title.as_str(), unknowns.as_slice(), objectives.len()), ("1008", &["ke".to_owned()][..], 1));
-    assert_eq!(course.len(), objectives[0].len());
-    let [pursuit] = &pursuits[..] else { panic!("{pursuits:?}") };
-    let improvements = &pursuit.improvements;
+    assert_eq!(history.len(), objectives[0].len());
+    let [fit] = &fits[..] else { panic!("{fits:?}") };
+    let improvements = &fit.improvements;
     assert!(improvements.len() > 2 && improvements.windows(2).all(|pair| pair[1].at.f < pair[0].at.f));
     let assert_shown = |values: &[f32], signal: &Series| {
-        assert_eq!(values.len(), pursuit.target.places.len());
-        for (place, value) in pursuit.target.places.iter().zip(values) {
+        assert_eq!(values.len(), fit.target.places.len());
+        for (place, value) in fit.target.places.iter().zip(values) {
             let [_, expected] = signal.samples().find(|[time, _]| *time as f32 == *place).expect("a sample");
             assert_eq!(*value, expected as f32, "at {place}");
         }
     };
-    assert_shown(&pursuit.target.values, &reference);
+    assert_shown(&fit.target.values, &reference);
     assert_shown(&improvements[improvements.len() - 1].values, &best);
     let (_, alone) = searched(1);
     assert_eq!(format!("{alone:?}"), format!("{found:?}"));

@@ -7,7 +7,7 @@ use super::{Approach, Iteration, StudyRecording};
 use crate::plot::{Correlation, Curve, Plot};
 use crate::report::convergence::{objective, simulated, target};
 use crate::report::{StudyPage, markdown};
-use crate::script::{Convergence, Findings, Pursuit, Row, Waypoint};
+use crate::script::{ConvergenceHistory, Findings, FitHistory, Iterate, Row};
 
 impl StudyRecording {
     /// The same study as its page shows.
@@ -52,30 +52,30 @@ fn rows(Correlation { names, rows, .. }: &Correlation) -> Vec<Row> {
 }
 
 /// One approach to each target of a search; of a search without any, its objective and its unknowns.
-fn approaches(search: &Convergence) -> Vec<Approach> {
-    if search.pursuits.is_empty() {
+fn approaches(search: &ConvergenceHistory) -> Vec<Approach> {
+    if search.fits.is_empty() {
         return vec![without_target(search)];
     }
-    search.pursuits.iter().map(|pursuit| approach(search, pursuit)).collect()
+    search.fits.iter().map(|fit| approach(search, fit)).collect()
 }
 
-fn approach(search: &Convergence, pursuit: &Pursuit) -> Approach {
-    let name = match search.pursuits.as_slice() {
+fn approach(search: &ConvergenceHistory, fit: &FitHistory) -> Approach {
+    let name = match search.fits.as_slice() {
         [_] => search.title.clone(),
-        _ => format!("{}, {}", search.title, pursuit.words),
+        _ => format!("{}, {}", search.title, fit.words),
     };
-    let curves = |improvement| vec![simulated("simulated", pursuit, improvement)];
-    let iterations = pursuit.improvements.iter();
+    let curves = |improvement| vec![simulated("simulated", fit, improvement)];
+    let iterations = fit.improvements.iter();
     let iterations = iterations.map(|improvement| iteration(search, &improvement.at, curves(improvement)));
-    Approach { name, target: target(search, pursuit), iterations: iterations.collect() }
+    Approach { name, target: target(search, fit), iterations: iterations.collect() }
 }
 
-fn without_target(search: &Convergence) -> Approach {
-    let iterations = search.course.iter().map(|at| iteration(search, at, vec![])).collect();
+fn without_target(search: &ConvergenceHistory) -> Approach {
+    let iterations = search.history.iter().map(|at| iteration(search, at, vec![])).collect();
     Approach { name: search.title.clone(), target: objective(search), iterations }
 }
 
-fn iteration(search: &Convergence, at: &Waypoint, curves: Vec<Curve>) -> Iteration {
+fn iteration(search: &ConvergenceHistory, at: &Iterate, curves: Vec<Curve>) -> Iteration {
     Iteration {
         number: u32::try_from(at.iteration).unwrap_or(u32::MAX),
         objective: at.f,
