@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use droptower::diagnostic;
-use droptower::identify::{self, Laboratory};
+use droptower::identify::{self, SearchHost};
 use droptower::model;
 use droptower::post::{self, Plan};
 use droptower::scenario::{Assignment, Document};
@@ -142,7 +142,7 @@ fn run(args: Map) -> Outcome<Findings> {
     let ledger = Ledger::new(Vec::new(), |_| {});
     ledger.register(&mut engine);
     post::register_studies(&mut engine, vec![]);
-    identify::register(&mut engine, &Laboratory::new(None, |_| {}));
+    identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     Arguments::register(&mut engine);
     let mut scope = Scope::new();
     scope.push_constant("args", Arguments::new(args));

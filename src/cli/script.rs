@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 use super::faults::{WRITE_FAILURE, reading, script, storing};
 use super::{NUMERICAL_FAILURE, Shared, digest, folder, print, print_json, report, scenarios, table};
 use crate::diagnostic::{Diagnostic, printable, shown_path};
-use crate::identify::{self, Heard, Identity, Laboratory};
+use crate::identify::{self, Identity, SearchEvent, SearchHost};
 use crate::post;
 use crate::report::StudyPage;
 use crate::script::{
@@ -92,7 +92,7 @@ fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Stopped> {
     ))
 }
 
-/// Runs the script, whose results go to `place`; what it logs is heard at once.
+/// Runs the script, whose results go to `place`; log lines are printed at once.
 fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result<Studied, Stopped> {
     let changes = scenarios::assignments(&args.set)?;
     let say = move |line: &str| {
@@ -108,17 +108,17 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
             say(&format!("note: {error}"));
         }
     };
-    let laboratory = Laboratory::new(Some(store::history_of(place)), move |heard| match heard {
-        Heard::Progress(progress) => say(&progress.to_string()),
-        Heard::Note(note) => say(&format!("note: {note}")),
-        Heard::Found(convergence) => unless_kept(pictures.searched(convergence.clone())),
-        Heard::Correlation(correlation) => unless_kept(pictures.correlated(correlation.clone())),
+    let host = SearchHost::new(Some(store::history_of(place)), move |event| match event {
+        SearchEvent::Progress(progress) => say(&progress.to_string()),
+        SearchEvent::Note(note) => say(&format!("note: {note}")),
+        SearchEvent::Finished(convergence) => unless_kept(pictures.searched(convergence.clone())),
+        SearchEvent::Correlation(correlation) => unless_kept(pictures.correlated(correlation.clone())),
     });
     let mut engine = engine(Limits::STUDY);
     ledger.register(&mut engine);
     register_recordings(&mut engine);
     post::register_studies(&mut engine, changes);
-    identify::register(&mut engine, &laboratory);
+    identify::register(&mut engine, &host);
     Arguments::register(&mut engine);
     let mut scope = Scope::new();
     let given = arguments(args)?;
@@ -126,7 +126,7 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     scope.push_constant("args", Arguments::new(given.clone()));
     let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
     check_read(&program, &given)?;
-    laboratory.identify(Identity { script: program.text().into(), given: decisive(&call) });
+    host.identify(Identity { script: program.text().into(), given: decisive(&call) });
     let stopped = |fault: Fault| Stopped { mistakes: vec![script(&fault)], numerical: fault.numerical };
     program.run(&engine, scope).map_err(stopped)?;
     let virtual_recordings = Session::of_engine(&engine).virtual_recordings();

@@ -37,7 +37,7 @@ pub use objective::{Answer, Broken, Evaluation, Objective, Observed};
 pub use options::{Method, OnFailure, OnRupture, OptionsError, Search, Starts};
 pub use profile::{Point, Profile, ProfileError, profiles};
 pub use progress::Progress;
-pub use script::{Heard, Laboratory, register};
+pub use script::{SearchEvent, SearchHost, register};
 pub use search::{Best, Ended, Iteration, SearchError, minimise};
 pub use tangent::{Tangent, TangentError};
 

@@ -37,32 +37,33 @@ const MOST: INT = 100_000;
 /// A script's own values are limited, and this is one.
 const MOST_SHOWN: usize = 6_000;
 
-/// Where a script's searches keep their histories and who hears of them. Cheap to clone.
+/// Runs the searches of a script: their histories go to one folder, their events to one observer. Cheap to clone.
 #[derive(Clone)]
-pub struct Laboratory {
+pub struct SearchHost {
     folder: Option<PathBuf>,
     identity: Arc<OnceLock<Identity>>,
     searches: Arc<AtomicUsize>,
-    listener: Arc<dyn Fn(Heard<'_>) + Send + Sync>,
+    listener: Arc<dyn Fn(SearchEvent<'_>) + Send + Sync>,
 }
 
-/// What a search says on its way.
+/// An event during the searches of a script.
 #[derive(Clone, Copy, Debug)]
-pub enum Heard<'a> {
+pub enum SearchEvent<'a> {
+    /// An iteration has ended.
     Progress(&'a Progress),
-    /// Something that the user should know, once.
+    /// A message to the user.
     Note(&'a str),
-    /// How a search came to its result.
-    Found(&'a ConvergenceHistory),
-    /// How the parameters that were found hang together.
+    /// A search has ended.
+    Finished(&'a ConvergenceHistory),
+    /// The correlation of estimated parameters is known.
     Correlation(&'a Correlation),
 }
 
-impl Laboratory {
-    /// Histories go to `folder`, where there is one and once the script is [identified](Laboratory::identify); `listener`
+impl SearchHost {
+    /// Histories go to `folder`, where there is one and once the script is [identified](SearchHost::identify); `listener`
     /// hears of every iteration.
-    pub fn new(folder: Option<PathBuf>, listener: impl Fn(Heard<'_>) + Send + Sync + 'static) -> Laboratory {
-        Laboratory { folder, identity: Arc::default(), searches: Arc::default(), listener: Arc::new(listener) }
+    pub fn new(folder: Option<PathBuf>, listener: impl Fn(SearchEvent<'_>) + Send + Sync + 'static) -> SearchHost {
+        SearchHost { folder, identity: Arc::default(), searches: Arc::default(), listener: Arc::new(listener) }
     }
 
     /// Says which script its searches belong to.
@@ -81,14 +82,14 @@ impl Laboratory {
             let Written { search, labels } = &searches[number];
             let name = labels.title.clone().or_else(|| several.then(|| format!("search {}", number + 1)));
             let mut watch = Watch::new(search, name, &labels.names);
-            let mut listener = |iteration: &Iteration| (self.listener)(Heard::Progress(&watch.look(iteration)));
+            let mut listener = |iteration: &Iteration| (self.listener)(SearchEvent::Progress(&watch.look(iteration)));
             let best = search::minimise(search, desk, &mut listener)?;
             let title = labels.title.clone().unwrap_or_else(|| format!("search {}", begun + number + 1));
             let convergence = convergence::of(&best, title, labels, session.is_all_virtual(), desk);
             Ok::<_, SearchError>((best, convergence))
         })?;
         let (found, convergences): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-        convergences.iter().for_each(|convergence| (self.listener)(Heard::Found(convergence)));
+        convergences.iter().for_each(|convergence| (self.listener)(SearchEvent::Finished(convergence)));
         Ok(found)
     }
 
@@ -126,12 +127,12 @@ impl Laboratory {
 
     /// Shows the user how the parameters hang together.
     pub(super) fn correlated(&self, correlation: &Correlation) {
-        (self.listener)(Heard::Correlation(correlation));
+        (self.listener)(SearchEvent::Correlation(correlation));
     }
 
     /// Tells the user something.
     pub(super) fn note(&self, note: &str) {
-        (self.listener)(Heard::Note(note));
+        (self.listener)(SearchEvent::Note(note));
     }
 
     /// The history of the next search.
@@ -142,11 +143,11 @@ impl Laboratory {
         };
         let history = History::open(folder, identity, number, inputs).map_err(refuse)?;
         for note in &history.notes {
-            (self.listener)(Heard::Note(note));
+            (self.listener)(SearchEvent::Note(note));
         }
         let known = history.trials().len();
         if known > 0 {
-            (self.listener)(Heard::Note(&format!("{known} trials are taken from {}", history.path().display())));
+            (self.listener)(SearchEvent::Note(&format!("{known} trials are taken from {}", history.path().display())));
         }
         Ok(Some(history))
     }
@@ -472,29 +473,24 @@ fn integer(count: usize) -> Dynamic {
 }
 
 /// What each of `searches` found for the objective of its place.
-fn minimise(
-    laboratory: &Laboratory,
-    context: &NativeCallContext,
-    searches: &[Written],
-    calls: &[FnPtr],
-) -> Reply<Vec<Map>> {
-    let found = laboratory.minimise(context, searches, calls)?;
+fn minimise(host: &SearchHost, context: &NativeCallContext, searches: &[Written], calls: &[FnPtr]) -> Reply<Vec<Map>> {
+    let found = host.minimise(context, searches, calls)?;
     Ok(found.iter().zip(searches).map(|(best, written)| result(best, &written.labels.names)).collect())
 }
 
 fn minimise_one(
-    laboratory: &Laboratory,
+    host: &SearchHost,
     context: &NativeCallContext,
     (method, start, options): (&str, &Array, &Map),
     call: FnPtr,
 ) -> Reply<Map> {
-    let mut found = minimise(laboratory, context, &[written(method, start, options)?], &[call])?;
+    let mut found = minimise(host, context, &[written(method, start, options)?], &[call])?;
     found.pop().ok_or_else(|| refuse("the search was not made"))
 }
 
 /// Independent searches at the same time. `options` are those of all, or a list with those of each.
 fn minimise_all(
-    laboratory: &Laboratory,
+    host: &SearchHost,
     context: &NativeCallContext,
     (method, starts, options): (&str, &Array, &Dynamic),
     calls: Array,
@@ -521,25 +517,25 @@ fn minimise_all(
         written(method, &start, &options).map(|written| (written, call)).map_err(part)
     });
     let (searches, calls): (Vec<_>, Vec<_>) = searches.collect::<Reply<Vec<_>>>()?.into_iter().unzip();
-    let found = minimise(laboratory, context, &searches, &calls)?;
+    let found = minimise(host, context, &searches, &calls)?;
     Ok(found.into_iter().map(Dynamic::from).collect())
 }
 
 /// Offers `minimize`, `minimize_all`, `confidence` and `profiles` to scripts.
-pub fn register(engine: &mut Engine, laboratory: &Laboratory) {
-    trust::register(engine, laboratory);
-    let own = laboratory.clone();
+pub fn register(engine: &mut Engine, host: &SearchHost) {
+    trust::register(engine, host);
+    let own = host.clone();
     engine.register_fn(
         "minimize",
         move |context: NativeCallContext, method: &str, start: Array, options: Map, call: FnPtr| {
             minimise_one(&own, &context, (method, &start, &options), call)
         },
     );
-    let own = laboratory.clone();
+    let own = host.clone();
     engine.register_fn("minimize", move |context: NativeCallContext, method: &str, start: Array, call: FnPtr| {
         minimise_one(&own, &context, (method, &start, &Map::new()), call)
     });
-    let own = laboratory.clone();
+    let own = host.clone();
     engine.register_fn(
         "minimize_all",
         move |context: NativeCallContext, method: &str, starts: Array, options: Dynamic, calls: Array| {
@@ -625,7 +621,7 @@ mod tests {
 
     fn host() -> Engine {
         let mut engine = engine(Limits::STUDY);
-        register(&mut engine, &Laboratory::new(None, |_| {}));
+        register(&mut engine, &SearchHost::new(None, |_| {}));
         engine
     }
 
@@ -738,7 +734,7 @@ mod tests {
     fn a_script_that_searches_without_end_runs_out_of_its_time() {
         let limits = Limits { time: std::time::Duration::from_millis(300), ..Limits::STUDY };
         let mut engine = engine(limits);
-        register(&mut engine, &Laboratory::new(None, |_| {}));
+        register(&mut engine, &SearchHost::new(None, |_| {}));
         let error = engine
             .run("loop { minimize(\"nelder-mead\", [1.0], |x| { let s = 0; for i in 0..1000 { s += 1; } x[0] }) }");
         let error = error.unwrap_err();

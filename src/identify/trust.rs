@@ -7,7 +7,7 @@ use super::crew::Desk;
 use super::noise::Colour;
 use super::options::Search;
 use super::profile::{self, Profile, ProfileError};
-use super::script::{self, Laboratory, Reply, Written, unknown, whole, word, written};
+use super::script::{self, Reply, SearchHost, Written, unknown, whole, word, written};
 use super::tangent::{Tangent, TangentError};
 use crate::plot::Correlation;
 use crate::script::{Entry, refuse};
@@ -96,7 +96,7 @@ fn estimate(best: &Dynamic) -> Reply<Array> {
 }
 
 fn ask_confidence(
-    laboratory: &Laboratory,
+    host: &SearchHost,
     context: &NativeCallContext,
     best: &Dynamic,
     options: &Map,
@@ -104,16 +104,16 @@ fn ask_confidence(
 ) -> Reply<Map> {
     let asked = Asked::new(best, options)?;
     let task = [(asked.search.clone(), call.clone())];
-    let confidences = laboratory.at_work::<_, ProfileError>(context, &task, |desk, _| {
+    let confidences = host.at_work::<_, ProfileError>(context, &task, |desk, _| {
         Ok(Confidence::of(&asked.tangent(desk)?, &asked.question)?)
     })?;
     let confidence = first(confidences)?;
-    laboratory.correlated(&pictured(&confidence, asked.title));
+    host.correlated(&pictured(&confidence, asked.title));
     Ok(result(&confidence))
 }
 
 fn ask_profiles(
-    laboratory: &Laboratory,
+    host: &SearchHost,
     context: &NativeCallContext,
     best: &Dynamic,
     options: &Map,
@@ -121,10 +121,10 @@ fn ask_profiles(
 ) -> Reply<Map> {
     let asked = Asked::new(best, options)?;
     let task = [(asked.search.clone(), call.clone())];
-    let profiles = laboratory.at_work::<_, ProfileError>(context, &task, |desk, _| {
+    let profiles = host.at_work::<_, ProfileError>(context, &task, |desk, _| {
         let tangent = asked.tangent(desk)?;
         let confidence = Confidence::of(&tangent, &asked.question)?;
-        let mut listener = |left: usize| laboratory.note(&format!("profiles: {left} places are searched"));
+        let mut listener = |left: usize| host.note(&format!("profiles: {left} places are searched"));
         profile::profiles(&asked.search, &tangent, &confidence, asked.points, desk, &mut listener)
     })?;
     first(profiles).map(|profiles| profiled(&profiles, &asked.question.names))
@@ -234,16 +234,16 @@ fn or_unit(value: Option<f64>) -> Dynamic {
 }
 
 /// Offers `confidence` and `profiles` to scripts.
-pub(super) fn register(engine: &mut Engine, laboratory: &Laboratory) {
-    type Ask = fn(&Laboratory, &NativeCallContext, &Dynamic, &Map, &FnPtr) -> Reply<Map>;
+pub(super) fn register(engine: &mut Engine, host: &SearchHost) {
+    type Ask = fn(&SearchHost, &NativeCallContext, &Dynamic, &Map, &FnPtr) -> Reply<Map>;
     let asks: [(&str, Ask); 2] = [("confidence", ask_confidence), ("profiles", ask_profiles)];
     for (name, ask) in asks {
-        let own = laboratory.clone();
+        let own = host.clone();
         let with = move |context: NativeCallContext, best: Dynamic, options: Map, call: FnPtr| {
             ask(&own, &context, &best, &options, &call)
         };
         engine.register_fn(name, with);
-        let own = laboratory.clone();
+        let own = host.clone();
         let without = move |context: NativeCallContext, best: Dynamic, call: FnPtr| {
             ask(&own, &context, &best, &Map::new(), &call)
         };
@@ -299,7 +299,7 @@ mod tests {
 
     fn host() -> Engine {
         let mut engine = engine(Limits::STUDY);
-        script::register(&mut engine, &Laboratory::new(None, |_| {}));
+        script::register(&mut engine, &SearchHost::new(None, |_| {}));
         engine
     }
 

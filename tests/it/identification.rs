@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use droptower::diagnostic;
-use droptower::identify::{self, Heard, Laboratory};
+use droptower::identify::{self, SearchEvent, SearchHost};
 use droptower::post;
 use droptower::scenario::Assignment;
 use droptower::script::{self, ConvergenceHistory, Limits};
@@ -212,17 +212,17 @@ fn how_well_multipliers_are_known_does_not_depend_on_threads_and_is_true() {
 
 /// An engine in which `recorded` is the scenario 1008 on a coarse mesh with the recording of `bench` as its reference.
 fn engine(bench: &Bench, changes: &[&str]) -> Engine {
-    engine_with(bench, changes, Laboratory::new(None, |_| {}))
+    engine_with(bench, changes, SearchHost::new(None, |_| {}))
 }
 
-fn engine_with(bench: &Bench, changes: &[&str], laboratory: Laboratory) -> Engine {
+fn engine_with(bench: &Bench, changes: &[&str], host: SearchHost) -> Engine {
     let recording = format!("reference.signals={}", bench.path("recording/signals.csv").display());
     let changes = [bench.mesh.as_str(), recording.as_str()].into_iter().chain(changes.iter().copied());
     let read =
         |change| Assignment::from_argument(change).unwrap_or_else(|m| panic!("{}", diagnostic::render(&m, false)));
     let mut engine = script::engine(Limits::STUDY);
     post::register_studies(&mut engine, changes.map(read).collect());
-    identify::register(&mut engine, &laboratory);
+    identify::register(&mut engine, &host);
     engine
 }
 
@@ -282,14 +282,14 @@ fn a_search_shows_its_simulations_closing_in_on_the_reference() {
     );
     let searched = |threads| {
         let seen: Arc<Mutex<Vec<ConvergenceHistory>>> = Arc::default();
-        let heard = Arc::clone(&seen);
-        let laboratory = Laboratory::new(None, move |said| {
-            if let Heard::Found(convergence) = said {
-                heard.lock().expect("whole").push(convergence.clone());
+        let events = Arc::clone(&seen);
+        let host = SearchHost::new(None, move |event| {
+            if let SearchEvent::Finished(convergence) = event {
+                events.lock().expect("whole").push(convergence.clone());
             }
         });
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let engine = engine_with(&bench, &[], laboratory);
+        let engine = engine_with(&bench, &[], host);
         let runs = pool.install(|| engine.eval::<rhai::Array>(&text)).unwrap_or_else(|error| panic!("{error}"));
         let found = seen.lock().expect("whole").clone();
         (runs, found)

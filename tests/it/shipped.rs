@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use droptower::diagnostic::{Diagnostic, render};
-use droptower::identify::{self, Laboratory};
+use droptower::identify::{self, SearchHost};
 use droptower::model::{self, Loading, Model};
 use droptower::post::{self, Plan, Results};
 use droptower::scenario::{Assignment, Document};
@@ -113,7 +113,7 @@ fn study_scripts_compile() {
     let mut engine = script::engine(Limits::STUDY);
     Ledger::new(Vec::new(), |_| {}).register(&mut engine);
     post::register_studies(&mut engine, Vec::new());
-    identify::register(&mut engine, &Laboratory::new(None, |_| {}));
+    identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     script::register_recordings(&mut engine);
     let mut scope = Scope::new();
     scope.push_constant("args", Map::new());
