@@ -12,7 +12,7 @@ use droptower::lane::Width;
 use droptower::mesh;
 use droptower::model::{self, Model};
 use droptower::scenario::{Assignment, Document};
-use droptower::simulate::{self, Manner};
+use droptower::simulate::{self, RunOptions};
 
 /// Measurements of which the median is taken.
 const REPEATS: usize = 5;
@@ -196,8 +196,8 @@ fn row(threads: usize, width: Width, cost: f64, bytes: f64, machine: &Machine) {
 /// ns an element step and bytes an element of a whole run.
 fn whole(model: &Model, threads: usize, width: Width) -> (f64, f64) {
     let once = || {
-        let manner = Manner { team: Some(Team::new(threads).at_width(width)), ..Manner::default() };
-        let outcome = simulate::run_in(model, manner, &mut |_| {}).expect("a run");
+        let options = RunOptions { team: Some(Team::new(threads).at_width(width)), ..RunOptions::default() };
+        let outcome = simulate::run_with(model, options, &mut |_| {}).expect("a run");
         let element_steps = outcome.elements as f64 * outcome.steps as f64;
         (outcome.wall.as_secs_f64() * 1e9 / element_steps, outcome.bytes as f64 / outcome.elements as f64)
     };
@@ -237,8 +237,8 @@ fn parts() {
     let mut shares = vec![];
     for _ in 0..REPEATS {
         let team = || Team::new(1);
-        let manner = Manner { team: Some(team()), ..Manner::default() };
-        let outcome = simulate::run_in(&model, manner, &mut |_| {}).expect("a run");
+        let options = RunOptions { team: Some(team()), ..RunOptions::default() };
+        let outcome = simulate::run_with(&model, options, &mut |_| {}).expect("a run");
         let steps = outcome.steps as usize;
         let everything = outcome.wall.as_secs_f64() * 1e9 / (outcome.elements * steps) as f64;
         let with_contact = stepping(&mut simulate::engine(&model).expect("an engine").worked_on_by(team()), steps);

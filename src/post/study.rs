@@ -16,7 +16,7 @@ use crate::material::Law;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
 use crate::script::{Answer, Entry, Options, Session, from_json, number, refuse, to_json, went_wrong};
-use crate::simulate::{self, Across, Manner, RunError};
+use crate::simulate::{self, Across, RunError, RunOptions};
 
 /// A checked scenario in a script. Cheap to clone.
 #[derive(Clone)]
@@ -71,8 +71,8 @@ impl Study {
             session.failed(&cause);
             if matches!(error, RunError::Failure(_)) { went_wrong(cause) } else { refuse(cause) }
         };
-        let manner = Manner { cancellation: session.cancellation().clone(), ..Manner::default() };
-        let outcome = simulate::run_in(model, manner, &mut |_| {}).map_err(failed)?;
+        let options = RunOptions { cancellation: session.cancellation().clone(), ..RunOptions::default() };
+        let outcome = simulate::run_with(model, options, &mut |_| {}).map_err(failed)?;
         if let Some(time) = outcome.rupture_time {
             session.ruptured(&model.name, time);
         }

@@ -114,7 +114,7 @@ pub struct FilmState {
     pub broken: Vec<bool>,
     /// Nodes of the face that the impactor touches, ascending.
     pub touching: Vec<u32>,
-    /// Stress and more, where the run was asked for it ([`Manner::detailed`]).
+    /// Stress and more, where the run was asked for it ([`RunOptions::detailed`]).
     pub detail: Option<Detail>,
 }
 
@@ -203,20 +203,20 @@ const REPORT_AFTER: usize = 30_000;
 
 /// Simulates `model`; `progress` is told every few steps where the run stands.
 pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, RunError> {
-    run_in(model, Manner::default(), progress)
+    run_with(model, RunOptions::default(), progress)
 }
 
-/// How a run is made, besides what its model says. None of it changes a bit of the outcome, the time it took and the detail of
-/// kept states apart.
+/// Options of a run that its model does not hold. None changes a bit of the outcome apart from its wall time and the detail
+/// of its snapshots.
 #[derive(Default)]
-pub struct Manner<'a> {
-    /// Where it is taken up, if it was laid down before.
+pub struct RunOptions<'a> {
+    /// Where an interrupted run resumes.
     pub saved: Option<Saved>,
-    /// Checkpoints on the way.
+    /// When checkpoints are taken; never if left out.
     pub checkpoints: Option<Checkpoints<'a>>,
-    /// Who works on it; left out, as many threads as there are and as its elements are worth.
+    /// Its threads; left out, their number follows from the elements and the processor.
     pub team: Option<Team>,
-    /// Ends the run before its time, without an outcome.
+    /// Ends the run early, without an outcome.
     pub cancellation: Cancellation,
     /// Is shown every state that is kept, as soon as it is.
     pub onlooker: Option<&'a mut dyn FnMut(&Glimpse<'_>)>,
@@ -245,12 +245,16 @@ pub fn engine(model: &Model) -> Result<Engine, RunError> {
     Ok(build::scene(model)?.engine)
 }
 
-/// Simulates `model` as [`run`] does, in a given manner.
+/// Simulates `model` as [`run`] does, with options.
 ///
 /// # Errors
 /// As [`run`]; also a checkpoint of another scene, and [`RunError::Cancelled`].
-pub fn run_in(model: &Model, manner: Manner<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, RunError> {
-    let Manner { saved, checkpoints, team, cancellation, onlooker, detailed } = manner;
+pub fn run_with(
+    model: &Model,
+    options: RunOptions<'_>,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Outcome, RunError> {
+    let RunOptions { saved, checkpoints, team, cancellation, onlooker, detailed } = options;
     let begin = Instant::now();
     let scene = build::scene(model)?;
     let team = team.unwrap_or_else(|| build::team(scene.engine.elements()));

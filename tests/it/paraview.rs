@@ -12,7 +12,7 @@ use droptower::model;
 use droptower::report::vtu;
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::csv;
-use droptower::simulate::{self, Manner};
+use droptower::simulate::{self, RunOptions};
 
 use crate::workbench::{close, droptower, error, printed, root};
 
@@ -166,8 +166,8 @@ fn an_impactor_whose_file_is_gone_by_the_end_is_shown() {
     let changes = changes.map(|change| Assignment::from_argument(change).expect("a change"));
     let document = Document::read(&root().join("scenarios/drop/1008.toml")).expect("a scenario").with(&changes);
     let model = model::check(&document).expect("a model");
-    let manner = Manner { detailed: true, ..Manner::default() };
-    let outcome = simulate::run_in(&model, manner, &mut |_| {}).expect("an outcome");
+    let options = RunOptions { detailed: true, ..RunOptions::default() };
+    let outcome = simulate::run_with(&model, options, &mut |_| {}).expect("an outcome");
     fs::remove_file(&path).expect("the file was there");
 
     let files: Vec<vtu::File> = vtu::files(&model, &outcome).collect::<Result<_, _>>().expect("all files");

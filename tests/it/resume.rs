@@ -13,7 +13,7 @@ use droptower::diagnostic;
 use droptower::model::{self, Model};
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::Recording;
-use droptower::simulate::{self, Checkpoint, Checkpoints, Manner, Outcome, RunError, Saved};
+use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, RunError, RunOptions, Saved};
 
 use crate::workbench::{command, droptower, error};
 
@@ -241,8 +241,8 @@ fn with_checkpoints(model: &Model, every: f64, saved: Option<Saved>) -> (Outcome
     let mut written = vec![];
     let mut keep = |checkpoint: &Checkpoint<'_>| written.push(postcard::to_stdvec(checkpoint).expect("plain numbers"));
     let checkpoints = Checkpoints { every, keep: &mut keep };
-    let manner = Manner { saved, checkpoints: Some(checkpoints), detailed: true, ..Manner::default() };
-    let outcome = simulate::run_in(model, manner, &mut |_| {});
+    let options = RunOptions { saved, checkpoints: Some(checkpoints), detailed: true, ..RunOptions::default() };
+    let outcome = simulate::run_with(model, options, &mut |_| {});
     (outcome.unwrap_or_else(|error| panic!("{}: {error}", model.name)), written)
 }
 
@@ -274,8 +274,8 @@ fn every_kind_of_run_goes_on_to_the_same_bits() {
     ] {
         let model = golden(case, changes);
         let every = 0.22 * model.run_time();
-        let detailed = Manner { detailed: true, ..Manner::default() };
-        let through = simulate::run_in(&model, detailed, &mut |_| {});
+        let detailed = RunOptions { detailed: true, ..RunOptions::default() };
+        let through = simulate::run_with(&model, detailed, &mut |_| {});
         let through = through.unwrap_or_else(|error: RunError| panic!("{case}: {error}"));
         let (kept, written) = with_checkpoints(&model, every, None);
         assert_same(&through, &kept, case);
@@ -294,7 +294,7 @@ fn a_state_of_another_mesh_is_refused() {
     let (_, written) = with_checkpoints(&golden("drop-different-faces", &[]), 20e-3, None);
     let saved: Saved = postcard::from_bytes(&written[0]).expect("what was written");
     let other = golden("free-sphere", &[]);
-    let refused = simulate::run_in(&other, Manner { saved: Some(saved), ..Manner::default() }, &mut |_| {});
+    let refused = simulate::run_with(&other, RunOptions { saved: Some(saved), ..RunOptions::default() }, &mut |_| {});
     assert!(matches!(refused, Err(RunError::Misfit(_))), "{refused:?}");
 }
 

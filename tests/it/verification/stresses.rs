@@ -1,7 +1,7 @@
 //! Stress and thickness of kept states, against what the run itself measures and against a closed form.
 
 use droptower::model::Model;
-use droptower::simulate::{self, Detail, FilmState, Manner, Outcome};
+use droptower::simulate::{self, Detail, FilmState, Outcome, RunOptions};
 
 use super::axisymmetric::Sheet;
 use super::claims::Claims;
@@ -9,8 +9,8 @@ use super::tower::{run, shipped, written};
 
 /// Runs `model` with detailed states.
 fn detailed(model: &Model) -> Outcome {
-    let manner = Manner { detailed: true, ..Manner::default() };
-    simulate::run_in(model, manner, &mut |_| {}).unwrap_or_else(|error| panic!("{}: {error}", model.name))
+    let options = RunOptions { detailed: true, ..RunOptions::default() };
+    simulate::run_with(model, options, &mut |_| {}).unwrap_or_else(|error| panic!("{}: {error}", model.name))
 }
 
 fn detail(state: &FilmState) -> &Detail {
