@@ -7,7 +7,7 @@ use super::scenarios::Checked;
 use crate::diagnostic::Diagnostic;
 use crate::report::RunPage;
 use crate::report::recording::{Address, Live, LiveError};
-use crate::simulate::Glimpse;
+use crate::simulate::SnapshotEvent;
 
 /// The viewer that shows runs.
 pub struct Viewer {
@@ -54,12 +54,12 @@ impl<'a> Show<'a> {
     }
 
     /// Shows a state.
-    pub fn look(&mut self, glimpse: &Glimpse<'_>) {
+    pub fn look(&mut self, event: &SnapshotEvent<'_>) {
         if self.viewer.is_some_and(Viewer::is_gone) {
             self.live = None;
         }
         if let Some(live) = &mut self.live {
-            live.show(glimpse);
+            live.show(event);
         }
     }
 

@@ -4,7 +4,7 @@ use super::progress::Bar;
 use super::scenarios::Checked;
 use crate::diagnostic::Diagnostic;
 use crate::report::RunPage;
-use crate::simulate::Glimpse;
+use crate::simulate::SnapshotEvent;
 
 /// A viewer, of which there is none.
 pub enum Viewer {}
@@ -27,7 +27,7 @@ impl Show {
         false
     }
 
-    pub fn look(&mut self, _: &Glimpse<'_>) {}
+    pub fn look(&mut self, _: &SnapshotEvent<'_>) {}
 
     pub fn finish(self, _: Option<&RunPage>) {}
 }

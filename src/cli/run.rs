@@ -17,7 +17,7 @@ use super::scenarios::{Checked, Selection, both};
 use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report};
 use crate::diagnostic::{Diagnostic, printable};
 use crate::report::{RunPage, duration};
-use crate::simulate::{self, Checkpoint, Checkpoints, Failure, Glimpse, Outcome, Progress, RunError, RunOptions};
+use crate::simulate::{self, Checkpoint, Checkpoints, Failure, Outcome, Progress, RunError, RunOptions, SnapshotEvent};
 use crate::store::{self, Draft};
 
 #[derive(Debug, Args)]
@@ -186,9 +186,9 @@ impl Job {
         };
         let checkpoints = every.map(|every| Checkpoints { every, keep: &mut keep });
         let is_on = show.is_on();
-        let mut look = |glimpse: &Glimpse<'_>| show.look(glimpse);
-        let onlooker = is_on.then_some(&mut look as &mut dyn FnMut(&Glimpse<'_>));
-        let options = RunOptions { saved, checkpoints, onlooker, detailed: self.vtu, ..RunOptions::default() };
+        let mut look = |event: &SnapshotEvent<'_>| show.look(event);
+        let on_snapshot = is_on.then_some(&mut look as &mut dyn FnMut(&SnapshotEvent<'_>));
+        let options = RunOptions { saved, checkpoints, on_snapshot, detailed: self.vtu, ..RunOptions::default() };
         let outcome = simulate::run_with(model, options, &mut progress);
         if lost > 1 {
             bar.complain(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));

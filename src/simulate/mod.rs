@@ -218,15 +218,15 @@ pub struct RunOptions<'a> {
     pub team: Option<Team>,
     /// Ends the run early, without an outcome.
     pub cancellation: Cancellation,
-    /// Is shown every state that is kept, as soon as it is.
-    pub onlooker: Option<&'a mut dyn FnMut(&Glimpse<'_>)>,
+    /// Called with every snapshot as soon as it is taken.
+    pub on_snapshot: Option<&'a mut dyn FnMut(&SnapshotEvent<'_>)>,
     /// Whether kept states have their [`Detail`]. Of a film so fine that its states do not all fit into memory, fewer are kept.
     pub detailed: bool,
 }
 
-/// A run as far as it has come, after a state was kept.
+/// A run up to a snapshot that was just taken.
 #[derive(Clone, Copy)]
-pub struct Glimpse<'a> {
+pub struct SnapshotEvent<'a> {
     /// What the state is one of.
     pub films: &'a [Film],
     pub impactor: Option<&'a Surface>,
@@ -254,7 +254,7 @@ pub fn run_with(
     options: RunOptions<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Outcome, RunError> {
-    let RunOptions { saved, checkpoints, team, cancellation, onlooker, detailed } = options;
+    let RunOptions { saved, checkpoints, team, cancellation, on_snapshot, detailed } = options;
     let begin = Instant::now();
     let scene = build::scene(model)?;
     let team = team.unwrap_or_else(|| build::team(scene.engine.elements()));
@@ -266,8 +266,8 @@ pub fn run_with(
         saved.put_back(&mut engine, &mut probe)?;
     }
     let wall = || before + begin.elapsed();
-    let mut gallery = Gallery { onlooker, mounting: &scene.mounting, shown: 0 };
-    let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall, &cancellation, &mut gallery).err();
+    let mut events = SnapshotEvents { on_snapshot, mounting: &scene.mounting, reported: 0 };
+    let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall, &cancellation, &mut events).err();
     if cancellation.is_cancelled() {
         return Err(RunError::Cancelled);
     }
@@ -279,25 +279,25 @@ pub fn run_with(
     }
 }
 
-/// Shows kept states to whoever looks on.
-struct Gallery<'a, 'm> {
-    onlooker: Option<&'a mut dyn FnMut(&Glimpse<'_>)>,
+/// Reports snapshots to [`RunOptions::on_snapshot`].
+struct SnapshotEvents<'a, 'm> {
+    on_snapshot: Option<&'a mut dyn FnMut(&SnapshotEvent<'_>)>,
     mounting: &'m Mounting,
-    /// States shown so far.
-    shown: usize,
+    /// Snapshots reported so far.
+    reported: usize,
 }
 
-impl Gallery<'_, '_> {
-    /// Shows the states that were kept since.
-    fn show(&mut self, probe: &Probe<'_>, impactor: Option<&Surface>) {
-        let new = &probe.frames()[self.shown..];
-        let Some(onlooker) = self.onlooker.as_mut().filter(|_| !new.is_empty()) else { return };
+impl SnapshotEvents<'_, '_> {
+    /// Reports the snapshots taken since the last call.
+    fn report(&mut self, probe: &Probe<'_>, impactor: Option<&Surface>) {
+        let new = &probe.frames()[self.reported..];
+        let Some(on_snapshot) = self.on_snapshot.as_mut().filter(|_| !new.is_empty()) else { return };
         let (signals, energies) = (probe.signals(self.mounting), probe.energies());
         for frame in new {
             let films = &self.mounting.films;
-            onlooker(&Glimpse { films, impactor, frame, signals: &signals, energies: &energies });
+            on_snapshot(&SnapshotEvent { films, impactor, frame, signals: &signals, energies: &energies });
         }
-        self.shown = probe.frames().len();
+        self.reported = probe.frames().len();
     }
 }
 
@@ -308,7 +308,7 @@ fn advance(
     progress: &mut dyn FnMut(Progress),
     wall: &dyn Fn() -> Duration,
     cancellation: &Cancellation,
-    gallery: &mut Gallery<'_, '_>,
+    events: &mut SnapshotEvents<'_, '_>,
 ) -> Result<(), Fault> {
     let elements = engine.elements();
     let stride = (REPORT_AFTER / elements.max(1)).max(1) as u64;
@@ -323,7 +323,7 @@ fn advance(
         if engine.step(probe)? > 0 {
             probe.broke(time);
         }
-        gallery.show(probe, engine.impactor());
+        events.report(probe, engine.impactor());
         if engine.steps().is_multiple_of(stride) {
             let (time, steps, time_step) = (engine.time(), engine.steps(), engine.time_step());
             progress(Progress { time, duration: probe.duration(), steps, time_step, elements });

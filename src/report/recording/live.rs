@@ -15,7 +15,7 @@ use crate::post::Comparison;
 use crate::report::film::is_finite;
 use crate::report::{RunPage, subject};
 use crate::signal::{Channel, Recording};
-use crate::simulate::Glimpse;
+use crate::simulate::SnapshotEvent;
 
 /// Longest wait for a viewer to answer, and for it to take what is left at the end: of the thread that talks to it for what it
 /// has sent, and a little longer of the run for that thread.
@@ -103,21 +103,21 @@ impl<'a> Live<'a> {
     }
 
     /// Shows a state that can be drawn, unless the viewer has fallen behind.
-    pub fn show(&mut self, glimpse: &Glimpse<'_>) {
-        if !is_finite(glimpse.frame) {
+    pub fn show(&mut self, event: &SnapshotEvent<'_>) {
+        if !is_finite(event.frame) {
             return;
         }
         if self.viewer.is_none() {
-            self.viewer = Some(Viewer::start(self.address.clone(), self.begin(glimpse)));
+            self.viewer = Some(Viewer::start(self.address.clone(), self.begin(event)));
         }
         let Some(viewer) = &self.viewer else { return };
-        let ranges = self.wider(glimpse);
+        let ranges = self.wider(event);
         // A viewer that is gone is told at the end.
-        if viewer.news.try_send(self.state(glimpse, ranges.clone())).is_err() {
+        if viewer.news.try_send(self.state(event, ranges.clone())).is_err() {
             self.lost += 1;
             return;
         }
-        self.sent = samples(glimpse);
+        self.sent = samples(event);
         self.ranges = ranges.unwrap_or_else(|| std::mem::take(&mut self.ranges));
     }
 
@@ -143,24 +143,24 @@ impl<'a> Live<'a> {
     }
 
     /// The scene before its first state.
-    fn begin(&mut self, glimpse: &Glimpse<'_>) -> Scene {
+    fn begin(&mut self, event: &SnapshotEvent<'_>) -> Scene {
         let Live { model, comparison, scenario, .. } = *self;
-        let signals = signals::of(glimpse.signals, glimpse.energies, comparison, model.run_time());
+        let signals = signals::of(event.signals, event.energies, comparison, model.run_time());
         let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&subject(model)));
         let texts = [super::Text { title: super::SUMMARY.to_owned(), markdown: begun }, super::scenario(scenario)];
-        let quantities: Vec<Quantity> = film::quantities(&[glimpse.frame]).into_iter().map(spread).collect();
-        self.sent = samples(glimpse);
+        let quantities: Vec<Quantity> = film::quantities(&[event.frame]).into_iter().map(spread).collect();
+        self.sent = samples(event);
         self.shown = signals.tracks.iter().map(|track| track.path.clone()).collect();
         self.ranges = quantities.iter().map(|quantity| quantity.range).collect();
         Scene {
             name: model.name.clone(),
             duration: model.run_time(),
             is_live: true,
-            extent: film::extent(glimpse.films, &[glimpse.frame]),
+            extent: film::extent(event.films, &[event.frame]),
             documents: texts.iter().map(super::Text::document).collect(),
             quantities,
-            films: film::tracks(glimpse.films),
-            body: glimpse.impactor.map(|impactor| body::track(impactor, &[glimpse.frame])),
+            films: film::tracks(event.films),
+            body: event.impactor.map(|impactor| body::track(impactor, &[event.frame])),
             signals: signals.tracks,
             charts: signals.charts,
             more_charts: signals.more_charts,
@@ -168,22 +168,22 @@ impl<'a> Live<'a> {
         }
     }
 
-    fn state(&self, glimpse: &Glimpse<'_>, ranges: Option<Vec<[f32; 2]>>) -> State {
-        let films = glimpse.films.iter().enumerate();
+    fn state(&self, event: &SnapshotEvent<'_>, ranges: Option<Vec<[f32; 2]>>) -> State {
+        let films = event.films.iter().enumerate();
         let [signals, energies] = self.sent;
-        let (signals, energies) = (since(glimpse.signals, signals), since(glimpse.energies, energies));
+        let (signals, energies) = (since(event.signals, signals), since(event.energies, energies));
         State {
-            time: glimpse.frame.time,
-            films: films.map(|(face, film)| film::state(film, glimpse.frame, face)).collect(),
-            pose: body::pose(glimpse.frame),
+            time: event.frame.time,
+            films: films.map(|(face, film)| film::state(film, event.frame, face)).collect(),
+            pose: body::pose(event.frame),
             samples: signals::of(&signals, &energies, None, f64::INFINITY).tracks,
             ranges,
         }
     }
 
     /// The ranges of the colours, where the state goes beyond them.
-    fn wider(&self, glimpse: &Glimpse<'_>) -> Option<Vec<[f32; 2]>> {
-        let now = film::quantities(&[glimpse.frame]);
+    fn wider(&self, event: &SnapshotEvent<'_>) -> Option<Vec<[f32; 2]>> {
+        let now = film::quantities(&[event.frame]);
         let wider = now.iter().zip(&self.ranges).map(|(quantity, range)| match quantity.range {
             [_, high] if high > range[1] => [range[0], SPREAD * high],
             _ => *range,
@@ -257,8 +257,8 @@ fn tell(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receive
 }
 
 /// Samples of the signals and of the energies so far.
-fn samples(glimpse: &Glimpse<'_>) -> [usize; 2] {
-    [glimpse.signals.time.len(), glimpse.energies.time.len()]
+fn samples(event: &SnapshotEvent<'_>) -> [usize; 2] {
+    [event.signals.time.len(), event.energies.time.len()]
 }
 
 fn spread(quantity: Quantity) -> Quantity {
@@ -333,9 +333,9 @@ mod tests {
         };
         let mut show = |strain, samples| {
             let (frame, signals) = (stretched(strain), forces(samples));
-            let glimpse =
-                Glimpse { films: &films, impactor: None, frame: &frame, signals: &signals, energies: &energies };
-            live.show(&glimpse);
+            let event =
+                SnapshotEvent { films: &films, impactor: None, frame: &frame, signals: &signals, energies: &energies };
+            live.show(&event);
         };
         let samples = |state: &State| state.samples.iter().map(|track| track.values.len()).collect::<Vec<_>>();
         show(0.001, 2);
