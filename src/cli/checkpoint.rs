@@ -12,7 +12,7 @@ use super::scenarios::Checked;
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
 use crate::model::{ImpactorShape, Model, Shape};
 use crate::scenario;
-use crate::simulate::{Checkpoint, Saved};
+use crate::simulate::{Checkpoint, Restart};
 use crate::store::checkpoints::{self, CheckpointStore};
 use crate::units::Time;
 
@@ -194,16 +194,16 @@ impl CheckpointWriter {
     }
 
     /// The state to go on from, if the run does.
-    pub fn start(&self) -> Result<Option<Saved>, Diagnostic> {
+    pub fn start(&self) -> Result<Option<Restart>, Diagnostic> {
         let Some(path) = &self.start else { return Ok(None) };
         let read = || {
             let mut file = checkpoints::open(path)?;
             read_header(&mut file)?;
             // The state holds no text, for which alone the buffer would be.
-            let (saved, (mut file, _)) =
+            let (restart, (mut file, _)) =
                 postcard::from_io((file, &mut [0_u8; 64][..])).map_err(|_| io::Error::other(LAID_OUT))?;
             // Bare numbers of another layout may well be read, but hardly to the last.
-            if file.read(&mut [0])? == 0 { Ok(saved) } else { Err(io::Error::other(LAID_OUT)) }
+            if file.read(&mut [0])? == 0 { Ok(restart) } else { Err(io::Error::other(LAID_OUT)) }
         };
         read().map(Some).map_err(|error: io::Error| unreadable(path, &error))
     }

@@ -157,14 +157,14 @@ impl Job {
         show: &mut Show,
     ) -> Result<Result<Outcome, RunError>, (u8, Diagnostic)> {
         let model = &self.checked.model;
-        let mut saved = None;
+        let mut restart = None;
         if let Some(writer) = &self.writer {
-            saved = writer.start().map_err(|mistake| (BAD_INPUT, mistake))?;
+            restart = writer.start().map_err(|mistake| (BAD_INPUT, mistake))?;
             writer.open().map_err(|mistake| (WRITE_FAILURE, mistake))?;
         }
-        if let Some(saved) = &saved {
-            bar.note(&format!("{} goes on at {}", model.name, duration(saved.time())));
-            bar.start_at(index, saved.time() / model.run_time());
+        if let Some(restart) = &restart {
+            bar.note(&format!("{} goes on at {}", model.name, duration(restart.time())));
+            bar.start_at(index, restart.time() / model.run_time());
         }
         let every = self.writer.as_ref().and_then(CheckpointWriter::every);
         let mut forecast = Forecast::default();
@@ -184,11 +184,11 @@ impl Job {
                 lost += 1;
             }
         };
-        let checkpoints = every.map(|every| Checkpoints { every, keep: &mut keep });
+        let checkpoints = every.map(|every| Checkpoints { every, write: &mut keep });
         let is_on = show.is_on();
         let mut look = |event: &SnapshotEvent<'_>| show.look(event);
         let on_snapshot = is_on.then_some(&mut look as &mut dyn FnMut(&SnapshotEvent<'_>));
-        let options = RunOptions { saved, checkpoints, on_snapshot, detailed: self.vtu, ..RunOptions::default() };
+        let options = RunOptions { restart, checkpoints, on_snapshot, detailed: self.vtu, ..RunOptions::default() };
         let outcome = simulate::run_with(model, options, &mut progress);
         if lost > 1 {
             bar.complain(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));

@@ -1,7 +1,7 @@
-//! A run laid down in the middle and taken up again, with the same bits as one that went through.
+//! Checkpoints of a run, from which it resumes with the bits of one that was not interrupted.
 //!
-//! Whatever follows from the model (meshes, laws, masses, the impactor's shape) is made again on taking up; only what the
-//! steps so far have left is kept: the engine's state and what the probe gathered.
+//! What follows from the model (meshes, laws, masses, the impactor's shape) is built anew when a run resumes; a checkpoint
+//! holds only what the steps change: the state of the engine and the record of the probe.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::probe::{Probe, Record};
 use crate::engine::{Engine, Misfit, State};
 
-/// A run between two steps, as it is saved.
+/// State of a run between two steps, to be written.
 #[derive(Serialize)]
 pub struct Checkpoint<'a> {
     engine: State,
@@ -18,25 +18,25 @@ pub struct Checkpoint<'a> {
     wall: Duration,
 }
 
-/// A checkpoint as it is read back; its fields are those of [`Checkpoint`], in their order.
+/// A [`Checkpoint`] read back: the same fields in the same order.
 #[derive(Deserialize)]
-pub struct Saved {
+pub struct Restart {
     engine: State,
     record: Record,
-    /// What the run took until then.
+    /// Wall time of the run until then.
     pub(super) wall: Duration,
 }
 
-/// When checkpoints are taken, and by whom.
+/// When checkpoints are taken, and what writes them.
 pub struct Checkpoints<'a> {
     /// Simulated time between two, s.
     pub every: f64,
-    /// Takes them.
-    pub keep: &'a mut dyn FnMut(&Checkpoint<'_>),
+    /// Writes one.
+    pub write: &'a mut dyn FnMut(&Checkpoint<'_>),
 }
 
 impl<'a> Checkpoint<'a> {
-    /// The run as it stands; `wall` is what it took until now.
+    /// The present state of a run; `wall` is its wall time so far.
     pub(super) fn of(engine: &Engine, probe: &'a Probe<'_>, wall: Duration) -> Checkpoint<'a> {
         Checkpoint { engine: engine.state(), record: probe.record(), wall }
     }
@@ -52,14 +52,14 @@ impl<'a> Checkpoint<'a> {
     }
 }
 
-impl Saved {
+impl Restart {
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
         self.engine.time
     }
 
-    /// Puts engine and probe, just made of the same model, where the saved run stood.
-    pub(super) fn put_back(self, engine: &mut Engine, probe: &mut Probe<'_>) -> Result<(), Misfit> {
+    /// Restores `engine` and `probe`, newly built from the same model, to the state of the checkpoint.
+    pub(super) fn restore(self, engine: &mut Engine, probe: &mut Probe<'_>) -> Result<(), Misfit> {
         engine.restore(self.engine)?;
         probe.resume(self.record);
         Ok(())

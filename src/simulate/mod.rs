@@ -32,7 +32,7 @@ use crate::model::Model;
 use crate::signal::Recording;
 use build::Mounting;
 pub use cancellation::Cancellation;
-pub use checkpoint::{Checkpoint, Checkpoints, Saved};
+pub use checkpoint::{Checkpoint, Checkpoints, Restart};
 pub use image::Image;
 use probe::Probe;
 pub use pull::{Across, PullError, pull};
@@ -211,7 +211,7 @@ pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome,
 #[derive(Default)]
 pub struct RunOptions<'a> {
     /// Where an interrupted run resumes.
-    pub saved: Option<Saved>,
+    pub restart: Option<Restart>,
     /// When checkpoints are taken; never if left out.
     pub checkpoints: Option<Checkpoints<'a>>,
     /// Its threads; left out, their number follows from the elements and the processor.
@@ -254,16 +254,16 @@ pub fn run_with(
     options: RunOptions<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Outcome, RunError> {
-    let RunOptions { saved, checkpoints, team, cancellation, on_snapshot, detailed } = options;
+    let RunOptions { restart, checkpoints, team, cancellation, on_snapshot, detailed } = options;
     let begin = Instant::now();
     let scene = build::scene(model)?;
     let team = team.unwrap_or_else(|| build::team(scene.engine.elements()));
     let mut engine = scene.engine.worked_on_by(team);
     let mut probe = Probe::new(model, &scene.mounting, detailed);
     let mut before = Duration::ZERO;
-    if let Some(saved) = saved {
-        before = saved.wall;
-        saved.put_back(&mut engine, &mut probe)?;
+    if let Some(restart) = restart {
+        before = restart.wall;
+        restart.restore(&mut engine, &mut probe)?;
     }
     let wall = || before + begin.elapsed();
     let mut events = SnapshotEvents { on_snapshot, mounting: &scene.mounting, reported: 0 };
@@ -316,7 +316,7 @@ fn advance(
     let mut due = checkpoints.as_ref().map_or(f64::INFINITY, |c| after(engine.time(), c.every));
     while !probe.is_done(engine.time()) && !cancellation.is_cancelled() {
         if let Some(checkpoints) = checkpoints.as_mut().filter(|_| engine.time() >= due) {
-            (checkpoints.keep)(&Checkpoint::of(engine, probe, wall()));
+            (checkpoints.write)(&Checkpoint::of(engine, probe, wall()));
             due = after(engine.time(), checkpoints.every);
         }
         let time = engine.time();

@@ -13,7 +13,7 @@ use droptower::diagnostic;
 use droptower::model::{self, Model};
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::Recording;
-use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, RunError, RunOptions, Saved};
+use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, Restart, RunError, RunOptions};
 
 use crate::workbench::{command, droptower, error};
 
@@ -237,11 +237,11 @@ fn golden(case: &str, changes: &[&str]) -> Model {
 }
 
 /// The outcome, and every checkpoint on the way as it would be written.
-fn with_checkpoints(model: &Model, every: f64, saved: Option<Saved>) -> (Outcome, Vec<Vec<u8>>) {
+fn with_checkpoints(model: &Model, every: f64, restart: Option<Restart>) -> (Outcome, Vec<Vec<u8>>) {
     let mut written = vec![];
     let mut keep = |checkpoint: &Checkpoint<'_>| written.push(postcard::to_stdvec(checkpoint).expect("plain numbers"));
-    let checkpoints = Checkpoints { every, keep: &mut keep };
-    let options = RunOptions { saved, checkpoints: Some(checkpoints), detailed: true, ..RunOptions::default() };
+    let checkpoints = Checkpoints { every, write: &mut keep };
+    let options = RunOptions { restart, checkpoints: Some(checkpoints), detailed: true, ..RunOptions::default() };
     let outcome = simulate::run_with(model, options, &mut |_| {});
     (outcome.unwrap_or_else(|error| panic!("{}: {error}", model.name)), written)
 }
@@ -281,8 +281,8 @@ fn every_kind_of_run_goes_on_to_the_same_bits() {
         assert_same(&through, &kept, case);
         assert_eq!(written.len(), 4, "{case}");
         for (number, bytes) in written.iter().enumerate().skip(1).step_by(2) {
-            let saved: Saved = postcard::from_bytes(bytes).expect("what was written");
-            let (resumed, again) = with_checkpoints(&model, every, Some(saved));
+            let restart: Restart = postcard::from_bytes(bytes).expect("what was written");
+            let (resumed, again) = with_checkpoints(&model, every, Some(restart));
             assert_same(&through, &resumed, &format!("{case} from checkpoint {number}"));
             assert_eq!(again.len(), written.len() - number - 1, "{case}: the checkpoints that were left");
         }
@@ -292,9 +292,10 @@ fn every_kind_of_run_goes_on_to_the_same_bits() {
 #[test]
 fn a_state_of_another_mesh_is_refused() {
     let (_, written) = with_checkpoints(&golden("drop-different-faces", &[]), 20e-3, None);
-    let saved: Saved = postcard::from_bytes(&written[0]).expect("what was written");
+    let restart: Restart = postcard::from_bytes(&written[0]).expect("what was written");
     let other = golden("free-sphere", &[]);
-    let refused = simulate::run_with(&other, RunOptions { saved: Some(saved), ..RunOptions::default() }, &mut |_| {});
+    let refused =
+        simulate::run_with(&other, RunOptions { restart: Some(restart), ..RunOptions::default() }, &mut |_| {});
     assert!(matches!(refused, Err(RunError::Misfit(_))), "{refused:?}");
 }
 
