@@ -30,7 +30,7 @@ pub use observer::{Observer, Track, View};
 pub use patch::Patch;
 pub use pressure::Inflation;
 pub use rigid_body::RigidBody;
-pub use state::{Misfit, State};
+pub use state::{State, StateMismatch};
 pub use team::Team;
 use time_step::TimeStep;
 

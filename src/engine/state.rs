@@ -25,10 +25,10 @@ pub struct State {
     impact: Option<(Motion, Carried)>,
 }
 
-/// A state that is of another scene.
+/// A state that belongs to another scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("the state is of another scene: {found} {what} where there are {expected}")]
-pub struct Misfit {
+pub struct StateMismatch {
     /// What there is another number of.
     pub what: &'static str,
     /// In the state.
@@ -57,9 +57,9 @@ impl Engine {
     /// Puts a state of the same scene back: from here on every step gives the same bits as it would have there.
     ///
     /// # Errors
-    /// [`Misfit`] where the state has other numbers of nodes, faces, integration points or impactors; the engine is
+    /// [`StateMismatch`] where the state has other numbers of nodes, faces, integration points or impactors; the engine is
     /// unchanged then.
-    pub fn restore(&mut self, state: State) -> Result<(), Misfit> {
+    pub fn restore(&mut self, state: State) -> Result<(), StateMismatch> {
         self.check(&state)?;
         self.time = state.time;
         self.steps = state.steps;
@@ -77,7 +77,7 @@ impl Engine {
         Ok(())
     }
 
-    fn check(&self, state: &State) -> Result<(), Misfit> {
+    fn check(&self, state: &State) -> Result<(), StateMismatch> {
         let nodes = self.nodes.mass.len();
         for vectors in [&state.position, &state.velocity] {
             same("nodes", if vectors.is_whole() { vectors.len() } else { 0 }, nodes)?;
@@ -93,6 +93,6 @@ impl Engine {
     }
 }
 
-fn same(what: &'static str, found: usize, expected: usize) -> Result<(), Misfit> {
-    if found == expected { Ok(()) } else { Err(Misfit { what, found, expected }) }
+fn same(what: &'static str, found: usize, expected: usize) -> Result<(), StateMismatch> {
+    if found == expected { Ok(()) } else { Err(StateMismatch { what, found, expected }) }
 }

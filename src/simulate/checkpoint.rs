@@ -8,7 +8,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::probe::{Probe, Record};
-use crate::engine::{Engine, Misfit, State};
+use crate::engine::{Engine, State, StateMismatch};
 
 /// State of a run between two steps, to be written.
 #[derive(Serialize)]
@@ -59,7 +59,7 @@ impl Restart {
     }
 
     /// Restores `engine` and `probe`, newly built from the same model, to the state of the checkpoint.
-    pub(super) fn restore(self, engine: &mut Engine, probe: &mut Probe<'_>) -> Result<(), Misfit> {
+    pub(super) fn restore(self, engine: &mut Engine, probe: &mut Probe<'_>) -> Result<(), StateMismatch> {
         engine.restore(self.engine)?;
         probe.resume(self.record);
         Ok(())

@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::engine::{Engine, Fault, Misfit, Surface, Team, UprightElement};
+use crate::engine::{Engine, Fault, StateMismatch, Surface, Team, UprightElement};
 use crate::lane::Width;
 use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
@@ -174,9 +174,9 @@ pub enum RunError {
     /// A fibre has no direction in an element.
     #[error(transparent)]
     Upright(#[from] UprightElement),
-    /// What was to be taken up is of another scene.
+    /// The checkpoint belongs to another scene.
     #[error("the checkpoint does not fit: {0}")]
-    Misfit(#[from] Misfit),
+    StateMismatch(#[from] StateMismatch),
     /// The impactor has no film under it.
     #[error("the impactor goes down beside the film and never touches it")]
     Missed,

@@ -296,7 +296,7 @@ fn a_state_of_another_mesh_is_refused() {
     let other = golden("free-sphere", &[]);
     let refused =
         simulate::run_with(&other, RunOptions { restart: Some(restart), ..RunOptions::default() }, &mut |_| {});
-    assert!(matches!(refused, Err(RunError::Misfit(_))), "{refused:?}");
+    assert!(matches!(refused, Err(RunError::StateMismatch(_))), "{refused:?}");
 }
 
 /// The shipped drop test with a million elements, everything on and all states kept that are kept of so many.
