@@ -84,7 +84,7 @@ fn outcome() -> Outcome {
     Outcome {
         signals: Recording { time, channels },
         energies,
-        frames: Vec::new(),
+        snapshots: Vec::new(),
         films: Vec::new(),
         impactor: None,
         rates: RateHistogram::default(),

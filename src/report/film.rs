@@ -12,7 +12,7 @@ use super::plot::short;
 use crate::model::{Loading, Model};
 use crate::post::turned_round;
 use crate::signal::Recording;
-use crate::simulate::{Film, FilmState, Frame, Outcome};
+use crate::simulate::{Film, FilmState, Outcome, Snapshot};
 
 /// Most states on a page.
 const MOST_STATES: usize = 32;
@@ -37,16 +37,16 @@ const BROKEN: u8 = u8::MAX;
 
 /// The figure with the film in 3-D, as HTML that the page's script draws; empty where no state was kept.
 pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> String {
-    let frames: Vec<&Frame> = outcome.frames.iter().filter(|frame| is_finite(frame)).collect();
-    let Some(first) = frames.first() else {
+    let snapshots: Vec<&Snapshot> = outcome.snapshots.iter().filter(|snapshot| is_finite(snapshot)).collect();
+    let Some(first) = snapshots.first() else {
         return String::new();
     };
     let faces = faces(&outcome.films, first);
     let bytes: usize = faces.iter().map(|face| face.picture.bytes()).sum();
     let most = (MOST_BYTES / bytes.max(1)).clamp(2, MOST_STATES);
     let moments = moments(model, outcome, signals);
-    let chosen = chosen(&frames, &moments, most);
-    let states: Vec<&Frame> = chosen.iter().map(|at| frames[*at]).collect();
+    let chosen = chosen(&snapshots, &moments, most);
+    let states: Vec<&Snapshot> = chosen.iter().map(|at| snapshots[*at]).collect();
     let body = outcome.impactor.as_ref().map(|surface| Body::of(surface, SIDES));
     let scene = Scene { faces, states, moments, body };
     let note = scene.note(outcome);
@@ -72,10 +72,10 @@ fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment>
 }
 
 /// The first and the last state, those at the moments or next after them, and others evenly between, at most so many.
-fn chosen(frames: &[&Frame], moments: &[Moment], most: usize) -> BTreeSet<usize> {
-    let last = frames.len() - 1;
+fn chosen(snapshots: &[&Snapshot], moments: &[Moment], most: usize) -> BTreeSet<usize> {
+    let last = snapshots.len() - 1;
     // What breaks is seen broken after it.
-    let after = |time: f64| frames.partition_point(|frame| frame.time < time).min(last);
+    let after = |time: f64| snapshots.partition_point(|snapshot| snapshot.time < time).min(last);
     let wanted = [0, last].into_iter().chain(moments.iter().map(|(_, time)| after(*time)));
     let mut chosen = BTreeSet::new();
     for at in wanted {
@@ -88,10 +88,10 @@ fn chosen(frames: &[&Frame], moments: &[Moment], most: usize) -> BTreeSet<usize>
     chosen
 }
 
-pub(super) fn is_finite(frame: &Frame) -> bool {
+pub(super) fn is_finite(snapshot: &Snapshot) -> bool {
     let finite = |place: &[f32; 3]| place.iter().all(|c| c.is_finite());
-    let body = frame.impactor.is_none_or(|(place, turn)| place.iter().chain(&turn).all(|c| c.is_finite()));
-    body && frame.films.iter().all(|film| film.positions.iter().all(finite))
+    let body = snapshot.impactor.is_none_or(|(place, turn)| place.iter().chain(&turn).all(|c| c.is_finite()));
+    body && snapshot.films.iter().all(|film| film.positions.iter().all(finite))
 }
 
 /// One face: which, and how it is drawn.
@@ -101,7 +101,7 @@ struct Face {
     picture: Picture,
 }
 
-fn faces(films: &[Film], first: &Frame) -> Vec<Face> {
+fn faces(films: &[Film], first: &Snapshot) -> Vec<Face> {
     let images = |film: &Film| 1 << film.mirrored.iter().filter(|mirrored| **mirrored).count();
     let drawn: usize = films.iter().map(|film| images(film) * (film.quads.len() + film.tris.len())).sum();
     let face = |(index, film): (usize, &Film)| {
@@ -243,7 +243,7 @@ fn bounds(points: impl Iterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
 /// What is drawn.
 struct Scene<'a> {
     faces: Vec<Face>,
-    states: Vec<&'a Frame>,
+    states: Vec<&'a Snapshot>,
     moments: Vec<Moment>,
     body: Option<Body>,
 }
@@ -255,7 +255,7 @@ impl Scene<'_> {
         // A slack fibre is like another.
         let fibre = self.range(|[md, td, _]| [md.max(0.0), td.max(0.0)]);
         let shear = self.range(|[_, _, shear]| [*shear; 2]);
-        let state = |(state, places): (&&Frame, &Vec<[f32; 3]>)| {
+        let state = |(state, places): (&&Snapshot, &Vec<[f32; 3]>)| {
             let strains: Vec<u8> =
                 self.faces.iter().flat_map(|face| strains(face, state, [fibre, fibre, shear])).collect();
             let pose =
@@ -286,12 +286,12 @@ impl Scene<'_> {
     }
 
     /// All faces, one after the other.
-    fn places(&self, state: &Frame) -> Vec<[f32; 3]> {
+    fn places(&self, state: &Snapshot) -> Vec<[f32; 3]> {
         self.faces.iter().flat_map(|face| face.picture.places(&state.films[face.index].positions)).collect()
     }
 
     /// Places of the corners of what holds; pieces of a broken film may be anywhere.
-    fn held(&self, state: &Frame) -> impl Iterator<Item = [f32; 3]> {
+    fn held(&self, state: &Snapshot) -> impl Iterator<Item = [f32; 3]> {
         self.faces.iter().flat_map(|Face { index, picture, .. }| {
             let film = &state.films[*index];
             let held = picture.patches.iter().zip(&picture.element).filter(|(_, element)| holds(film, **element));
@@ -316,7 +316,7 @@ impl Scene<'_> {
         let mut note = format!(
             "{} of {} kept states, in between interpolated; displacements to scale, broken elements left out.",
             self.states.len(),
-            outcome.frames.len()
+            outcome.snapshots.len()
         );
         let shown: usize = self.faces.iter().map(|face| face.picture.patches.len()).sum();
         let elements: usize = outcome.films.iter().map(|film| film.quads.len() + film.tris.len()).sum();
@@ -336,7 +336,7 @@ fn holds(film: &FilmState, element: u32) -> bool {
 }
 
 /// Strains along MD and TD and shear of each patch, as shares of their ranges; what lies outside stands at their ends.
-fn strains(face: &Face, state: &Frame, ranges: [[f32; 2]; 3]) -> Vec<u8> {
+fn strains(face: &Face, state: &Snapshot, ranges: [[f32; 2]; 3]) -> Vec<u8> {
     let film = &state.films[face.index];
     let share =
         |value: f32, [low, high]: [f32; 2]| ((value - low) / (high - low) * f32::from(BROKEN - 1)).round() as u8;
@@ -386,7 +386,7 @@ mod tests {
         (points, Film { nodes: (row * row) as usize, quads, tris: vec![], mirrored: [true; 2], held: vec![], quality })
     }
 
-    fn frame(time: f64, points: &[[f32; 3]], film: &Film) -> Frame {
+    fn snapshot(time: f64, points: &[[f32; 3]], film: &Film) -> Snapshot {
         let state = FilmState {
             positions: points.to_vec(),
             strains: vec![[0.1, 0.5, -0.2]; film.quads.len()],
@@ -394,7 +394,7 @@ mod tests {
             touching: vec![],
             detail: None,
         };
-        Frame { time, films: vec![state], impactor: None }
+        Snapshot { time, films: vec![state], impactor: None }
     }
 
     #[test]
@@ -416,7 +416,7 @@ mod tests {
         let (points, film) = sheet(2);
         let outlines: Vec<[u32; 4]> = outlines(&film).collect();
         let face = Face { index: 0, mirrored: film.mirrored, picture: Picture::of(&points, &outlines, 100) };
-        let written = strains(&face, &frame(0.0, &points, &film), [[0.0, 0.5], [0.0, 0.5], [-0.2, 0.3]]);
+        let written = strains(&face, &snapshot(0.0, &points, &film), [[0.0, 0.5], [0.0, 0.5], [-0.2, 0.3]]);
         assert_eq!(written[..6], [BROKEN, BROKEN, BROKEN, 51, 254, 0]);
     }
 
@@ -434,8 +434,8 @@ mod tests {
     #[test]
     fn a_small_face_beside_a_fine_one_is_still_drawn() {
         let (fine, small) = (sheet(200), sheet(1));
-        let states = [&fine, &small].map(|(points, film)| frame(0.0, points, film).films.remove(0));
-        let first = Frame { time: 0.0, films: states.into(), impactor: None };
+        let states = [&fine, &small].map(|(points, film)| snapshot(0.0, points, film).films.remove(0));
+        let first = Snapshot { time: 0.0, films: states.into(), impactor: None };
         let patches: Vec<usize> =
             faces(&[fine.1, small.1], &first).iter().map(|face| face.picture.patches.len()).collect();
         assert!(patches[0] > 500 && patches[1] == 1, "{patches:?}");
@@ -459,7 +459,7 @@ mod tests {
         let face = Face { index: 0, mirrored: film.mirrored, picture: Picture::of(&points, &outlines, 100) };
         // A corner that only the first element has, which is broken.
         points[0] = [-1e6; 3];
-        let state = frame(0.0, &points, &film);
+        let state = snapshot(0.0, &points, &film);
         let scene = Scene { faces: vec![face], states: vec![&state], moments: vec![], body: None };
         assert_eq!(scene.contents()["box"], json!([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]));
     }
@@ -480,23 +480,23 @@ mod tests {
     #[test]
     fn states_hold_the_moments_and_stay_few() {
         let (points, film) = sheet(1);
-        let frames: Vec<Frame> = (0..240).map(|at| frame(f64::from(at) * 0.5e-3, &points, &film)).collect();
-        let frames: Vec<&Frame> = frames.iter().collect();
-        let chosen = chosen(&frames, &[("lowest point", 57.3e-3), ("rupture", 80.2e-3)], 32);
+        let snapshots: Vec<Snapshot> = (0..240).map(|at| snapshot(f64::from(at) * 0.5e-3, &points, &film)).collect();
+        let snapshots: Vec<&Snapshot> = snapshots.iter().collect();
+        let chosen = chosen(&snapshots, &[("lowest point", 57.3e-3), ("rupture", 80.2e-3)], 32);
         assert!(chosen.len() <= 32 && chosen.len() > 28, "{}", chosen.len());
         assert!([0, 239, 115, 161].iter().all(|at| chosen.contains(at)), "{chosen:?}");
-        assert_eq!(super::chosen(&frames[..1], &[("lowest point", 1.0)], 32).len(), 1);
+        assert_eq!(super::chosen(&snapshots[..1], &[("lowest point", 1.0)], 32).len(), 1);
     }
 
     #[test]
     fn the_largest_film_stays_small_enough_to_be_sent() {
         let (points, film) = sheet(300);
-        let frames: Vec<Frame> = (0..40).map(|at| frame(f64::from(at), &points, &film)).collect();
+        let snapshots: Vec<Snapshot> = (0..40).map(|at| snapshot(f64::from(at), &points, &film)).collect();
         let outlines: Vec<[u32; 4]> = outlines(&film).collect();
         let picture = Picture::of(&points, &outlines, MOST_PATCHES / 4);
         let most = (MOST_BYTES / picture.bytes()).clamp(2, MOST_STATES);
         let face = Face { index: 0, mirrored: film.mirrored, picture };
-        let states = frames.iter().take(most).collect();
+        let states = snapshots.iter().take(most).collect();
         let scene = Scene { faces: vec![face], states, moments: vec![], body: None };
         let text = data(&scene.contents());
         assert!(text.len() < 1_400_000, "{}", text.len());

@@ -5,7 +5,7 @@ mod cancellation;
 mod checkpoint;
 mod energy_check;
 mod frame_force;
-mod frames;
+mod snapshot;
 mod grid;
 mod image;
 mod impact;
@@ -44,11 +44,11 @@ pub struct Outcome {
     pub signals: Recording,
     /// The energy audit, sampled with the signals: one channel a term, J.
     pub energies: Recording,
-    /// Kept states of the film and the impactor.
-    pub frames: Vec<Frame>,
-    /// What the frames are states of, one entry a face.
+    /// States of films and impactor over time.
+    pub snapshots: Vec<Snapshot>,
+    /// Topology of the films, one entry a face.
     pub films: Vec<Film>,
-    /// Surface of the impactor that moves in the frames.
+    /// Surface of the impactor that moves in the snapshots.
     pub impactor: Option<Surface>,
     pub rates: RateHistogram,
     pub warnings: Vec<String>,
@@ -95,7 +95,7 @@ pub struct Film {
 
 /// State of the whole scene at one time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Frame {
+pub struct Snapshot {
     /// s.
     pub time: f64,
     /// One entry a face.
@@ -227,10 +227,10 @@ pub struct RunOptions<'a> {
 /// A run up to a snapshot that was just taken.
 #[derive(Clone, Copy)]
 pub struct SnapshotEvent<'a> {
-    /// What the state is one of.
+    /// Topology of the films, one entry a face.
     pub films: &'a [Film],
     pub impactor: Option<&'a Surface>,
-    pub frame: &'a Frame,
+    pub snapshot: &'a Snapshot,
     /// Channels of `signals.csv` until then, without the filtered one.
     pub signals: &'a Recording,
     /// The energy audit until then.
@@ -290,14 +290,14 @@ struct SnapshotEvents<'a, 'm> {
 impl SnapshotEvents<'_, '_> {
     /// Reports the snapshots taken since the last call.
     fn report(&mut self, probe: &Probe<'_>, impactor: Option<&Surface>) {
-        let new = &probe.frames()[self.reported..];
+        let new = &probe.snapshots()[self.reported..];
         let Some(on_snapshot) = self.on_snapshot.as_mut().filter(|_| !new.is_empty()) else { return };
         let (signals, energies) = (probe.signals(self.mounting), probe.energies());
-        for frame in new {
+        for snapshot in new {
             let films = &self.mounting.films;
-            on_snapshot(&SnapshotEvent { films, impactor, frame, signals: &signals, energies: &energies });
+            on_snapshot(&SnapshotEvent { films, impactor, snapshot, signals: &signals, energies: &energies });
         }
-        self.reported = probe.frames().len();
+        self.reported = probe.snapshots().len();
     }
 }
 

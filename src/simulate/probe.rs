@@ -1,4 +1,4 @@
-//! The observer of a run: signals, audits, frames, warnings and progress.
+//! The observer of a run: signals, audits, snapshots, warnings and progress.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use super::pressure::Rise;
 use super::rates::RateAudit;
 use super::tracks::Tracks;
 use super::warnings::{Figures, Warnings};
-use super::{Frame, Outcome, frames, impact, indent, pressure, slow, stretch};
+use super::{Outcome, Snapshot, impact, indent, pressure, slow, snapshot, stretch};
 use crate::engine::{ElementStrain, Engine, Fault, Inflation, Observer, Track, View};
 use crate::model::{Loading, Model};
 use crate::signal::Recording;
@@ -32,9 +32,10 @@ const JUDGED_FROM: f64 = 0.1;
 pub(super) struct Probe<'a> {
     model: &'a Model,
     duration: f64,
-    /// States that are kept, and the time between them, s.
-    frames: usize,
-    frame: f64,
+    /// Number of snapshots.
+    snapshots: usize,
+    /// Time between two of them, s.
+    snapshot_interval: f64,
     /// Whether they have their detail.
     detailed: bool,
     audit: f64,
@@ -52,7 +53,7 @@ pub(super) struct Record {
     audits: usize,
     tracks: Tracks,
     rise: Rise,
-    frames: Vec<Frame>,
+    snapshots: Vec<Snapshot>,
     energy: EnergyCheck,
     rates: RateAudit,
     warnings: Warnings,
@@ -77,12 +78,12 @@ impl<'a> Probe<'a> {
         let impact = matches!(model.loading, Loading::Impact { .. });
         let judged_from = if impact { 0.0 } else { JUDGED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
-        let frames = frames::kept(model.output.frames, &mounting.films, detailed);
+        let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
         let record = Record {
             audits: 0,
             tracks: Tracks::new(duration, sample, speed, gravity),
             rise: Rise::default(),
-            frames: vec![],
+            snapshots: vec![],
             energy: EnergyCheck::new(scale, judged_from),
             rates: RateAudit::new(measured),
             warnings: Warnings::default(),
@@ -93,8 +94,8 @@ impl<'a> Probe<'a> {
         Probe {
             model,
             duration,
-            frames,
-            frame: duration / frames.saturating_sub(1).max(1) as f64,
+            snapshots,
+            snapshot_interval: duration / snapshots.saturating_sub(1).max(1) as f64,
             detailed,
             held: mounting.held.clone(),
             remedy: slow::remedy(model, mounting.mass_scaling),
@@ -114,9 +115,9 @@ impl<'a> Probe<'a> {
         self.record = record;
     }
 
-    /// States kept so far.
-    pub(super) fn frames(&self) -> &[Frame] {
-        &self.record.frames
+    /// Snapshots so far.
+    pub(super) fn snapshots(&self) -> &[Snapshot] {
+        &self.record.snapshots
     }
 
     /// The energy audit so far.
@@ -165,8 +166,9 @@ impl<'a> Probe<'a> {
         self.record.rupture_time.get_or_insert(time);
     }
 
-    fn frame_due(&self, time: f64) -> bool {
-        self.record.frames.len() < self.frames && self.record.frames.len() as f64 * self.frame <= time
+    fn snapshot_due(&self, time: f64) -> bool {
+        self.record.snapshots.len() < self.snapshots
+            && self.record.snapshots.len() as f64 * self.snapshot_interval <= time
     }
 
     fn audit_due(&self, time: f64) -> bool {
@@ -174,8 +176,8 @@ impl<'a> Probe<'a> {
     }
 
     fn look(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
-        if self.frame_due(view.time) {
-            self.record.frames.push(frames::frame(view, faces, self.detailed));
+        if self.snapshot_due(view.time) {
+            self.record.snapshots.push(snapshot::snapshot(view, faces, self.detailed));
         }
         if self.record.tracks.is_due(view.time) {
             self.take_sample(view, faces);
@@ -226,13 +228,14 @@ impl<'a> Probe<'a> {
         let energies = self.energies();
         let rates = self.record.rates.finish();
         let unfinished = signals.channel("contact_force_N").is_some_and(impact::ends_loaded);
-        let frames = [self.model.output.frames, self.frames];
+        let snapshots = [self.model.output.frames, self.snapshots];
         let remedy = &self.remedy;
-        let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, remedy, frames, unfinished };
+        let figures =
+            Figures { balance, outside: rates.outside, kinetic: kinetic_share, remedy, snapshots, unfinished };
         Outcome {
             signals,
             energies,
-            frames: self.record.frames,
+            snapshots: self.record.snapshots,
             warnings: self.record.warnings.finish(&figures, &mounting.films),
             films: mounting.films,
             impactor: engine.impactor().cloned(),
@@ -282,7 +285,7 @@ fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> Fault {
 
 impl Observer for Probe<'_> {
     fn wants(&self, time: f64) -> bool {
-        self.record.tracks.is_due(time) || self.frame_due(time) || self.audit_due(time)
+        self.record.tracks.is_due(time) || self.snapshot_due(time) || self.audit_due(time)
     }
 
     fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {

@@ -33,8 +33,8 @@ pub(super) struct Figures<'a> {
     pub(super) kinetic: Option<f64>,
     /// What to do about it.
     pub(super) remedy: &'a str,
-    /// States of the film that were asked for and that were kept.
-    pub(super) frames: [usize; 2],
+    /// Snapshots asked for and taken.
+    pub(super) snapshots: [usize; 2],
     /// Whether the impactor still felt the film at the end.
     pub(super) unfinished: bool,
 }
@@ -104,7 +104,7 @@ impl Warnings {
 
     /// All warnings.
     pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film]) -> Vec<String> {
-        let Figures { balance, outside, kinetic, remedy, frames: [wanted, kept], unfinished } = *figures;
+        let Figures { balance, outside, kinetic, remedy, snapshots: [wanted, kept], unfinished } = *figures;
         let ms = |t: f64| 1e3 * t;
         let mut out = vec![];
         for (face, film) in films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < MISSHAPEN) {

@@ -60,11 +60,11 @@ fn a_recording_holds_what_the_engine_computed() {
 
 /// All states of a face, node by node, with its broken elements and the nodes in touch.
 fn film_is_the_engines(played: &Playback, outcome: &Outcome, face: usize) {
-    let states: Vec<&FilmState> = outcome.frames.iter().map(|frame| &frame.films[face]).collect();
+    let states: Vec<&FilmState> = outcome.snapshots.iter().map(|snapshot| &snapshot.films[face]).collect();
     let nodes = played.nodes(&format!("/scene/face-{}", face + 1));
     assert_eq!(nodes.len(), states.len());
-    for ((at, shown), (frame, state)) in nodes.iter().zip(outcome.frames.iter().zip(&states)) {
-        assert!((*at as f64 * 1e-9 - frame.time).abs() < 2e-9);
+    for ((at, shown), (snapshot, state)) in nodes.iter().zip(outcome.snapshots.iter().zip(&states)) {
+        assert!((*at as f64 * 1e-9 - snapshot.time).abs() < 2e-9);
         let both = shown.iter().flatten().zip(state.positions.iter().flatten());
         assert!(both.clone().count() == 3 * outcome.films[face].nodes);
         assert!(both.into_iter().all(|(shown, computed)| (shown - computed).abs() <= 1.001 * ROUNDED), "{at} ns");
@@ -87,11 +87,11 @@ fn colours_are_those_of_the_strains(played: &Playback, outcome: &Outcome, face: 
         let elements = state.strains.iter().zip(&state.broken).filter(|(_, broken)| !**broken);
         elements.map(|(strains, _)| strains[0]).fold(0.0, f32::max)
     };
-    let largest = outcome.frames.iter().flat_map(|frame| &frame.films).map(held).fold(0.0, f32::max);
+    let largest = outcome.snapshots.iter().flat_map(|snapshot| &snapshot.films).map(held).fold(0.0, f32::max);
     let shown = played.colours(&format!("/scene/face-{}", face + 1), "md");
-    assert_eq!(shown.len(), outcome.frames.len());
-    for ((at, colours), frame) in shown.iter().zip(&outcome.frames) {
-        let (film, state) = (&outcome.films[face], &frame.films[face]);
+    assert_eq!(shown.len(), outcome.snapshots.len());
+    for ((at, colours), snapshot) in shown.iter().zip(&outcome.snapshots) {
+        let (film, state) = (&outcome.films[face], &snapshot.films[face]);
         let mut around = vec![vec![]; film.nodes];
         for (element, quad) in film.quads.iter().enumerate().filter(|(element, _)| !state.broken[*element]) {
             quad.iter().for_each(|node| around[*node as usize].push(state.strains[element][0]));
@@ -115,10 +115,10 @@ fn green_of(share: f32) -> f32 {
 
 fn impactor_is_the_engines(played: &Playback, outcome: &Outcome) {
     let (places, turns) = (played.places("/scene/impactor"), played.rotations("/scene/impactor"));
-    assert_eq!([places.len(), turns.len()], [outcome.frames.len(); 2]);
-    for (((at, place), (_, turn)), frame) in places.iter().zip(&turns).zip(&outcome.frames) {
-        assert!((*at as f64 * 1e-9 - frame.time).abs() < 2e-9);
-        let (computed, turned) = frame.impactor.expect("an impactor");
+    assert_eq!([places.len(), turns.len()], [outcome.snapshots.len(); 2]);
+    for (((at, place), (_, turn)), snapshot) in places.iter().zip(&turns).zip(&outcome.snapshots) {
+        assert!((*at as f64 * 1e-9 - snapshot.time).abs() < 2e-9);
+        let (computed, turned) = snapshot.impactor.expect("an impactor");
         assert_eq!((place[0], turn[0]), (computed.map(|c| c as f32), turned.map(|c| c as f32)), "{at} ns");
     }
     let surface = outcome.impactor.as_ref().expect("an impactor");

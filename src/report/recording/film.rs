@@ -2,7 +2,7 @@
 
 use droptower_viz::{Extent, FilmSnapshot, FilmTrack, Quantity};
 
-use crate::simulate::{Film, FilmState, Frame, Image};
+use crate::simulate::{Film, FilmState, Image, Snapshot};
 
 /// A strain that faces are coloured by, of the MD fibre, the TD fibre and the shear angle (rad) of an element.
 struct Strain {
@@ -37,10 +37,10 @@ const STRAINS: [Strain; 4] = [
 /// The end of the colours where nothing is strained more: strains below it are no more than rounding.
 const LEAST_STRAIN: f32 = 1e-6;
 
-/// The strains, from nothing to the largest of an element that holds in any of `frames`. Less than nothing is slack.
-pub fn quantities(frames: &[&Frame]) -> Vec<Quantity> {
+/// The strains, from zero to the largest of an intact element in any of `snapshots`; negative is slack.
+pub fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
     let highest = |strain: &Strain| {
-        let states = frames.iter().flat_map(|frame| &frame.films);
+        let states = snapshots.iter().flat_map(|snapshot| &snapshot.films);
         states.map(|state| largest(strain, state)).fold(0.0, f32::max)
     };
     STRAINS.iter().map(|strain| strain.quantity(highest(strain))).collect()
@@ -51,11 +51,11 @@ pub fn tracks(films: &[Film]) -> Vec<FilmTrack> {
     films.iter().enumerate().map(|(face, film)| track(film, face)).collect()
 }
 
-/// What the faces take up in all of `frames`.
-pub fn extent(films: &[Film], frames: &[&Frame]) -> Extent {
+/// What the faces take up in all of `snapshots`.
+pub fn extent(films: &[Film], snapshots: &[&Snapshot]) -> Extent {
     let faces = films.iter().enumerate().map(|(face, film)| (face, film, track(film, face)));
     faces.fold(Extent::default(), |extent, (face, film, track)| {
-        frames.iter().fold(extent, |extent, frame| extent.with(&track, &state(film, frame, face)))
+        snapshots.iter().fold(extent, |extent, snapshot| extent.with(&track, &state(film, snapshot, face)))
     })
 }
 
@@ -70,10 +70,10 @@ fn track(film: &Film, face: usize) -> FilmTrack {
 }
 
 /// One face at one time.
-pub fn state(film: &Film, frame: &Frame, face: usize) -> FilmSnapshot {
-    let state = &frame.films[face];
+pub fn state(film: &Film, snapshot: &Snapshot, face: usize) -> FilmSnapshot {
+    let state = &snapshot.films[face];
     FilmSnapshot {
-        time: frame.time,
+        time: snapshot.time,
         positions: state.positions.clone(),
         values: STRAINS.iter().map(|strain| nodal(strain, film, state)).collect(),
         visible: per_triangle(film, |element| !state.broken[element]),

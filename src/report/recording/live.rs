@@ -104,7 +104,7 @@ impl<'a> Live<'a> {
 
     /// Shows a state that can be drawn, unless the viewer has fallen behind.
     pub fn show(&mut self, event: &SnapshotEvent<'_>) {
-        if !is_finite(event.frame) {
+        if !is_finite(event.snapshot) {
             return;
         }
         if self.viewer.is_none() {
@@ -148,7 +148,7 @@ impl<'a> Live<'a> {
         let signals = signals::of(event.signals, event.energies, comparison, model.run_time());
         let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&subject(model)));
         let texts = [super::Text { title: super::SUMMARY.to_owned(), markdown: begun }, super::scenario(scenario)];
-        let quantities: Vec<Quantity> = film::quantities(&[event.frame]).into_iter().map(spread).collect();
+        let quantities: Vec<Quantity> = film::quantities(&[event.snapshot]).into_iter().map(spread).collect();
         self.sent = samples(event);
         self.shown = signals.tracks.iter().map(|track| track.path.clone()).collect();
         self.ranges = quantities.iter().map(|quantity| quantity.range).collect();
@@ -156,11 +156,11 @@ impl<'a> Live<'a> {
             name: model.name.clone(),
             duration: model.run_time(),
             is_live: true,
-            extent: film::extent(event.films, &[event.frame]),
+            extent: film::extent(event.films, &[event.snapshot]),
             documents: texts.iter().map(super::Text::document).collect(),
             quantities,
             films: film::tracks(event.films),
-            body: event.impactor.map(|impactor| body::track(impactor, &[event.frame])),
+            body: event.impactor.map(|impactor| body::track(impactor, &[event.snapshot])),
             signals: signals.tracks,
             charts: signals.charts,
             more_charts: signals.more_charts,
@@ -173,9 +173,9 @@ impl<'a> Live<'a> {
         let [signals, energies] = self.sent;
         let (signals, energies) = (since(event.signals, signals), since(event.energies, energies));
         State {
-            time: event.frame.time,
-            films: films.map(|(face, film)| film::state(film, event.frame, face)).collect(),
-            pose: body::pose(event.frame),
+            time: event.snapshot.time,
+            films: films.map(|(face, film)| film::state(film, event.snapshot, face)).collect(),
+            pose: body::pose(event.snapshot),
             samples: signals::of(&signals, &energies, None, f64::INFINITY).tracks,
             ranges,
         }
@@ -183,7 +183,7 @@ impl<'a> Live<'a> {
 
     /// The ranges of the colours, where the state goes beyond them.
     fn wider(&self, event: &SnapshotEvent<'_>) -> Option<Vec<[f32; 2]>> {
-        let now = film::quantities(&[event.frame]);
+        let now = film::quantities(&[event.snapshot]);
         let wider = now.iter().zip(&self.ranges).map(|(quantity, range)| match quantity.range {
             [_, high] if high > range[1] => [range[0], SPREAD * high],
             _ => *range,
@@ -248,7 +248,7 @@ fn tell(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receive
     let mut stage = Stage::live(address, scene)?;
     for State { time, films, pose, samples, ranges } in states {
         stage.spread(Moment::Time(time), &ranges.unwrap_or_default())?;
-        films.iter().enumerate().try_for_each(|(face, frame)| stage.film(face, frame))?;
+        films.iter().enumerate().try_for_each(|(face, film)| stage.film(face, film))?;
         pose.iter().try_for_each(|pose| stage.pose(pose))?;
         samples.iter().try_for_each(|track| stage.samples(&track.path, &track.places, &track.values))?;
     }
@@ -279,7 +279,7 @@ mod tests {
     use super::*;
     use crate::mesh::{Mesh, Quality};
     use crate::scenario::Document;
-    use crate::simulate::{Film, FilmState, Frame};
+    use crate::simulate::{Film, FilmState, Snapshot};
 
     fn model() -> Model {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/drop/1008.toml");
@@ -292,7 +292,7 @@ mod tests {
     }
 
     /// The triangle, stretched.
-    fn stretched(strain: f32) -> Frame {
+    fn stretched(strain: f32) -> Snapshot {
         let state = FilmState {
             positions: vec![[0.0; 3]; 3],
             strains: vec![[strain; 3]],
@@ -300,7 +300,7 @@ mod tests {
             touching: vec![],
             detail: None,
         };
-        Frame { time: f64::from(strain), films: vec![state], impactor: None }
+        Snapshot { time: f64::from(strain), films: vec![state], impactor: None }
     }
 
     fn forces(samples: usize) -> Recording {
@@ -332,9 +332,14 @@ mod tests {
             lost: 0,
         };
         let mut show = |strain, samples| {
-            let (frame, signals) = (stretched(strain), forces(samples));
-            let event =
-                SnapshotEvent { films: &films, impactor: None, frame: &frame, signals: &signals, energies: &energies };
+            let (snapshot, signals) = (stretched(strain), forces(samples));
+            let event = SnapshotEvent {
+                films: &films,
+                impactor: None,
+                snapshot: &snapshot,
+                signals: &signals,
+                energies: &energies,
+            };
             live.show(&event);
         };
         let samples = |state: &State| state.samples.iter().map(|track| track.values.len()).collect::<Vec<_>>();

@@ -20,7 +20,7 @@ use thiserror::Error;
 
 use super::film::is_finite;
 use super::{RunPage, figure, subject};
-use crate::simulate::Frame;
+use crate::simulate::Snapshot;
 pub use comparison::write_comparison;
 pub use droptower_viz::Address;
 pub use live::{Live, LiveError};
@@ -43,30 +43,30 @@ const PATIENCE: Duration = Duration::from_secs(600);
 /// The file cannot be written.
 pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
     let outcome = run.outcome;
-    let frames = drawn(&outcome.frames);
-    let mut stage = Stage::file(path, scene(run, &frames))?;
+    let snapshots = drawn(&outcome.snapshots);
+    let mut stage = Stage::file(path, scene(run, &snapshots))?;
     // One face after the other: states of one entity in a row compress better.
     for (face, film) in outcome.films.iter().enumerate() {
-        for frame in &frames {
-            stage.film(face, &film::state(film, frame, face))?;
+        for snapshot in &snapshots {
+            stage.film(face, &film::state(film, snapshot, face))?;
         }
     }
     Ok(stage.finish(PATIENCE)?)
 }
 
-/// All but the states of the films, of which `frames` are shown.
-fn scene(run: &RunPage, frames: &[&Frame]) -> Scene {
+/// All but the states of the films, of which `snapshots` are shown.
+fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
     let RunPage { model, outcome, results, .. } = run;
     let signals = signals::of(&results.signals, &outcome.energies, results.comparison.as_ref(), model.run_time());
     Scene {
         name: model.name.clone(),
         is_live: false,
-        extent: film::extent(&outcome.films, &ends(frames, run.failure.is_some())),
+        extent: film::extent(&outcome.films, &ends(snapshots, run.failure.is_some())),
         duration: model.run_time(),
         documents: documents(run),
-        quantities: film::quantities(frames),
+        quantities: film::quantities(snapshots),
         films: film::tracks(&outcome.films),
-        body: outcome.impactor.as_ref().map(|impactor| body::track(impactor, frames)),
+        body: outcome.impactor.as_ref().map(|impactor| body::track(impactor, snapshots)),
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
@@ -76,14 +76,14 @@ fn scene(run: &RunPage, frames: &[&Frame]) -> Scene {
 }
 
 /// The states that can be drawn: what flew to infinity before a run broke off cannot.
-fn drawn(frames: &[Frame]) -> Vec<&Frame> {
-    frames.iter().filter(|frame| is_finite(frame)).collect()
+fn drawn(snapshots: &[Snapshot]) -> Vec<&Snapshot> {
+    snapshots.iter().filter(|snapshot| is_finite(snapshot)).collect()
 }
 
 /// The states that have to be in view: the first and the last, which of a run that broke off may be anywhere.
-fn ends<'a>(frames: &[&'a Frame], broke_off: bool) -> Vec<&'a Frame> {
-    let last = frames.last().filter(|_| !broke_off);
-    frames.first().into_iter().chain(last).copied().collect()
+fn ends<'a>(snapshots: &[&'a Snapshot], broke_off: bool) -> Vec<&'a Snapshot> {
+    let last = snapshots.last().filter(|_| !broke_off);
+    snapshots.first().into_iter().chain(last).copied().collect()
 }
 
 /// Title of the text that a run opens with.
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn what_flew_off_is_neither_drawn_nor_looked_at() {
-        let frame = |place: f32| {
+        let snapshot = |place: f32| {
             let state = FilmState {
                 positions: vec![[place; 3]],
                 strains: vec![],
@@ -124,11 +124,13 @@ mod tests {
                 touching: vec![],
                 detail: None,
             };
-            Frame { time: 0.0, films: vec![state], impactor: None }
+            Snapshot { time: 0.0, films: vec![state], impactor: None }
         };
-        let frames = [0.0, 1.0, 1e9, f32::NAN].map(frame);
-        let drawn = drawn(&frames);
-        let at = |frames: Vec<&Frame>| frames.iter().map(|frame| frame.films[0].positions[0][0]).collect::<Vec<_>>();
+        let snapshots = [0.0, 1.0, 1e9, f32::NAN].map(snapshot);
+        let drawn = drawn(&snapshots);
+        let at = |snapshots: Vec<&Snapshot>| {
+            snapshots.iter().map(|snapshot| snapshot.films[0].positions[0][0]).collect::<Vec<_>>()
+        };
         assert_eq!(at(drawn.clone()), [0.0, 1.0, 1e9]);
         assert_eq!((at(ends(&drawn, false)), at(ends(&drawn, true))), (vec![0.0, 1e9], vec![0.0]));
     }

@@ -4,7 +4,7 @@ use vtkio::model::Attribute;
 
 use super::{Grid, VtuError, numbers, scalars, vectors};
 use crate::model::{Face, Model};
-use crate::simulate::{Detail, Film, FilmState, Frame, Image, Outcome};
+use crate::simulate::{Detail, Film, FilmState, Image, Outcome, Snapshot};
 
 /// One face in one state, or a mirror image of it.
 struct Sheet<'a> {
@@ -28,8 +28,8 @@ struct Cell<'a> {
 }
 
 /// The film of `outcome` in one of its states.
-pub fn grid(model: &Model, outcome: &Outcome, frame: &Frame) -> Result<Grid, VtuError> {
-    let sheets = sheets(model, outcome, frame)?;
+pub fn grid(model: &Model, outcome: &Outcome, snapshot: &Snapshot) -> Result<Grid, VtuError> {
+    let sheets = sheets(model, outcome, snapshot)?;
     let held = |sheet: &Sheet<'_>, element: &usize| !sheet.state.broken[*element];
     let cells: Vec<Cell<'_>> = sheets
         .iter()
@@ -45,11 +45,11 @@ pub fn grid(model: &Model, outcome: &Outcome, frame: &Frame) -> Result<Grid, Vtu
     })
 }
 
-fn sheets<'a>(model: &'a Model, outcome: &'a Outcome, frame: &'a Frame) -> Result<Vec<Sheet<'a>>, VtuError> {
+fn sheets<'a>(model: &'a Model, outcome: &'a Outcome, snapshot: &'a Snapshot) -> Result<Vec<Sheet<'a>>, VtuError> {
     let mut sheets = vec![];
     let mut first = 0;
-    let rest = outcome.frames.first().unwrap_or(frame);
-    for (index, ((face, film), state)) in model.faces.iter().zip(&outcome.films).zip(&frame.films).enumerate() {
+    let rest = outcome.snapshots.first().unwrap_or(snapshot);
+    for (index, ((face, film), state)) in model.faces.iter().zip(&outcome.films).zip(&snapshot.films).enumerate() {
         let detail = state.detail.as_ref().ok_or(VtuError::NoDetail)?;
         for image in film.images() {
             let (number, rest) = (index as u32 + 1, &rest.films[index].positions);
@@ -62,7 +62,8 @@ fn sheets<'a>(model: &'a Model, outcome: &'a Outcome, frame: &'a Frame) -> Resul
 
 /// Whether a law of the run knows how thick its film is.
 fn says_thickness(outcome: &Outcome) -> bool {
-    let details = outcome.frames.iter().flat_map(|frame| &frame.films).filter_map(|state| state.detail.as_ref());
+    let details =
+        outcome.snapshots.iter().flat_map(|snapshot| &snapshot.films).filter_map(|state| state.detail.as_ref());
     details.flat_map(|detail| &detail.thinning).any(|thinning| thinning.is_finite())
 }
 

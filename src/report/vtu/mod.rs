@@ -28,7 +28,7 @@ use vtkio::model::{
 use vtkio::xml::Compressor;
 
 use crate::model::Model;
-use crate::simulate::{Frame, Outcome};
+use crate::simulate::{Outcome, Snapshot};
 
 /// Folder of the states.
 pub const FOLDER: &str = "vtu";
@@ -74,10 +74,10 @@ struct Grid {
 /// # Errors
 /// Of each file: states that were kept without their [`Detail`](crate::simulate::Detail), and what the formats refuse.
 pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
-    let film = series("film", &outcome.frames, move |frame| film::grid(model, outcome, frame));
+    let film = series("film", &outcome.snapshots, move |snapshot| film::grid(model, outcome, snapshot));
     let body = outcome.impactor.as_ref().map(|surface| {
         let (points, triangles) = surface.triangles(SIDES);
-        series("impactor", &outcome.frames, move |frame| Ok(posed(&points, &triangles, frame)))
+        series("impactor", &outcome.snapshots, move |snapshot| Ok(posed(&points, &triangles, snapshot)))
     });
     film.chain(body.into_par_iter().flatten())
 }
@@ -85,18 +85,18 @@ pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterato
 /// A state in a file each, then the collection of them with their times.
 fn series<'a>(
     name: &'static str,
-    frames: &'a [Frame],
-    grid: impl Fn(&Frame) -> Result<Grid, VtuError> + Send + Sync + 'a,
+    snapshots: &'a [Snapshot],
+    grid: impl Fn(&Snapshot) -> Result<Grid, VtuError> + Send + Sync + 'a,
 ) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     let place = move |state: usize| format!("{FOLDER}/{name}_{state:04}.vtu");
-    let state = move |(number, frame): (usize, &Frame)| {
-        Ok(File { name: place(number), content: grid(frame).and_then(unstructured)? })
+    let state = move |(number, snapshot): (usize, &Snapshot)| {
+        Ok(File { name: place(number), content: grid(snapshot).and_then(unstructured)? })
     };
     let collected = move |()| {
-        let times = frames.iter().enumerate().map(|(number, frame)| (place(number), frame.time));
+        let times = snapshots.iter().enumerate().map(|(number, snapshot)| (place(number), snapshot.time));
         Ok(File { name: format!("{name}.pvd"), content: collection(times)? })
     };
-    frames.par_iter().enumerate().map(state).chain(rayon::iter::once(()).map(collected))
+    snapshots.par_iter().enumerate().map(state).chain(rayon::iter::once(()).map(collected))
 }
 
 fn unstructured(grid: Grid) -> Result<Vec<u8>, VtuError> {
@@ -144,8 +144,8 @@ fn collection(states: impl Iterator<Item = (String, f64)>) -> Result<Vec<u8>, qu
 }
 
 /// The impactor where it is in a state; nothing where it is nowhere.
-fn posed(points: &[nalgebra::Point3<f64>], triangles: &[[u32; 3]], frame: &Frame) -> Grid {
-    let pose = frame.impactor.map(|(position, [i, j, k, w])| {
+fn posed(points: &[nalgebra::Point3<f64>], triangles: &[[u32; 3]], snapshot: &Snapshot) -> Grid {
+    let pose = snapshot.impactor.map(|(position, [i, j, k, w])| {
         let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, i, j, k));
         nalgebra::Isometry3::from_parts(nalgebra::Translation3::from(position), turn)
     });

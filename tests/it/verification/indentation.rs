@@ -36,7 +36,7 @@ fn a_small_ball_is_a_point_load() {
 
 /// Farthest that a node is off the membrane of revolution at the end, over the depth; `mounted` is the stretch at the start.
 fn off(outcome: &Outcome, exact: &Shape, mounted: f64) -> f64 {
-    let [before, after] = [0, 1].map(|frame| &outcome.frames[frame].films[0].positions);
+    let [before, after] = [0, 1].map(|snapshot| &outcome.snapshots[snapshot].films[0].positions);
     let apart = |(before, after): (&[f32; 3], &[f32; 3])| {
         let [r, z] = exact.at(f64::from(before[0].hypot(before[1])) / mounted);
         (f64::from(after[0].hypot(after[1])) - r).hypot(f64::from(after[2]) - z)

@@ -27,10 +27,10 @@ fn a_stretched_fibre_has_the_stress_that_the_jaws_feel() {
         claims.holds(&format!("{name}: the same signals without"), "", outcome.signals == run(&model).signals);
         let signal = outcome.signals.series("stress_Pa").expect("a stress");
         let largest = signal.largest().expect("a peak")[1];
-        let held = outcome.frames.iter().filter(|frame| !frame.films[0].broken[0]);
-        let off = held.filter_map(|frame| {
-            let stress = detail(&frame.films[0]).stresses[0][fibre];
-            Some((f64::from(stress) - signal.at(frame.time)?).abs() / largest)
+        let held = outcome.snapshots.iter().filter(|snapshot| !snapshot.films[0].broken[0]);
+        let off = held.filter_map(|snapshot| {
+            let stress = detail(&snapshot.films[0]).stresses[0][fibre];
+            Some((f64::from(stress) - signal.at(snapshot.time)?).abs() / largest)
         });
         let off: Vec<f64> = off.collect();
         claims.at_most(&format!("{name}: states without one, of 60"), 60.0 - off.len() as f64, 2.0);
@@ -55,7 +55,7 @@ fn the_pole_of_an_inflated_disc_is_strained_alike_in_all_directions() {
         sheet.thickness, sheet.young, sheet.poisson
     )));
     let stretch = sheet.inflated(radius, radius, pressure).stretch[0][0];
-    let (film, state) = (&outcome.films[0], &outcome.frames.last().expect("a state").films[0]);
+    let (film, state) = (&outcome.films[0], &outcome.snapshots.last().expect("a state").films[0]);
     let pole = |node: &u32| state.positions[*node as usize][..2].iter().all(|c| c.abs() < 1e-6);
     let element = film.quads.iter().position(|quad| quad.iter().any(pole)).expect("the pole");
     let Detail { stresses, thinning, .. } = detail(state);

@@ -4,7 +4,7 @@
 //! unstrained film. Behind the first the strain is ε, until a kink follows at c(√(ε(1+ε)) − ε) in space: from it on the
 //! strip moves with what hit it, at V = c√(2ε√(ε(1+ε)) − ε²).
 
-use droptower::simulate::{Frame, Outcome};
+use droptower::simulate::{Outcome, Snapshot};
 
 use super::claims::Claims;
 use super::tower::{loading_of_1008, run};
@@ -18,8 +18,8 @@ const YOUNG: f64 = 50e6;
 const DENSITY: f64 = 915.0;
 /// Radius of what hits it, m: it meets the film over a small part of what the kink runs through.
 const RADIUS: f64 = 2e-3;
-/// Frames in the time that the first wave takes to the held ends.
-const FRAMES: usize = 101;
+/// Snapshots in the time that the first wave takes to the held ends.
+const SNAPSHOTS: usize = 101;
 
 fn wave_speed() -> f64 {
     (YOUNG / DENSITY).sqrt()
@@ -47,35 +47,35 @@ fn hit(speed: f64) -> Outcome {
         format!("loading.impact.velocity={speed}"),
         "loading.impact.gravity=0".to_owned(),
         format!("loading.impact.duration={}", HALF / wave_speed()),
-        format!("output={{ frames = {FRAMES}, sample_rate = 1e6 }}"),
+        format!("output={{ frames = {SNAPSHOTS}, sample_rate = 1e6 }}"),
     ];
     run(&loading_of_1008(&changes.iter().map(String::as_str).collect::<Vec<_>>()))
 }
 
 /// Strain of each element along the strip, with its stress-free place, m.
-fn strains(frame: &Frame) -> Vec<[f64; 2]> {
-    let strains = frame.films[0].strains.iter().enumerate();
+fn strains(snapshot: &Snapshot) -> Vec<[f64; 2]> {
+    let strains = snapshot.films[0].strains.iter().enumerate();
     strains.map(|(e, s)| [EDGE * (e as f64 + 0.5), f64::from(s[0])]).collect()
 }
 
 /// Mean over the part of the strip between two stress-free places.
-fn mean_between(frame: &Frame, [from, to]: [f64; 2]) -> f64 {
-    let inside: Vec<f64> = strains(frame).iter().filter(|[x, _]| *x > from && *x < to).map(|s| s[1]).collect();
+fn mean_between(snapshot: &Snapshot, [from, to]: [f64; 2]) -> f64 {
+    let inside: Vec<f64> = strains(snapshot).iter().filter(|[x, _]| *x > from && *x < to).map(|s| s[1]).collect();
     inside.iter().sum::<f64>() / inside.len() as f64
 }
 
 /// Stress-free place at which the strain falls through `level`, seen from the held end.
-fn front(frame: &Frame, level: f64) -> f64 {
-    let strains = strains(frame);
+fn front(snapshot: &Snapshot, level: f64) -> f64 {
+    let strains = strains(snapshot);
     let last = strains.iter().rposition(|s| s[1] > level).expect("a strained part");
     let [a, b] = [strains[last], strains[last + 1]];
     a[0] + (a[1] - level) / (a[1] - b[1]) * (b[0] - a[0])
 }
 
 /// Where the straight flank behind the kink would meet the plane of the strip, m.
-fn kink(frame: &Frame) -> f64 {
-    let deepest = frame.films[0].positions.iter().map(|p| f64::from(p[2])).fold(0.0, f64::min);
-    let flank: Vec<[f64; 2]> = frame.films[0]
+fn kink(snapshot: &Snapshot) -> f64 {
+    let deepest = snapshot.films[0].positions.iter().map(|p| f64::from(p[2])).fold(0.0, f64::min);
+    let flank: Vec<[f64; 2]> = snapshot.films[0]
         .positions
         .iter()
         .map(|p| [f64::from(p[0]), f64::from(p[2])])
@@ -94,7 +94,7 @@ fn a_strip_that_is_hit_follows_smiths_waves() {
     for strain in [0.02_f64, 0.05, 0.1] {
         let what = |claim: &str| format!("ε {strain}, {claim}");
         let outcome = hit(impact_speed(strain));
-        let [early, late] = [2 * FRAMES / 5, 9 * FRAMES / 10].map(|f| &outcome.frames[f]);
+        let [early, late] = [2 * SNAPSHOTS / 5, 9 * SNAPSHOTS / 10].map(|f| &outcome.snapshots[f]);
         let time = late.time - early.time;
         let kinks = (strain * (1.0 + strain)).sqrt() - strain;
         // Stress-free film passes the kink at c√(ε/(1+ε)).

@@ -1,21 +1,21 @@
-//! States of the scene that are kept for pictures.
+//! Snapshots of the scene for pictures.
 
 use std::ops::Range;
 
-use super::{Detail, Film, FilmState, Frame};
+use super::{Detail, Film, FilmState, Snapshot};
 use crate::engine::{self, ElementDetail, ElementStrain, View};
 use crate::model::{MOST_IN_FRAMES, PER_DETAIL, PER_FRAME};
 
-/// States of `films` that are kept where `wanted` are asked for: as many as [`MOST_IN_FRAMES`] holds, the first and the
-/// last in any case.
-pub(super) fn kept(wanted: usize, films: &[Film], detailed: bool) -> usize {
+/// Number of snapshots of `films` where `wanted` are asked for: as many as fit into [`MOST_IN_FRAMES`], at least the first and
+/// the last.
+pub(super) fn count(wanted: usize, films: &[Film], detailed: bool) -> usize {
     let elements: usize = films.iter().map(|film| film.quads.len() + film.tris.len()).sum();
     let per_element = if detailed { PER_FRAME + PER_DETAIL } else { PER_FRAME };
     wanted.min(((MOST_IN_FRAMES / (per_element * elements as f64)) as usize).max(2))
 }
 
 /// The scene as `view` shows it, `detailed` or not; `strains` are those of its faces.
-pub(super) fn frame(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed: bool) -> Frame {
+pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed: bool) -> Snapshot {
     let touched = view.touched();
     let film = |(film, strains): (&engine::Film, &Vec<ElementStrain>)| FilmState {
         positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
@@ -28,7 +28,7 @@ pub(super) fn frame(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed: b
         let (place, turn) = (body.pose.translation.vector, body.pose.rotation.coords);
         ([place.x, place.y, place.z], [turn.x, turn.y, turn.z, turn.w])
     });
-    Frame { time: view.time, films: view.films.iter().zip(strains).map(film).collect(), impactor: pose }
+    Snapshot { time: view.time, films: view.films.iter().zip(strains).map(film).collect(), impactor: pose }
 }
 
 fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain]) -> Detail {
