@@ -73,7 +73,7 @@ pub fn quantity(path: &Path, error: &QuantityError) -> Diagnostic {
     let mistake = Diagnostic::new(format!("{}: {error}", shown_path(path)));
     match error {
         QuantityError::OtherDimension { .. } => mistake,
-        QuantityError::NoUnit { wanted, .. } => mistake.hint(format!("give it: --unit {}", wanted.unit)),
+        QuantityError::NoUnit { expected, .. } => mistake.hint(format!("give it: --unit {}", expected.unit)),
     }
 }
 

@@ -10,7 +10,7 @@ use crate::signal::{Series, integrate};
 /// Where contact time and impact speed were taken from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum SpeedFrom {
+pub enum SpeedSource {
     /// The doubly integrated acceleration matched to the laser.
     Laser,
     /// The acceleration integrated from rest over the known height.
@@ -30,7 +30,7 @@ pub struct Contact {
     pub iterations: u32,
     /// Root mean square distance of matched motion and laser, m.
     pub laser_residual: Option<f64>,
-    pub speed_from: SpeedFrom,
+    pub speed_from: SpeedSource,
 }
 
 /// Why no contact could be found.
@@ -98,7 +98,7 @@ fn settled(acceleration: impl Fn(f64) -> Series, laser: &Series, mut presumed: f
         let (time, velocity) = matched.crossing(presumed)?;
         if (time - presumed).abs() < SETTLED {
             let laser_residual = Some(matched.residual);
-            return Ok(Contact { time, velocity, iterations: round, laser_residual, speed_from: SpeedFrom::Laser });
+            return Ok(Contact { time, velocity, iterations: round, laser_residual, speed_from: SpeedSource::Laser });
         }
         presumed = time;
     }
@@ -192,10 +192,10 @@ impl Known {
         }
     }
 
-    fn speed_from(self) -> SpeedFrom {
+    fn speed_from(self) -> SpeedSource {
         match self {
-            Known::Height(_) => SpeedFrom::Fall,
-            Known::Speed(_) => SpeedFrom::Given,
+            Known::Height(_) => SpeedSource::Fall,
+            Known::Speed(_) => SpeedSource::Given,
         }
     }
 

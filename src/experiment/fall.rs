@@ -17,7 +17,7 @@ pub struct Fall {
     pub gravity: f64,
     /// Time over which the magnet's force falls to zero as a parabola with its vertex at the end, s. The paper sees
     /// the reading fall over 32 ms.
-    pub letting_go: f64,
+    pub release_duration: f64,
 }
 
 /// Why there is no such fall.
@@ -63,7 +63,7 @@ impl Motion<'_> {
 
     /// From the release to contact, s.
     pub(super) fn fall_time(&self) -> f64 {
-        self.fall.letting_go + self.free
+        self.fall.release_duration + self.free
     }
 
     /// Coordinate acceleration, m/s².
@@ -72,7 +72,7 @@ impl Motion<'_> {
         if since_contact >= 0.0 {
             return self.acceleration.at(since_contact.min(self.last));
         }
-        let s = (t / self.fall.letting_go).clamp(0.0, 1.0);
+        let s = (t / self.fall.release_duration).clamp(0.0, 1.0);
         Some(-self.net * (2.0 * s - s * s))
     }
 
@@ -82,11 +82,11 @@ impl Motion<'_> {
         if since_contact >= 0.0 {
             return self.displacement.at(since_contact.min(self.last));
         }
-        let Fall { height, letting_go, .. } = *self.fall;
-        let s = (t / letting_go).clamp(0.0, 1.0);
-        let free = (t - letting_go).max(0.0);
-        let let_go = letting_go * letting_go * (s * s * s / 3.0 - s * s * s * s / 12.0);
-        Some(height - self.net * (let_go + 2.0 / 3.0 * letting_go * free + 0.5 * free * free))
+        let Fall { height, release_duration, .. } = *self.fall;
+        let s = (t / release_duration).clamp(0.0, 1.0);
+        let free = (t - release_duration).max(0.0);
+        let let_go = release_duration * release_duration * (s * s * s / 3.0 - s * s * s * s / 12.0);
+        Some(height - self.net * (let_go + 2.0 / 3.0 * release_duration * free + 0.5 * free * free))
     }
 }
 
@@ -95,22 +95,22 @@ impl Fall {
     ///
     /// With T the time of letting go, t the rest and A the acceleration: H = A(T²/4 + ⅔Tt + ½t²), v = A(⅔T + t).
     fn solve(&self) -> Result<(f64, f64), FallError> {
-        let Fall { height, speed, gravity, letting_go } = *self;
+        let Fall { height, speed, gravity, release_duration } = *self;
         let given = [
             ("the height", height),
             ("the speed", speed),
             ("gravity", gravity),
-            ("the time of letting go", letting_go),
+            ("the time of letting go", release_duration),
         ];
         for (what, value) in given {
             if value.is_nan() || value <= 0.0 || value.is_infinite() {
                 return Err(FallError::NotPositive { what, value });
             }
         }
-        let half = 1.0 / 3.0 * speed * letting_go - 0.5 * height;
-        let constant = 0.25 * speed * letting_go * letting_go - 2.0 / 3.0 * height * letting_go;
+        let half = 1.0 / 3.0 * speed * release_duration - 0.5 * height;
+        let constant = 0.25 * speed * release_duration * release_duration - 2.0 / 3.0 * height * release_duration;
         let free = (-half + (half * half - 0.5 * speed * constant).sqrt()) / (0.5 * speed);
-        let needed = speed / (2.0 / 3.0 * letting_go + free);
+        let needed = speed / (2.0 / 3.0 * release_duration + free);
         if free > 0.0 && needed <= gravity {
             return Ok((free, needed));
         }
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use crate::signal::integrate;
 
-    const FALL: Fall = Fall { height: 1.0, speed: 4.16, gravity: 9.81, letting_go: 0.032 };
+    const FALL: Fall = Fall { height: 1.0, speed: 4.16, gravity: 9.81, release_duration: 0.032 };
 
     fn impact() -> Series {
         Series::new(vec![0.0, 0.1], vec![0.0, -0.1])

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::experiment::absorption::Body;
-use crate::experiment::drop::{DropError, Height, Names, Reduction, Sensed, SensedError, Tower};
+use crate::experiment::drop::{ChannelNames, DropChannels, DropChannelsError, DropError, Height, Reduction, Tower};
 use crate::model::{Impactor, Loading, Model, Reference, Window};
-use crate::signal::file::{self, Selection, Wanted};
+use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::norm::{NormError, relative_error};
 use crate::signal::resample::{self, ResampleError};
@@ -40,7 +40,7 @@ pub enum ReferenceError {
     #[error(transparent)]
     Read(#[from] file::ReadError),
     #[error("{}: {source}", path.display())]
-    Sensed { path: PathBuf, source: Box<SensedError> },
+    Channels { path: PathBuf, source: Box<DropChannelsError> },
     #[error("{}: {source}", path.display())]
     Drop { path: PathBuf, source: DropError },
     #[error("{} is the raw recording of a drop, which only an impact with an impactor can be compared with", path.display())]
@@ -60,7 +60,7 @@ impl Comparison {
             return Ok(None);
         };
         let measurement =
-            file::read(&reference.signals, &Wanted { channels: channels(reference), ..Wanted::default() })?;
+            file::read(&reference.signals, &ReadOptions { channels: channels(reference), ..ReadOptions::default() })?;
         let Signals { raw, filtered, displacement, absorbed_energy, total_energy, energy_absorption, reduced } =
             match Signals::from_contact(&measurement, model, reference)? {
                 Some(signals) => signals,
@@ -169,9 +169,10 @@ impl Signals {
         else {
             return Err(ReferenceError::NotAnImpact { path: path() });
         };
-        let names = Names { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
-        let sensed = Sensed::find(measurement, &names);
-        let sensed = sensed.map_err(|source| ReferenceError::Sensed { path: path(), source: source.into() })?;
+        let names =
+            ChannelNames { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
+        let sensed = DropChannels::find(measurement, &names);
+        let sensed = sensed.map_err(|source| ReferenceError::Channels { path: path(), source: source.into() })?;
         let height = match reference.drop_height {
             Some(height) => Height::Known(height),
             None => Height::OfSpeed(0.5 * velocity * velocity / gravity),
@@ -189,10 +190,12 @@ impl Signals {
 }
 
 /// Channels that are named are read alone, so that what is wrong with another one does not count.
-fn channels(reference: &Reference) -> Selection {
+fn channels(reference: &Reference) -> ChannelSelection {
     match (&reference.acceleration, &reference.displacement) {
-        (Some(acceleration), Some(displacement)) => Selection::Named(vec![acceleration.clone(), displacement.clone()]),
-        _ => Selection::All,
+        (Some(acceleration), Some(displacement)) => {
+            ChannelSelection::Named(vec![acceleration.clone(), displacement.clone()])
+        }
+        _ => ChannelSelection::All,
     }
 }
 

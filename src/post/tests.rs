@@ -201,7 +201,7 @@ fn loading_ends_where_the_speed_is_used_up_when_the_laser_has_gaps() {
 fn a_reference_without_signals_is_refused_before_the_run() {
     let (_folder, model) = reference(|t| format!("{t},1\n"), "time_s,force_N");
     let error = Plan::prepare(&model).unwrap_err();
-    assert!(matches!(error, PrepareError::Reference(ReferenceError::Sensed { .. })), "{error}");
+    assert!(matches!(error, PrepareError::Reference(ReferenceError::Channels { .. })), "{error}");
     assert!(error.to_string().ends_with("none of the channels `force` is an acceleration"), "{error}");
 }
 

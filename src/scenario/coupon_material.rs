@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use thiserror::Error;
 
-use crate::experiment::coupon::average::Spread;
+use crate::experiment::coupon::average::SampleStatistics;
 use crate::experiment::coupon::shear::Shear;
-use crate::experiment::coupon::{Along, Coupon, CurveError, Direction, Reduction};
+use crate::experiment::coupon::{Coupon, CurveError, Direction, DirectionMeans, Reduction};
 use crate::signal::says_virtual;
 
 /// Density of LLDPE film, kg/m³, where the user gives none.
@@ -102,7 +102,7 @@ impl CouponMaterial<'_> {
         Ok(Texts { material, shear })
     }
 
-    fn along(&self, direction: Direction) -> Result<&Along, CouponMaterialError> {
+    fn along(&self, direction: Direction) -> Result<&DirectionMeans, CouponMaterialError> {
         self.reduction.along(direction).ok_or(CouponMaterialError::Missing { direction })
     }
 
@@ -124,7 +124,7 @@ impl CouponMaterial<'_> {
     }
 
     /// The shear curve's file from D3, and the remark that belongs to it.
-    fn sheared(&self, skewed: &Along) -> Result<(String, String), CouponMaterialError> {
+    fn sheared(&self, skewed: &DirectionMeans) -> Result<(String, String), CouponMaterialError> {
         let sheared = self.coupon.shear(&skewed.curve)?;
         let [start, _] = sheared.curve.range();
         let (end, why) = shear_end(&sheared);
@@ -187,8 +187,8 @@ fn shear_end(sheared: &Shear) -> (f64, &'static str) {
 }
 
 /// What was measured along one direction, as a comment.
-fn summary(along: &Along) -> String {
-    let Along { direction, elongation, .. } = along;
+fn summary(along: &DirectionMeans) -> String {
+    let DirectionMeans { direction, elongation, .. } = along;
     let speeds: Vec<String> = along.speeds.iter().map(|speed| digits(speed.velocity)).collect();
     let (modulus, strength) = (shown_spread(&along.modulus, 1e-6), shown_spread(&along.strength, 1e-6));
     format!(
@@ -199,8 +199,8 @@ fn summary(along: &Along) -> String {
     )
 }
 
-fn shown_spread(spread: &Spread, factor: f64) -> String {
-    let Spread { mean, deviation, count } = spread;
+fn shown_spread(spread: &SampleStatistics, factor: f64) -> String {
+    let SampleStatistics { mean, deviation, count } = spread;
     if *count > 1 {
         format!("{:.1} +- {:.1}", mean * factor, deviation * factor)
     } else {
@@ -209,7 +209,7 @@ fn shown_spread(spread: &Spread, factor: f64) -> String {
 }
 
 /// The curve of one direction as the language writes it: yield points and break, or else the mean curve and the break.
-fn fibre(along: &Along) -> Result<String, CouponMaterialError> {
+fn fibre(along: &DirectionMeans) -> Result<String, CouponMaterialError> {
     let points = points(along);
     check_rising(along.direction, &points)?;
     let point = |[strain, stress]: &[f64; 2]| format!("[{}, \"{} MPa\"]", digits(*strain), digits(stress * 1e-6));
@@ -225,7 +225,7 @@ fn fibre(along: &Along) -> Result<String, CouponMaterialError> {
 }
 
 /// The corners of a direction's curve; the last one is the break.
-fn points(along: &Along) -> Vec<[f64; 2]> {
+fn points(along: &DirectionMeans) -> Vec<[f64; 2]> {
     let end = [along.elongation.mean, along.break_stress.mean];
     match &along.yields {
         Ok(yields) => vec![yields.first, yields.second, end],
@@ -251,7 +251,7 @@ fn check_rising(direction: Direction, points: &[[f64; 2]]) -> Result<(), CouponM
 }
 
 /// The mean curve at some strains, denser at the beginning.
-fn thinned(along: &Along) -> Vec<[f64; 2]> {
+fn thinned(along: &DirectionMeans) -> Vec<[f64; 2]> {
     let [start, end] = along.curve.range();
     let place = |i: usize| {
         if i == CURVE_POINTS { end } else { start + (end - start) * (i as f64 / CURVE_POINTS as f64).powi(2) }

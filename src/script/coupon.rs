@@ -8,7 +8,8 @@ use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 use super::curve::{list, numbers, spread_map, strains, yield_map};
 use super::{Answer, Entry, Options, Session, refuse};
 use crate::experiment::coupon::{
-    Along, AtSpeed, Coupon, Curve, Machine, Reading, Recorded, RecordingError, Reduction, Rules, Sample,
+    Coupon, CouponReader, CouponTest, Curve, DirectionMeans, Machine, RecordingError, Reduction, Rules, Sample,
+    SpeedMeans,
 };
 use crate::signal::Series;
 use crate::units::{Length, Velocity};
@@ -61,7 +62,7 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> An
     for path in &paths {
         session.reads(path);
     }
-    let reading = Reading::new(coupon, rules(&Options { of: "read_coupons", map: given })?);
+    let reading = CouponReader::new(coupon, rules(&Options { of: "read_coupons", map: given })?);
     let read = |path: &PathBuf| {
         let recorded = reading.read(path)?;
         session.hears(path, recorded.sample.is_virtual);
@@ -144,7 +145,7 @@ fn sample(item: &Dynamic, rules: &Rules) -> Answer<Sample> {
     Ok(Sample { is_virtual, ..sample })
 }
 
-fn recorded_map(recorded: &Recorded) -> Map {
+fn recorded_map(recorded: &CouponTest) -> Map {
     let sample = &recorded.sample;
     map([
         ("file", recorded.path.display().to_string().into()),
@@ -158,7 +159,7 @@ fn recorded_map(recorded: &Recorded) -> Map {
     ])
 }
 
-fn along_map(along: &Along) -> Map {
+fn along_map(along: &DirectionMeans) -> Map {
     let (yields, why) = match &along.yields {
         Ok(found) => (yield_map(found).into(), Dynamic::UNIT),
         Err(error) => (Dynamic::UNIT, error.to_string().into()),
@@ -177,7 +178,7 @@ fn along_map(along: &Along) -> Map {
     ])
 }
 
-fn speed_map(speed: &AtSpeed) -> Map {
+fn speed_map(speed: &SpeedMeans) -> Map {
     map([
         ("velocity", speed.velocity.into()),
         ("moduli", list(&speed.moduli).into()),

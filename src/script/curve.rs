@@ -4,9 +4,9 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 
 use super::{Answer, Compared, Entry, Session, number, refuse};
 use crate::experiment::coupon::average::{
-    AverageError, Spread, mean_curve, mean_law, mean_of_means, relative_difference,
+    AverageError, SampleStatistics, mean_curve, mean_law, mean_of_means, relative_difference,
 };
-use crate::experiment::coupon::{BREAK_SHARE, Curve, Ending, WINDOW, YieldPoints, relative_residuals, yield_points};
+use crate::experiment::coupon::{BREAK_SHARE, Curve, CurveEnd, WINDOW, YieldPoints, relative_residuals, yield_points};
 
 /// Offers the type `curve`, its functions and means to scripts.
 pub(super) fn register(engine: &mut Engine) {
@@ -44,7 +44,7 @@ pub(super) fn register(engine: &mut Engine) {
             Ok::<_, Box<EvalAltResult>>(relative_difference(number(&measured, "a figure")?, reference))
         })
         .register_fn("spread", |figures: Array| {
-            let spread = Spread::of(&numbers(&figures, "a figure")?).map_err(refuse)?;
+            let spread = SampleStatistics::of(&numbers(&figures, "a figure")?).map_err(refuse)?;
             Ok::<_, Box<EvalAltResult>>(spread_map(&spread))
         });
 }
@@ -55,7 +55,7 @@ pub(super) fn strains(value: &Dynamic) -> Answer<[f64; 2]> {
 }
 
 /// Mean, deviation and count as scripts see them.
-pub(super) fn spread_map(spread: &Spread) -> Map {
+pub(super) fn spread_map(spread: &SampleStatistics) -> Map {
     let mut map = Map::new();
     map.insert("mean".into(), spread.mean.into());
     map.insert("deviation".into(), spread.deviation.into());
@@ -117,7 +117,7 @@ fn rupture(curve: &Curve, share: f64) -> Answer<Map> {
     map.insert("strain".into(), rupture.strain.into());
     map.insert("stress".into(), rupture.stress.into());
     map.insert("strength".into(), rupture.strength.into());
-    map.insert("broke".into(), (rupture.ending == Ending::Broke).into());
+    map.insert("broke".into(), (rupture.ending == CurveEnd::Broke).into());
     Ok(map)
 }
 

@@ -92,7 +92,7 @@ fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> 
         height: about.needed_number("height")?,
         speed: about.needed_number("velocity")?,
         gravity: about.number("gravity", GRAVITY)?,
-        letting_go: about.number("letting_go", 0.032)?,
+        release_duration: about.number("letting_go", 0.032)?,
     };
     let seed = about.map.get("seed").and_then(|seed| seed.as_int().ok());
     let seed = seed.ok_or_else(|| refuse("virtual_drop needs `seed`, a whole number"))?;

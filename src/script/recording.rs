@@ -5,7 +5,7 @@ use std::path::Path;
 use rhai::{Array, Dynamic, Engine, EvalAltResult, Identifier, Map, NativeCallContext};
 
 use super::{Answer, Entry, Session, refuse};
-use crate::signal::file::{self, Wanted};
+use crate::signal::file::{self, ReadOptions};
 use crate::signal::{ChannelError, Measurement, Series, says_virtual};
 use crate::units::Unit;
 
@@ -16,7 +16,7 @@ pub fn register(engine: &mut Engine) {
     engine
         .register_type_with_name::<Measurement>("measurement")
         .register_fn("read_recording", |context: NativeCallContext, path: &str| {
-            read(&context, path, &Wanted::default())
+            read(&context, path, &ReadOptions::default())
         })
         .register_fn("read_recording", |context: NativeCallContext, path: &str, more: Map| {
             read(&context, path, &wanted(&more)?)
@@ -30,7 +30,7 @@ pub fn register(engine: &mut Engine) {
 }
 
 /// The path is relative to the working directory.
-fn read(context: &NativeCallContext, path: &str, wanted: &Wanted) -> Answer<Measurement> {
+fn read(context: &NativeCallContext, path: &str, wanted: &ReadOptions) -> Answer<Measurement> {
     let (session, path) = (Session::of(context), Path::new(path));
     session.reads_recording(path);
     let measurement = file::read(path, wanted).map_err(|error| hinted(&error, error.hint()))?;
@@ -39,8 +39,8 @@ fn read(context: &NativeCallContext, path: &str, wanted: &Wanted) -> Answer<Meas
 }
 
 /// What a script says of a file: `#{ time: name, columns: [name, …], units: #{ name: unit } }`, each as on the command line.
-pub(super) fn wanted(more: &Map) -> Answer<Wanted> {
-    let mut wanted = Wanted::default();
+pub(super) fn wanted(more: &Map) -> Answer<ReadOptions> {
+    let mut wanted = ReadOptions::default();
     for (key, value) in more {
         match key.as_str() {
             "time" => wanted.time = Some(text(value, "the name of the column of time")?),

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+pub use super::{ChannelSelection, ReadOptions};
 use super::{Measurement, csv, isomme};
-pub use super::{Selection, Wanted};
 
 /// Why a file cannot be read as a recording.
 #[derive(Debug, Error)]
@@ -51,14 +51,14 @@ impl ReadError {
 ///
 /// Holds the wanted channels and nothing else of the file: 8 bytes a value, and as much again for one channel while it
 /// is finished.
-pub fn read(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadError> {
     if isomme::is_part(path) {
-        return Ok(isomme::measure(path, wanted)?);
+        return Ok(isomme::measure(path, options)?);
     }
-    Ok(csv::measure(path, wanted)?)
+    Ok(csv::measure(path, options)?)
 }
 
 /// Reads the columns of the table at `path` for which no time is needed, e.g. stress over strain; see [`csv::columns`].
-pub fn columns(path: &Path, wanted: &Wanted) -> Result<csv::Table, ReadError> {
-    Ok(csv::columns(path, wanted)?)
+pub fn columns(path: &Path, options: &ReadOptions) -> Result<csv::Table, ReadError> {
+    Ok(csv::columns(path, options)?)
 }

@@ -12,7 +12,7 @@ use crate::units::{Dimension, Strain, Unit};
 
 /// One channel of a file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub struct MeasuredChannel {
     /// Its name without the unit (`accel` of `accel [g]`), or its channel code.
     pub name: String,
     /// The name as the file writes it (`accel [g]`), or the long name of a channel code; it is found by this too.
@@ -29,13 +29,13 @@ pub struct Measured {
 /// Why a channel cannot be taken as the quantity that is asked for.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum QuantityError {
-    #[error("`{name}` is in {found}, which is not {}", wanted.name)]
-    OtherDimension { name: String, found: String, wanted: Dimension },
+    #[error("`{name}` is in {found}, which is not {}", expected.name)]
+    OtherDimension { name: String, found: String, expected: Dimension },
     #[error("the unit of `{name}` is not known")]
-    NoUnit { name: String, wanted: Dimension },
+    NoUnit { name: String, expected: Dimension },
 }
 
-impl Measured {
+impl MeasuredChannel {
     /// The series, once it is sure to be a `dimension` in the SI unit.
     pub fn quantity(&self, dimension: Dimension) -> Result<&Series, QuantityError> {
         let name = || self.name.clone();
@@ -43,9 +43,9 @@ impl Measured {
             Some(unit) if unit.measures(dimension) => Ok(&self.series),
             Some(unit) => {
                 let found = unit.symbol().to_owned();
-                Err(QuantityError::OtherDimension { name: name(), found, wanted: dimension })
+                Err(QuantityError::OtherDimension { name: name(), found, expected: dimension })
             }
-            None => Err(QuantityError::NoUnit { name: name(), wanted: dimension }),
+            None => Err(QuantityError::NoUnit { name: name(), expected: dimension }),
         }
     }
 
@@ -95,12 +95,12 @@ fn column_unit(unit: &Unit) -> String {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurement {
     /// In the order of the file.
-    pub channels: Vec<Measured>,
+    pub channels: Vec<MeasuredChannel>,
     /// What was assumed or found odd while reading, and what the file says beside its numbers.
     pub notes: Vec<String>,
     /// Those of the notes that the file itself says: its comments and what stands before its numbers. They hold as long as
     /// the numbers do; the others are about this reading.
-    pub remarks: Vec<String>,
+    pub comments: Vec<String>,
 }
 
 /// Whether notes say that nothing was measured: one of them holds the word `virtual`.
@@ -135,7 +135,7 @@ impl ChannelError {
 
 impl Measurement {
     /// The channel called `name`: as the file writes it, by its name without the unit, or by its long name.
-    pub fn channel(&self, name: &str) -> Result<&Measured, ChannelError> {
+    pub fn channel(&self, name: &str) -> Result<&MeasuredChannel, ChannelError> {
         let index = find(name, self.channels.iter().map(|channel| (channel.name.as_str(), channel.label.as_str())))?;
         Ok(&self.channels[index])
     }
@@ -152,11 +152,11 @@ impl Measurement {
 
     /// Names of columns of which no two are equal, and none is that of the time.
     fn column_names(&self) -> Vec<String> {
-        let short: Vec<String> = self.channels.iter().map(Measured::column_name).collect();
+        let short: Vec<String> = self.channels.iter().map(MeasuredChannel::column_name).collect();
         let mut uses: HashMap<&str, usize> = HashMap::from([(TIME, 1)]);
         short.iter().for_each(|name| *uses.entry(name).or_default() += 1);
         let mut taken: HashSet<String> = HashSet::from([TIME.to_owned()]);
-        let mut distinct = |(measured, short): (&Measured, &String)| {
+        let mut distinct = |(measured, short): (&MeasuredChannel, &String)| {
             let name = if uses[short.as_str()] == 1 { short.clone() } else { measured.labelled_column_name() };
             let numbered = (2..).map(|number| format!("{number} {name}"));
             let name = std::iter::once(name.clone()).chain(numbered).find(|name| !taken.contains(name)).unwrap_or(name);
@@ -212,10 +212,10 @@ pub(crate) fn listed(names: &[String]) -> String {
 mod tests {
     use super::*;
 
-    fn channel(name: &str, label: &str, symbol: Option<&str>) -> Measured {
+    fn channel(name: &str, label: &str, symbol: Option<&str>) -> MeasuredChannel {
         let series = Series::new(vec![0.0, 1.0], vec![1.0, 2.0]);
         let unit = symbol.map(|symbol| Unit::parse(symbol).unwrap());
-        Measured { name: name.into(), label: label.into(), unit, filtered: None, series }
+        MeasuredChannel { name: name.into(), label: label.into(), unit, filtered: None, series }
     }
 
     #[test]
@@ -275,7 +275,7 @@ mod tests {
     fn times_written_out_and_times_by_step_are_one_axis() {
         let channel = |name: &str, time: Vec<f64>| {
             let values = vec![1.0; time.len()];
-            Measured {
+            MeasuredChannel {
                 name: name.into(),
                 label: name.into(),
                 unit: None,

@@ -10,16 +10,16 @@ pub mod integrate;
 pub mod isomme;
 mod measurement;
 pub mod norm;
+mod options;
 pub mod rating;
 pub mod resample;
 mod series;
 pub mod text;
-mod wanted;
 
 pub(crate) use measurement::listed;
-pub use measurement::{ChannelError, Measured, Measurement, QuantityError, says_virtual};
+pub use measurement::{ChannelError, MeasuredChannel, Measurement, QuantityError, says_virtual};
+pub use options::{ChannelSelection, ReadOptions};
 pub use series::Series;
-pub use wanted::{Selection, Wanted};
 
 /// One measured or computed quantity over the common time axis of its [`Recording`].
 #[derive(Clone, Debug, PartialEq)]

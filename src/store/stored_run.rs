@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value};
 use thiserror::Error;
 
-use crate::signal::file::{self, Wanted};
+use crate::signal::file::{self, ReadOptions};
 use crate::signal::{Recording, says_virtual};
 
 /// What a run has left, as far as it is there.
@@ -88,7 +88,7 @@ fn is_mme(path: &Path) -> bool {
 }
 
 fn signals(path: &Path) -> Result<(Recording, bool), StoredRunError> {
-    let measurement = file::read(path, &Wanted::default())?;
+    let measurement = file::read(path, &ReadOptions::default())?;
     let recording = measurement.recording().ok_or_else(|| StoredRunError::NoCommonTime { path: path.into() })?;
     Ok((recording, says_virtual(&measurement.notes)))
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use droptower::signal::filter::{self, Standard};
-use droptower::signal::{Selection, Wanted, file};
+use droptower::signal::{ChannelSelection, ReadOptions, file};
 use droptower::units::STANDARD_GRAVITY;
 use serde_json::Value as Json;
 
@@ -52,9 +52,9 @@ fn a_filtered_channel_is_written_in_si() {
     assert_eq!(said, expected);
     assert!(rows[0] == "time_s,value" && rows[1].starts_with("0.0,"), "{}", rows[1]);
     assert_eq!(rows.len(), 1001);
-    let wanted = Wanted { unit: Some(unit("m/s2")), ..Wanted::one(None) };
+    let wanted = ReadOptions { unit: Some(unit("m/s2")), ..ReadOptions::one(None) };
     let written = file::read(&bench.path().join("f.csv"), &wanted).expect("readable").channels.remove(0);
-    let accel = file::read(&raw, &Wanted::one(Some("accel"))).expect("readable").channels.remove(0);
+    let accel = file::read(&raw, &ReadOptions::one(Some("accel"))).expect("readable").channels.remove(0);
     let expected = filter::channel(&accel.series, 180.0, Standard::Iso6487).expect("filtered");
     assert_eq!(written.series.values(), expected.values());
     assert_eq!(figures["largest_after"], Json::from(expected.largest().expect("samples")[1]));
@@ -77,24 +77,24 @@ fn a_channel_is_read_whatever_is_wrong_with_the_others() {
     fs::write(place("t.001"), format!("{head}1\n2\n")).expect("written");
     fs::write(place("t.002"), b"Channel code:X\n\0").expect("written");
     fs::write(place("t.chn"), "Number of channels:1\nName of channel 001:11HEADCG0000ACXP\nstray\n").expect("written");
-    let found = file::read(&place("t.001"), &Wanted::default()).expect("readable");
+    let found = file::read(&place("t.001"), &ReadOptions::default()).expect("readable");
     assert_eq!(found.channels[0].series.values(), [1.0, 2.0]);
     assert_eq!(found.channels[0].filtered, Some(600.0));
     for expected in ["a channel beside it cannot be read", "the number of samples is not stated"] {
         assert!(found.notes.iter().any(|note| note.contains(expected)), "{expected}: {:?}", found.notes);
     }
-    assert!(file::read(&place("t.002"), &Wanted::default()).is_err());
-    assert!(file::read(&place("t.chn"), &Wanted::default()).is_err());
+    assert!(file::read(&place("t.002"), &ReadOptions::default()).is_err());
+    assert!(file::read(&place("t.chn"), &ReadOptions::default()).is_err());
     fs::write(place("t.002"), head.replace("CFC 600", "odd") + "1\n2\n").expect("written");
-    let found = file::read(&place("t.chn"), &Wanted::default()).expect("readable");
+    let found = file::read(&place("t.chn"), &ReadOptions::default()).expect("readable");
     assert_eq!(found.channels[1].filtered, None);
     for expected in ["t.chn: lines without a colon are left out: 1", "class `odd` is not known"] {
         assert!(found.notes.iter().any(|note| note.contains(expected)), "{expected}: {:?}", found.notes);
     }
-    let error = file::read(&place("t.chn"), &Wanted::one(Some("11HEADCG0000ACXP"))).expect_err("two of one code");
+    let error = file::read(&place("t.chn"), &ReadOptions::one(Some("11HEADCG0000ACXP"))).expect_err("two of one code");
     assert!(error.to_string().contains("2 channels are called `11HEADCG0000ACXP`"), "{error}");
     fs::write(place("t.chn"), "a:b\n".repeat(30_000)).expect("written");
-    let error = file::read(&place("t.chn"), &Wanted::default()).expect_err("no header is so long");
+    let error = file::read(&place("t.chn"), &ReadOptions::default()).expect_err("no header is so long");
     assert!(error.to_string().contains("t.chn:20001:1: the header is too long"), "{error}");
 }
 
@@ -242,7 +242,7 @@ fn formats_are_converted_there_and_back() {
     let told = done(&["test", "-o", "back.csv"]);
     assert_eq!(told["channels"].as_array().map(Vec::len), Some(2));
     let [original, back] = [raw, bench.path().join("back.csv")].map(|path| {
-        let wanted = Wanted { channels: Selection::All, ..Wanted::default() };
+        let wanted = ReadOptions { channels: ChannelSelection::All, ..ReadOptions::default() };
         file::read(&path, &wanted).expect("readable")
     });
     for (original, back) in original.channels.iter().zip(&back.channels) {
@@ -297,8 +297,9 @@ fn what_a_test_says_is_said_again_after_conversion() {
     let [odd, again] = ["odd.001", "odd/Channel/O.001"]
         .map(|path| lines_but(&bench.path().join(path), &["First", "Time of", "Sampling"]));
     assert_eq!(odd, again);
-    let [original, again] = [&fixture, &written].map(|path| file::read(path, &Wanted::default()).expect("readable"));
-    assert_eq!(original.remarks, again.remarks);
+    let [original, again] =
+        [&fixture, &written].map(|path| file::read(path, &ReadOptions::default()).expect("readable"));
+    assert_eq!(original.comments, again.comments);
     for (original, again) in original.channels.iter().zip(&again.channels) {
         assert_eq!((&original.name, &original.label, original.filtered), (&again.name, &again.label, again.filtered));
         assert_eq!(original.value_unit(), again.value_unit());
@@ -320,7 +321,7 @@ fn units_and_names_survive_conversion() {
     let said = convert(&["m/T.mme", "-o", "back.csv"]);
     assert!(said.contains("000000000100AC00 (accel)"), "{said}");
     for name in ["m/T.mme", "there.csv", "back.csv"] {
-        let read = file::read(&bench.path().join(name), &Wanted::default()).expect("readable");
+        let read = file::read(&bench.path().join(name), &ReadOptions::default()).expect("readable");
         for (channel, unit) in [("accel", Some("m/s2")), ("laser", Some("m")), ("T", None)] {
             let found = read.channel(channel).or_else(|_| read.channel("T [°C]")).expect("a channel");
             assert_eq!(found.value_unit().as_deref(), unit, "{name}: {channel}");
@@ -330,7 +331,7 @@ fn units_and_names_survive_conversion() {
         assert!(read.notes.iter().all(|note| !note.contains("assumed")), "{name}: {:?}", read.notes);
     }
     convert(&["two.csv", "-o", "apart.csv"]);
-    let apart = file::read(&bench.path().join("apart.csv"), &Wanted::default()).expect("readable");
+    let apart = file::read(&bench.path().join("apart.csv"), &ReadOptions::default()).expect("readable");
     let names: Vec<&str> = apart.channels.iter().map(|channel| channel.label.as_str()).collect();
     assert_eq!(names, ["accel_g [m/s2]", "accel_m_s2 [m/s2]"]);
     assert_eq!(apart.channels[0].series.values(), [STANDARD_GRAVITY, 3.0 * STANDARD_GRAVITY]);

@@ -5,11 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use droptower::experiment::coupon::average::{Spread, mean_curve, mean_of_means, relative_difference};
+use droptower::experiment::coupon::average::{SampleStatistics, mean_curve, mean_of_means, relative_difference};
 use droptower::experiment::coupon::{
-    Along, Coupon, Curve, Direction, Reading, Recorded, Reduction, Rules, Sample, yield_points,
+    Coupon, CouponReader, CouponTest, Curve, Direction, DirectionMeans, Reduction, Rules, Sample, yield_points,
 };
-use droptower::signal::file::{self, Selection, Wanted};
+use droptower::signal::file::{self, ChannelSelection, ReadOptions};
 use droptower::units::Unit;
 use serde_json::Value as Json;
 
@@ -51,15 +51,15 @@ fn table_6_is_the_mean_of_means_that_were_not_rounded() {
         let groups = if row["direction"] == "MD" { &md } else { &td };
         let speed = ["0.0002", "0.02", "0.2"].iter().position(|speed| row["velocity_m_s"] == *speed);
         let mean = match (row["direction"].as_str(), speed) {
-            ("", _) => Spread::of(&[md_mean, td_mean]).unwrap().mean,
-            (_, Some(speed)) => Spread::of(&groups[speed]).unwrap().mean,
+            ("", _) => SampleStatistics::of(&[md_mean, td_mean]).unwrap().mean,
+            (_, Some(speed)) => SampleStatistics::of(&groups[speed]).unwrap().mean,
             (_, None) => mean_of_means(groups).unwrap(),
         };
         assert_prints(mean, number(&row, "young_MPa"), 1.0, &row);
     }
     // Had the paper rounded before it averaged on, TD would read 45.
     let rounded: Vec<f64> = [53.0, 52.0, 31.0].into();
-    assert_eq!(Spread::of(&rounded).unwrap().mean.round(), 45.0);
+    assert_eq!(SampleStatistics::of(&rounded).unwrap().mean.round(), 45.0);
 }
 
 #[test]
@@ -101,19 +101,19 @@ fn table_7_is_averaged_per_height_first() {
         .into();
     let printed: Vec<f64> = paper("table-7-means").iter().map(|row| number(row, "absorption_percent")).collect();
     for (group, printed) in groups.iter().zip(&printed) {
-        assert_prints(Spread::of(group).unwrap().mean, *printed, 0.01, group);
+        assert_prints(SampleStatistics::of(group).unwrap().mean, *printed, 0.01, group);
     }
     assert_prints(mean_of_means(&groups).unwrap(), printed[2], 0.01, &groups);
     // The mean of all five alike would be printed as 88.89.
-    assert!((Spread::of(&groups.concat()).unwrap().mean - 88.89).abs() < 0.005);
+    assert!((SampleStatistics::of(&groups.concat()).unwrap().mean - 88.89).abs() < 0.005);
 }
 
 fn lldpe() -> Coupon {
     Coupon::new(5e-3, 10e-3, 12e-6).unwrap()
 }
 
-fn virtual_coupons() -> Vec<(String, Recorded)> {
-    let reading = Reading::new(lldpe(), Rules::default());
+fn virtual_coupons() -> Vec<(String, CouponTest)> {
+    let reading = CouponReader::new(lldpe(), Rules::default());
     let pattern = root().join("data/virtual/coupons/*.csv");
     let paths = glob::glob(pattern.to_str().unwrap()).unwrap().map(Result::unwrap);
     let read = |path: PathBuf| {
@@ -153,7 +153,7 @@ fn the_virtual_coupons_give_back_what_the_paper_prints() {
         assert!(relative_difference(stress, number(&row, "stress_MPa") * 1e6).abs() < 0.01, "{row:?}: {stress}");
     }
     for row in paper("table-4") {
-        let Along { strength, elongation, .. } = along(&row["direction"]);
+        let DirectionMeans { strength, elongation, .. } = along(&row["direction"]);
         let found = if row["property"] == "tensile_strength" { strength.mean / 1e6 } else { elongation.mean * 100.0 };
         let unit = if row["property"] == "tensile_strength" { 0.1 } else { 1.0 };
         assert_prints(found, number(&row, "experiment"), unit, &row);
@@ -354,7 +354,7 @@ fn aluminium(name: &str) -> Curve {
         ("engineering_strain".into(), Unit::parse("-").unwrap()),
     ];
     let names = ["engineering_strain", "engineering_stress"].map(String::from).to_vec();
-    let wanted = Wanted { channels: Selection::Named(names), units, ..Wanted::default() };
+    let wanted = ReadOptions { channels: ChannelSelection::Named(names), units, ..ReadOptions::default() };
     let mut columns = file::columns(&root().join("data/tension_anisotropic_al6061").join(name), &wanted)
         .unwrap_or_else(|error| panic!("{error}"))
         .columns;
@@ -394,7 +394,7 @@ const INCH: f64 = 0.0254;
 /// extensometer of 1/4 in, from which a turned bar is off by 0.001 in.
 fn steel(name: &str) -> (Curve, Curve) {
     let names = "time [s],displacement [in],load [lbf],engineering_strain [-],engineering_stress [ksi]";
-    let wanted = Wanted { names: names.split(',').map(String::from).collect(), ..Wanted::default() };
+    let wanted = ReadOptions { names: names.split(',').map(String::from).collect(), ..ReadOptions::default() };
     let measured = file::read(&root().join("data/tension_rates_304L").join(name), &wanted)
         .unwrap_or_else(|error| panic!("{error}"));
     let channel = |name: &str| measured.channel(name).unwrap().series.clone();
@@ -495,10 +495,10 @@ fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
     for (direction, scenario) in [(Direction::Md, "md-0.2"), (Direction::Td, "td-0.2")] {
         let scenario = format!("scenarios/stretch/{scenario}.toml");
         succeed(&["run", &scenario, "--quiet", "--set", &assignment, "--out", out.to_str().unwrap()]);
-        let table = file::columns(&out.join("signals.csv"), &Wanted::default()).unwrap();
+        let table = file::columns(&out.join("signals.csv"), &ReadOptions::default()).unwrap();
         let column = |name: &str| table.columns.iter().find(|column| column.label == name).unwrap().values.clone();
         let simulated = Curve::new(column("strain"), column("stress_Pa")).unwrap();
-        let Along { curve, elongation, .. } = reduction.along(direction).unwrap();
+        let DirectionMeans { curve, elongation, .. } = reduction.along(direction).unwrap();
         let shared = curve.range()[1];
         for part in [0.3, 0.5, 0.7, 0.9, 1.0] {
             let [found, measured] = [&simulated, curve].map(|curve| curve.at(part * shared).unwrap());

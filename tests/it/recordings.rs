@@ -4,15 +4,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use droptower::signal::filter::{self, Standard};
-use droptower::signal::{Measured, Measurement, Selection, Series, Wanted, file, integrate, isomme};
+use droptower::signal::{ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series, file, integrate, isomme};
 use droptower::units::{Acceleration, Force, Length, Moment, Pressure, STANDARD_GRAVITY, Strain, Unit};
 use proptest::prelude::*;
 
 use crate::workbench::{SHOCK_NAMES, close, data, shocks, unit};
 
-fn units(pairs: &[(&str, &str)]) -> Wanted {
+fn units(pairs: &[(&str, &str)]) -> ReadOptions {
     let units = pairs.iter().map(|(name, symbol)| ((*name).to_owned(), unit(symbol))).collect();
-    Wanted { units, ..Wanted::default() }
+    ReadOptions { units, ..ReadOptions::default() }
 }
 
 /// What a file says in a cell, found without the reader under test.
@@ -26,7 +26,7 @@ fn cell(text: &str, line: usize, column: usize, separator: impl Fn(char) -> bool
 fn curves_without_a_header_are_over_time() {
     let path = data("iso18571/reference.csv");
     let text = fs::read_to_string(&path).expect("the file");
-    let read = file::read(&path, &Wanted::one(None)).expect("readable");
+    let read = file::read(&path, &ReadOptions::one(None)).expect("readable");
     let series = &read.channels[0].series;
     assert_eq!(series.len(), 600);
     assert_eq!(series.values()[0], cell(&text, 1, 2, |c| c == ','));
@@ -88,7 +88,7 @@ fn aluminium_in_three_directions_has_no_time() {
 #[test]
 fn rubber_sheets_are_columns_between_blanks() {
     let names = vec!["stress [MPa]".to_owned(), "stretch [-]".to_owned()];
-    let wanted = Wanted { names, ..Wanted::default() };
+    let wanted = ReadOptions { names, ..ReadOptions::default() };
     for author in ["Treloar_1944", "Kawabata_1981", "Meunier_2008"] {
         for kind in ["UT", "ET", "PS"] {
             let path = data("rubber_sheet").join(author).join(kind).with_extension("txt");
@@ -108,7 +108,7 @@ fn rubber_sheets_are_columns_between_blanks() {
 #[test]
 fn a_container_is_read_with_both_kinds_of_time() {
     for path in ["isomme_fixture", "isomme_fixture/test.mme", "isomme_fixture/Channel/test.chn"] {
-        let read = file::read(&data(path), &Wanted::default()).expect("readable");
+        let read = file::read(&data(path), &ReadOptions::default()).expect("readable");
         let codes: Vec<&str> = read.channels.iter().map(|channel| channel.name.as_str()).collect();
         assert_eq!(codes, ["11HEADCG0000ACXP", "11CHST0000H3DSXP"]);
         let head = read.channel("Head CG X acceleration").expect("by its long name");
@@ -129,7 +129,7 @@ fn a_container_is_read_with_both_kinds_of_time() {
 
 #[test]
 fn the_measured_channel_has_the_extremes_of_its_header() {
-    let read = file::read(&data("isomme_real_channel"), &Wanted::one(None)).expect("readable");
+    let read = file::read(&data("isomme_real_channel"), &ReadOptions::one(None)).expect("readable");
     let channel = &read.channels[0];
     let moment = channel.quantity(Moment::DIMENSION).expect("a moment");
     assert_eq!((channel.name.as_str(), moment.len()), ("24NECKUP00P2MOZP", 6000));
@@ -163,7 +163,7 @@ fn what_a_header_states_is_checked_against_the_samples() {
     ] {
         assert!(text.contains(from), "{from}");
         fs::write(&path, text.replacen(from, to, 1)).expect("written");
-        let notes = file::read(&path, &Wanted::default()).expect("readable").notes.join("; ");
+        let notes = file::read(&path, &ReadOptions::default()).expect("readable").notes.join("; ");
         assert!(notes.contains(expected), "{to}: {notes}");
     }
     for (from, to, place, expected) in [
@@ -199,7 +199,7 @@ fn what_a_header_states_is_checked_against_the_samples() {
     ] {
         assert!(text.contains(from), "{from}");
         fs::write(&path, text.replacen(from, to, 1)).expect("written");
-        let error = file::read(&path, &Wanted::default()).expect_err("a mistake");
+        let error = file::read(&path, &ReadOptions::default()).expect_err("a mistake");
         let (file, line, _) = error.place().expect("a place");
         assert_eq!(file, path);
         assert!(place.is_none_or(|expected| expected == line), "{to}: line {line}");
@@ -212,7 +212,7 @@ fn a_container_with_mistakes_is_refused_by_name() {
     let bench = tempfile::tempdir().expect("a folder");
     let path = |name: &str| bench.path().join(name);
     let refused = |path: &Path, expected: &str| {
-        let error = file::read(path, &Wanted::default()).expect_err("a mistake").to_string();
+        let error = file::read(path, &ReadOptions::default()).expect_err("a mistake").to_string();
         assert!(error.contains(expected), "{error}");
     };
     refused(&path("gone.mme"), "gone.mme: cannot be read: no such file or folder");
@@ -229,7 +229,7 @@ fn a_container_with_mistakes_is_refused_by_name() {
     fs::write(path("CHANNEL/A.001"), format!("{axis}0\nNOVALUE\n1\n")).expect("written");
     refused(bench.path(), "A.001:5:1: a sample of the time axis `11TIRS000000TIRP` was not measured");
     fs::write(path("CHANNEL/A.001"), format!("{axis}0\n1\n2\n")).expect("written");
-    let read = file::read(bench.path(), &Wanted::default()).expect("readable now");
+    let read = file::read(bench.path(), &ReadOptions::default()).expect("readable now");
     assert_eq!(read.channels[0].series.time(), [0.0, 1e-3, 2e-3]);
     fs::write(path("CHANNEL/A.002"), format!("{value}11TIRS000000TIRP\n1\n2\n")).expect("written");
     refused(bench.path(), "`11HEAD000000ACXP` has 2 samples over 3 times of `11TIRS000000TIRP`");
@@ -243,7 +243,7 @@ fn a_container_with_mistakes_is_refused_by_name() {
 fn written_containers_read_back_to_the_same_bits() {
     let uneven = Series::new(vec![0.0, 1e-4, 3.5e-4], vec![0.1 + 0.2, f64::NAN, -1.0 / 3.0]);
     let even = Series::new(vec![-0.1, -0.0999, -0.0998], vec![1e-300, 6.02e23, -0.0]);
-    let channel = |name: &str, symbol: Option<&str>, series: &Series| Measured {
+    let channel = |name: &str, symbol: Option<&str>, series: &Series| MeasuredChannel {
         name: name.into(),
         label: format!("the {name}"),
         unit: symbol.map(unit),
@@ -260,13 +260,13 @@ fn written_containers_read_back_to_the_same_bits() {
             // Written before by droptower, and in the way of the number of the second channel.
             channel("000000000200AC0B", Some("m/s2"), &even),
         ],
-        remarks: vec!["virtual: no instrument made it".into()],
+        comments: vec!["virtual: no instrument made it".into()],
         ..Measurement::default()
     };
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("out/T.mme");
     isomme::write(&path, &measurement).expect("written");
-    let read = file::read(&path, &Wanted::default()).expect("readable");
+    let read = file::read(&path, &ReadOptions::default()).expect("readable");
     assert_eq!(read.channels.len(), 6);
     for (read, written) in read.channels.iter().zip(&measurement.channels) {
         let bits = |series: &Series| series.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
@@ -288,11 +288,11 @@ fn written_containers_read_back_to_the_same_bits() {
 
 #[test]
 fn the_measured_channel_survives_being_written() {
-    let original = file::read(&data("isomme_real_channel"), &Wanted::default()).expect("readable");
+    let original = file::read(&data("isomme_real_channel"), &ReadOptions::default()).expect("readable");
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("copy.mme");
     isomme::write(&path, &original).expect("written");
-    let copy = file::read(&path, &Wanted::default()).expect("readable");
+    let copy = file::read(&path, &ReadOptions::default()).expect("readable");
     assert_eq!(copy.channels, original.channels);
 }
 
@@ -301,11 +301,11 @@ fn drop_tower_shocks_are_read_filtered_and_integrated() {
     let Some(path) = shocks() else {
         return;
     };
-    let error = file::read(&path, &Wanted::default()).expect_err("7 names over 6 columns");
+    let error = file::read(&path, &ReadOptions::default()).expect_err("7 names over 6 columns");
     assert!(error.to_string().contains("7 names") && error.to_string().contains("over 6 columns"), "{error}");
     assert!(error.hint().is_some_and(|hint| hint.contains("--columns")));
     let names = SHOCK_NAMES.map(str::to_owned).to_vec();
-    let wanted = Wanted { names, ..Wanted::one(Some("accel 1")) };
+    let wanted = ReadOptions { names, ..ReadOptions::one(Some("accel 1")) };
     let read = file::read(&path, &wanted).expect("readable");
     let raw = read.channels[0].quantity(Acceleration::DIMENSION).expect("an acceleration");
     let text = fs::read_to_string(&path).expect("the file");
@@ -325,54 +325,56 @@ fn tables_with_mistakes_are_refused_in_place() {
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("r.csv");
     let g = units(&[("a", "g")]);
-    let named = |name: &str| Wanted::one(Some(name));
-    let names =
-        |names: &[&str]| Wanted { names: names.iter().map(|name| (*name).into()).collect(), ..Wanted::default() };
+    let named = |name: &str| ReadOptions::one(Some(name));
+    let names = |names: &[&str]| ReadOptions {
+        names: names.iter().map(|name| (*name).into()).collect(),
+        ..ReadOptions::default()
+    };
     for (text, wanted, expected) in [
-        ("", Wanted::default(), "r.csv: no samples: the file is empty"),
-        ("# only\n\n", Wanted::default(), "r.csv: no samples: the file is empty"),
-        ("time,a\n", Wanted::default(), "r.csv:1:1: no samples: no line below the header starts with a number"),
-        ("time,a\n0,1\n0,2\n", Wanted::default(), "r.csv:3:1: time does not increase: 0 after 0"),
-        ("time,a\n1,1\n0,2\n", Wanted::default(), "r.csv:3:1: time does not increase: 0 after 1"),
-        ("a,time\n1,\n", Wanted::default(), "r.csv:2:3: the sample has no time"),
+        ("", ReadOptions::default(), "r.csv: no samples: the file is empty"),
+        ("# only\n\n", ReadOptions::default(), "r.csv: no samples: the file is empty"),
+        ("time,a\n", ReadOptions::default(), "r.csv:1:1: no samples: no line below the header starts with a number"),
+        ("time,a\n0,1\n0,2\n", ReadOptions::default(), "r.csv:3:1: time does not increase: 0 after 0"),
+        ("time,a\n1,1\n0,2\n", ReadOptions::default(), "r.csv:3:1: time does not increase: 0 after 1"),
+        ("a,time\n1,\n", ReadOptions::default(), "r.csv:2:3: the sample has no time"),
         ("time,a\n0,1\n", named("b"), "r.csv:1:1: no channel `b` among `time`, `a`"),
         ("time,a [g],a [N]\n0,1,2\n", named("a"), "r.csv:1:1: several channels are called `a`: `a [g]`, `a [N]`"),
-        ("time,a,b\n0,1,2\n", Wanted::one(None), "r.csv:1:1: one channel is wanted, found 2: `a`, `b`"),
-        ("time\n0\n1\n", Wanted::default(), "r.csv:1:1: no channel beside the time"),
-        ("time,a\n0,nan\n", Wanted::default(), "r.csv:2:3: `a` is not finite"),
-        ("time,a\n0,-inf\n", Wanted::default(), "r.csv:2:3: `a` is not finite"),
-        ("time;ä;b\n0;1;2\n1; 2 ;x\n", Wanted::default(), "r.csv:3:7: expected a number for `b`, found `x`"),
-        ("time,a\nx,1\n1,2\n", Wanted::default(), "r.csv:2:1: expected a number for `time`, found `x`"),
-        ("time,a\n0,1\n1,2,3\n", Wanted::default(), "r.csv:3:1: expected 2 cells, found 3"),
-        ("time,a\n0,1\n1\n2,2\n", Wanted::default(), "r.csv:3:1: expected 2 cells, found 1"),
-        ("time,a\n0,1\n1", Wanted::default(), "r.csv:3:1: the file is truncated: its last line has 1 of 2 cells"),
+        ("time,a,b\n0,1,2\n", ReadOptions::one(None), "r.csv:1:1: one channel is wanted, found 2: `a`, `b`"),
+        ("time\n0\n1\n", ReadOptions::default(), "r.csv:1:1: no channel beside the time"),
+        ("time,a\n0,nan\n", ReadOptions::default(), "r.csv:2:3: `a` is not finite"),
+        ("time,a\n0,-inf\n", ReadOptions::default(), "r.csv:2:3: `a` is not finite"),
+        ("time;ä;b\n0;1;2\n1; 2 ;x\n", ReadOptions::default(), "r.csv:3:7: expected a number for `b`, found `x`"),
+        ("time,a\nx,1\n1,2\n", ReadOptions::default(), "r.csv:2:1: expected a number for `time`, found `x`"),
+        ("time,a\n0,1\n1,2,3\n", ReadOptions::default(), "r.csv:3:1: expected 2 cells, found 3"),
+        ("time,a\n0,1\n1\n2,2\n", ReadOptions::default(), "r.csv:3:1: expected 2 cells, found 1"),
+        ("time,a\n0,1\n1", ReadOptions::default(), "r.csv:3:1: the file is truncated: its last line has 1 of 2 cells"),
         (
             "time,a\n0,1\n0.002,1\n0.00",
-            Wanted::default(),
+            ReadOptions::default(),
             "r.csv:4:1: the file is truncated: its last line has 1 of 2 cells",
         ),
-        ("time,a,b\n0,1\n1,2\n", Wanted::default(), "r.csv:1:1: 3 names (`time`, `a`, `b`) over 2 columns"),
+        ("time,a,b\n0,1\n1,2\n", ReadOptions::default(), "r.csv:1:1: 3 names (`time`, `a`, `b`) over 2 columns"),
         ("0,1\n", names(&["time"]), "r.csv:1:1: 1 name (`time`) over 2 columns"),
-        ("time,a,a\n0,1,2\n", Wanted::default(), "r.csv:1:8: two columns are called `a`"),
-        ("time,,b\n0,1,2\n", Wanted::default(), "r.csv:1:6: column 2 has no name"),
+        ("time,a,a\n0,1,2\n", ReadOptions::default(), "r.csv:1:8: two columns are called `a`"),
+        ("time,,b\n0,1,2\n", ReadOptions::default(), "r.csv:1:6: column 2 has no name"),
         (
             "time,a [g]\ns,m/s2\n0,1\n",
-            Wanted::default(),
+            ReadOptions::default(),
             "r.csv:2:3: mixed units: the header says `g` of `a`, the line of units `m/s2`",
         ),
         ("time,a [m/s2]\n0,1\n", g.clone(), "r.csv:1:6: mixed units: the file says `m/s2` of `a`, but `g` is given"),
         ("time,b\n0,1\n", g, "r.csv:1:1: no channel `a` among `time`, `b`"),
         (
             "time,a\n0,5.2 g\n",
-            Wanted::default(),
+            ReadOptions::default(),
             "r.csv:2:3: expected a number for `a`, found `5.2 g`, which carries a unit",
         ),
-        ("time [g],a\n0,1\n", Wanted::default(), "r.csv:1:1: time (`time`) cannot be in `g`"),
-        ("time [fortnight],a\n0,1\n", Wanted::default(), "r.csv:1:1: time (`time`) cannot be in `fortnight`"),
-        ("t,time,a\n0,0,1\n", Wanted::default(), "r.csv:1:1: several columns of time among `t`, `time`, `a`"),
+        ("time [g],a\n0,1\n", ReadOptions::default(), "r.csv:1:1: time (`time`) cannot be in `g`"),
+        ("time [fortnight],a\n0,1\n", ReadOptions::default(), "r.csv:1:1: time (`time`) cannot be in `fortnight`"),
+        ("t,time,a\n0,0,1\n", ReadOptions::default(), "r.csv:1:1: several columns of time among `t`, `time`, `a`"),
         (
             "time;a\n0,5;1,5\n1;2.5\n",
-            Wanted::default(),
+            ReadOptions::default(),
             "r.csv:3:3: decimal point and decimal comma in one file: `2.5`",
         ),
     ] {
@@ -402,11 +404,11 @@ fn tables_come_in_many_dresses() {
         ("0,1\n0.5,-2.5\n", [0.0, 0.5], [1.0, -2.5]),
     ] {
         fs::write(&path, text).expect("written");
-        let read = file::read(&path, &Wanted::one(None)).unwrap_or_else(|error| panic!("{text:?} gave: {error}"));
+        let read = file::read(&path, &ReadOptions::one(None)).unwrap_or_else(|error| panic!("{text:?} gave: {error}"));
         assert_eq!(read.channels[0].series, Series::new(time.to_vec(), values.to_vec()), "{text:?}");
     }
     fs::write(&path, b"time;Weg [\xb5m]\n0;1\n1;\n").expect("written");
-    let read = file::read(&path, &Wanted::one(Some("Weg"))).expect("Windows-1252");
+    let read = file::read(&path, &ReadOptions::one(Some("Weg"))).expect("Windows-1252");
     assert_eq!(read.channels[0].series.values()[0], 1e-6);
     assert!(read.channels[0].series.values()[1].is_nan(), "an empty cell was not measured");
 }
@@ -416,7 +418,7 @@ fn what_is_not_known_is_noted() {
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("r.csv");
     fs::write(&path, "# virtual\nlab 3\ntime,T [°C]\n0,20\n1,21\n").expect("written");
-    let read = file::read(&path, &Wanted::default()).expect("readable");
+    let read = file::read(&path, &ReadOptions::default()).expect("readable");
     let expected = [
         "virtual",
         "line 2 (before the header): lab 3",
@@ -435,10 +437,10 @@ fn unwanted_columns_of_a_long_file_are_not_even_looked_at() {
     let line = |row: usize| format!("{row},{},not,numbers,at all\n", 2 * row);
     let text: String = std::iter::once("time,a,b,c,d\n".to_owned()).chain((0..rows).map(line)).collect();
     fs::write(&path, text).expect("written");
-    let read = file::read(&path, &Wanted::one(Some("a"))).expect("readable");
+    let read = file::read(&path, &ReadOptions::one(Some("a"))).expect("readable");
     assert_eq!((read.channels.len(), read.channels[0].series.len()), (1, rows));
     assert_eq!(read.channels[0].series.values()[rows - 1], 2.0 * (rows - 1) as f64);
-    let all = Wanted { channels: Selection::All, ..Wanted::default() };
+    let all = ReadOptions { channels: ChannelSelection::All, ..ReadOptions::default() };
     let error = file::read(&path, &all).expect_err("no numbers").to_string();
     assert!(error.contains("long.csv:2:5: expected a number for `b`, found `not`"), "{error}");
 }
@@ -494,11 +496,11 @@ proptest! {
         for name in ["r.csv", "r.001", "r.chn"] {
             let path = bench.path().join(name);
             fs::write(&path, [text.as_bytes(), &bytes].concat()).expect("written");
-            let _ = file::read(&path, &Wanted::default());
-            let _ = file::columns(&path, &Wanted::one(Some("a")));
+            let _ = file::read(&path, &ReadOptions::default());
+            let _ = file::columns(&path, &ReadOptions::one(Some("a")));
             fs::write(&path, &text).expect("written");
-            let _ = file::read(&path, &Wanted::default());
-            let _ = file::read(&path, &Wanted { unit: Unit::parse("g").ok(), ..Wanted::one(None) });
+            let _ = file::read(&path, &ReadOptions::default());
+            let _ = file::read(&path, &ReadOptions { unit: Unit::parse("g").ok(), ..ReadOptions::one(None) });
         }
     }
 
@@ -507,7 +509,7 @@ proptest! {
         let bench = tempfile::tempdir().expect("a folder");
         let path = bench.path().join("r.csv");
         fs::write(&path, format!("time,a\n0,1\n1,2\n{text}\n")).expect("written");
-        if let Ok(read) = file::read(&path, &Wanted::default()) {
+        if let Ok(read) = file::read(&path, &ReadOptions::default()) {
             for channel in &read.channels {
                 prop_assert_eq!(channel.series.time().len(), channel.series.values().len());
                 prop_assert!(channel.series.time().windows(2).all(|pair| pair[0] < pair[1]));

@@ -5,7 +5,7 @@ use std::process::Output;
 use std::time::Instant;
 
 use droptower::signal::clip::{Counting, clip};
-use droptower::signal::file::{self, Wanted};
+use droptower::signal::file::{self, ReadOptions};
 use droptower::signal::filter::{self, Standard};
 use droptower::signal::hic::head_injury_criterion;
 use droptower::signal::rating::{self, Rating};
@@ -81,7 +81,7 @@ fn reference_curves_get_the_stated_ratings() {
 #[test]
 fn the_channel_filter_leaves_a_recording_where_it_is() {
     // What the reference curve holds lies far below the classes, so filtering it changes little and rating it nothing.
-    let wanted = Wanted { names: vec!["time_s".into(), "value".into()], ..Wanted::default() };
+    let wanted = ReadOptions { names: vec!["time_s".into(), "value".into()], ..ReadOptions::default() };
     let measurement = file::read(&data("iso18571/reference.csv"), &wanted).expect("readable");
     let curve = &measurement.channel("value").expect("there").series;
     for class in [1000.0, 600.0, 180.0] {
@@ -97,7 +97,7 @@ fn real_shocks_have_measures_within_their_bounds() {
         return;
     };
     let names = SHOCK_NAMES.map(str::to_owned).to_vec();
-    let shocks = file::read(&path, &Wanted { names, ..Wanted::default() }).expect("readable");
+    let shocks = file::read(&path, &ReadOptions { names, ..ReadOptions::default() }).expect("readable");
     assert_eq!(shocks.channels.len(), 5);
     for shock in &shocks.channels {
         let raw = shock.quantity(Acceleration::DIMENSION).expect("an acceleration");

@@ -5,14 +5,14 @@ use std::path::Path;
 use std::process::Output;
 
 use droptower::experiment::absorption::{Body, energy_absorption};
-use droptower::experiment::drop::{self, Drop, Height, Names, Reduction, Sensed, Tower};
+use droptower::experiment::drop::{self, ChannelNames, Drop, DropChannels, Height, Reduction, Tower};
 use droptower::experiment::fall::Fall;
 use droptower::experiment::sensor::{Laser, Sensors, virtual_drop};
 use droptower::model::{self, Loading, Model};
 use droptower::post::{Measures, Plan};
 use droptower::scenario::{Assignment, Document};
 use droptower::signal::Series;
-use droptower::signal::file::{self, Wanted};
+use droptower::signal::file::{self, ReadOptions};
 use droptower::simulate;
 use serde_json::Value as Json;
 
@@ -68,16 +68,16 @@ fn shipped_recordings_hide_the_truth_of_their_table() {
     assert_eq!(truths.iter().map(|(test, _)| test.as_str()).collect::<Vec<_>>(), TESTS);
     for (test, truth) in truths {
         let path = root().join(format!("data/virtual/{test}.csv"));
-        let measurement = file::read(&path, &Wanted::default()).expect("a recording");
-        let sensed = Sensed::find(&measurement, &Names::default()).expect("an accelerometer");
+        let measurement = file::read(&path, &ReadOptions::default()).expect("a recording");
+        let sensed = DropChannels::find(&measurement, &ChannelNames::default()).expect("an accelerometer");
         assert_eq!(sensed.laser.is_none(), test == "1509");
         assert_found(&reduced(&sensed.acceleration, sensed.laser.as_ref(), truth.height), &truth, &test);
     }
 }
 
-fn shipped(test: &str) -> Sensed {
-    let measurement = file::read(&root().join(format!("data/virtual/{test}.csv")), &Wanted::default());
-    Sensed::find(&measurement.expect("a recording"), &Names::default()).expect("an accelerometer")
+fn shipped(test: &str) -> DropChannels {
+    let measurement = file::read(&root().join(format!("data/virtual/{test}.csv")), &ReadOptions::default());
+    DropChannels::find(&measurement.expect("a recording"), &ChannelNames::default()).expect("an accelerometer")
 }
 
 /// Of 1509, which fell 1.5 m and has no laser, other heights are no explanation.
@@ -100,7 +100,7 @@ fn without_a_laser_a_wrong_height_is_refused_or_doubted() {
 /// 1008 fell 1 m: with a laser another height gives the same figures, unless nothing can fall so fast.
 #[test]
 fn with_a_laser_a_wrong_height_is_said() {
-    let Sensed { acceleration, laser, .. } = shipped("1008");
+    let DropChannels { acceleration, laser, .. } = shipped("1008");
     let reduce = |height: f64| {
         let tower = Tower { body: BODY, height: Height::Known(height) };
         drop::reduce(&acceleration, laser.as_ref(), &tower, &Reduction::default())
@@ -170,7 +170,7 @@ fn other_seeds_and_clocks_are_reduced_as_well() {
         let (acceleration, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
         let absorption = energy_absorption(BODY, channel("velocity_m_s").values(), displacement.values());
         let [_, deepest] = displacement.smallest().expect("a turn");
-        let fall = Fall { height, speed, gravity, letting_go: 0.032 };
+        let fall = Fall { height, speed, gravity, release_duration: 0.032 };
         for seed in 0..12 {
             let rests = [[0.1, 0.2], [0.03, 0.05], [0.5, 0.6]];
             let laser = (seed % 2 == 0 || test == "1008").then(Laser::default);
@@ -275,7 +275,7 @@ fn the_command_prints_figures_and_writes_signals() {
     let shown = droptower(&call[..call.len() - 1]);
     let shown = String::from_utf8_lossy(&shown.stdout);
     assert!(shown.contains("note: VIRTUAL drop test: nothing fell"), "{shown}");
-    let written = file::read(&out, &Wanted::default()).expect("the reduced signals");
+    let written = file::read(&out, &ReadOptions::default()).expect("the reduced signals");
     let travel = &written.channel("displacement_m").expect("a channel").series;
     assert_eq!((travel.time()[0], travel.values()[0]), (0.0, 0.0));
     assert_eq!(travel.smallest().map(|[_, place]| place), Some(figure("peak_displacement_m")));
@@ -338,7 +338,7 @@ fn a_recording_is_never_replaced_by_its_own_signals() {
 #[test]
 fn a_raw_reference_may_be_written_in_any_units_and_names() {
     let folder = tempfile::tempdir().expect("a folder");
-    let shipped = file::read(&root().join("data/virtual/1008.csv"), &Wanted::default()).expect("a recording");
+    let shipped = file::read(&root().join("data/virtual/1008.csv"), &ReadOptions::default()).expect("a recording");
     let [reading, laser] =
         ["accelerometer_m_s2", "laser_m"].map(|name| &shipped.channel(name).expect("a channel").series);
     let row = |i: usize| {
@@ -419,7 +419,7 @@ fn real_shocks_without_their_fall_are_refused_by_name() {
         return;
     };
     let names = SHOCK_NAMES.map(String::from).into();
-    let found = file::read(&path, &Wanted { names, ..Wanted::default() }).expect("a recording");
+    let found = file::read(&path, &ReadOptions { names, ..ReadOptions::default() }).expect("a recording");
     let shock = &found.channel("accel 1").expect("a channel").series;
     let tower = Tower { body: BODY, height: Height::Known(1.0) };
     let refused = drop::reduce(shock, None, &tower, &Reduction::default());

@@ -11,9 +11,9 @@ use super::output::{self, Failure};
 use crate::cli::output::ends_in;
 use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::signal::file::Selection;
+use crate::signal::file::ChannelSelection;
 use crate::signal::isomme::{self, Headers, WriteError};
-use crate::signal::{Measured, Measurement};
+use crate::signal::{MeasuredChannel, Measurement};
 
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
@@ -72,8 +72,8 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
         output::check_table(&args.out, &args.path, args.force)?;
     }
     let channels = match &args.column[..] {
-        [] => Selection::All,
-        names => Selection::Named(names.to_vec()),
+        [] => ChannelSelection::All,
+        names => ChannelSelection::Named(names.to_vec()),
     };
     let found = args.file.read(&args.path, channels).map_err(bad)?;
     if as_test {
@@ -103,14 +103,14 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
 
 /// What the file says, and the long names of codes: what reading it assumed is settled, since the table says it.
 fn comments(found: &Measurement) -> Vec<String> {
-    let is_long = |channel: &&Measured| !channel.label.starts_with(&channel.name);
+    let is_long = |channel: &&MeasuredChannel| !channel.label.starts_with(&channel.name);
     let names: Vec<String> = found.channels.iter().filter(is_long).map(called).collect();
     let names = (!names.is_empty()).then(|| format!("channels: {}", names.join(", ")));
-    found.remarks.iter().cloned().chain(names).collect()
+    found.comments.iter().cloned().chain(names).collect()
 }
 
 /// A channel by its name, and by its long name where that is another.
-fn called(channel: &Measured) -> String {
-    let Measured { name, label, .. } = channel;
+fn called(channel: &MeasuredChannel) -> String {
+    let MeasuredChannel { name, label, .. } = channel;
     if label.starts_with(name.as_str()) { name.clone() } else { format!("{name} ({label})") }
 }

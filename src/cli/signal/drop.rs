@@ -10,10 +10,12 @@ use super::output::{self, Failure};
 use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::experiment::absorption::Body;
-use crate::experiment::contact::SpeedFrom;
-use crate::experiment::drop::{Correction, Drop, Figures, Height, Names, Reduction, Sensed, SensedError, Tower};
+use crate::experiment::contact::SpeedSource;
+use crate::experiment::drop::{
+    ChannelNames, Correction, Drop, DropChannels, DropChannelsError, Figures, Height, Reduction, Tower,
+};
 use crate::signal::QuantityError;
-use crate::signal::file::{self, Selection, Wanted};
+use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::units::{Acceleration, Length, Mass, STANDARD_GRAVITY, Time};
 
 #[derive(Debug, Args)]
@@ -124,34 +126,36 @@ fn conditions(args: &DropArgs) -> Result<(Tower, Correction), Diagnostic> {
     Ok((Tower { body, height: Height::Known(args.height) }, correction))
 }
 
-fn sensed(args: &DropArgs) -> Result<Sensed, Diagnostic> {
-    let names = Names { acceleration: args.column.clone(), laser: args.laser.clone() };
+fn sensed(args: &DropArgs) -> Result<DropChannels, Diagnostic> {
+    let names = ChannelNames { acceleration: args.column.clone(), laser: args.laser.clone() };
     let unit = args.unit.as_deref().map(input::unit).transpose()?;
     let (units, unit) = match (&args.column, unit) {
         (Some(column), Some(unit)) => (vec![(column.clone(), unit)], None),
         (_, unit) => (Vec::new(), unit),
     };
     let channels = match (&args.column, &args.laser) {
-        (Some(column), Some(laser)) => Selection::Named(vec![column.clone(), laser.clone()]),
-        (Some(column), None) if args.without_laser => Selection::Named(vec![column.clone()]),
-        _ => Selection::All,
+        (Some(column), Some(laser)) => ChannelSelection::Named(vec![column.clone(), laser.clone()]),
+        (Some(column), None) if args.without_laser => ChannelSelection::Named(vec![column.clone()]),
+        _ => ChannelSelection::All,
     };
-    let wanted = args.table.over(Wanted { channels, units, unit, ..Wanted::default() });
-    let measurement = file::read(&args.path, &wanted).map_err(|error| faults::recording(&error))?;
-    Sensed::find(&measurement, &names).map_err(|error| mistake(args, &error))
+    let options = args.table.over(ReadOptions { channels, units, unit, ..ReadOptions::default() });
+    let measurement = file::read(&args.path, &options).map_err(|error| faults::recording(&error))?;
+    DropChannels::find(&measurement, &names).map_err(|error| mistake(args, &error))
 }
 
-fn mistake(args: &DropArgs, error: &SensedError) -> Diagnostic {
+fn mistake(args: &DropArgs, error: &DropChannelsError) -> Diagnostic {
     let mistake = Diagnostic::new(format!("{}: {error}", shown_path(&args.path)));
     match error {
-        SensedError::Quantity(error @ QuantityError::NoUnit { .. }) => faults::quantity(&args.path, error),
-        SensedError::Channel(error) => Diagnostic { hint: error.hint(), ..mistake },
-        SensedError::Several { dimension, .. } if *dimension == Length::DIMENSION => {
+        DropChannelsError::Quantity(error @ QuantityError::NoUnit { .. }) => faults::quantity(&args.path, error),
+        DropChannelsError::Channel(error) => Diagnostic { hint: error.hint(), ..mistake },
+        DropChannelsError::Several { dimension, .. } if *dimension == Length::DIMENSION => {
             mistake.hint("--laser NAME, or --without-laser")
         }
-        SensedError::Several { .. } => mistake.hint("--column NAME"),
-        SensedError::NoAcceleration { .. } => mistake.hint("--unit says what a channel without unit is measured in"),
-        SensedError::Quantity(_) => mistake,
+        DropChannelsError::Several { .. } => mistake.hint("--column NAME"),
+        DropChannelsError::NoAcceleration { .. } => {
+            mistake.hint("--unit says what a channel without unit is measured in")
+        }
+        DropChannelsError::Quantity(_) => mistake,
     }
 }
 
@@ -160,10 +164,10 @@ fn text(args: &DropArgs, figures: &Figures) -> String {
     let peak = figures.peak_acceleration_m_s2.zip(figures.time_of_peak_acceleration_s);
     let travel = figures.peak_displacement_m.zip(figures.time_of_peak_displacement_s);
     let from = match (figures.speed_from, figures.laser_residual_m) {
-        (SpeedFrom::Laser, Some(residual)) => format!("laser, {:.3} mm off", 1e3 * residual),
-        (SpeedFrom::Laser, None) => "laser".into(),
-        (SpeedFrom::Fall, _) => "the known height".into(),
-        (SpeedFrom::Given, _) => "given".into(),
+        (SpeedSource::Laser, Some(residual)) => format!("laser, {:.3} mm off", 1e3 * residual),
+        (SpeedSource::Laser, None) => "laser".into(),
+        (SpeedSource::Fall, _) => "the known height".into(),
+        (SpeedSource::Given, _) => "given".into(),
     };
     let correction = match (figures.time_constant_s, figures.ramp_duration_s) {
         (Some(time_constant), _) => format!("AC coupling, time constant {:.1} ms", 1e3 * time_constant),

@@ -11,7 +11,7 @@ use super::output::{self, Failure};
 use crate::cli::{BAD_INPUT, Shared, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::filter::{self, FilterError, Standard};
-use crate::signal::{Channel, Measured, Recording, Series, resample};
+use crate::signal::{Channel, MeasuredChannel, Recording, Series, resample};
 use crate::units::{Dimension, Frequency};
 
 #[derive(Debug, Args)]
@@ -77,7 +77,7 @@ pub fn run(args: &FilterArgs, shared: &Shared) -> ExitCode {
 
 fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
     output::check_table(&args.out, &args.input.path, args.force)?;
-    let Chosen { channel, mut notes, remarks } = args.input.read().map_err(|mistake| (BAD_INPUT, mistake))?;
+    let Chosen { channel, mut notes, comments: said } = args.input.read().map_err(|mistake| (BAD_INPUT, mistake))?;
     if let Some(class) = channel.filtered {
         notes.push(format!("`{}` went through CFC {class} already, as its file says", channel.name));
     }
@@ -87,7 +87,7 @@ fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
     let series = filter::channel(&even, args.class, args.standard.into()).map_err(|error| mistake(args, &error))?;
     let values = Channel { name: "value".into(), values: series.values().to_vec() };
     let recording = Recording { time: series.time().to_vec(), channels: vec![values] };
-    let comments: Vec<String> = origin(args, &channel).into_iter().chain(remarks).collect();
+    let comments: Vec<String> = origin(args, &channel).into_iter().chain(said).collect();
     output::write_csv(&args.out, &comments, &recording)?;
     let value = |extreme: Option<[f64; 2]>| extreme.map(|[_, value]| value);
     Ok(Filtered {
@@ -107,7 +107,7 @@ fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
 }
 
 /// What the columns of the output do not say: what the value is, where it comes from, and how it was filtered.
-fn origin(args: &FilterArgs, channel: &Measured) -> Vec<String> {
+fn origin(args: &FilterArgs, channel: &MeasuredChannel) -> Vec<String> {
     let unit = channel.value_unit().unwrap_or_else(|| "unknown, as written".into());
     vec![
         format!("value: {} of {}", channel.label, shown_path(&args.input.path)),

@@ -10,9 +10,9 @@ use super::input::FileArgs;
 use crate::cli::{Shared, faults, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::csv::clean_time;
-use crate::signal::file::{self, Selection, Wanted};
+use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::gap::{self, Gap};
-use crate::signal::{Measured, csv, resample};
+use crate::signal::{MeasuredChannel, csv, resample};
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
@@ -102,21 +102,21 @@ fn silence(found: &[Contents]) -> Vec<Diagnostic> {
 }
 
 fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
-    let wanted = file.wanted(Selection::All)?;
-    match file::read(path, &wanted) {
+    let options = file.options(ChannelSelection::All)?;
+    match file::read(path, &options) {
         Ok(found) => Ok(Contents {
             path: shown_path(path),
             channels: found.channels.iter().map(contained).collect(),
             notes: found.notes,
         }),
-        Err(error) if error.lacks_time() => columns(path, &wanted),
+        Err(error) if error.lacks_time() => columns(path, &options),
         Err(error) => Err(faults::recording(&error)),
     }
 }
 
 /// What a table without time holds, e.g. stress over strain.
-fn columns(path: &Path, wanted: &Wanted) -> Result<Contents, Diagnostic> {
-    let csv::Table { columns, mut notes } = file::columns(path, wanted).map_err(|error| faults::recording(&error))?;
+fn columns(path: &Path, options: &ReadOptions) -> Result<Contents, Diagnostic> {
+    let csv::Table { columns, mut notes } = file::columns(path, options).map_err(|error| faults::recording(&error))?;
     notes.push("there is no column of time".into());
     let channels = columns.into_iter().map(|csv::Column { name, label, unit, values }| {
         let written_unit = unit.as_ref().map(|unit| unit.symbol().to_owned());
@@ -127,8 +127,8 @@ fn columns(path: &Path, wanted: &Wanted) -> Result<Contents, Diagnostic> {
     Ok(Contents { path: shown_path(path), channels: channels.collect(), notes })
 }
 
-fn contained(channel: &Measured) -> Contained {
-    let Measured { name, label, unit, filtered, series } = channel;
+fn contained(channel: &MeasuredChannel) -> Contained {
+    let MeasuredChannel { name, label, unit, filtered, series } = channel;
     let time_of = |extreme: Option<[f64; 2]>| extreme.map(|[time, _]| time);
     let time = Sampling {
         start_s: series.time().first().copied(),

@@ -6,9 +6,9 @@ use clap::Args;
 
 use crate::cli::faults;
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::signal::file::{self, Selection, Wanted};
+use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::filter::CLASSES;
-use crate::signal::{Measured, Measurement};
+use crate::signal::{MeasuredChannel, Measurement};
 use crate::units::{Dimension, Unit};
 
 #[derive(Clone, Debug, Args)]
@@ -49,28 +49,28 @@ pub struct FileArgs {
 /// A channel that was read, and what was noted while reading.
 #[derive(Clone, Debug)]
 pub struct Chosen {
-    pub channel: Measured,
+    pub channel: MeasuredChannel,
     pub notes: Vec<String>,
     /// Those of the notes that the file itself says.
-    pub remarks: Vec<String>,
+    pub comments: Vec<String>,
 }
 
 impl TableArgs {
     /// `wanted` with what the user says of the table.
-    pub fn over(&self, wanted: Wanted) -> Wanted {
-        Wanted { time: self.time.clone(), names: self.columns.clone(), ..wanted }
+    pub fn over(&self, options: ReadOptions) -> ReadOptions {
+        ReadOptions { time: self.time.clone(), names: self.columns.clone(), ..options }
     }
 }
 
 impl FileArgs {
     /// The `channels` of the file at `path`.
-    pub fn read(&self, path: &Path, channels: Selection) -> Result<Measurement, Diagnostic> {
-        file::read(path, &self.wanted(channels)?).map_err(|error| faults::recording(&error))
+    pub fn read(&self, path: &Path, channels: ChannelSelection) -> Result<Measurement, Diagnostic> {
+        file::read(path, &self.options(channels)?).map_err(|error| faults::recording(&error))
     }
 
     /// What is wanted of the file besides its `channels`.
-    pub fn wanted(&self, channels: Selection) -> Result<Wanted, Diagnostic> {
-        Ok(self.table.over(Wanted { channels, units: self.units()?, ..Wanted::default() }))
+    pub fn options(&self, channels: ChannelSelection) -> Result<ReadOptions, Diagnostic> {
+        Ok(self.table.over(ReadOptions { channels, units: self.units()?, ..ReadOptions::default() }))
     }
 
     fn units(&self) -> Result<Vec<(String, Unit)>, Diagnostic> {
@@ -88,12 +88,12 @@ impl Input {
     /// The channel asked for, whatever it measures; in SI where its unit is known.
     pub fn read(&self) -> Result<Chosen, Diagnostic> {
         let unit = self.unit.as_deref().map(unit).transpose()?;
-        let wanted = Wanted { unit, ..Wanted::one(self.column.as_deref()) };
-        let found = file::read(&self.path, &self.table.over(wanted)).map_err(|error| faults::recording(&error))?;
-        let Measurement { channels, notes, remarks } = found;
+        let options = ReadOptions { unit, ..ReadOptions::one(self.column.as_deref()) };
+        let found = file::read(&self.path, &self.table.over(options)).map_err(|error| faults::recording(&error))?;
+        let Measurement { channels, notes, comments } = found;
         let channel = channels.into_iter().next();
         let channel = channel.ok_or_else(|| Diagnostic::new(format!("{}: no channel", shown_path(&self.path))))?;
-        Ok(Chosen { channel, notes, remarks })
+        Ok(Chosen { channel, notes, comments })
     }
 
     /// The channel asked for in the SI unit, once it is sure to be a `dimension`.

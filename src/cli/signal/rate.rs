@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::input::{Chosen, Input, TableArgs};
 use crate::cli::{Shared, print, print_json, report};
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::signal::Measured;
+use crate::signal::MeasuredChannel;
 use crate::signal::rating::{self, Rating};
 
 #[derive(Debug, Args)]
@@ -83,8 +83,8 @@ impl RateArgs {
 }
 
 /// Curves are only rated in the same quantity; two that do not say what they are count as the same.
-fn check_units(args: &RateArgs, reference: &Measured, comparison: &Measured) -> Result<(), Diagnostic> {
-    let unit = |measured: &Measured| measured.value_unit().unwrap_or_else(|| "a unit that is not known".into());
+fn check_units(args: &RateArgs, reference: &MeasuredChannel, comparison: &MeasuredChannel) -> Result<(), Diagnostic> {
+    let unit = |measured: &MeasuredChannel| measured.value_unit().unwrap_or_else(|| "a unit that is not known".into());
     let (r, c) = (unit(reference), unit(comparison));
     if r == c {
         return Ok(());

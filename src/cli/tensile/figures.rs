@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::reduce::Reduced;
 use crate::diagnostic::shown_path;
-use crate::experiment::coupon::average::Spread;
-use crate::experiment::coupon::{Along, AtSpeed, Ending};
+use crate::experiment::coupon::average::SampleStatistics;
+use crate::experiment::coupon::{CurveEnd, DirectionMeans, SpeedMeans};
 
 /// All figures; SI.
 #[derive(Serialize)]
@@ -27,12 +27,12 @@ pub struct Figures {
 struct AlongFigures {
     direction: &'static str,
     #[serde(rename = "young_modulus_Pa")]
-    young_modulus_pa: SpreadFigures,
+    young_modulus_pa: Statistics,
     #[serde(rename = "strength_Pa")]
-    strength_pa: SpreadFigures,
-    break_elongation: SpreadFigures,
+    strength_pa: Statistics,
+    break_elongation: Statistics,
     #[serde(rename = "break_stress_Pa")]
-    break_stress_pa: SpreadFigures,
+    break_stress_pa: Statistics,
     /// Strain and stress (Pa) of both; none where the mean curve has no two.
     yield_points: Option<[[f64; 2]; 2]>,
     speeds: Vec<SpeedFigures>,
@@ -44,22 +44,22 @@ struct SpeedFigures {
     #[serde(rename = "young_moduli_Pa")]
     young_moduli_pa: Vec<f64>,
     #[serde(rename = "young_modulus_Pa")]
-    young_modulus_pa: SpreadFigures,
+    young_modulus_pa: Statistics,
     #[serde(rename = "strength_Pa")]
-    strength_pa: SpreadFigures,
-    break_elongation: SpreadFigures,
+    strength_pa: Statistics,
+    break_elongation: Statistics,
 }
 
 #[derive(Clone, Copy, Serialize)]
-struct SpreadFigures {
+struct Statistics {
     mean: f64,
     deviation: f64,
     count: usize,
 }
 
-impl From<Spread> for SpreadFigures {
-    fn from(Spread { mean, deviation, count }: Spread) -> SpreadFigures {
-        SpreadFigures { mean, deviation, count }
+impl From<SampleStatistics> for Statistics {
+    fn from(SampleStatistics { mean, deviation, count }: SampleStatistics) -> Statistics {
+        Statistics { mean, deviation, count }
     }
 }
 
@@ -119,7 +119,7 @@ impl AlongFigures {
     }
 }
 
-impl SpreadFigures {
+impl Statistics {
     fn text(&self, factor: f64, unit: &str) -> String {
         let (mean, deviation) = (self.mean * factor, self.deviation * factor);
         match self.count {
@@ -129,7 +129,7 @@ impl SpreadFigures {
     }
 }
 
-fn along(along: &Along) -> AlongFigures {
+fn along(along: &DirectionMeans) -> AlongFigures {
     AlongFigures {
         direction: along.direction.name(),
         young_modulus_pa: along.modulus.into(),
@@ -141,7 +141,7 @@ fn along(along: &Along) -> AlongFigures {
     }
 }
 
-fn speed(speed: &AtSpeed) -> SpeedFigures {
+fn speed(speed: &SpeedMeans) -> SpeedFigures {
     SpeedFigures {
         velocity_m_s: speed.velocity,
         young_moduli_pa: speed.moduli.clone(),
@@ -154,7 +154,7 @@ fn speed(speed: &AtSpeed) -> SpeedFigures {
 /// What a reader of the figures must know.
 fn notes(reduced: &Reduced) -> Vec<String> {
     let recorded = &reduced.recorded;
-    let unbroken = recorded.iter().filter(|recorded| recorded.sample.rupture.ending == Ending::RecordEnded);
+    let unbroken = recorded.iter().filter(|recorded| recorded.sample.rupture.ending == CurveEnd::RecordEnded);
     let unbroken = unbroken.map(|recorded| {
         format!("{}: the record ends under load; its end counts as the break", shown_path(&recorded.path))
     });
@@ -175,8 +175,9 @@ fn unmeasured(reduced: &Reduced) -> Vec<String> {
     let mut speeds: Vec<f64> = directions.iter().flat_map(|along| &along.speeds).map(|speed| speed.velocity).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
-    let missing = |along: &Along, velocity: f64| !along.speeds.iter().any(|speed| speed.velocity == velocity);
-    let note = |along: &Along, velocity: f64| format!("{} was not measured at {velocity} m/s", along.direction);
+    let missing = |along: &DirectionMeans, velocity: f64| !along.speeds.iter().any(|speed| speed.velocity == velocity);
+    let note =
+        |along: &DirectionMeans, velocity: f64| format!("{} was not measured at {velocity} m/s", along.direction);
     directions
         .iter()
         .flat_map(|along| speeds.iter().filter(move |v| missing(along, **v)).map(move |v| note(along, *v)))

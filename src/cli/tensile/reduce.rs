@@ -13,9 +13,9 @@ use crate::cli::signal::input::{FileArgs, quantity};
 use crate::cli::{Shared, print, print_json, report};
 use crate::diagnostic::Diagnostic;
 use crate::experiment::coupon::{
-    BREAK_SHARE, Coupon, Direction, Label, Reading, Recorded, RecordingError, Reduction, Rules, WINDOW,
+    BREAK_SHARE, Coupon, CouponReader, CouponTest, Direction, Label, RecordingError, Reduction, Rules, WINDOW,
 };
-use crate::signal::file::Selection;
+use crate::signal::file::ChannelSelection;
 use crate::units::{Density, Length, Velocity};
 
 #[derive(Debug, Args)]
@@ -69,7 +69,7 @@ pub struct ReduceArgs {
 /// What the recordings gave.
 pub struct Reduced {
     pub coupon: Coupon,
-    pub recorded: Vec<Recorded>,
+    pub recorded: Vec<CouponTest>,
     pub reduction: Reduction,
 }
 
@@ -90,15 +90,15 @@ fn reduced(args: &ReduceArgs) -> Result<Reduced, Vec<Diagnostic>> {
     Ok(Reduced { coupon, recorded, reduction })
 }
 
-fn reading(args: &ReduceArgs, coupon: Coupon) -> Result<Reading, Diagnostic> {
+fn reading(args: &ReduceArgs, coupon: Coupon) -> Result<CouponReader, Diagnostic> {
     let window = [args.window[0], args.window[1]];
     let rules = Rules { window, break_share: args.break_share, toe_compensation: args.toe };
-    Ok(Reading {
+    Ok(CouponReader {
         given: Label { direction: args.direction, velocity: args.velocity },
         force: args.force.clone(),
         displacement: args.displacement.clone(),
-        table: args.file.wanted(Selection::All)?,
-        ..Reading::new(coupon, rules)
+        table: args.file.options(ChannelSelection::All)?,
+        ..CouponReader::new(coupon, rules)
     })
 }
 

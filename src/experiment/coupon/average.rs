@@ -9,7 +9,7 @@ pub const AXIS: usize = 600;
 
 /// Mean, scatter and number of figures that were measured alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
+pub struct SampleStatistics {
     pub mean: f64,
     /// Standard deviation of the sample (n − 1); zero for a single figure.
     pub deviation: f64,
@@ -25,12 +25,12 @@ pub enum AverageError {
     NoCommonStrain { start: f64, end: f64 },
 }
 
-impl Spread {
+impl SampleStatistics {
     /// The spread of `figures`.
     ///
     /// # Errors
     /// [`AverageError::Nothing`] where there is no figure.
-    pub fn of(figures: &[f64]) -> Result<Spread, AverageError> {
+    pub fn of(figures: &[f64]) -> Result<SampleStatistics, AverageError> {
         if figures.is_empty() {
             return Err(AverageError::Nothing);
         }
@@ -38,16 +38,16 @@ impl Spread {
         let mean = figures.iter().sum::<f64>() / count as f64;
         let squares: f64 = figures.iter().map(|figure| (figure - mean).powi(2)).sum();
         let deviation = if count > 1 { (squares / (count - 1) as f64).sqrt() } else { 0.0 };
-        Ok(Spread { mean, deviation, count })
+        Ok(SampleStatistics { mean, deviation, count })
     }
 
     /// The mean of the groups' means, with scatter and number of all figures together.
     ///
     /// # Errors
     /// [`AverageError::Nothing`] where there is no group, or a group without figures.
-    pub fn of_groups(groups: &[Vec<f64>]) -> Result<Spread, AverageError> {
-        let all = Spread::of(&groups.concat())?;
-        Ok(Spread { mean: mean_of_means(groups)?, ..all })
+    pub fn of_groups(groups: &[Vec<f64>]) -> Result<SampleStatistics, AverageError> {
+        let all = SampleStatistics::of(&groups.concat())?;
+        Ok(SampleStatistics { mean: mean_of_means(groups)?, ..all })
     }
 }
 
@@ -59,8 +59,8 @@ impl Spread {
 /// # Errors
 /// [`AverageError::Nothing`] where there is no group, or a group without figures.
 pub fn mean_of_means(groups: &[Vec<f64>]) -> Result<f64, AverageError> {
-    let means = groups.iter().map(|group| Ok(Spread::of(group)?.mean)).collect::<Result<Vec<_>, _>>()?;
-    Ok(Spread::of(&means)?.mean)
+    let means = groups.iter().map(|group| Ok(SampleStatistics::of(group)?.mean)).collect::<Result<Vec<_>, _>>()?;
+    Ok(SampleStatistics::of(&means)?.mean)
 }
 
 /// How far `measured` is from a `reference`, as a share of the reference (the errors of Table 4).
@@ -127,10 +127,10 @@ mod tests {
 
     #[test]
     fn spread_is_mean_and_deviation_of_a_sample() {
-        let spread = Spread::of(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
+        let spread = SampleStatistics::of(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
         assert!((spread.mean - 5.0).abs() < 1e-15 && (spread.deviation - (32.0_f64 / 7.0).sqrt()).abs() < 1e-14);
-        assert_eq!(Spread::of(&[3.0]).unwrap().deviation, 0.0);
-        assert_eq!(Spread::of(&[]), Err(AverageError::Nothing));
+        assert_eq!(SampleStatistics::of(&[3.0]).unwrap().deviation, 0.0);
+        assert_eq!(SampleStatistics::of(&[]), Err(AverageError::Nothing));
     }
 
     #[test]

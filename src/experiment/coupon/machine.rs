@@ -16,7 +16,7 @@ pub struct Machine {
 
 /// What the machine recorded: as many times (s) as displacements (m) and forces (N).
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Pull {
+pub struct TensileRecord {
     pub time: Vec<f64>,
     pub displacement: Vec<f64>,
     pub force: Vec<f64>,
@@ -36,14 +36,20 @@ pub enum MachineError {
 impl Machine {
     /// Records a `coupon` whose film follows `curve` and is broken beyond its end, at `strains`; `noise` (N) is added to
     /// the force row by row. The force belongs to the displacement that is kept, so rounding makes no error of its own.
-    pub fn pull(&self, coupon: &Coupon, curve: &Curve, strains: &[f64], noise: &[f64]) -> Result<Pull, MachineError> {
+    pub fn pull(
+        &self,
+        coupon: &Coupon,
+        curve: &Curve,
+        strains: &[f64],
+        noise: &[f64],
+    ) -> Result<TensileRecord, MachineError> {
         if !(self.velocity.is_finite() && self.velocity > 0.0) {
             return Err(MachineError::Velocity(self.velocity));
         }
         if noise.len() != strains.len() {
             return Err(MachineError::Noise { noise: noise.len(), rows: strains.len() });
         }
-        let mut pull = Pull::default();
+        let mut pull = TensileRecord::default();
         for (strain, noise) in strains.iter().zip(noise) {
             let displacement = kept(strain * coupon.gauge(), self.displacement_decimals);
             let stress = stress(curve, *strain, displacement / coupon.gauge())?;

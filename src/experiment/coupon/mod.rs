@@ -20,12 +20,14 @@ use crate::signal::Series;
 
 pub use curve::{Curve, CurveError, JITTER};
 pub use label::{FASTEST, Label, LabelError};
-pub use machine::{Machine, MachineError, Pull};
+pub use machine::{Machine, MachineError, TensileRecord};
 pub use modulus::{FEWEST_SAMPLES, Modulus, ModulusError, WINDOW};
-pub use recording::{Reading, Recorded, RecordingError, RecordingFault};
-pub use reduction::{Along, AtSpeed, Direction, DirectionError, Reduction, ReductionError, Rules, Sample, SampleError};
+pub use recording::{CouponReader, CouponTest, RecordingError, RecordingFault};
+pub use reduction::{
+    Direction, DirectionError, DirectionMeans, Reduction, ReductionError, Rules, Sample, SampleError, SpeedMeans,
+};
 pub use residuals::{ResidualError, relative_residuals};
-pub use rupture::{BREAK_SHARE, Ending, Rupture, RuptureError};
+pub use rupture::{BREAK_SHARE, CurveEnd, Rupture, RuptureError};
 pub use yield_points::{YieldError, YieldPoints, yield_points};
 
 /// A strip of film between two jaws, unstretched.

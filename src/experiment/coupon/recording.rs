@@ -4,13 +4,13 @@ use thiserror::Error;
 
 use super::label::{self, Label, LabelError};
 use super::{Coupon, CouponError, Rules, Sample, SampleError};
-use crate::signal::file::{self, Selection, Wanted};
+use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::{ChannelError, Measurement, QuantityError, says_virtual};
 use crate::units::{Force, Length};
 
 /// How recordings of coupons are read.
 #[derive(Clone, Debug)]
-pub struct Reading {
+pub struct CouponReader {
     pub coupon: Coupon,
     pub rules: Rules,
     /// What counts before what the files say.
@@ -20,12 +20,12 @@ pub struct Reading {
     /// Name of the channel of displacement.
     pub displacement: String,
     /// What the tables leave open; their other columns are not read.
-    pub table: Wanted,
+    pub table: ReadOptions,
 }
 
 /// A coupon's recording, read and reduced.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Recorded {
+pub struct CouponTest {
     pub path: PathBuf,
     pub sample: Sample,
     /// Samples that were merged because the displacement did not increase.
@@ -70,8 +70,8 @@ impl RecordingFault {
     fn hint(&self) -> Option<String> {
         match self {
             RecordingFault::Channel(error) => error.hint(),
-            RecordingFault::Quantity(QuantityError::NoUnit { name, wanted }) => {
-                Some(format!("write its unit into the header, e.g. `{name} [{}]`", wanted.unit))
+            RecordingFault::Quantity(QuantityError::NoUnit { name, expected }) => {
+                Some(format!("write its unit into the header, e.g. `{name} [{}]`", expected.unit))
             }
             RecordingFault::Label(error) => Some(error.hint().into()),
             _ => None,
@@ -79,27 +79,27 @@ impl RecordingFault {
     }
 }
 
-impl Reading {
+impl CouponReader {
     /// With the channels `force` and `displacement`, and nothing else said.
-    pub fn new(coupon: Coupon, rules: Rules) -> Reading {
+    pub fn new(coupon: Coupon, rules: Rules) -> CouponReader {
         let (force, displacement) = ("force".into(), "displacement".into());
-        Reading { coupon, rules, given: Label::default(), force, displacement, table: Wanted::default() }
+        CouponReader { coupon, rules, given: Label::default(), force, displacement, table: ReadOptions::default() }
     }
 
     /// Reads the recording at `path` and reduces it; see [`label::label`] for how its direction and speed are found.
-    pub fn read(&self, path: &Path) -> Result<Recorded, RecordingError> {
-        let channels = Selection::Named(vec![self.force.clone(), self.displacement.clone()]);
-        let wanted = Wanted { channels, ..self.table.clone() };
+    pub fn read(&self, path: &Path) -> Result<CouponTest, RecordingError> {
+        let channels = ChannelSelection::Named(vec![self.force.clone(), self.displacement.clone()]);
+        let options = ReadOptions { channels, ..self.table.clone() };
         // Force over displacement needs no time: the speed is known from elsewhere.
-        let measurement = match file::read(path, &wanted) {
-            Err(error) if error.lacks_time() => file::columns(path, &wanted)?.over_samples(),
+        let measurement = match file::read(path, &options) {
+            Err(error) if error.lacks_time() => file::columns(path, &options)?.over_samples(),
             read => read?,
         };
         let content = self.reduce(path, &measurement);
         content.map_err(|fault| RecordingError::Content { path: path.into(), fault: Box::new(fault) })
     }
 
-    fn reduce(&self, path: &Path, measurement: &Measurement) -> Result<Recorded, RecordingFault> {
+    fn reduce(&self, path: &Path, measurement: &Measurement) -> Result<CouponTest, RecordingFault> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         let (direction, velocity) = label::label(&name, &measurement.notes, self.given)?;
         let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION)?;
@@ -107,7 +107,7 @@ impl Reading {
         let curve = self.coupon.curve(force, displacement)?;
         let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
         let sample = Sample { is_virtual: says_virtual(&measurement.notes), ..sample };
-        Ok(Recorded { path: path.into(), sample, merged: curve.merged() })
+        Ok(CouponTest { path: path.into(), sample, merged: curve.merged() })
     }
 }
 
@@ -116,12 +116,12 @@ mod tests {
     use super::*;
     use crate::experiment::coupon::Direction;
 
-    fn read(name: &str, text: &str) -> Result<Recorded, RecordingError> {
+    fn read(name: &str, text: &str) -> Result<CouponTest, RecordingError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
         let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
-        Reading::new(coupon, Rules { window: [0.0, 0.2], ..Rules::default() }).read(&path)
+        CouponReader::new(coupon, Rules { window: [0.0, 0.2], ..Rules::default() }).read(&path)
     }
 
     const ROWS: &str = "0,0,0\n1,0.4,0.5\n2,0.8,1\n3,4,2\n4,4.1,0\n";

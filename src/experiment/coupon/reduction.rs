@@ -3,7 +3,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use super::average::{AverageError, Spread, mean_curve};
+use super::average::{AverageError, SampleStatistics, mean_curve};
 use super::label::is_same_speed;
 use super::{
     BREAK_SHARE, Curve, Modulus, ModulusError, Rupture, RuptureError, WINDOW, YieldError, YieldPoints, yield_points,
@@ -122,35 +122,35 @@ impl Sample {
 
 /// The coupons of one direction that were pulled at one speed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AtSpeed {
+pub struct SpeedMeans {
     /// Speed of the jaws apart, m/s.
     pub velocity: f64,
     /// Young's modulus of each coupon, Pa, in the order given.
     pub moduli: Vec<f64>,
     /// Young's modulus, Pa.
-    pub modulus: Spread,
+    pub modulus: SampleStatistics,
     /// Tensile strength, Pa.
-    pub strength: Spread,
+    pub strength: SampleStatistics,
     /// Break elongation.
-    pub elongation: Spread,
+    pub elongation: SampleStatistics,
     /// Mean of the coupons' curves up to the first break.
     pub curve: Curve,
 }
 
 /// The coupons of one direction: means of the means of their speeds.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Along {
+pub struct DirectionMeans {
     pub direction: Direction,
     /// From the slowest to the fastest.
-    pub speeds: Vec<AtSpeed>,
+    pub speeds: Vec<SpeedMeans>,
     /// Young's modulus, Pa.
-    pub modulus: Spread,
+    pub modulus: SampleStatistics,
     /// Tensile strength, Pa.
-    pub strength: Spread,
+    pub strength: SampleStatistics,
     /// Break elongation.
-    pub elongation: Spread,
+    pub elongation: SampleStatistics,
     /// Stress at the break, Pa.
-    pub break_stress: Spread,
+    pub break_stress: SampleStatistics,
     /// Mean of the speeds' curves up to the first break.
     pub curve: Curve,
     /// Yield points of that mean curve.
@@ -163,7 +163,7 @@ pub struct Along {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reduction {
     /// In the order MD, TD, D3, D4, as far as they were measured.
-    pub directions: Vec<Along>,
+    pub directions: Vec<DirectionMeans>,
     /// Mean of the moduli of MD and TD, Pa (Table 6); none where one of them was not measured.
     pub modulus: Option<f64>,
 }
@@ -174,9 +174,9 @@ pub enum ReductionError {
     #[error("there is no coupon to reduce")]
     Nothing,
     #[error("{direction} at {velocity} m/s: {source}")]
-    AtSpeed { direction: Direction, velocity: f64, source: AverageError },
+    SpeedMeans { direction: Direction, velocity: f64, source: AverageError },
     #[error("{direction}: {source}")]
-    Along { direction: Direction, source: AverageError },
+    DirectionMeans { direction: Direction, source: AverageError },
 }
 
 impl Reduction {
@@ -187,19 +187,20 @@ impl Reduction {
         }
         let measured = Direction::ALL.into_iter().filter(|d| samples.iter().any(|sample| sample.direction == *d));
         let directions = measured.map(|direction| along(direction, samples, rules)).collect::<Result<Vec<_>, _>>()?;
-        let modulus = |direction| directions.iter().find(|d| d.direction == direction).map(|d: &Along| d.modulus.mean);
+        let modulus =
+            |direction| directions.iter().find(|d| d.direction == direction).map(|d: &DirectionMeans| d.modulus.mean);
         let modulus = modulus(Direction::Md).zip(modulus(Direction::Td)).map(|(md, td)| 0.5 * (md + td));
         Ok(Reduction { directions, modulus })
     }
 
     /// What was measured along `direction`.
-    pub fn along(&self, direction: Direction) -> Option<&Along> {
+    pub fn along(&self, direction: Direction) -> Option<&DirectionMeans> {
         self.directions.iter().find(|along| along.direction == direction)
     }
 
     /// How many coupons there are.
     pub fn recordings(&self) -> usize {
-        self.directions.iter().map(Along::recordings).sum()
+        self.directions.iter().map(DirectionMeans::recordings).sum()
     }
 
     /// How many of them are virtual: nothing was pulled.
@@ -214,14 +215,14 @@ impl Reduction {
     }
 }
 
-impl Along {
+impl DirectionMeans {
     /// How many coupons there are.
     pub fn recordings(&self) -> usize {
         self.elongation.count
     }
 }
 
-fn along(direction: Direction, samples: &[Sample], rules: &Rules) -> Result<Along, ReductionError> {
+fn along(direction: Direction, samples: &[Sample], rules: &Rules) -> Result<DirectionMeans, ReductionError> {
     let samples: Vec<&Sample> = samples.iter().filter(|sample| sample.direction == direction).collect();
     let mut velocities: Vec<f64> = samples.iter().map(|sample| sample.velocity).collect();
     velocities.sort_by(f64::total_cmp);
@@ -231,21 +232,26 @@ fn along(direction: Direction, samples: &[Sample], rules: &Rules) -> Result<Alon
         .map(|velocity| samples.iter().copied().filter(|sample| is_same_speed(sample.velocity, *velocity)).collect())
         .collect();
     let speeds = groups.iter().zip(&velocities).map(|(group, velocity)| {
-        at_speed(*velocity, group).map_err(|source| ReductionError::AtSpeed { direction, velocity: *velocity, source })
+        at_speed(*velocity, group).map_err(|source| ReductionError::SpeedMeans {
+            direction,
+            velocity: *velocity,
+            source,
+        })
     });
     let speeds = speeds.collect::<Result<Vec<_>, _>>()?;
-    over_speeds(direction, &groups, speeds, rules).map_err(|source| ReductionError::Along { direction, source })
+    over_speeds(direction, &groups, speeds, rules)
+        .map_err(|source| ReductionError::DirectionMeans { direction, source })
 }
 
-fn at_speed(velocity: f64, samples: &[&Sample]) -> Result<AtSpeed, AverageError> {
+fn at_speed(velocity: f64, samples: &[&Sample]) -> Result<SpeedMeans, AverageError> {
     let moduli = figures(samples, |sample| sample.modulus.slope);
     let curves: Vec<Curve> = samples.iter().map(|sample| sample.curve.clone()).collect();
-    Ok(AtSpeed {
+    Ok(SpeedMeans {
         velocity,
-        modulus: Spread::of(&moduli)?,
+        modulus: SampleStatistics::of(&moduli)?,
         moduli,
-        strength: Spread::of(&figures(samples, |sample| sample.rupture.strength))?,
-        elongation: Spread::of(&figures(samples, |sample| sample.rupture.strain))?,
+        strength: SampleStatistics::of(&figures(samples, |sample| sample.rupture.strength))?,
+        elongation: SampleStatistics::of(&figures(samples, |sample| sample.rupture.strain))?,
         curve: mean_curve(&curves)?,
     })
 }
@@ -253,16 +259,16 @@ fn at_speed(velocity: f64, samples: &[&Sample]) -> Result<AtSpeed, AverageError>
 fn over_speeds(
     direction: Direction,
     groups: &[Vec<&Sample>],
-    speeds: Vec<AtSpeed>,
+    speeds: Vec<SpeedMeans>,
     rules: &Rules,
-) -> Result<Along, AverageError> {
+) -> Result<DirectionMeans, AverageError> {
     let spread = |figure: fn(&Sample) -> f64| {
         let groups: Vec<Vec<f64>> = groups.iter().map(|group| figures(group, figure)).collect();
-        Spread::of_groups(&groups)
+        SampleStatistics::of_groups(&groups)
     };
     let curves: Vec<Curve> = speeds.iter().map(|speed| speed.curve.clone()).collect();
     let curve = mean_curve(&curves)?;
-    Ok(Along {
+    Ok(DirectionMeans {
         direction,
         modulus: spread(|sample| sample.modulus.slope)?,
         strength: spread(|sample| sample.rupture.strength)?,

@@ -14,12 +14,12 @@ pub struct Rupture {
     pub stress: f64,
     /// Tensile strength: the largest engineering stress, Pa.
     pub strength: f64,
-    pub ending: Ending,
+    pub ending: CurveEnd,
 }
 
 /// What ended a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
+pub enum CurveEnd {
     /// The force fell below the share of its largest value.
     Broke,
     /// The recording ended under load.
@@ -49,8 +49,8 @@ impl Curve {
         }
         let collapsed = (peak..stress.len()).find(|i| stress[*i] < share * stress[peak]);
         let (last, ending) = match collapsed {
-            Some(index) => (start_of_fall(stress, index), Ending::Broke),
-            None => (stress.len() - 1, Ending::RecordEnded),
+            Some(index) => (start_of_fall(stress, index), CurveEnd::Broke),
+            None => (stress.len() - 1, CurveEnd::RecordEnded),
         };
         Ok(Rupture { strain: self.strain()[last], stress: stress[last], strength: stress[peak], ending })
     }
@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn it_is_where_the_fall_of_the_force_begins() {
         let rupture = curve(&[0.0, 5.0, 9.0, 10.0, 6.0, 3.0, 0.1]).rupture(BREAK_SHARE).unwrap();
-        assert_eq!((rupture.stress, rupture.strength, rupture.ending), (10.0, 10.0, Ending::Broke));
+        assert_eq!((rupture.stress, rupture.strength, rupture.ending), (10.0, 10.0, CurveEnd::Broke));
         assert!((rupture.strain - 0.3).abs() < 1e-12);
     }
 
@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn a_record_may_end_before() {
         let rupture = curve(&[0.0, 5.0, 9.0]).rupture(BREAK_SHARE).unwrap();
-        assert_eq!((rupture.stress, rupture.ending), (9.0, Ending::RecordEnded));
+        assert_eq!((rupture.stress, rupture.ending), (9.0, CurveEnd::RecordEnded));
     }
 
     #[test]

@@ -3,12 +3,12 @@
 use thiserror::Error;
 
 use super::{Drop, DropError, Reduction, Tower};
-use crate::signal::{ChannelError, Measured, Measurement, QuantityError, Series, listed};
+use crate::signal::{ChannelError, MeasuredChannel, Measurement, QuantityError, Series, listed};
 use crate::units::{Acceleration, Dimension, Length};
 
 /// Channels as the user names them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Names {
+pub struct ChannelNames {
     /// The accelerometer; the only channel that is an acceleration where none is named.
     pub acceleration: Option<String>,
     /// The laser; the only channel that is a length where none is named.
@@ -17,7 +17,7 @@ pub struct Names {
 
 /// What the sensors on a drop tower read.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sensed {
+pub struct DropChannels {
     /// m/s².
     pub acceleration: Series,
     /// The channel frequency class that the acceleration went through before, as its file says.
@@ -30,7 +30,7 @@ pub struct Sensed {
 
 /// Why a recording has no such channels.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum SensedError {
+pub enum DropChannelsError {
     #[error(transparent)]
     Channel(#[from] ChannelError),
     #[error(transparent)]
@@ -41,18 +41,18 @@ pub enum SensedError {
     Several { dimension: Dimension, names: Vec<String> },
 }
 
-impl Sensed {
+impl DropChannels {
     /// The channels of `measurement` that are named, or the only ones of their kind.
-    pub fn find(measurement: &Measurement, names: &Names) -> Result<Sensed, SensedError> {
+    pub fn find(measurement: &Measurement, names: &ChannelNames) -> Result<DropChannels, DropChannelsError> {
         let acceleration = sought(measurement, names.acceleration.as_deref(), Acceleration::DIMENSION)?;
         let acceleration = acceleration.ok_or_else(|| {
             let names = measurement.channels.iter().map(|channel| channel.name.clone()).collect();
-            SensedError::NoAcceleration { names }
+            DropChannelsError::NoAcceleration { names }
         })?;
         let laser = sought(measurement, names.laser.as_deref(), Length::DIMENSION)?;
         let mut notes = measurement.notes.clone();
         notes.extend(laser.is_none().then(|| without_unit(measurement)).flatten());
-        Ok(Sensed {
+        Ok(DropChannels {
             acceleration: acceleration.series.clone(),
             class: acceleration.filtered,
             laser: laser.map(|channel| channel.series.clone()),
@@ -101,18 +101,21 @@ fn sought<'a>(
     measurement: &'a Measurement,
     name: Option<&str>,
     dimension: Dimension,
-) -> Result<Option<&'a Measured>, SensedError> {
+) -> Result<Option<&'a MeasuredChannel>, DropChannelsError> {
     if let Some(name) = name {
         let channel = measurement.channel(name)?;
         channel.quantity(dimension)?;
         return Ok(Some(channel));
     }
-    let is_one = |channel: &&Measured| channel.quantity(dimension).is_ok();
-    let found: Vec<&Measured> = measurement.channels.iter().filter(is_one).collect();
+    let is_one = |channel: &&MeasuredChannel| channel.quantity(dimension).is_ok();
+    let found: Vec<&MeasuredChannel> = measurement.channels.iter().filter(is_one).collect();
     match found[..] {
         [] => Ok(None),
         [only] => Ok(Some(only)),
-        _ => Err(SensedError::Several { dimension, names: found.iter().map(|channel| channel.name.clone()).collect() }),
+        _ => Err(DropChannelsError::Several {
+            dimension,
+            names: found.iter().map(|channel| channel.name.clone()).collect(),
+        }),
     }
 }
 
@@ -122,7 +125,7 @@ mod tests {
     use crate::units::Unit;
 
     fn measurement(channels: &[(&str, &str)]) -> Measurement {
-        let channel = |(name, unit): &(&str, &str)| Measured {
+        let channel = |(name, unit): &(&str, &str)| MeasuredChannel {
             name: (*name).into(),
             label: (*name).into(),
             filtered: None,
@@ -135,27 +138,27 @@ mod tests {
     #[test]
     fn what_there_is_only_one_of_needs_no_name() {
         let both = measurement(&[("force", "N"), ("accel", "g"), ("laser head", "mm")]);
-        let found = Sensed::find(&both, &Names::default()).unwrap();
+        let found = DropChannels::find(&both, &ChannelNames::default()).unwrap();
         assert_eq!((found.acceleration.values()[0], found.laser.unwrap().values()[0]), (5.0, 10.0));
         let alone = measurement(&[("accel", "g")]);
-        assert_eq!(Sensed::find(&alone, &Names::default()).unwrap().laser, None);
+        assert_eq!(DropChannels::find(&alone, &ChannelNames::default()).unwrap().laser, None);
     }
 
     #[test]
     fn names_decide_and_mistakes_are_said() {
         let two = measurement(&[("a1", "g"), ("head", "m/s2"), ("force", "N"), ("volts", "")]);
-        let named = |name: &str| Names { acceleration: Some(name.into()), laser: None };
-        assert_eq!(Sensed::find(&two, &named("head")).unwrap().acceleration.values(), [4.0]);
+        let named = |name: &str| ChannelNames { acceleration: Some(name.into()), laser: None };
+        assert_eq!(DropChannels::find(&two, &named("head")).unwrap().acceleration.values(), [4.0]);
         for (names, expected) in [
-            (Names::default(), "the channels `a1`, `head` are each an acceleration: name one"),
+            (ChannelNames::default(), "the channels `a1`, `head` are each an acceleration: name one"),
             (named("haed"), "no channel `haed` among"),
             (named("force"), "`force` is in N, which is not an acceleration"),
             (named("volts"), "the unit of `volts` is not known"),
         ] {
-            let error = Sensed::find(&two, &names).unwrap_err().to_string();
+            let error = DropChannels::find(&two, &names).unwrap_err().to_string();
             assert!(error.starts_with(expected), "{error}");
         }
-        let none = Sensed::find(&measurement(&[("force", "N")]), &Names::default()).unwrap_err();
+        let none = DropChannels::find(&measurement(&[("force", "N")]), &ChannelNames::default()).unwrap_err();
         assert_eq!(none.to_string(), "none of the channels `force` is an acceleration");
     }
 }

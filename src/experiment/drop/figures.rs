@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Drop;
-use crate::experiment::contact::SpeedFrom;
+use crate::experiment::contact::SpeedSource;
 use crate::signal::Series;
 use crate::signal::csv::clean_time;
 
@@ -38,7 +38,7 @@ pub struct Figures {
     pub iterations: u32,
     /// Root mean square distance of matched motion and laser; none without a laser.
     pub laser_residual_m: Option<f64>,
-    pub speed_from: SpeedFrom,
+    pub speed_from: SpeedSource,
     /// Of the correction by coupling; none with the ramp.
     pub time_constant_s: Option<f64>,
     /// Of the correction by the gravity ramp; none with coupling.

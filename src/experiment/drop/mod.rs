@@ -10,11 +10,11 @@ mod tests;
 
 use thiserror::Error;
 
-pub use channels::{Names, Sensed, SensedError};
+pub use channels::{ChannelNames, DropChannels, DropChannelsError};
 pub use figures::Figures;
 
 use super::absorption::{AbsorptionError, Body, energy_absorption};
-use super::contact::{self, Contact, ContactError, Known, SpeedFrom};
+use super::contact::{self, Contact, ContactError, Known, SpeedSource};
 use super::coupling::{self, CouplingError};
 use super::ramp::{GravityRamp, RampError};
 use super::release::{Release, ReleaseError};
@@ -343,13 +343,13 @@ fn faster_than_fall(speed: f64, tower: &Tower) -> Result<Option<String>, DropErr
 }
 
 /// What stands in for a laser.
-fn without_laser(speed_from: SpeedFrom) -> Option<&'static str> {
+fn without_laser(speed_from: SpeedSource) -> Option<&'static str> {
     match speed_from {
-        SpeedFrom::Laser => None,
-        SpeedFrom::Fall => {
+        SpeedSource::Laser => None,
+        SpeedSource::Fall => {
             Some("no laser: contact and speed from the fall over the known height and the onset of the force")
         }
-        SpeedFrom::Given => {
+        SpeedSource::Given => {
             Some("no laser and no height: contact from the fall to the known speed and the onset of the force")
         }
     }

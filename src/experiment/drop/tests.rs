@@ -35,7 +35,7 @@ fn impact() -> [Series; 2] {
 /// The sensors' recording of that impact, contact time, and D of the true motion.
 fn recorded(sensors: &Sensors, seed: u64) -> (Recording, f64, f64) {
     let [acceleration, displacement] = impact();
-    let fall = Fall { height: 1.5, speed: SPEED, gravity: GRAVITY, letting_go: 0.032 };
+    let fall = Fall { height: 1.5, speed: SPEED, gravity: GRAVITY, release_duration: 0.032 };
     let drop = virtual_drop(&acceleration, &displacement, &fall, sensors, seed).unwrap();
     let velocity = integrate::once(&acceleration, -SPEED);
     let absorption = energy_absorption(BODY, velocity.values(), displacement.values()).unwrap();
@@ -75,7 +75,7 @@ fn without_a_step_at_contact_the_fall_still_gives_the_speed() {
     let acceleration = acceleration.with_values(acceleration.values().iter().map(|a| a + rubbing).collect());
     let displacement = integrate::twice(&acceleration, -SPEED, 0.0);
     let [_, deepest] = displacement.smallest().unwrap();
-    let fall = Fall { height: 1.5, speed: SPEED, gravity: GRAVITY, letting_go: 0.032 };
+    let fall = Fall { height: 1.5, speed: SPEED, gravity: GRAVITY, release_duration: 0.032 };
     let sensors = Sensors { laser: None, ..Sensors::default() };
     for seed in 0..SEEDS {
         let made = virtual_drop(&acceleration, &displacement, &fall, &sensors, seed).unwrap();
@@ -94,7 +94,7 @@ fn without_laser_and_height_a_known_speed_gives_the_contact() {
         let (recording, contact_time, absorption) = recorded(&Sensors { laser: None, ..Sensors::default() }, seed);
         let drop = reduce(&reading(&recording), None, &tower, &Reduction::default()).unwrap();
         assert!((drop.contact.time - contact_time).abs() < 2e-4, "seed {seed}: {:?}", drop.contact);
-        assert!((drop.contact.velocity + SPEED).abs() < 1e-12 && drop.contact.speed_from == SpeedFrom::Given);
+        assert!((drop.contact.velocity + SPEED).abs() < 1e-12 && drop.contact.speed_from == SpeedSource::Given);
         assert!((drop.energy_absorption.unwrap() - absorption).abs() < 0.01, "seed {seed}");
     }
 }

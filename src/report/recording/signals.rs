@@ -100,16 +100,16 @@ const MORE: [Picture; 4] = [
 
 /// What a run is compared with, as far as it is shown.
 #[derive(Clone, Copy)]
-struct Measured<'a> {
+struct MeasuredChannel<'a> {
     comparison: &'a Comparison,
     /// s.
     end: f64,
 }
 
-impl Measured<'_> {
+impl MeasuredChannel<'_> {
     /// What was measured of a picture, beside what was simulated: one in grey, of several each in the colour of its own.
     fn tracks(self, picture: &Picture, own: &[SignalTrack]) -> impl Iterator<Item = SignalTrack> {
-        let Measured { comparison, end } = self;
+        let MeasuredChannel { comparison, end } = self;
         let word = comparison.label();
         picture.measured.iter().filter_map(move |(shown, series)| {
             let series = series(comparison)?.window([0.0, end]);
@@ -136,7 +136,7 @@ pub struct Signals {
 
 /// All signals of a run that has come to `signals` and `energies`, and beneath them what was measured until the time `end`, s.
 pub fn of(signals: &Recording, energies: &Recording, comparison: Option<&Comparison>, end: f64) -> Signals {
-    let measured = comparison.map(|comparison| Measured { comparison, end });
+    let measured = comparison.map(|comparison| MeasuredChannel { comparison, end });
     let mut tracks = vec![];
     let mut charts = |pictures: &[Picture]| -> Vec<Chart> {
         pictures.iter().filter_map(|picture| picture.chart(signals, measured, &mut tracks)).collect()
@@ -148,7 +148,12 @@ pub fn of(signals: &Recording, energies: &Recording, comparison: Option<&Compari
 
 impl Picture {
     /// The picture of the channels that there are, none where there are none.
-    fn chart(&self, signals: &Recording, measured: Option<Measured<'_>>, all: &mut Vec<SignalTrack>) -> Option<Chart> {
+    fn chart(
+        &self,
+        signals: &Recording,
+        measured: Option<MeasuredChannel<'_>>,
+        all: &mut Vec<SignalTrack>,
+    ) -> Option<Chart> {
         let own = self.channels.iter().filter_map(|shown| Some((shown, signals.channel(shown.channel)?)));
         let own = own.enumerate().map(|(index, (shown, values))| {
             let stroke = if shown.label == RAW { Stroke::nth(4).faint() } else { Stroke::nth(index) };

@@ -7,7 +7,7 @@ use super::cell::{Cell, Mark, Separator};
 use super::name::{ColumnName, UnitCell, units_of_line};
 use super::{Fault, Mistake, at_cell};
 use crate::signal::text::{Line, Lines};
-use crate::signal::{Wanted, measurement};
+use crate::signal::{ReadOptions, measurement};
 use crate::units::{Time, Unit};
 
 /// Most lines before the first number.
@@ -26,47 +26,47 @@ pub struct Layout {
     pub rows: VecDeque<Line<'static>>,
     pub notes: Vec<String>,
     /// Those of the notes that the file itself says.
-    pub remarks: Vec<String>,
+    pub comments: Vec<String>,
 }
 
 impl Layout {
     /// Reads `lines` up to the first row of numbers.
-    pub fn read(lines: &mut Lines<impl BufRead>, wanted: &Wanted) -> Result<Layout, Mistake> {
+    pub fn read(lines: &mut Lines<impl BufRead>, options: &ReadOptions) -> Result<Layout, Mistake> {
         let Head { mut lines, first, mut notes } = Head::read(lines)?;
         let separator = separator(&first.text);
         let mut rows = VecDeque::from([first]);
-        let has_names = lines.len() > 1 || !wanted.names.is_empty();
+        let has_names = lines.len() > 1 || !options.names.is_empty();
         if let Some(row) = lines.pop_if(|line| has_names && is_row(line, separator)) {
             rows.push_front(row);
         }
-        if !wanted.names.is_empty() {
+        if !options.names.is_empty() {
             notes.extend(lines.iter().map(|line| said(line, "not used, since names are given")));
-            let columns = wanted.names.iter().map(|name| ColumnName::read(name)).collect();
-            let remarks = notes.clone();
-            return Layout { separator, columns, header: None, rows, notes, remarks }.checked(wanted);
+            let columns = options.names.iter().map(|name| ColumnName::read(name)).collect();
+            let comments = notes.clone();
+            return Layout { separator, columns, header: None, rows, notes, comments }.checked(options);
         }
         let units = take_units(&mut lines, separator);
         let header = lines.pop();
         notes.extend(lines.iter().map(|line| said(line, "before the header")));
-        let remarks = notes.clone();
+        let comments = notes.clone();
         let columns = match &header {
             Some(header) => trimmed(separator.cells(&header.text)).map(|cell| ColumnName::read(cell.text)).collect(),
             None => numbered(separator, &rows[0], &mut notes),
         };
-        let mut layout = Layout { separator, columns, header, rows, notes, remarks };
+        let mut layout = Layout { separator, columns, header, rows, notes, comments };
         if let Some((line, units)) = units {
             layout.add_units(&line, units)?;
         }
-        layout.checked(wanted)
+        layout.checked(options)
     }
 
     /// The place of the column that holds the time.
-    pub fn time(&self, wanted: &Wanted) -> Result<usize, Mistake> {
+    pub fn time(&self, options: &ReadOptions) -> Result<usize, Mistake> {
         let names = || self.columns.iter().map(|column| column.label.clone()).collect();
-        if let Some(name) = &wanted.time {
+        if let Some(name) = &options.time {
             return self.find(name);
         }
-        if self.header.is_none() && wanted.names.is_empty() {
+        if self.header.is_none() && options.names.is_empty() {
             return Ok(0);
         }
         let is_time = |column: &ColumnName| column.name == "t" || TIMES.contains(&column.name.to_lowercase().as_str());
@@ -79,13 +79,13 @@ impl Layout {
     }
 
     /// The unit of the time column; seconds where the file does not say.
-    pub fn time_unit(&mut self, place: usize, wanted: &Wanted) -> Result<Option<Unit>, Mistake> {
+    pub fn time_unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Mistake> {
         let column = &self.columns[place];
         let name = || column.name.clone();
         if let Some(symbol) = &column.unknown_unit {
             return Err(self.at_column(place, Fault::TimeUnit { name: name(), unit: symbol.clone() }));
         }
-        match self.given_unit(place, wanted, None)? {
+        match self.given_unit(place, options, None)? {
             Some(unit) if unit.measures(Time::DIMENSION) => Ok(Some(unit)),
             Some(unit) => Err(self.at_column(place, Fault::TimeUnit { name: name(), unit: unit.symbol().to_owned() })),
             None => {
@@ -96,8 +96,8 @@ impl Layout {
     }
 
     /// The unit of a column from the file or the caller; both where they agree. What is not known is noted.
-    pub fn unit(&mut self, place: usize, wanted: &Wanted) -> Result<Option<Unit>, Mistake> {
-        let unit = self.given_unit(place, wanted, wanted.unit.as_ref())?;
+    pub fn unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Mistake> {
+        let unit = self.given_unit(place, options, options.unit.as_ref())?;
         let ColumnName { label, unknown_unit, .. } = &self.columns[place];
         if let (None, Some(symbol)) = (&unit, unknown_unit) {
             self.notes.push(format!("the unit `{symbol}` of `{label}` is not known; its values are as written"));
@@ -105,9 +105,9 @@ impl Layout {
         Ok(unit)
     }
 
-    fn given_unit(&self, place: usize, wanted: &Wanted, other: Option<&Unit>) -> Result<Option<Unit>, Mistake> {
+    fn given_unit(&self, place: usize, options: &ReadOptions, other: Option<&Unit>) -> Result<Option<Unit>, Mistake> {
         let column = &self.columns[place];
-        let named = wanted.units.iter().find(|(name, _)| *name == column.name || *name == column.label);
+        let named = options.units.iter().find(|(name, _)| *name == column.name || *name == column.label);
         match (&column.unit, named.map(|(_, unit)| unit).or(other)) {
             (Some(file), Some(given)) if file != given => {
                 let [file, given] = [file, given].map(|unit| unit.symbol().to_owned());
@@ -156,7 +156,7 @@ impl Layout {
     }
 
     /// The layout, once its names are those of the first row's columns, and the given units those of names.
-    fn checked(self, wanted: &Wanted) -> Result<Layout, Mistake> {
+    fn checked(self, options: &ReadOptions) -> Result<Layout, Mistake> {
         let cells = trimmed_to(self.separator.cells(&self.rows[0].text), self.columns.len()).count();
         if cells != self.columns.len() {
             let names = self.columns.iter().map(|column| column.label.clone()).collect();
@@ -176,7 +176,7 @@ impl Layout {
                 return Err(self.at_column(place, Fault::Duplicate { name: column.label.clone() }));
             }
         }
-        wanted.units.iter().try_for_each(|(name, _)| self.find(name).map(|_| ()))?;
+        options.units.iter().try_for_each(|(name, _)| self.find(name).map(|_| ()))?;
         Ok(self)
     }
 }

@@ -18,7 +18,7 @@ use thiserror::Error;
 
 use super::measurement::{ChannelError, listed};
 use super::text::{self, Line, TextError};
-use super::{Recording, Wanted};
+use super::{ReadOptions, Recording};
 use cell::Separator;
 
 pub(super) use name::ColumnName;
@@ -120,7 +120,7 @@ fn at_cell(line: &Line, separator: Separator, place: usize, fault: Fault) -> Mis
 /// Reads the table at `path` as a recording: all its channels, called by the names of the file where they are in the SI
 /// unit, and by their name with the SI unit where they were not.
 pub fn read(path: &Path) -> Result<Recording, ReadError> {
-    measure(path, &Wanted::default()).map(|measurement| measurement.recording().unwrap_or_default())
+    measure(path, &ReadOptions::default()).map(|measurement| measurement.recording().unwrap_or_default())
 }
 
 /// Writes `recording`, numbers in the shortest form that reads back to the same bits; times without the noise of their

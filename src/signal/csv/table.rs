@@ -9,7 +9,7 @@ use super::cell::Mark;
 use super::layout::{Layout, trimmed_to};
 use super::{Fault, MOST_CELLS, Mistake, ReadError, at_cell};
 use crate::signal::text::{self, Line, Lines};
-use crate::signal::{Measured, Measurement, Selection, Series, Wanted};
+use crate::signal::{ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series};
 use crate::units::Unit;
 
 /// A column of a table, which need not have a time axis.
@@ -40,7 +40,7 @@ impl Table {
         let number: Arc<[f64]> = (0..rows).map(|row| row as f64).collect();
         let channel = |Column { name, label, unit, values }: Column| {
             let series = Series::new(Arc::clone(&number), values);
-            Measured { name, label, unit, filtered: None, series }
+            MeasuredChannel { name, label, unit, filtered: None, series }
         };
         let channels = self.columns.into_iter().map(channel).collect();
         Measurement { channels, notes: self.notes, ..Measurement::default() }
@@ -53,11 +53,11 @@ impl Table {
 ///
 /// # Errors
 /// Every mistake of [`Fault`] except those of time.
-pub fn columns(path: &Path, wanted: &Wanted) -> Result<Table, ReadError> {
+pub fn columns(path: &Path, options: &ReadOptions) -> Result<Table, ReadError> {
     with_lines(path, |lines| {
-        let mut layout = Layout::read(lines, wanted)?;
-        let places = selected(&layout, wanted, None)?;
-        let units = places.iter().map(|place| layout.unit(*place, wanted)).collect::<Result<Vec<_>, _>>()?;
+        let mut layout = Layout::read(lines, options)?;
+        let places = selected(&layout, options, None)?;
+        let units = places.iter().map(|place| layout.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
         let values = Rows::new(&layout, &places, None).read(&mut layout, lines)?;
         let columns = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
             let column = &layout.columns[*place];
@@ -71,22 +71,22 @@ pub fn columns(path: &Path, wanted: &Wanted) -> Result<Table, ReadError> {
 /// Reads the channels of the table at `path` over its column of time.
 ///
 /// Holds one line, the time and the wanted columns: 8 bytes a value.
-pub fn measure(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
+pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadError> {
     with_lines(path, |lines| {
-        let mut layout = Layout::read(lines, wanted)?;
-        let time = layout.time(wanted)?;
-        let time_unit = layout.time_unit(time, wanted)?;
-        let places = selected(&layout, wanted, Some(time))?;
-        let units = places.iter().map(|place| layout.unit(*place, wanted)).collect::<Result<Vec<_>, _>>()?;
+        let mut layout = Layout::read(lines, options)?;
+        let time = layout.time(options)?;
+        let time_unit = layout.time_unit(time, options)?;
+        let places = selected(&layout, options, Some(time))?;
+        let units = places.iter().map(|place| layout.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
         let kept: Vec<usize> = std::iter::once(time).chain(places.iter().copied()).collect();
         let mut values = Rows::new(&layout, &kept, Some(time)).read(&mut layout, lines)?.into_iter();
         let time: Arc<[f64]> = in_si(values.next().unwrap_or_default(), time_unit.as_ref()).into();
         let channels = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
             let column = &layout.columns[*place];
             let series = Series::new(Arc::clone(&time), in_si(values, unit.as_ref()));
-            Measured { name: column.name.clone(), label: column.label.clone(), unit, filtered: None, series }
+            MeasuredChannel { name: column.name.clone(), label: column.label.clone(), unit, filtered: None, series }
         });
-        Ok(Measurement { channels: channels.collect(), notes: layout.notes, remarks: layout.remarks })
+        Ok(Measurement { channels: channels.collect(), notes: layout.notes, comments: layout.comments })
     })
 }
 
@@ -99,15 +99,15 @@ fn with_lines<T>(
 }
 
 /// Places of the wanted columns; the time is none of them unless it is asked for by name.
-fn selected(layout: &Layout, wanted: &Wanted, time: Option<usize>) -> Result<Vec<usize>, Mistake> {
+fn selected(layout: &Layout, options: &ReadOptions, time: Option<usize>) -> Result<Vec<usize>, Mistake> {
     let all: Vec<usize> = (0..layout.columns.len()).filter(|place| Some(*place) != time).collect();
     let names = || all.iter().map(|place| layout.columns[*place].label.clone()).collect();
-    match &wanted.channels {
+    match &options.channels {
         _ if all.is_empty() => Err(layout.at_header(Fault::NoChannel)),
-        Selection::All => Ok(all),
-        Selection::Named(names) => names.iter().map(|name| layout.find(name)).collect(),
-        Selection::Only if all.len() == 1 => Ok(all),
-        Selection::Only => Err(layout.at_header(Fault::NotOne { found: names() })),
+        ChannelSelection::All => Ok(all),
+        ChannelSelection::Named(names) => names.iter().map(|name| layout.find(name)).collect(),
+        ChannelSelection::Only if all.len() == 1 => Ok(all),
+        ChannelSelection::Only => Err(layout.at_header(Fault::NotOne { found: names() })),
     }
 }
 
@@ -250,7 +250,7 @@ mod tests {
             ("time_s,a\n0,1\n#1,2\n2,3\n# end\n", &["start with `#` are left out: 2, the first is line 3"]),
         ] {
             std::fs::write(&path, text).unwrap();
-            let notes = measure(&path, &Wanted::default()).unwrap().notes;
+            let notes = measure(&path, &ReadOptions::default()).unwrap().notes;
             assert_eq!(notes.len(), expected.len(), "{notes:?}");
             assert!(notes.iter().zip(expected).all(|(note, expected)| note.ends_with(expected)), "{notes:?}");
         }
@@ -263,7 +263,7 @@ mod tests {
         let path = folder.path().join("wide.csv");
         let header: String = (0..60_000).map(|place| format!(",a{place}")).collect();
         std::fs::write(&path, format!("t{header}\n0{}\n", ",1".repeat(60_000))).unwrap();
-        assert_eq!(measure(&path, &Wanted::default()).unwrap().channels.len(), 60_000);
+        assert_eq!(measure(&path, &ReadOptions::default()).unwrap().channels.len(), 60_000);
     }
 
     /// Memory is bounded by construction: there is a place for the wanted columns and for no other.
@@ -271,7 +271,7 @@ mod tests {
     fn only_wanted_columns_have_a_place() {
         let text = "time,a,b,c\n0,1,2,3\n1,2,3,4\n";
         let mut lines = Lines::new(text.as_bytes());
-        let mut layout = Layout::read(&mut lines, &Wanted::default()).unwrap();
+        let mut layout = Layout::read(&mut lines, &ReadOptions::default()).unwrap();
         let rows = Rows::new(&layout, &[0, 2], Some(0));
         assert_eq!(rows.slots, [vec![0], vec![], vec![1], vec![]]);
         assert_eq!(rows.read(&mut layout, &mut lines).unwrap(), [[0.0, 1.0], [2.0, 3.0]]);

@@ -13,7 +13,7 @@ use super::{Fault, Mistake, ReadError};
 use crate::diagnostic::folder_of;
 use crate::signal::measurement::find;
 use crate::signal::text::TextError;
-use crate::signal::{Measured, Measurement, Selection, Series, Wanted};
+use crate::signal::{ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series};
 use crate::units::Unit;
 
 /// Reads the channels of the container that the file or folder at `path` belongs to; of a channel file that one alone.
@@ -21,19 +21,19 @@ use crate::units::Unit;
 /// Holds all headers and the wanted channels: 8 bytes a value, and as much again for one channel while it is finished.
 ///
 /// Where a header does not say how its time is given, an implicit time axis is assumed, and a note says so.
-pub fn measure(path: &Path, wanted: &Wanted) -> Result<Measurement, ReadError> {
+pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadError> {
     let failed = |fault| Mistake::whole(fault).of(path);
-    if wanted.time.is_some() || !wanted.names.is_empty() {
+    if options.time.is_some() || !options.names.is_empty() {
         return Err(failed(Fault::NoTable));
     }
-    let Container { heads, single, mut notes, remarks } = Container::open(path)?;
-    let places = selected(&heads, single, wanted).map_err(failed)?;
+    let Container { heads, single, mut notes, comments } = Container::open(path)?;
+    let places = selected(&heads, single, options).map_err(failed)?;
     let mut axes = Axes { heads: &heads, known: BTreeMap::new() };
     let mut channels = Vec::new();
     for place in places {
-        channels.push(measured(&heads[place], &mut axes, wanted, &mut notes)?);
+        channels.push(measured(&heads[place], &mut axes, options, &mut notes)?);
     }
-    Ok(Measurement { channels, notes, remarks })
+    Ok(Measurement { channels, notes, comments })
 }
 
 /// What the files of a container say in their headers, to be said again when it is written anew.
@@ -59,7 +59,7 @@ impl Headers {
     }
 
     /// The header that `channel` was read with; none where it is of another container.
-    pub fn of(&self, channel: &Measured) -> Option<&Header> {
+    pub fn of(&self, channel: &MeasuredChannel) -> Option<&Header> {
         let named = || self.channels.iter().filter(|head| head.name == channel.name);
         let head = named().find(|head| head.label == channel.label).or_else(|| named().next());
         head.map(|head| &head.header)
@@ -73,14 +73,14 @@ struct Container {
     single: Option<usize>,
     notes: Vec<String>,
     /// Those of the notes that the test says.
-    remarks: Vec<String>,
+    comments: Vec<String>,
 }
 
 impl Container {
     fn open(path: &Path) -> Result<Container, ReadError> {
         let files = Files::locate(path)?;
         let named = number(path);
-        let mut container = Container { heads: Vec::new(), single: None, notes: Vec::new(), remarks: Vec::new() };
+        let mut container = Container { heads: Vec::new(), single: None, notes: Vec::new(), comments: Vec::new() };
         for file in &files.channels {
             let is_named = named.is_some() && number(file) == named;
             match ChannelHead::read(file) {
@@ -100,8 +100,8 @@ impl Container {
             Some(test) => {
                 let header = read_header(test, &mut container.notes)?;
                 let comments = header.entries().iter().filter(|entry| entry.key.eq_ignore_ascii_case("Comments"));
-                container.remarks.extend(comments.filter_map(|entry| entry.value.clone()));
-                container.notes.extend(container.remarks.iter().cloned());
+                container.comments.extend(comments.filter_map(|entry| entry.value.clone()));
+                container.notes.extend(container.comments.iter().cloned());
             }
             None if single.is_none() => container.notes.push("there is no test (.mme)".into()),
             None => {}
@@ -233,7 +233,7 @@ pub fn number(path: &Path) -> Option<u64> {
 }
 
 /// Places of the wanted channels; time axes are none unless asked for by name.
-fn selected(heads: &[ChannelHead], single: Option<usize>, wanted: &Wanted) -> Result<Vec<usize>, Fault> {
+fn selected(heads: &[ChannelHead], single: Option<usize>, options: &ReadOptions) -> Result<Vec<usize>, Fault> {
     let axes: Vec<&str> = heads.iter().filter_map(|head| head.header.text("Reference channel name")).collect();
     let is_axis = |head: &ChannelHead| head.is_time() || axes.contains(&head.name.as_str());
     let all: Vec<usize> = match single {
@@ -241,25 +241,29 @@ fn selected(heads: &[ChannelHead], single: Option<usize>, wanted: &Wanted) -> Re
         None => (0..heads.len()).filter(|place| !is_axis(&heads[*place])).collect(),
     };
     let known = heads.iter().map(|head| (head.name.as_str(), head.label.as_str()));
-    for (name, _) in &wanted.units {
+    for (name, _) in &options.units {
         find(name, known.clone()).map_err(Fault::Channel)?;
     }
-    match &wanted.channels {
+    match &options.channels {
         _ if all.is_empty() => Err(Fault::OnlyTime),
-        Selection::All => Ok(all),
-        Selection::Named(names) => names.iter().map(|name| find(name, known.clone()).map_err(Fault::Channel)).collect(),
-        Selection::Only if all.len() == 1 => Ok(all),
-        Selection::Only => Err(Fault::NotOne { found: all.iter().map(|place| heads[*place].name.clone()).collect() }),
+        ChannelSelection::All => Ok(all),
+        ChannelSelection::Named(names) => {
+            names.iter().map(|name| find(name, known.clone()).map_err(Fault::Channel)).collect()
+        }
+        ChannelSelection::Only if all.len() == 1 => Ok(all),
+        ChannelSelection::Only => {
+            Err(Fault::NotOne { found: all.iter().map(|place| heads[*place].name.clone()).collect() })
+        }
     }
 }
 
 fn measured(
     head: &ChannelHead,
     axes: &mut Axes,
-    wanted: &Wanted,
+    options: &ReadOptions,
     notes: &mut Vec<String>,
-) -> Result<Measured, ReadError> {
-    let unit = unit(head, wanted, notes)?;
+) -> Result<MeasuredChannel, ReadError> {
+    let unit = unit(head, options, notes)?;
     let mut values = head.values()?;
     if head.header.text("Number of samples").is_none() {
         notes.push(format!("{}: the number of samples is not stated; whether some are missing is not seen", head.name));
@@ -271,13 +275,13 @@ fn measured(
         values.iter_mut().for_each(|value| *value = unit.to_si(*value));
     }
     let series = Series::new(time, values);
-    Ok(Measured { name: head.name.clone(), label: head.label.clone(), unit, filtered, series })
+    Ok(MeasuredChannel { name: head.name.clone(), label: head.label.clone(), unit, filtered, series })
 }
 
 /// The unit from the header or the caller; both where they agree. What is not known is noted.
-fn unit(head: &ChannelHead, wanted: &Wanted, notes: &mut Vec<String>) -> Result<Option<Unit>, ReadError> {
-    let named = wanted.units.iter().find(|(name, _)| *name == head.name || *name == head.label);
-    let given = named.map(|(_, unit)| unit).or(wanted.unit.as_ref());
+fn unit(head: &ChannelHead, options: &ReadOptions, notes: &mut Vec<String>) -> Result<Option<Unit>, ReadError> {
+    let named = options.units.iter().find(|(name, _)| *name == head.name || *name == head.label);
+    let given = named.map(|(_, unit)| unit).or(options.unit.as_ref());
     let symbol = head.header.text("Unit");
     let file = symbol.and_then(|symbol| Unit::parse(symbol).ok());
     match (file, given) {

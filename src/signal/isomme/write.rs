@@ -10,7 +10,7 @@ use thiserror::Error;
 use super::{ChannelCode, Entry, Header, Headers};
 use crate::diagnostic::folder_of;
 use crate::signal::csv::clean_time;
-use crate::signal::{Measured, Measurement, Series, resample};
+use crate::signal::{MeasuredChannel, Measurement, Series, resample};
 use crate::units::Time;
 
 /// Why a container was not written.
@@ -65,7 +65,7 @@ pub fn rewrite(path: &Path, measurement: &Measurement, headers: &Headers) -> Res
             return Err(WriteError::Exists { path: place.into() });
         }
     }
-    let test = test_lines(&headers.test, &stem, &measurement.remarks);
+    let test = test_lines(&headers.test, &stem, &measurement.comments);
     lay_down(path, folder, &channels, &stem, &sheets(measurement, headers), [&test, &list_head(&headers.list)])
         .map_err(|source| WriteError::Write { path: path.into(), source })
 }
@@ -151,8 +151,8 @@ fn sheets<'a>(measurement: &'a Measurement, headers: &'a Headers) -> Vec<Sheet<'
 }
 
 /// What a channel is called: without the unit that a table writes behind the name, where that tells it from the others.
-fn long_name(channel: &Measured, all: &[Measured]) -> String {
-    let Measured { name, label, .. } = channel;
+fn long_name(channel: &MeasuredChannel, all: &[MeasuredChannel]) -> String {
+    let MeasuredChannel { name, label, .. } = channel;
     let alone = all.iter().filter(|other| other.name == *name).count() == 1;
     let is_short = channel.unit.is_some() && label.starts_with(name.as_str()) && ChannelCode::parse(name).is_none();
     if alone && is_short { name.clone() } else { label.clone() }
@@ -166,11 +166,11 @@ fn time_sheet(time: &[f64], number: usize) -> Sheet<'_> {
 }
 
 /// The names of the channels where they are codes, each once; codes that count for the others.
-fn codes(channels: &[Measured]) -> Vec<ChannelCode> {
-    let own = |channel: &Measured| ChannelCode::parse(&channel.name).filter(|code| !code.is_time());
+fn codes(channels: &[MeasuredChannel]) -> Vec<ChannelCode> {
+    let own = |channel: &MeasuredChannel| ChannelCode::parse(&channel.name).filter(|code| !code.is_time());
     let mut taken: BTreeSet<String> = channels.iter().filter_map(own).map(|code| code.to_string()).collect();
     let mut kept = BTreeSet::new();
-    let mut code = |(number, channel): (usize, &Measured)| {
+    let mut code = |(number, channel): (usize, &MeasuredChannel)| {
         if let Some(code) = own(channel).filter(|code| kept.insert(code.to_string())) {
             return code;
         }
@@ -310,8 +310,8 @@ fn again(entry: &Entry) -> Pair {
     pair(&entry.key, entry.value.as_deref().unwrap_or(NOTHING))
 }
 
-/// What the test says already, or else that nothing is known of it; then the remarks that it does not hold yet.
-fn test_lines(test: &Header, stem: &str, remarks: &[String]) -> Vec<Pair> {
+/// What the test says already, or else that nothing is known of it; then the comments that it does not contain yet.
+fn test_lines(test: &Header, stem: &str, comments: &[String]) -> Vec<Pair> {
     let mut lines: Vec<Pair> = test.entries().iter().map(again).collect();
     if lines.is_empty() {
         lines.push(pair("Data format edition number", "1.6"));
@@ -323,7 +323,7 @@ fn test_lines(test: &Header, stem: &str, remarks: &[String]) -> Vec<Pair> {
         lines.push(pair("Test number", stem));
     }
     let comment = |remark: &&String| test.entries().iter().all(|entry| entry.value.as_ref() != Some(*remark));
-    lines.extend(remarks.iter().filter(comment).map(|remark| pair("Comments", remark)));
+    lines.extend(comments.iter().filter(comment).map(|remark| pair("Comments", remark)));
     lines
 }
 
