@@ -11,11 +11,13 @@
 //! whatever the curve, the path is monotone as the curve is, and D = 0 is the curve itself. Reloading goes back along
 //! the same path to (ε_m, σ(ε_m)) and on along the curve.
 
+use serde::{Deserialize, Serialize};
+
 use super::curve::Curve;
 use crate::lane::{Lane, larger, splat};
 
 /// Share D of the stored energy that is lost on unloading.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Absorption {
     share: f64,
     steepening: f64,

@@ -1,5 +1,6 @@
 //! Piecewise linear stress–strain curves.
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::lane::{Lane, larger, smaller, splat};
@@ -8,14 +9,14 @@ use crate::lane::{Lane, larger, smaller, splat};
 ///
 /// Below zero strain the stress is zero. Past the last point the last slope goes on; whether the
 /// material still holds there is for the law to say ([`Curve::end`]).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     points: Vec<[f64; 2]>,
     segments: Vec<Segment>,
 }
 
 /// One straight piece: from `start`, `length` long in strain, the last one without end.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Segment {
     start: f64,
     length: f64,

@@ -7,11 +7,13 @@
 //! ∂W/∂f₁ = S₁₁ f₁ + S₁₂ f₂,   S₁₁ = Y/(1 − ν²)(E₁₁ + ν E₂₂),   S₁₂ = 2G E₁₂
 //! ```
 
+use serde::{Deserialize, Serialize};
+
 use super::{Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
 use crate::lane::{Lane, dot, larger, splat};
 
 /// Isotropic linear elasticity for small strain and any rotation; it carries compression.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Elastic {
     /// Young's modulus, Pa.
     pub young: f64,

@@ -11,6 +11,8 @@
 //! a slack fibre carries no stress, and its part in shear fades with its length instead of growing without bound.
 //! Beyond |sin γ| = 0.95 the angle goes on along its tangent, so that the force stays bounded as fibres close up.
 
+use serde::{Deserialize, Serialize};
+
 use super::fibre::FibreLaw;
 use super::past::FilmPast;
 use super::{Absorption, Curve, Deformation, Energy, MembraneLaw, Stiffness, Stress, Stresses};
@@ -18,7 +20,7 @@ use crate::lane::{Lane, Lane3, dot, larger, smaller, splat};
 
 /// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve, with
 /// energy absorption on unloading.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fabric<F = Curve> {
     md: F,
     td: F,

@@ -23,6 +23,8 @@ pub use past::{FibrePast, FilmPast, Past, Peaks};
 pub use rate_curves::{RateCurves, RateCurvesError, RatePast};
 pub use tension_field::TensionField;
 
+use serde::{Deserialize, Serialize};
+
 use crate::lane::{LANES, Lane, Lane3, splat};
 
 /// Deformation gradient of a membrane: the images f₁ = F a₁ and f₂ = F a₂ of the unit vectors along MD and TD
@@ -139,7 +141,7 @@ pub trait MembraneLaw {
 }
 
 /// The law of a film.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Law {
     /// Two fibre sets and shear.
     Fabric(Fabric),
@@ -190,7 +192,7 @@ impl Law {
 }
 
 /// What one layer of film is made of.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// kg/m³.
     pub density: f64,

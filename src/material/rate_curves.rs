@@ -27,6 +27,7 @@
 //!
 //! and returns W/β: the share 1 − D of the curve's energy, but never more than was put in.
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::fibre::FibreLaw;
@@ -35,7 +36,7 @@ use super::{Absorption, Curve};
 use crate::lane::{Lane, larger, ln, smaller, splat};
 
 /// Curves of one fibre set by strain rate.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RateCurves {
     /// At the lowest rate and below.
     slowest: Curve,
@@ -50,7 +51,7 @@ pub struct RateCurves {
 }
 
 /// From the curve of one rate to that of the next.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Step {
     /// Logarithm of the lower rate (1/s).
     log: f64,

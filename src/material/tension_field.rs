@@ -12,12 +12,14 @@
 //! Taut film (both brackets positive) follows St. Venant–Kirchhoff itself, wrinkled film (the second is zero) carries
 //! tension along `E₁` alone, ½ Y E₁², and slack film nothing. Stress is continuous from one to the other.
 
+use serde::{Deserialize, Serialize};
+
 use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
 use crate::lane::{Lane, larger, splat};
 
 /// An elastic film without stiffness against compression.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TensionField(pub Elastic);
 
 /// Radius of Mohr's circle below which strain has no direction: far below round-off of a strain.

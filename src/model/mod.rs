@@ -16,6 +16,8 @@ mod specimen;
 
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use crate::diagnostic::Diagnostic;
 use crate::material::Material;
 use crate::scenario::{Document, Scenario};
@@ -81,7 +83,7 @@ fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
 }
 
 /// Everything one simulation needs.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Model {
     /// Path under `scenarios/` without extension, e.g. `drop/1008`.
     pub name: String,
@@ -123,7 +125,7 @@ impl Model {
 }
 
 /// Outline of the film and the part of it that is computed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Specimen {
     pub shape: Shape,
     pub symmetry: Symmetry,
@@ -132,7 +134,7 @@ pub struct Specimen {
 }
 
 /// Outline of the film in the plane z = 0, centred on the origin. Lengths in m.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Shape {
     /// Full side lengths along x and y.
     Rectangle {
@@ -147,7 +149,7 @@ pub enum Shape {
 }
 
 /// Mirror planes through the origin; the computed part lies at x >= 0 and/or y >= 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Symmetry {
     None,
     /// Only x >= 0 is computed.
@@ -158,7 +160,7 @@ pub enum Symmetry {
 }
 
 /// How a face is divided into elements.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Meshing {
     pub element: Element,
     /// Edge length aimed at, m. Not used by imported meshes.
@@ -166,7 +168,7 @@ pub struct Meshing {
 }
 
 /// Kind of membrane element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Element {
     /// Four nodes, one integration point, stabilised against hourglass modes.
     Quad4,
@@ -177,7 +179,7 @@ pub enum Element {
 }
 
 /// One face of film: `layers` layers that act as one membrane.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Face {
     /// z of the undeformed face, m.
     pub height: f64,
@@ -193,13 +195,13 @@ pub struct Face {
 }
 
 /// Which edges of the film are clamped.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     pub hold: Hold,
 }
 
 /// Clamped edges.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Hold {
     All,
     Sides(Vec<Side>),
@@ -207,7 +209,7 @@ pub enum Hold {
 }
 
 /// A straight edge of a rectangle, or the outermost nodes of another outline in that direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Side {
     XMinus,
     XPlus,
@@ -216,7 +218,7 @@ pub enum Side {
 }
 
 /// The rigid body that meets the film.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Impactor {
     pub shape: ImpactorShape,
     /// kg; infinite where its motion is prescribed.
@@ -229,7 +231,7 @@ pub struct Impactor {
 }
 
 /// Shape of the impactor, lengths in m; its axis is z, its tip points down.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ImpactorShape {
     Sphere {
         radius: f64,
@@ -249,7 +251,7 @@ pub enum ImpactorShape {
 }
 
 /// What the guide lets the impactor do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Guide {
     /// Only translation along z.
     Z,
@@ -258,7 +260,7 @@ pub enum Guide {
 }
 
 /// What is done to the specimen.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Loading {
     /// The impactor starts in touch with the first face at `velocity` (m/s, downward positive).
     Impact { velocity: f64, gravity: f64, duration: f64 },
@@ -279,14 +281,14 @@ pub enum Loading {
 }
 
 /// How time is stepped.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Solver {
     /// Factor on the stable time step, 0 < factor ≤ 1.
     pub step_factor: f64,
 }
 
 /// What is kept of a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Output {
     /// Samples per second, Hz.
     pub sample_rate: f64,
@@ -297,7 +299,7 @@ pub struct Output {
 }
 
 /// A measured or virtual recording that the run is compared with.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
     /// From first contact on (`time_s` with `acceleration_m_s2` and/or `displacement_m`), or raw.
     pub signals: PathBuf,
@@ -311,7 +313,7 @@ pub struct Reference {
 }
 
 /// Part of a run that errors are taken over.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Window {
     /// From first contact to the largest displacement of the reference.
     Loading,
