@@ -4,7 +4,7 @@ use rhai::{Dynamic, Engine, Map};
 
 use crate::experiment::coupon::Coupon;
 use crate::scenario::coupon_material::CouponMaterial;
-use crate::script::{Answer, Entry, Options, Reduced, refuse};
+use crate::script::{Entry, HostResult, Options, Reduced, refuse};
 use crate::units::Density;
 
 /// Name of the shear curve's file where a script gives none.
@@ -17,7 +17,7 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("coupon_material", |reduced: Reduced, coupon: Coupon, more: Map| texts(&reduced, coupon, &more));
 }
 
-fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> Answer<Map> {
+fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> HostResult<Map> {
     let more = Options { of: "coupon_material", map: more };
     more.check(&["density", "shear_file"])?;
     let density = more.map.get("density").map(|_| more.quantity("density", Density::DIMENSION)).transpose()?;

@@ -15,7 +15,7 @@ use crate::experiment::coupon::Curve;
 use crate::material::Law;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
-use crate::script::{Answer, Entry, Options, Session, from_json, number, refuse, to_json, went_wrong};
+use crate::script::{Entry, HostResult, Options, Session, from_json, number, refuse, to_json, went_wrong};
 use crate::simulate::{self, Across, RunError, RunOptions};
 
 /// A checked scenario in a script. Cheap to clone.
@@ -32,12 +32,12 @@ impl Study {
     /// Reads the scenario at `path`, relative to the working directory, lays `changes` over it and checks it.
     ///
     /// The session learns which files that takes.
-    pub fn read(path: &Path, changes: &[Assignment], session: &Session) -> Answer<Study> {
+    pub fn read(path: &Path, changes: &[Assignment], session: &Session) -> HostResult<Study> {
         Study::check(Document::read(path).map_err(mistakes)?.with(changes), None, session)
     }
 
     /// Proves `document`, which may be a variant of another study.
-    fn check(document: Document, other: Option<&Parts>, session: &Session) -> Answer<Study> {
+    fn check(document: Document, other: Option<&Parts>, session: &Session) -> HostResult<Study> {
         let model = model::check(&document).map_err(mistakes)?;
         for path in document.files().iter().map(PathBuf::as_path).chain(model.meshes()) {
             session.reads(path);
@@ -56,13 +56,13 @@ impl Study {
     }
 
     /// The same scenario with values laid over its keys.
-    fn with(&self, changes: Map, session: &Session) -> Answer<Study> {
+    fn with(&self, changes: Map, session: &Session) -> HostResult<Study> {
         let changes = changes.iter().map(|(key, value)| assignment(key, value));
-        let changes = changes.collect::<Answer<Vec<_>>>()?;
+        let changes = changes.collect::<HostResult<Vec<_>>>()?;
         Study::check(self.0.document.with(&changes), Some(&*self.0), session)
     }
 
-    fn simulate(&self, session: &Session) -> Answer<Run> {
+    fn simulate(&self, session: &Session) -> HostResult<Run> {
         let Parts { model, plan, .. } = &*self.0;
         let cut = session.is_trial().then(|| trial::cut(model, plan.comparison()));
         let model = cut.as_ref().unwrap_or(model);
@@ -83,16 +83,16 @@ impl Study {
         Ok(Run::new(model, &outcome, &results))
     }
 
-    fn reference(&mut self) -> Answer<ReferenceSignals> {
+    fn reference(&mut self) -> HostResult<ReferenceSignals> {
         Ok(ReferenceSignals(self.comparison()?.clone()))
     }
 
-    fn window(&mut self) -> Answer<Array> {
+    fn window(&mut self) -> HostResult<Array> {
         Ok(self.comparison()?.window.map(Dynamic::from).into())
     }
 
     /// The curve of one fibre set or of shear, with its multipliers, of all faces or of one.
-    fn curve(&self, name: &str, face: Option<INT>) -> Answer<Curve> {
+    fn curve(&self, name: &str, face: Option<INT>) -> HostResult<Curve> {
         let faces = &self.0.model.faces;
         let chosen = match face {
             Some(face) => usize::try_from(face).ok().and_then(|face| faces.get(face)).map(std::slice::from_ref),
@@ -112,7 +112,7 @@ impl Study {
     }
 
     /// The film pulled to `strains` as a single element.
-    fn pull(&self, strains: Vec<f64>, options: &Map) -> Answer<Curve> {
+    fn pull(&self, strains: Vec<f64>, options: &Map) -> HostResult<Curve> {
         let options = Options { of: "pull", map: options };
         options.check(&["across"])?;
         let across = match options.map.get("across").map(Dynamic::to_string).as_deref() {
@@ -125,14 +125,14 @@ impl Study {
         Curve::new(strains, stresses).map_err(refuse)
     }
 
-    fn comparison(&self) -> Answer<&super::Comparison> {
+    fn comparison(&self) -> HostResult<&super::Comparison> {
         let comparison = self.0.plan.comparison();
         comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
     }
 }
 
 /// Corners of a curve of fabric, with the origin: strain, stress (Pa).
-fn points(law: &Law, name: &str) -> Answer<Vec<[f64; 2]>> {
+fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
     let curve = match (law, name) {
         (Law::Elastic(_) | Law::TensionField(_), _) => {
             return Err(refuse("an elastic film has no curves; those of md, td and shear are a fabric's"));
@@ -152,23 +152,23 @@ fn points(law: &Law, name: &str) -> Answer<Vec<[f64; 2]>> {
 }
 
 /// All at once on all cores; the runs in the order of the scenarios.
-fn simulate_all(context: NativeCallContext, scenarios: Array) -> Answer<Array> {
+fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Array> {
     let session = Session::of(&context);
     let study = |item: Dynamic| {
         let found = item.type_name();
         let study = item.try_cast::<Study>();
         study.ok_or_else(|| refuse(format!("expected a list of scenarios, found {found} in it")))
     };
-    let studies = scenarios.into_iter().map(study).collect::<Answer<Vec<_>>>()?;
+    let studies = scenarios.into_iter().map(study).collect::<HostResult<Vec<_>>>()?;
     let runs = studies.par_iter().map(|study| study.simulate(&session));
     runs.map(|run| run.map(Dynamic::from)).collect()
 }
 
-fn strains(list: &[Dynamic]) -> Answer<Vec<f64>> {
+fn strains(list: &[Dynamic]) -> HostResult<Vec<f64>> {
     list.iter().map(|strain| number(strain, "a strain")).collect()
 }
 
-fn assignment(key: &str, value: &Dynamic) -> Answer<Assignment> {
+fn assignment(key: &str, value: &Dynamic) -> HostResult<Assignment> {
     let json = to_json(value)?;
     let value = toml::Value::try_from(&json);
     let value = value.map_err(|error| refuse(format!("`{key}` cannot be written in a scenario: {error}")))?;

@@ -1,6 +1,6 @@
 use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
 
-use super::{Answer, refuse};
+use super::{HostResult, refuse};
 
 /// What a script was given on the command line, as it finds it under `args`.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +23,7 @@ impl Arguments {
             });
     }
 
-    fn get(&mut self, name: ImmutableString) -> Answer<Dynamic> {
+    fn get(&mut self, name: ImmutableString) -> HostResult<Dynamic> {
         let how = if name == "scenario" { "--scenario FILE".into() } else { format!("--arg {name}=…") };
         self.0.get(name.as_str()).cloned().ok_or_else(|| refuse(format!("the script needs `{name}`: give {how}")))
     }

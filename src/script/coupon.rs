@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
 use super::curve::{list, numbers, spread_map, strains, yield_map};
-use super::{Answer, Entry, Options, Session, refuse};
+use super::{Entry, HostResult, Options, Session, refuse};
 use crate::experiment::coupon::{
     Coupon, CouponReader, CouponTest, Curve, DirectionMeans, Machine, RecordingError, Reduction, Rules, Sample,
     SpeedMeans,
@@ -53,7 +53,7 @@ pub(super) fn register_reading(engine: &mut Engine) {
 }
 
 /// The coupons whose files match `pattern`, each with its figures.
-fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> Answer<Array> {
+fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> HostResult<Array> {
     let paths = glob::glob(pattern).map_err(|error| refuse(format!("`{pattern}`: {error}")))?;
     let paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(refuse)?;
     if paths.is_empty() {
@@ -75,7 +75,7 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> An
 }
 
 /// How curves are read, as a script gives it: `window`, `break_share`, `toe_compensation`.
-fn rules(given: &Options<'_>) -> Answer<Rules> {
+fn rules(given: &Options<'_>) -> HostResult<Rules> {
     given.check(&["window", "break_share", "toe_compensation"])?;
     let usual = Rules::default();
     Ok(Rules {
@@ -85,13 +85,13 @@ fn rules(given: &Options<'_>) -> Answer<Rules> {
     })
 }
 
-fn coupon(strip: &Options<'_>) -> Answer<Coupon> {
+fn coupon(strip: &Options<'_>) -> HostResult<Coupon> {
     strip.check(&["gauge", "width", "thickness"])?;
     let length = |name: &str| strip.quantity(name, Length::DIMENSION);
     Coupon::new(length("gauge")?, length("width")?, length("thickness")?).map_err(refuse)
 }
 
-fn shear(coupon: &Coupon, curve: &Curve) -> Answer<Map> {
+fn shear(coupon: &Coupon, curve: &Curve) -> HostResult<Map> {
     let sheared = coupon.shear(curve).map_err(refuse)?;
     let mut map = Map::new();
     map.insert("curve".into(), Dynamic::from(sheared.curve));
@@ -99,7 +99,7 @@ fn shear(coupon: &Coupon, curve: &Curve) -> Answer<Map> {
     Ok(map)
 }
 
-fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machine: Map) -> Answer<Map> {
+fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machine: Map) -> HostResult<Map> {
     let machine = Options { of: "pulled", map: &machine };
     machine.check(&["velocity", "force_decimals", "displacement_decimals"])?;
     let decimals = |name: &str| {
@@ -120,13 +120,13 @@ fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machi
     ]))
 }
 
-fn reduce(samples: &[Dynamic], given: &Map) -> Answer<Reduced> {
+fn reduce(samples: &[Dynamic], given: &Map) -> HostResult<Reduced> {
     let rules = rules(&Options { of: "reduce_coupons", map: given })?;
-    let samples = samples.iter().map(|item| sample(item, &rules)).collect::<Answer<Vec<_>>>()?;
+    let samples = samples.iter().map(|item| sample(item, &rules)).collect::<HostResult<Vec<_>>>()?;
     Reduction::of(&samples, &rules).map(|reduction| Reduced(Arc::new(reduction))).map_err(refuse)
 }
 
-fn sample(item: &Dynamic, rules: &Rules) -> Answer<Sample> {
+fn sample(item: &Dynamic, rules: &Rules) -> HostResult<Sample> {
     let Some(map) = item.read_lock::<Map>() else {
         return Err(refuse(format!(
             "a coupon's test is a map of direction, velocity and curve, not {}",

@@ -2,7 +2,7 @@
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 
-use super::{Answer, Compared, Entry, Session, number, refuse};
+use super::{Compared, Entry, HostResult, Session, number, refuse};
 use crate::experiment::coupon::average::{
     AverageError, SampleStatistics, mean_curve, mean_law, mean_of_means, relative_difference,
 };
@@ -50,7 +50,7 @@ pub(super) fn register(engine: &mut Engine) {
 }
 
 /// A window of strain `[from, to]`.
-pub(super) fn strains(value: &Dynamic) -> Answer<[f64; 2]> {
+pub(super) fn strains(value: &Dynamic) -> HostResult<[f64; 2]> {
     super::window(value)
 }
 
@@ -79,11 +79,11 @@ pub(super) fn list(values: &[f64]) -> Array {
 }
 
 /// The list as numbers; `what` names one of them in the error.
-pub(super) fn numbers(items: &[Dynamic], what: &str) -> Answer<Vec<f64>> {
+pub(super) fn numbers(items: &[Dynamic], what: &str) -> HostResult<Vec<f64>> {
     items.iter().map(|item| number(item, what)).collect()
 }
 
-fn build(strains: Array, stresses: Array) -> Answer<Curve> {
+fn build(strains: Array, stresses: Array) -> HostResult<Curve> {
     Curve::new(numbers(&strains, "a strain")?, numbers(&stresses, "a stress")?).map_err(refuse)
 }
 
@@ -92,26 +92,26 @@ fn describe(curve: &mut Curve) -> String {
     format!("curve of {} samples from strain {start} to {end}", curve.strain().len())
 }
 
-fn at(curve: &mut Curve, strain: Dynamic) -> Answer<f64> {
+fn at(curve: &mut Curve, strain: Dynamic) -> HostResult<f64> {
     let strain = number(&strain, "a strain")?;
     curve.at(strain).ok_or_else(|| refuse(format!("the curve has no stress at the strain {strain}")))
 }
 
-fn slice(curve: &mut Curve, from: Dynamic, to: Dynamic) -> Answer<Curve> {
+fn slice(curve: &mut Curve, from: Dynamic, to: Dynamic) -> HostResult<Curve> {
     let range = [number(&from, "the start")?, number(&to, "the end")?];
     curve.within(range).ok_or_else(|| refuse(format!("fewer than two samples between {} and {}", range[0], range[1])))
 }
 
-fn slope(curve: &Curve, window: [f64; 2]) -> Answer<f64> {
+fn slope(curve: &Curve, window: [f64; 2]) -> HostResult<f64> {
     Ok(curve.modulus(window).map_err(refuse)?.slope)
 }
 
-fn toe_compensated(curve: &mut Curve, window: Dynamic) -> Answer<Curve> {
+fn toe_compensated(curve: &mut Curve, window: Dynamic) -> HostResult<Curve> {
     let line = curve.modulus(strains(&window)?).map_err(refuse)?;
     Ok(curve.toe_compensated(line.slope, line.intercept))
 }
 
-fn rupture(curve: &Curve, share: f64) -> Answer<Map> {
+fn rupture(curve: &Curve, share: f64) -> HostResult<Map> {
     let rupture = curve.rupture(share).map_err(refuse)?;
     let mut map = Map::new();
     map.insert("strain".into(), rupture.strain.into());
@@ -121,24 +121,24 @@ fn rupture(curve: &Curve, share: f64) -> Answer<Map> {
     Ok(map)
 }
 
-fn yields(curve: &Curve, window: [f64; 2]) -> Answer<Map> {
+fn yields(curve: &Curve, window: [f64; 2]) -> HostResult<Map> {
     yield_points(curve, window).map(|found| yield_map(&found)).map_err(refuse)
 }
 
-fn mean(curves: &Array, of: fn(&[Curve]) -> Result<Curve, AverageError>) -> Answer<Curve> {
+fn mean(curves: &Array, of: fn(&[Curve]) -> Result<Curve, AverageError>) -> HostResult<Curve> {
     let curve = |item: &Dynamic| {
         let found = item.clone().try_cast::<Curve>();
         found.ok_or_else(|| refuse(format!("expected a curve, found {}", item.type_name())))
     };
-    of(&curves.iter().map(curve).collect::<Answer<Vec<_>>>()?).map_err(refuse)
+    of(&curves.iter().map(curve).collect::<HostResult<Vec<_>>>()?).map_err(refuse)
 }
 
-fn mean_of_groups(groups: &[Dynamic]) -> Answer<f64> {
+fn mean_of_groups(groups: &[Dynamic]) -> HostResult<f64> {
     let group = |item: &Dynamic| match item.read_lock::<Array>() {
         Some(figures) => numbers(&figures, "a figure"),
         None => Err(refuse(format!("expected a list of figures, found {}", item.type_name()))),
     };
-    mean_of_means(&groups.iter().map(group).collect::<Answer<Vec<_>>>()?).map_err(refuse)
+    mean_of_means(&groups.iter().map(group).collect::<HostResult<Vec<_>>>()?).map_err(refuse)
 }
 
 /// The reference of the functions of curves.

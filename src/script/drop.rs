@@ -2,7 +2,7 @@
 
 use rhai::{Dynamic, Engine, Map};
 
-use super::{Answer, Entry, Options, from_json, refuse};
+use super::{Entry, HostResult, Options, from_json, refuse};
 use crate::experiment::absorption::Body;
 use crate::experiment::drop::{self, Correction, Drop, Height, Reduction, Tower};
 use crate::experiment::fall::Fall;
@@ -38,7 +38,7 @@ pub(super) fn register(engine: &mut Engine) {
         });
 }
 
-fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) -> Answer<Map> {
+fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) -> HostResult<Map> {
     about.check(&["mass", "height", "gravity", "class", "correction", "time_constant"])?;
     let body = Body { mass: about.needed_number("mass")?, gravity: about.number("gravity", GRAVITY)? };
     let tower = Tower { body, height: Height::Known(about.needed_number("height")?) };
@@ -51,7 +51,7 @@ fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) ->
     reduced(&drop)
 }
 
-fn correction(about: &Options<'_>) -> Answer<Correction> {
+fn correction(about: &Options<'_>) -> HostResult<Correction> {
     let name = about.map.get("correction").map(Dynamic::to_string);
     match name.as_deref() {
         None | Some("coupling") => {
@@ -65,7 +65,7 @@ fn correction(about: &Options<'_>) -> Answer<Correction> {
 }
 
 /// Figures and signals by name.
-fn reduced(drop: &Drop) -> Answer<Map> {
+fn reduced(drop: &Drop) -> HostResult<Map> {
     let figures = serde_json::to_value(drop.figures()).map_err(refuse)?;
     let mut map = from_json(&figures).try_cast::<Map>().unwrap_or_default();
     for (short, column) in CHANNELS {
@@ -74,7 +74,7 @@ fn reduced(drop: &Drop) -> Answer<Map> {
     Ok(map)
 }
 
-fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> Answer<Map> {
+fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> HostResult<Map> {
     about.check(&[
         "height",
         "velocity",
@@ -107,7 +107,7 @@ fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> 
     Ok(map)
 }
 
-fn sensors(about: &Options<'_>) -> Answer<Sensors> {
+fn sensors(about: &Options<'_>) -> HostResult<Sensors> {
     let assumed = Sensors::default();
     let accelerometer = Accelerometer {
         time_constant: about.number("time_constant", assumed.accelerometer.time_constant)?,

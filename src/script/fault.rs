@@ -102,7 +102,7 @@ pub(super) fn register(engine: &mut Engine) {
 }
 
 /// What a host function gives back to the script.
-pub type Answer<T> = Result<T, Box<EvalAltResult>>;
+pub type HostResult<T> = Result<T, Box<EvalAltResult>>;
 
 /// An error that a host function answers with; the engine adds the place of the call.
 pub fn refuse(message: impl Display) -> Box<EvalAltResult> {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rhai::{Array, Dynamic, Engine};
 use thiserror::Error;
 
-use super::{Answer, Entry, Ledger, number, refuse};
+use super::{Entry, HostResult, Ledger, number, refuse};
 use crate::signal::Series;
 
 /// Endings that a file may have: what people and programs read as text.
@@ -132,11 +132,11 @@ pub(super) fn register(ledger: &Ledger, engine: &mut Engine) {
 }
 
 /// Comments, a header and a row a value; a number that is not finite leaves its cell empty.
-fn csv(names: &Array, columns: &Array, comments: &Array) -> Answer<String> {
+fn csv(names: &Array, columns: &Array, comments: &Array) -> HostResult<String> {
     if names.len() != columns.len() {
         return Err(refuse(format!("{} names for {} columns", names.len(), columns.len())));
     }
-    let columns = columns.iter().map(Column::of).collect::<Answer<Vec<_>>>()?;
+    let columns = columns.iter().map(Column::of).collect::<HostResult<Vec<_>>>()?;
     let columns: Vec<&[f64]> = columns.iter().map(Column::values).collect();
     let rows = columns.first().map_or(0, |column| column.len());
     if let Some(place) = columns.iter().position(|column| column.len() != rows) {
@@ -156,7 +156,7 @@ fn comment_lines(comment: &str) -> Vec<String> {
 }
 
 /// The `comments` with the table behind them; given up as soon as that is longer than `most` bytes.
-fn table(comments: String, names: &Array, columns: &[&[f64]], most: usize) -> Answer<String> {
+fn table(comments: String, names: &Array, columns: &[&[f64]], most: usize) -> HostResult<String> {
     let mut out = csv::Writer::from_writer(comments.into_bytes());
     out.write_record(names.iter().map(Dynamic::to_string)).map_err(refuse)?;
     for row in 0..columns.first().map_or(0, |column| column.len()) {
@@ -182,7 +182,7 @@ pub(super) enum Column {
 
 impl Column {
     /// The values of a signal, or the numbers of a list; `()` is a value that was not measured.
-    pub(super) fn of(column: &Dynamic) -> Answer<Column> {
+    pub(super) fn of(column: &Dynamic) -> HostResult<Column> {
         if let Some(series) = column.read_lock::<Series>() {
             return Ok(Column::Signal(series.clone()));
         }
@@ -190,7 +190,7 @@ impl Column {
             return Err(refuse(format!("a column is a signal or a list of numbers, not {}", column.type_name())));
         };
         let value = |item: &Dynamic| if item.is_unit() { Ok(f64::NAN) } else { number(item, "a cell") };
-        items.iter().map(value).collect::<Answer<_>>().map(Column::List)
+        items.iter().map(value).collect::<HostResult<_>>().map(Column::List)
     }
 
     pub(super) fn values(&self) -> &[f64] {

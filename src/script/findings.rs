@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::files::{self, File, FileError, Files};
 use super::plots::{self, PlotError};
-use super::{Answer, ConvergenceHistory, Entry, refuse, to_json};
+use super::{ConvergenceHistory, Entry, HostResult, refuse, to_json};
 use crate::diagnostic::shown_path;
 use crate::plot::{Correlation, Plot};
 use crate::store;
@@ -136,7 +136,7 @@ impl Ledger {
         engine.on_print(move |line| drop(ledger.log(line)));
     }
 
-    fn measure(&self, name: &str, value: &Dynamic) -> Answer<()> {
+    fn measure(&self, name: &str, value: &Dynamic) -> HostResult<()> {
         self.check(name).map_err(refuse)?;
         let value = to_json(value)?;
         let measures = &mut self.lock().measures;
@@ -147,7 +147,7 @@ impl Ledger {
         Ok(())
     }
 
-    fn table(&self, name: &str, columns: Option<&Array>, rows: &Dynamic) -> Answer<()> {
+    fn table(&self, name: &str, columns: Option<&Array>, rows: &Dynamic) -> HostResult<()> {
         self.check(name).map_err(refuse)?;
         let rows = rows_of(rows, columns)?;
         let tables = &mut self.lock().tables;
@@ -160,7 +160,7 @@ impl Ledger {
         Ok(())
     }
 
-    fn log(&self, line: &str) -> Answer<()> {
+    fn log(&self, line: &str) -> HostResult<()> {
         if self.lock().log.len() >= MOST_ENTRIES {
             return Err(refuse(NameError::TooMany));
         }
@@ -201,7 +201,7 @@ fn keep<T>(pictures: &mut Vec<T>, picture: T) -> Result<(), TooManyPictures> {
     Ok(())
 }
 
-fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> Answer<Vec<Row>> {
+fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> HostResult<Vec<Row>> {
     if let Some(map) = rows.read_lock::<Map>() {
         return Ok(vec![row_of(&map, columns)?]);
     }
@@ -215,7 +215,7 @@ fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> Answer<Vec<Row>> {
     rows.iter().map(row).collect()
 }
 
-fn row_of(map: &Map, columns: Option<&Array>) -> Answer<Row> {
+fn row_of(map: &Map, columns: Option<&Array>) -> HostResult<Row> {
     let Some(columns) = columns else {
         return map.iter().map(|(key, value)| Ok((key.to_string(), to_json(value)?))).collect();
     };

@@ -28,7 +28,7 @@ pub use arguments::Arguments;
 pub use compared::{Compared, Over, Target};
 pub use convergence::{ConvergenceHistory, FitHistory, Improvement, Iterate};
 pub use coupon::Reduced;
-pub use fault::{Answer, Fault, is_numerical, refuse, thrown, went_wrong};
+pub use fault::{Fault, HostResult, is_numerical, refuse, thrown, went_wrong};
 pub use files::{File, FileError, Files};
 pub use findings::{Findings, Ledger, NameError, Row, TooManyPictures};
 pub use host::{Limits, ReadError, STACK, Script, engine};

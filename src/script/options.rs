@@ -1,6 +1,6 @@
 use rhai::{Dynamic, ImmutableString, Map};
 
-use super::{Answer, number, refuse};
+use super::{HostResult, number, refuse};
 use crate::units::Dimension;
 
 /// What a script gives a function by name.
@@ -12,29 +12,29 @@ pub struct Options<'a> {
 
 impl Options<'_> {
     /// Refuses a name that nobody reads.
-    pub fn check(&self, known: &[&str]) -> Answer<()> {
+    pub fn check(&self, known: &[&str]) -> HostResult<()> {
         let unknown = self.map.keys().find(|key| !known.contains(&key.as_str()));
         let message = |key| format!("{} knows no `{key}`; it takes {}", self.of, known.join(", "));
         unknown.map_or(Ok(()), |key| Err(refuse(message(key))))
     }
 
     /// The value called `name`.
-    pub fn value(&self, name: &str) -> Answer<&Dynamic> {
+    pub fn value(&self, name: &str) -> HostResult<&Dynamic> {
         self.map.get(name).ok_or_else(|| refuse(format!("{} needs `{name}`", self.of)))
     }
 
     /// The number called `name`.
-    pub fn needed_number(&self, name: &str) -> Answer<f64> {
+    pub fn needed_number(&self, name: &str) -> HostResult<f64> {
         number(self.value(name)?, name)
     }
 
     /// The number called `name`, or else another.
-    pub fn number(&self, name: &str, otherwise: f64) -> Answer<f64> {
+    pub fn number(&self, name: &str, otherwise: f64) -> HostResult<f64> {
         self.map.get(name).map_or(Ok(otherwise), |value| number(value, name))
     }
 
     /// A number in the SI unit, or a text with its unit.
-    pub fn quantity(&self, name: &str, dimension: Dimension) -> Answer<f64> {
+    pub fn quantity(&self, name: &str, dimension: Dimension) -> HostResult<f64> {
         let value = self.value(name)?;
         match value.read_lock::<ImmutableString>() {
             Some(text) => dimension.parse(&text).map_err(|error| refuse(format!("{name}: {error}"))),
@@ -43,7 +43,7 @@ impl Options<'_> {
     }
 
     /// True or false, or else another.
-    pub fn truth(&self, name: &str, otherwise: bool) -> Answer<bool> {
+    pub fn truth(&self, name: &str, otherwise: bool) -> HostResult<bool> {
         let truth = |value: &Dynamic| value.as_bool();
         let said = self.map.get(name).map_or(Ok(otherwise), truth);
         said.map_err(|found| refuse(format!("{name} is true or false, not {found}")))

@@ -4,7 +4,7 @@ use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
 use thiserror::Error;
 
 use super::files::Column;
-use super::{Answer, Entry, Ledger, Options, refuse, window};
+use super::{Entry, HostResult, Ledger, Options, refuse, window};
 use crate::experiment::coupon;
 use crate::plot::{Axis, Curve, Look, Plot, Scale, TIME, Window};
 use crate::signal::Series;
@@ -104,7 +104,7 @@ struct Axes {
     factors: [f64; 2],
 }
 
-fn written(title: &str, options: &Map, curves: &Dynamic) -> Answer<Plot> {
+fn written(title: &str, options: &Map, curves: &Dynamic) -> HostResult<Plot> {
     let options = Options { of: "plot", map: options };
     options.check(&["x", "y", "log_x", "log_y", "window", "window_name"])?;
     let given = given(title, curves)?;
@@ -117,7 +117,7 @@ fn written(title: &str, options: &Map, curves: &Dynamic) -> Answer<Plot> {
 }
 
 /// The curves with their names; one alone may go without.
-fn given(title: &str, curves: &Dynamic) -> Answer<Vec<Given>> {
+fn given(title: &str, curves: &Dynamic) -> HostResult<Vec<Given>> {
     if let Some(map) = curves.read_lock::<Map>() {
         return map.iter().map(|(name, curve)| Given::of(name, curve)).collect();
     }
@@ -130,14 +130,14 @@ fn given(title: &str, curves: &Dynamic) -> Answer<Vec<Given>> {
 
 impl Given {
     /// A curve of a list: `#{ name, curve, look }`.
-    fn named(map: &Dynamic) -> Answer<Given> {
+    fn named(map: &Dynamic) -> HostResult<Given> {
         let name = map.read_lock::<Map>().and_then(|map| map.get("name").cloned());
         let name = name.ok_or_else(|| refuse("a curve of a list needs its `name`"))?;
         Given::of(&name.to_string(), map)
     }
 
     /// A curve, or a map that says how it looks besides.
-    fn of(name: &str, curve: &Dynamic) -> Answer<Given> {
+    fn of(name: &str, curve: &Dynamic) -> HostResult<Given> {
         let Some(map) = curve.read_lock::<Map>() else {
             return Ok(Given { name: name.into(), look: Look::Line, shape: Shape::of(curve)? });
         };
@@ -157,14 +157,14 @@ impl Given {
     }
 }
 
-fn look(value: &Dynamic) -> Answer<Look> {
+fn look(value: &Dynamic) -> HostResult<Look> {
     let text = value.to_string();
     let found = LOOKS.iter().find(|(name, _)| *name == text).map(|(_, look)| *look);
     found.ok_or_else(|| refuse(format!("unknown look `{text}` (there are line, dashed, points)")))
 }
 
 impl Shape {
-    fn of(value: &Dynamic) -> Answer<Shape> {
+    fn of(value: &Dynamic) -> HostResult<Shape> {
         if let Some(series) = value.read_lock::<Series>() {
             return Ok(Shape::Signal(series.clone()));
         }
@@ -183,7 +183,7 @@ impl Shape {
 }
 
 /// Words and units: those of the script, or those of what is shown.
-fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> Answer<Axes> {
+fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> HostResult<Axes> {
     let has = |kind: fn(&Shape) -> bool| given.iter().any(|given| kind(&given.shape));
     let over_time = has(|shape| matches!(shape, Shape::Signal(_)));
     let over_strain = has(|shape| matches!(shape, Shape::Law(_)));
@@ -211,7 +211,7 @@ fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> Answer<Axes> {
     Ok(Axes { x, y, factors })
 }
 
-fn words(options: &Options<'_>, name: &str) -> Answer<Option<String>> {
+fn words(options: &Options<'_>, name: &str) -> HostResult<Option<String>> {
     let Some(value) = options.map.get(name) else { return Ok(None) };
     match value.read_lock::<ImmutableString>() {
         Some(text) => Ok(Some(text.to_string())),
@@ -220,7 +220,7 @@ fn words(options: &Options<'_>, name: &str) -> Answer<Option<String>> {
 }
 
 /// The factor of the unit that `words` end with.
-fn in_unit(words: &str, units: &[(&str, f64)]) -> Answer<f64> {
+fn in_unit(words: &str, units: &[(&str, f64)]) -> HostResult<f64> {
     let found = units.iter().find(|(unit, _)| words.ends_with(unit));
     found.map(|(_, factor)| *factor).ok_or_else(|| {
         let known: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
@@ -229,7 +229,7 @@ fn in_unit(words: &str, units: &[(&str, f64)]) -> Answer<f64> {
 }
 
 /// The stretch to be marked: in s where signals are shown, else in the unit of the axis.
-fn marked(options: &Options<'_>, factor: f64) -> Answer<Option<Window>> {
+fn marked(options: &Options<'_>, factor: f64) -> HostResult<Option<Window>> {
     let Some(bounds) = options.map.get("window") else { return Ok(None) };
     let [from, to] = window(bounds)?;
     if !(from.is_finite() && to.is_finite() && from < to) {

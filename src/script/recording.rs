@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, Identifier, Map, NativeCallContext};
 
-use super::{Answer, Entry, Session, refuse};
+use super::{Entry, HostResult, Session, refuse};
 use crate::signal::file::{self, ReadOptions};
 use crate::signal::{ChannelError, Measurement, Series, says_virtual};
 use crate::units::Unit;
@@ -30,7 +30,7 @@ pub fn register(engine: &mut Engine) {
 }
 
 /// The path is relative to the working directory.
-fn read(context: &NativeCallContext, path: &str, wanted: &ReadOptions) -> Answer<Measurement> {
+fn read(context: &NativeCallContext, path: &str, wanted: &ReadOptions) -> HostResult<Measurement> {
     let (session, path) = (Session::of(context), Path::new(path));
     session.reads_recording(path);
     let measurement = file::read(path, wanted).map_err(|error| hinted(&error, error.hint()))?;
@@ -39,7 +39,7 @@ fn read(context: &NativeCallContext, path: &str, wanted: &ReadOptions) -> Answer
 }
 
 /// What a script says of a file: `#{ time: name, columns: [name, …], units: #{ name: unit } }`, each as on the command line.
-pub(super) fn wanted(more: &Map) -> Answer<ReadOptions> {
+pub(super) fn wanted(more: &Map) -> HostResult<ReadOptions> {
     let mut wanted = ReadOptions::default();
     for (key, value) in more {
         match key.as_str() {
@@ -54,18 +54,18 @@ pub(super) fn wanted(more: &Map) -> Answer<ReadOptions> {
     Ok(wanted)
 }
 
-fn text(value: &Dynamic, what: &str) -> Answer<String> {
+fn text(value: &Dynamic, what: &str) -> HostResult<String> {
     let text = value.clone().into_string();
     text.map_err(|found| refuse(format!("expected {what} as text, found {found}")))
 }
 
-fn list(value: &Dynamic) -> Answer<Vec<String>> {
+fn list(value: &Dynamic) -> HostResult<Vec<String>> {
     let names = value.read_lock::<Array>();
     let names = names.ok_or_else(|| refuse(format!("expected a list of columns, found {}", value.type_name())))?;
     names.iter().map(|name| text(name, "the name of a column")).collect()
 }
 
-fn units(value: &Dynamic) -> Answer<Vec<(String, Unit)>> {
+fn units(value: &Dynamic) -> HostResult<Vec<(String, Unit)>> {
     let units = value.read_lock::<Map>();
     let units =
         units.ok_or_else(|| refuse(format!("expected units as #{{ name: unit }}, found {}", value.type_name())))?;
@@ -84,15 +84,15 @@ fn texts<'a>(texts: impl Iterator<Item = &'a String>) -> Array {
     texts.map(|text| Dynamic::from(text.clone())).collect()
 }
 
-fn channel(m: &Measurement, name: &str) -> Answer<Series> {
+fn channel(m: &Measurement, name: &str) -> HostResult<Series> {
     m.channel(name).map(|channel| channel.series.clone()).map_err(missing)
 }
 
-fn unit(m: &mut Measurement, name: &str) -> Answer<String> {
+fn unit(m: &mut Measurement, name: &str) -> HostResult<String> {
     m.channel(name).map(|channel| channel.value_unit().unwrap_or_default()).map_err(missing)
 }
 
-fn filter_class(m: &mut Measurement, name: &str) -> Answer<Dynamic> {
+fn filter_class(m: &mut Measurement, name: &str) -> HostResult<Dynamic> {
     let class = m.channel(name).map_err(missing)?.filtered;
     Ok(class.map_or(Dynamic::UNIT, Dynamic::from))
 }

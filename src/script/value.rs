@@ -3,13 +3,13 @@
 use rhai::{Array, Dynamic, Map};
 use serde_json::{Number, Value};
 
-use super::{Answer, refuse};
+use super::{HostResult, refuse};
 
 /// Deepest nesting of lists and maps that leaves a script.
 const DEEPEST: usize = 8;
 
 /// The number in `value`, whether written `1` or `1.0`; `what` names it in the error.
-pub fn number(value: &Dynamic, what: &str) -> Answer<f64> {
+pub fn number(value: &Dynamic, what: &str) -> HostResult<f64> {
     if let Ok(float) = value.as_float() {
         return Ok(float);
     }
@@ -18,7 +18,7 @@ pub fn number(value: &Dynamic, what: &str) -> Answer<f64> {
 }
 
 /// A window of time `[from, to]` in s.
-pub fn window(value: &Dynamic) -> Answer<[f64; 2]> {
+pub fn window(value: &Dynamic) -> HostResult<[f64; 2]> {
     let bounds = value.read_lock::<Array>();
     let bounds = bounds.as_deref().map(Vec::as_slice);
     let Some([from, to]) = bounds else {
@@ -28,11 +28,11 @@ pub fn window(value: &Dynamic) -> Answer<[f64; 2]> {
 }
 
 /// The value as JSON; numbers that are not finite become null, host values are refused.
-pub fn to_json(value: &Dynamic) -> Answer<Value> {
+pub fn to_json(value: &Dynamic) -> HostResult<Value> {
     nested_to_json(value, DEEPEST)
 }
 
-fn nested_to_json(value: &Dynamic, depth: usize) -> Answer<Value> {
+fn nested_to_json(value: &Dynamic, depth: usize) -> HostResult<Value> {
     let Some(depth) = depth.checked_sub(1) else {
         return Err(refuse(format!("values are nested more than {DEEPEST} deep")));
     };
@@ -47,7 +47,7 @@ fn nested_to_json(value: &Dynamic, depth: usize) -> Answer<Value> {
     plain_to_json(value)
 }
 
-fn plain_to_json(value: &Dynamic) -> Answer<Value> {
+fn plain_to_json(value: &Dynamic) -> HostResult<Value> {
     if value.is_unit() {
         return Ok(Value::Null);
     }

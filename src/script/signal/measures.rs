@@ -2,7 +2,7 @@
 
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
-use super::Answer;
+use super::HostResult;
 use crate::script::{Compared, Entry, Session, number, refuse};
 use crate::signal::clip::{self, Counting};
 use crate::signal::{Series, hic, rating, resample};
@@ -25,16 +25,16 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("values", |context: NativeCallContext, s: &mut Series| list(&context, s.values()));
 }
 
-fn seconds(milliseconds: &Dynamic, what: &str) -> Answer<f64> {
+fn seconds(milliseconds: &Dynamic, what: &str) -> HostResult<f64> {
     Ok(1e-3 * number(milliseconds, what)?)
 }
 
-fn clip(s: &Series, duration: &Dynamic, counting: Counting) -> Answer<f64> {
+fn clip(s: &Series, duration: &Dynamic, counting: Counting) -> HostResult<f64> {
     let found = clip::clip(s, seconds(duration, "the duration")?, counting);
     found.map(|clip| clip.level).map_err(refuse)
 }
 
-fn rate(context: NativeCallContext, reference: Series, comparison: Series) -> Answer<Map> {
+fn rate(context: NativeCallContext, reference: Series, comparison: Series) -> HostResult<Map> {
     let rating = rating::rate(&reference, &comparison).map_err(refuse)?;
     let all = [f64::NEG_INFINITY, f64::INFINITY];
     Session::of(&context).compares(|| Compared::signals(&comparison, &reference, all));
@@ -53,7 +53,7 @@ fn rate(context: NativeCallContext, reference: Series, comparison: Series) -> An
     Ok(entries.into_iter().map(|(name, value)| (name.into(), value)).collect())
 }
 
-fn resampled(s: &mut Series, step: Dynamic) -> Answer<Series> {
+fn resampled(s: &mut Series, step: Dynamic) -> HostResult<Series> {
     let step = number(&step, "the time step")?;
     if let [first, .., last] = s.time()
         && step > 0.0
@@ -64,7 +64,7 @@ fn resampled(s: &mut Series, step: Dynamic) -> Answer<Series> {
     resample::uniform(s, step).map_err(refuse)
 }
 
-fn shifted(s: &mut Series, by: Dynamic) -> Answer<Series> {
+fn shifted(s: &mut Series, by: Dynamic) -> HostResult<Series> {
     let by = number(&by, "the time shift")?;
     let times: Vec<f64> = s.time().iter().map(|time| time + by).collect();
     let apart = times.windows(2).all(|pair| pair[0] < pair[1]) && times.iter().all(|time| time.is_finite());
@@ -72,7 +72,7 @@ fn shifted(s: &mut Series, by: Dynamic) -> Answer<Series> {
 }
 
 /// The numbers as a list, which is only as long as lists of scripts may be.
-fn list(context: &NativeCallContext, numbers: &[f64]) -> Answer<Array> {
+fn list(context: &NativeCallContext, numbers: &[f64]) -> HostResult<Array> {
     let (count, most) = (numbers.len(), context.engine().max_array_size());
     if count > most {
         return Err(refuse(format!(

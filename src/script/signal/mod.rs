@@ -4,7 +4,7 @@ mod measures;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, NativeCallContext};
 
-use super::{Answer, Compared, Entry, Session, number, refuse, window};
+use super::{Compared, Entry, HostResult, Session, number, refuse, window};
 use crate::signal::filter::{self, Standard};
 use crate::signal::{Series, integrate, norm};
 
@@ -54,8 +54,8 @@ fn register_operators(engine: &mut Engine) {
     }
 }
 
-fn build(time: Array, values: Array) -> Answer<Series> {
-    let numbers = |items: &Array, what| items.iter().map(|item| number(item, what)).collect::<Answer<Vec<_>>>();
+fn build(time: Array, values: Array) -> HostResult<Series> {
+    let numbers = |items: &Array, what| items.iter().map(|item| number(item, what)).collect::<HostResult<Vec<_>>>();
     let (time, values) = (numbers(&time, "a time")?, numbers(&values, "a value")?);
     if time.len() != values.len() {
         return Err(refuse(format!("{} times for {} values", time.len(), values.len())));
@@ -73,15 +73,15 @@ fn describe(s: &mut Series) -> String {
     }
 }
 
-fn largest(s: &Series) -> Answer<[f64; 2]> {
+fn largest(s: &Series) -> HostResult<[f64; 2]> {
     s.largest().ok_or_else(nothing)
 }
 
-fn smallest(s: &Series) -> Answer<[f64; 2]> {
+fn smallest(s: &Series) -> HostResult<[f64; 2]> {
     s.smallest().ok_or_else(nothing)
 }
 
-fn end_of(time: Option<&f64>) -> Answer<f64> {
+fn end_of(time: Option<&f64>) -> HostResult<f64> {
     time.copied().ok_or_else(nothing)
 }
 
@@ -89,16 +89,16 @@ fn nothing() -> Box<EvalAltResult> {
     refuse("the signal has no samples")
 }
 
-fn at(s: &mut Series, time: Dynamic) -> Answer<f64> {
+fn at(s: &mut Series, time: Dynamic) -> HostResult<f64> {
     let time = number(&time, "a time")?;
     s.at(time).ok_or_else(|| refuse(format!("the signal has no value at {time} s")))
 }
 
-fn slice(s: &mut Series, from: Dynamic, to: Dynamic) -> Answer<Series> {
+fn slice(s: &mut Series, from: Dynamic, to: Dynamic) -> HostResult<Series> {
     Ok(s.window([number(&from, "the start")?, number(&to, "the end")?]))
 }
 
-fn mean(s: &mut Series) -> Answer<f64> {
+fn mean(s: &mut Series) -> HostResult<f64> {
     match s.time() {
         [] => Err(nothing()),
         [_] => Ok(s.values()[0]),
@@ -106,7 +106,7 @@ fn mean(s: &mut Series) -> Answer<f64> {
     }
 }
 
-fn filtered(s: &Series, class: &Dynamic, standard: Standard) -> Answer<Series> {
+fn filtered(s: &Series, class: &Dynamic, standard: Standard) -> HostResult<Series> {
     filter::channel(s, number(class, "the channel frequency class")?, standard).map_err(refuse)
 }
 
@@ -120,7 +120,7 @@ fn pointwise(a: &Series, b: &Series, f: Operator) -> Series {
     a.with_values(values.collect())
 }
 
-fn relative_error(context: NativeCallContext, signal: Series, reference: Series, bounds: Dynamic) -> Answer<f64> {
+fn relative_error(context: NativeCallContext, signal: Series, reference: Series, bounds: Dynamic) -> HostResult<f64> {
     let window = window(&bounds)?;
     let error = norm::relative_error(&signal, &reference, window).map_err(refuse)?;
     Session::of(&context).compares(|| Compared::signals(&signal, &reference, window));
@@ -132,7 +132,7 @@ fn relative_residuals(
     signal: Series,
     reference: Series,
     bounds: Dynamic,
-) -> Answer<Series> {
+) -> HostResult<Series> {
     let window = window(&bounds)?;
     let residuals = norm::relative_residuals(&signal, &reference, window).map_err(refuse)?;
     Session::of(&context).compares(|| Compared::signals(&signal, &reference, window));
