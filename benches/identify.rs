@@ -15,7 +15,7 @@ use droptower::identify::{self, SearchHost};
 use droptower::model;
 use droptower::post::{self, Plan};
 use droptower::scenario::{Assignment, Document};
-use droptower::script::{self, Arguments, Findings, Ledger, Limits, Row, Script};
+use droptower::script::{self, Arguments, Limits, OutputCollector, Row, Script, ScriptOutput};
 use droptower::signal::csv;
 use droptower::simulate;
 use rayon::prelude::*;
@@ -137,10 +137,10 @@ fn identify(tests: &[Recorded], method: &str, start: [f64; 3]) -> Outcome<([f64;
 }
 
 /// Runs the script with `args`.
-fn run(args: Map) -> Outcome<Findings> {
+fn run(args: Map) -> Outcome<ScriptOutput> {
     let mut engine = script::engine(Limits::STUDY);
-    let ledger = Ledger::new(Vec::new(), |_| {});
-    ledger.register(&mut engine);
+    let collector = OutputCollector::new(Vec::new(), |_| {});
+    collector.register(&mut engine);
     post::register_studies(&mut engine, vec![]);
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     Arguments::register(&mut engine);
@@ -148,7 +148,7 @@ fn run(args: Map) -> Outcome<Findings> {
     scope.push_constant("args", Arguments::new(args));
     let script = Script::compile(&engine, &scope, Path::new("benches/identify.rs"), SCRIPT);
     script.map_err(|faults| faults[0].clone())?.run(&engine, scope)?;
-    Ok(ledger.findings())
+    Ok(collector.output())
 }
 
 /// All tests with the averaged film, as for Table 9.

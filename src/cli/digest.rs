@@ -27,7 +27,7 @@ pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
     for warning in results.measures.warnings() {
         let _ = writeln!(text, "  warning: {warning}");
     }
-    for line in &results.findings.log {
+    for line in &results.script_output.log {
         let _ = writeln!(text, "  {line}");
     }
     text

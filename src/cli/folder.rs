@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use crate::model::Model;
 use crate::post::{Overlay, Results};
 use crate::report::{self, RunPage, StudyPage, compare_page, vtu};
-use crate::script::{Findings, Row};
+use crate::script::{Row, ScriptOutput};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
 use crate::store::{Draft, StoreError, TABLES};
@@ -39,7 +39,7 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     files.write("energies.csv", recording(&outcome.energies)?)?;
     if let Some(results) = results {
         files.write("summary.json", json(&results.summary(model))?)?;
-        files.findings(&results.findings)?;
+        files.script_output(&results.script_output)?;
         #[cfg(feature = "rerun")]
         files.recording(contents, results)?;
     }
@@ -63,7 +63,7 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
 pub fn fill_study(draft: &Draft, study: &StudyPage, summary: &Map<String, Value>) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
     files.write("summary.json", json(summary)?)?;
-    files.findings(study.findings)?;
+    files.script_output(study.output)?;
     #[cfg(feature = "rerun")]
     files.study_recording(study)?;
     files.write("report.html", report::study_page(study).into_bytes())?;
@@ -141,13 +141,13 @@ impl Files<'_> {
         Ok(())
     }
 
-    fn findings(&mut self, findings: &Findings) -> Result<(), StoreError> {
-        for (name, rows) in &findings.tables {
+    fn script_output(&mut self, output: &ScriptOutput) -> Result<(), StoreError> {
+        for (name, rows) in &output.tables {
             let file = format!("{TABLES}/{name}.csv");
             let content = table(rows).map_err(|error| StoreError::write(self.draft.path().join(&file), error))?;
             self.write(&file, content)?;
         }
-        for file in findings.files.iter() {
+        for file in output.files.iter() {
             self.write(&file.name, file.content.clone().into_bytes())?;
         }
         Ok(())

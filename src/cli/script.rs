@@ -15,7 +15,8 @@ use crate::identify::{self, Identity, SearchEvent, SearchHost};
 use crate::post;
 use crate::report::StudyPage;
 use crate::script::{
-    Arguments, Fault, Findings, Ledger, Limits, Script, Session, TooManyPictures, engine, register_recordings, to_json,
+    Arguments, Fault, Limits, OutputCollector, Script, ScriptOutput, Session, TooManyPictures, engine,
+    register_recordings, to_json,
 };
 use crate::store::{self, Draft, StoreError};
 
@@ -48,7 +49,7 @@ struct Studied {
     call: Map<String, Value>,
     /// The text that was run.
     text: String,
-    findings: Findings,
+    output: ScriptOutput,
 }
 
 /// Why there are no results.
@@ -101,8 +102,8 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
             let _ = writeln!(io::stderr(), "{}", printable(line));
         }
     };
-    let ledger = Ledger::new(RESERVED.map(String::from).into(), say);
-    let pictures = ledger.clone();
+    let collector = OutputCollector::new(RESERVED.map(String::from).into(), say);
+    let pictures = collector.clone();
     let unless_kept = move |kept: Result<(), TooManyPictures>| {
         if let Err(error) = kept {
             say(&format!("note: {error}"));
@@ -115,7 +116,7 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
         SearchEvent::Correlation(correlation) => unless_kept(pictures.correlated(correlation.clone())),
     });
     let mut engine = engine(Limits::STUDY);
-    ledger.register(&mut engine);
+    collector.register(&mut engine);
     register_recordings(&mut engine);
     post::register_studies(&mut engine, changes);
     identify::register(&mut engine, &host);
@@ -130,11 +131,11 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     let stopped = |fault: Fault| Stopped { mistakes: vec![script(&fault)], numerical: fault.numerical };
     program.run(&engine, scope).map_err(stopped)?;
     let virtual_recordings = Session::of_engine(&engine).virtual_recordings();
-    let findings = Findings { virtual_recordings, ..ledger.findings() };
-    if let Some(warning) = findings.warning() {
+    let output = ScriptOutput { virtual_recordings, ..collector.output() };
+    if let Some(warning) = output.warning() {
         say(&format!("warning: {warning}"));
     }
-    Ok(Studied { name, call, text: program.text().into(), findings })
+    Ok(Studied { name, call, text: program.text().into(), output })
 }
 
 /// Every argument has its place in the script: one that is misspelt would change nothing.
@@ -202,24 +203,24 @@ fn value_of(text: &str) -> Dynamic {
 }
 
 fn summary(studied: &Studied) -> Map<String, Value> {
-    let Studied { name, call, findings, .. } = studied;
+    let Studied { name, call, output, .. } = studied;
     let mut summary = Map::new();
     summary.insert("script".into(), json!(name));
     summary.insert("droptower".into(), json!(env!("CARGO_PKG_VERSION")));
     summary.insert("study".into(), Value::Object(call.clone()));
-    summary.extend(findings.warning().map(|warning| ("warning".into(), json!(warning))));
-    summary.extend(findings.measures.clone());
-    let tables = findings.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
+    summary.extend(output.warning().map(|warning| ("warning".into(), json!(warning))));
+    summary.extend(output.measures.clone());
+    let tables = output.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
     summary.insert("tables".into(), Value::Object(tables.collect()));
-    summary.insert("plots".into(), findings.plots.iter().map(|plot| plot.title.clone()).collect());
-    summary.insert("files".into(), findings.files.names().into());
+    summary.insert("plots".into(), output.plots.iter().map(|plot| plot.title.clone()).collect());
+    summary.insert("files".into(), output.files.names().into());
     summary
 }
 
 fn keep(studied: &Studied, place: &Path) -> Result<Vec<String>, StoreError> {
-    let Studied { name, call, text, findings } = studied;
+    let Studied { name, call, text, output } = studied;
     let draft = Draft::begin(place)?;
-    let page = StudyPage { name, call, findings, script: text };
+    let page = StudyPage { name, call, output, script: text };
     let files = folder::fill_study(&draft, &page, &summary(studied))?;
     draft.publish()?;
     Ok(files)
@@ -232,6 +233,6 @@ fn show(place: &Path, files: &[String], studied: &Studied, shared: &Shared) -> E
     if shared.quiet {
         return ExitCode::SUCCESS;
     }
-    let Studied { name, findings, .. } = studied;
-    print(&format!("{name}\n{}{}", table::findings(findings), digest::folder(place, files).trim_end()))
+    let Studied { name, output, .. } = studied;
+    print(&format!("{name}\n{}{}", table::script_output(output), digest::folder(place, files).trim_end()))
 }

@@ -1,16 +1,16 @@
 //! What a script leaves, as the terminal shows it.
 
 use crate::report::{Figure, cell, columns};
-use crate::script::{Findings, Row};
+use crate::script::{Row, ScriptOutput};
 
 /// Most rows of a table that are shown; all of them are in its file.
 const MOST_ROWS: usize = 40;
 
 /// Figures and tables; every line ends with a line break.
-pub fn findings(findings: &Findings) -> String {
-    let figures = findings.measures.iter().filter_map(|(name, value)| Figure::of(name, value));
+pub fn script_output(output: &ScriptOutput) -> String {
+    let figures = output.measures.iter().filter_map(|(name, value)| Figure::of(name, value));
     let figures = figures.map(|figure| format!("  {}\n", figure.cells().join(" ").trim_end()));
-    let tables = findings.tables.iter().map(|(name, rows)| format!("  {name}\n{}", table(rows)));
+    let tables = output.tables.iter().map(|(name, rows)| format!("  {name}\n{}", table(rows)));
     figures.chain(tables).collect()
 }
 

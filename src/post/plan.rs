@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::{Comparison, EvaluateError, ReferenceError, Results, Run, run};
 use crate::model::Model;
-use crate::script::{self, Ledger, Limits, Script};
+use crate::script::{self, Limits, OutputCollector, Script};
 use crate::signal::filter::{ChannelFilter, FilterError, Standard};
 use crate::simulate::Outcome;
 
@@ -34,8 +34,8 @@ impl Plan {
             ChannelFilter::new(class, 1.0 / model.output.sample_rate, Standard::Iso6487)?;
         }
         let comparison = Comparison::read(model)?;
-        let ledger = Ledger::new(Vec::new(), |_| {});
-        let engine = host(&ledger);
+        let collector = OutputCollector::new(Vec::new(), |_| {});
+        let engine = host(&collector);
         let stand_in = run::scope(Run::empty());
         let read = |path| Script::read(&engine, &stand_in, path);
         let script = model.post.as_deref().map(read).transpose()?;
@@ -57,10 +57,10 @@ impl Plan {
     ) -> Result<Results, EvaluateError> {
         let mut results = self.measure(model, outcome)?;
         if let Some(script) = &self.script {
-            let ledger = Ledger::new(results.measures.reserved(), listener);
+            let collector = OutputCollector::new(results.measures.reserved(), listener);
             let run = Run::new(model, outcome, &results);
-            script.run(&host(&ledger), run::scope(run))?;
-            results.findings = ledger.findings();
+            script.run(&host(&collector), run::scope(run))?;
+            results.script_output = collector.output();
         }
         Ok(results)
     }
@@ -81,9 +81,9 @@ impl Plan {
     }
 }
 
-fn host(ledger: &Ledger) -> Engine {
+fn host(collector: &OutputCollector) -> Engine {
     let mut engine = script::engine(Limits::POST);
-    ledger.register(&mut engine);
+    collector.register(&mut engine);
     run::register(&mut engine);
     engine
 }

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::{Audit, Comparison, Impact, Indent, Inflation, Stretch};
 use crate::model::{Loading, Model};
-use crate::script::{Fault, Findings};
+use crate::script::{Fault, ScriptOutput};
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::resample::{self, ResampleError};
 use crate::signal::{Channel, Recording};
@@ -32,7 +32,7 @@ pub struct Results {
     pub measures: Measures,
     pub comparison: Option<Comparison>,
     /// What the post script added.
-    pub findings: Findings,
+    pub script_output: ScriptOutput,
 }
 
 /// Why a finished run cannot be measured.
@@ -60,7 +60,7 @@ impl Results {
             Loading::Indent { velocity, .. } => Measures::Indent(Indent::measure(velocity, outcome, &signals)),
             Loading::Pressure { .. } => Measures::Inflation(Inflation::measure(outcome, &signals)),
         };
-        Ok(Results { signals, measures, comparison, findings: Findings::default() })
+        Ok(Results { signals, measures, comparison, script_output: ScriptOutput::default() })
     }
 
     /// The same of a run that was ended on its way, see [`Impact::ended_early`].
@@ -75,18 +75,18 @@ impl Results {
     pub fn summary(&self, model: &Model) -> Map<String, Value> {
         let mut summary = header(model);
         summary.extend(self.measures.figures());
-        summary.extend(self.findings.measures.clone());
-        if !self.findings.tables.is_empty() {
-            let tables = self.findings.tables.iter();
+        summary.extend(self.script_output.measures.clone());
+        if !self.script_output.tables.is_empty() {
+            let tables = self.script_output.tables.iter();
             let tables = tables.map(|(name, rows)| (name.clone(), json!(rows)));
             summary.insert("tables".into(), Value::Object(tables.collect()));
         }
-        if !self.findings.plots.is_empty() {
-            let titles = self.findings.plots.iter().map(|plot| plot.title.clone());
+        if !self.script_output.plots.is_empty() {
+            let titles = self.script_output.plots.iter().map(|plot| plot.title.clone());
             summary.insert("plots".into(), titles.collect());
         }
-        if !self.findings.files.is_empty() {
-            summary.insert("files".into(), self.findings.files.names().into());
+        if !self.script_output.files.is_empty() {
+            summary.insert("files".into(), self.script_output.files.names().into());
         }
         summary
     }

@@ -223,7 +223,7 @@ fn a_post_script_adds_to_the_summary() {
     let summary = results.summary(&model());
     close(summary["speed_lost"].as_f64(), 2.0 * PEAK * PULSE / PI, 1e-3);
     assert_eq!(summary["tables"]["layers"][0]["n"], 8);
-    assert_eq!(results.findings.log, ["400"]);
+    assert_eq!(results.script_output.log, ["400"]);
 }
 
 #[test]
@@ -256,7 +256,7 @@ fn a_script_that_does_not_compile_is_refused_before_the_run() {
 fn the_examples_of_the_reference_hold() {
     for entry in run::ENTRIES {
         let held = with_script(&format!("measure(\"held\", {{ {} }})", entry.example));
-        let held = held.map(|results| results.findings.measures["held"].clone());
+        let held = held.map(|results| results.script_output.measures["held"].clone());
         assert_eq!(held, Ok(true.into()), "{}", entry.call);
     }
 }
@@ -265,10 +265,10 @@ fn the_examples_of_the_reference_hold() {
 fn the_shipped_script_measures_the_pulse() {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/post/impact.rhai");
     let results = with_script(&fs::read_to_string(shipped).unwrap()).unwrap();
-    let findings = &results.findings;
-    assert_eq!(findings.plots.iter().map(|plot| plot.title.as_str()).collect::<Vec<_>>(), ["Deceleration over travel"]);
-    assert_eq!(findings.files.names(), ["loading.csv"]);
-    let measures = &findings.measures;
+    let output = &results.script_output;
+    assert_eq!(output.plots.iter().map(|plot| plot.title.as_str()).collect::<Vec<_>>(), ["Deceleration over travel"]);
+    assert_eq!(output.files.names(), ["loading.csv"]);
+    let measures = &output.measures;
     let turn = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
     close(measures["loading_duration_s"].as_f64(), turn, 1e-4);
     close(measures["mean_deceleration_m_s2"].as_f64(), SPEED / turn, 0.2);

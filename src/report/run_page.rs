@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{duration, figure, film, findings, key_figures, plot, run_plots, subject, vtu};
+use super::{duration, figure, film, key_figures, plot, run_plots, script_output, subject, vtu};
 use crate::diagnostic::shown_path;
 use crate::model::{Model, Window};
 use crate::plot::thinned;
@@ -37,12 +37,12 @@ pub fn run_page(run: &RunPage) -> String {
         key_figures::cards(run, &summary),
         html::section("Film", &film::figure(model, outcome, &results.signals)),
         html::section("Signals", &plot::figures(&thinned(run_plots::signals(run), MOST_POINTS[0]))),
-        findings::sections(&results.findings, MOST_POINTS[2]),
+        script_output::sections(&results.script_output, MOST_POINTS[2]),
         html::section("Figures", &figures(&summary)),
         html::section("Assumed", &html::list(&assumed(run.scenario))),
         html::section("Audit", &audit(run)),
         html::section("Reference", &reference(run)),
-        html::section("Log", &html::list(&results.findings.log)),
+        html::section("Log", &html::list(&results.script_output.log)),
         html::section("Files", &files(run)),
         html::section("Run it again", &again(run)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),

@@ -3,8 +3,8 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{cell, figure, findings};
-use crate::script::Findings;
+use super::{cell, figure, script_output};
+use crate::script::ScriptOutput;
 
 /// What the page of a study is made of.
 #[derive(Clone, Copy)]
@@ -13,7 +13,7 @@ pub struct StudyPage<'a> {
     pub name: &'a str,
     /// Script, scenario, changes and arguments, as `summary.json` has them.
     pub call: &'a Map<String, Value>,
-    pub findings: &'a Findings,
+    pub output: &'a ScriptOutput,
     /// The script's text.
     pub script: &'a str,
 }
@@ -23,14 +23,14 @@ const MOST_POINTS: usize = 120_000;
 
 /// `report.html` of a study.
 pub fn study_page(study: &StudyPage) -> String {
-    let (warned, said) = study.findings.warned_and_said();
-    let warnings: Vec<String> = study.findings.warning().into_iter().chain(warned).collect();
+    let (warned, said) = study.output.warned_and_said();
+    let warnings: Vec<String> = study.output.warning().into_iter().chain(warned).collect();
     let body = [
         format!("<h1>{}</h1>\n", escape(study.name)),
         html::warnings("Warnings", &warnings),
         html::section("What was run", &run(study.call)),
-        html::section("Figures", &figure::table(study.findings.measures.iter())),
-        findings::sections(study.findings, MOST_POINTS),
+        html::section("Figures", &figure::table(study.output.measures.iter())),
+        script_output::sections(study.output, MOST_POINTS),
         html::section("Log", &html::list(&said)),
         html::section("Script", &html::verbatim(study.script)),
         html::section("Run it again", &again(study.call)),
@@ -98,8 +98,8 @@ mod tests {
     #[test]
     fn a_page_says_that_recordings_are_virtual() {
         let page = |virtual_recordings| {
-            let findings = Findings { virtual_recordings, ..Findings::default() };
-            study_page(&StudyPage { name: "identify", call: &Map::new(), findings: &findings, script: "" })
+            let output = ScriptOutput { virtual_recordings, ..ScriptOutput::default() };
+            study_page(&StudyPage { name: "identify", call: &Map::new(), output: &output, script: "" })
         };
         let said = "VIRTUAL recordings, nothing was measured: drops/1008.csv";
         assert!(page(vec!["drops/1008.csv".into()]).contains(said));
@@ -108,8 +108,8 @@ mod tests {
 
     #[test]
     fn what_a_script_left_is_escaped() {
-        let findings = Findings { log: vec!["<i>".into()], ..Findings::default() };
-        let study = StudyPage { name: "<b>", call: &Map::new(), findings: &findings, script: "1 < 2" };
+        let output = ScriptOutput { log: vec!["<i>".into()], ..ScriptOutput::default() };
+        let study = StudyPage { name: "<b>", call: &Map::new(), output: &output, script: "1 < 2" };
         let page = study_page(&study);
         assert!(
             page.contains("&lt;b&gt;")

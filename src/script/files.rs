@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rhai::{Array, Dynamic, Engine};
 use thiserror::Error;
 
-use super::{Entry, HostResult, Ledger, number, refuse};
+use super::{Entry, HostResult, OutputCollector, number, refuse};
 use crate::signal::Series;
 
 /// Endings that a file may have: what people and programs read as text.
@@ -116,16 +116,17 @@ fn check_name(name: &str, reserved: &[&str]) -> Result<(), FileError> {
 }
 
 /// Offers `write_csv` and `write_text` to scripts; what they give is written with the other results, or not at all.
-pub(super) fn register(ledger: &Ledger, engine: &mut Engine) {
-    let keep =
-        |ledger: &Ledger, name: &str, content: String| ledger.file(File { name: name.into(), content }).map_err(refuse);
-    let own = ledger.clone();
+pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
+    let keep = |collector: &OutputCollector, name: &str, content: String| {
+        collector.file(File { name: name.into(), content }).map_err(refuse)
+    };
+    let own = collector.clone();
     engine.register_fn("write_text", move |name: &str, text: &str| keep(&own, name, text.into()));
-    let own = ledger.clone();
+    let own = collector.clone();
     engine.register_fn("write_csv", move |name: &str, names: Array, columns: Array| {
         keep(&own, name, csv(&names, &columns, &Array::new())?)
     });
-    let own = ledger.clone();
+    let own = collector.clone();
     engine.register_fn("write_csv", move |name: &str, names: Array, columns: Array, comments: Array| {
         keep(&own, name, csv(&names, &columns, &comments)?)
     });

@@ -174,19 +174,19 @@ impl Script {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::script::{Ledger, findings};
+    use crate::script::{OutputCollector, ScriptOutput};
 
-    fn ledger() -> Ledger {
-        Ledger::new(vec!["steps".into()], |_| {})
+    fn collector() -> OutputCollector {
+        OutputCollector::new(vec!["steps".into()], |_| {})
     }
 
-    fn run(text: &str) -> Result<findings::Findings, Fault> {
+    fn run(text: &str) -> Result<ScriptOutput, Fault> {
         let limits = Limits { operations: 30_000, ..Limits::STUDY };
-        let (mut engine, scope, ledger) = (engine(limits), Scope::new(), ledger());
-        ledger.register(&mut engine);
+        let (mut engine, scope, collector) = (engine(limits), Scope::new(), collector());
+        collector.register(&mut engine);
         let script = Script::compile(&engine, &scope, Path::new("s.rhai"), text);
         script.map_err(|mut faults| faults.remove(0))?.run(&engine, scope)?;
-        Ok(ledger.findings())
+        Ok(collector.output())
     }
 
     #[test]

@@ -12,7 +12,7 @@ mod curve;
 mod drop;
 mod fault;
 mod files;
-mod findings;
+mod output;
 mod host;
 mod options;
 mod plots;
@@ -30,9 +30,9 @@ pub use convergence::{ConvergenceHistory, FitHistory, Improvement, Iterate};
 pub use coupon::Reduced;
 pub use fault::{Fault, HostResult, is_numerical, refuse, thrown, went_wrong};
 pub use files::{File, FileError, Files};
-pub use findings::{Findings, Ledger, NameError, Row, TooManyPictures};
 pub use host::{Limits, ReadError, STACK, Script, engine};
 pub use options::Options;
+pub use output::{NameError, OutputCollector, Row, ScriptOutput, TooManyPictures};
 pub use plots::PlotError;
 pub use recording::register as register_recordings;
 pub use reference::{Chapter, Entry};
@@ -44,7 +44,7 @@ pub use value::{from_json, number, to_json, window};
 pub const REFERENCE: &[Chapter] = &[
     Chapter { title: "signals", entries: signal::ENTRIES },
     Chapter { title: "measures of signals", entries: signal::MEASURE_ENTRIES },
-    Chapter { title: "results", entries: findings::ENTRIES },
+    Chapter { title: "results", entries: output::ENTRIES },
     Chapter { title: "plots", entries: plots::ENTRIES },
     Chapter { title: "files", entries: files::ENTRIES },
     Chapter { title: "curves", entries: curve::ENTRIES },

@@ -4,7 +4,7 @@ use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
 use thiserror::Error;
 
 use super::files::Column;
-use super::{Entry, HostResult, Ledger, Options, refuse, window};
+use super::{Entry, HostResult, Options, OutputCollector, refuse, window};
 use crate::experiment::coupon;
 use crate::plot::{Axis, Curve, Look, Plot, Scale, TIME, Window};
 use crate::signal::Series;
@@ -70,12 +70,12 @@ fn texts(plot: &Plot) -> impl Iterator<Item = &String> {
 }
 
 /// Offers `plot` to scripts.
-pub(super) fn register(ledger: &Ledger, engine: &mut Engine) {
-    let own = ledger.clone();
+pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
+    let own = collector.clone();
     engine.register_fn("plot", move |title: &str, curves: Dynamic| {
         own.plot(written(title, &Map::new(), &curves)?).map_err(refuse)
     });
-    let own = ledger.clone();
+    let own = collector.clone();
     engine.register_fn("plot", move |title: &str, options: Map, curves: Dynamic| {
         own.plot(written(title, &options, &curves)?).map_err(refuse)
     });
@@ -276,11 +276,11 @@ mod tests {
     use crate::script::{Limits, engine as plain};
 
     fn plots(script: &str) -> Vec<Plot> {
-        let ledger = Ledger::new(vec![], |_| {});
+        let collector = OutputCollector::new(vec![], |_| {});
         let mut engine = plain(Limits::POST);
-        ledger.register(&mut engine);
+        collector.register(&mut engine);
         engine.run(script).unwrap();
-        ledger.findings().plots
+        collector.output().plots
     }
 
     #[test]

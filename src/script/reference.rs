@@ -20,13 +20,13 @@ pub struct Chapter {
 pub(super) mod check {
     use rhai::Engine;
 
-    use crate::script::{Ledger, Limits, register_recordings};
+    use crate::script::{Limits, OutputCollector, register_recordings};
 
     /// The interpreter with everything that the module offers.
     pub fn engine() -> Engine {
         let mut engine = crate::script::engine(Limits::POST);
         register_recordings(&mut engine);
-        Ledger::new(vec!["steps".into()], |_| {}).register(&mut engine);
+        OutputCollector::new(vec!["steps".into()], |_| {}).register(&mut engine);
         engine
     }
 

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use droptower::post;
 use droptower::report::Figure;
-use droptower::script::{self, Arguments, Ledger, Limits};
+use droptower::script::{self, Arguments, Limits, OutputCollector};
 use droptower::signal::csv;
 
 use crate::workbench::{droptower, error};
@@ -312,7 +312,7 @@ fn the_examples_of_the_scripting_reference_hold() {
     let table = format!("time_s,acceleration_m_s2,displacement_m\n{rows}");
     fs::write(bench.path().join("reference.csv"), table).expect("a table");
     let mut engine: Engine = script::engine(Limits::STUDY);
-    Ledger::new(Vec::new(), |_| {}).register(&mut engine);
+    OutputCollector::new(Vec::new(), |_| {}).register(&mut engine);
     script::register_recordings(&mut engine);
     post::register_studies(&mut engine, vec![]);
     Arguments::register(&mut engine);

@@ -8,7 +8,7 @@ use droptower::identify::{self, SearchHost};
 use droptower::model::{self, Loading, Model};
 use droptower::post::{self, Plan, Results};
 use droptower::scenario::{Assignment, Document};
-use droptower::script::{self, Ledger, Limits, Script};
+use droptower::script::{self, Limits, OutputCollector, Script};
 use droptower::simulate;
 use droptower::units::DIMENSIONS;
 use rhai::{Map, Scope};
@@ -104,14 +104,14 @@ fn post_scripts_add_figures() {
     let path = files("scenarios/drop/tower.toml").remove(0);
     for script in files("scripts/post/*.rhai") {
         let model = Model { post: Some(script.clone()), ..shortened(&read(&path), &path) };
-        assert!(!run(&model).findings.measures.is_empty(), "{} adds nothing", script.display());
+        assert!(!run(&model).script_output.measures.is_empty(), "{} adds nothing", script.display());
     }
 }
 
 #[test]
 fn study_scripts_compile() {
     let mut engine = script::engine(Limits::STUDY);
-    Ledger::new(Vec::new(), |_| {}).register(&mut engine);
+    OutputCollector::new(Vec::new(), |_| {}).register(&mut engine);
     post::register_studies(&mut engine, Vec::new());
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     script::register_recordings(&mut engine);

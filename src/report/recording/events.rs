@@ -13,7 +13,7 @@ pub fn of(run: &RunPage) -> Vec<Event> {
     let rupture = run.outcome.rupture_time.map(|time| (time, Severity::Warning, "first element breaks".to_owned()));
     let failure = run.failure.map(|cause| (end, Severity::Warning, format!("the run broke off: {cause}")));
     let warnings = run.results.measures.warnings().iter().map(|text| (end, Severity::Warning, text.clone()));
-    let said = run.results.findings.log.iter().map(|text| (end, Severity::Info, text.clone()));
+    let said = run.results.script_output.log.iter().map(|text| (end, Severity::Info, text.clone()));
     let motion = motion(signals).into_iter().map(|(time, text)| (time, Severity::Info, text));
     // The viewer's own column of times is too narrow for them.
     let timed = |(time, severity, text)| (time, severity, format!("{}: {text}", duration(time)));

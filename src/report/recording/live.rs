@@ -202,7 +202,7 @@ impl<'a> Live<'a> {
             signals: all.tracks.into_iter().map(|track| self.unsent(track)).collect(),
             charts: all.charts,
             more_charts: all.more_charts,
-            diagrams: diagram::diagrams("plots", &results.findings.plots).collect(),
+            diagrams: diagram::diagrams("plots", &results.script_output.plots).collect(),
             events: events::of(run),
             ..Scene::default()
         }

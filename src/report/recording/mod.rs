@@ -6,7 +6,7 @@ mod diagram;
 mod events;
 mod film;
 mod live;
-mod findings;
+mod script_output;
 mod signals;
 mod study;
 mod text;
@@ -70,7 +70,7 @@ fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
-        diagrams: diagram::diagrams("plots", &results.findings.plots).collect(),
+        diagrams: diagram::diagrams("plots", &results.script_output.plots).collect(),
         events: events::of(run),
     }
 }
@@ -103,8 +103,8 @@ fn documents(run: &RunPage) -> Vec<Document> {
         format!("# {}\n\n{}\n\n{warnings}\n{figures}", text::escaped(&model.title), text::escaped(&subject(model)));
     let summary = Text { title: SUMMARY.to_owned(), markdown: summary };
     let texts = std::iter::once(summary)
-        .chain(Text::tables(&results.findings))
-        .chain(Text::files(&results.findings))
+        .chain(Text::tables(&results.script_output))
+        .chain(Text::files(&results.script_output))
         .chain([scenario(run.scenario)]);
     texts.map(|text| text.document()).collect()
 }

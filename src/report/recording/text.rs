@@ -5,7 +5,7 @@ use droptower_viz::Document;
 use crate::report::{cell, columns};
 
 pub(super) use crate::report::figure::escaped;
-use crate::script::{File, Findings, Row};
+use crate::script::{File, Row, ScriptOutput};
 
 /// Most files that are shown, lines of each, and letters of each line.
 const MOST_FILES: usize = 20;
@@ -29,15 +29,15 @@ impl Text {
     }
 
     /// The tables that a script left; none where it left none.
-    pub fn tables(findings: &Findings) -> Option<Text> {
-        let tables: Vec<String> = findings.tables.iter().map(|(name, rows)| table(name, rows)).collect();
+    pub fn tables(output: &ScriptOutput) -> Option<Text> {
+        let tables: Vec<String> = output.tables.iter().map(|(name, rows)| table(name, rows)).collect();
         (!tables.is_empty()).then(|| Text { title: "Tables".to_owned(), markdown: tables.join("\n") })
     }
 
     /// The beginnings of the files that a script left; none where it left none.
-    pub fn files(findings: &Findings) -> Option<Text> {
-        let files: Vec<String> = findings.files.iter().take(MOST_FILES).map(file).collect();
-        let more = match findings.files.iter().count().saturating_sub(MOST_FILES) {
+    pub fn files(output: &ScriptOutput) -> Option<Text> {
+        let files: Vec<String> = output.files.iter().take(MOST_FILES).map(file).collect();
+        let more = match output.files.iter().count().saturating_sub(MOST_FILES) {
             0 => String::new(),
             more => format!("\nand {more} more in the folder\n"),
         };
@@ -89,7 +89,7 @@ mod tests {
         let text = file(&File { name: "tests_a.csv".into(), content });
         assert!(text.starts_with("## tests\\_a.csv\n\n50 lines, 240 bytes\n\n```\n0,1\n1,1\n"), "{text}");
         assert!(text.ends_with("\n9,1\n```\n"), "{text}");
-        assert!(Text::files(&Findings::default()).is_none());
+        assert!(Text::files(&ScriptOutput::default()).is_none());
     }
 
     #[test]

@@ -7,38 +7,37 @@ use super::{Approach, Iteration, StudyRecording};
 use crate::plot::{Correlation, Curve, Plot};
 use crate::report::convergence::{objective, simulated, target};
 use crate::report::{StudyPage, markdown};
-use crate::script::{ConvergenceHistory, Findings, FitHistory, Iterate, Row};
+use crate::script::{ConvergenceHistory, FitHistory, Iterate, Row, ScriptOutput};
 
 impl StudyRecording {
     /// The same study as its page shows.
     pub fn of(study: &StudyPage) -> StudyRecording {
-        let findings = study.findings;
+        let output = study.output;
         let is_over_time = |plot: &&Plot| plot.x.words == "time (ms)";
-        let (over_time, plots): (Vec<&Plot>, Vec<&Plot>) = findings.plots.iter().partition(is_over_time);
+        let (over_time, plots): (Vec<&Plot>, Vec<&Plot>) = output.plots.iter().partition(is_over_time);
         StudyRecording {
             name: study.name.into(),
             texts: texts(study),
-            searches: findings.searches.iter().flat_map(approaches).collect(),
+            searches: output.searches.iter().flat_map(approaches).collect(),
             plots: plots.into_iter().cloned().collect(),
             over_time: over_time.into_iter().cloned().collect(),
-            log: findings.warning().into_iter().chain(findings.log.iter().cloned()).collect(),
+            log: output.warning().into_iter().chain(output.log.iter().cloned()).collect(),
         }
     }
 }
 
 /// Figures, tables, correlations, and what was run.
 fn texts(study: &StudyPage) -> Vec<Text> {
-    let warning = study.findings.warning().map_or(String::new(), |warning| format!("{}\n\n", text::escaped(&warning)));
-    let summary = Text { title: "Summary".into(), markdown: warning + markdown(&study.findings.measures).as_str() };
+    let warning = study.output.warning().map_or(String::new(), |warning| format!("{}\n\n", text::escaped(&warning)));
+    let summary = Text { title: "Summary".into(), markdown: warning + markdown(&study.output.measures).as_str() };
     let given = serde_json::to_string_pretty(study.call).unwrap_or_else(|error| error.to_string());
     let run = [Text::verbatim("Script", study.script), Text::verbatim("What was run", &given)];
-    let own = [Some(summary), Text::tables(study.findings), correlations(study.findings), Text::files(study.findings)];
+    let own = [Some(summary), Text::tables(study.output), correlations(study.output), Text::files(study.output)];
     own.into_iter().flatten().chain(run).collect()
 }
 
-fn correlations(findings: &Findings) -> Option<Text> {
-    let tables: Vec<String> =
-        findings.correlations.iter().map(|found| text::table(&found.title, &rows(found))).collect();
+fn correlations(output: &ScriptOutput) -> Option<Text> {
+    let tables: Vec<String> = output.correlations.iter().map(|found| text::table(&found.title, &rows(found))).collect();
     (!tables.is_empty()).then(|| Text { title: "Correlations".into(), markdown: tables.join("\n") })
 }
 

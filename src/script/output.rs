@@ -28,7 +28,7 @@ const MOST_NAMED: usize = 6;
 
 /// Figures, tables, plots, files and log lines in the order in which the script gave them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Findings {
+pub struct ScriptOutput {
     pub measures: Row,
     pub tables: Vec<(String, Vec<Row>)>,
     pub plots: Vec<Plot>,
@@ -42,7 +42,7 @@ pub struct Findings {
     pub virtual_recordings: Vec<PathBuf>,
 }
 
-impl Findings {
+impl ScriptOutput {
     /// What a reader must know before anything else: that recordings behind it are virtual.
     pub fn warning(&self) -> Option<String> {
         let named: Vec<String> = self.virtual_recordings.iter().take(MOST_NAMED).map(|path| shown_path(path)).collect();
@@ -82,22 +82,22 @@ pub enum NameError {
 #[error("report and recording show the first {MOST_PICTURES} searches of a script, and none behind them")]
 pub struct TooManyPictures;
 
-/// Where host functions write findings down while a script runs.
+/// Where host functions write output down while a script runs.
 #[derive(Clone)]
-pub struct Ledger {
-    findings: Arc<Mutex<Findings>>,
+pub struct OutputCollector {
+    output: Arc<Mutex<ScriptOutput>>,
     reserved: Arc<[String]>,
     listener: Arc<dyn Fn(&str) + Send + Sync>,
 }
 
-impl Ledger {
-    /// An empty ledger; `reserved` names cannot be given, `listener` hears every log line at once.
-    pub fn new(reserved: Vec<String>, listener: impl Fn(&str) + Send + Sync + 'static) -> Ledger {
-        Ledger { findings: Arc::default(), reserved: reserved.into(), listener: Arc::new(listener) }
+impl OutputCollector {
+    /// An empty collector; `reserved` names cannot be given, `listener` hears every log line at once.
+    pub fn new(reserved: Vec<String>, listener: impl Fn(&str) + Send + Sync + 'static) -> OutputCollector {
+        OutputCollector { output: Arc::default(), reserved: reserved.into(), listener: Arc::new(listener) }
     }
 
     /// What was written down so far.
-    pub fn findings(&self) -> Findings {
+    pub fn output(&self) -> ScriptOutput {
         self.lock().clone()
     }
 
@@ -119,21 +119,21 @@ impl Ledger {
 
     /// Offers `measure`, `table`, `plot`, `write_csv`, `write_text`, `log` and `print` to scripts.
     pub fn register(&self, engine: &mut Engine) {
-        let ledger = self.clone();
-        engine.register_fn("measure", move |name: &str, value: Dynamic| ledger.measure(name, &value));
-        let ledger = self.clone();
-        engine.register_fn("table", move |name: &str, rows: Dynamic| ledger.table(name, None, &rows));
-        let ledger = self.clone();
+        let collector = self.clone();
+        engine.register_fn("measure", move |name: &str, value: Dynamic| collector.measure(name, &value));
+        let collector = self.clone();
+        engine.register_fn("table", move |name: &str, rows: Dynamic| collector.table(name, None, &rows));
+        let collector = self.clone();
         engine.register_fn("table", move |name: &str, columns: Array, rows: Dynamic| {
-            ledger.table(name, Some(&columns), &rows)
+            collector.table(name, Some(&columns), &rows)
         });
         plots::register(self, engine);
         files::register(self, engine);
-        let ledger = self.clone();
-        engine.register_fn("log", move |line: Dynamic| ledger.log(&line.to_string()));
-        let ledger = self.clone();
+        let collector = self.clone();
+        engine.register_fn("log", move |line: Dynamic| collector.log(&line.to_string()));
+        let collector = self.clone();
         // The interpreter's own `print` cannot answer with an error; a line too many is dropped there.
-        engine.on_print(move |line| drop(ledger.log(line)));
+        engine.on_print(move |line| drop(collector.log(line)));
     }
 
     fn measure(&self, name: &str, value: &Dynamic) -> HostResult<()> {
@@ -188,8 +188,8 @@ impl Ledger {
         Ok(())
     }
 
-    fn lock(&self) -> MutexGuard<'_, Findings> {
-        self.findings.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, ScriptOutput> {
+        self.output.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

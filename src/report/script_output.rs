@@ -6,7 +6,7 @@ use super::figure::heading;
 use super::html::{self, escape};
 use super::{convergence, plot, rounded};
 use crate::plot::{Plot, thinned};
-use crate::script::{File, Findings, Row};
+use crate::script::{File, Row, ScriptOutput};
 
 /// Rows of one table that a page shows; all are in its file.
 const MOST_ROWS: usize = 200;
@@ -16,21 +16,21 @@ const SHOWN_ROWS: usize = 16;
 
 /// Tables, plots, searches, correlations and files; nothing where a script left nothing. All plots together have at most
 /// `most` points.
-pub(super) fn sections(findings: &Findings, most: usize) -> String {
-    let plots = thinned(findings.plots.clone(), most);
+pub(super) fn sections(output: &ScriptOutput, most: usize) -> String {
+    let plots = thinned(output.plots.clone(), most);
     let left = most.saturating_sub(points(&plots));
-    let (short, long): (Vec<_>, Vec<_>) = findings.tables.iter().partition(|(_, rows)| rows.len() <= SHOWN_ROWS);
+    let (short, long): (Vec<_>, Vec<_>) = output.tables.iter().partition(|(_, rows)| rows.len() <= SHOWN_ROWS);
     let tables = short.into_iter().chain(long);
     let tables = tables.map(|(name, rows)| html::section(&name.replace('_', " "), &table(name, rows)));
     let correlations: String =
-        findings.correlations.iter().map(|found| html::matrix(&found.title, &found.names, &found.rows)).collect();
+        output.correlations.iter().map(|found| html::matrix(&found.title, &found.names, &found.rows)).collect();
     let sections = [
         html::section("Plots", &plot::figures(&plots)),
-        searches(findings, left),
+        searches(output, left),
         html::section("Correlations", &correlations),
         html::section(
             "Files of the script",
-            &html::table("rows", &["file", "rows", "bytes"].map(String::from), &files(findings)),
+            &html::table("rows", &["file", "rows", "bytes"].map(String::from), &files(output)),
         ),
     ];
     tables.chain(sections).collect()
@@ -87,10 +87,10 @@ fn points(plots: &[Plot]) -> usize {
 }
 
 /// A section a search, as many as there is room for with `left` points.
-fn searches(findings: &Findings, mut left: usize) -> String {
+fn searches(output: &ScriptOutput, mut left: usize) -> String {
     let mut sections = String::new();
     let mut without: Vec<&str> = Vec::new();
-    for convergence in &findings.searches {
+    for convergence in &output.searches {
         let plots = convergence::plots(convergence);
         match left.checked_sub(points(&plots)) {
             Some(rest) => {
@@ -112,9 +112,9 @@ fn unshown(without: &[&str]) -> String {
 }
 
 /// Name, rows and bytes.
-fn files(findings: &Findings) -> Vec<Vec<String>> {
+fn files(output: &ScriptOutput) -> Vec<Vec<String>> {
     let row = |file: &File| vec![file.name.clone(), rows(file), file.content.len().to_string()];
-    findings.files.iter().map(row).collect()
+    output.files.iter().map(row).collect()
 }
 
 /// Rows of a table below its header; nothing of other files.
@@ -160,8 +160,9 @@ mod tests {
             fits: vec![],
             is_virtual: false,
         };
-        let findings = Findings { searches: ["first", "<second>", "third"].map(search).into(), ..Findings::default() };
-        let html = sections(&findings, 120_000);
+        let output =
+            ScriptOutput { searches: ["first", "<second>", "third"].map(search).into(), ..ScriptOutput::default() };
+        let html = sections(&output, 120_000);
         assert!(html.contains("Search: first") && html.contains("&lt;second&gt;: objective"));
         assert!(html.contains("shown in the recording only: third"));
     }
