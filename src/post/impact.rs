@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Audit, Comparison};
+use super::{Audit, ReferenceComparison};
 use crate::experiment::absorption::{Body, energy_absorption};
 use crate::model::{Impactor, Loading, Model};
 use crate::signal::csv::clean_time;
@@ -39,7 +39,12 @@ pub struct Impact {
 
 impl Impact {
     /// Measures of `signals`, which hold the filtered channel.
-    pub fn measure(model: &Model, outcome: &Outcome, signals: &Recording, comparison: Option<&Comparison>) -> Impact {
+    pub fn measure(
+        model: &Model,
+        outcome: &Outcome,
+        signals: &Recording,
+        comparison: Option<&ReferenceComparison>,
+    ) -> Impact {
         let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
         let acceleration = channel("acceleration_filtered_m_s2");
         let displacement = channel("displacement_m");
@@ -60,7 +65,7 @@ impl Impact {
         };
         let acceleration_error = error("acceleration", comparison.and_then(|c| c.acceleration_error(&acceleration)));
         let displacement_error = error("displacement", comparison.and_then(|c| c.displacement_error(&displacement)));
-        warnings.extend(comparison.into_iter().flat_map(Comparison::warnings));
+        warnings.extend(comparison.into_iter().flat_map(ReferenceComparison::warnings));
         let [break_strain_md, break_strain_td] = break_strains(model);
         Impact {
             peak_acceleration_m_s2: peak.map(|[_, value]| value),

@@ -24,7 +24,7 @@ pub use indent::Indent;
 pub use inflation::Inflation;
 pub use overlay::Overlay;
 pub use plan::{Plan, PrepareError};
-pub use reference::{Comparison, ReferenceError};
+pub use reference::{ReferenceComparison, ReferenceError};
 pub use results::{EvaluateError, HEADER, Measures, Results};
 pub use run::Run;
 pub use stretch::Stretch;

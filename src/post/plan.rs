@@ -3,7 +3,7 @@
 use rhai::Engine;
 use thiserror::Error;
 
-use super::{Comparison, EvaluateError, ReferenceError, Results, Run, run};
+use super::{EvaluateError, ReferenceComparison, ReferenceError, Results, Run, run};
 use crate::model::Model;
 use crate::script::{self, Limits, OutputCollector, Script};
 use crate::signal::filter::{ChannelFilter, FilterError, Standard};
@@ -12,7 +12,7 @@ use crate::simulate::Outcome;
 /// Reference and post script of a model, ready.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    comparison: Option<Comparison>,
+    comparison: Option<ReferenceComparison>,
     script: Option<Script>,
 }
 
@@ -33,7 +33,7 @@ impl Plan {
         if let Some(class) = model.output.filter {
             ChannelFilter::new(class, 1.0 / model.output.sample_rate, Standard::Iso6487)?;
         }
-        let comparison = Comparison::read(model)?;
+        let comparison = ReferenceComparison::read(model)?;
         let collector = OutputCollector::new(Vec::new(), |_| {});
         let engine = host(&collector);
         let stand_in = run::scope(Run::empty());
@@ -76,7 +76,7 @@ impl Plan {
     }
 
     /// What the run is compared with.
-    pub fn comparison(&self) -> Option<&Comparison> {
+    pub fn comparison(&self) -> Option<&ReferenceComparison> {
         self.comparison.as_ref()
     }
 }

@@ -15,7 +15,7 @@ use crate::signal::{Measurement, Series, integrate, says_virtual};
 
 /// A recording ready for comparison.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
+pub struct ReferenceComparison {
     /// Through the run's channel filter, m/s².
     pub acceleration: Option<Series>,
     /// m; `NaN` where the recording has none.
@@ -53,9 +53,9 @@ pub enum ReferenceError {
     NoTurn { path: PathBuf },
 }
 
-impl Comparison {
+impl ReferenceComparison {
     /// Reads the recording of `model`, if it names one, and reduces it where it is raw.
-    pub fn read(model: &Model) -> Result<Option<Comparison>, ReferenceError> {
+    pub fn read(model: &Model) -> Result<Option<ReferenceComparison>, ReferenceError> {
         let Some(reference) = &model.reference else {
             return Ok(None);
         };
@@ -76,7 +76,7 @@ impl Comparison {
             }
         };
         let (acceleration, said) = (filtered, measurement.notes);
-        Ok(Some(Comparison {
+        Ok(Some(ReferenceComparison {
             acceleration,
             displacement,
             absorbed_energy,

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use thiserror::Error;
 
-use super::{Audit, Comparison, Impact, Indent, Inflation, Stretch};
+use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, Stretch};
 use crate::model::{Loading, Model};
 use crate::script::{Fault, ScriptOutput};
 use crate::signal::filter::{self, FilterError, Standard};
@@ -30,7 +30,7 @@ pub struct Results {
     /// The channels of `signals.csv`, the filtered one included.
     pub signals: Recording,
     pub measures: Measures,
-    pub comparison: Option<Comparison>,
+    pub comparison: Option<ReferenceComparison>,
     /// What the post script added.
     pub script_output: ScriptOutput,
 }
@@ -51,7 +51,7 @@ impl Results {
     pub(super) fn measure(
         model: &Model,
         outcome: &Outcome,
-        comparison: Option<Comparison>,
+        comparison: Option<ReferenceComparison>,
     ) -> Result<Results, EvaluateError> {
         let signals = with_filtered(model, &outcome.signals)?;
         let measures = match model.loading {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Scope};
 use serde_json::{Value, json};
 
-use super::{Comparison, Results};
+use super::{ReferenceComparison, Results};
 use crate::model::{Loading, Model};
 use crate::script::{Entry, from_json, refuse};
 use crate::signal::{Recording, Series};
@@ -55,7 +55,7 @@ struct Columns {
 
 /// A reference recording as a script sees it.
 #[derive(Clone, Debug)]
-pub(super) struct ReferenceSignals(pub Comparison);
+pub(super) struct ReferenceSignals(pub ReferenceComparison);
 
 impl Run {
     /// The run of `model` with everything that was measured.
@@ -118,7 +118,7 @@ impl Columns {
 
 impl ReferenceSignals {
     fn get(&mut self, name: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
-        let Comparison { acceleration, displacement, energy_absorption, .. } = &self.0;
+        let ReferenceComparison { acceleration, displacement, energy_absorption, .. } = &self.0;
         let found = match name.as_str() {
             "acceleration" => acceleration.clone().map(Dynamic::from),
             "displacement" => displacement.clone().map(Dynamic::from),

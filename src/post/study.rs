@@ -125,7 +125,7 @@ impl Study {
         Curve::new(strains, stresses).map_err(refuse)
     }
 
-    fn comparison(&self) -> HostResult<&super::Comparison> {
+    fn comparison(&self) -> HostResult<&super::ReferenceComparison> {
         let comparison = self.0.plan.comparison();
         comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
     }

@@ -1,6 +1,6 @@
 //! Runs within an objective: no longer than the comparison asks for.
 
-use super::Comparison;
+use super::ReferenceComparison;
 use crate::model::{Loading, Model};
 
 /// Time behind the window that the channel filter looks at, times its class.
@@ -17,10 +17,10 @@ const SAMPLES: f64 = 3.0;
 /// comparison and what the filter needs behind it; whatever else is run to its end. No states are kept for pictures.
 ///
 /// Up to there, its signals are those of the whole run bit for bit, but for the filtered channel close to the end.
-pub(super) fn cut(model: &Model, comparison: Option<&Comparison>) -> Model {
+pub(super) fn cut(model: &Model, comparison: Option<&ReferenceComparison>) -> Model {
     let mut model = model.clone();
     model.output.frames = 0;
-    let Some(Comparison { window: [_, end], .. }) = comparison else {
+    let Some(ReferenceComparison { window: [_, end], .. }) = comparison else {
         return model;
     };
     if let Loading::Impact { duration, .. } = &mut model.loading {

@@ -7,7 +7,7 @@ use super::{duration, figure, film, key_figures, plot, run_plots, script_output,
 use crate::diagnostic::shown_path;
 use crate::model::{Model, Window};
 use crate::plot::thinned;
-use crate::post::{COST, Comparison, HEADER, Results};
+use crate::post::{COST, HEADER, ReferenceComparison, Results};
 use crate::simulate::Outcome;
 
 /// What the page of a run is made of.
@@ -55,7 +55,7 @@ fn lead(run: &RunPage) -> String {
     let RunPage { model, results, .. } = run;
     let file = |path: &std::path::Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
     let against = model.reference.as_ref().and_then(|reference| file(&reference.signals));
-    let is_virtual = results.comparison.as_ref().is_some_and(Comparison::is_virtual);
+    let is_virtual = results.comparison.as_ref().is_some_and(ReferenceComparison::is_virtual);
     let kind = if is_virtual { "the virtual recording" } else { "the recording" };
     let against = against.map_or(String::new(), |file| format!(", against {kind} {file}"));
     format!("<p class=\"lead\">{}</p>\n", escape(&format!("{}: {}{against}", model.name, subject(model))))

@@ -2,7 +2,7 @@
 
 use super::RunPage;
 use crate::plot::{Curve, Plot, TIME, Window};
-use crate::post::{Comparison, Measures};
+use crate::post::{Measures, ReferenceComparison};
 use crate::signal::{Channel, Recording, Series};
 
 /// Signals over time and against each other, by kind of loading.
@@ -38,9 +38,9 @@ pub(super) fn energies(energies: &Recording) -> (Plot, Vec<String>) {
 }
 
 /// As Figures 23 to 27 of the paper, and what the film does besides.
-fn impact(signals: &Recording, comparison: Option<&Comparison>) -> Vec<Plot> {
+fn impact(signals: &Recording, comparison: Option<&ReferenceComparison>) -> Vec<Plot> {
     let simulated = |name: &str, column: &str, factor| Some(over_time(name, &signals.series(column)?, factor));
-    let measured = |of: fn(&Comparison) -> &Option<Series>, name: &str, factor| {
+    let measured = |of: fn(&ReferenceComparison) -> &Option<Series>, name: &str, factor| {
         let comparison = comparison?;
         Some(over_time(&format!("{name}{}", comparison.label()), of(comparison).as_ref()?, factor).dashed())
     };

@@ -364,7 +364,8 @@ fn a_raw_reference_may_be_written_in_any_units_and_names() {
     let of_file = |test: &str| Plan::prepare(&coarse(test)).expect("a reference").comparison().cloned().expect("one");
     let named = write("displacement = \"optoNCDT\"").expect("a reference");
     let [found, expected] = [named.comparison().cloned().expect("one"), of_file("1008")];
-    let peak = |comparison: &droptower::post::Comparison| comparison.acceleration.as_ref().and_then(Series::largest);
+    let peak =
+        |comparison: &droptower::post::ReferenceComparison| comparison.acceleration.as_ref().and_then(Series::largest);
     let (found, expected) = (peak(&found).expect("a peak"), peak(&expected).expect("a peak"));
     assert!((found[1] / expected[1] - 1.0).abs() < 1e-3, "{found:?} for {expected:?}");
     // A text column is no obstacle where the channels are named.

@@ -11,7 +11,7 @@ use thiserror::Error;
 
 use super::{RecordingError, body, diagram, documents, events, film, signals, text};
 use crate::model::Model;
-use crate::post::Comparison;
+use crate::post::ReferenceComparison;
 use crate::report::film::is_finite;
 use crate::report::{RunPage, subject};
 use crate::signal::{Channel, Recording};
@@ -46,7 +46,7 @@ pub enum LiveError {
 pub struct Live<'a> {
     address: Address,
     model: &'a Model,
-    comparison: Option<&'a Comparison>,
+    comparison: Option<&'a ReferenceComparison>,
     scenario: &'a str,
     viewer: Option<Viewer>,
     /// Samples of the signals and of the energies that were handed over.
@@ -83,7 +83,7 @@ impl<'a> Live<'a> {
     pub fn connect(
         address: &Address,
         model: &'a Model,
-        comparison: Option<&'a Comparison>,
+        comparison: Option<&'a ReferenceComparison>,
         scenario: &'a str,
     ) -> Result<Live<'a>, LiveError> {
         let no_answer = |source| LiveError::NoAnswer { address: address.to_string(), source };

@@ -2,7 +2,7 @@
 
 use droptower_viz::{Chart, Places, SignalTrack, Stroke};
 
-use crate::post::Comparison;
+use crate::post::ReferenceComparison;
 use crate::signal::{Recording, Series};
 
 /// Channels in one picture.
@@ -14,7 +14,7 @@ struct Picture {
 }
 
 /// Which series of a recording.
-type MeasuredSeries = fn(&Comparison) -> Option<&Series>;
+type MeasuredSeries = fn(&ReferenceComparison) -> Option<&Series>;
 
 /// A channel as it is shown.
 struct Shown {
@@ -101,7 +101,7 @@ const MORE: [Picture; 4] = [
 /// What a run is compared with, as far as it is shown.
 #[derive(Clone, Copy)]
 struct MeasuredChannel<'a> {
-    comparison: &'a Comparison,
+    comparison: &'a ReferenceComparison,
     /// s.
     end: f64,
 }
@@ -135,7 +135,7 @@ pub struct Signals {
 }
 
 /// All signals of a run that has come to `signals` and `energies`, and beneath them what was measured until the time `end`, s.
-pub fn of(signals: &Recording, energies: &Recording, comparison: Option<&Comparison>, end: f64) -> Signals {
+pub fn of(signals: &Recording, energies: &Recording, comparison: Option<&ReferenceComparison>, end: f64) -> Signals {
     let measured = comparison.map(|comparison| MeasuredChannel { comparison, end });
     let mut tracks = vec![];
     let mut charts = |pictures: &[Picture]| -> Vec<Chart> {
@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn a_measurement_lies_beneath_what_was_simulated_and_says_if_it_is_virtual() {
         let series = Series::new(vec![-0.1, 0.0, 0.1, 0.2], vec![1.0, -0.1, -0.2, -0.3]);
-        let comparison = Comparison {
+        let comparison = ReferenceComparison {
             acceleration: None,
             displacement: Some(series),
             absorbed_energy: None,
@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn two_that_were_measured_have_two_colours() {
         let series = || Some(Series::new(vec![0.0, 0.1], vec![0.0, 1.0]));
-        let comparison = Comparison {
+        let comparison = ReferenceComparison {
             acceleration: None,
             displacement: series(),
             absorbed_energy: series(),
