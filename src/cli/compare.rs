@@ -9,7 +9,7 @@ use super::faults::{WRITE_FAILURE, recording, storing};
 use super::scenarios::both;
 use super::{Shared, digest, folder, print, print_json, report, table};
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::post::Overlay;
+use crate::post::RunComparison;
 use crate::report::compare_page;
 use crate::store::{self, Draft, StoredRun, StoredRunError};
 
@@ -37,9 +37,9 @@ pub fn run(args: &CompareArgs, shared: &Shared) -> ExitCode {
     if let Err(mistake) = check_signals(&runs, &args.signal) {
         return report(&[mistake]);
     }
-    let overlay = Overlay::of(&runs, &args.signal);
+    let comparison = RunComparison::of(&runs, &args.signal);
     let stored = Draft::begin(&args.out).and_then(|draft| {
-        let files = folder::fill_comparison(&draft, &overlay)?;
+        let files = folder::fill_comparison(&draft, &comparison)?;
         Ok((draft.publish()?, files))
     });
     let (place, files) = match stored {
@@ -50,9 +50,9 @@ pub fn run(args: &CompareArgs, shared: &Shared) -> ExitCode {
         }
     };
     match (shared.json, shared.quiet) {
-        (true, _) => print_json(&overlay.summary()),
+        (true, _) => print_json(&comparison.summary()),
         (false, true) => ExitCode::SUCCESS,
-        (false, false) => print([text(&overlay, args.all), digest::folder(&place, &files)].concat().trim_end()),
+        (false, false) => print([text(&comparison, args.all), digest::folder(&place, &files)].concat().trim_end()),
     }
 }
 
@@ -126,8 +126,8 @@ fn check_signals(runs: &[StoredRun], wanted: &[String]) -> Result<(), Diagnostic
 }
 
 /// What differs, and what came out; every line ends with a line break.
-fn text(overlay: &Overlay, all: bool) -> String {
-    let names: Vec<String> = overlay.runs.iter().map(|run| run.name.clone()).collect();
+fn text(comparison: &RunComparison, all: bool) -> String {
+    let names: Vec<String> = comparison.runs.iter().map(|run| run.name.clone()).collect();
     let part = |words: &str, rows: Vec<Vec<String>>| {
         if rows.is_empty() {
             return String::new();
@@ -136,17 +136,17 @@ fn text(overlay: &Overlay, all: bool) -> String {
         table::aligned(&std::iter::once(header).chain(rows).collect::<Vec<_>>(), 1) + "\n"
     };
     let figures = match all {
-        true => compare_page::figures(overlay.figures.iter()),
-        false => compare_page::figures(overlay.telling_figures()),
+        true => compare_page::figures(comparison.figures.iter()),
+        false => compare_page::figures(comparison.key_figures()),
     };
-    let notes: String = overlay.notes.iter().map(|note| format!("  note: {note}\n")).collect();
+    let notes: String = comparison.notes.iter().map(|note| format!("  note: {note}\n")).collect();
     [
         part(
             "scenario",
-            compare_page::keys(overlay).into_iter().map(|row| row.into_iter().map(cut).collect()).collect(),
+            compare_page::keys(comparison).into_iter().map(|row| row.into_iter().map(cut).collect()).collect(),
         ),
         part("figure", figures),
-        part("signal, RMS of the difference over that of the first", compare_page::errors(overlay)),
+        part("signal, RMS of the difference over that of the first", compare_page::errors(comparison)),
         notes,
     ]
     .concat()

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use crate::model::Model;
-use crate::post::{Overlay, Results};
+use crate::post::{Results, RunComparison};
 use crate::report::{self, RunPage, StudyPage, compare_page, vtu};
 use crate::script::{Row, ScriptOutput};
 use crate::signal::{Recording, csv};
@@ -71,12 +71,12 @@ pub fn fill_study(draft: &Draft, study: &StudyPage, summary: &Map<String, Value>
 }
 
 /// Writes runs laid over each other into the draft and gives the names of the files.
-pub fn fill_comparison(draft: &Draft, overlay: &Overlay) -> Result<Vec<String>, StoreError> {
+pub fn fill_comparison(draft: &Draft, comparison: &RunComparison) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
-    files.write("summary.json", json(&overlay.summary())?)?;
+    files.write("summary.json", json(&comparison.summary())?)?;
     #[cfg(feature = "rerun")]
-    files.comparison(overlay)?;
-    files.write("report.html", compare_page::compare_page(overlay).into_bytes())?;
+    files.comparison(comparison)?;
+    files.write("report.html", compare_page::compare_page(comparison).into_bytes())?;
     Ok(files.names)
 }
 
@@ -120,9 +120,9 @@ impl Files<'_> {
     }
 
     #[cfg(feature = "rerun")]
-    fn comparison(&mut self, overlay: &Overlay) -> Result<(), StoreError> {
+    fn comparison(&mut self, comparison: &RunComparison) -> Result<(), StoreError> {
         let path = self.draft.path().join("recording.rrd");
-        report::recording::write_comparison(&path, overlay)
+        report::recording::write_comparison(&path, comparison)
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
         self.names.push("recording.rrd".into());
         Ok(())

@@ -1,11 +1,11 @@
 //! From an outcome to what a user asks of it: filtered channel, measures, comparison, post script.
 
 mod audit;
+pub mod comparison;
 mod coupon_material;
 mod impact;
 mod indent;
 mod inflation;
-pub mod overlay;
 mod plan;
 mod reference;
 mod results;
@@ -19,10 +19,10 @@ mod trial;
 use crate::script::Chapter;
 
 pub use audit::{Audit, COST, Histogram, MeshFigures};
+pub use comparison::RunComparison;
 pub use impact::{Impact, turned_round};
 pub use indent::Indent;
 pub use inflation::Inflation;
-pub use overlay::Overlay;
 pub use plan::{Plan, PrepareError};
 pub use reference::{ReferenceComparison, ReferenceError};
 pub use results::{EvaluateError, HEADER, Measures, Results};

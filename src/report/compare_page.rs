@@ -1,4 +1,4 @@
-//! The page of several runs laid over each other.
+//! The page of a comparison of runs.
 
 use serde_json::Value;
 
@@ -6,8 +6,8 @@ use super::html::{self, escape};
 use super::{Figure, figure, plot, significant};
 use crate::diagnostic::shown_path;
 use crate::plot::{self as diagrams, Curve, Plot, TIME};
-use crate::post::Overlay;
-use crate::post::overlay::{Figures, Signals, Subject};
+use crate::post::RunComparison;
+use crate::post::comparison::{ComparedFigure, ComparedRun, ComparedSignal};
 use crate::signal::Series;
 
 /// Pairs of columns of which the second is drawn over the first, besides over time.
@@ -18,23 +18,20 @@ const AGAINST: [[&str; 2]; 4] =
 const MOST_POINTS: usize = 100_000;
 
 /// `report.html` of a comparison.
-pub fn compare_page(overlay: &Overlay) -> String {
-    let title = overlay.title();
-    let names = || overlay.runs.iter().map(|run| run.name.clone());
+pub fn compare_page(comparison: &RunComparison) -> String {
+    let title = comparison.title();
+    let names = || comparison.runs.iter().map(|run| run.name.clone());
     let header = |first: &str| std::iter::once(first.to_owned()).chain(names()).collect::<Vec<_>>();
-    let (over_time, against) = plots(overlay);
+    let (over_time, against) = plots(comparison);
     let body = [
-        format!(
-            "<h1>{}</h1>\n<p class=\"lead\">runs laid over each other, held against the first</p>\n",
-            escape(&title)
-        ),
-        html::warnings("Notes", &overlay.notes),
-        html::section("Runs", &html::table("rows", &header_of_runs(), &runs(overlay))),
-        html::section("Scenarios", &html::table("rows", &header("key"), &keys(overlay))),
-        html::section("Figures", &html::table("rows", &header("figure"), &figures(overlay.telling_figures()))),
+        format!("<h1>{}</h1>\n<p class=\"lead\">runs compared with the first</p>\n", escape(&title)),
+        html::warnings("Notes", &comparison.notes),
+        html::section("Runs", &html::table("rows", &header_of_runs(), &runs(comparison))),
+        html::section("Scenarios", &html::table("rows", &header("key"), &keys(comparison))),
+        html::section("Figures", &html::table("rows", &header("figure"), &figures(comparison.key_figures()))),
         html::section("Signals", &plot::figures(against.iter().chain(&over_time))),
-        html::section("Distance of signals", &distances(&html::table("rows", &header("signal"), &errors(overlay)))),
-        html::section("Further figures", &html::table("rows", &header("figure"), &figures(overlay.further_figures()))),
+        html::section("Distance of signals", &distances(&html::table("rows", &header("signal"), &errors(comparison)))),
+        html::section("Further figures", &html::table("rows", &header("figure"), &figures(comparison.other_figures()))),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
     html::page(&title, &body.concat())
@@ -44,17 +41,17 @@ fn header_of_runs() -> Vec<String> {
     ["run", "title", "path"].map(String::from).into()
 }
 
-fn runs(overlay: &Overlay) -> Vec<Vec<String>> {
-    let row = |run: &Subject| vec![run.name.clone(), run.title.clone().unwrap_or_default(), shown_path(&run.place)];
-    overlay.runs.iter().map(row).collect()
+fn runs(comparison: &RunComparison) -> Vec<Vec<String>> {
+    let row = |run: &ComparedRun| vec![run.name.clone(), run.title.clone().unwrap_or_default(), shown_path(&run.place)];
+    comparison.runs.iter().map(row).collect()
 }
 
 /// Name with unit, then a value a run with its difference.
-pub fn figures<'a>(figures: impl Iterator<Item = &'a Figures>) -> Vec<Vec<String>> {
+pub fn figures<'a>(figures: impl Iterator<Item = &'a ComparedFigure>) -> Vec<Vec<String>> {
     figures.map(|figure| std::iter::once(quantity(&figure.name)).chain(values(figure)).collect()).collect()
 }
 
-fn values(figure: &Figures) -> impl Iterator<Item = String> + '_ {
+fn values(figure: &ComparedFigure) -> impl Iterator<Item = String> + '_ {
     let value = |value: &Value| Figure::of(&figure.name, value).map_or_else(String::new, |figure| figure.value);
     figure.values.iter().enumerate().map(move |(run, of_run)| {
         let of_run = of_run.as_ref().map_or_else(|| "-".into(), value);
@@ -69,10 +66,10 @@ fn values(figure: &Figures) -> impl Iterator<Item = String> + '_ {
 }
 
 /// A key, then a value a scenario.
-pub fn keys(overlay: &Overlay) -> Vec<Vec<String>> {
+pub fn keys(comparison: &RunComparison) -> Vec<Vec<String>> {
     let value =
         |value: &Option<String>| value.as_deref().map_or_else(|| "-".into(), |text| text.trim_matches('"').to_owned());
-    overlay
+    comparison
         .keys
         .iter()
         .map(|key| std::iter::once(key.path.clone()).chain(key.values.iter().map(value)).collect())
@@ -80,13 +77,13 @@ pub fn keys(overlay: &Overlay) -> Vec<Vec<String>> {
 }
 
 /// A signal, then how far each run's is from the first one's.
-pub fn errors(overlay: &Overlay) -> Vec<Vec<String>> {
+pub fn errors(comparison: &RunComparison) -> Vec<Vec<String>> {
     let value =
         |value: &Option<f64>| value.map_or_else(|| "-".into(), |error| format!("{} %", significant(100.0 * error, 3)));
-    let row = |signals: &Signals| {
+    let row = |signals: &ComparedSignal| {
         std::iter::once(quantity(&signals.column)).chain(signals.errors.iter().map(value)).collect()
     };
-    overlay.signals.iter().map(row).collect()
+    comparison.signals.iter().map(row).collect()
 }
 
 fn distances(table: &str) -> String {
@@ -108,16 +105,16 @@ fn signed_percent(share: f64) -> String {
 }
 
 /// Every common signal over time, a curve a run; and pairs of them over each other.
-pub fn plots(overlay: &Overlay) -> (Vec<Plot>, Vec<Plot>) {
-    let over_time = overlay.signals.iter().map(|signals| {
+pub fn plots(comparison: &RunComparison) -> (Vec<Plot>, Vec<Plot>) {
+    let over_time = comparison.signals.iter().map(|signals| {
         let shown = Shown::of(&signals.column);
         let points = |series: &Series| series.samples().map(|[t, v]| [t * 1e3, v * shown.factor]).collect::<Vec<_>>();
-        let curves = curves(overlay, |run| signals.series[run].as_ref().map(points));
+        let curves = curves(comparison, |run| signals.series[run].as_ref().map(points));
         Plot::new(sentence(&shown.words), [TIME, &shown.axis()], curves)
     });
     let against = AGAINST.iter().filter_map(|pair| {
-        let [x, y] = pair.map(|column| overlay.signals.iter().find(|signals| signals.column == column));
-        Some(over_each_other(overlay, x?, y?))
+        let [x, y] = pair.map(|column| comparison.signals.iter().find(|signals| signals.column == column));
+        Some(against_each_other(comparison, x?, y?))
     });
     let (mut over_time, against): (Vec<Plot>, Vec<Plot>) = (over_time.collect(), against.collect());
     let count = over_time.len();
@@ -127,19 +124,19 @@ pub fn plots(overlay: &Overlay) -> (Vec<Plot>, Vec<Plot>) {
     (over_time, against)
 }
 
-fn over_each_other(overlay: &Overlay, x: &Signals, y: &Signals) -> Plot {
+fn against_each_other(comparison: &RunComparison, x: &ComparedSignal, y: &ComparedSignal) -> Plot {
     let [across, up] = [x, y].map(|signals| Shown::of(&signals.column));
     let points = |run: usize| {
         let (x, y) = (x.series[run].as_ref()?, y.series[run].as_ref()?);
         Some(x.values().iter().zip(y.values()).map(|(x, y)| [x * across.factor, y * up.factor]).collect())
     };
     let title = sentence(&format!("{} over {}", up.words, across.words));
-    Plot::new(title, [&across.axis(), &up.axis()], curves(overlay, points))
+    Plot::new(title, [&across.axis(), &up.axis()], curves(comparison, points))
 }
 
-fn curves(overlay: &Overlay, points: impl Fn(usize) -> Option<Vec<[f64; 2]>>) -> Vec<Curve> {
-    let curve = |(run, subject): (usize, &Subject)| Some(Curve::line(&subject.name, points(run)?));
-    overlay.runs.iter().enumerate().filter_map(curve).collect()
+fn curves(comparison: &RunComparison, points: impl Fn(usize) -> Option<Vec<[f64; 2]>>) -> Vec<Curve> {
+    let curve = |(run, subject): (usize, &ComparedRun)| Some(Curve::line(&subject.name, points(run)?));
+    comparison.runs.iter().enumerate().filter_map(curve).collect()
 }
 
 /// With a capital, as a heading.
@@ -192,10 +189,10 @@ mod tests {
             let signals = Recording { time: time.clone(), channels: names.map(channel).into() };
             StoredRun { place: format!("/r/{number}").into(), signals, ..StoredRun::default() }
         };
-        let overlay = Overlay::of(&(0..16).map(run).collect::<Vec<_>>(), &[]);
-        let (over_time, against) = plots(&overlay);
+        let comparison = RunComparison::of(&(0..16).map(run).collect::<Vec<_>>(), &[]);
+        let (over_time, against) = plots(&comparison);
         assert_eq!((over_time.len(), against.len()), (6, 2));
-        let page = compare_page(&overlay);
+        let page = compare_page(&comparison);
         assert!(page.len() < 3_000_000, "{}", page.len());
     }
 }

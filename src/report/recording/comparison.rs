@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::{RecordingError, Text, diagram, text};
 use crate::plot::Plot;
-use crate::post::Overlay;
+use crate::post::RunComparison;
 use crate::report::compare_page;
 use crate::script::Row;
 
@@ -16,17 +16,17 @@ use crate::script::Row;
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_comparison(path: &Path, overlay: &Overlay) -> Result<(), RecordingError> {
-    Ok(droptower_viz::write(path, scene(overlay))?)
+pub fn write_comparison(path: &Path, comparison: &RunComparison) -> Result<(), RecordingError> {
+    Ok(droptower_viz::write(path, scene(comparison))?)
 }
 
-fn scene(overlay: &Overlay) -> Scene {
-    let (over_time, others): (Vec<Plot>, Vec<Plot>) = compare_page::plots(overlay);
+fn scene(comparison: &RunComparison) -> Scene {
+    let (over_time, others): (Vec<Plot>, Vec<Plot>) = compare_page::plots(comparison);
     let ends = over_time.iter().flat_map(|plot| &plot.curves).filter_map(|curve| curve.points.last());
     Scene {
-        name: overlay.title(),
+        name: comparison.title(),
         duration: ends.map(|[time, _]| time * 1e-3).fold(0.0, f64::max),
-        documents: vec![text(overlay).document()],
+        documents: vec![text(comparison).document()],
         signals: over_time.iter().enumerate().flat_map(tracks).collect(),
         charts: over_time.iter().enumerate().map(chart).collect(),
         diagrams: diagram::diagrams("plots", &others).collect(),
@@ -35,10 +35,10 @@ fn scene(overlay: &Overlay) -> Scene {
 }
 
 /// What the terminal shows.
-fn text(overlay: &Overlay) -> Text {
-    let notes = overlay.notes.iter().map(|note| format!("- {}\n", text::escaped(note)));
+fn text(comparison: &RunComparison) -> Text {
+    let notes = comparison.notes.iter().map(|note| format!("- {}\n", text::escaped(note)));
     let row = |head: &str, cells: Vec<String>| -> Row {
-        let heads = std::iter::once(head).chain(overlay.runs.iter().map(|run| run.name.as_str()));
+        let heads = std::iter::once(head).chain(comparison.runs.iter().map(|run| run.name.as_str()));
         heads.map(str::to_owned).zip(cells.into_iter().map(Value::from)).collect()
     };
     let table = |title: &str, head: &str, rows: Vec<Vec<String>>| {
@@ -46,9 +46,9 @@ fn text(overlay: &Overlay) -> Text {
     };
     let parts = [
         notes.collect(),
-        table("Figures", "figure", compare_page::figures(overlay.telling_figures())),
-        table("Scenarios", "key", compare_page::keys(overlay)),
-        table("Distance of signals", "signal", compare_page::errors(overlay)),
+        table("Figures", "figure", compare_page::figures(comparison.key_figures())),
+        table("Scenarios", "key", compare_page::keys(comparison)),
+        table("Distance of signals", "signal", compare_page::errors(comparison)),
     ];
     Text { title: "Comparison".to_owned(), markdown: parts.join("\n") }
 }
@@ -87,7 +87,7 @@ mod tests {
             let signals = Recording { time: vec![0.0, 0.25], channels };
             StoredRun { place: place.into(), signals, ..StoredRun::default() }
         };
-        let scene = scene(&Overlay::of(&[run("/r/a", 2e6), run("/r/b", 4e6)], &[]));
+        let scene = scene(&RunComparison::of(&[run("/r/a", 2e6), run("/r/b", 4e6)], &[]));
         let charts: Vec<_> = scene.charts.iter().map(|chart| (chart.title.as_str(), chart.signals.len())).collect();
         assert_eq!(charts, [("strain", 2), ("stress (MPa)", 2)]);
         let of_b = scene.signals.iter().find(|track| track.path == scene.charts[1].signals[1]).expect("a signal");

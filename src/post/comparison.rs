@@ -1,4 +1,4 @@
-//! Runs laid over each other: their figures, the keys of their scenarios, and their signals, each against the first run's.
+//! Runs compared: their figures, the keys of their scenarios, and their signals, each against the first run's.
 
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
@@ -11,24 +11,24 @@ use crate::signal::norm::relative_error;
 use crate::signal::{Series, says_virtual};
 use crate::store::StoredRun;
 
-/// Several runs, the first of which the others are held against.
+/// Several runs, compared with the first of them.
 #[derive(Clone, Debug)]
-pub struct Overlay {
+pub struct RunComparison {
     /// One entry a run, as in all lists that follow.
-    pub runs: Vec<Subject>,
+    pub runs: Vec<ComparedRun>,
     /// Figures that a run has, in the order of the summaries.
-    pub figures: Vec<Figures>,
+    pub figures: Vec<ComparedFigure>,
     /// Keys in which the scenarios differ.
-    pub keys: Vec<Keys>,
+    pub keys: Vec<ComparedKey>,
     /// Signals that several runs have, in the order of the first that has them.
-    pub signals: Vec<Signals>,
+    pub signals: Vec<ComparedSignal>,
     /// What a reader must know: runs that broke off, virtual recordings, signals that one run has alone.
     pub notes: Vec<String>,
 }
 
 /// One of the runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Subject {
+pub struct ComparedRun {
     /// The end of its path, as much of it as tells it from the others.
     pub name: String,
     pub place: PathBuf,
@@ -38,7 +38,7 @@ pub struct Subject {
 
 /// One figure of all runs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figures {
+pub struct ComparedFigure {
     /// As `summary.json` calls it.
     pub name: String,
     /// Number, text or truth; none where a run has none.
@@ -47,7 +47,7 @@ pub struct Figures {
 
 /// One key of all scenarios.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Keys {
+pub struct ComparedKey {
     /// `layers.count`.
     pub path: String,
     /// As TOML; none where a scenario does not say it.
@@ -56,7 +56,7 @@ pub struct Keys {
 
 /// One channel of all runs.
 #[derive(Clone, Debug)]
-pub struct Signals {
+pub struct ComparedSignal {
     /// As `signals.csv` calls it.
     pub column: String,
     /// None where a run has no such channel.
@@ -82,18 +82,18 @@ const KEY: [&str; 12] = [
     "ruptured",
 ];
 
-impl Overlay {
-    /// The runs laid over each other; of the signals only those that `wanted` names, or all where it names none.
-    pub fn of(runs: &[StoredRun], wanted: &[String]) -> Overlay {
+impl RunComparison {
+    /// The runs compared; of the signals only those that `wanted` names, or all where it names none.
+    pub fn of(runs: &[StoredRun], wanted: &[String]) -> RunComparison {
         let names = names(&runs.iter().map(|run| run.place.as_path()).collect::<Vec<_>>());
         let title = |run: &StoredRun| run.summary.get("title").and_then(Value::as_str).map(str::to_owned);
-        let subject = |(run, name): (&StoredRun, &String)| Subject {
+        let subject = |(run, name): (&StoredRun, &String)| ComparedRun {
             name: name.clone(),
             place: run.place.clone(),
             title: title(run),
         };
         let (signals, alone) = signals(runs, &names, wanted);
-        Overlay {
+        RunComparison {
             runs: runs.iter().zip(&names).map(subject).collect(),
             figures: figures(runs),
             keys: keys(runs),
@@ -108,20 +108,19 @@ impl Overlay {
     }
 
     /// The figures worth showing: those that differ and those that say what came out.
-    pub fn telling_figures(&self) -> impl Iterator<Item = &Figures> {
-        self.figures.iter().filter(|figure| figure.is_telling())
+    pub fn key_figures(&self) -> impl Iterator<Item = &ComparedFigure> {
+        self.figures.iter().filter(|figure| figure.is_key())
     }
 
     /// All other figures.
-    pub fn further_figures(&self) -> impl Iterator<Item = &Figures> {
-        self.figures.iter().filter(|figure| !figure.is_telling())
+    pub fn other_figures(&self) -> impl Iterator<Item = &ComparedFigure> {
+        self.figures.iter().filter(|figure| !figure.is_key())
     }
 
     /// What `summary.json` of the comparison holds.
     pub fn summary(&self) -> Map<String, Value> {
-        let run =
-            |run: &Subject| json!({ "name": run.name, "path": run.place.display().to_string(), "title": run.title });
-        let figure = |figure: &Figures| {
+        let run = |run: &ComparedRun| json!({ "name": run.name, "path": run.place.display().to_string(), "title": run.title });
+        let figure = |figure: &ComparedFigure| {
             let differences: Vec<_> = (0..self.runs.len()).map(|run| figure.difference(run)).collect();
             (figure.name.clone(), json!({ "values": figure.values, "differences": differences }))
         };
@@ -137,7 +136,7 @@ impl Overlay {
     }
 }
 
-impl Figures {
+impl ComparedFigure {
     /// Growth of a run's number over the first one's, as a share of that: of negative numbers, that of their magnitude. None of
     /// the first run, of what is no number, and where the first one is zero.
     pub fn difference(&self, run: usize) -> Option<f64> {
@@ -146,7 +145,7 @@ impl Figures {
         (run > 0).then(|| number(run).map(|value| value / first - 1.0))?
     }
 
-    fn is_telling(&self) -> bool {
+    fn is_key(&self) -> bool {
         let is_one_of = |names: &[&str]| names.contains(&self.name.as_str());
         let differs = self.values.iter().any(|value| *value != self.values[0]);
         is_one_of(&KEY) || differs && !is_one_of(&COST)
@@ -170,27 +169,27 @@ fn names(places: &[&Path]) -> Vec<String> {
     parts.iter().map(name).collect()
 }
 
-fn figures(runs: &[StoredRun]) -> Vec<Figures> {
+fn figures(runs: &[StoredRun]) -> Vec<ComparedFigure> {
     let is_figure = |name: &String, value: &Value| {
         !HEADER.contains(&name.as_str()) && (value.is_number() || value.is_string() || value.is_boolean())
     };
-    let mut all: Vec<Figures> = vec![];
+    let mut all: Vec<ComparedFigure> = vec![];
     for (name, _) in runs.iter().flat_map(|run| &run.summary).filter(|(name, value)| is_figure(name, value)) {
         if all.iter().all(|known| known.name != *name) {
             let value = |run: &StoredRun| run.summary.get(name).filter(|value| is_figure(name, value)).cloned();
-            all.push(Figures { name: name.clone(), values: runs.iter().map(value).collect() });
+            all.push(ComparedFigure { name: name.clone(), values: runs.iter().map(value).collect() });
         }
     }
     all
 }
 
-fn keys(runs: &[StoredRun]) -> Vec<Keys> {
+fn keys(runs: &[StoredRun]) -> Vec<ComparedKey> {
     let scenarios: Vec<_> = runs.iter().map(|run| scenario::leaves(&run.scenario)).collect();
     // A recording has no scenario, and differs from none.
     let said: Vec<_> = scenarios.iter().filter(|scenario| !scenario.is_empty()).collect();
     let paths: BTreeSet<&String> = scenarios.iter().flat_map(|scenario| scenario.keys()).collect();
     let differs = |path: &&String| said.iter().any(|scenario| scenario.get(*path) != said[0].get(*path));
-    let of = |path: &String| Keys {
+    let of = |path: &String| ComparedKey {
         path: path.clone(),
         values: scenarios.iter().map(|scenario| scenario.get(path).cloned()).collect(),
     };
@@ -198,7 +197,7 @@ fn keys(runs: &[StoredRun]) -> Vec<Keys> {
 }
 
 /// The common signals, and what is to be said of the others.
-fn signals(runs: &[StoredRun], names: &[String], wanted: &[String]) -> (Vec<Signals>, Vec<String>) {
+fn signals(runs: &[StoredRun], names: &[String], wanted: &[String]) -> (Vec<ComparedSignal>, Vec<String>) {
     let mut columns: Vec<&String> = vec![];
     for channel in runs.iter().flat_map(|run| &run.signals.channels) {
         if !columns.contains(&&channel.name) && (wanted.is_empty() || wanted.contains(&channel.name)) {
@@ -210,7 +209,7 @@ fn signals(runs: &[StoredRun], names: &[String], wanted: &[String]) -> (Vec<Sign
         let series: Vec<Option<Series>> = runs.iter().map(|run| run.signals.series(column)).collect();
         match having(&series)[..] {
             [run] => alone[run].push(format!("`{column}`")),
-            _ => common.push(Signals { column: column.clone(), errors: errors(&series), series }),
+            _ => common.push(ComparedSignal { column: column.clone(), errors: errors(&series), series }),
         }
     }
     let alone = names.iter().zip(alone).filter(|(_, columns)| !columns.is_empty());
@@ -288,7 +287,7 @@ mod tests {
     fn runs_are_held_against_the_first() {
         let first = json!({ "title": "a", "peak_force_N": 200.0, "ruptured": false, "wall_s": 1.0, "warnings": ["w"] });
         let second = json!({ "title": "b", "peak_force_N": 150.0, "ruptured": false, "wall_s": 2.0, "more": "text" });
-        let overlay = Overlay::of(
+        let comparison = RunComparison::of(
             &[
                 run(
                     "/r/a",
@@ -301,21 +300,21 @@ mod tests {
             ],
             &[],
         );
-        let values = |figure: &Figures| (figure.name.clone(), figure.difference(1));
-        let telling: Vec<_> = overlay.telling_figures().map(values).collect();
+        let values = |figure: &ComparedFigure| (figure.name.clone(), figure.difference(1));
+        let telling: Vec<_> = comparison.key_figures().map(values).collect();
         let named = |name: &str, difference| (name.to_owned(), difference);
         assert_eq!(telling, [named("peak_force_N", Some(-0.25)), named("ruptured", None), named("more", None)]);
-        assert_eq!(overlay.figures.len(), 4, "{:?}", overlay.figures);
-        let keys: Vec<_> = overlay.keys.iter().map(|key| (key.path.as_str(), key.values.clone())).collect();
+        assert_eq!(comparison.figures.len(), 4, "{:?}", comparison.figures);
+        let keys: Vec<_> = comparison.keys.iter().map(|key| (key.path.as_str(), key.values.clone())).collect();
         let value = |text: &str| Some(text.to_owned());
         assert_eq!(
             keys,
             [("layers.count", vec![value("8"), value("9"), None]), ("more", vec![None, value("1"), None])]
         );
-        let [signals] = &overlay.signals[..] else { panic!("{:?}", overlay.signals) };
+        let [signals] = &comparison.signals[..] else { panic!("{:?}", comparison.signals) };
         assert_eq!(signals.errors, [None, Some(1.0), Some(1.0)]);
-        assert_eq!(overlay.notes, ["a alone has `depth_m`"]);
-        let summary = overlay.summary();
+        assert_eq!(comparison.notes, ["a alone has `depth_m`"]);
+        let summary = comparison.summary();
         assert_eq!(summary["figures"]["peak_force_N"]["differences"][1], -0.25);
         assert_eq!(summary["errors"]["force_N"], json!([null, 1.0, 1.0]));
         assert_eq!(summary["keys"]["layers.count"], json!(["8", "9", null]));
@@ -325,15 +324,15 @@ mod tests {
     fn what_a_reader_must_know_is_said() {
         let broken = StoredRun { failure: Some("lost".into()), ..run("/r/a", json!({}), "", &[("force_N", [0.0; 3])]) };
         let unreal = StoredRun { says_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
-        let notes = Overlay::of(&[broken, unreal], &[]).notes;
+        let notes = RunComparison::of(&[broken, unreal], &[]).notes;
         assert_eq!(notes[..2], ["a broke off: lost", "b is a VIRTUAL recording: nothing was measured"]);
         let compared = json!({ "acceleration_error": 0.1, "reference_notes": ["VIRTUAL drop test: nothing fell"] });
         let notes_of =
-            |summary| Overlay::of(&[run("/r/a", summary, "", &[]), run("/r/b", json!({}), "", &[])], &[]).notes;
+            |summary| RunComparison::of(&[run("/r/a", summary, "", &[]), run("/r/b", json!({}), "", &[])], &[]).notes;
         assert_eq!(notes_of(compared)[0], "a: its errors are against a VIRTUAL recording: nothing was measured");
         assert!(!notes_of(json!({ "reference_notes": ["a test"] }))[0].contains("VIRTUAL"));
         assert_eq!(notes[2..], ["a alone has `force_N`", "b alone has `strain`", "no signal is common to them"]);
-        let only = Overlay::of(&[run("/a", json!({}), "", &[]), run("/b", json!({}), "", &[])], &["none".into()]);
+        let only = RunComparison::of(&[run("/a", json!({}), "", &[]), run("/b", json!({}), "", &[])], &["none".into()]);
         assert!(only.signals.is_empty());
     }
 }
