@@ -50,7 +50,7 @@ impl Impact {
         let displacement = channel("displacement_m");
         let peak = acceleration.largest();
         let deepest = displacement.smallest();
-        let rebound = turned_round(signals).and_then(|[time, _]| {
+        let rebound = lowest_point(signals).and_then(|[time, _]| {
             let after = channel("velocity_m_s").window([time, f64::INFINITY]);
             after.largest()
         });
@@ -104,7 +104,7 @@ impl Impact {
 }
 
 /// Where the impactor turned round: time (s) and displacement (m). None where it was still going down at the end.
-pub fn turned_round(signals: &Recording) -> Option<[f64; 2]> {
+pub fn lowest_point(signals: &Recording) -> Option<[f64; 2]> {
     let displacement = signals.series("displacement_m")?;
     displacement.smallest().filter(|[time, _]| displacement.time().last() > Some(time))
 }
@@ -136,13 +136,13 @@ mod tests {
     fn an_impactor_that_still_goes_down_has_no_lowest_point() {
         let falls = |values: &[f64]| {
             let displacement = Channel { name: "displacement_m".into(), values: values.to_vec() };
-            turned_round(&Recording {
+            lowest_point(&Recording {
                 time: (0..values.len()).map(|i| i as f64).collect(),
                 channels: vec![displacement],
             })
         };
         assert_eq!(falls(&[0.0, -0.2, -0.1]), Some([1.0, -0.2]));
         assert_eq!(falls(&[0.0, -0.1, -0.2]), None);
-        assert_eq!(turned_round(&Recording::default()), None);
+        assert_eq!(lowest_point(&Recording::default()), None);
     }
 }

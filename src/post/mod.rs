@@ -20,7 +20,7 @@ use crate::script::Chapter;
 
 pub use audit::{Audit, COST, Histogram, MeshFigures};
 pub use comparison::RunComparison;
-pub use impact::{Impact, turned_round};
+pub use impact::{Impact, lowest_point};
 pub use indent::Indent;
 pub use inflation::Inflation;
 pub use plan::{Plan, PrepareError};

@@ -10,7 +10,7 @@ use super::body::Body;
 use super::html::{data, escape};
 use super::plot::short;
 use crate::model::{Loading, Model};
-use crate::post::turned_round;
+use crate::post::lowest_point;
 use crate::signal::Recording;
 use crate::simulate::{Film, FilmState, Outcome, Snapshot};
 
@@ -62,7 +62,7 @@ fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment>
     let mut moments = Vec::new();
     if matches!(model.loading, Loading::Impact { .. }) {
         moments.extend(peak("acceleration_filtered_m_s2").map(|time| ("largest deceleration", time)));
-        moments.extend(turned_round(signals).map(|[time, _]| ("lowest point", time)));
+        moments.extend(lowest_point(signals).map(|[time, _]| ("lowest point", time)));
     } else {
         moments.extend(peak("force_N").map(|time| ("largest force", time)));
     }

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use super::figure::{G, rounded, significant};
 use super::html::escape;
 use super::{RunPage, duration};
-use crate::post::{Measures, turned_round};
+use crate::post::{Measures, lowest_point};
 
 /// A figure of the summary as its card shows it.
 struct Key {
@@ -92,7 +92,7 @@ const INFLATION: [Key; 5] = [
 /// Cards of the key figures that the summary has, and whether the film held.
 pub(super) fn cards(run: &RunPage, summary: &Map<String, Value>) -> String {
     let keys: &[Key] = match run.results.measures {
-        Measures::Impact(_) if turned_round(&run.results.signals).is_none() => &DESCENT,
+        Measures::Impact(_) if lowest_point(&run.results.signals).is_none() => &DESCENT,
         Measures::Impact(_) => &IMPACT,
         Measures::Stretch(_) => &STRETCH,
         Measures::Indent(_) => &INDENT,

@@ -2,7 +2,7 @@
 
 use droptower_viz::{Event, Moment, Severity};
 
-use crate::post::turned_round;
+use crate::post::lowest_point;
 use crate::report::{RunPage, duration};
 use crate::signal::Recording;
 
@@ -28,7 +28,7 @@ fn motion(signals: &Recording) -> Vec<(f64, String)> {
     let contact = force.iter().position(|force| *force > 0.0).map(|k| (k, "first contact".to_owned()));
     let braking = largest(signals, "acceleration_filtered_m_s2")
         .map(|(k, peak)| (k, format!("largest deceleration, {peak:.1} m/s²")));
-    let turn = turned_round(signals);
+    let turn = lowest_point(signals);
     let lowest = turn.map(|[time, depth]| (time, format!("lowest point, {:.1} mm", 1e3 * depth)));
     let rebound = turn.and_then(|[time, _]| rebound(signals, force, time));
     let timed = |(k, text)| Some((*signals.time.get(k)?, text));
