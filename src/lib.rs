@@ -7,6 +7,7 @@
 
 pub mod units;
 pub mod diagnostic;
+pub mod file;
 pub mod finding;
 pub mod lane;
 pub mod signal;

@@ -1,7 +1,6 @@
 //! Checkpoints of a run: what they are written for, and whether one may be taken up.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -10,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::faults::storing;
 use super::scenarios::Checked;
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
+use crate::file::Digest;
 use crate::model::{ImpactorShape, Model, Shape};
 use crate::scenario;
 use crate::simulate::{Checkpoint, Restart};
@@ -310,8 +310,9 @@ fn identity(model: &Model) -> io::Result<String> {
 
 /// A name that tells what the file at `path` holds.
 fn content(path: &Path) -> io::Result<PathBuf> {
-    let bytes = fs::read(path).map_err(|error| io::Error::other(format!("{}: {error}", shown_path(path))))?;
-    Ok(PathBuf::from(format!("{} bytes, checksum {:08x}", bytes.len(), crc32fast::hash(&bytes))))
+    let digest = Digest::of_file(path);
+    let digest = digest.map_err(|error| io::Error::other(format!("{}: {error}", shown_path(path))))?;
+    Ok(PathBuf::from(digest.to_string()))
 }
 
 fn file_name(path: &Path) -> String {
@@ -348,6 +349,8 @@ fn keep(place: &mut Option<io::Error>, error: io::Error) -> io::Error {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     /// A disk that is full when a write, or only the flush, reaches it.

@@ -1,7 +1,7 @@
 //! Files that commands leave where the user says: whole or not at all, and never over what somebody else wrote.
 
-use std::fs::{self, File, Metadata};
-use std::io::{self, BufWriter, Read, Write};
+use std::fs::{self, Metadata};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -9,6 +9,7 @@ use tempfile::NamedTempFile;
 use super::BAD_INPUT;
 use super::faults::WRITE_FAILURE;
 use crate::diagnostic::{Diagnostic, folder_of, shown_path};
+use crate::file;
 
 /// Exit status and what is to be said.
 pub type Failure = (u8, Diagnostic);
@@ -127,14 +128,12 @@ fn draft(folder: &Path) -> io::Result<NamedTempFile> {
 
 /// The text with a last line that tells whether it is still the same.
 fn sealed(text: &str) -> String {
-    format!("{text}{SEAL}{:08x}\n", crc32fast::hash(text.as_bytes()))
+    format!("{text}{SEAL}{:08x}\n", file::checksum(text.as_bytes()))
 }
 
 /// Whether the file was sealed here and left as it was; what cannot be read was not.
 fn is_sealed(place: &Path, there: &Metadata) -> bool {
-    let mut content = String::new();
-    let mut read = || File::open(place)?.take(LONGEST_SEALED).read_to_string(&mut content);
-    there.len() < LONGEST_SEALED && read().is_ok() && has_seal(&content)
+    there.len() < LONGEST_SEALED && file::read_text(place, LONGEST_SEALED).is_ok_and(|text| has_seal(&text))
 }
 
 fn has_seal(content: &str) -> bool {

@@ -18,6 +18,7 @@ use serde_json::{Map, Value, json};
 use thiserror::Error;
 
 use super::objective::{Answer, Evaluation, Observed};
+use crate::file::{Digest, checksum};
 use crate::script::{self, Compared, Over, Target};
 
 /// What decides the values of a script's trials, files and the number of the search apart.
@@ -107,7 +108,7 @@ impl History {
         inputs: BTreeMap<PathBuf, String>,
     ) -> Result<History, HistoryError> {
         let head = head(identity, number, &inputs);
-        let path = folder.join(format!("{number}-{:08x}.jsonl", crc32fast::hash(head.as_bytes())));
+        let path = folder.join(format!("{number}-{:08x}.jsonl", checksum(head.as_bytes())));
         let failed = |source| HistoryError::Write { path: path.clone(), source };
         fs::create_dir_all(folder).map_err(failed)?;
         let mut history = History::of(&path, inputs.clone())?;
@@ -254,8 +255,7 @@ impl History {
 fn head(identity: &Identity, number: usize, inputs: &BTreeMap<PathBuf, String>) -> String {
     let inputs: Map<String, Value> =
         inputs.iter().map(|(path, content)| (path.display().to_string(), json!(content))).collect();
-    let script =
-        format!("{} bytes, checksum {:08x}", identity.script.len(), crc32fast::hash(identity.script.as_bytes()));
+    let script = Digest::of(identity.script.as_bytes()).to_string();
     let head = json!({
         "droptower": env!("CARGO_PKG_VERSION"),
         "search": number,

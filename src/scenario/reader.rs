@@ -1,17 +1,15 @@
 //! Reading files and what they name: what they extend, their materials, their curves.
 
 use std::fs;
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-use thiserror::Error;
 
 use super::curve_file;
 use super::grammar::Rule;
 use super::merge::merge;
 use super::tree::{self, Node, Table, Value};
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
+use crate::file::{self, FileError};
 
 /// Bytes of a scenario with everything it names. Its files are written by hand; what is larger is something else.
 const MOST_BYTES: u64 = 32 << 20;
@@ -29,30 +27,6 @@ pub struct Reader {
     chain: Vec<PathBuf>,
     /// Bytes read so far.
     bytes: u64,
-}
-
-/// Why a file cannot be read.
-#[derive(Debug, Error)]
-enum ReadError {
-    #[error("there is no such file")]
-    NotFound,
-    #[error("it is not a file")]
-    NotAFile,
-    #[error("a scenario and its files may have {} MB", MOST_BYTES >> 20)]
-    TooLarge,
-    #[error("it is not UTF-8 text")]
-    NotText,
-    #[error("{0}")]
-    Io(io::Error),
-}
-
-impl From<io::Error> for ReadError {
-    fn from(error: io::Error) -> ReadError {
-        match error.kind() {
-            io::ErrorKind::NotFound => ReadError::NotFound,
-            _ => ReadError::Io(error),
-        }
-    }
 }
 
 impl Reader {
@@ -146,33 +120,22 @@ impl Reader {
     }
 
     fn text(&mut self, path: &Path, named: Option<&Span>) -> Option<Arc<Source>> {
-        match self.read_text(path) {
+        match file::read_text(path, MOST_BYTES - self.bytes) {
             Ok(text) => {
+                self.bytes += text.len() as u64;
                 self.files.push(path.to_owned());
                 Some(Source::file(path, text))
             }
-            Err(why) => {
+            Err(error) => {
+                let why = match error {
+                    FileError::TooLarge { .. } => format!("a scenario and its files may have {} MB", MOST_BYTES >> 20),
+                    other => other.to_string(),
+                };
                 let message = format!("cannot read {}: {why}", shown_path(path));
                 self.report(Diagnostic::new(message), named);
                 None
             }
         }
-    }
-
-    fn read_text(&mut self, path: &Path) -> Result<String, ReadError> {
-        // Asked first: opening a pipe would wait for its writer.
-        if !fs::metadata(path)?.is_file() {
-            return Err(ReadError::NotAFile);
-        }
-        let room = MOST_BYTES - self.bytes;
-        let mut bytes = Vec::new();
-        fs::File::open(path)?.take(room + 1).read_to_end(&mut bytes)?;
-        let length = bytes.len() as u64;
-        if length > room {
-            return Err(ReadError::TooLarge);
-        }
-        self.bytes += length;
-        String::from_utf8(bytes).map_err(|_| ReadError::NotText)
     }
 
     fn circle(&self, again: &Path) -> Diagnostic {

@@ -1,7 +1,5 @@
 //! The interpreter with its limits: a script from a stranger may be wrong or hostile, not harmful.
 
-use std::fs;
-use std::io;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -15,6 +13,7 @@ use rhai::{AST, Engine, OptimizationLevel, Scope, Token, TokenizeState};
 use thiserror::Error;
 
 use super::{Fault, Session, calls};
+use crate::file::{self, FileError};
 
 /// Longest script that is read, bytes.
 const LONGEST: u64 = 1 << 20;
@@ -42,7 +41,7 @@ impl Limits {
 #[derive(Debug, Error)]
 pub enum ReadError {
     #[error("cannot read {}: {source}", path.display())]
-    Open { path: PathBuf, source: io::Error },
+    Open { path: PathBuf, source: FileError },
     #[error("{} is longer than {LONGEST} bytes", path.display())]
     TooLong { path: PathBuf },
     /// It does not compile, or calls what nobody defined.
@@ -124,11 +123,10 @@ pub struct Script {
 impl Script {
     /// Reads and compiles the script at `path`; `scope` holds the constants that it will find.
     pub fn read(engine: &Engine, scope: &Scope, path: &Path) -> Result<Script, ReadError> {
-        let open = |source| ReadError::Open { path: path.into(), source };
-        if fs::metadata(path).map_err(open)?.len() > LONGEST {
-            return Err(ReadError::TooLong { path: path.into() });
-        }
-        let text = fs::read_to_string(path).map_err(open)?;
+        let text = file::read_text(path, LONGEST).map_err(|error| match error {
+            FileError::TooLarge { .. } => ReadError::TooLong { path: path.into() },
+            source => ReadError::Open { path: path.into(), source },
+        })?;
         Script::compile(engine, scope, path, &text).map_err(ReadError::Faults)
     }
 

@@ -1,14 +1,14 @@
 //! What the host remembers while one script runs: the files that it read, and the trial that a host function is called in.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rhai::{Dynamic, Engine, NativeCallContext};
 
 use super::Compared;
+use crate::file::{Digest, FileError};
 use crate::simulate::Cancellation;
 
 /// Most comparisons of one trial that are kept for pictures.
@@ -137,29 +137,12 @@ impl From<Session> for Dynamic {
     }
 }
 
-/// Length and checksum of the file at `path`, or that it cannot be read; a device or a pipe is not looked into.
+/// Length and checksum of the file at `path`, or that it cannot be read.
 pub fn content(path: &Path) -> String {
-    match summed(path) {
-        Ok(Some((length, checksum))) => format!("{length} bytes, checksum {checksum:08x}"),
-        Ok(None) => "not a file".into(),
+    match Digest::of_file(path) {
+        Ok(digest) => digest.to_string(),
+        Err(FileError::NotAFile) => "not a file".into(),
         Err(error) => format!("unreadable: {error}"),
-    }
-}
-
-fn summed(path: &Path) -> io::Result<Option<(u64, u32)>> {
-    if !fs::metadata(path)?.is_file() {
-        return Ok(None);
-    }
-    let mut file = File::open(path)?;
-    let (mut sum, mut length) = (crc32fast::Hasher::new(), 0);
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        let count = file.read(&mut buffer)?;
-        if count == 0 {
-            return Ok(Some((length, sum.finalize())));
-        }
-        sum.update(&buffer[..count]);
-        length += count as u64;
     }
 }
 

@@ -1,14 +1,13 @@
 //! Tables in scripts: published numbers to compare with.
 
 use std::collections::HashSet;
-use std::fs::{self, File};
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use rhai::{Array, Dynamic, Engine, Map, NativeCallContext};
 use thiserror::Error;
 
 use super::{Entry, Session, refuse};
+use crate::file::{self, FileError};
 
 /// Longest table that is read, bytes.
 const LONGEST: u64 = 1 << 20;
@@ -20,7 +19,7 @@ const MOST_CELLS: usize = 10_000;
 #[derive(Debug, Error)]
 enum TableError {
     #[error("cannot read {}: {source}", path.display())]
-    Open { path: PathBuf, source: io::Error },
+    Open { path: PathBuf, source: FileError },
     #[error("{} is longer than {LONGEST} bytes or has more than {MOST_CELLS} cells; read_recording is for signals", path.display())]
     TooLong { path: PathBuf },
     #[error("{} is not a file", path.display())]
@@ -66,15 +65,13 @@ fn read(path: &Path) -> Result<Array, TableError> {
     Ok(rows)
 }
 
-/// The text of a file; a device or a pipe may have no end, or never begin.
 fn text(path: &Path) -> Result<String, TableError> {
-    let open = |source| TableError::Open { path: path.into(), source };
-    if !fs::metadata(path).map_err(open)?.is_file() {
-        return Err(TableError::NoFile { path: path.into() });
-    }
-    let mut text = String::new();
-    File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(open)?;
-    if text.len() as u64 > LONGEST { Err(TableError::TooLong { path: path.into() }) } else { Ok(text) }
+    let place = || path.into();
+    file::read_text(path, LONGEST).map_err(|error| match error {
+        FileError::TooLarge { .. } => TableError::TooLong { path: place() },
+        FileError::NotAFile => TableError::NoFile { path: place() },
+        source => TableError::Open { path: place(), source },
+    })
 }
 
 /// Numbers are such, the rest is text; none for a number that is not finite.

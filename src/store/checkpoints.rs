@@ -7,9 +7,8 @@ use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use crc32fast::Hasher;
-
 use super::{StoreError, sibling_name};
+use crate::file::Crc32;
 
 /// What the folder's name has behind that of the run's.
 const SUFFIX: &str = ".checkpoint";
@@ -96,7 +95,7 @@ impl CheckpointStore {
 
     fn write(&self, path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
         let unfinished = self.folder.join(UNFINISHED);
-        let file = Summed { inner: File::create(&unfinished)?, sum: Hasher::new() };
+        let file = Summed { inner: File::create(&unfinished)?, sum: Crc32::new() };
         let mut buffered = BufWriter::with_capacity(BUFFER, file);
         content(&mut buffered)?;
         let Summed { inner: mut file, sum } = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
@@ -136,7 +135,7 @@ fn content_length(file: &File) -> io::Result<u64> {
 fn is_whole(path: &Path) -> io::Result<bool> {
     let mut file = File::open(path)?;
     let length = content_length(&file)?;
-    let mut sum = Hasher::new();
+    let mut sum = Crc32::new();
     let mut buffer = vec![0; BUFFER];
     let mut left = length;
     while left > 0 {
@@ -154,7 +153,7 @@ fn is_whole(path: &Path) -> io::Result<bool> {
 /// Sums up what is written.
 struct Summed<W> {
     inner: W,
-    sum: Hasher,
+    sum: Crc32,
 }
 
 impl<W: Write> Write for Summed<W> {

@@ -1,13 +1,14 @@
 //! The material file of reduced coupons: its texts, once it is sure that the reader of materials takes them.
 
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::output;
 use super::reduce::{ReduceArgs, Reduced};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::experiment::coupon::Direction;
+use crate::file::{self, FileError};
 use crate::model;
 use crate::scenario::Document;
 use crate::scenario::coupon_material::{CouponMaterial, CouponMaterialError, GivenShear};
@@ -61,27 +62,20 @@ fn check_folder(material: &Path) -> Result<(), Diagnostic> {
 }
 
 /// The text of a shear curve that is none of the files to be written.
-fn given(file: &Path, places: &[PathBuf]) -> Result<String, Diagnostic> {
+fn given(shear: &Path, places: &[PathBuf]) -> Result<String, Diagnostic> {
     let canonical = |path: &Path| fs::canonicalize(path).ok();
-    let is_written = places.iter().any(|place| canonical(place).is_some_and(|place| canonical(file) == Some(place)));
+    let is_written = places.iter().any(|place| canonical(place).is_some_and(|place| canonical(shear) == Some(place)));
     if is_written {
-        let message = format!("{} is the shear curve, and would be written over", shown_path(file));
+        let message = format!("{} is the shear curve, and would be written over", shown_path(shear));
         return Err(Diagnostic::new(message).hint("give the material another name"));
     }
-    read(file).map_err(|error| Diagnostic::new(format!("cannot read {}: {error}", shown_path(file))))
-}
-
-fn read(file: &Path) -> io::Result<String> {
-    // Asked first: opening a pipe would wait for its writer.
-    if !fs::metadata(file)?.is_file() {
-        return Err(io::Error::other("it is not a file"));
-    }
-    let mut text = String::new();
-    File::open(file)?.take(MOST_BYTES + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > MOST_BYTES {
-        return Err(io::Error::other(format!("a shear curve may have {} MB", MOST_BYTES >> 20)));
-    }
-    Ok(text)
+    file::read_text(shear, MOST_BYTES).map_err(|error| {
+        let why = match error {
+            FileError::TooLarge { .. } => format!("a shear curve may have {} MB", MOST_BYTES >> 20),
+            other => other.to_string(),
+        };
+        Diagnostic::new(format!("cannot read {}: {why}", shown_path(shear)))
+    })
 }
 
 /// Refuses a material that `droptower check` would refuse, with the place of a mistake in the `given` shear curve.

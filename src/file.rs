@@ -1,0 +1,138 @@
+//! Files as a whole: one bounded read of a regular file, and the checksum of what a file holds.
+
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+use thiserror::Error;
+
+pub(crate) use crc32fast::Hasher as Crc32;
+
+/// Why a file is not read.
+#[derive(Debug, Error)]
+pub enum FileError {
+    /// The path names nothing.
+    #[error("there is no such file")]
+    NotFound,
+    /// The path names a folder, a device or a pipe.
+    #[error("it is not a file")]
+    NotAFile,
+    /// The file holds more bytes than the caller reads.
+    #[error("it is larger than {limit} bytes")]
+    TooLarge {
+        /// Most bytes that are read.
+        limit: u64,
+    },
+    /// The bytes are not UTF-8.
+    #[error("it is not UTF-8 text")]
+    NotText,
+    /// The operating system refused.
+    #[error("{0}")]
+    Io(io::Error),
+}
+
+impl From<io::Error> for FileError {
+    fn from(error: io::Error) -> FileError {
+        match error.kind() {
+            io::ErrorKind::NotFound => FileError::NotFound,
+            _ => FileError::Io(error),
+        }
+    }
+}
+
+/// Opens the regular file at `path`.
+pub(crate) fn open(path: &Path) -> Result<File, FileError> {
+    // Checked first: opening a pipe would wait for its writer.
+    if !fs::metadata(path)?.is_file() {
+        return Err(FileError::NotAFile);
+    }
+    Ok(File::open(path)?)
+}
+
+/// The bytes of the regular file at `path`, at most `limit`.
+pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+    let mut bytes = Vec::new();
+    // One byte more than allowed tells a file that grows while it is read.
+    open(path)?.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit { Err(FileError::TooLarge { limit }) } else { Ok(bytes) }
+}
+
+/// The text of the regular file at `path`, at most `limit` bytes of UTF-8.
+pub(crate) fn read_text(path: &Path, limit: u64) -> Result<String, FileError> {
+    String::from_utf8(read(path, limit)?).map_err(|_| FileError::NotText)
+}
+
+/// CRC-32 (ISO 3309) of `bytes`.
+pub(crate) fn checksum(bytes: &[u8]) -> u32 {
+    crc32fast::hash(bytes)
+}
+
+/// What identifies the content of a file: its length and its checksum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Digest {
+    length: u64,
+    checksum: u32,
+}
+
+impl Digest {
+    /// Of `bytes`.
+    pub(crate) fn of(bytes: &[u8]) -> Digest {
+        Digest { length: bytes.len() as u64, checksum: checksum(bytes) }
+    }
+
+    /// Of the regular file at `path`, of which one buffer is held in memory.
+    pub(crate) fn of_file(path: &Path) -> Result<Digest, FileError> {
+        let mut file = open(path)?;
+        let (mut sum, mut length) = (Crc32::new(), 0);
+        let mut buffer = vec![0; 1 << 16];
+        loop {
+            let count = file.read(&mut buffer)?;
+            if count == 0 {
+                return Ok(Digest { length, checksum: sum.finalize() });
+            }
+            sum.update(&buffer[..count]);
+            length += count as u64;
+        }
+    }
+}
+
+impl fmt::Display for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} bytes, checksum {:08x}", self.length, self.checksum)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_up_to_its_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        fs::write(&path, "1234").unwrap();
+        assert_eq!(read_text(&path, 4).unwrap(), "1234");
+        assert!(matches!(read_text(&path, 3), Err(FileError::TooLarge { limit: 3 })));
+        fs::write(&path, b"\xff").unwrap();
+        assert!(matches!(read_text(&path, 4), Err(FileError::NotText)));
+        assert!(matches!(read(folder.path(), 4), Err(FileError::NotAFile)));
+        assert!(matches!(read(&folder.path().join("b.txt"), 4), Err(FileError::NotFound)));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_not_read() {
+        assert!(matches!(read(Path::new("/dev/zero"), 4), Err(FileError::NotAFile)));
+    }
+
+    #[test]
+    fn the_digest_of_a_file_is_that_of_its_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        let bytes: Vec<u8> = (0..100_000_u32).map(|i| i.to_le_bytes()[0]).collect();
+        fs::write(&path, &bytes).unwrap();
+        assert_eq!(Digest::of_file(&path).unwrap(), Digest::of(&bytes));
+        assert_eq!(Digest::of(b"123456789").to_string(), "9 bytes, checksum cbf43926");
+    }
+}
