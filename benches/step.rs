@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use droptower::diagnostic;
-use droptower::engine::{Engine, Fault, Observer, Patch, Team, Vectors, View};
+use droptower::engine::{Engine, Fault, Observer, Patch, ThreadPool, Vectors, View};
 use droptower::lane::Width;
 use droptower::mesh;
 use droptower::model::{self, Model};
@@ -196,7 +196,7 @@ fn row(threads: usize, width: Width, cost: f64, bytes: f64, machine: &Machine) {
 /// ns an element step and bytes an element of a whole run.
 fn whole(model: &Model, threads: usize, width: Width) -> (f64, f64) {
     let once = || {
-        let options = RunOptions { team: Some(Team::new(threads).at_width(width)), ..RunOptions::default() };
+        let options = RunOptions { pool: Some(ThreadPool::new(threads).at_width(width)), ..RunOptions::default() };
         let outcome = simulate::run_with(model, options, &mut |_| {}).expect("a run");
         let element_steps = outcome.elements as f64 * outcome.steps as f64;
         (outcome.wall.as_secs_f64() * 1e9 / element_steps, outcome.bytes as f64 / outcome.elements as f64)
@@ -236,15 +236,15 @@ fn parts() {
     let model = shipped(&["specimen.symmetry=none"]);
     let mut shares = vec![];
     for _ in 0..REPEATS {
-        let team = || Team::new(1);
-        let options = RunOptions { team: Some(team()), ..RunOptions::default() };
+        let pool = || ThreadPool::new(1);
+        let options = RunOptions { pool: Some(pool()), ..RunOptions::default() };
         let outcome = simulate::run_with(&model, options, &mut |_| {}).expect("a run");
         let steps = outcome.steps as usize;
         let everything = outcome.wall.as_secs_f64() * 1e9 / (outcome.elements * steps) as f64;
-        let with_contact = stepping(&mut simulate::engine(&model).expect("an engine").worked_on_by(team()), steps);
+        let with_contact = stepping(&mut simulate::engine(&model).expect("an engine").with_pool(pool()), steps);
         let mut alone = model.clone();
         alone.impactor = None;
-        let film = stepping(&mut simulate::engine(&alone).expect("an engine").worked_on_by(team()), steps);
+        let film = stepping(&mut simulate::engine(&alone).expect("an engine").with_pool(pool()), steps);
         shares.push([film, with_contact, everything]);
     }
     let quickest = |part: usize| shares.iter().map(|share: &[f64; 3]| share[part]).fold(f64::INFINITY, f64::min);

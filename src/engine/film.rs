@@ -12,7 +12,7 @@ use super::element::{
 use super::footprint;
 use super::memory::{self, Memory};
 use super::nodes::{Nodes, Vectors};
-use super::team::{Disjoint, Team};
+use super::thread_pool::{Disjoint, ThreadPool};
 use crate::lane::{LANES, Width};
 use crate::material::{Elastic, Fabric, Law, MembraneLaw, Past, RateCurves, TensionField};
 use crate::mesh::Mesh;
@@ -185,7 +185,7 @@ impl Film {
     /// Strains of every element, quads first.
     pub fn strains(&self, position: &Vectors) -> Vec<ElementStrain> {
         let mut out = vec![];
-        strains(std::slice::from_ref(self), &Team::new(1), position.axes(), &mut out);
+        strains(std::slice::from_ref(self), &ThreadPool::new(1), position.axes(), &mut out);
         out.concat()
     }
 
@@ -197,12 +197,12 @@ impl Film {
 
     /// Energies of the film alone, J.
     pub fn energy(&self, position: &Vectors) -> ElementEnergy {
-        energies(std::slice::from_ref(self), &Team::new(1), position.axes())[0]
+        energies(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
 
     /// Bound on the squared angular frequency of any of its elements, rad²/s² (theory.md, equation 17).
     pub fn frequency_bound(&self, position: &Vectors) -> f64 {
-        frequency_bounds(std::slice::from_ref(self), &Team::new(1), position.axes())[0]
+        frequency_bounds(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
 
     /// Numbers of the chunks of one colour.
@@ -342,24 +342,24 @@ impl Pulling<'_> {
 }
 
 /// Energies of each film, J; `position` is that of all nodes.
-pub(super) fn energies(films: &[Film], team: &Team, position: [&[f64]; 3]) -> Vec<ElementEnergy> {
+pub(super) fn energies(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3]) -> Vec<ElementEnergy> {
     let mut totals = vec![ElementEnergy::default(); films.len()];
-    let parts = survey(films, team, |film, chunk| {
+    let parts = survey(films, pool, |film, chunk| {
         let film = &films[film];
         let position = position.map(|axis| &axis[film.nodes.clone()]);
-        by_law!(Cloth, &film.cloth, |sheet| sheet.energy(chunk, team.width(), &position))
+        by_law!(Cloth, &film.cloth, |sheet| sheet.energy(chunk, pool.width(), &position))
     });
     parts.iter().for_each(|(film, energy)| totals[*film].add(energy));
     totals
 }
 
 /// Bound on the squared angular frequency of any element of each film, rad²/s².
-pub(super) fn frequency_bounds(films: &[Film], team: &Team, position: [&[f64]; 3]) -> Vec<f64> {
+pub(super) fn frequency_bounds(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3]) -> Vec<f64> {
     let mut largest = vec![0.0_f64; films.len()];
-    let parts = survey(films, team, |film, chunk| {
+    let parts = survey(films, pool, |film, chunk| {
         let film = &films[film];
         let position = position.map(|axis| &axis[film.nodes.clone()]);
-        by_law!(Cloth, &film.cloth, |sheet| sheet.frequency_bound(chunk, team.width(), film.density, &position))
+        by_law!(Cloth, &film.cloth, |sheet| sheet.frequency_bound(chunk, pool.width(), film.density, &position))
     });
     for (film, squared) in parts {
         let most = &mut largest[film];
@@ -369,19 +369,19 @@ pub(super) fn frequency_bounds(films: &[Film], team: &Team, position: [&[f64]; 3
 }
 
 /// Strains of every element of each film, quads first, into `out`.
-pub(super) fn strains(films: &[Film], team: &Team, position: [&[f64]; 3], out: &mut Vec<Vec<ElementStrain>>) {
+pub(super) fn strains(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3], out: &mut Vec<Vec<ElementStrain>>) {
     out.resize_with(films.len(), Vec::new);
     for (face, film) in out.iter_mut().zip(films) {
         face.resize(film.elements(), ElementStrain::default());
     }
     let faces: Vec<Disjoint<'_, ElementStrain>> = out.iter_mut().map(|face| Disjoint::new(face)).collect();
-    survey(films, team, |film, chunk| {
+    survey(films, pool, |film, chunk| {
         let position = position.map(|axis| &axis[films[film].nodes.clone()]);
         by_law!(Cloth, &films[film].cloth, |sheet| {
             let chunk = &sheet.chunks[chunk];
             // SAFETY: every chunk writes its own elements alone.
             let own = unsafe { faces[film].range(chunk.first..chunk.first + chunk.count()) };
-            by_kind!(&chunk.elements, |blocks| element::strains(team.width(), blocks, &position, own))
+            by_kind!(&chunk.elements, |blocks| element::strains(pool.width(), blocks, &position, own))
         });
     });
 }
@@ -389,14 +389,14 @@ pub(super) fn strains(films: &[Film], team: &Team, position: [&[f64]; 3], out: &
 /// What `work` says of every chunk, given by the number of its film and its own, with the number of its film, in order.
 fn survey<T: Clone + Default + Send>(
     films: &[Film],
-    team: &Team,
+    pool: &ThreadPool,
     work: impl Fn(usize, usize) -> T + Sync,
 ) -> Vec<(usize, T)> {
     let chunks: Vec<(usize, usize)> =
         films.iter().enumerate().flat_map(|(f, film)| (0..film.chunks()).map(move |chunk| (f, chunk))).collect();
     let mut out: Vec<(usize, T)> = chunks.iter().map(|(f, _)| (*f, T::default())).collect();
     let answers = Disjoint::new(&mut out);
-    team.each(chunks.len(), |part| {
+    pool.each(chunks.len(), |part| {
         let (film, chunk) = chunks[part];
         let answer = work(film, chunk);
         // SAFETY: every part comes up once.

@@ -17,7 +17,7 @@ mod patch;
 mod pressure;
 mod rigid_body;
 mod state;
-mod team;
+mod thread_pool;
 mod time_step;
 
 pub use contact::{Contact, Inspection, Surface, SurfaceError};
@@ -31,7 +31,7 @@ pub use patch::Patch;
 pub use pressure::Inflation;
 pub use rigid_body::RigidBody;
 pub use state::{State, StateMismatch};
-pub use team::Team;
+pub use thread_pool::ThreadPool;
 use time_step::TimeStep;
 
 use std::ops::Range;
@@ -40,8 +40,8 @@ use element::Forces;
 use nodes::Moved;
 use pressure::Inflated;
 use serde::{Deserialize, Serialize};
-use team::Disjoint;
 use thiserror::Error;
+use thread_pool::Disjoint;
 
 /// Everything that moves, and how it is driven.
 pub struct Engine {
@@ -56,7 +56,7 @@ pub struct Engine {
     before: Before,
     /// What pressure did last.
     inflated: Option<Inflated>,
-    team: Team,
+    pool: ThreadPool,
     /// Chunks of film whose forces may be added at the same time, film and chunk, colour by colour.
     phases: Vec<Vec<(usize, usize)>>,
     /// Nodes that are moved together, none of them on two faces.
@@ -186,7 +186,7 @@ impl Engine {
             gone: Gone::default(),
             before: Before::default(),
             inflated: None,
-            team: Team::new(1),
+            pool: ThreadPool::new(1),
             phases,
             node_ranges,
             broken: 0,
@@ -194,18 +194,18 @@ impl Engine {
         // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
         engine.forces(0.0);
         engine.nodes.forget_forces();
-        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.team, &engine.drive);
+        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.pool, &engine.drive);
         engine
     }
 
-    /// The same engine worked on by `team`: the bits of what comes out stay the same.
-    pub fn worked_on_by(self, team: Team) -> Engine {
-        Engine { team, ..self }
+    /// The same engine worked on by `pool`: the bits of what comes out stay the same.
+    pub fn with_pool(self, pool: ThreadPool) -> Engine {
+        Engine { pool, ..self }
     }
 
     /// Who works on it.
-    pub fn team(&self) -> &Team {
-        &self.team
+    pub fn pool(&self) -> &ThreadPool {
+        &self.pool
     }
 
     /// s.
@@ -235,7 +235,7 @@ impl Engine {
 
     /// Advances by one step. Returns the number of elements that broke in it.
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<usize, Fault> {
-        let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.team, self.time)?;
+        let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.pool, self.time)?;
         let over = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
         let wanted = observer.wants(self.time);
         self.forces(last);
@@ -295,9 +295,9 @@ impl Engine {
                 (pulling, Forces::new(own))
             })
             .collect();
-        let (team, width) = (&self.team, self.team.width());
+        let (pool, width) = (&self.pool, self.pool.width());
         for chunks in &self.phases {
-            team.each(chunks.len(), |part| {
+            pool.each(chunks.len(), |part| {
                 let (film, chunk) = chunks[part];
                 let (pulling, forces) = &films[film];
                 // SAFETY: chunks of one colour share no node, films neither, and each chunk comes up once.
@@ -321,10 +321,10 @@ impl Engine {
         let remembered = impact.as_mut().map(|Impact { body, contact }| contact.prepare(films, nodes, body));
         let kick = Kick::over(over, self.drive.damping);
         let moving = nodes.moving(kick, dt, self.drive.gravity, remembered);
-        let (width, ranges) = (self.team.width(), &self.node_ranges);
+        let (width, ranges) = (self.pool.width(), &self.node_ranges);
         let mut parts = vec![Moved::default(); ranges.len()];
         let answers = Disjoint::new(&mut parts);
-        self.team.each(ranges.len(), |part| {
+        self.pool.each(ranges.len(), |part| {
             // SAFETY: every range comes up once.
             unsafe { *answers.at(part) = moving.advance(width, ranges[part].clone()) };
         });
@@ -337,7 +337,7 @@ impl Engine {
             if damped {
                 contact.let_be(&self.nodes);
             }
-            fastest = fastest.max(contact.meet(&mut self.nodes, body, &before, dt, &self.team));
+            fastest = fastest.max(contact.meet(&mut self.nodes, body, &before, dt, &self.pool));
             if damped {
                 moved.damped += contact.damped_on_the_way(&self.nodes);
             }
@@ -397,7 +397,7 @@ impl Engine {
             drive: &self.drive,
             gone: self.gone,
             before: &self.before,
-            team: &self.team,
+            pool: &self.pool,
         }
     }
 }

@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::footprint::bytes;
-use super::team::Disjoint;
+use super::thread_pool::Disjoint;
 use crate::lane::{LANES, Lane, Lane3, Width, at_width, larger, splat};
 
 /// A vector at every node, one array an axis.

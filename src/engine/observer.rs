@@ -1,6 +1,6 @@
 //! What an observer may see of a run.
 
-use super::team::Team;
+use super::thread_pool::ThreadPool;
 use super::{Before, Contact, Drive, ElementStrain, Energies, Fault, Film, Gone, Inspection, Nodes, RigidBody, film};
 
 /// Something that looks on.
@@ -48,7 +48,7 @@ pub struct View<'a> {
     pub(super) drive: &'a Drive,
     pub(super) gone: Gone,
     pub(super) before: &'a Before,
-    pub(super) team: &'a Team,
+    pub(super) pool: &'a ThreadPool,
 }
 
 impl View<'_> {
@@ -63,7 +63,7 @@ impl View<'_> {
             external: self.gone.external - self.gone.external_ahead,
             ..Energies::default()
         };
-        for energy in film::energies(self.films, self.team, self.nodes.position.axes()) {
+        for energy in film::energies(self.films, self.pool, self.nodes.position.axes()) {
             out.stored += copies * energy.stored;
             out.absorbed += copies * energy.absorbed;
             out.hourglass += copies * energy.hourglass;
@@ -89,7 +89,7 @@ impl View<'_> {
 
     /// Strains of every element of each face, quads first, in place of what `out` held.
     pub fn strains(&self, out: &mut Vec<Vec<ElementStrain>>) {
-        film::strains(self.films, self.team, self.nodes.position.axes(), out);
+        film::strains(self.films, self.pool, self.nodes.position.axes(), out);
     }
 
     /// Velocity of a node at this step, m/s: the mean of those half a step before and after.

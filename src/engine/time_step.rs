@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::film::{self, Film};
 use super::nodes::Nodes;
-use super::team::Team;
+use super::thread_pool::ThreadPool;
 use super::{Drive, Fault};
 
 /// Share of the stability limit that is used.
@@ -45,10 +45,10 @@ pub struct TimeStep {
 
 impl TimeStep {
     /// The step of film at rest, with the damping and the step factor of `drive`.
-    pub fn new(films: &[Film], nodes: &Nodes, team: &Team, drive: &Drive) -> TimeStep {
+    pub fn new(films: &[Film], nodes: &Nodes, pool: &ThreadPool, drive: &Drive) -> TimeStep {
         let (damping, factor) = (drive.damping, drive.step_factor);
         let mut step = TimeStep { damping, factor, safety: SAFETY, ..TimeStep::default() };
-        (step.first, _) = step.stable(films, nodes, team);
+        (step.first, _) = step.stable(films, nodes, pool);
         (step.now, step.target) = (step.first, step.first);
         step
     }
@@ -64,10 +64,10 @@ impl TimeStep {
     }
 
     /// The last and the next step, s; looks at the film again where it is due.
-    pub fn next(&mut self, films: &[Film], nodes: &Nodes, team: &Team, time: f64) -> Result<(f64, f64), Fault> {
+    pub fn next(&mut self, films: &[Film], nodes: &Nodes, pool: &ThreadPool, time: f64) -> Result<(f64, f64), Fault> {
         let last = self.now;
         if self.until_look == 0 {
-            let (stable, face) = self.stable(films, nodes, team);
+            let (stable, face) = self.stable(films, nodes, pool);
             if stable.is_nan() || stable < COLLAPSE * self.first {
                 return Err(Fault::TimeStepCollapsed { time, first: self.first, now: stable, face: face + 1 });
             }
@@ -87,8 +87,8 @@ impl TimeStep {
     }
 
     /// The stable step and the face that limits it.
-    fn stable(&self, films: &[Film], nodes: &Nodes, team: &Team) -> (f64, usize) {
-        let bounds = film::frequency_bounds(films, team, nodes.position.axes());
+    fn stable(&self, films: &[Film], nodes: &Nodes, pool: &ThreadPool) -> (f64, usize) {
+        let bounds = film::frequency_bounds(films, pool, nodes.position.axes());
         let (face, squared) = bounds
             .into_iter()
             .enumerate()

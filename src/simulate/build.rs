@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::frame_force::HeldSides;
 use super::stretch::Coupon;
 use super::{Film as FilmTopology, RunError, indent, slow, stretch};
-use crate::engine::{Contact, Drive, Engine, Film, Impact, Inflation, Nodes, RigidBody, Surface, Team};
+use crate::engine::{Contact, Drive, Engine, Film, Impact, Inflation, Nodes, RigidBody, Surface, ThreadPool};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model};
 
@@ -112,10 +112,10 @@ fn impactor_surface(impactor: &Impactor) -> Result<Surface, RunError> {
 }
 
 /// Threads for a run of so many elements: all that there are, unless the run is one of several that share them.
-pub(super) fn team(elements: usize) -> Team {
+pub(super) fn pool(elements: usize) -> ThreadPool {
     let shared = rayon::current_thread_index().is_some();
     let worth = elements.div_ceil(WORTH_A_THREAD);
-    Team::new(if shared { 1 } else { worth.min(rayon::current_num_threads()) })
+    ThreadPool::new(if shared { 1 } else { worth.min(rayon::current_num_threads()) })
 }
 
 fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {

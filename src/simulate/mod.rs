@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::engine::{Engine, Fault, StateMismatch, Surface, Team, UprightElement};
+use crate::engine::{Engine, Fault, StateMismatch, Surface, ThreadPool, UprightElement};
 use crate::lane::Width;
 use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
@@ -215,7 +215,7 @@ pub struct RunOptions<'a> {
     /// When checkpoints are taken; never if left out.
     pub checkpoints: Option<Checkpoints<'a>>,
     /// Its threads; left out, their number follows from the elements and the processor.
-    pub team: Option<Team>,
+    pub pool: Option<ThreadPool>,
     /// Ends the run early, without an outcome.
     pub cancellation: Cancellation,
     /// Called with every snapshot as soon as it is taken.
@@ -254,11 +254,11 @@ pub fn run_with(
     options: RunOptions<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Outcome, RunError> {
-    let RunOptions { restart, checkpoints, team, cancellation, on_snapshot, detailed } = options;
+    let RunOptions { restart, checkpoints, pool, cancellation, on_snapshot, detailed } = options;
     let begin = Instant::now();
     let scene = build::scene(model)?;
-    let team = team.unwrap_or_else(|| build::team(scene.engine.elements()));
-    let mut engine = scene.engine.worked_on_by(team);
+    let pool = pool.unwrap_or_else(|| build::pool(scene.engine.elements()));
+    let mut engine = scene.engine.with_pool(pool);
     let mut probe = Probe::new(model, &scene.mounting, detailed);
     let mut before = Duration::ZERO;
     if let Some(restart) = restart {

@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use super::film::Film;
 use super::nodes::{Nodes, Remembered, Vectors};
 use super::rigid_body::RigidBody;
-use super::team::{Disjoint, Team};
+use super::thread_pool::{Disjoint, ThreadPool};
 use near::NearList;
 use tally::Tally;
 use touching::{Giving, Looking, Piece};
@@ -131,12 +131,12 @@ impl Contact {
         body: &mut RigidBody,
         before: &RigidBody,
         dt: f64,
-        team: &Team,
+        pool: &ThreadPool,
     ) -> f64 {
         self.pieces.resize_with(self.near.pieces.len(), Piece::default);
-        self.find_touching(nodes, body, dt, team);
+        self.find_touching(nodes, body, dt, pool);
         let ahead = self.body_ahead(body);
-        self.give(nodes, body, &ahead, dt, team);
+        self.give(nodes, body, &ahead, dt, pool);
         let mut given = self.total();
         body.push_about(&(-self.multiplicity * given.impulse()), &(-self.multiplicity * given.moment()));
         if self.meet_faces(nodes, body, dt) {
@@ -152,7 +152,7 @@ impl Contact {
     }
 
     /// Nodes that lie inside.
-    fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, dt: f64, team: &Team) {
+    fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, dt: f64, pool: &ThreadPool) {
         let near = &self.near;
         let mut body = body.clone();
         body.pose = body.predicted(dt);
@@ -167,10 +167,10 @@ impl Contact {
             per_second: 1.0 / dt,
         };
         let pieces = Disjoint::new(&mut self.pieces);
-        team.each(near.pieces.len(), |part| {
+        pool.each(near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
             let piece = unsafe { pieces.at(part) };
-            touching::find(team.width(), &looking, &near.nodes[near.pieces[part].clone()], piece);
+            touching::find(pool.width(), &looking, &near.nodes[near.pieces[part].clone()], piece);
         });
     }
 
@@ -184,14 +184,14 @@ impl Contact {
 
     /// Gives the touching nodes the momentum with which they follow the body as it will move `ahead`, moves them on, and adds up
     /// what went through them.
-    fn give(&mut self, nodes: &mut Nodes, body: &RigidBody, ahead: &RigidBody, dt: f64, team: &Team) {
+    fn give(&mut self, nodes: &mut Nodes, body: &RigidBody, ahead: &RigidBody, dt: f64, pool: &ThreadPool) {
         let pieces = Disjoint::new(&mut self.pieces);
         let (friction, earlier, nodes) = (self.friction, &self.earlier, nodes.met());
         let keep = !self.near.watched.is_empty();
         let giving = Giving { friction, earlier, nodes, body, ahead, dt, keep };
-        team.each(self.near.pieces.len(), |part| {
+        pool.each(self.near.pieces.len(), |part| {
             // SAFETY: every piece comes up once.
-            touching::give(team.width(), &giving, unsafe { pieces.at(part) });
+            touching::give(pool.width(), &giving, unsafe { pieces.at(part) });
         });
     }
 

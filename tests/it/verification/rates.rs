@@ -1,6 +1,6 @@
 //! Film whose curves depend on the strain rate.
 
-use droptower::engine::{Engine, StateMismatch, Team};
+use droptower::engine::{Engine, StateMismatch, ThreadPool};
 use droptower::lane::Width;
 use droptower::model::Model;
 use droptower::simulate::{self, Outcome};
@@ -120,10 +120,10 @@ fn the_same_bits_with_any_threads_and_vector_instructions() {
     let elements = ["quad4", "quad4-full", "tri3"].map(|element| format!("specimen.mesh.element={element}"));
     for element in &elements {
         let model = tower(&[element]);
-        let expected = after(&model, Team::new(1).at_width(Width::Baseline), 300);
+        let expected = after(&model, ThreadPool::new(1).at_width(Width::Baseline), 300);
         for threads in [1, 2, 3] {
             for width in Width::available() {
-                let found = after(&model, Team::new(threads).at_width(width), 300);
+                let found = after(&model, ThreadPool::new(threads).at_width(width), 300);
                 assert!(found == expected, "{element}: {threads} threads, {width:?}");
             }
         }

@@ -1,6 +1,6 @@
 //! The same bits, whoever computes them: any number of threads, lanes and vector instructions.
 
-use droptower::engine::{Engine, Patch, Team, Vectors};
+use droptower::engine::{Engine, Patch, ThreadPool, Vectors};
 use droptower::lane::Width;
 use droptower::mesh::{self, Mesh};
 use droptower::model::Model;
@@ -14,8 +14,8 @@ fn small() -> Model {
     shipped("drop/1008.toml", &["specimen.mesh.size=20mm"])
 }
 
-pub fn after(model: &Model, team: Team, steps: usize) -> Vec<u64> {
-    let mut engine: Engine = simulate::engine(model).expect("an engine").worked_on_by(team);
+pub fn after(model: &Model, pool: ThreadPool, steps: usize) -> Vec<u64> {
+    let mut engine: Engine = simulate::engine(model).expect("an engine").with_pool(pool);
     for _ in 0..steps {
         engine.step(&mut Blind).expect("a step");
     }
@@ -53,11 +53,11 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         (shipped("../tests/golden/inflation-square/scenario.toml", &[]), 400),
     ];
     for (case, (model, steps)) in cases.iter().enumerate() {
-        let expected = after(model, Team::new(1).at_width(Width::Baseline), *steps);
+        let expected = after(model, ThreadPool::new(1).at_width(Width::Baseline), *steps);
         assert!(expected.len() > 300 && expected.iter().any(|bits| f64::from_bits(*bits) < 0.0), "case {case}");
         for threads in [1, 2, 3] {
             for width in Width::available() {
-                let found = after(model, Team::new(threads).at_width(width), *steps);
+                let found = after(model, ThreadPool::new(threads).at_width(width), *steps);
                 assert!(found == expected, "case {case}: {threads} threads, {width:?}");
             }
         }

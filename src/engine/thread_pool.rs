@@ -1,6 +1,6 @@
 //! Threads that work on the parts of a step together.
 //!
-//! A step of some thousand elements takes tens of microseconds, less than waking a sleeping thread does. Members of a team
+//! A step of some thousand elements takes tens of microseconds, less than waking a sleeping thread does. Members of a pool
 //! therefore look for work for a while before they sleep. Each starts with its own share of the parts, the same ones in every
 //! step, so that what they work on stays in its cache; then it takes what others have left. Nobody waits for a member that
 //! has not come: where the processor is busy with other things, those who are there do the work.
@@ -19,7 +19,7 @@ const PATIENCE: (u32, u32) = (200, 2_000);
 
 /// Threads that share the parts of one task after the other. Which thread does which part is left to chance; parts must
 /// not depend on it.
-pub struct Team {
+pub struct ThreadPool {
     width: Width,
     board: Arc<Board>,
     members: Vec<(Thread, Option<JoinHandle<()>>)>,
@@ -61,9 +61,9 @@ unsafe impl Send for Board {}
 // SAFETY: as above.
 unsafe impl Sync for Board {}
 
-impl Team {
-    /// A team of `threads`, the caller among them.
-    pub fn new(threads: usize) -> Team {
+impl ThreadPool {
+    /// A pool of `threads`, the caller among them.
+    pub fn new(threads: usize) -> ThreadPool {
         let others = threads.saturating_sub(1);
         let board = Arc::new(Board {
             task: UnsafeCell::new(None),
@@ -83,14 +83,14 @@ impl Team {
             Some((handle.thread().clone(), Some(handle)))
         };
         let members = (1..=others).map_while(member).collect();
-        Team { width: Width::best(), board, members }
+        ThreadPool { width: Width::best(), board, members }
     }
 
-    /// The same team with other vector instructions, as far as the processor has them.
-    pub fn at_width(self, width: Width) -> Team {
-        let mut team = self;
-        team.width = if width as u8 <= Width::best() as u8 { width } else { Width::best() };
-        team
+    /// The same pool with other vector instructions, as far as the processor has them.
+    pub fn at_width(self, width: Width) -> ThreadPool {
+        let mut pool = self;
+        pool.width = if width as u8 <= Width::best() as u8 { width } else { Width::best() };
+        pool
     }
 
     /// Number of threads, the caller among them.
@@ -117,7 +117,7 @@ impl Team {
             std::mem::transmute::<*const (dyn Fn(usize) + Sync + '_), *const (dyn Fn(usize) + Sync + 'static)>(work)
         };
         let board = &*self.board;
-        assert!(!board.leading.swap(true, Ordering::SeqCst), "a team works on one task at a time");
+        assert!(!board.leading.swap(true, Ordering::SeqCst), "a pool works on one task at a time");
         // SAFETY: there is one leader, the gate is closed and nobody is at work: nobody looks.
         unsafe { *board.task.get() = Some(Task { work, count }) };
         for (share, next) in board.next.iter().enumerate() {
@@ -198,7 +198,7 @@ impl Board {
         }
     }
 
-    /// Waits for an open gate other than the one `seen` last; none once the team is dissolved.
+    /// Waits for an open gate other than the one `seen` last; none once the pool is dissolved.
     fn await_task(&self, number: usize, seen: usize) -> Option<usize> {
         let open = || Some(self.gate.load(Ordering::SeqCst)).filter(|gate| gate % 2 == 1 && *gate != seen);
         let mut looks = 0;
@@ -223,7 +223,7 @@ impl Board {
     }
 }
 
-impl Drop for Team {
+impl Drop for ThreadPool {
     fn drop(&mut self) {
         self.board.dissolved.store(true, Ordering::SeqCst);
         for (thread, handle) in &mut self.members {
@@ -282,13 +282,13 @@ mod tests {
     #[test]
     fn every_part_is_done_once_by_teams_of_any_size() {
         for threads in [1, 2, 3, 5] {
-            let team = Team::new(threads);
+            let pool = ThreadPool::new(threads);
             for count in [0, 1, 2, 7, 100] {
                 let mut done = vec![0; count];
                 let parts = Disjoint::new(&mut done);
                 for _ in 0..50 {
                     // SAFETY: every number comes up once.
-                    team.each(count, |part| unsafe { *parts.at(part) += 1 });
+                    pool.each(count, |part| unsafe { *parts.at(part) += 1 });
                 }
                 assert!(done.iter().all(|times| *times == 50), "{threads} threads, {count} parts");
             }
@@ -298,9 +298,9 @@ mod tests {
     #[test]
     #[should_panic(expected = "a part of a step panicked")]
     fn a_panic_in_a_part_reaches_the_leader() {
-        let team = Team::new(2);
+        let pool = ThreadPool::new(2);
         for _ in 0..1000 {
-            team.each(64, |_| {
+            pool.each(64, |_| {
                 std::thread::sleep(std::time::Duration::from_micros(20));
                 let member = std::thread::current().name().is_some_and(|name| name.starts_with("film"));
                 assert!(!member, "a part of a member");
@@ -312,11 +312,11 @@ mod tests {
     /// Sleeping members wake up again.
     #[test]
     fn a_team_works_after_a_rest() {
-        let team = Team::new(3);
+        let pool = ThreadPool::new(3);
         let sum = AtomicUsize::new(0);
         for _ in 0..3 {
             std::thread::sleep(std::time::Duration::from_millis(20));
-            team.each(10, |part| {
+            pool.each(10, |part| {
                 sum.fetch_add(part, Ordering::Relaxed);
             });
         }
