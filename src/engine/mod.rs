@@ -48,7 +48,7 @@ pub struct Engine {
     films: Vec<Film>,
     nodes: Nodes,
     impact: Option<Impact>,
-    drive: Drive,
+    loads: Loads,
     time_step: TimeStep,
     time: f64,
     steps: u64,
@@ -75,7 +75,7 @@ pub struct Impact {
 
 /// What acts besides contact.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct Loads {
     /// m/s², downward.
     pub gravity: f64,
     /// Mass-proportional damping of the film, 1/s.
@@ -90,10 +90,10 @@ pub struct Drive {
     pub step_factor: f64,
 }
 
-impl Default for Drive {
+impl Default for Loads {
     /// Nothing acts on a film that is computed whole.
-    fn default() -> Drive {
-        Drive { gravity: 0.0, damping: 0.0, jaws: vec![], inflation: None, multiplicity: 1.0, step_factor: 1.0 }
+    fn default() -> Loads {
+        Loads { gravity: 0.0, damping: 0.0, jaws: vec![], inflation: None, multiplicity: 1.0, step_factor: 1.0 }
     }
 }
 
@@ -160,7 +160,7 @@ impl Engine {
     ///
     /// # Panics
     /// Where `films` are not those that were mounted on `nodes`, in their order.
-    pub fn new(films: Vec<Film>, nodes: Nodes, impact: Option<Impact>, drive: Drive) -> Engine {
+    pub fn new(films: Vec<Film>, nodes: Nodes, impact: Option<Impact>, loads: Loads) -> Engine {
         let ends = films.iter().map(|film| film.nodes.end);
         let begins = films.iter().map(|film| film.nodes.start).chain([nodes.mass.len()]);
         assert!(begins.eq(std::iter::once(0).chain(ends)), "films follow each other on their nodes");
@@ -179,7 +179,7 @@ impl Engine {
             films,
             nodes,
             impact,
-            drive,
+            loads,
             time_step: TimeStep::default(),
             time: 0.0,
             steps: 0,
@@ -194,7 +194,7 @@ impl Engine {
         // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
         engine.forces(0.0);
         engine.nodes.forget_forces();
-        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.pool, &engine.drive);
+        engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.pool, &engine.loads);
         engine
     }
 
@@ -259,8 +259,8 @@ impl Engine {
         let mut broken = 0;
         for film in &mut self.films {
             let (count, held) = film.break_elements(self.nodes.position.axes());
-            self.gone.rupture += self.drive.multiplicity * (held.stored + held.hourglass);
-            self.gone.absorbed += self.drive.multiplicity * held.absorbed;
+            self.gone.rupture += self.loads.multiplicity * (held.stored + held.hourglass);
+            self.gone.absorbed += self.loads.multiplicity * held.absorbed;
             broken += count;
         }
         if broken > 0 {
@@ -272,9 +272,9 @@ impl Engine {
 
     /// Adds the load of the pressure, if there is one, and books its work.
     fn inflate(&mut self) {
-        let Some(inflation) = &self.drive.inflation else { return };
+        let Some(inflation) = &self.loads.inflation else { return };
         let now = pressure::inflate(&self.films, &mut self.nodes, inflation.at(self.time));
-        self.gone.external -= self.drive.multiplicity * now.work_since(self.inflated);
+        self.gone.external -= self.loads.multiplicity * now.work_since(self.inflated);
         self.inflated = Some(now);
     }
 
@@ -309,7 +309,7 @@ impl Engine {
     /// Work of the jaws against the film's forces; these act over the halves of the steps on both sides.
     fn pull(&mut self, dt: f64, kick: f64) {
         let power = |jaw: &Jaw| -self.nodes.pull(&jaw.nodes, 0) * jaw.velocity;
-        let power = self.drive.multiplicity * self.drive.jaws.iter().map(power).sum::<f64>();
+        let power = self.loads.multiplicity * self.loads.jaws.iter().map(power).sum::<f64>();
         self.gone.external -= power * kick;
         self.gone.external_ahead = -0.5 * power * dt;
     }
@@ -319,8 +319,8 @@ impl Engine {
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
         let Engine { films, nodes, impact, .. } = self;
         let remembered = impact.as_mut().map(|Impact { body, contact }| contact.prepare(films, nodes, body));
-        let kick = Kick::over(over, self.drive.damping);
-        let moving = nodes.moving(kick, dt, self.drive.gravity, remembered);
+        let kick = Kick::over(over, self.loads.damping);
+        let moving = nodes.moving(kick, dt, self.loads.gravity, remembered);
         let (width, ranges) = (self.pool.width(), &self.node_ranges);
         let mut parts = vec![Moved::default(); ranges.len()];
         let answers = Disjoint::new(&mut parts);
@@ -332,8 +332,8 @@ impl Engine {
         let mut fastest = moved.fastest.sqrt();
         if let Some(Impact { body, contact }) = &mut self.impact {
             let before = body.clone();
-            body.kick(over, self.drive.gravity);
-            let damped = self.drive.damping > 0.0;
+            body.kick(over, self.loads.gravity);
+            let damped = self.loads.damping > 0.0;
             if damped {
                 contact.let_be(&self.nodes);
             }
@@ -342,7 +342,7 @@ impl Engine {
                 moved.damped += contact.damped_on_the_way(&self.nodes);
             }
         }
-        self.gone.damping += self.drive.multiplicity * self.drive.damping * over * moved.damped;
+        self.gone.damping += self.loads.multiplicity * self.loads.damping * over * moved.damped;
         fastest
     }
 
@@ -380,8 +380,8 @@ impl Engine {
     /// Mean pull of the film on the jaws along x, N, on the computed part of the film.
     fn jaw_force(&self) -> f64 {
         let pull = |jaw: &Jaw| -jaw.velocity.signum() * self.nodes.pull(&jaw.nodes, 0);
-        let count = self.drive.jaws.len().max(1) as f64;
-        self.drive.jaws.iter().map(pull).sum::<f64>() / count
+        let count = self.loads.jaws.len().max(1) as f64;
+        self.loads.jaws.iter().map(pull).sum::<f64>() / count
     }
 
     fn view(&self) -> View<'_> {
@@ -394,7 +394,7 @@ impl Engine {
             nodes: &self.nodes,
             body,
             contact,
-            drive: &self.drive,
+            loads: &self.loads,
             gone: self.gone,
             before: &self.before,
             pool: &self.pool,

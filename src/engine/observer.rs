@@ -1,7 +1,7 @@
 //! What an observer may see of a run.
 
 use super::thread_pool::ThreadPool;
-use super::{Before, Contact, Drive, ElementStrain, Energies, Fault, Film, Gone, Inspection, Nodes, RigidBody, film};
+use super::{Before, Contact, ElementStrain, Energies, Fault, Film, Gone, Inspection, Loads, Nodes, RigidBody, film};
 
 /// Something that looks on.
 pub trait Observer {
@@ -45,7 +45,7 @@ pub struct View<'a> {
     /// The impactor, its velocities half a step after `time`.
     pub body: Option<&'a RigidBody>,
     pub(super) contact: Option<&'a Contact>,
-    pub(super) drive: &'a Drive,
+    pub(super) loads: &'a Loads,
     pub(super) gone: Gone,
     pub(super) before: &'a Before,
     pub(super) pool: &'a ThreadPool,
@@ -54,8 +54,8 @@ pub struct View<'a> {
 impl View<'_> {
     /// The energy audit at this step.
     pub fn energies(&self) -> Energies {
-        let copies = self.drive.multiplicity;
-        let g = self.drive.gravity;
+        let copies = self.loads.multiplicity;
+        let g = self.loads.gravity;
         let mut out = Energies {
             rupture: self.gone.rupture,
             absorbed: self.gone.absorbed,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::film::{self, Film};
 use super::nodes::Nodes;
 use super::thread_pool::ThreadPool;
-use super::{Drive, Fault};
+use super::{Fault, Loads};
 
 /// Share of the stability limit that is used.
 const SAFETY: f64 = 0.9;
@@ -44,9 +44,9 @@ pub struct TimeStep {
 }
 
 impl TimeStep {
-    /// The step of film at rest, with the damping and the step factor of `drive`.
-    pub fn new(films: &[Film], nodes: &Nodes, pool: &ThreadPool, drive: &Drive) -> TimeStep {
-        let (damping, factor) = (drive.damping, drive.step_factor);
+    /// The step of film at rest, with the damping and the step factor of `loads`.
+    pub fn new(films: &[Film], nodes: &Nodes, pool: &ThreadPool, loads: &Loads) -> TimeStep {
+        let (damping, factor) = (loads.damping, loads.step_factor);
         let mut step = TimeStep { damping, factor, safety: SAFETY, ..TimeStep::default() };
         (step.first, _) = step.stable(films, nodes, pool);
         (step.now, step.target) = (step.first, step.first);

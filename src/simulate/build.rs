@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::frame_force::HeldSides;
 use super::stretch::Coupon;
 use super::{Film as FilmTopology, RunError, indent, slow, stretch};
-use crate::engine::{Contact, Drive, Engine, Film, Impact, Inflation, Nodes, RigidBody, Surface, ThreadPool};
+use crate::engine::{Contact, Engine, Film, Impact, Inflation, Loads, Nodes, RigidBody, Surface, ThreadPool};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model};
 
@@ -52,7 +52,7 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     let mut topologies = vec![];
     let multiplicity = model.specimen.symmetry.copies();
     let (damping, step_factor) = (slow::damping(model), model.solver.step_factor);
-    let mut drive = Drive { multiplicity, damping, step_factor, ..Drive::default() };
+    let mut loads = Loads { multiplicity, damping, step_factor, ..Loads::default() };
     let coupon = Coupon::of(model);
     let mut held = HeldSides::of(model);
     let scaled = (!matches!(model.loading, Loading::Impact { .. })).then_some(mass_scaling);
@@ -64,7 +64,7 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
         held.mount(&mesh, first);
         match model.loading {
             Loading::Stretch { velocity, .. } => {
-                drive.jaws.extend(stretch::grip(&mut nodes, &mesh, first, velocity, coupon.gauge));
+                loads.jaws.extend(stretch::grip(&mut nodes, &mesh, first, velocity, coupon.gauge));
             }
             Loading::Impact { .. } | Loading::Indent { .. } | Loading::Pressure { .. } => {
                 clamp(&mut nodes, &mesh, first, &model.frame.hold);
@@ -76,7 +76,7 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     let mut impact = None;
     match model.loading {
         Loading::Impact { velocity, gravity, .. } => {
-            drive.gravity = gravity;
+            loads.gravity = gravity;
             if let Some(impactor) = &model.impactor {
                 let (contact, pose) = over_film(impactor, model, &films, &nodes)?;
                 let inertia = contact.surface().inertia_per_mass() * impactor.mass;
@@ -94,9 +94,9 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
                 impact = Some(Impact { body: RigidBody::driven(pose, -velocity), contact });
             }
         }
-        Loading::Pressure { pressure, ramp, .. } => drive.inflation = Some(Inflation { pressure, ramp }),
+        Loading::Pressure { pressure, ramp, .. } => loads.inflation = Some(Inflation { pressure, ramp }),
     }
-    Ok(Scene { engine: Engine::new(films, nodes, impact, drive), mounting })
+    Ok(Scene { engine: Engine::new(films, nodes, impact, loads), mounting })
 }
 
 /// The surface of the impactor about its centre of mass.

@@ -1,6 +1,6 @@
 //! Loading and unloading by the film's own inertia: what comes back is the share 1 − D, to the engine's accuracy.
 
-use droptower::engine::{Drive, Engine};
+use droptower::engine::{Engine, Loads};
 use droptower::material::{Curve, Fabric, Law, Material};
 use droptower::mesh::Mesh;
 use droptower::model::Element;
@@ -51,8 +51,8 @@ fn cycle(element: Element, absorption: f64, fibre: usize) -> [f64; 3] {
     for n in (0..mesh.nodes.len()).filter(free) {
         nodes.velocity.set(n, [0, 1, 2].map(|axis| if axis == fibre { SPEED } else { 0.0 }));
     }
-    let drive = Drive { step_factor: STEP, ..Drive::default() };
-    let mut engine = Engine::new(vec![film], nodes, None, drive);
+    let loads = Loads { step_factor: STEP, ..Loads::default() };
+    let mut engine = Engine::new(vec![film], nodes, None, loads);
     let (mut largest, mut start) = (0.0_f64, None);
     loop {
         let (strain, energies) = watch(&mut engine, |view| {

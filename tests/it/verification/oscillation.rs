@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use droptower::engine::{Drive, Engine};
+use droptower::engine::{Engine, Loads};
 use droptower::material::{Elastic, Law, Material};
 use droptower::mesh;
 use droptower::model::{Element, Face, Meshing, Shape, Side, Specimen, Symmetry};
@@ -90,8 +90,8 @@ impl Film {
         let shape: Vec<f64> = places(&nodes).iter().map(|x| x[2] / (HEIGHT * SPAN)).collect();
         let whole: f64 = shape.iter().zip(&nodes.mass).map(|(s, m)| m * s * s).sum();
         let shares = shape.iter().zip(&nodes.mass).map(|(s, m)| m * s / whole).collect();
-        let drive = Drive { damping, multiplicity: 1.0, ..Drive::default() };
-        (Engine::new(vec![film], nodes, None, drive), shares)
+        let loads = Loads { damping, multiplicity: 1.0, ..Loads::default() };
+        (Engine::new(vec![film], nodes, None, loads), shares)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Engines set up by hand, and a look at every step.
 
 use droptower::engine::{
-    Contact, Drive, Energies, Engine, Fault, Film, Impact, Jaw, Nodes, Observer, RigidBody, Surface, View,
+    Contact, Energies, Engine, Fault, Film, Impact, Jaw, Loads, Nodes, Observer, RigidBody, Surface, View,
 };
 use droptower::mesh::{self, Mesh};
 use droptower::model::{Hold, Loading, Model, Side, Symmetry};
@@ -50,8 +50,8 @@ impl Scene {
         body.spin = spin;
         let copies = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
         let contact = Contact::new(surface, impactor.friction, copies, offset);
-        let drive = Drive { gravity, multiplicity: copies, ..Drive::default() };
-        Scene { engine: Engine::new(films, nodes, Some(Impact { body, contact }), drive) }
+        let loads = Loads { gravity, multiplicity: copies, ..Loads::default() };
+        Scene { engine: Engine::new(films, nodes, Some(Impact { body, contact }), loads) }
     }
 
     /// The film of a stretch between jaws that part at `velocity` (m/s).
@@ -65,8 +65,8 @@ impl Scene {
             jaw.nodes.iter().for_each(|n| nodes.velocity.set(*n as usize, [jaw.velocity, 0.0, 0.0]));
             jaw
         });
-        let drive = Drive { jaws: jaws.into(), multiplicity: 1.0, ..Drive::default() };
-        Scene { engine: Engine::new(vec![film], nodes, None, drive) }
+        let loads = Loads { jaws: jaws.into(), multiplicity: 1.0, ..Loads::default() };
+        Scene { engine: Engine::new(vec![film], nodes, None, loads) }
     }
 
     /// Advances by one step; how many elements broke in it.
@@ -131,8 +131,8 @@ pub fn forces(film: &mut Film, nodes: &Nodes) -> Vec<Vector3<f64>> {
 
 /// Where the nodes come to rest under `damping` (1/s) within `time` (s), and the energies then.
 pub fn relaxed(film: Film, nodes: Nodes, damping: f64, time: f64) -> (Vec<[f64; 3]>, Energies) {
-    let drive = Drive { damping, ..Drive::default() };
-    let mut engine = Engine::new(vec![film], nodes, None, drive);
+    let loads = Loads { damping, ..Loads::default() };
+    let mut engine = Engine::new(vec![film], nodes, None, loads);
     while engine.time() < time {
         engine.step(&mut Blind).expect("a step");
     }
