@@ -1,7 +1,7 @@
 //! What the engine's own arrays take.
 
 use super::element::Blocks;
-use super::{Before, Engine, Film};
+use super::{Engine, Film, PreviousStep};
 
 /// Bytes of the entries of a slice.
 pub(super) fn bytes<T>(entries: &[T]) -> usize {
@@ -18,10 +18,10 @@ impl Engine {
     /// Bytes of all arrays that grow with the mesh: nodes, elements, contact, and the full step that is kept for observers.
     /// What a vector has in reserve does not count.
     pub fn bytes(&self) -> usize {
-        let Before { position, force, velocity, .. } = &self.before;
-        let before = position.bytes() + force.bytes() + velocity.bytes();
+        let PreviousStep { position, force, velocity, .. } = &self.previous;
+        let previous = position.bytes() + force.bytes() + velocity.bytes();
         let films: usize = self.films.iter().map(Film::bytes).sum();
         let contact = self.impact.as_ref().map_or(0, |impact| impact.contact.bytes());
-        self.nodes.bytes() + before + films + contact
+        self.nodes.bytes() + previous + films + contact
     }
 }

@@ -52,8 +52,8 @@ pub struct Engine {
     time_step: TimeStep,
     time: f64,
     steps: u64,
-    gone: Gone,
-    before: Before,
+    ledger: EnergyLedger,
+    previous: PreviousStep,
     /// What pressure did last.
     inflated: Option<Inflated>,
     pool: ThreadPool,
@@ -111,7 +111,7 @@ const NODES_AT_ONCE: usize = 1024;
 
 /// Energy that left the elements for good, J.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Gone {
+struct EnergyLedger {
     rupture: f64,
     absorbed: f64,
     damping: f64,
@@ -122,7 +122,7 @@ struct Gone {
 
 /// The full step that an observer wants to see, kept while the nodes move on.
 #[derive(Default)]
-struct Before {
+struct PreviousStep {
     position: Vectors,
     force: Vectors,
     /// Half a step before it.
@@ -183,15 +183,15 @@ impl Engine {
             time_step: TimeStep::default(),
             time: 0.0,
             steps: 0,
-            gone: Gone::default(),
-            before: Before::default(),
+            ledger: EnergyLedger::default(),
+            previous: PreviousStep::default(),
             inflated: None,
             pool: ThreadPool::new(1),
             phases,
             node_ranges,
             broken: 0,
         };
-        // Pre-strain has to be in the laws' memory before anyone asks how stiff the film is.
+        // The stiffness depends on history variables, which pre-strain changes.
         engine.forces(0.0);
         engine.nodes.forget_forces();
         engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.pool, &engine.loads);
@@ -242,7 +242,7 @@ impl Engine {
         self.pull(dt, over);
         let jaw_force = self.jaw_force();
         if wanted {
-            self.before.keep(&self.nodes, self.impact.as_ref());
+            self.previous.keep(&self.nodes, self.impact.as_ref());
         }
         let fastest = self.advance(over, dt);
         if wanted {
@@ -259,8 +259,8 @@ impl Engine {
         let mut broken = 0;
         for film in &mut self.films {
             let (count, held) = film.break_elements(self.nodes.position.axes());
-            self.gone.rupture += self.loads.multiplicity * (held.stored + held.hourglass);
-            self.gone.absorbed += self.loads.multiplicity * held.absorbed;
+            self.ledger.rupture += self.loads.multiplicity * (held.stored + held.hourglass);
+            self.ledger.absorbed += self.loads.multiplicity * held.absorbed;
             broken += count;
         }
         if broken > 0 {
@@ -274,7 +274,7 @@ impl Engine {
     fn inflate(&mut self) {
         let Some(inflation) = &self.loads.inflation else { return };
         let now = pressure::inflate(&self.films, &mut self.nodes, inflation.at(self.time));
-        self.gone.external -= self.loads.multiplicity * now.work_since(self.inflated);
+        self.ledger.external -= self.loads.multiplicity * now.work_since(self.inflated);
         self.inflated = Some(now);
     }
 
@@ -310,8 +310,8 @@ impl Engine {
     fn pull(&mut self, dt: f64, kick: f64) {
         let power = |jaw: &Jaw| -self.nodes.pull(&jaw.nodes, 0) * jaw.velocity;
         let power = self.loads.multiplicity * self.loads.jaws.iter().map(power).sum::<f64>();
-        self.gone.external -= power * kick;
-        self.gone.external_ahead = -0.5 * power * dt;
+        self.ledger.external -= power * kick;
+        self.ledger.external_ahead = -0.5 * power * dt;
     }
 
     /// Accelerates nodes and body over `over` (s), moves the nodes on by `dt` (s) and lets them meet the body. Returns the
@@ -342,7 +342,7 @@ impl Engine {
                 moved.damped += contact.damped_on_the_way(&self.nodes);
             }
         }
-        self.gone.damping += self.loads.multiplicity * self.loads.damping * over * moved.damped;
+        self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * moved.damped;
         fastest
     }
 
@@ -356,8 +356,8 @@ impl Engine {
 
     /// Exchanges places and forces of the nodes with those kept.
     fn exchange(&mut self) {
-        std::mem::swap(&mut self.nodes.position, &mut self.before.position);
-        std::mem::swap(&mut self.nodes.force, &mut self.before.force);
+        std::mem::swap(&mut self.nodes.position, &mut self.previous.position);
+        std::mem::swap(&mut self.nodes.force, &mut self.previous.force);
     }
 
     /// Moves the body on and tells where it is.
@@ -395,14 +395,14 @@ impl Engine {
             body,
             contact,
             loads: &self.loads,
-            gone: self.gone,
-            before: &self.before,
+            ledger: self.ledger,
+            previous: &self.previous,
             pool: &self.pool,
         }
     }
 }
 
-impl Before {
+impl PreviousStep {
     fn keep(&mut self, nodes: &Nodes, impact: Option<&Impact>) {
         self.position.clone_from(&nodes.position);
         self.force.clone_from(&nodes.force);

@@ -1,7 +1,10 @@
 //! What an observer may see of a run.
 
 use super::thread_pool::ThreadPool;
-use super::{Before, Contact, ElementStrain, Energies, Fault, Film, Gone, Inspection, Loads, Nodes, RigidBody, film};
+use super::{
+    Contact, ElementStrain, Energies, EnergyLedger, Fault, Film, Inspection, Loads, Nodes, PreviousStep, RigidBody,
+    film,
+};
 
 /// Something that looks on.
 pub trait Observer {
@@ -46,8 +49,8 @@ pub struct View<'a> {
     pub body: Option<&'a RigidBody>,
     pub(super) contact: Option<&'a Contact>,
     pub(super) loads: &'a Loads,
-    pub(super) gone: Gone,
-    pub(super) before: &'a Before,
+    pub(super) ledger: EnergyLedger,
+    pub(super) previous: &'a PreviousStep,
     pub(super) pool: &'a ThreadPool,
 }
 
@@ -57,10 +60,10 @@ impl View<'_> {
         let copies = self.loads.multiplicity;
         let g = self.loads.gravity;
         let mut out = Energies {
-            rupture: self.gone.rupture,
-            absorbed: self.gone.absorbed,
-            damping: self.gone.damping,
-            external: self.gone.external - self.gone.external_ahead,
+            rupture: self.ledger.rupture,
+            absorbed: self.ledger.absorbed,
+            damping: self.ledger.damping,
+            external: self.ledger.external - self.ledger.external_ahead,
             ..Energies::default()
         };
         for energy in film::energies(self.films, self.pool, self.nodes.position.axes()) {
@@ -69,11 +72,11 @@ impl View<'_> {
             out.hourglass += copies * energy.hourglass;
         }
         for (n, mass) in self.nodes.mass.iter().enumerate() {
-            let (v, u) = (self.nodes.velocity.at(n), self.before.velocity.at(n));
+            let (v, u) = (self.nodes.velocity.at(n), self.previous.velocity.at(n));
             out.kinetic_film += copies * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
             out.potential += copies * mass * g * self.nodes.position.at(n)[2];
         }
-        if let (Some(body), Some(before)) = (self.body, &self.before.body) {
+        if let (Some(body), Some(before)) = (self.body, &self.previous.body) {
             out.kinetic_impactor = body.kinetic_energy(before);
             out.potential += body.potential_energy(g);
         }
@@ -94,7 +97,7 @@ impl View<'_> {
 
     /// Velocity of a node at this step, m/s: the mean of those half a step before and after.
     pub fn velocity(&self, node: usize) -> [f64; 3] {
-        let (before, after) = (self.before.velocity.at(node), self.nodes.velocity.at(node));
+        let (before, after) = (self.previous.velocity.at(node), self.nodes.velocity.at(node));
         [0, 1, 2].map(|axis| 0.5 * (before[axis] + after[axis]))
     }
 

@@ -7,7 +7,7 @@ use super::contact::Carried;
 use super::memory::Memory;
 use super::pressure::Inflated;
 use super::rigid_body::Motion;
-use super::{Engine, Film, Gone, TimeStep, Vectors};
+use super::{EnergyLedger, Engine, Film, TimeStep, Vectors};
 
 /// State of an engine between two steps. Forces are not in it: they follow from the rest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -17,7 +17,7 @@ pub struct State {
     /// Steps so far.
     pub steps: u64,
     time_step: TimeStep,
-    gone: Gone,
+    ledger: EnergyLedger,
     inflated: Option<Inflated>,
     position: Vectors,
     velocity: Vectors,
@@ -40,12 +40,12 @@ pub struct StateMismatch {
 impl Engine {
     /// The state after the last step.
     pub fn state(&self) -> State {
-        let Engine { films, nodes, impact, time_step, time, steps, gone, inflated, .. } = self;
+        let Engine { films, nodes, impact, time_step, time, steps, ledger, inflated, .. } = self;
         State {
             time: *time,
             steps: *steps,
             time_step: time_step.clone(),
-            gone: *gone,
+            ledger: *ledger,
             inflated: *inflated,
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
@@ -64,7 +64,7 @@ impl Engine {
         self.time = state.time;
         self.steps = state.steps;
         self.time_step.resume(state.time_step);
-        self.gone = state.gone;
+        self.ledger = state.ledger;
         self.inflated = state.inflated;
         self.broken = 0;
         self.nodes.position = state.position;
