@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use super::element::{
     self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, Forces, FullQuads, OwnForces, Quads, Shaped,
-    StressFree, Tris, UprightElement,
+    StressFree, Tris, UndefinedFibreDirection,
 };
 use super::footprint;
 use super::memory::{self, Memory};
@@ -99,7 +99,12 @@ macro_rules! by_kind {
 impl Film {
     /// The elements of `mesh` as film of `face`; appends the face's nodes, lifted to its height, to `nodes`.
     /// `mass_scaling` multiplies the density.
-    pub fn mount(mesh: &Mesh, face: &Face, mass_scaling: f64, nodes: &mut Nodes) -> Result<Film, UprightElement> {
+    pub fn mount(
+        mesh: &Mesh,
+        face: &Face,
+        mass_scaling: f64,
+        nodes: &mut Nodes,
+    ) -> Result<Film, UndefinedFibreDirection> {
         let stress_free = StressFree::new(face.md_angle, face.prestrain);
         let thickness = face.material.thickness * f64::from(face.layers);
         let density = face.material.density * mass_scaling;
@@ -432,7 +437,7 @@ struct Mount<'a> {
 
 impl Mount<'_> {
     /// The elements with their law, and the number of colours of their chunks; adds their mass to their nodes.
-    fn sheet<M: MembraneLaw + Clone>(&mut self, law: &M) -> Result<(Sheet<M>, usize), UprightElement> {
+    fn sheet<M: MembraneLaw + Clone>(&mut self, law: &M) -> Result<(Sheet<M>, usize), UndefinedFibreDirection> {
         let mut chunks = vec![];
         if self.full {
             self.add(&self.mesh.quads, Elements::FullQuads, &mut chunks)?;
@@ -450,7 +455,7 @@ impl Mount<'_> {
         nodes: &[[u32; NODES]],
         kind: impl Fn(Blocks<B, NODES>) -> Elements<P>,
         chunks: &mut Vec<Chunk<P>>,
-    ) -> Result<(), UprightElement>
+    ) -> Result<(), UndefinedFibreDirection>
     where
         B: Block<NODES, LANES>,
         B::Element: Shaped<NODES>,

@@ -21,7 +21,7 @@ mod thread_pool;
 mod time_step;
 
 pub use contact::{Contact, Inspection, Surface, SurfaceError};
-pub use element::{ElementDetail, ElementEnergy, ElementStrain, UprightElement};
+pub use element::{ElementDetail, ElementEnergy, ElementStrain, UndefinedFibreDirection};
 pub use energy::Energies;
 pub use film::Film;
 use nodes::Kick;

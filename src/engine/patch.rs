@@ -1,6 +1,6 @@
 //! Quadrilaterals in blocks of any number of lanes: what one kernel costs and gives at each.
 
-use super::element::{self, Forces, OnePointElement, Quads, StressFree, UprightElement};
+use super::element::{self, Forces, OnePointElement, Quads, StressFree, UndefinedFibreDirection};
 use super::nodes::Vectors;
 use crate::lane::Width;
 use crate::material::{Elastic, Fabric, Law, MembraneLaw, RateCurves, TensionField};
@@ -25,7 +25,7 @@ impl<const L: usize> Patch<L> {
     ///
     /// # Errors
     /// MD has no direction in an element.
-    pub fn new(mesh: &Mesh, face: &Face) -> Result<Patch<L>, UprightElement> {
+    pub fn new(mesh: &Mesh, face: &Face) -> Result<Patch<L>, UndefinedFibreDirection> {
         let stress_free = StressFree::new(face.md_angle, face.prestrain);
         let elements = element::shaped(&mesh.quads, &mesh.nodes, &stress_free)?;
         let thickness = face.material.thickness * f64::from(face.layers);

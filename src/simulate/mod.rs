@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::engine::{Engine, Fault, StateMismatch, Surface, ThreadPool, UprightElement};
+use crate::engine::{Engine, Fault, StateMismatch, Surface, ThreadPool, UndefinedFibreDirection};
 use crate::lane::Width;
 use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
@@ -173,7 +173,7 @@ pub enum RunError {
     Surface(#[from] crate::engine::SurfaceError),
     /// A fibre has no direction in an element.
     #[error(transparent)]
-    Upright(#[from] UprightElement),
+    FibreDirection(#[from] UndefinedFibreDirection),
     /// The checkpoint belongs to another scene.
     #[error("the checkpoint does not fit: {0}")]
     StateMismatch(#[from] StateMismatch),

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::stretch::Coupon;
-use crate::engine::{Film, Nodes, UprightElement, Vectors};
+use crate::engine::{Film, Nodes, UndefinedFibreDirection, Vectors};
 use crate::mesh::{self, MeshError};
 use crate::model::{Face, Loading, Meshing, Model, Shape, Side, Specimen, Symmetry};
 
@@ -27,7 +27,7 @@ pub enum PullError {
     Mesh(#[from] MeshError),
     /// A fibre has no direction in the element.
     #[error(transparent)]
-    Upright(#[from] UprightElement),
+    FibreDirection(#[from] UndefinedFibreDirection),
     /// No film is shortened to nothing.
     #[error("no film has the engineering strain {strain}")]
     Strain { strain: f64 },

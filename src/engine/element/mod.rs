@@ -15,7 +15,7 @@ pub use gauss::Gauss;
 pub use kernel::{ElementDetail, ElementEnergy, ElementStrain, Forces, OwnForces};
 pub use one_point::OnePoint;
 pub(super) use one_point::OnePointElement;
-pub use reference::{StressFree, UprightElement};
+pub use reference::{StressFree, UndefinedFibreDirection};
 
 pub(super) use kernel::{add_forces, details, energy, energy_at, frequency_bound, strains};
 
@@ -80,6 +80,6 @@ pub(super) fn shaped<E: Shaped<NODES>, const NODES: usize>(
     elements: &[[u32; NODES]],
     nodes: &[Point3<f64>],
     film: &StressFree,
-) -> Result<Vec<E>, UprightElement> {
+) -> Result<Vec<E>, UndefinedFibreDirection> {
     elements.iter().map(|&element| Ok(E::shaped(&film.reference(element, nodes)?))).collect()
 }

@@ -10,10 +10,10 @@ pub struct StressFree {
     prestrain: [f64; 2],
 }
 
-/// MD does not lie in the plane of an element, so its fibres have no direction.
+/// MD is perpendicular to the plane of an element, so the fibre directions in it are undefined.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("the element at nodes {nodes:?} stands upright to MD, so its fibres have no direction")]
-pub struct UprightElement {
+#[error("the fibre directions are undefined in the element at nodes {nodes:?}: MD is perpendicular to its plane")]
+pub struct UndefinedFibreDirection {
     /// The first three nodes of the element.
     pub nodes: [u32; 3],
 }
@@ -30,14 +30,14 @@ impl StressFree {
         &self,
         nodes: [u32; NODES],
         positions: &[Point3<f64>],
-    ) -> Result<[[f64; 2]; NODES], UprightElement> {
+    ) -> Result<[[f64; 2]; NODES], UndefinedFibreDirection> {
         let x: [Point3<f64>; NODES] = nodes.map(|n| positions[n as usize]);
-        let upright = UprightElement { nodes: [nodes[0], nodes[1], nodes[2]] };
+        let undefined = UndefinedFibreDirection { nodes: [nodes[0], nodes[1], nodes[2]] };
         let last = x[NODES - 1];
         let normal = (x[2] - x[0]).cross(&(last - x[1])).try_normalize(0.0).unwrap_or_else(Vector3::z);
         let normal = if NODES == 3 { (x[1] - x[0]).cross(&(x[2] - x[0])).normalize() } else { normal };
         let md = self.md - normal * self.md.dot(&normal);
-        let md = md.try_normalize(1e-3).ok_or(upright)?;
+        let md = md.try_normalize(1e-3).ok_or(undefined)?;
         let td = normal.cross(&md);
         Ok(x.map(|p| {
             let arm = p - x[0];
