@@ -123,7 +123,7 @@ impl MembraneLaw for Elastic {
         self.bound(d, self.response(&Elastic::strain(d)))
     }
 
-    fn thinning<const L: usize>(&self, stress: &Stress<L>) -> Lane<L> {
+    fn thickness_ratio<const L: usize>(&self, stress: &Stress<L>) -> Lane<L> {
         self.thickness_stretch(&stress.tension)
     }
 

@@ -247,7 +247,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     }
 
     /// Nothing: the curves are of the stress-free cross-section, and how film thins is not in them.
-    fn thinning<const L: usize>(&self, _stress: &Stress<L>) -> Lane<L> {
+    fn thickness_ratio<const L: usize>(&self, _stress: &Stress<L>) -> Lane<L> {
         splat(f64::NAN)
     }
 

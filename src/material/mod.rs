@@ -133,7 +133,7 @@ pub trait MembraneLaw {
     /// Largest tangent stiffness at and near deformation `d`, whichever way it goes on.
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Stiffness<L>;
     /// Thickness over that of stress-free film under `stress`; NaN where the law says nothing of it.
-    fn thinning<const L: usize>(&self, stress: &Stress<L>) -> Lane<L>;
+    fn thickness_ratio<const L: usize>(&self, stress: &Stress<L>) -> Lane<L>;
     /// Slopes of the law at rest along MD and TD, Pa.
     fn moduli(&self) -> [f64; 2];
     /// Strains at which the MD and TD fibres break.

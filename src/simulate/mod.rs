@@ -129,7 +129,7 @@ pub struct Detail {
     /// Largest MD and TD strain so far.
     pub peaks: Vec<[f32; 2]>,
     /// Thickness over that of stress-free film; NaN where the law says nothing of it.
-    pub thinning: Vec<f32>,
+    pub thickness_ratio: Vec<f32>,
     /// Images of unit vectors along MD and TD of the stress-free film: directions of the fibres, as long as they are stretched.
     pub fibres: Vec<[[f32; 3]; 2]>,
 }

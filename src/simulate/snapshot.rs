@@ -37,9 +37,9 @@ fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain]) -> De
         peaks: strains.iter().map(|s| s.peak.map(|e| e as f32)).collect(),
         ..Detail::default()
     };
-    for ElementDetail { stress, thinning, fibres } in film.details(&view.nodes.position) {
+    for ElementDetail { stress, thickness_ratio, fibres } in film.details(&view.nodes.position) {
         out.stresses.push(stress.map(|s| s as f32));
-        out.thinning.push(thinning as f32);
+        out.thickness_ratio.push(thickness_ratio as f32);
         out.fibres.push(fibres.map(|f| f.map(|x| x as f32)));
     }
     out

@@ -83,23 +83,23 @@ pub struct BlockDetails<const L: usize> {
     /// Engineering stresses along MD and TD and in shear, Pa of one layer.
     pub stress: [Lane<L>; 3],
     /// Thickness over that of stress-free film; NaN where the law says nothing of it.
-    pub thinning: Lane<L>,
+    pub thickness_ratio: Lane<L>,
     /// f₁ and f₂: the images of unit vectors along MD and TD of the stress-free film.
     pub fibres: [Lane3<L>; 2],
 }
 
 impl<const L: usize> BlockDetails<L> {
     pub(super) const NONE: Self =
-        BlockDetails { stress: [splat(0.0); 3], thinning: splat(0.0), fibres: [[splat(0.0); 3]; 2] };
+        BlockDetails { stress: [splat(0.0); 3], thickness_ratio: splat(0.0), fibres: [[splat(0.0); 3]; 2] };
 
     /// Adds `share` of what `law` answers to one point's deformation `d`, where the film is after its `past`.
     pub(super) fn add<M: MembraneLaw>(&mut self, law: &M, d: &Deformation<L>, past: &M::Past<L>, share: f64) {
         // The past knows this deformation already, so that no time passes and nothing new is remembered.
         let answer = law.stress(d, &mut past.clone(), 0.0);
         let Stresses { md, td, shear } = stresses(d, &answer);
-        let thinning = law.thinning(&answer);
+        let thickness_ratio = law.thickness_ratio(&answer);
         for l in 0..L {
-            self.thinning[l] += share * thinning[l];
+            self.thickness_ratio[l] += share * thickness_ratio[l];
             for (mean, value) in self.stress.iter_mut().zip([md, td, shear]) {
                 mean[l] += share * value[l];
             }

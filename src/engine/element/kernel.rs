@@ -256,7 +256,7 @@ pub struct ElementDetail {
     /// Engineering stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section.
     pub stress: [f64; 3],
     /// Thickness over that of stress-free film; NaN where the law says nothing of it.
-    pub thinning: f64,
+    pub thickness_ratio: f64,
     /// Images of unit vectors along MD and TD of the stress-free film.
     pub fibres: [[f64; 3]; 2],
 }
@@ -271,10 +271,10 @@ pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<Past<LANES> = B::Pa
     let mut out = Vec::with_capacity(elements.count.next_multiple_of(LANES));
     for (corners, block) in elements.corners.iter().zip(&elements.blocks) {
         gather(corners, position, &mut x);
-        let BlockDetails { stress, thinning, fibres } = block.details(law, &x);
+        let BlockDetails { stress, thickness_ratio, fibres } = block.details(law, &x);
         out.extend((0..LANES).map(|l| ElementDetail {
             stress: stress.map(|s| s[l]),
-            thinning: thinning[l],
+            thickness_ratio: thickness_ratio[l],
             fibres: fibres.map(|f| f.map(|axis| axis[l])),
         }));
     }

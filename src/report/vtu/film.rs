@@ -64,7 +64,7 @@ fn sheets<'a>(model: &'a Model, outcome: &'a Outcome, snapshot: &'a Snapshot) ->
 fn says_thickness(outcome: &Outcome) -> bool {
     let details =
         outcome.snapshots.iter().flat_map(|snapshot| &snapshot.films).filter_map(|state| state.detail.as_ref());
-    details.flat_map(|detail| &detail.thinning).any(|thinning| thinning.is_finite())
+    details.flat_map(|detail| &detail.thickness_ratio).any(|thickness_ratio| thickness_ratio.is_finite())
 }
 
 fn points<'a, T>(sheets: &'a [Sheet<'a>], value: impl Fn(&Sheet<'_>, usize) -> T + 'a) -> impl Iterator<Item = T> + 'a {
@@ -110,7 +110,7 @@ fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
         count("image", &|cell| cell.sheet.image.number),
     ];
     if with_thickness {
-        arrays.push(of("thickness_m", &|cell| cell.thickness() * cell.sheet.detail.thinning[cell.element]));
+        arrays.push(of("thickness_m", &|cell| cell.thickness() * cell.sheet.detail.thickness_ratio[cell.element]));
     }
     arrays
 }
