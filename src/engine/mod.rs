@@ -368,7 +368,7 @@ impl Engine {
             track.velocity = body.velocity.z;
             track.work = contact.work.given;
             track.impulse = contact.work.impulse;
-            let turning = body.spin.norm() * contact.surface().reach();
+            let turning = body.spin.norm() * contact.surface().bounding_radius();
             contact.moved((fastest + body.velocity.norm() + turning) * dt);
             body.drift(dt);
         }

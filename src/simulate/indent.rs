@@ -38,7 +38,7 @@ pub(super) fn way_to_touch(contact: &Contact, pose: &Isometry3<f64>, nodes: &Nod
     while gap >= touch {
         let before = way;
         way += gap.max(stride);
-        if pose.translation.vector.z - way + surface.reach() <= lowest {
+        if pose.translation.vector.z - way + surface.bounding_radius() <= lowest {
             return None;
         }
         gap = gap_at(way);

@@ -53,8 +53,8 @@ impl Contact {
         let surface = &self.surface;
         let within = |n: u32, margin: f64| {
             let margin = margin + self.offset[n as usize];
-            let reach = surface.reach() + margin;
-            distance_squared(n) < reach * reach && surface.touch(pose, &nodes.place(n as usize)).gap < margin
+            let radius = surface.bounding_radius() + margin;
+            distance_squared(n) < radius * radius && surface.touch(pose, &nodes.place(n as usize)).gap < margin
         };
         let near = &mut self.near;
         near.nodes.clear();

@@ -17,7 +17,7 @@ use crate::model::ImpactorShape;
 pub struct Surface {
     shape: Kind,
     size: f64,
-    reach: f64,
+    bounding_radius: f64,
     lowest: f64,
     inertia_per_mass: Matrix3<f64>,
     /// One over `size`: the largest curvature of what is round, 1/m.
@@ -104,7 +104,7 @@ impl Surface {
         Ok(Surface {
             size: half.x.min(half.y).min(half.z),
             curvature: 1.0 / half.x.min(half.y).min(half.z),
-            reach: sphere.center().length() + sphere.radius(),
+            bounding_radius: sphere.center().length() + sphere.radius(),
             lowest: bounds.mins.z,
             inertia_per_mass: inertia,
             shape,
@@ -122,8 +122,8 @@ impl Surface {
     }
 
     /// Distance from the centre of mass within which the whole body lies, m.
-    pub fn reach(&self) -> f64 {
-        self.reach
+    pub fn bounding_radius(&self) -> f64 {
+        self.bounding_radius
     }
 
     /// z of the lowest point below the centre of mass, m.

@@ -120,8 +120,8 @@ fn find_lanewise(at: &Looking<'_>, near: &[u32], piece: &mut Piece) {
         let squared = dot(&arm, &arm);
         let mut close = splat(0.0);
         for l in 0..LANES {
-            let reach = at.surface.reach() + offset[l];
-            close[l] = if squared[l] <= reach * reach { 1.0 } else { 0.0 };
+            let radius = at.surface.bounding_radius() + offset[l];
+            close[l] = if squared[l] <= radius * radius { 1.0 } else { 0.0 };
         }
         close[group.len()..].fill(0.0);
         if close == splat(0.0) {
