@@ -15,7 +15,7 @@ pub struct Energies {
     pub stored: f64,
     /// Absorbed by the film's law.
     pub absorbed: f64,
-    /// Held by elements when they broke.
+    /// Held by elements when they failed.
     pub rupture: f64,
     /// In the stabilisation against hourglass modes.
     pub hourglass: f64,

@@ -56,7 +56,7 @@ struct Chunk<P> {
     /// Number of the first element among those of the film.
     first: usize,
     /// Whether a fibre was past its break strain in the last pass over the forces.
-    past: bool,
+    failed: bool,
 }
 
 /// Elements of one kind.
@@ -157,7 +157,7 @@ impl Film {
         by_law!(Cloth, &mut self.cloth, |sheet| sheet.recall(memory));
     }
 
-    /// Shows the corners of every element that has not broken, counted among all nodes.
+    /// Calls `show` with the corners of every element that is not deleted, counted among all nodes.
     pub fn for_each_intact(&self, mut show: impl FnMut(&[u32])) {
         let first = self.nodes.start as u32;
         by_law!(Cloth, &self.cloth, |sheet| sheet.for_each_intact(first, &mut show))
@@ -216,11 +216,11 @@ impl Film {
         (0..colours.len()).filter(move |chunk| colours[*chunk] == colour)
     }
 
-    /// Takes the force from every element that the last forces found past its break strain; its mass stays. `position` is that
-    /// of all nodes. Returns the number of elements broken and the energies they held.
-    pub fn break_elements(&mut self, position: [&[f64]; 3]) -> (usize, ElementEnergy) {
+    /// Deletes every element in which the last pass over the forces found a fibre past its break strain; its mass stays in the
+    /// nodes. `position` is that of all nodes. Returns the number of elements and their energies.
+    pub fn delete_failed(&mut self, position: [&[f64]; 3]) -> (usize, ElementEnergy) {
         let position = position.map(|axis| &axis[self.nodes.clone()]);
-        by_law!(Cloth, &mut self.cloth, |sheet| sheet.break_elements(&position))
+        by_law!(Cloth, &mut self.cloth, |sheet| sheet.delete_failed(&position))
     }
 
     /// Number of chunks.
@@ -260,7 +260,7 @@ impl<M: MembraneLaw> Sheet<M> {
     fn for_each_intact(&self, first: u32, mut show: impl FnMut(&[u32])) {
         for chunk in &self.chunks {
             by_kind!(&chunk.elements, |blocks| {
-                for (b, l) in blocks.places().filter(|(b, l)| !blocks.is_broken(*b, *l)) {
+                for (b, l) in blocks.places().filter(|(b, l)| !blocks.is_deleted(*b, *l)) {
                     show(&blocks.corners[b].of(l).map(|n| first + n));
                 }
             });
@@ -271,13 +271,13 @@ impl<M: MembraneLaw> Sheet<M> {
         PullingSheet { law: &self.law, chunks: Disjoint::new(&mut self.chunks) }
     }
 
-    fn break_elements(&mut self, position: &[&[f64]; 3]) -> (usize, ElementEnergy) {
+    fn delete_failed(&mut self, position: &[&[f64]; 3]) -> (usize, ElementEnergy) {
         let mut total = (0, ElementEnergy::default());
-        for chunk in self.chunks.iter_mut().filter(|chunk| chunk.past) {
-            let broken =
-                by_kind!(&mut chunk.elements, |blocks| { super::failure::break_elements(blocks, &self.law, position) });
-            total.0 += broken.0;
-            total.1.add(&broken.1);
+        for chunk in self.chunks.iter_mut().filter(|chunk| chunk.failed) {
+            let failed =
+                by_kind!(&mut chunk.elements, |blocks| { super::failure::delete_failed(blocks, &self.law, position) });
+            total.0 += failed.0;
+            total.1.add(&failed.1);
         }
         total
     }
@@ -334,7 +334,7 @@ impl Pulling<'_> {
         by_law!(PullingCloth, &self.cloth, |sheet| {
             // SAFETY: the caller keeps other threads from this chunk.
             let chunk = unsafe { sheet.chunks.at(chunk) };
-            chunk.past = by_kind!(&mut chunk.elements, |blocks| {
+            chunk.failed = by_kind!(&mut chunk.elements, |blocks| {
                 element::add_forces(width, blocks, sheet.law, &position, dt, force)
             });
         });
@@ -470,7 +470,7 @@ impl Mount<'_> {
             }
             let first = chunks.last().map_or(0, |chunk| chunk.first + chunk.count());
             let elements = kind(Blocks::new(nodes, &elements, self.thickness));
-            chunks.push(Chunk { elements, colour: 0, first, past: false });
+            chunks.push(Chunk { elements, colour: 0, first, failed: false });
         }
         Ok(())
     }

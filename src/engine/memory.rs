@@ -11,7 +11,7 @@ use crate::material::Past;
 pub struct Memory {
     /// What the law remembers, as many numbers a point as it needs.
     past: Vec<f64>,
-    /// Volume of stress-free film, m³; zero once broken.
+    /// Volume of stress-free film, m³; zero once it is deleted.
     volume: Vec<f64>,
 }
 

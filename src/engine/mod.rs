@@ -61,8 +61,8 @@ pub struct Engine {
     phases: Vec<Vec<(usize, usize)>>,
     /// Nodes that are moved together, none of them on two faces.
     node_ranges: Vec<Range<usize>>,
-    /// Elements that broke and were not told yet.
-    broken: usize,
+    /// Elements that failed since [`Engine::step`] last returned.
+    failed: usize,
 }
 
 /// The impactor and its contact.
@@ -189,7 +189,7 @@ impl Engine {
             pool: ThreadPool::new(1),
             phases,
             node_ranges,
-            broken: 0,
+            failed: 0,
         };
         // The stiffness depends on history variables, which pre-strain changes.
         engine.forces(0.0);
@@ -233,7 +233,7 @@ impl Engine {
         self.time_step.now()
     }
 
-    /// Advances by one step. Returns the number of elements that broke in it.
+    /// Advances by one step. Returns the number of elements that failed in it.
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<usize, Fault> {
         let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.pool, self.time)?;
         let over = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
@@ -249,25 +249,25 @@ impl Engine {
             self.show(observer)?;
         }
         self.finish(dt, fastest, jaw_force, observer);
-        Ok(std::mem::take(&mut self.broken))
+        Ok(std::mem::take(&mut self.failed))
     }
 
-    /// Forces at the full step, where the nodes came in `dt` (s); elements past their break strain lose theirs from the next step on.
+    /// Forces at the full step, where the nodes came in `dt` (s); elements past their break strain are deleted.
     fn forces(&mut self, dt: f64) {
         self.inflate();
         self.add_forces(dt);
-        let mut broken = 0;
+        let mut failed = 0;
         for film in &mut self.films {
-            let (count, held) = film.break_elements(self.nodes.position.axes());
+            let (count, held) = film.delete_failed(self.nodes.position.axes());
             self.ledger.rupture += self.loads.multiplicity * (held.stored + held.hourglass);
             self.ledger.absorbed += self.loads.multiplicity * held.absorbed;
-            broken += count;
+            failed += count;
         }
-        if broken > 0 {
+        if failed > 0 {
             self.time_step.tear();
             self.impact.iter_mut().for_each(|impact| impact.contact.forget());
         }
-        self.broken += broken;
+        self.failed += failed;
     }
 
     /// Adds the load of the pressure, if there is one, and books its work.

@@ -66,7 +66,7 @@ impl Engine {
         self.time_step.resume(state.time_step);
         self.ledger = state.ledger;
         self.inflated = state.inflated;
-        self.broken = 0;
+        self.failed = 0;
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;
         self.films.iter_mut().zip(&state.films).for_each(|(film, memory)| film.recall(memory));

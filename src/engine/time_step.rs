@@ -10,7 +10,7 @@ use super::{Fault, Loads};
 /// Share of the stability limit that is used.
 const SAFETY: f64 = 0.9;
 
-/// The same once elements have broken: torn film snaps back and flutters between slack and taut, and a step near the
+/// The same once elements have failed: torn film snaps back and flutters between slack and taut, and a step near the
 /// limit of the linear theory gains energy at such kinks (theory.md, section 4).
 const TORN_SAFETY: f64 = 0.5;
 
@@ -80,7 +80,7 @@ impl TimeStep {
         Ok((last, self.now))
     }
 
-    /// Tells that elements broke.
+    /// Reduces the safety factor and updates the step at once, after elements have failed.
     pub fn tear(&mut self) {
         self.safety = TORN_SAFETY;
         self.until_look = 0;

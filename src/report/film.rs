@@ -332,7 +332,7 @@ impl Scene<'_> {
 
 fn holds(film: &FilmState, element: u32) -> bool {
     let at = element as usize;
-    !film.broken[at] && film.strains[at].iter().all(|strain| strain.is_finite())
+    !film.failed[at] && film.strains[at].iter().all(|strain| strain.is_finite())
 }
 
 /// Strains along MD and TD and shear of each patch, as shares of their ranges; what lies outside stands at their ends.
@@ -390,7 +390,7 @@ mod tests {
         let state = FilmState {
             positions: points.to_vec(),
             strains: vec![[0.1, 0.5, -0.2]; film.quads.len()],
-            broken: (0..film.quads.len()).map(|at| at == 0).collect(),
+            failed: (0..film.quads.len()).map(|at| at == 0).collect(),
             touching: vec![],
             detail: None,
         };

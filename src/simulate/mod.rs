@@ -111,7 +111,7 @@ pub struct FilmState {
     /// Engineering strain of the MD and TD fibres and shear angle, one entry an element (quads, then triangles).
     pub strains: Vec<[f32; 3]>,
     /// Broken elements.
-    pub broken: Vec<bool>,
+    pub failed: Vec<bool>,
     /// Nodes of the face that the impactor touches, ascending.
     pub touching: Vec<u32>,
     /// Stress and more, where the run was asked for it ([`RunOptions::detailed`]).

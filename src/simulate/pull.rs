@@ -106,8 +106,8 @@ impl SingleElement {
     /// Pull (N) along the film that is stretched along and across within `dt` (s); it remembers, and breaks.
     fn pulled(&mut self, stretch: [f64; 2], dt: f64) -> f64 {
         load(&mut self.film, &mut self.nodes, &self.flat, stretch, dt);
-        let (broken, _) = self.film.break_elements(self.nodes.position.axes());
-        if broken > 0 { 0.0 } else { -self.nodes.pull(&self.sides[0], 0) }
+        let (failed, _) = self.film.delete_failed(self.nodes.position.axes());
+        if failed > 0 { 0.0 } else { -self.nodes.pull(&self.sides[0], 0) }
     }
 
     /// Stretch across at which nothing pulls across film that is stretched by `along` within `dt` (s), looked for from `guess`.

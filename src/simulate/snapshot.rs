@@ -20,7 +20,7 @@ pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed
     let film = |(film, strains): (&engine::Film, &Vec<ElementStrain>)| FilmState {
         positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
         strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),
-        broken: strains.iter().map(|s| s.volume == 0.0).collect(),
+        failed: strains.iter().map(|s| s.volume == 0.0).collect(),
         touching: touching(&touched, &film.nodes),
         detail: detailed.then(|| detail(view, film, strains)),
     };

@@ -70,7 +70,7 @@ fn film_is_the_engines(played: &Playback, outcome: &Outcome, face: usize) {
         assert!(both.into_iter().all(|(shown, computed)| (shown - computed).abs() <= 1.001 * ROUNDED), "{at} ns");
     }
     let triangles = played.triangles(&format!("/scene/face-{}", face + 1));
-    let left = |state: &FilmState| 2 * state.broken.iter().filter(|broken| !**broken).count();
+    let left = |state: &FilmState| 2 * state.failed.iter().filter(|failed| !**failed).count();
     assert_eq!(triangles.first().map(|(_, all)| all.len()), Some(left(states[0])));
     let last = states[states.len() - 1];
     assert_eq!(triangles.last().map(|(_, all)| all.len()), Some(left(last)));
@@ -84,7 +84,7 @@ fn film_is_the_engines(played: &Playback, outcome: &Outcome, face: usize) {
 /// The strain along MD of the elements around each node that hold, in the colours of the map.
 fn colours_are_those_of_the_strains(played: &Playback, outcome: &Outcome, face: usize) {
     let held = |state: &FilmState| {
-        let elements = state.strains.iter().zip(&state.broken).filter(|(_, broken)| !**broken);
+        let elements = state.strains.iter().zip(&state.failed).filter(|(_, failed)| !**failed);
         elements.map(|(strains, _)| strains[0]).fold(0.0, f32::max)
     };
     let largest = outcome.snapshots.iter().flat_map(|snapshot| &snapshot.films).map(held).fold(0.0, f32::max);
@@ -93,7 +93,7 @@ fn colours_are_those_of_the_strains(played: &Playback, outcome: &Outcome, face: 
     for ((at, colours), snapshot) in shown.iter().zip(&outcome.snapshots) {
         let (film, state) = (&outcome.films[face], &snapshot.films[face]);
         let mut around = vec![vec![]; film.nodes];
-        for (element, quad) in film.quads.iter().enumerate().filter(|(element, _)| !state.broken[*element]) {
+        for (element, quad) in film.quads.iter().enumerate().filter(|(element, _)| !state.failed[*element]) {
             quad.iter().for_each(|node| around[*node as usize].push(state.strains[element][0]));
         }
         assert_eq!(colours.len(), film.nodes);

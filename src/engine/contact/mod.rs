@@ -108,7 +108,7 @@ impl Contact {
         self.near.pace = distance;
     }
 
-    /// Forgets the neighbour list, as after elements have broken.
+    /// Invalidates the neighbour list, after elements have failed.
     pub(in crate::engine) fn forget(&mut self) {
         self.near.margin = -1.0;
     }

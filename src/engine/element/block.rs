@@ -39,16 +39,16 @@ pub trait Block<const NODES: usize, const L: usize> {
     where
         M: MembraneLaw<Past<L> = Self::Past>;
 
-    /// Volume of stress-free film, m³; zero once broken.
+    /// Volume of stress-free film, m³; zero once it is deleted.
     fn volume(&self) -> Lane<L>;
 
     /// Whether a fibre of the element in a lane is past its break strain.
-    fn is_past<M>(&self, law: &M, lane: usize) -> bool
+    fn has_failed<M>(&self, law: &M, lane: usize) -> bool
     where
         M: MembraneLaw<Past<L> = Self::Past>;
 
-    /// Takes the force from the element in a lane.
-    fn take_out(&mut self, lane: usize);
+    /// Deletes the element in a lane: its volume becomes zero.
+    fn delete(&mut self, lane: usize);
 
     /// What every integration point remembers, and its volume (m³).
     fn memory(&self) -> impl Iterator<Item = (&Self::Past, &Lane<L>)>;
@@ -177,8 +177,8 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
         self.blocks.first().map_or(0, |block| block.memory().count())
     }
 
-    /// Whether the element at `block`, `lane` has broken.
-    pub fn is_broken(&self, block: usize, lane: usize) -> bool {
+    /// Whether the element at `block`, `lane` is deleted.
+    pub fn is_deleted(&self, block: usize, lane: usize) -> bool {
         self.blocks[block].volume()[lane] == 0.0
     }
 }

@@ -15,7 +15,7 @@ pub struct Gauss<const NODES: usize, const POINTS: usize, const L: usize, P = Pe
 struct Point<P, const NODES: usize, const L: usize> {
     /// ∂N_a/∂X_I along MD and TD of the stress-free film, 1/m.
     gradient: [[Lane<L>; 2]; NODES],
-    /// Volume of stress-free film (all layers), m³; zero once broken.
+    /// Volume of stress-free film (all layers), m³; zero once it is deleted.
     volume: Lane<L>,
     past: P,
 }
@@ -99,7 +99,7 @@ impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<
     where
         M: MembraneLaw<Past<L> = P>,
     {
-        let mut past = false;
+        let mut failed = false;
         *out = [[splat(0.0); 3]; NODES];
         for point in &mut self.points {
             let d = point.deformation(x);
@@ -108,10 +108,10 @@ impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<
             let (limits, peaks) = (law.break_strains::<L>(&point.past), [0, 1].map(|fibre| point.past.peak(fibre)));
             for l in 0..L {
                 let beyond = (peaks[0][l] > limits[0][l]) | (peaks[1][l] > limits[1][l]);
-                past |= (point.volume[l] > 0.0) & beyond;
+                failed |= (point.volume[l] > 0.0) & beyond;
             }
         }
-        past
+        failed
     }
 
     #[inline(always)]
@@ -184,11 +184,11 @@ impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<
         volume
     }
 
-    fn is_past<M: MembraneLaw<Past<L> = P>>(&self, law: &M, lane: usize) -> bool {
-        self.points.iter().any(|point| super::is_past(law, &point.past, lane))
+    fn has_failed<M: MembraneLaw<Past<L> = P>>(&self, law: &M, lane: usize) -> bool {
+        self.points.iter().any(|point| super::has_failed(law, &point.past, lane))
     }
 
-    fn take_out(&mut self, lane: usize) {
+    fn delete(&mut self, lane: usize) {
         self.points.iter_mut().for_each(|p| p.volume[lane] = 0.0);
     }
 

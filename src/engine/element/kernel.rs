@@ -104,15 +104,15 @@ fn add_forces_lanewise<B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, co
     dt: f64,
     force: OwnForces<'_>,
 ) -> bool {
-    let mut past = false;
+    let mut failed = false;
     let mut x = [[splat(0.0); 3]; NODES];
     let mut out = [[splat(0.0); 3]; NODES];
     for (corners, block) in elements.corners.iter().zip(&mut elements.blocks) {
         gather(corners, position, &mut x);
-        past |= block.forces(law, &x, dt, &mut out);
+        failed |= block.forces(law, &x, dt, &mut out);
         scatter(corners, &out, force);
     }
-    past
+    failed
 }
 
 /// Energies of elements, J.
@@ -207,7 +207,7 @@ fn frequency_bound_lanewise<
         let volume = block.volume();
         for l in 0..L {
             let squared = bound[l] * NODES as f64 / (density * volume[l]);
-            // Broken elements and the fill of the last block have no volume; a NaN has to get through.
+            // Deleted elements and the padding of the last block have no volume; a NaN must propagate.
             let settled = (volume[l] == 0.0) | (squared <= largest[l]) | largest[l].is_nan();
             largest[l] = if settled { largest[l] } else { squared };
         }
@@ -222,7 +222,7 @@ pub struct ElementStrain {
     pub strain: [f64; 3],
     /// Largest MD and TD strain so far.
     pub peak: [f64; 2],
-    /// Volume of stress-free film, m³; zero once broken.
+    /// Volume of stress-free film, m³; zero once it is deleted.
     pub volume: f64,
 }
 

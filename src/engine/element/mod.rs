@@ -33,7 +33,7 @@ pub type FullQuads<const L: usize = LANES, P = Peaks<L>> = Blocks<Gauss<4, 4, L,
 pub type Tris<const L: usize = LANES, P = Peaks<L>> = Blocks<Gauss<3, 1, L, P>, 3, L>;
 
 /// Whether a fibre of a point in a lane that remembers `past` is past its break strain.
-fn is_past<M: MembraneLaw<Past<L> = P>, P: Past<L>, const L: usize>(law: &M, past: &P, lane: usize) -> bool {
+fn has_failed<M: MembraneLaw<Past<L> = P>, P: Past<L>, const L: usize>(law: &M, past: &P, lane: usize) -> bool {
     let limits = law.break_strains::<L>(past);
     (0..2).any(|fibre| past.peak(fibre)[lane] > limits[fibre][lane])
 }

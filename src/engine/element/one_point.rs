@@ -26,7 +26,7 @@ pub struct OnePoint<const L: usize, P = Peaks<L>> {
     skew: [Lane<L>; 2],
     /// Whether one of the elements is none.
     skewed: bool,
-    /// Volume of stress-free film (all layers), m³; zero once broken.
+    /// Volume of stress-free film (all layers), m³; zero once it is deleted.
     volume: Lane<L>,
     past: P,
 }
@@ -105,12 +105,12 @@ impl<P: Past<L>, const L: usize> OnePoint<L, P> {
             }
         }
         let (limits, peaks) = (law.break_strains::<L>(&self.past), [0, 1].map(|fibre| self.past.peak(fibre)));
-        let mut past = false;
+        let mut failed = false;
         for l in 0..L {
             let beyond = (peaks[0][l] > limits[0][l]) | (peaks[1][l] > limits[1][l]);
-            past |= (self.volume[l] > 0.0) & beyond;
+            failed |= (self.volume[l] > 0.0) & beyond;
         }
-        past
+        failed
     }
 }
 
@@ -246,11 +246,11 @@ impl<P: Past<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
         self.volume
     }
 
-    fn is_past<M: MembraneLaw<Past<L> = P>>(&self, law: &M, lane: usize) -> bool {
-        super::is_past(law, &self.past, lane)
+    fn has_failed<M: MembraneLaw<Past<L> = P>>(&self, law: &M, lane: usize) -> bool {
+        super::has_failed(law, &self.past, lane)
     }
 
-    fn take_out(&mut self, lane: usize) {
+    fn delete(&mut self, lane: usize) {
         self.volume[lane] = 0.0;
     }
 

@@ -76,7 +76,7 @@ pub fn state(film: &Film, snapshot: &Snapshot, face: usize) -> FilmSnapshot {
         time: snapshot.time,
         positions: state.positions.clone(),
         values: STRAINS.iter().map(|strain| nodal(strain, film, state)).collect(),
-        visible: per_triangle(film, |element| !state.broken[element]),
+        visible: per_triangle(film, |element| !state.failed[element]),
         in_contact: state.touching.clone(),
     }
 }
@@ -91,7 +91,7 @@ impl Strain {
 
 /// The largest strain of the elements that hold.
 fn largest(strain: &Strain, state: &FilmState) -> f32 {
-    let held = state.strains.iter().zip(&state.broken).filter(|(_, broken)| !**broken);
+    let held = state.strains.iter().zip(&state.failed).filter(|(_, failed)| !**failed);
     held.map(|(strains, _)| (strain.of)(strains)).fold(0.0, f32::max)
 }
 
@@ -115,8 +115,8 @@ fn nodal(strain: &Strain, film: &Film, state: &FilmState) -> Vec<f32> {
     let mut sums = vec![(0.0_f32, 0.0_f32); film.nodes];
     let quads = film.quads.iter().map(|quad| quad.as_slice());
     let outlines = quads.chain(film.tris.iter().map(|tri| tri.as_slice()));
-    let held = outlines.zip(&state.strains).zip(&state.broken);
-    for ((corners, strains), _) in held.filter(|(_, broken)| !**broken) {
+    let held = outlines.zip(&state.strains).zip(&state.failed);
+    for ((corners, strains), _) in held.filter(|(_, failed)| !**failed) {
         for node in corners {
             let (sum, elements) = &mut sums[*node as usize];
             *sum += strain.factor * (strain.of)(strains);
@@ -145,7 +145,7 @@ mod tests {
         let state = FilmState {
             positions: vec![[0.0; 3]; 6],
             strains: vec![[0.1, 0.4, 0.3], [0.2, 0.0, -0.5], [7.0, 0.0, 0.0]],
-            broken: vec![false, false, true],
+            failed: vec![false, false, true],
             touching: vec![],
             detail: None,
         };
@@ -158,7 +158,7 @@ mod tests {
         let shear = nodal(&STRAINS[3], &film, &state);
         assert!((shear[4] - 0.5_f32.to_degrees()).abs() < 1e-4, "shear is in degrees: {shear:?}");
         assert_eq!(triangles(&film).len(), 4);
-        let held = per_triangle(&film, |element| !state.broken[element]);
+        let held = per_triangle(&film, |element| !state.failed[element]);
         assert_eq!(held, [true, true, true, false]);
     }
 

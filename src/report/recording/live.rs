@@ -296,7 +296,7 @@ mod tests {
         let state = FilmState {
             positions: vec![[0.0; 3]; 3],
             strains: vec![[strain; 3]],
-            broken: vec![false],
+            failed: vec![false],
             touching: vec![],
             detail: None,
         };

@@ -120,7 +120,7 @@ mod tests {
             let state = FilmState {
                 positions: vec![[place; 3]],
                 strains: vec![],
-                broken: vec![],
+                failed: vec![],
                 touching: vec![],
                 detail: None,
             };

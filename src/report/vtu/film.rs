@@ -30,11 +30,11 @@ struct Cell<'a> {
 /// The film of `outcome` in one of its states.
 pub fn grid(model: &Model, outcome: &Outcome, snapshot: &Snapshot) -> Result<Grid, VtuError> {
     let sheets = sheets(model, outcome, snapshot)?;
-    let held = |sheet: &Sheet<'_>, element: &usize| !sheet.state.broken[*element];
+    let held = |sheet: &Sheet<'_>, element: &usize| !sheet.state.failed[*element];
     let cells: Vec<Cell<'_>> = sheets
         .iter()
         .flat_map(|sheet| {
-            (0..sheet.state.broken.len()).filter(|e| held(sheet, e)).map(move |element| Cell { sheet, element })
+            (0..sheet.state.failed.len()).filter(|e| held(sheet, e)).map(move |element| Cell { sheet, element })
         })
         .collect();
     Ok(Grid {

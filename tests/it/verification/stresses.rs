@@ -27,7 +27,7 @@ fn a_stretched_fibre_has_the_stress_that_the_jaws_feel() {
         claims.holds(&format!("{name}: the same signals without"), "", outcome.signals == run(&model).signals);
         let signal = outcome.signals.series("stress_Pa").expect("a stress");
         let largest = signal.largest().expect("a peak")[1];
-        let held = outcome.snapshots.iter().filter(|snapshot| !snapshot.films[0].broken[0]);
+        let held = outcome.snapshots.iter().filter(|snapshot| !snapshot.films[0].failed[0]);
         let off = held.filter_map(|snapshot| {
             let stress = detail(&snapshot.films[0]).stresses[0][fibre];
             Some((f64::from(stress) - signal.at(snapshot.time)?).abs() / largest)
