@@ -20,7 +20,7 @@ mod state;
 mod thread_pool;
 mod time_step;
 
-pub use contact::{Contact, Inspection, Surface, SurfaceError};
+pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use element::{ElementDetail, ElementEnergy, ElementStrain, UndefinedFibreDirection};
 pub use energy::Energies;
 pub use film::Film;

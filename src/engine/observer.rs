@@ -2,7 +2,7 @@
 
 use super::thread_pool::ThreadPool;
 use super::{
-    Contact, ElementStrain, Energies, EnergyLedger, Fault, Film, Inspection, Loads, Nodes, PreviousStep, RigidBody,
+    Contact, ContactState, ElementStrain, Energies, EnergyLedger, Fault, Film, Loads, Nodes, PreviousStep, RigidBody,
     film,
 };
 
@@ -102,9 +102,9 @@ impl View<'_> {
     }
 
     /// The touch between impactor and film, if there is an impactor.
-    pub fn inspect(&self) -> Option<Inspection> {
+    pub fn contact_state(&self) -> Option<ContactState> {
         let (contact, body) = (self.contact?, self.body?);
-        Some(contact.inspect(self.nodes, &body.pose))
+        Some(contact.state(self.nodes, &body.pose))
     }
 
     /// Half the smallest extent of the impactor, m.
@@ -113,7 +113,7 @@ impl View<'_> {
     }
 
     /// Nodes that the impactor touched in this step.
-    pub fn touched(&self) -> Vec<usize> {
-        self.contact.as_ref().map_or(vec![], |c| c.touched().collect())
+    pub fn nodes_in_contact(&self) -> Vec<usize> {
+        self.contact.as_ref().map_or(vec![], |c| c.nodes_in_contact().collect())
     }
 }

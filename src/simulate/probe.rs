@@ -210,7 +210,7 @@ impl<'a> Probe<'a> {
             return Err(not_a_number(view.time, faces));
         }
         self.record.warnings.strain(view, faces);
-        if let (Some(seen), Some(size)) = (view.inspect(), view.impactor_size()) {
+        if let (Some(seen), Some(size)) = (view.contact_state(), view.impactor_size()) {
             self.record.warnings.touch(view.time, size, &seen);
             self.record.penetration = Some(self.record.penetration.unwrap_or(0.0).max(seen.penetration / size));
         }

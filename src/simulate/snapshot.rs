@@ -16,7 +16,7 @@ pub(super) fn count(wanted: usize, films: &[Film], detailed: bool) -> usize {
 
 /// The scene as `view` shows it, `detailed` or not; `strains` are those of its faces.
 pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed: bool) -> Snapshot {
-    let touched = view.touched();
+    let touched = view.nodes_in_contact();
     let film = |(film, strains): (&engine::Film, &Vec<ElementStrain>)| FilmState {
         positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
         strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),

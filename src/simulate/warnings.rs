@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Film;
 use super::probe::KINETIC;
-use crate::engine::{ElementStrain, Inspection, View};
+use crate::engine::{ContactState, ElementStrain, View};
 use crate::model::MOST_IN_FRAMES;
 
 /// Edge of an element in touch over the impactor's size above which a sphere is no longer round to the film.
@@ -69,7 +69,7 @@ fn neighbours(film: &crate::engine::Film, element: usize) -> Vec<usize> {
 
 impl Warnings {
     /// Takes in what contact looks like at `time` (s) on an impactor of `size` (m).
-    pub(super) fn touch(&mut self, time: f64, size: f64, seen: &Inspection) {
+    pub(super) fn touch(&mut self, time: f64, size: f64, seen: &ContactState) {
         let (edge, depth) = (seen.longest_edge / size, seen.penetration / size);
         if edge > COARSE && self.coarse.is_none_or(|(_, worst)| edge > worst) {
             self.coarse = Some((self.coarse.map_or(time, |c| c.0), edge));

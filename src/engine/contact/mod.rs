@@ -12,14 +12,14 @@
 mod carried;
 mod damped;
 mod faces;
-mod inspection;
+mod contact_state;
 mod near;
 mod search;
 mod tally;
 mod touching;
 
 pub(super) use carried::Carried;
-pub use inspection::Inspection;
+pub use contact_state::ContactState;
 pub use search::{Surface, SurfaceError};
 
 use nalgebra::Vector3;
@@ -196,7 +196,7 @@ impl Contact {
     }
 
     /// Nodes that the impactor touched in the last step.
-    pub fn touched(&self) -> impl Iterator<Item = usize> + '_ {
+    pub fn nodes_in_contact(&self) -> impl Iterator<Item = usize> + '_ {
         let kept = self.pieces.iter().flat_map(|piece| &piece.impulses).map(|impulse| impulse.node);
         let given = self.pieces.iter().filter(|_| self.near.watched.is_empty()).flat_map(Piece::touched);
         kept.chain(given)

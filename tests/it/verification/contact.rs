@@ -118,8 +118,12 @@ fn creep(friction: &str, enough: f64) -> f64 {
         let (falling, arms) = watch(&mut scene.engine, |view| {
             let body = view.body.expect("a body");
             let arm = |n: &usize| Vector3::from(view.nodes.position.at(*n)) - body.pose.translation.vector;
-            let arms: BTreeMap<usize, Vector3<f64>> =
-                view.touched().iter().map(|n| (*n, arm(n))).filter(|(_, arm)| arm.norm() < RADIUS + TOUCH).collect();
+            let arms: BTreeMap<usize, Vector3<f64>> = view
+                .nodes_in_contact()
+                .iter()
+                .map(|n| (*n, arm(n)))
+                .filter(|(_, arm)| arm.norm() < RADIUS + TOUCH)
+                .collect();
             (body.velocity.z < 0.0, arms)
         });
         if !falling || farthest > enough {

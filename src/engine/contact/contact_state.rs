@@ -8,7 +8,7 @@ use crate::engine::nodes::Nodes;
 
 /// What a look at the present touch found.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Inspection {
+pub struct ContactState {
     /// Deepest point of film in the impactor, m.
     pub penetration: f64,
     /// Longest edge of an element in touch, m.
@@ -25,8 +25,8 @@ impl Contact {
     }
 
     /// Looks at the whole touch as it is now.
-    pub fn inspect(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> Inspection {
-        let mut out = Inspection::default();
+    pub fn state(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> ContactState {
+        let mut out = ContactState::default();
         let tolerance = 1e-4 * self.surface.size();
         for NearElement { corners, .. } in &self.near.elements {
             let places = corners.map(|n| nodes.place(n as usize));
