@@ -13,7 +13,7 @@ pub(super) fn delete_failed<B, M, const NODES: usize>(
 ) -> (usize, ElementEnergy)
 where
     B: Block<NODES, LANES>,
-    M: MembraneLaw<Past<LANES> = B::Past>,
+    M: MembraneLaw<History<LANES> = B::History>,
 {
     let mut total = (0, ElementEnergy::default());
     for (block, lane) in elements.places() {

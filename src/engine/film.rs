@@ -9,12 +9,12 @@ use super::element::{
     self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, Forces, FullQuads, OwnForces, Quads, Shaped,
     StressFree, Tris, UndefinedFibreDirection,
 };
+use super::film_history::FilmHistory;
 use super::footprint;
-use super::memory::{self, Memory};
 use super::nodes::{Nodes, Vectors};
 use super::thread_pool::{Disjoint, ThreadPool};
 use crate::lane::{LANES, Width};
-use crate::material::{Elastic, Fabric, Law, MembraneLaw, Past, RateCurves, TensionField};
+use crate::material::{Elastic, Fabric, History, Law, MembraneLaw, RateCurves, TensionField};
 use crate::mesh::Mesh;
 use crate::model::{self, Face};
 
@@ -32,7 +32,7 @@ pub struct Film {
     colours: usize,
 }
 
-/// Elements, which remember what their law asks for.
+/// Elements with their law and its history variables.
 #[derive(Clone, Debug)]
 enum Cloth {
     Fabric(Sheet<Fabric>),
@@ -45,7 +45,7 @@ enum Cloth {
 #[derive(Clone, Debug)]
 struct Sheet<M: MembraneLaw> {
     law: M,
-    chunks: Vec<Chunk<M::Past<LANES>>>,
+    chunks: Vec<Chunk<M::History<LANES>>>,
 }
 
 /// Elements that one thread works on.
@@ -137,9 +137,9 @@ impl Film {
         by_law!(Cloth, &self.cloth, |sheet| sheet.points())
     }
 
-    /// Number of numbers that the law remembers, at all integration points.
-    pub(super) fn numbers(&self) -> usize {
-        by_law!(Cloth, &self.cloth, |sheet| sheet.numbers())
+    /// Number of history variables of the law, at all integration points.
+    pub(super) fn variables(&self) -> usize {
+        by_law!(Cloth, &self.cloth, |sheet| sheet.variables())
     }
 
     /// Bytes of its elements.
@@ -147,14 +147,14 @@ impl Film {
         by_law!(Cloth, &self.cloth, |sheet| sheet.bytes())
     }
 
-    /// What its elements remember.
-    pub(super) fn memory(&self) -> Memory {
-        by_law!(Cloth, &self.cloth, |sheet| sheet.memory())
+    /// History variables of its elements.
+    pub(super) fn save(&self) -> FilmHistory {
+        by_law!(Cloth, &self.cloth, |sheet| sheet.save())
     }
 
-    /// Lets its elements remember what they did when `memory`, of as many integration points, was taken.
-    pub(super) fn recall(&mut self, memory: &Memory) {
-        by_law!(Cloth, &mut self.cloth, |sheet| sheet.recall(memory));
+    /// Restores the history variables of its elements; `history` has as many integration points.
+    pub(super) fn restore(&mut self, history: &FilmHistory) {
+        by_law!(Cloth, &mut self.cloth, |sheet| sheet.restore(history));
     }
 
     /// Calls `show` with the corners of every element that is not deleted, counted among all nodes.
@@ -235,8 +235,8 @@ impl<M: MembraneLaw> Sheet<M> {
         self.chunks.iter().map(of).sum()
     }
 
-    fn numbers(&self) -> usize {
-        self.points() * M::Past::<LANES>::fresh().numbers().count()
+    fn variables(&self) -> usize {
+        self.points() * M::History::<LANES>::virgin().variables().count()
     }
 
     fn bytes(&self) -> usize {
@@ -244,16 +244,16 @@ impl<M: MembraneLaw> Sheet<M> {
         self.chunks.iter().map(of).sum()
     }
 
-    fn memory(&self) -> Memory {
-        let mut memory = Memory::default();
-        self.chunks.iter().for_each(|chunk| by_kind!(&chunk.elements, |blocks| memory.note(blocks)));
-        memory
+    fn save(&self) -> FilmHistory {
+        let mut history = FilmHistory::default();
+        self.chunks.iter().for_each(|chunk| by_kind!(&chunk.elements, |blocks| history.save(blocks)));
+        history
     }
 
-    fn recall(&mut self, memory: &Memory) {
-        let mut reading = memory.reading();
+    fn restore(&mut self, history: &FilmHistory) {
+        let mut reader = history.reader();
         for chunk in &mut self.chunks {
-            by_kind!(&mut chunk.elements, |blocks| memory::recall(&mut reading, blocks));
+            by_kind!(&mut chunk.elements, |blocks| reader.restore(blocks));
         }
     }
 
@@ -313,7 +313,7 @@ enum PullingCloth<'a> {
 
 struct PullingSheet<'a, M: MembraneLaw> {
     law: &'a M,
-    chunks: Disjoint<'a, Chunk<M::Past<LANES>>>,
+    chunks: Disjoint<'a, Chunk<M::History<LANES>>>,
 }
 
 impl Pulling<'_> {
@@ -410,7 +410,7 @@ fn survey<T: Clone + Default + Send>(
     out
 }
 
-impl<P: Past<LANES>> Chunk<P> {
+impl<P: History<LANES>> Chunk<P> {
     fn count(&self) -> usize {
         by_kind!(&self.elements, |blocks| blocks.count)
     }
@@ -450,7 +450,7 @@ impl Mount<'_> {
     }
 
     /// Adds elements of one kind, and their mass to their nodes.
-    fn add<B, P: Past<LANES>, const NODES: usize>(
+    fn add<B, P: History<LANES>, const NODES: usize>(
         &mut self,
         nodes: &[[u32; NODES]],
         kind: impl Fn(Blocks<B, NODES>) -> Elements<P>,
@@ -477,7 +477,7 @@ impl Mount<'_> {
 }
 
 /// Gives every chunk the first colour that no earlier chunk with a node in common has; returns the number of colours.
-fn colour<P: Past<LANES>>(chunks: &mut [Chunk<P>], nodes: usize) -> usize {
+fn colour<P: History<LANES>>(chunks: &mut [Chunk<P>], nodes: usize) -> usize {
     // A bit a colour: those that stand at a node already.
     let mut taken = vec![0_u64; nodes];
     let mut colours = 0;

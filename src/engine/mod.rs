@@ -9,8 +9,9 @@ mod element;
 mod energy;
 mod failure;
 mod film;
+mod film_history;
 mod footprint;
-mod memory;
+
 mod nodes;
 mod observer;
 mod patch;

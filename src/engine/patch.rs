@@ -11,7 +11,7 @@ use crate::model::Face;
 pub struct Patch<const L: usize>(Cloth<L>);
 
 /// Elements with their law.
-struct Sheet<M: MembraneLaw, const L: usize>(M, Quads<L, M::Past<L>>);
+struct Sheet<M: MembraneLaw, const L: usize>(M, Quads<L, M::History<L>>);
 
 enum Cloth<const L: usize> {
     Fabric(Sheet<Fabric, L>),

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::contact::Carried;
-use super::memory::Memory;
+use super::film_history::FilmHistory;
 use super::pressure::Inflated;
 use super::rigid_body::Motion;
 use super::{EnergyLedger, Engine, Film, TimeStep, Vectors};
@@ -21,7 +21,7 @@ pub struct State {
     inflated: Option<Inflated>,
     position: Vectors,
     velocity: Vectors,
-    films: Vec<Memory>,
+    films: Vec<FilmHistory>,
     impact: Option<(Motion, Carried)>,
 }
 
@@ -49,7 +49,7 @@ impl Engine {
             inflated: *inflated,
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
-            films: films.iter().map(Film::memory).collect(),
+            films: films.iter().map(Film::save).collect(),
             impact: impact.as_ref().map(|impact| (impact.body.motion(), impact.contact.carried())),
         }
     }
@@ -69,7 +69,7 @@ impl Engine {
         self.failed = 0;
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;
-        self.films.iter_mut().zip(&state.films).for_each(|(film, memory)| film.recall(memory));
+        self.films.iter_mut().zip(&state.films).for_each(|(film, history)| film.restore(history));
         if let (Some(impact), Some((motion, carried))) = (&mut self.impact, state.impact) {
             impact.body.resume(&motion);
             impact.contact.restore(carried, &self.films);
@@ -83,9 +83,9 @@ impl Engine {
             same("nodes", if vectors.is_whole() { vectors.len() } else { 0 }, nodes)?;
         }
         same("faces", state.films.len(), self.films.len())?;
-        for (memory, film) in state.films.iter().zip(&self.films) {
-            same("integration points", memory.len(), film.points())?;
-            same("numbers that the law remembers", memory.numbers(), film.numbers())?;
+        for (history, film) in state.films.iter().zip(&self.films) {
+            same("integration points", history.points(), film.points())?;
+            same("history variables", history.variables(), film.variables())?;
         }
         same("impactors", usize::from(state.impact.is_some()), usize::from(self.impact.is_some()))?;
         let listed = state.impact.as_ref().is_none_or(|(_, carried)| carried.is_of(nodes));

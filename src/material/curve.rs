@@ -7,7 +7,7 @@ use crate::lane::{Lane, larger, smaller, splat};
 
 /// A piecewise linear stress–strain curve that starts at the origin.
 ///
-/// Below zero strain the stress is zero. Past the last point the last slope goes on; whether the
+/// Below zero strain the stress is zero. History the last point the last slope goes on; whether the
 /// material still holds there is for the law to say ([`Curve::end`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {

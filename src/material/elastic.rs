@@ -100,15 +100,15 @@ impl Elastic {
 }
 
 impl MembraneLaw for Elastic {
-    type Past<const L: usize> = Peaks<L>;
+    type History<const L: usize> = PeakStrains<L>;
 
     #[inline(always)]
-    fn stress<const L: usize>(&self, d: &Deformation<L>, _past: &mut Peaks<L>, _dt: f64) -> Stress<L> {
+    fn stress<const L: usize>(&self, d: &Deformation<L>, _history: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {
         Elastic::first_piola(d, self.response(&Elastic::strain(d)))
     }
 
     #[inline(always)]
-    fn energy<const L: usize>(&self, d: &Deformation<L>, _past: &Peaks<L>) -> Energy<L> {
+    fn energy<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Energy<L> {
         let e = Elastic::strain(d);
         let s = self.response(&e);
         let mut stored = splat(0.0);
@@ -119,7 +119,7 @@ impl MembraneLaw for Elastic {
     }
 
     #[inline(always)]
-    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _past: &Peaks<L>) -> Stiffness<L> {
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Stiffness<L> {
         self.bound(d, self.response(&Elastic::strain(d)))
     }
 
@@ -132,7 +132,7 @@ impl MembraneLaw for Elastic {
     }
 
     #[inline(always)]
-    fn break_strains<const L: usize>(&self, _past: &Peaks<L>) -> [Lane<L>; 2] {
+    fn break_strains<const L: usize>(&self, _history: &PeakStrains<L>) -> [Lane<L>; 2] {
         [splat(f64::INFINITY); 2]
     }
 }

@@ -14,7 +14,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::fibre::FibreLaw;
-use super::past::FilmPast;
+use super::history::PointHistory;
 use super::{Absorption, Curve, Deformation, Energy, MembraneLaw, Stiffness, Stress, Stresses};
 use crate::lane::{Lane, Lane3, dot, larger, smaller, splat};
 
@@ -187,25 +187,25 @@ impl<const L: usize> Fibres<L> {
 }
 
 impl<F: FibreLaw> MembraneLaw for Fabric<F> {
-    type Past<const L: usize> = FilmPast<F::Past<L>, L>;
+    type History<const L: usize> = PointHistory<F::History<L>, L>;
 
     #[inline(always)]
-    fn stress<const L: usize>(&self, d: &Deformation<L>, past: &mut Self::Past<L>, dt: f64) -> Stress<L> {
+    fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L> {
         let fibres = Fibres::of(d);
-        let [past_md, past_td] = &mut past.fibres;
-        let md = self.md.stress(&self.absorption, &fibres.strain(0), past_md, dt);
-        let td = self.td.stress(&self.absorption, &fibres.strain(1), past_td, dt);
-        let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), &mut past.shear);
+        let [history_md, history_td] = &mut history.fibres;
+        let md = self.md.stress(&self.absorption, &fibres.strain(0), history_md, dt);
+        let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
+        let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), &mut history.shear);
         fibres.pull(d, &md, &td, &shear)
     }
 
     #[inline(always)]
-    fn energy<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Energy<L> {
+    fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L> {
         let fibres = Fibres::of(d);
         let parts = [
-            self.md.energy(&self.absorption, &fibres.strain(0), &past.fibres[0]),
-            self.td.energy(&self.absorption, &fibres.strain(1), &past.fibres[1]),
-            self.absorption.energy(&self.shear, &fibres.angle.map(f64::abs), &past.shear),
+            self.md.energy(&self.absorption, &fibres.strain(0), &history.fibres[0]),
+            self.td.energy(&self.absorption, &fibres.strain(1), &history.fibres[1]),
+            self.absorption.energy(&self.shear, &fibres.angle.map(f64::abs), &history.shear),
         ];
         let mut total = Energy { stored: splat(0.0), absorbed: splat(0.0) };
         for (stored, absorbed) in &parts {
@@ -218,23 +218,23 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     }
 
     #[inline(always)]
-    fn stiffness<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Stiffness<L> {
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Stiffness<L> {
         /// Strain that a fibre may move before the bound is asked for again.
         const REACH: f64 = 0.005;
         let fibres = Fibres::of(d);
         let angle = fibres.angle.map(f64::abs);
-        let md = self.md.stress_near(&self.absorption, &fibres.strain(0), &past.fibres[0]);
-        let td = self.td.stress_near(&self.absorption, &fibres.strain(1), &past.fibres[1]);
-        let turned = self.absorption.stress(&self.shear, &angle, &mut past.shear.clone());
+        let md = self.md.stress_near(&self.absorption, &fibres.strain(0), &history.fibres[0]);
+        let td = self.td.stress_near(&self.absorption, &fibres.strain(1), &history.fibres[1]);
+        let turned = self.absorption.stress(&self.shear, &angle, &mut history.shear.clone());
         let across = fibres.pull(d, &md, &td, &turned).tension.map(|t| t.map(f64::abs));
         let mut along = [
-            self.md.steepest(&self.absorption, &fibres.strain(0), &past.fibres[0], REACH),
-            self.td.steepest(&self.absorption, &fibres.strain(1), &past.fibres[1], REACH),
+            self.md.steepest(&self.absorption, &fibres.strain(0), &history.fibres[0], REACH),
+            self.td.steepest(&self.absorption, &fibres.strain(1), &history.fibres[1], REACH),
         ];
-        let mut shear = self.absorption.steepest(&self.shear, &angle, &past.shear, REACH);
+        let mut shear = self.absorption.steepest(&self.shear, &angle, &history.shear, REACH);
         let mut largest = angle;
         for l in 0..L {
-            largest[l] = larger(angle[l], past.shear[l]);
+            largest[l] = larger(angle[l], history.shear[l]);
         }
         let stress = self.shear.stress_lanes(&largest);
         for l in 0..L {
@@ -256,8 +256,8 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     }
 
     #[inline(always)]
-    fn break_strains<const L: usize>(&self, past: &Self::Past<L>) -> [Lane<L>; 2] {
-        [self.md.break_strain(&past.fibres[0]), self.td.break_strain(&past.fibres[1])]
+    fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2] {
+        [self.md.break_strain(&history.fibres[0]), self.td.break_strain(&history.fibres[1])]
     }
 }
 
@@ -276,7 +276,7 @@ fn combine<const L: usize>(a: &Lane<L>, u: &Lane3<L>, b: &Lane<L>, v: &Lane3<L>)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::Past;
+    use crate::material::History;
 
     #[test]
     fn the_angle_is_the_arcsine_and_goes_on_along_its_tangent() {
@@ -302,11 +302,13 @@ mod tests {
         for strain in [0.1, 0.26, 0.5, 1.0, 1.39] {
             let f = [[1.0 + strain, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|v| v.map(|x| [x]));
             assert!(
-                (film.stress(&f.into(), &mut Past::fresh(), 0.0).p[0][0][0] / md.stress(strain) - 1.0).abs() < 1e-14
+                (film.stress(&f.into(), &mut History::virgin(), 0.0).p[0][0][0] / md.stress(strain) - 1.0).abs()
+                    < 1e-14
             );
             let f = [[1.0, 0.0, 0.0], [0.0, 1.0 + strain, 0.0]].map(|v| v.map(|x| [x]));
             assert!(
-                (film.stress(&f.into(), &mut Past::fresh(), 0.0).p[1][1][0] / td.stress(strain) - 1.0).abs() < 1e-14
+                (film.stress(&f.into(), &mut History::virgin(), 0.0).p[1][1][0] / td.stress(strain) - 1.0).abs()
+                    < 1e-14
             );
         }
     }

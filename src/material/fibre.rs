@@ -1,32 +1,37 @@
 //! What a fabric asks of its fibre sets.
 
-use super::past::FibrePast;
+use super::history::FibreHistory;
 use super::{Absorption, Curve};
 use crate::lane::{Lane, splat};
 
 /// Stress of a fibre set as a function of its engineering strain and its past, with absorption on unloading.
 pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
     /// What it remembers.
-    type Past<const L: usize>: FibrePast<L>;
+    type History<const L: usize>: FibreHistory<L>;
 
     /// Stress (Pa) at `strain`, reached `dt` (s) after the strain before; remembers it. No time passes while film is mounted.
     fn stress<const L: usize>(
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
-        past: &mut Self::Past<L>,
+        history: &mut Self::History<L>,
         dt: f64,
     ) -> Lane<L>;
 
     /// Stress (Pa) at `strain`, reached as fast as it was strained so far.
-    fn stress_near<const L: usize>(&self, absorption: &Absorption, strain: &Lane<L>, past: &Self::Past<L>) -> Lane<L>;
+    fn stress_near<const L: usize>(
+        &self,
+        absorption: &Absorption,
+        strain: &Lane<L>,
+        history: &Self::History<L>,
+    ) -> Lane<L>;
 
     /// Energy density (J/m³) at `strain`: what would come back, and what is lost for good.
     fn energy<const L: usize>(
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
-        past: &Self::Past<L>,
+        history: &Self::History<L>,
     ) -> (Lane<L>, Lane<L>);
 
     /// Largest slope dσ/dε (Pa) within `reach` of `strain`, whichever way and however fast it goes on; zero where the fibre stays slack.
@@ -34,7 +39,7 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
-        past: &Self::Past<L>,
+        history: &Self::History<L>,
         reach: f64,
     ) -> Lane<L>;
 
@@ -42,7 +47,7 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
     fn initial_slope(&self) -> f64;
 
     /// Strain at which it breaks as fast as it was strained so far.
-    fn break_strain<const L: usize>(&self, past: &Self::Past<L>) -> Lane<L>;
+    fn break_strain<const L: usize>(&self, history: &Self::History<L>) -> Lane<L>;
 
     /// Strains at which it breaks when it is strained slowly, and at the rate at which it holds longest.
     fn break_strains(&self) -> [f64; 2];
@@ -50,27 +55,32 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
 
 /// One curve at all rates.
 impl FibreLaw for Curve {
-    type Past<const L: usize> = Lane<L>;
+    type History<const L: usize> = Lane<L>;
 
     #[inline(always)]
     fn stress<const L: usize>(
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
-        past: &mut Lane<L>,
+        history: &mut Lane<L>,
         _dt: f64,
     ) -> Lane<L> {
-        absorption.stress(self, strain, past)
+        absorption.stress(self, strain, history)
     }
 
     #[inline(always)]
-    fn stress_near<const L: usize>(&self, absorption: &Absorption, strain: &Lane<L>, past: &Lane<L>) -> Lane<L> {
-        absorption.stress(self, strain, &mut past.clone())
+    fn stress_near<const L: usize>(&self, absorption: &Absorption, strain: &Lane<L>, history: &Lane<L>) -> Lane<L> {
+        absorption.stress(self, strain, &mut history.clone())
     }
 
     #[inline(always)]
-    fn energy<const L: usize>(&self, absorption: &Absorption, strain: &Lane<L>, past: &Lane<L>) -> (Lane<L>, Lane<L>) {
-        absorption.energy(self, strain, past)
+    fn energy<const L: usize>(
+        &self,
+        absorption: &Absorption,
+        strain: &Lane<L>,
+        history: &Lane<L>,
+    ) -> (Lane<L>, Lane<L>) {
+        absorption.energy(self, strain, history)
     }
 
     #[inline(always)]
@@ -78,10 +88,10 @@ impl FibreLaw for Curve {
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
-        past: &Lane<L>,
+        history: &Lane<L>,
         reach: f64,
     ) -> Lane<L> {
-        absorption.steepest(self, strain, past, reach)
+        absorption.steepest(self, strain, history, reach)
     }
 
     fn initial_slope(&self) -> f64 {
@@ -89,7 +99,7 @@ impl FibreLaw for Curve {
     }
 
     #[inline(always)]
-    fn break_strain<const L: usize>(&self, _past: &Lane<L>) -> Lane<L> {
+    fn break_strain<const L: usize>(&self, _history: &Lane<L>) -> Lane<L> {
         splat(self.end())
     }
 

@@ -9,7 +9,7 @@ mod elastic;
 mod fabric;
 mod fibre;
 mod multipliers;
-mod past;
+mod history;
 mod rate_curves;
 mod tension_field;
 
@@ -18,9 +18,9 @@ pub use curve::{Curve, CurveError, Reading};
 pub use elastic::Elastic;
 pub use fabric::Fabric;
 pub use fibre::FibreLaw;
+pub use history::{FibreHistory, History, PeakStrains, PointHistory};
 pub use multipliers::Multipliers;
-pub use past::{FibrePast, FilmPast, Past, Peaks};
-pub use rate_curves::{RateCurves, RateCurvesError, RatePast};
+pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub use tension_field::TensionField;
 
 use serde::{Deserialize, Serialize};
@@ -125,19 +125,19 @@ impl<const L: usize> Stiffness<L> {
 /// What an element asks of a law.
 pub trait MembraneLaw {
     /// What it remembers of an integration point.
-    type Past<const L: usize>: Past<L>;
+    type History<const L: usize>: History<L>;
     /// Stress at deformation `d`, reached `dt` (s) after the deformation before; remembers it. No time passes while film is mounted.
-    fn stress<const L: usize>(&self, d: &Deformation<L>, past: &mut Self::Past<L>, dt: f64) -> Stress<L>;
+    fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L>;
     /// Energy at deformation `d`.
-    fn energy<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Energy<L>;
+    fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L>;
     /// Largest tangent stiffness at and near deformation `d`, whichever way it goes on.
-    fn stiffness<const L: usize>(&self, d: &Deformation<L>, past: &Self::Past<L>) -> Stiffness<L>;
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Stiffness<L>;
     /// Thickness over that of stress-free film under `stress`; NaN where the law says nothing of it.
     fn thickness_ratio<const L: usize>(&self, stress: &Stress<L>) -> Lane<L>;
     /// Slopes of the law at rest along MD and TD, Pa.
     fn moduli(&self) -> [f64; 2];
     /// Strains at which the MD and TD fibres break.
-    fn break_strains<const L: usize>(&self, past: &Self::Past<L>) -> [Lane<L>; 2];
+    fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2];
 }
 
 /// The law of a film.
@@ -183,10 +183,10 @@ impl Law {
     pub fn virgin_stress(&self, f: Gradient<1>) -> Gradient<1> {
         let d = Deformation::from(f);
         match self {
-            Law::Fabric(law) => law.stress(&d, &mut Past::fresh(), 0.0).p,
-            Law::RateFabric(law) => law.stress(&d, &mut Past::fresh(), 0.0).p,
-            Law::Elastic(law) => law.stress(&d, &mut Past::fresh(), 0.0).p,
-            Law::TensionField(law) => law.stress(&d, &mut Past::fresh(), 0.0).p,
+            Law::Fabric(law) => law.stress(&d, &mut History::virgin(), 0.0).p,
+            Law::RateFabric(law) => law.stress(&d, &mut History::virgin(), 0.0).p,
+            Law::Elastic(law) => law.stress(&d, &mut History::virgin(), 0.0).p,
+            Law::TensionField(law) => law.stress(&d, &mut History::virgin(), 0.0).p,
         }
     }
 }
@@ -244,18 +244,18 @@ mod tests {
 
     /// Central differences of the energy against stress and tension, on the way up (peaks follow the strain) or on the
     /// way down from peaks that lie `above` the strain.
-    fn check_derivative(law: &impl MembraneLaw<Past<1> = Peaks<1>>, above: f64) {
+    fn check_derivative(law: &impl MembraneLaw<History<1> = PeakStrains<1>>, above: f64) {
         let step = 1e-6;
         for d in deformations() {
-            let mut past = Peaks::fresh();
-            law.stress(&d, &mut past, 0.0);
-            let mut raised = past;
-            raised.numbers_mut().for_each(|peak| peak[0] += above);
+            let mut history = PeakStrains::virgin();
+            law.stress(&d, &mut history, 0.0);
+            let mut raised = history;
+            raised.variables_mut().for_each(|peak| peak[0] += above);
             let stress = law.stress(&d, &mut raised.clone(), 0.0);
             let energy = |d: &Deformation<1>| {
-                let mut past = if above > 0.0 { raised } else { Peaks::fresh() };
-                law.stress(d, &mut past, 0.0);
-                law.energy(d, &past).stored[0]
+                let mut history = if above > 0.0 { raised } else { PeakStrains::virgin() };
+                law.stress(d, &mut history, 0.0);
+                law.energy(d, &history).stored[0]
             };
             let scale = stress.p.iter().flatten().fold(1.0, |m: f64, v| m.max(v[0].abs()));
             for fibre in 0..2 {
@@ -288,16 +288,16 @@ mod tests {
     }
 
     /// Central differences of the energy by the strains against the engineering stresses.
-    fn check_work(law: &impl MembraneLaw<Past<1> = Peaks<1>>) {
+    fn check_work(law: &impl MembraneLaw<History<1> = PeakStrains<1>>) {
         let step = 1e-6;
         for at in [[0.1, 0.3, 0.2], [0.5, 0.02, -0.4], [0.25, 0.1, 0.0]] {
             let energy = |at: [f64; 3]| {
-                let (d, mut past) = (strained(at), Peaks::fresh());
-                law.stress(&d, &mut past, 0.0);
-                law.energy(&d, &past).stored[0]
+                let (d, mut history) = (strained(at), PeakStrains::virgin());
+                law.stress(&d, &mut history, 0.0);
+                law.energy(&d, &history).stored[0]
             };
             let d = strained(at);
-            let Stresses { md, td, shear } = stresses(&d, &law.stress(&d, &mut Peaks::fresh(), 0.0));
+            let Stresses { md, td, shear } = stresses(&d, &law.stress(&d, &mut PeakStrains::virgin(), 0.0));
             for (measure, stress) in [md, td, shear].into_iter().enumerate() {
                 let moved = |sign: f64| {
                     let mut moved = at;
@@ -322,7 +322,7 @@ mod tests {
         let film = film(0.6);
         for at in [[0.1, 0.3, 0.2], [0.5, -0.2, -0.4], [0.2, 0.1, 0.0]] {
             let d = strained(at);
-            let Stresses { md, td, shear } = stresses(&d, &film.stress(&d, &mut Peaks::fresh(), 0.0));
+            let Stresses { md, td, shear } = stresses(&d, &film.stress(&d, &mut PeakStrains::virgin(), 0.0));
             let Strains { shear: angle, .. } = strains(&d);
             let expected = [
                 film.md().stress(at[0]),
@@ -362,13 +362,13 @@ mod tests {
 
     /// Second differences of the energy along motions b ⊗ n of unit size, in the film along b and in space along n, against
     /// the resistance that the law's stiffness claims.
-    fn check_bound(law: &impl MembraneLaw<Past<1> = Peaks<1>>) {
+    fn check_bound(law: &impl MembraneLaw<History<1> = PeakStrains<1>>) {
         let (step, turn) = (1e-4, std::f64::consts::PI / 8.0);
         for d in deformations() {
             for b in (0..8).map(|k| (turn * f64::from(k)).sin_cos()) {
                 let (first, second) = b;
                 let g = [[first * first, first * second], [first * second, second * second]];
-                let bound = law.stiffness(&d, &Peaks::fresh()).resistance(&g.map(|row| row.map(splat)))[0];
+                let bound = law.stiffness(&d, &PeakStrains::virgin()).resistance(&g.map(|row| row.map(splat)))[0];
                 for n in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.8, 0.0], [0.6, -0.48, 0.64]] {
                     let energy = |t: f64| {
                         let mut moved = d;
@@ -376,7 +376,7 @@ mod tests {
                             moved.f[0][axis][0] += t * first * n[axis];
                             moved.f[1][axis][0] += t * second * n[axis];
                         }
-                        law.energy(&moved, &Peaks::fresh()).stored[0]
+                        law.energy(&moved, &PeakStrains::virgin()).stored[0]
                     };
                     let stiffness = (energy(step) - 2.0 * energy(0.0) + energy(-step)) / (step * step);
                     assert!(stiffness <= bound * (1.0 + 1e-6) + 1.0, "{stiffness} over {bound} at {d:?}, {b:?}, {n:?}");
@@ -398,8 +398,8 @@ mod tests {
     fn rotation_alone_gives_no_stress() {
         let (s, c) = 0.7_f64.sin_cos();
         let d = Deformation::from([[c, s * 0.6, s * 0.8].map(splat), [-s, c * 0.6, c * 0.8].map(splat)]);
-        let of_fabric = film(0.9).stress(&d, &mut Peaks::fresh(), 0.0).p;
-        let of_elastic = Elastic { young: 5e7, poisson: 0.4 }.stress(&d, &mut Peaks::fresh(), 0.0).p;
+        let of_fabric = film(0.9).stress(&d, &mut PeakStrains::virgin(), 0.0).p;
+        let of_elastic = Elastic { young: 5e7, poisson: 0.4 }.stress(&d, &mut PeakStrains::virgin(), 0.0).p;
         for p in [of_fabric, of_elastic] {
             assert!(p.iter().flatten().all(|v: &Lane<1>| v[0].abs() < 1e-6), "{p:?}");
         }

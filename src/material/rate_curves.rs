@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::fibre::FibreLaw;
-use super::past::FibrePast;
+use super::history::FibreHistory;
 use super::{Absorption, Curve};
 use crate::lane::{Lane, larger, ln, smaller, splat};
 
@@ -69,7 +69,7 @@ struct Step {
 
 /// What such fibres remember.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RatePast<const L: usize> {
+pub struct RateHistory<const L: usize> {
     /// Largest engineering strain so far, ε_m.
     peak: Lane<L>,
     /// Time that the last growth of ε_m took, over the growth, p = 1/r, s.
@@ -182,12 +182,12 @@ impl RateCurves {
 
     /// Lets the largest strain grow to `strain` within `dt` (s).
     #[inline(always)]
-    fn grow<const L: usize>(&self, strain: &Lane<L>, past: &mut RatePast<L>, dt: f64) {
+    fn grow<const L: usize>(&self, strain: &Lane<L>, history: &mut RateHistory<L>, dt: f64) {
         // Film on its way back spends no time here.
-        if (0..L).all(|l| strain[l] <= past.peak[l]) {
+        if (0..L).all(|l| strain[l] <= history.peak[l]) {
             return;
         }
-        let old = *past;
+        let old = *history;
         let mut first = splat::<L>(0.0);
         for l in 0..L {
             let growth = strain[l] - old.peak[l];
@@ -195,22 +195,22 @@ impl RateCurves {
             let time = if dt > 0.0 { dt } else { growth * self.slowness[1] };
             let length = smaller(old.peak[l], self.memory);
             let slowness = (length * old.slowness[l] + time) / (length + growth);
-            past.slowness[l] = if growth > 0.0 { slowness } else { old.slowness[l] };
-            past.peak[l] = larger(strain[l], old.peak[l]);
-            first[l] = if length > 0.0 { old.slowness[l] } else { past.slowness[l] };
+            history.slowness[l] = if growth > 0.0 { slowness } else { old.slowness[l] };
+            history.peak[l] = larger(strain[l], old.peak[l]);
+            first[l] = if length > 0.0 { old.slowness[l] } else { history.slowness[l] };
         }
-        let (before, after) = (self.log_rate(&first), self.log_rate(&past.slowness));
+        let (before, after) = (self.log_rate(&first), self.log_rate(&history.slowness));
         let [gained_first, gained_last] =
-            [self.gained(&before, &after, &old.peak), self.gained(&before, &after, &past.peak)];
+            [self.gained(&before, &after, &old.peak), self.gained(&before, &after, &history.peak)];
         for l in 0..L {
-            past.surplus[l] -= 0.5 * (gained_first[l] + gained_last[l]);
+            history.surplus[l] -= 0.5 * (gained_first[l] + gained_last[l]);
         }
     }
 
     /// Energy of the present curve up to the largest strain, W(ε_m, r).
     #[inline(always)]
-    fn enclosed<const L: usize>(&self, log_rate: &Lane<L>, past: &RatePast<L>) -> Lane<L> {
-        self.mix(log_rate, |curve| curve.read(&past.peak).energy)
+    fn enclosed<const L: usize>(&self, log_rate: &Lane<L>, history: &RateHistory<L>) -> Lane<L> {
+        self.mix(log_rate, |curve| curve.read(&history.peak).energy)
     }
 
     /// Where on the present curve fibres at `strain` stand: ε_m − β(ε_m − ε).
@@ -218,22 +218,27 @@ impl RateCurves {
     fn place<const L: usize>(
         absorption: &Absorption,
         strain: &Lane<L>,
-        past: &RatePast<L>,
+        history: &RateHistory<L>,
         enclosed: &Lane<L>,
     ) -> Lane<L> {
         let mut place = splat(0.0);
         for l in 0..L {
-            let steepening = larger(enclosed[l] / (enclosed[l] + past.surplus[l]), absorption.steepening());
-            place[l] = past.peak[l] - (past.peak[l] - strain[l]) * steepening;
+            let steepening = larger(enclosed[l] / (enclosed[l] + history.surplus[l]), absorption.steepening());
+            place[l] = history.peak[l] - (history.peak[l] - strain[l]) * steepening;
         }
         place
     }
 
     /// Stress at `strain`, which is not above the largest so far.
     #[inline(always)]
-    fn stress_below<const L: usize>(&self, absorption: &Absorption, strain: &Lane<L>, past: &RatePast<L>) -> Lane<L> {
-        let log_rate = self.log_rate(&past.slowness);
-        let place = RateCurves::place(absorption, strain, past, &self.enclosed(&log_rate, past));
+    fn stress_below<const L: usize>(
+        &self,
+        absorption: &Absorption,
+        strain: &Lane<L>,
+        history: &RateHistory<L>,
+    ) -> Lane<L> {
+        let log_rate = self.log_rate(&history.slowness);
+        let place = RateCurves::place(absorption, strain, history, &self.enclosed(&log_rate, history));
         self.mix(&log_rate, |curve| curve.stress_lanes(&place))
     }
 }
@@ -278,25 +283,30 @@ impl Step {
 }
 
 impl FibreLaw for RateCurves {
-    type Past<const L: usize> = RatePast<L>;
+    type History<const L: usize> = RateHistory<L>;
 
     #[inline(always)]
     fn stress<const L: usize>(
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
-        past: &mut RatePast<L>,
+        history: &mut RateHistory<L>,
         dt: f64,
     ) -> Lane<L> {
-        self.grow(strain, past, dt);
-        self.stress_below(absorption, strain, past)
+        self.grow(strain, history, dt);
+        self.stress_below(absorption, strain, history)
     }
 
     #[inline(always)]
-    fn stress_near<const L: usize>(&self, absorption: &Absorption, strain: &Lane<L>, past: &RatePast<L>) -> Lane<L> {
-        let mut raised = *past;
+    fn stress_near<const L: usize>(
+        &self,
+        absorption: &Absorption,
+        strain: &Lane<L>,
+        history: &RateHistory<L>,
+    ) -> Lane<L> {
+        let mut raised = *history;
         for l in 0..L {
-            raised.peak[l] = larger(strain[l], past.peak[l]);
+            raised.peak[l] = larger(strain[l], history.peak[l]);
         }
         self.stress_below(absorption, strain, &raised)
     }
@@ -306,17 +316,17 @@ impl FibreLaw for RateCurves {
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
-        past: &RatePast<L>,
+        history: &RateHistory<L>,
     ) -> (Lane<L>, Lane<L>) {
-        let log_rate = self.log_rate(&past.slowness);
-        let enclosed = self.enclosed(&log_rate, past);
-        let place = RateCurves::place(absorption, strain, past, &enclosed);
+        let log_rate = self.log_rate(&history.slowness);
+        let enclosed = self.enclosed(&log_rate, history);
+        let place = RateCurves::place(absorption, strain, history, &enclosed);
         let mut stored = self.mix(&log_rate, |curve| curve.read(&place).energy);
         let mut absorbed = splat(0.0);
         for l in 0..L {
-            let returned = smaller((enclosed[l] + past.surplus[l]) / enclosed[l], 1.0 - absorption.share());
+            let returned = smaller((enclosed[l] + history.surplus[l]) / enclosed[l], 1.0 - absorption.share());
             stored[l] *= returned;
-            absorbed[l] = past.surplus[l] + (1.0 - returned) * enclosed[l];
+            absorbed[l] = history.surplus[l] + (1.0 - returned) * enclosed[l];
         }
         (stored, absorbed)
     }
@@ -326,14 +336,14 @@ impl FibreLaw for RateCurves {
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
-        past: &RatePast<L>,
+        history: &RateHistory<L>,
         reach: f64,
     ) -> Lane<L> {
-        let log_rate = self.log_rate(&past.slowness);
+        let log_rate = self.log_rate(&history.slowness);
         // The rate grows by the factor e within λ at most, and from nothing to any rate.
         let mut fastest = splat::<L>(0.0);
         for l in 0..L {
-            fastest[l] = log_rate[l] + reach / smaller(past.peak[l], self.memory);
+            fastest[l] = log_rate[l] + reach / smaller(history.peak[l], self.memory);
         }
         let mut steepening = splat::<L>(absorption.steepening());
         for step in &self.steps {
@@ -344,8 +354,9 @@ impl FibreLaw for RateCurves {
         }
         let (mut from, mut to, mut most) = (splat::<L>(0.0), splat::<L>(0.0), splat::<L>(0.0));
         for l in 0..L {
-            let below = past.peak[l] - strain[l];
-            let places = [absorption.steepening(), steepening[l]].map(|steepening| past.peak[l] - below * steepening);
+            let below = history.peak[l] - strain[l];
+            let places =
+                [absorption.steepening(), steepening[l]].map(|steepening| history.peak[l] - below * steepening);
             from[l] = smaller(places[0], places[1]) - reach * steepening[l];
             to[l] = larger(places[0], places[1]) + reach * steepening[l];
             most[l] = strain[l] + reach;
@@ -354,7 +365,7 @@ impl FibreLaw for RateCurves {
         let mut hardening = splat::<L>(0.0);
         for step in &self.steps {
             let own = step.curve.steepest(&from, &to);
-            let rising = step.hardening(&past.peak, &most, self.memory);
+            let rising = step.hardening(&history.peak, &most, self.memory);
             for l in 0..L {
                 let touched = step.log < fastest[l];
                 slope[l] = if touched { larger(own[l], slope[l]) } else { slope[l] };
@@ -372,8 +383,8 @@ impl FibreLaw for RateCurves {
     }
 
     #[inline(always)]
-    fn break_strain<const L: usize>(&self, past: &RatePast<L>) -> Lane<L> {
-        self.mix(&self.log_rate(&past.slowness), |curve| splat(curve.end()))
+    fn break_strain<const L: usize>(&self, history: &RateHistory<L>) -> Lane<L> {
+        self.mix(&self.log_rate(&history.slowness), |curve| splat(curve.end()))
     }
 
     fn break_strains(&self) -> [f64; 2] {
@@ -381,9 +392,9 @@ impl FibreLaw for RateCurves {
     }
 }
 
-impl<const L: usize> FibrePast<L> for RatePast<L> {
-    fn fresh() -> Self {
-        RatePast { peak: splat(0.0), slowness: splat(0.0), surplus: splat(0.0) }
+impl<const L: usize> FibreHistory<L> for RateHistory<L> {
+    fn virgin() -> Self {
+        RateHistory { peak: splat(0.0), slowness: splat(0.0), surplus: splat(0.0) }
     }
 
     #[inline(always)]
@@ -391,11 +402,11 @@ impl<const L: usize> FibrePast<L> for RatePast<L> {
         &self.peak
     }
 
-    fn numbers(&self) -> impl Iterator<Item = &Lane<L>> {
+    fn variables(&self) -> impl Iterator<Item = &Lane<L>> {
         [&self.peak, &self.slowness, &self.surplus].into_iter()
     }
 
-    fn numbers_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
+    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
         [&mut self.peak, &mut self.slowness, &mut self.surplus].into_iter()
     }
 }
@@ -483,7 +494,7 @@ mod tests {
     struct Pulled {
         law: RateCurves,
         absorption: Absorption,
-        past: RatePast<1>,
+        history: RateHistory<1>,
         strain: f64,
         stress: f64,
         /// By the trapezoid rule from the stresses alone, J/m³.
@@ -492,8 +503,8 @@ mod tests {
 
     impl Pulled {
         fn new(law: RateCurves, share: f64) -> Pulled {
-            let (absorption, past) = (Absorption::new(share), RatePast::fresh());
-            Pulled { law, absorption, past, strain: 0.0, stress: 0.0, work: 0.0 }
+            let (absorption, history) = (Absorption::new(share), RateHistory::virgin());
+            Pulled { law, absorption, history, strain: 0.0, stress: 0.0, work: 0.0 }
         }
 
         /// Goes to `strain` at `rate` (1/s) in steps of 10⁻⁵.
@@ -506,13 +517,13 @@ mod tests {
         }
 
         fn at(&mut self, strain: f64, dt: f64) {
-            let stress = self.law.stress(&self.absorption, &[strain], &mut self.past, dt)[0];
+            let stress = self.law.stress(&self.absorption, &[strain], &mut self.history, dt)[0];
             self.work += 0.5 * (self.stress + stress) * (strain - self.strain);
             (self.strain, self.stress) = (strain, stress);
         }
 
         fn energy(&self) -> [f64; 2] {
-            let (stored, absorbed) = self.law.energy(&self.absorption, &[self.strain], &self.past);
+            let (stored, absorbed) = self.law.energy(&self.absorption, &[self.strain], &self.history);
             [stored[0], absorbed[0]]
         }
     }
@@ -548,12 +559,12 @@ mod tests {
     fn the_rate_is_a_mean_over_the_last_growth_and_is_held_below_it() {
         let mut pulled = Pulled::new(family(), 0.5);
         pulled.to(0.1, 1.0);
-        let rate = |pulled: &Pulled| 1.0 / pulled.past.slowness[0];
+        let rate = |pulled: &Pulled| 1.0 / pulled.history.slowness[0];
         assert!((rate(&pulled) - 1.0).abs() < 1e-9);
-        let held = pulled.past;
+        let held = pulled.history;
         pulled.to(0.05, 300.0);
         pulled.to(0.0999, 0.01);
-        assert_eq!(pulled.past, held);
+        assert_eq!(pulled.history, held);
         // 1/r goes to the new slowness as e^(−growth/ℓ).
         pulled.to(0.1, 10.0);
         pulled.to(0.11, 10.0);
@@ -576,19 +587,19 @@ mod tests {
         let curve = &curves()[2];
         let same = RateCurves::new(RATES.map(|rate| (rate, curve.clone())).to_vec(), MEMORY).unwrap();
         let absorption = Absorption::new(0.8896);
-        let (mut past, mut peak) = (RatePast::fresh(), [0.0]);
+        let (mut history, mut peak) = (RateHistory::virgin(), [0.0]);
         for (strain, dt) in
             [(0.1, 0.0), (0.11, 1e-3), (0.1, 1e-3), (0.3, 1e-2), (0.2999, 1e-4), (0.5, 1e-3), (-0.1, 1.0)]
         {
             let strain = [strain];
-            let found = same.stress(&absorption, &strain, &mut past, dt);
+            let found = same.stress(&absorption, &strain, &mut history, dt);
             assert_eq!(found, absorption.stress(curve, &strain, &mut peak));
             assert_eq!(
-                same.steepest(&absorption, &strain, &past, 0.005),
+                same.steepest(&absorption, &strain, &history, 0.005),
                 absorption.steepest(curve, &strain, &peak, 0.005)
             );
-            assert_eq!(same.break_strain(&past), [curve.end()]);
-            let (stored, absorbed) = same.energy(&absorption, &strain, &past);
+            assert_eq!(same.break_strain(&history), [curve.end()]);
+            let (stored, absorbed) = same.energy(&absorption, &strain, &history);
             let expected = absorption.energy(curve, &strain, &peak);
             assert!((stored[0] - expected.0[0]).abs() <= 1e-12 * expected.1[0].max(1.0));
             assert!((absorbed[0] - expected.1[0]).abs() <= 1e-12 * expected.1[0].max(1.0));
@@ -630,9 +641,9 @@ mod tests {
                 let mut pulled = Pulled::new(family(), share);
                 pulled.to(0.2, slow);
                 pulled.to(0.3, fast);
-                let rate = 1.0 / pulled.past.slowness[0];
+                let rate = 1.0 / pulled.history.slowness[0];
                 let log_rate = pulled.law.log_rate(&[1.0 / rate]);
-                let (given, curve) = (pulled.work, pulled.law.enclosed(&log_rate, &pulled.past)[0]);
+                let (given, curve) = (pulled.work, pulled.law.enclosed(&log_rate, &pulled.history)[0]);
                 pulled.to(0.0, 1.0);
                 let returned = given - pulled.work;
                 let expected = ((1.0 - share) * curve).min(given);
@@ -654,7 +665,7 @@ mod tests {
                 pulled.to(until, before);
                 for back in [0.0, 0.002, 0.01] {
                     pulled.to(until - back, 1.0);
-                    let bound = pulled.law.steepest(&pulled.absorption, &[pulled.strain], &pulled.past, REACH)[0];
+                    let bound = pulled.law.steepest(&pulled.absorption, &[pulled.strain], &pulled.history, REACH)[0];
                     for rate in [1e-3, 0.1, 7.0, 69.0, 1e4] {
                         for sign in [1.0, -1.0] {
                             let mut moved = Pulled { law: pulled.law.clone(), ..pulled };
@@ -663,8 +674,8 @@ mod tests {
                                 // ∂σ/∂ε of this step: two strains that it may go to in the same time.
                                 let strain = start + sign * step * (k as f64 - 0.5);
                                 let at = |strain: f64| {
-                                    let mut past = moved.past;
-                                    moved.law.stress(&moved.absorption, &[strain], &mut past, step / rate)[0]
+                                    let mut history = moved.history;
+                                    moved.law.stress(&moved.absorption, &[strain], &mut history, step / rate)[0]
                                 };
                                 let slope = (at(strain + 1e-8) - at(strain - 1e-8)) / 2e-8;
                                 assert!(
@@ -687,10 +698,10 @@ mod tests {
             for rate in [0.1, 7.0, 1000.0] {
                 let mut pulled = Pulled::new(family(), 0.9);
                 pulled.to(until, rate);
-                let bound = pulled.law.steepest(&pulled.absorption, &[until], &pulled.past, 0.005)[0];
+                let bound = pulled.law.steepest(&pulled.absorption, &[until], &pulled.history, 0.005)[0];
                 for dt in [1e-6, 5e-5] {
                     let stress =
-                        pulled.law.stress(&pulled.absorption, &[until + 1e-12], &mut pulled.past.clone(), dt)[0];
+                        pulled.law.stress(&pulled.absorption, &[until + 1e-12], &mut pulled.history.clone(), dt)[0];
                     let step = (stress - pulled.stress).abs();
                     assert!(step <= bound * rate * dt + 1.0, "{until} at {rate}, {dt} s: {step}");
                 }

@@ -15,7 +15,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
-use super::{Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
+use super::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress};
 use crate::lane::{Lane, larger, splat};
 
 /// An elastic film without stiffness against compression.
@@ -79,15 +79,15 @@ impl TensionField {
 }
 
 impl MembraneLaw for TensionField {
-    type Past<const L: usize> = Peaks<L>;
+    type History<const L: usize> = PeakStrains<L>;
 
     #[inline(always)]
-    fn stress<const L: usize>(&self, d: &Deformation<L>, _past: &mut Peaks<L>, _dt: f64) -> Stress<L> {
+    fn stress<const L: usize>(&self, d: &Deformation<L>, _history: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {
         Elastic::first_piola(d, self.response(d))
     }
 
     #[inline(always)]
-    fn energy<const L: usize>(&self, d: &Deformation<L>, _past: &Peaks<L>) -> Energy<L> {
+    fn energy<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Energy<L> {
         let Elastic { young, poisson } = self.0;
         let p = self.principal(&Elastic::strain(d));
         let mut stored = splat(0.0);
@@ -102,7 +102,7 @@ impl MembraneLaw for TensionField {
     /// The bound of the elastic film with the tension of this one: relaxing takes stiffness away, since wrinkled film turns
     /// its tension with `S₁/(E₁ − E₂) ≤ 2G`.
     #[inline(always)]
-    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _past: &Peaks<L>) -> Stiffness<L> {
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Stiffness<L> {
         self.0.bound(d, self.response(d))
     }
 
@@ -115,7 +115,7 @@ impl MembraneLaw for TensionField {
     }
 
     #[inline(always)]
-    fn break_strains<const L: usize>(&self, _past: &Peaks<L>) -> [Lane<L>; 2] {
+    fn break_strains<const L: usize>(&self, _history: &PeakStrains<L>) -> [Lane<L>; 2] {
         [splat(f64::INFINITY); 2]
     }
 }
@@ -123,7 +123,7 @@ impl MembraneLaw for TensionField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::Past;
+    use crate::material::History;
 
     const LAW: TensionField = TensionField(Elastic { young: 5e7, poisson: 0.4 });
 
@@ -136,7 +136,7 @@ mod tests {
     }
 
     fn energy(law: &impl MembraneLaw, stretches: [f64; 2]) -> f64 {
-        law.energy(&turned(stretches), &Past::fresh()).stored[0]
+        law.energy(&turned(stretches), &History::virgin()).stored[0]
     }
 
     #[test]
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn wrinkled_film_is_pulled_one_way_only() {
         let d = turned([1.2, 0.7]);
-        let stress = LAW.stress(&d, &mut Peaks::fresh(), 0.0);
+        let stress = LAW.stress(&d, &mut PeakStrains::virgin(), 0.0);
         let (s, c) = 0.3_f64.sin_cos();
         let traction = |n: [f64; 2]| [0, 1, 2].map(|axis| n[0] * stress.p[0][axis][0] + n[1] * stress.p[1][axis][0]);
         let is = |traction: [f64; 3], expected: [f64; 3]| {

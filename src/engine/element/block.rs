@@ -1,14 +1,14 @@
 //! Elements side by side, in blocks of lanes.
 
 use crate::lane::{LANES, Lane, Lane3, splat};
-use crate::material::{Deformation, MembraneLaw, Past, Stresses, stresses};
+use crate::material::{Deformation, History, MembraneLaw, Stresses, stresses};
 
 /// `L` elements of one kind with `NODES` nodes each: what the passes over a film ask of them.
 pub trait Block<const NODES: usize, const L: usize> {
     /// One element before it is put into a block.
     type Element;
     /// What an integration point remembers.
-    type Past: Past<L>;
+    type History: History<L>;
 
     /// The elements that `lane` gives, each with the thickness (m, all layers) it counts with.
     fn new<'a>(lane: impl Fn(usize) -> (&'a Self::Element, f64)) -> Self
@@ -19,17 +19,17 @@ pub trait Block<const NODES: usize, const L: usize> {
     /// it. Whether a fibre somewhere is past its break strain.
     fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; NODES], dt: f64, out: &mut [Lane3<L>; NODES]) -> bool
     where
-        M: MembraneLaw<Past<L> = Self::Past>;
+        M: MembraneLaw<History<L> = Self::History>;
 
     /// Energies of the elements with nodes at `x`.
     fn energies<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>
     where
-        M: MembraneLaw<Past<L> = Self::Past>;
+        M: MembraneLaw<History<L> = Self::History>;
 
     /// Bound on density × squared angular frequency × volume / nodes, summed over the points (theory.md, equation 17).
     fn stiffness<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> Lane<L>
     where
-        M: MembraneLaw<Past<L> = Self::Past>;
+        M: MembraneLaw<History<L> = Self::History>;
 
     /// Strains, averaged over the points.
     fn strains(&self, x: &[Lane3<L>; NODES]) -> BlockStrains<L>;
@@ -37,7 +37,7 @@ pub trait Block<const NODES: usize, const L: usize> {
     /// What the strains do not say, averaged over the points.
     fn details<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockDetails<L>
     where
-        M: MembraneLaw<Past<L> = Self::Past>;
+        M: MembraneLaw<History<L> = Self::History>;
 
     /// Volume of stress-free film, m³; zero once it is deleted.
     fn volume(&self) -> Lane<L>;
@@ -45,16 +45,16 @@ pub trait Block<const NODES: usize, const L: usize> {
     /// Whether a fibre of the element in a lane is past its break strain.
     fn has_failed<M>(&self, law: &M, lane: usize) -> bool
     where
-        M: MembraneLaw<Past<L> = Self::Past>;
+        M: MembraneLaw<History<L> = Self::History>;
 
     /// Deletes the element in a lane: its volume becomes zero.
     fn delete(&mut self, lane: usize);
 
     /// What every integration point remembers, and its volume (m³).
-    fn memory(&self) -> impl Iterator<Item = (&Self::Past, &Lane<L>)>;
+    fn history(&self) -> impl Iterator<Item = (&Self::History, &Lane<L>)>;
 
     /// The same, to be put back.
-    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut Self::Past, &mut Lane<L>)>;
+    fn history_mut(&mut self) -> impl Iterator<Item = (&mut Self::History, &mut Lane<L>)>;
 }
 
 /// Energies of the elements of one block, J.
@@ -92,10 +92,10 @@ impl<const L: usize> BlockDetails<L> {
     pub(super) const NONE: Self =
         BlockDetails { stress: [splat(0.0); 3], thickness_ratio: splat(0.0), fibres: [[splat(0.0); 3]; 2] };
 
-    /// Adds `share` of what `law` answers to one point's deformation `d`, where the film is after its `past`.
-    pub(super) fn add<M: MembraneLaw>(&mut self, law: &M, d: &Deformation<L>, past: &M::Past<L>, share: f64) {
+    /// Adds `share` of what `law` answers to one point's deformation `d`, where the film is after its `history`.
+    pub(super) fn add<M: MembraneLaw>(&mut self, law: &M, d: &Deformation<L>, history: &M::History<L>, share: f64) {
         // The past knows this deformation already, so that no time passes and nothing new is remembered.
-        let answer = law.stress(d, &mut past.clone(), 0.0);
+        let answer = law.stress(d, &mut history.clone(), 0.0);
         let Stresses { md, td, shear } = stresses(d, &answer);
         let thickness_ratio = law.thickness_ratio(&answer);
         for l in 0..L {
@@ -174,7 +174,7 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
 
     /// Integration points of one element.
     pub fn points(&self) -> usize {
-        self.blocks.first().map_or(0, |block| block.memory().count())
+        self.blocks.first().map_or(0, |block| block.history().count())
     }
 
     /// Whether the element at `block`, `lane` is deleted.

@@ -2,11 +2,11 @@
 
 use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains};
 use crate::lane::{Lane, Lane3, splat};
-use crate::material::{Deformation, MembraneLaw, Past, Peaks, strains};
+use crate::material::{Deformation, History, MembraneLaw, PeakStrains, strains};
 
 /// Elements with `NODES` nodes and `POINTS` integration points each.
 #[derive(Clone, Debug)]
-pub struct Gauss<const NODES: usize, const POINTS: usize, const L: usize, P = Peaks<L>> {
+pub struct Gauss<const NODES: usize, const POINTS: usize, const L: usize, P = PeakStrains<L>> {
     points: [Point<P, NODES, L>; POINTS],
 }
 
@@ -17,7 +17,7 @@ struct Point<P, const NODES: usize, const L: usize> {
     gradient: [[Lane<L>; 2]; NODES],
     /// Volume of stress-free film (all layers), m³; zero once it is deleted.
     volume: Lane<L>,
-    past: P,
+    history: P,
 }
 
 /// One such element.
@@ -79,17 +79,17 @@ impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
     }
 }
 
-impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L>
+impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L>
     for Gauss<NODES, POINTS, L, P>
 {
     type Element = GaussElement<NODES, POINTS>;
-    type Past = P;
+    type History = P;
 
     fn new<'a>(lane: impl Fn(usize) -> (&'a Self::Element, f64)) -> Self {
         let point = |p: usize| Point {
             gradient: std::array::from_fn(|a| [0, 1].map(|i| std::array::from_fn(|l| lane(l).0.gradient[p][a][i]))),
             volume: std::array::from_fn(|l| lane(l).1 * lane(l).0.area[p]),
-            past: P::fresh(),
+            history: P::virgin(),
         };
         Gauss { points: std::array::from_fn(point) }
     }
@@ -97,15 +97,16 @@ impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<
     #[inline(always)]
     fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; NODES], dt: f64, out: &mut [Lane3<L>; NODES]) -> bool
     where
-        M: MembraneLaw<Past<L> = P>,
+        M: MembraneLaw<History<L> = P>,
     {
         let mut failed = false;
         *out = [[splat(0.0); 3]; NODES];
         for point in &mut self.points {
             let d = point.deformation(x);
-            let stress = law.stress(&d, &mut point.past, dt);
+            let stress = law.stress(&d, &mut point.history, dt);
             point.subtract_stress(&stress.p, out);
-            let (limits, peaks) = (law.break_strains::<L>(&point.past), [0, 1].map(|fibre| point.past.peak(fibre)));
+            let (limits, peaks) =
+                (law.break_strains::<L>(&point.history), [0, 1].map(|fibre| point.history.peak(fibre)));
             for l in 0..L {
                 let beyond = (peaks[0][l] > limits[0][l]) | (peaks[1][l] > limits[1][l]);
                 failed |= (point.volume[l] > 0.0) & beyond;
@@ -117,11 +118,11 @@ impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<
     #[inline(always)]
     fn energies<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>
     where
-        M: MembraneLaw<Past<L> = P>,
+        M: MembraneLaw<History<L> = P>,
     {
         let mut out = BlockEnergies::NONE;
         for point in &self.points {
-            let energy = law.energy(&point.deformation(x), &point.past);
+            let energy = law.energy(&point.deformation(x), &point.history);
             for l in 0..L {
                 out.stored[l] += point.volume[l] * energy.stored[l];
                 out.absorbed[l] += point.volume[l] * energy.absorbed[l];
@@ -133,11 +134,11 @@ impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<
     #[inline(always)]
     fn stiffness<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> Lane<L>
     where
-        M: MembraneLaw<Past<L> = P>,
+        M: MembraneLaw<History<L> = P>,
     {
         let mut bound = splat(0.0);
         for point in &self.points {
-            let resistance = law.stiffness(&point.deformation(x), &point.past).resistance(&point.metric());
+            let resistance = law.stiffness(&point.deformation(x), &point.history).resistance(&point.metric());
             for l in 0..L {
                 bound[l] += point.volume[l] * resistance[l];
             }
@@ -157,7 +158,7 @@ impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<
             }
             for fibre in 0..2 {
                 for l in 0..L {
-                    out.peak[fibre][l] = out.peak[fibre][l].max(point.past.peak(fibre)[l]);
+                    out.peak[fibre][l] = out.peak[fibre][l].max(point.history.peak(fibre)[l]);
                 }
             }
         }
@@ -166,10 +167,10 @@ impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<
 
     fn details<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockDetails<L>
     where
-        M: MembraneLaw<Past<L> = P>,
+        M: MembraneLaw<History<L> = P>,
     {
         let mut out = BlockDetails::NONE;
-        self.points.iter().for_each(|point| out.add(law, &point.deformation(x), &point.past, 1.0 / POINTS as f64));
+        self.points.iter().for_each(|point| out.add(law, &point.deformation(x), &point.history, 1.0 / POINTS as f64));
         out
     }
 
@@ -184,19 +185,19 @@ impl<P: Past<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<
         volume
     }
 
-    fn has_failed<M: MembraneLaw<Past<L> = P>>(&self, law: &M, lane: usize) -> bool {
-        self.points.iter().any(|point| super::has_failed(law, &point.past, lane))
+    fn has_failed<M: MembraneLaw<History<L> = P>>(&self, law: &M, lane: usize) -> bool {
+        self.points.iter().any(|point| super::has_failed(law, &point.history, lane))
     }
 
     fn delete(&mut self, lane: usize) {
         self.points.iter_mut().for_each(|p| p.volume[lane] = 0.0);
     }
 
-    fn memory(&self) -> impl Iterator<Item = (&P, &Lane<L>)> {
-        self.points.iter().map(|point| (&point.past, &point.volume))
+    fn history(&self) -> impl Iterator<Item = (&P, &Lane<L>)> {
+        self.points.iter().map(|point| (&point.history, &point.volume))
     }
 
-    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut P, &mut Lane<L>)> {
-        self.points.iter_mut().map(|point| (&mut point.past, &mut point.volume))
+    fn history_mut(&mut self) -> impl Iterator<Item = (&mut P, &mut Lane<L>)> {
+        self.points.iter_mut().map(|point| (&mut point.history, &mut point.volume))
     }
 }

@@ -91,13 +91,18 @@ fn scatter<const NODES: usize, const L: usize>(
 at_width! {
     /// Adds the forces of all elements, whose nodes came to `position` in `dt` (s), to `force`; they remember it.
     /// True if a fibre somewhere is past its break strain.
-    pub(crate) fn add_forces[B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize](
+    pub(crate) fn add_forces[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>,
     ) -> bool = add_forces_lanewise
 }
 
 #[inline(always)]
-fn add_forces_lanewise<B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize>(
+fn add_forces_lanewise<
+    B: Block<NODES, L>,
+    M: MembraneLaw<History<L> = B::History>,
+    const NODES: usize,
+    const L: usize,
+>(
     elements: &mut Blocks<B, NODES, L>,
     law: &M,
     position: &[&[f64]; 3],
@@ -137,13 +142,13 @@ impl ElementEnergy {
 
 at_width! {
     /// Energies of all elements.
-    pub(crate) fn energy[B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize](
+    pub(crate) fn energy[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         elements: &Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3],
     ) -> ElementEnergy = energy_lanewise
 }
 
 #[inline(always)]
-fn energy_lanewise<B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize>(
+fn energy_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
     elements: &Blocks<B, NODES, L>,
     law: &M,
     position: &[&[f64]; 3],
@@ -164,7 +169,12 @@ fn energy_lanewise<B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const 
 }
 
 /// Energies of the element at `block`, `lane`.
-pub(crate) fn energy_at<B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize>(
+pub(crate) fn energy_at<
+    B: Block<NODES, L>,
+    M: MembraneLaw<History<L> = B::History>,
+    const NODES: usize,
+    const L: usize,
+>(
     elements: &Blocks<B, NODES, L>,
     [block, lane]: [usize; 2],
     law: &M,
@@ -182,7 +192,7 @@ pub(crate) fn energy_at<B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, c
 
 at_width! {
     /// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
-    pub(crate) fn frequency_bound[B: Block<NODES, L>, M: MembraneLaw<Past<L> = B::Past>, const NODES: usize, const L: usize](
+    pub(crate) fn frequency_bound[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         elements: &Blocks<B, NODES, L>, law: &M, density: f64, position: &[&[f64]; 3],
     ) -> f64 = frequency_bound_lanewise
 }
@@ -190,7 +200,7 @@ at_width! {
 #[inline(always)]
 fn frequency_bound_lanewise<
     B: Block<NODES, L>,
-    M: MembraneLaw<Past<L> = B::Past>,
+    M: MembraneLaw<History<L> = B::History>,
     const NODES: usize,
     const L: usize,
 >(
@@ -262,7 +272,7 @@ pub struct ElementDetail {
 }
 
 /// Details of all elements, in order; rarely asked for, and so of no width.
-pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<Past<LANES> = B::Past>, const NODES: usize>(
+pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<History<LANES> = B::History>, const NODES: usize>(
     elements: &Blocks<B, NODES>,
     law: &M,
     position: &[&[f64]; 3],

@@ -22,20 +22,24 @@ pub(super) use kernel::{add_forces, details, energy, energy_at, frequency_bound,
 use nalgebra::Point3;
 
 use crate::lane::LANES;
-use crate::material::{MembraneLaw, Past, Peaks};
+use crate::material::{History, MembraneLaw, PeakStrains};
 use gauss::GaussElement;
 
 /// Quadrilaterals with one integration point that remembers `P`.
-pub type Quads<const L: usize = LANES, P = Peaks<L>> = Blocks<OnePoint<L, P>, 4, L>;
+pub type Quads<const L: usize = LANES, P = PeakStrains<L>> = Blocks<OnePoint<L, P>, 4, L>;
 /// Quadrilaterals with 2×2 integration points.
-pub type FullQuads<const L: usize = LANES, P = Peaks<L>> = Blocks<Gauss<4, 4, L, P>, 4, L>;
+pub type FullQuads<const L: usize = LANES, P = PeakStrains<L>> = Blocks<Gauss<4, 4, L, P>, 4, L>;
 /// Triangles.
-pub type Tris<const L: usize = LANES, P = Peaks<L>> = Blocks<Gauss<3, 1, L, P>, 3, L>;
+pub type Tris<const L: usize = LANES, P = PeakStrains<L>> = Blocks<Gauss<3, 1, L, P>, 3, L>;
 
-/// Whether a fibre of a point in a lane that remembers `past` is past its break strain.
-fn has_failed<M: MembraneLaw<Past<L> = P>, P: Past<L>, const L: usize>(law: &M, past: &P, lane: usize) -> bool {
-    let limits = law.break_strains::<L>(past);
-    (0..2).any(|fibre| past.peak(fibre)[lane] > limits[fibre][lane])
+/// Whether a fibre of a point in a lane that remembers `history` is past its break strain.
+fn has_failed<M: MembraneLaw<History<L> = P>, P: History<L>, const L: usize>(
+    law: &M,
+    history: &P,
+    lane: usize,
+) -> bool {
+    let limits = law.break_strains::<L>(history);
+    (0..2).any(|fibre| history.peak(fibre)[lane] > limits[fibre][lane])
 }
 
 /// A kind of element that can be made of stress-free coordinates (m, along MD and TD) of its nodes.

@@ -15,11 +15,11 @@
 
 use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains};
 use crate::lane::{Lane, Lane3, dot, splat};
-use crate::material::{Deformation, MembraneLaw, Past, Peaks, Stress, strains};
+use crate::material::{Deformation, History, MembraneLaw, PeakStrains, Stress, strains};
 
 /// Elements with one point each.
 #[derive(Clone, Debug)]
-pub struct OnePoint<const L: usize, P = Peaks<L>> {
+pub struct OnePoint<const L: usize, P = PeakStrains<L>> {
     /// b_aI of the first two nodes, along MD and TD of the stress-free film, 1/m.
     gradient: [[Lane<L>; 2]; 2],
     /// s₀ and s₁; zero in a parallelogram.
@@ -28,7 +28,7 @@ pub struct OnePoint<const L: usize, P = Peaks<L>> {
     skewed: bool,
     /// Volume of stress-free film (all layers), m³; zero once it is deleted.
     volume: Lane<L>,
-    past: P,
+    history: P,
 }
 
 /// One such element.
@@ -52,7 +52,7 @@ struct Shape<const L: usize> {
     mean_square: [Lane<L>; 2],
 }
 
-impl<P: Past<L>, const L: usize> OnePoint<L, P> {
+impl<P: History<L>, const L: usize> OnePoint<L, P> {
     #[inline(always)]
     fn shape<const SKEWED: bool>(&self, x: &[Lane3<L>; 4]) -> Shape<L> {
         let mut f = [[splat(0.0); 3]; 2];
@@ -85,10 +85,10 @@ impl<P: Past<L>, const L: usize> OnePoint<L, P> {
     #[inline(always)]
     fn forces_of<M, const SKEWED: bool>(&mut self, law: &M, x: &[Lane3<L>; 4], dt: f64, out: &mut [Lane3<L>; 4]) -> bool
     where
-        M: MembraneLaw<Past<L> = P>,
+        M: MembraneLaw<History<L> = P>,
     {
         let shape = self.shape::<SKEWED>(x);
-        let mut stress = law.stress(&shape.deformation, &mut self.past, dt);
+        let mut stress = law.stress(&shape.deformation, &mut self.history, dt);
         let h = shape.resist(&self.volume, &mut stress, stabilisation(law));
         for axis in 0..3 {
             for l in 0..L {
@@ -104,7 +104,7 @@ impl<P: Past<L>, const L: usize> OnePoint<L, P> {
                 out[3][axis][l] = quarter + second;
             }
         }
-        let (limits, peaks) = (law.break_strains::<L>(&self.past), [0, 1].map(|fibre| self.past.peak(fibre)));
+        let (limits, peaks) = (law.break_strains::<L>(&self.history), [0, 1].map(|fibre| self.history.peak(fibre)));
         let mut failed = false;
         for l in 0..L {
             let beyond = (peaks[0][l] > limits[0][l]) | (peaks[1][l] > limits[1][l]);
@@ -147,9 +147,9 @@ fn stabilisation(law: &impl MembraneLaw) -> [f64; 2] {
     law.moduli().map(|modulus| IN_PLANE_STABILISATION * modulus)
 }
 
-impl<P: Past<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
+impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     type Element = OnePointElement;
-    type Past = P;
+    type History = P;
 
     fn new<'a>(lane: impl Fn(usize) -> (&'a OnePointElement, f64)) -> Self {
         let all = |value: &dyn Fn(&OnePointElement) -> f64| std::array::from_fn(|l| value(lane(l).0));
@@ -158,14 +158,14 @@ impl<P: Past<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
             skew: [0, 1].map(|a| all(&|e| e.skew[a])),
             skewed: (0..L).any(|l| lane(l).0.skew != [0.0; 2]),
             volume: std::array::from_fn(|l| lane(l).1 * lane(l).0.area),
-            past: P::fresh(),
+            history: P::virgin(),
         }
     }
 
     #[inline(always)]
     fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; 4], dt: f64, out: &mut [Lane3<L>; 4]) -> bool
     where
-        M: MembraneLaw<Past<L> = P>,
+        M: MembraneLaw<History<L> = P>,
     {
         // Structured meshes are made of parallelograms, and theirs is the hot path.
         if self.skewed {
@@ -178,10 +178,10 @@ impl<P: Past<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     #[inline(always)]
     fn energies<M>(&self, law: &M, x: &[Lane3<L>; 4]) -> BlockEnergies<L>
     where
-        M: MembraneLaw<Past<L> = P>,
+        M: MembraneLaw<History<L> = P>,
     {
         let shape = self.shape::<true>(x);
-        let energy = law.energy(&shape.deformation, &self.past);
+        let energy = law.energy(&shape.deformation, &self.history);
         let stabilisation = stabilisation(law);
         let f = &shape.deformation.f;
         let along = [dot(&f[0], &shape.q), dot(&f[1], &shape.q)];
@@ -198,7 +198,7 @@ impl<P: Past<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     #[inline(always)]
     fn stiffness<M>(&self, law: &M, x: &[Lane3<L>; 4]) -> Lane<L>
     where
-        M: MembraneLaw<Past<L> = P>,
+        M: MembraneLaw<History<L> = P>,
     {
         let shape = self.shape::<true>(x);
         let f = &shape.deformation.f;
@@ -212,7 +212,7 @@ impl<P: Past<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
             let skewed = self.skew[0][l] * self.skew[0][l] + self.skew[1][l] * self.skew[1][l];
             modes[l] = 0.25 + 2.0 * skewed;
         }
-        let mut bound = law.stiffness(&shape.deformation, &self.past).resistance(&g);
+        let mut bound = law.stiffness(&shape.deformation, &self.history).resistance(&g);
         let stabilisation = stabilisation(law);
         let (squares, amplitude) = ([dot(&f[0], &f[0]), dot(&f[1], &f[1])], dot(&shape.q, &shape.q));
         for l in 0..L {
@@ -229,15 +229,15 @@ impl<P: Past<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     #[inline(always)]
     fn strains(&self, x: &[Lane3<L>; 4]) -> BlockStrains<L> {
         let s = strains(&self.shape::<true>(x).deformation);
-        BlockStrains { strain: [s.md, s.td, s.shear], peak: [0, 1].map(|fibre| *self.past.peak(fibre)) }
+        BlockStrains { strain: [s.md, s.td, s.shear], peak: [0, 1].map(|fibre| *self.history.peak(fibre)) }
     }
 
     fn details<M>(&self, law: &M, x: &[Lane3<L>; 4]) -> BlockDetails<L>
     where
-        M: MembraneLaw<Past<L> = P>,
+        M: MembraneLaw<History<L> = P>,
     {
         let mut out = BlockDetails::NONE;
-        out.add(law, &self.shape::<true>(x).deformation, &self.past, 1.0);
+        out.add(law, &self.shape::<true>(x).deformation, &self.history, 1.0);
         out
     }
 
@@ -246,19 +246,19 @@ impl<P: Past<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
         self.volume
     }
 
-    fn has_failed<M: MembraneLaw<Past<L> = P>>(&self, law: &M, lane: usize) -> bool {
-        super::has_failed(law, &self.past, lane)
+    fn has_failed<M: MembraneLaw<History<L> = P>>(&self, law: &M, lane: usize) -> bool {
+        super::has_failed(law, &self.history, lane)
     }
 
     fn delete(&mut self, lane: usize) {
         self.volume[lane] = 0.0;
     }
 
-    fn memory(&self) -> impl Iterator<Item = (&P, &Lane<L>)> {
-        std::iter::once((&self.past, &self.volume))
+    fn history(&self) -> impl Iterator<Item = (&P, &Lane<L>)> {
+        std::iter::once((&self.history, &self.volume))
     }
 
-    fn memory_mut(&mut self) -> impl Iterator<Item = (&mut P, &mut Lane<L>)> {
-        std::iter::once((&mut self.past, &mut self.volume))
+    fn history_mut(&mut self) -> impl Iterator<Item = (&mut P, &mut Lane<L>)> {
+        std::iter::once((&mut self.history, &mut self.volume))
     }
 }

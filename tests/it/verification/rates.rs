@@ -148,5 +148,5 @@ fn a_state_goes_on_with_the_same_bits() {
 
     let plain = shipped("drop/1008.toml", &["specimen.mesh.size=20mm"]);
     let refused = simulate::engine(&plain).expect("an engine").restore(state).expect_err("another law");
-    assert!(matches!(refused, StateMismatch { what: "numbers that the law remembers", .. }), "{refused}");
+    assert!(matches!(refused, StateMismatch { what: "history variables", .. }), "{refused}");
 }

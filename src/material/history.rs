@@ -1,0 +1,78 @@
+//! History variables: what a law keeps of an integration point.
+
+use crate::lane::{LANES, Lane, splat};
+
+/// History variables of integration points, one point a lane.
+pub trait History<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
+    /// Those of film that was never strained.
+    fn virgin() -> Self;
+    /// Largest engineering strain so far of the MD (0) or TD (1) fibres.
+    fn peak(&self, fibre: usize) -> &Lane<L>;
+    /// All variables, always in the same order.
+    fn variables(&self) -> impl Iterator<Item = &Lane<L>>;
+    /// All variables, in the order of [`History::variables`], to be restored.
+    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>>;
+}
+
+/// History variables of one fibre set.
+pub trait FibreHistory<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
+    /// Those of fibres that were never strained.
+    fn virgin() -> Self;
+    /// Largest engineering strain so far.
+    fn peak(&self) -> &Lane<L>;
+    /// All variables, always in the same order.
+    fn variables(&self) -> impl Iterator<Item = &Lane<L>>;
+    /// All variables, in the order of [`FibreHistory::variables`], to be restored.
+    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>>;
+}
+
+/// History variables of two fibre sets and of shear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointHistory<F, const L: usize> {
+    /// Of the MD and the TD fibres.
+    pub fibres: [F; 2],
+    /// Largest shear angle so far, rad.
+    pub shear: Lane<L>,
+}
+
+/// Largest strains so far of the MD fibres, the TD fibres and in shear.
+pub type PeakStrains<const L: usize = LANES> = PointHistory<Lane<L>, L>;
+
+impl<F: FibreHistory<L>, const L: usize> History<L> for PointHistory<F, L> {
+    fn virgin() -> Self {
+        PointHistory { fibres: [F::virgin(), F::virgin()], shear: splat(0.0) }
+    }
+
+    #[inline(always)]
+    fn peak(&self, fibre: usize) -> &Lane<L> {
+        self.fibres[fibre].peak()
+    }
+
+    fn variables(&self) -> impl Iterator<Item = &Lane<L>> {
+        self.fibres.iter().flat_map(F::variables).chain([&self.shear])
+    }
+
+    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
+        self.fibres.iter_mut().flat_map(F::variables_mut).chain([&mut self.shear])
+    }
+}
+
+/// Fibres whose largest strain is their only history variable.
+impl<const L: usize> FibreHistory<L> for Lane<L> {
+    fn virgin() -> Self {
+        splat(0.0)
+    }
+
+    #[inline(always)]
+    fn peak(&self) -> &Lane<L> {
+        self
+    }
+
+    fn variables(&self) -> impl Iterator<Item = &Lane<L>> {
+        [self].into_iter()
+    }
+
+    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
+        [self].into_iter()
+    }
+}
