@@ -9,7 +9,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Deformation, Energy, MembraneLaw, Peaks, Stiffness, Stress};
+use super::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress};
 use crate::lane::{Lane, dot, larger, splat};
 
 /// Isotropic linear elasticity for small strain and any rotation; it carries compression.
