@@ -1,13 +1,12 @@
 //! `droptower check`: everything that is wrong with scenarios and materials, at once.
 
 use std::path::Path;
-use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
 
 use super::scenarios::{self, Selection};
-use super::{BAD_INPUT, Shared, print, print_json, report};
+use super::{Failure, Shared, print, print_json};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::model;
 use crate::scenario::{Assignment, Document};
@@ -35,24 +34,20 @@ struct Mistake {
     hint: Option<String>,
 }
 
-pub fn run(args: &CheckArgs, shared: &Shared) -> ExitCode {
-    let found = match args.selection.each(mistakes) {
-        Ok(found) => found,
-        Err(mistakes) => return report(&mistakes),
-    };
-    let found: Vec<(String, Vec<Diagnostic>)> =
-        found.into_iter().map(|(file, mistakes)| (shown_path(&file), mistakes)).collect();
+pub fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
+    let found = args.selection.each(mistakes)?.into_iter();
+    let found: Vec<(String, Vec<Diagnostic>)> = found.map(|(file, mistakes)| (shown_path(&file), mistakes)).collect();
     let wrong: Vec<Diagnostic> = found.iter().flat_map(|(_, mistakes)| mistakes.clone()).collect();
     if shared.json {
-        let printed = print_json(&found.iter().map(|(path, mistakes)| verdict(path, mistakes)).collect::<Vec<_>>());
-        return if wrong.is_empty() { printed } else { ExitCode::from(BAD_INPUT) };
+        print_json(&found.iter().map(|(path, mistakes)| verdict(path, mistakes)).collect::<Vec<_>>())?;
+        return if wrong.is_empty() { Ok(()) } else { Err(Failure::from(vec![])) };
     }
     let good = found.iter().filter(|(_, mistakes)| mistakes.is_empty());
     let good: Vec<String> = good.map(|(path, _)| format!("ok  {path}")).collect();
     if !shared.quiet && !good.is_empty() {
-        print(&good.join("\n"));
+        print(&good.join("\n"))?;
     }
-    if wrong.is_empty() { ExitCode::SUCCESS } else { report(&wrong) }
+    if wrong.is_empty() { Ok(()) } else { Err(wrong.into()) }
 }
 
 /// What is wrong with the file, as the scenario or the material that it is.

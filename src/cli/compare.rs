@@ -1,13 +1,12 @@
 //! `droptower compare`: several runs laid over each other.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 
-use super::faults::{WRITE_FAILURE, recording, storing};
+use super::faults::{recording, storing};
 use super::scenarios::both;
-use super::{Shared, digest, folder, print, print_json, report, table};
+use super::{Failure, Shared, digest, folder, print_figures, table};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post::RunComparison;
 use crate::report::compare_page;
@@ -29,31 +28,18 @@ pub struct CompareArgs {
     pub all: bool,
 }
 
-pub fn run(args: &CompareArgs, shared: &Shared) -> ExitCode {
-    let runs = match both(stored(&args.runs), free(args)) {
-        Ok((runs, ())) => runs,
-        Err(mistakes) => return report(&mistakes),
-    };
-    if let Err(mistake) = check_signals(&runs, &args.signal) {
-        return report(&[mistake]);
-    }
+pub fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
+    let (runs, ()) = both(stored(&args.runs), free(args))?;
+    check_signals(&runs, &args.signal)?;
     let comparison = RunComparison::of(&runs, &args.signal);
     let stored = Draft::begin(&args.out).and_then(|draft| {
         let files = folder::fill_comparison(&draft, &comparison)?;
         Ok((draft.publish()?, files))
     });
-    let (place, files) = match stored {
-        Ok(stored) => stored,
-        Err(error) => {
-            report(&[storing(&error)]);
-            return ExitCode::from(WRITE_FAILURE);
-        }
-    };
-    match (shared.json, shared.quiet) {
-        (true, _) => print_json(&comparison.summary()),
-        (false, true) => ExitCode::SUCCESS,
-        (false, false) => print([text(&comparison, args.all), digest::folder(&place, &files)].concat().trim_end()),
-    }
+    let (place, files) = stored.map_err(|error| Failure::output(storing(&error)))?;
+    print_figures(shared, &comparison.summary(), || {
+        [text(&comparison, args.all), digest::folder(&place, &files)].concat()
+    })
 }
 
 /// The runs, read back; at least two, each once.

@@ -1,12 +1,10 @@
 //! `droptower explain`: unit, range, default and sentence of every key under a path.
 
-use std::process::ExitCode;
-
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use super::{Shared, functions, print, print_json, report};
+use super::{Failure, Shared, functions, print, print_json};
 use crate::diagnostic::{Diagnostic, closest};
 use crate::scenario::grammar::{self, Key, Rule, TableRule};
 
@@ -36,7 +34,7 @@ struct Choice {
     sentence: Option<String>,
 }
 
-pub fn run(args: &ExplainArgs, shared: &Shared) -> ExitCode {
+pub fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
     if args.path.as_deref() == Some(functions::WORD) {
         return functions::run(None, shared);
     }
@@ -44,7 +42,7 @@ pub fn run(args: &ExplainArgs, shared: &Shared) -> ExitCode {
         Some(path) => match find(path) {
             Ok((name, key)) => under(&name, key),
             Err(_) if functions::are_called(path) => return functions::run(Some(path), shared),
-            Err(mistake) => return report(&[mistake]),
+            Err(mistake) => return Err(mistake.into()),
         },
         None => top(),
     };

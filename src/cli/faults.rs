@@ -10,9 +10,6 @@ use crate::script::{Fault, ReadError};
 use crate::signal::{QuantityError, file};
 use crate::store::StoreError;
 
-/// Exit status where results could not be written.
-pub const WRITE_FAILURE: u8 = 1;
-
 /// A script fault at its place in the script.
 pub fn script(fault: &Fault) -> Diagnostic {
     let Ok(text) = fs::read_to_string(&fault.file) else {

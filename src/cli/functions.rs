@@ -1,10 +1,8 @@
 //! `droptower explain functions`: what scripts can call.
 
-use std::process::ExitCode;
-
 use serde::Serialize;
 
-use super::{Shared, print, print_json};
+use super::{Failure, Shared, print, print_json};
 use crate::identify;
 use crate::post;
 use crate::script::{self, Chapter};
@@ -22,7 +20,7 @@ struct Function {
 }
 
 /// Prints the reference of scripts: all of it, or what the function `name` has in it.
-pub fn run(name: Option<&str>, shared: &Shared) -> ExitCode {
+pub fn run(name: Option<&str>, shared: &Shared) -> Result<(), Failure> {
     let chapters = chapters().map(|chapter| (chapter.title, entries(chapter, name))).filter(|(_, e)| !e.is_empty());
     if !shared.json {
         return print(chapters.map(text).collect::<String>().trim_end());

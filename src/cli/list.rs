@@ -1,12 +1,11 @@
 //! `droptower list`: the scenarios of a folder.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
 
-use super::{Shared, print, print_json, report};
+use super::{Failure, Shared, print, print_json};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::scenario::{Document, Value};
 
@@ -26,16 +25,13 @@ struct Listed {
     title: Option<String>,
 }
 
-pub fn run(args: &ListArgs, shared: &Shared) -> ExitCode {
-    let listed = match files(&args.folder) {
-        Ok(files) => files.iter().filter_map(|file| listed(file)).collect::<Vec<_>>(),
-        Err(mistake) => return report(&[mistake]),
-    };
+pub fn run(args: &ListArgs, shared: &Shared) -> Result<(), Failure> {
+    let listed: Vec<Listed> = files(&args.folder)?.iter().filter_map(|file| listed(file)).collect();
     if shared.json {
         return print_json(&listed);
     }
     if listed.is_empty() {
-        return report(&[Diagnostic::new(format!("no scenarios in {}", shown_path(&args.folder)))]);
+        return Err(Diagnostic::new(format!("no scenarios in {}", shown_path(&args.folder))).into());
     }
     let width = listed.iter().map(|scenario| scenario.path.chars().count()).max().unwrap_or(0);
     let lines: Vec<String> = listed

@@ -5,6 +5,7 @@ mod checkpoint;
 mod compare;
 mod digest;
 mod explain;
+mod failure;
 mod faults;
 mod folder;
 mod forecast;
@@ -30,12 +31,8 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use serde::Serialize;
 
+pub use self::failure::Failure;
 use crate::diagnostic::{self, Diagnostic};
-
-/// Exit status where the user's input is wrong; nothing was written.
-pub const BAD_INPUT: u8 = 2;
-/// Exit status where a run went wrong numerically; what was computed so far is kept.
-pub const NUMERICAL_FAILURE: u8 = 3;
 
 /// A scripted virtual drop tower for thin films and membranes.
 #[derive(Debug, Parser)]
@@ -92,48 +89,61 @@ enum Command {
 /// Runs the command that the arguments name; usage errors exit with status 2.
 pub fn main() -> ExitCode {
     let Droptower { command, shared } = Droptower::parse();
+    match run(&command, &shared) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn run(command: &Command, shared: &Shared) -> Result<(), Failure> {
     if let Some(threads) = shared.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        if let Err(error) = pool.build_global() {
-            return report(&[Diagnostic::new(format!("cannot start {threads} threads: {error}"))]);
-        }
+        let started = pool.build_global();
+        started.map_err(|error| Diagnostic::new(format!("cannot start {threads} threads: {error}")))?;
     }
     match command {
-        Command::Run(args) => run::run(&args, &shared),
-        Command::Check(args) => check::run(&args, &shared),
+        Command::Run(args) => run::run(args, shared),
+        Command::Check(args) => check::run(args, shared),
         Command::Schema => schema::run(),
-        Command::Explain(args) => explain::run(&args, &shared),
-        Command::New(args) => new::run(&args, &shared),
-        Command::Compare(args) => compare::run(&args, &shared),
-        Command::List(args) => list::run(&args, &shared),
-        Command::View(args) => view::run(&args, &shared),
-        Command::Script(args) => script::run(&args, &shared),
-        Command::Signal(command) => signal::run(&command, &shared),
-        Command::Tensile(command) => tensile::run(&command, &shared),
+        Command::Explain(args) => explain::run(args, shared),
+        Command::New(args) => new::run(args, shared),
+        Command::Compare(args) => compare::run(args, shared),
+        Command::List(args) => list::run(args, shared),
+        Command::View(args) => view::run(args, shared),
+        Command::Script(args) => script::run(args, shared),
+        Command::Signal(command) => signal::run(command, shared),
+        Command::Tensile(command) => tensile::run(command, shared),
     }
 }
 
-/// Prints mistakes on standard error, with colours on a terminal, and is the exit status for them.
-pub fn report(mistakes: &[Diagnostic]) -> ExitCode {
+/// Prints diagnostics on standard error, with colours on a terminal.
+pub fn print_diagnostics(diagnostics: &[Diagnostic]) {
     let styled = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
-    // A closed standard error leaves no place to complain to; the exit status still tells.
-    let _ = writeln!(io::stderr(), "{}", diagnostic::render(mistakes, styled));
-    ExitCode::from(BAD_INPUT)
+    // Where standard error is closed, the exit status still tells.
+    let _ = writeln!(io::stderr(), "{}", diagnostic::render(diagnostics, styled));
 }
 
-/// Prints text on standard output, without what would steer the terminal; a reader that has had enough (`| head`) is no failure.
-pub fn print(text: &str) -> ExitCode {
+/// Prints text on standard output, without what would steer the terminal; a reader that closes the pipe (`| head`) is no failure.
+pub fn print(text: &str) -> Result<(), Failure> {
     match writeln!(io::stdout(), "{}", diagnostic::printable(text)) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Err(error) => report(&[Diagnostic::new(format!("cannot print: {error}"))]),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::output(Diagnostic::new(format!("cannot print: {error}"))))
+        }
+        _ => Ok(()),
     }
 }
 
 /// Prints figures as JSON on standard output.
-pub fn print_json(figures: &impl Serialize) -> ExitCode {
-    match serde_json::to_string_pretty(figures) {
-        Ok(text) => print(&text),
-        Err(error) => report(&[Diagnostic::new(format!("cannot print as JSON: {error}"))]),
+pub fn print_json(figures: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(figures);
+    print(&text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?)
+}
+
+/// Prints the figures of a command as the user wants them: as JSON, as text, or not at all.
+pub fn print_figures(shared: &Shared, figures: &impl Serialize, text: impl FnOnce() -> String) -> Result<(), Failure> {
+    match (shared.json, shared.quiet) {
+        (true, _) => print_json(figures),
+        (false, true) => Ok(()),
+        (false, false) => print(text().trim_end()),
     }
 }

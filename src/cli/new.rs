@@ -3,11 +3,10 @@
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
-use super::{Shared, print, report};
+use super::{Failure, Shared, print};
 use crate::diagnostic::{Diagnostic, shown_path};
 
 #[derive(Debug, Args)]
@@ -45,7 +44,7 @@ impl Kind {
     }
 }
 
-pub fn run(args: &NewArgs, shared: &Shared) -> ExitCode {
+pub fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
     let shown = shown_path(&args.path);
     let written = OpenOptions::new()
         .write(true)
@@ -53,12 +52,12 @@ pub fn run(args: &NewArgs, shared: &Shared) -> ExitCode {
         .open(&args.path)
         .and_then(|mut file| file.write_all(args.kind.template().as_bytes()));
     match written {
-        Ok(()) if shared.quiet => ExitCode::SUCCESS,
+        Ok(()) if shared.quiet => Ok(()),
         Ok(()) => print(&format!("wrote {shown}; try: droptower check {shown}")),
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
             let mistake = Diagnostic::new(format!("{shown} exists already"));
-            report(&[mistake.hint("give another name, or remove it first")])
+            Err(mistake.hint("give another name, or remove it first").into())
         }
-        Err(error) => report(&[Diagnostic::new(format!("cannot write {shown}: {error}"))]),
+        Err(error) => Err(Failure::output(Diagnostic::new(format!("cannot write {shown}: {error}")))),
     }
 }

@@ -6,13 +6,9 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use super::BAD_INPUT;
-use super::faults::WRITE_FAILURE;
+use super::Failure;
 use crate::diagnostic::{Diagnostic, folder_of, shown_path};
 use crate::file;
-
-/// Exit status and what is to be said.
-pub type Failure = (u8, Diagnostic);
 
 /// What stands before the checksum in the last line of a text that may be replaced while it is unchanged.
 const SEAL: &str = "# Replaced by the next reduction only while it is unchanged: ";
@@ -26,11 +22,11 @@ const LONGEST_SEALED: u64 = 16 << 20;
 /// none where the command has no such option.
 pub fn check(out: &Path, ending: &str, input: Option<&Path>, force: Option<bool>) -> Result<(), Failure> {
     let shown = shown_path(out);
-    let refused = |message, hint: &str| Err((BAD_INPUT, Diagnostic::new(message).hint(hint)));
+    let refused = |message, hint: &str| Err(Failure::from(Diagnostic::new(message).hint(hint)));
     if !ends_in(out, ending) {
         return refused(format!("{shown} does not end in .{ending}"), "the ending says what is written");
     }
-    let Some((place, there)) = there(out).map_err(|error| (BAD_INPUT, failed(out, &error).1))? else {
+    let Some((place, there)) = there(out).map_err(|error| unwritable(out, &error))? else {
         return Ok(());
     };
     if !there.is_file() {
@@ -69,7 +65,11 @@ pub fn write_sealed(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
 
 /// An output that could not be written.
 pub fn failed(out: &Path, error: &impl std::fmt::Display) -> Failure {
-    (WRITE_FAILURE, Diagnostic::new(format!("cannot write {}: {error}", shown_path(out))))
+    Failure::output(unwritable(out, error))
+}
+
+fn unwritable(out: &Path, error: &impl std::fmt::Display) -> Diagnostic {
+    Diagnostic::new(format!("cannot write {}: {error}", shown_path(out)))
 }
 
 /// What is at `out`, and where it really is; none where the place is free.
@@ -143,12 +143,12 @@ fn has_seal(content: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::failure::ExitStatus;
 
     fn refusal(out: &Path, input: Option<&Path>, force: Option<bool>) -> String {
-        let refused = check(out, "csv", input, force).map_err(|(status, mistake)| (status, mistake.message));
-        let (status, message) = refused.expect_err("a refusal");
-        assert_eq!(status, BAD_INPUT);
-        message
+        let refused = check(out, "csv", input, force).expect_err("a refusal");
+        assert_eq!(refused.status, ExitStatus::BadInput);
+        refused.diagnostics[0].message.clone()
     }
 
     #[test]

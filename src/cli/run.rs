@@ -1,23 +1,22 @@
 //! `droptower run`: simulate, compare, record, report.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use rayon::prelude::*;
 use serde_json::Value;
 
 use super::checkpoint::{self, CheckpointPolicy, CheckpointWriter};
-use super::faults::{WRITE_FAILURE, evaluating, storing};
+use super::faults::{evaluating, storing};
 use super::folder::{self, Contents, SCRIPT};
 use super::forecast::Forecast;
 use super::live::{self, Show, Viewer};
 use super::progress::Bar;
 use super::scenarios::{Checked, Selection, both};
-use super::{BAD_INPUT, NUMERICAL_FAILURE, Shared, digest, print, print_json, report};
+use super::{Failure, Shared, digest, print, print_json};
 use crate::diagnostic::{Diagnostic, printable};
 use crate::report::{RunPage, duration};
-use crate::simulate::{self, Checkpoint, Checkpoints, Failure, Outcome, Progress, RunError, RunOptions, SnapshotEvent};
+use crate::simulate::{self, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent};
 use crate::store::{self, Draft};
 
 #[derive(Debug, Args)]
@@ -59,28 +58,24 @@ struct Job {
 }
 
 /// What the terminal shows of a job.
+#[derive(Default)]
 struct Done {
-    status: u8,
     text: String,
     summary: Option<Value>,
-    mistakes: Vec<Diagnostic>,
+    failure: Option<Failure>,
     /// Whether what was computed is on the disk.
     stored: bool,
 }
 
-pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
+pub fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     let apart = args.live.as_ref().and_then(|_| args.selection.scenarios.iter().find(|given| given.contains("://")));
     if let Some(address) = apart {
         let mistake = Diagnostic::new(format!("{} is an address and no scenario", printable(address)));
-        return report(&[
-            mistake.hint(format!("a viewer's address follows without a blank: --live={}", printable(address)))
-        ]);
+        let hint = format!("a viewer's address follows without a blank: --live={}", printable(address));
+        return Err(mistake.hint(hint).into());
     }
     let viewer = args.live.as_deref().map(live::viewer).transpose();
-    let (viewer, jobs) = match both(viewer.map_err(|mistake| vec![mistake]), jobs(args)) {
-        Ok(both) => both,
-        Err(mistakes) => return report(&mistakes),
-    };
+    let (viewer, jobs) = both(viewer.map_err(|mistake| vec![mistake]), jobs(args))?;
     let bar = Bar::new(jobs.len(), shared.quiet);
     jobs.iter().filter_map(|job| job.writer.as_ref()).flat_map(|writer| &writer.notes).for_each(|note| bar.note(note));
     let run = |(index, job): (usize, &Job)| job.run(&bar, index, viewer.as_ref());
@@ -90,8 +85,9 @@ pub fn run(args: &RunArgs, shared: &Shared) -> ExitCode {
         jobs => jobs.par_iter().enumerate().map(run).collect(),
     };
     bar.finish();
-    show(&done, shared);
-    ExitCode::from(done.iter().map(|done| done.status).max().unwrap_or(0))
+    let failure = Failure::all(done.iter().filter_map(|done| done.failure.clone()));
+    let printed = show(&done, shared);
+    failure.map_or(printed, Err)
 }
 
 /// Checks and places of all scenarios, or all their mistakes.
@@ -134,12 +130,10 @@ impl Job {
         let scenario = self.resolved();
         let mut show = Show::begin(viewer, &self.checked, &scenario, bar);
         let done = match self.simulate(bar, index, &mut show) {
-            Err((status, mistake)) => return self.broken(status, mistake),
-            Ok(Ok(outcome)) => {
-                self.keep(&outcome, &scenario, show).unwrap_or_else(|(status, mistake)| self.broken(status, mistake))
-            }
-            Ok(Err(RunError::Failure(failure))) => self.keep_failed(&failure, &scenario, show),
-            Ok(Err(error)) => self.broken(BAD_INPUT, Diagnostic::new(format!("{}: {error}", self.checked.model.name))),
+            Err(failure) => return Done::failed(failure),
+            Ok(Ok(outcome)) => self.store(&outcome, &scenario, show).unwrap_or_else(Done::failed),
+            Ok(Err(RunError::Failure(failure))) => self.store_failed(&failure, &scenario, show),
+            Ok(Err(error)) => Done::failed(Diagnostic::new(format!("{}: {error}", self.checked.model.name)).into()),
         };
         // Results that could not be stored can still be had from the last checkpoint, and so can those that a post
         // script, mended since, measures.
@@ -150,17 +144,12 @@ impl Job {
     }
 
     /// The run itself, watched by `bar`, from its checkpoint where there is one to go on from.
-    fn simulate(
-        &self,
-        bar: &Bar,
-        index: usize,
-        show: &mut Show,
-    ) -> Result<Result<Outcome, RunError>, (u8, Diagnostic)> {
+    fn simulate(&self, bar: &Bar, index: usize, show: &mut Show) -> Result<Result<Outcome, RunError>, Failure> {
         let model = &self.checked.model;
         let mut restart = None;
         if let Some(writer) = &self.writer {
-            restart = writer.start().map_err(|mistake| (BAD_INPUT, mistake))?;
-            writer.open().map_err(|mistake| (WRITE_FAILURE, mistake))?;
+            restart = writer.start()?;
+            writer.open().map_err(Failure::output)?;
         }
         if let Some(restart) = &restart {
             bar.note(&format!("{} goes on at {}", model.name, duration(restart.time())));
@@ -196,10 +185,9 @@ impl Job {
         Ok(outcome)
     }
 
-    fn keep(&self, outcome: &Outcome, scenario: &str, show: Show) -> Result<Done, (u8, Diagnostic)> {
+    fn store(&self, outcome: &Outcome, scenario: &str, show: Show) -> Result<Done, Failure> {
         let model = &self.checked.model;
-        let results =
-            self.checked.plan.evaluate(model, outcome, |_| {}).map_err(|error| (BAD_INPUT, evaluating(&error)))?;
+        let results = self.checked.plan.evaluate(model, outcome, |_| {}).map_err(|error| evaluating(&error))?;
         let contents = Contents {
             model,
             outcome,
@@ -215,12 +203,12 @@ impl Job {
         });
         // The viewer may let itself be waited for: the results do not.
         show.finish(Some(&RunPage { model, outcome, results: &results, scenario, failure: None, files: &[] }));
-        let (place, files) = stored.map_err(|error| (WRITE_FAILURE, storing(&error)))?;
+        let (place, files) = stored.map_err(|error| Failure::output(storing(&error)))?;
         let text = [digest::run(model, outcome, &results), digest::folder(&place, &files)].concat();
-        Ok(Done { status: 0, text, summary: Some(results.summary(model).into()), mistakes: Vec::new(), stored: true })
+        Ok(Done { text, summary: Some(results.summary(model).into()), failure: None, stored: true })
     }
 
-    fn keep_failed(&self, failure: &Failure, scenario: &str, show: Show) -> Done {
+    fn store_failed(&self, failure: &simulate::Failure, scenario: &str, show: Show) -> Done {
         let (model, outcome) = (&self.checked.model, &failure.so_far);
         // What broke off may be too short or too wild to be measured; then its signals stand alone.
         let results = self.checked.plan.measure(model, outcome).ok();
@@ -245,18 +233,13 @@ impl Job {
         match stored {
             Ok(place) => {
                 let hint = format!("what was computed so far is in {}", place.display());
-                Done { stored: true, ..self.broken(NUMERICAL_FAILURE, mistake.hint(hint)) }
+                Done { stored: true, ..Done::failed(Failure::numerical(mistake.hint(hint))) }
             }
             Err(error) => {
-                let mut done = self.broken(NUMERICAL_FAILURE, mistake);
-                done.mistakes.push(storing(&error));
-                done
+                let failures = [Failure::numerical(mistake), Failure::output(storing(&error))];
+                Done { failure: Failure::all(failures), ..Done::default() }
             }
         }
-    }
-
-    fn broken(&self, status: u8, mistake: Diagnostic) -> Done {
-        Done { status, text: String::new(), summary: None, mistakes: vec![mistake], stored: false }
     }
 
     fn resolved(&self) -> String {
@@ -264,21 +247,20 @@ impl Job {
     }
 }
 
-fn show(done: &[Done], shared: &Shared) {
-    let mistakes: Vec<Diagnostic> = done.iter().flat_map(|done| done.mistakes.clone()).collect();
-    if !mistakes.is_empty() {
-        report(&mistakes);
+impl Done {
+    fn failed(failure: Failure) -> Done {
+        Done { failure: Some(failure), ..Done::default() }
     }
+}
+
+fn show(done: &[Done], shared: &Shared) -> Result<(), Failure> {
     if shared.json {
-        match done {
-            [Done { summary: Some(summary), .. }] => drop(print_json(summary)),
-            [_] => {}
-            several => drop(print_json(&several.iter().map(|done| &done.summary).collect::<Vec<_>>())),
-        }
-        return;
+        return match done {
+            [Done { summary: Some(summary), .. }] => print_json(summary),
+            [_] => Ok(()),
+            several => print_json(&several.iter().map(|done| &done.summary).collect::<Vec<_>>()),
+        };
     }
     let text = done.iter().map(|done| done.text.as_str()).collect::<Vec<_>>().concat();
-    if !shared.quiet && !text.is_empty() {
-        print(text.trim_end());
-    }
+    if shared.quiet || text.is_empty() { Ok(()) } else { print(text.trim_end()) }
 }

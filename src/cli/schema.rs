@@ -1,10 +1,8 @@
 //! `droptower schema`: the JSON Schema of the language.
 
-use std::process::ExitCode;
-
-use super::print_json;
+use super::{Failure, print_json};
 use crate::scenario::schema;
 
-pub fn run() -> ExitCode {
+pub fn run() -> Result<(), Failure> {
     print_json(&schema::published())
 }

@@ -2,14 +2,13 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use rhai::{Dynamic, Scope};
 use serde_json::{Map, Value, json};
 
-use super::faults::{WRITE_FAILURE, reading, script, storing};
-use super::{NUMERICAL_FAILURE, Shared, digest, folder, print, print_json, report, scenarios, table};
+use super::faults::{reading, script, storing};
+use super::{Failure, Shared, digest, folder, print_figures, scenarios, table};
 use crate::diagnostic::{Diagnostic, printable, shown_path};
 use crate::identify::{self, Identity, SearchEvent, SearchHost};
 use crate::post;
@@ -52,49 +51,23 @@ struct Studied {
     output: ScriptOutput,
 }
 
-/// Why there are no results.
-struct Stopped {
-    mistakes: Vec<Diagnostic>,
-    /// Whether a simulation went wrong numerically, and nobody made a mistake.
-    numerical: bool,
-}
-
-impl From<Vec<Diagnostic>> for Stopped {
-    fn from(mistakes: Vec<Diagnostic>) -> Stopped {
-        Stopped { mistakes, numerical: false }
-    }
-}
-
-pub fn run(args: &ScriptArgs, shared: &Shared) -> ExitCode {
-    match study(args, shared) {
-        Ok(status) => status,
-        Err(Stopped { mistakes, numerical: false }) => report(&mistakes),
-        Err(Stopped { mistakes, numerical: true }) => {
-            report(&mistakes);
-            ExitCode::from(NUMERICAL_FAILURE)
-        }
-    }
-}
-
-fn study(args: &ScriptArgs, shared: &Shared) -> Result<ExitCode, Stopped> {
+pub fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     if args.path.extension().is_some_and(|extension| extension == "toml") {
         let mistake = Diagnostic::new(format!("{} is a scenario", shown_path(&args.path)));
-        return Err(vec![mistake.hint(format!("run it with `droptower run {}`", shown_path(&args.path)))].into());
+        return Err(mistake.hint(format!("run it with `droptower run {}`", shown_path(&args.path))).into());
     }
     let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let place = place(args.out.as_deref(), &name).map_err(|error| vec![storing(&error)])?;
+    let place = place(args.out.as_deref(), &name).map_err(|error| storing(&error))?;
     let studied = studied(args, name, &place, shared.quiet)?;
-    Ok(keep(&studied, &place).map_or_else(
-        |error| {
-            report(&[storing(&error)]);
-            ExitCode::from(WRITE_FAILURE)
-        },
-        |files| show(&place, &files, &studied, shared),
-    ))
+    let files = keep(&studied, &place).map_err(|error| Failure::output(storing(&error)))?;
+    print_figures(shared, &summary(&studied), || {
+        let Studied { name, output, .. } = &studied;
+        format!("{name}\n{}{}", table::script_output(output), digest::folder(&place, &files))
+    })
 }
 
 /// Runs the script, whose results go to `place`; log lines are printed at once.
-fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result<Studied, Stopped> {
+fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result<Studied, Failure> {
     let changes = scenarios::assignments(&args.set)?;
     let say = move |line: &str| {
         if !quiet {
@@ -128,7 +101,10 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
     check_read(&program, &given)?;
     host.identify(Identity { script: program.text().into(), given: decisive(&call) });
-    let stopped = |fault: Fault| Stopped { mistakes: vec![script(&fault)], numerical: fault.numerical };
+    let stopped = |fault: Fault| match fault.numerical {
+        true => Failure::numerical(script(&fault)),
+        false => Failure::from(script(&fault)),
+    };
     program.run(&engine, scope).map_err(stopped)?;
     let virtual_recordings = Session::of_engine(&engine).virtual_recordings();
     let output = ScriptOutput { virtual_recordings, ..collector.output() };
@@ -224,15 +200,4 @@ fn keep(studied: &Studied, place: &Path) -> Result<Vec<String>, StoreError> {
     let files = folder::fill_study(&draft, &page, &summary(studied))?;
     draft.publish()?;
     Ok(files)
-}
-
-fn show(place: &Path, files: &[String], studied: &Studied, shared: &Shared) -> ExitCode {
-    if shared.json {
-        return print_json(&summary(studied));
-    }
-    if shared.quiet {
-        return ExitCode::SUCCESS;
-    }
-    let Studied { name, output, .. } = studied;
-    print(&format!("{name}\n{}{}", table::script_output(output), digest::folder(place, files).trim_end()))
 }

@@ -3,11 +3,12 @@
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, Stdio};
 
 use clap::Args;
 
-use super::{Shared, report};
+use super::Failure;
+use super::Shared;
 use crate::diagnostic::{Diagnostic, printable, shown_path};
 
 #[derive(Debug, Args)]
@@ -27,19 +28,16 @@ const VERSION: &str = "0.36";
 const INSTALL: &str = "`pip install rerun-sdk==0.36.3` or `cargo install rerun-cli --version 0.36.3 --locked` installs it; \
      --viewer or $DROPTOWER_VIEWER names one that is not on the PATH";
 
-/// Opens the recordings and waits until the viewer is closed; its exit status is that of the command.
-pub fn run(args: &ViewArgs, shared: &Shared) -> ExitCode {
+/// Opens the recordings and waits until the viewer is closed.
+pub fn run(args: &ViewArgs, shared: &Shared) -> Result<(), Failure> {
     let found = args.runs.iter().map(|run| recording(run));
     let (recordings, mistakes): (Vec<_>, Vec<_>) = found.partition(Result::is_ok);
     let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();
     if !mistakes.is_empty() {
-        return report(&mistakes);
+        return Err(mistakes.into());
     }
     let recordings = recordings.into_iter().filter_map(Result::ok);
-    match open(&program(args), recordings, shared.quiet) {
-        Ok(status) => status,
-        Err(mistake) => report(&[mistake]),
-    }
+    open(&program(args), recordings, shared.quiet)
 }
 
 /// The recording of a run.
@@ -67,7 +65,7 @@ fn program(args: &ViewArgs) -> OsString {
     named.unwrap_or_else(|| "rerun".into())
 }
 
-fn open(program: &OsString, recordings: impl Iterator<Item = PathBuf>, quiet: bool) -> Result<ExitCode, Diagnostic> {
+fn open(program: &OsString, recordings: impl Iterator<Item = PathBuf>, quiet: bool) -> Result<(), Failure> {
     let version = version(program)?;
     if !quiet && !is_made_for(&version) {
         let text = format!("warning: recordings are made for the Rerun viewer {VERSION}, this is {version}");
@@ -75,7 +73,11 @@ fn open(program: &OsString, recordings: impl Iterator<Item = PathBuf>, quiet: bo
         let _ = writeln!(io::stderr(), "{}", printable(&text));
     }
     let status = Command::new(program).args(recordings).status().map_err(|error| not_started(program, &error))?;
-    Ok(if status.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    if status.success() {
+        return Ok(());
+    }
+    let name = shown_path(Path::new(program));
+    Err(Failure::output(Diagnostic::new(format!("the Rerun viewer `{name}` failed: {status}"))))
 }
 
 /// What the viewer says of its version.

@@ -1,12 +1,10 @@
 //! `droptower signal clip`: the level that an acceleration holds for 3 ms.
 
-use std::process::ExitCode;
-
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::acceleration::AccelerationArgs;
-use crate::cli::{Shared, print, print_json, report};
+use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
 use crate::signal::clip::{Counting, clip};
 use crate::signal::csv::clean_time;
@@ -56,13 +54,9 @@ struct Figures {
     notes: Vec<String>,
 }
 
-pub fn run(args: &ClipArgs, shared: &Shared) -> ExitCode {
-    match figures(args) {
-        Err(mistake) => report(&[mistake]),
-        Ok(figures) if shared.json => print_json(&figures),
-        Ok(_) if shared.quiet => ExitCode::SUCCESS,
-        Ok(figures) => print(&text(args, &figures)),
-    }
+pub fn run(args: &ClipArgs, shared: &Shared) -> Result<(), Failure> {
+    let figures = figures(args)?;
+    print_figures(shared, &figures, || text(args, &figures))
 }
 
 fn figures(args: &ClipArgs) -> Result<Figures, Diagnostic> {

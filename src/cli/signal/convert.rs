@@ -1,15 +1,14 @@
 //! `droptower signal convert`: a recording in another format.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
 
 use super::input::FileArgs;
-use super::output::{self, Failure};
+use super::output;
 use crate::cli::output::ends_in;
-use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
+use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::file::ChannelSelection;
 use crate::signal::isomme::{self, Headers, WriteError};
@@ -44,26 +43,16 @@ struct Converted {
     notes: Vec<String>,
 }
 
-pub fn run(args: &ConvertArgs, shared: &Shared) -> ExitCode {
-    let done = match converted(args) {
-        Ok(done) => done,
-        Err((status, mistake)) => {
-            report(&[mistake]);
-            return ExitCode::from(status);
-        }
-    };
-    if shared.json {
-        return print_json(&done);
-    }
-    if shared.quiet {
-        return ExitCode::SUCCESS;
-    }
-    let notes: String = done.notes.iter().map(|note| format!("  note: {note}\n")).collect();
-    print(&format!("{}\n{notes}  {}: {}", done.path, done.out, done.called.join(", ")))
+pub fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
+    let done = converted(args)?;
+    print_figures(shared, &done, || {
+        let notes: String = done.notes.iter().map(|note| format!("  note: {note}\n")).collect();
+        format!("{}\n{notes}  {}: {}", done.path, done.out, done.called.join(", "))
+    })
 }
 
 fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
-    let bad = |mistake| (BAD_INPUT, mistake);
+    let bad = |mistake: Diagnostic| Failure::from(mistake);
     let as_test = ends_in(&args.out, "mme");
     if !as_test && !ends_in(&args.out, "csv") {
         return Err(bad(Diagnostic::new(format!("{} is neither .csv nor .mme", shown_path(&args.out)))));
@@ -75,7 +64,7 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
         [] => ChannelSelection::All,
         names => ChannelSelection::Named(names.to_vec()),
     };
-    let found = args.file.read(&args.path, channels).map_err(bad)?;
+    let found = args.file.read(&args.path, channels)?;
     if as_test {
         let headers = match isomme::is_part(&args.path) {
             true => Headers::read(&args.path).map_err(|error| bad(faults::recording(&error.into())))?,

@@ -1,13 +1,12 @@
 //! `droptower signal drop`: contact, speed, travel and energies of a drop test.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
 use super::input::{self, TableArgs, quantity};
-use super::output::{self, Failure};
-use crate::cli::{BAD_INPUT, Shared, faults, print, print_json, report};
+use super::output;
+use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::experiment::absorption::Body;
 use crate::experiment::contact::SpeedSource;
@@ -72,43 +71,29 @@ pub enum Method {
     Ramp,
 }
 
-pub fn run(args: &DropArgs, shared: &Shared) -> ExitCode {
-    let drop = match reduced(args) {
-        Ok(drop) => drop,
-        Err((status, mistakes)) => {
-            report(&mistakes);
-            return ExitCode::from(status);
-        }
-    };
-    if shared.json {
-        return print_json(&drop.figures());
-    }
-    if shared.quiet {
-        return ExitCode::SUCCESS;
-    }
-    print(&text(args, &drop.figures()))
+pub fn run(args: &DropArgs, shared: &Shared) -> Result<(), Failure> {
+    let figures = reduced(args)?.figures();
+    print_figures(shared, &figures, || text(args, &figures))
 }
 
-/// The drop, its signals written where that was asked for; else the exit status and what is wrong.
-fn reduced(args: &DropArgs) -> Result<Drop, (u8, Vec<Diagnostic>)> {
-    let one = |(status, mistake): Failure| (status, vec![mistake]);
-    let bad_input = |mistake: Diagnostic| (BAD_INPUT, vec![mistake]);
-    let (tower, correction) = conditions(args).map_err(bad_input)?;
+/// The drop, its signals written where that was asked for.
+fn reduced(args: &DropArgs) -> Result<Drop, Failure> {
+    let (tower, correction) = conditions(args)?;
     if let Some(out) = &args.out {
-        output::check_table(out, &args.path, args.force).map_err(one)?;
+        output::check_table(out, &args.path, args.force)?;
     }
-    let mut sensed = sensed(args).map_err(bad_input)?;
+    let mut sensed = sensed(args)?;
     sensed.laser = sensed.laser.filter(|_| !args.without_laser);
     let class = args.class.or_else(|| sensed.class_to_apply(Some(1000.0)));
     let drop = sensed.reduce(&tower, &Reduction { correction, class });
-    let mut drop = drop.map_err(|error| bad_input(Diagnostic::new(format!("{}: {error}", shown_path(&args.path)))))?;
+    let mut drop = drop.map_err(|error| Diagnostic::new(format!("{}: {error}", shown_path(&args.path))))?;
     drop.notes.splice(..0, sensed.notes);
     drop.notes.extend(args.class.and_then(input::note_on_class));
     if let Some(out) = &args.out {
         let origin =
             format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&args.path));
         let comments: Vec<String> = std::iter::once(origin).chain(drop.notes.iter().cloned()).collect();
-        output::write_csv(out, &comments, &drop.signals).map_err(one)?;
+        output::write_csv(out, &comments, &drop.signals)?;
     }
     Ok(drop)
 }

@@ -1,14 +1,13 @@
 //! `droptower signal filter`: a channel through its frequency class.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::input::{self, Chosen, Input};
-use super::output::{self, Failure};
-use crate::cli::{BAD_INPUT, Shared, print, print_json, report};
+use super::output;
+use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::{Channel, MeasuredChannel, Recording, Series, resample};
@@ -61,23 +60,14 @@ struct Filtered {
     notes: Vec<String>,
 }
 
-pub fn run(args: &FilterArgs, shared: &Shared) -> ExitCode {
-    let done = match filtered(args) {
-        Ok(done) => done,
-        Err((status, mistake)) => {
-            report(&[mistake]);
-            return ExitCode::from(status);
-        }
-    };
-    if shared.json {
-        return print_json(&done);
-    }
-    if shared.quiet { ExitCode::SUCCESS } else { print(&text(&done)) }
+pub fn run(args: &FilterArgs, shared: &Shared) -> Result<(), Failure> {
+    let done = filtered(args)?;
+    print_figures(shared, &done, || text(&done))
 }
 
 fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
     output::check_table(&args.out, &args.input.path, args.force)?;
-    let Chosen { channel, mut notes, comments: said } = args.input.read().map_err(|mistake| (BAD_INPUT, mistake))?;
+    let Chosen { channel, mut notes, comments: said } = args.input.read()?;
     if let Some(class) = channel.filtered {
         notes.push(format!("`{}` went through CFC {class} already, as its file says", channel.name));
     }
@@ -117,7 +107,7 @@ fn origin(args: &FilterArgs, channel: &MeasuredChannel) -> Vec<String> {
 }
 
 /// The series on equal steps, brought there only where the user wants it.
-fn even(args: &FilterArgs, series: &Series) -> Result<Series, Failure> {
+fn even(args: &FilterArgs, series: &Series) -> Result<Series, Diagnostic> {
     let Some(rate) = args.resample else {
         return Ok(series.clone());
     };
@@ -125,7 +115,7 @@ fn even(args: &FilterArgs, series: &Series) -> Result<Series, Failure> {
     if let Some([time, _]) = series.samples().find(|[_, value]| !value.is_finite()) {
         return Err(mistake(args, &FilterError::NotMeasured { time }));
     }
-    resample::uniform(series, 1.0 / rate).map_err(|error| (BAD_INPUT, Diagnostic::new(format!("{name}: {error}"))))
+    resample::uniform(series, 1.0 / rate).map_err(|error| Diagnostic::new(format!("{name}: {error}")))
 }
 
 /// What is said where samples are left out: nothing keeps what is faster than the new ones can show from folding into them.
@@ -136,13 +126,12 @@ fn folded(before: &Series, after: &Series) -> Option<String> {
     })
 }
 
-fn mistake(args: &FilterArgs, error: &FilterError) -> Failure {
+fn mistake(args: &FilterArgs, error: &FilterError) -> Diagnostic {
     let mistake = Diagnostic::new(format!("{}: {error}", shown_path(&args.input.path)));
-    let mistake = match error {
+    match error {
         FilterError::NotUniform => mistake.hint("bring it to equal steps: --resample \"10 kHz\""),
         _ => mistake,
-    };
-    (BAD_INPUT, mistake)
+    }
 }
 
 fn text(done: &Filtered) -> String {

@@ -1,12 +1,10 @@
 //! `droptower signal hic`: the head injury criterion of an acceleration.
 
-use std::process::ExitCode;
-
 use clap::Args;
 use serde::Serialize;
 
 use super::acceleration::AccelerationArgs;
-use crate::cli::{Shared, print, print_json, report};
+use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
 use crate::signal::csv::clean_time;
 use crate::signal::hic::head_injury_criterion;
@@ -34,13 +32,9 @@ struct Figures {
     notes: Vec<String>,
 }
 
-pub fn run(args: &HicArgs, shared: &Shared) -> ExitCode {
-    match figures(args) {
-        Err(mistake) => report(&[mistake]),
-        Ok(figures) if shared.json => print_json(&figures),
-        Ok(_) if shared.quiet => ExitCode::SUCCESS,
-        Ok(figures) => print(&text(args, &figures)),
-    }
+pub fn run(args: &HicArgs, shared: &Shared) -> Result<(), Failure> {
+    let figures = figures(args)?;
+    print_figures(shared, &figures, || text(args, &figures))
 }
 
 fn figures(args: &HicArgs) -> Result<Figures, Diagnostic> {

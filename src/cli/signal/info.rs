@@ -1,13 +1,12 @@
 //! `droptower signal info`: what recordings hold.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
 
 use super::input::FileArgs;
-use crate::cli::{Shared, faults, print, print_json, report};
+use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::csv::clean_time;
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
@@ -77,21 +76,15 @@ struct Hole {
     duration_s: f64,
 }
 
-pub fn run(args: &InfoArgs, shared: &Shared) -> ExitCode {
+pub fn run(args: &InfoArgs, shared: &Shared) -> Result<(), Failure> {
     let found: Vec<Result<Contents, Diagnostic>> = args.paths.iter().map(|path| contents(path, &args.file)).collect();
     let (found, mistakes): (Vec<_>, Vec<_>) = found.into_iter().partition(Result::is_ok);
     let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();
     let found: Vec<Contents> = found.into_iter().filter_map(Result::ok).collect();
     if !mistakes.is_empty() {
-        return report(&[mistakes, silence(&found)].concat());
+        return Err([mistakes, silence(&found)].concat().into());
     }
-    if shared.json {
-        return print_json(&found);
-    }
-    if shared.quiet {
-        return ExitCode::SUCCESS;
-    }
-    print(found.iter().map(text).collect::<Vec<_>>().join("\n").trim_end())
+    print_figures(shared, &found, || found.iter().map(text).collect::<Vec<_>>().join("\n"))
 }
 
 /// That nothing is printed of the files that can be read, where others cannot: figures are complete or missing.

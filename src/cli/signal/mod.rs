@@ -12,11 +12,9 @@ mod info;
 mod output;
 mod rate;
 
-use std::process::ExitCode;
-
 use clap::Subcommand;
 
-use super::Shared;
+use super::{Failure, Shared};
 
 #[derive(Debug, Subcommand)]
 pub enum SignalCommand {
@@ -36,7 +34,7 @@ pub enum SignalCommand {
     Drop(drop::DropArgs),
 }
 
-pub fn run(command: &SignalCommand, shared: &Shared) -> ExitCode {
+pub fn run(command: &SignalCommand, shared: &Shared) -> Result<(), Failure> {
     match command {
         SignalCommand::Info(args) => info::run(args, shared),
         SignalCommand::Filter(args) => filter::run(args, shared),

@@ -6,13 +6,14 @@ use crate::cli::output;
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::{Recording, csv, isomme};
 
-pub use crate::cli::output::{Failure, failed};
+use crate::cli::Failure;
+pub use crate::cli::output::failed;
 
 /// Refuses a table that is not called so, would replace the input or, without `force`, anything that is there.
 pub fn check_table(out: &Path, input: &Path, force: bool) -> Result<(), Failure> {
     if isomme::is_part(out) {
         let message = format!("{} is the name of ISO-MME, but a table is written", shown_path(out));
-        return Err((crate::cli::BAD_INPUT, Diagnostic::new(message).hint("name it .csv")));
+        return Err(Diagnostic::new(message).hint("name it .csv").into());
     }
     output::check(out, "csv", Some(input), Some(force))
 }

@@ -1,13 +1,12 @@
 //! `droptower signal rate`: how well one recording follows another, by ISO/TS 18571.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
 
 use super::input::{Chosen, Input, TableArgs};
-use crate::cli::{Shared, print, print_json, report};
+use crate::cli::{Failure, Shared, print, print_json};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::MeasuredChannel;
 use crate::signal::rating::{self, Rating};
@@ -44,12 +43,12 @@ struct Figures {
     notes: Vec<String>,
 }
 
-pub fn run(args: &RateArgs, shared: &Shared) -> ExitCode {
-    match rating(args) {
-        Err(mistakes) => report(&mistakes),
-        Ok(rating) if shared.json => print_json(&figures(rating)),
-        Ok(_) if shared.quiet => ExitCode::SUCCESS,
-        Ok(rating) => print(&text(args, &rating)),
+pub fn run(args: &RateArgs, shared: &Shared) -> Result<(), Failure> {
+    let rating = rating(args)?;
+    match (shared.json, shared.quiet) {
+        (true, _) => print_json(&figures(rating)),
+        (false, true) => Ok(()),
+        (false, false) => print(&text(args, &rating)),
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::output;
 use super::reduce::{ReduceArgs, Reduced};
+use crate::cli::Failure;
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::experiment::coupon::Direction;
 use crate::file::{self, FileError};
@@ -17,14 +18,13 @@ use crate::scenario::coupon_material::{CouponMaterial, CouponMaterialError, Give
 const MOST_BYTES: u64 = 1 << 20;
 
 /// The files to write and their texts; none where no file is asked for.
-pub fn texts(args: &ReduceArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, String)>, Vec<Diagnostic>> {
+pub fn texts(args: &ReduceArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, String)>, Failure> {
     let Some(path) = &args.out else {
         return Ok(Vec::new());
     };
-    let one = |mistake| vec![mistake];
-    check_folder(path).map_err(one)?;
-    let places = output::places(path).map_err(one)?;
-    let given = args.shear.as_deref().map(|file| given(file, &places)).transpose().map_err(one)?;
+    check_folder(path)?;
+    let places = output::places(path)?;
+    let given = args.shear.as_deref().map(|file| given(file, &places)).transpose()?;
     let [material, shear] = places;
     let source = args.shear.as_deref().map(shown_path).unwrap_or_default();
     let shear_file = shear.file_name().unwrap_or_default().to_string_lossy();
@@ -35,7 +35,7 @@ pub fn texts(args: &ReduceArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, Strin
         shear_file: &shear_file,
         shear: given.as_deref().map(|text| GivenShear { source: &source, text }),
     };
-    let texts = written.texts().map_err(|error| one(fault(&error)))?;
+    let texts = written.texts().map_err(|error| fault(&error))?;
     check(&written, args.shear.as_deref())?;
     Ok(vec![(shear, texts.shear), (material, texts.material)])
 }

@@ -5,11 +5,9 @@ mod material;
 mod output;
 mod reduce;
 
-use std::process::ExitCode;
-
 use clap::Subcommand;
 
-use super::Shared;
+use super::{Failure, Shared};
 
 #[derive(Debug, Subcommand)]
 pub enum TensileCommand {
@@ -17,7 +15,7 @@ pub enum TensileCommand {
     Reduce(reduce::ReduceArgs),
 }
 
-pub fn run(command: &TensileCommand, shared: &Shared) -> ExitCode {
+pub fn run(command: &TensileCommand, shared: &Shared) -> Result<(), Failure> {
     match command {
         TensileCommand::Reduce(args) => reduce::run(args, shared),
     }

@@ -2,23 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::output;
+use crate::cli::{Failure, output};
 use crate::diagnostic::{Diagnostic, shown_path};
 
 /// Where the material and its shear curve go: `film.toml` and `film-shear.csv`.
-pub fn places(material: &Path) -> Result<[PathBuf; 2], Diagnostic> {
+pub fn places(material: &Path) -> Result<[PathBuf; 2], Failure> {
     if !output::ends_in(material, "toml") {
-        return Err(Diagnostic::new(format!("a material file ends in .toml, and {} does not", shown_path(material))));
+        return Err(
+            Diagnostic::new(format!("a material file ends in .toml, and {} does not", shown_path(material))).into()
+        );
     }
     let stem = material.file_stem().unwrap_or_default().to_string_lossy();
     let shear = material.with_file_name(format!("{stem}-shear.csv"));
-    let check = |place: &Path, ending| output::check(place, ending, None, None).map_err(|(_, mistake)| mistake);
+    let check = |place: &Path, ending| output::check(place, ending, None, None);
     check(material, "toml")?;
     check(&shear, "csv")?;
     Ok([material.to_path_buf(), shear])
 }
 
 /// Puts every file in its place, none before all of them are written.
-pub fn write(texts: &[(PathBuf, String)]) -> Result<(), Diagnostic> {
-    output::write_sealed(texts).map_err(|(_, mistake)| mistake)
+pub fn write(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
+    output::write_sealed(texts)
 }

@@ -1,16 +1,15 @@
 //! `droptower tensile reduce`: from force over displacement to a material file.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 
 use super::figures::Figures;
 use super::{material, output};
-use crate::cli::faults::{self, WRITE_FAILURE};
+use crate::cli::faults;
 use crate::cli::scenarios::expanded;
 use crate::cli::signal::input::{FileArgs, quantity};
-use crate::cli::{Shared, print, print_json, report};
+use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
 use crate::experiment::coupon::{
     BREAK_SHARE, Coupon, CouponReader, CouponTest, Direction, Label, RecordingError, Reduction, Rules, WINDOW,
@@ -73,11 +72,13 @@ pub struct Reduced {
     pub reduction: Reduction,
 }
 
-pub fn run(args: &ReduceArgs, shared: &Shared) -> ExitCode {
-    match reduced(args).and_then(|reduced| Ok((material::texts(args, &reduced)?, reduced))) {
-        Ok((texts, reduced)) => keep(args, &reduced, texts, shared),
-        Err(mistakes) => report(&mistakes),
-    }
+pub fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
+    let reduced = reduced(args)?;
+    let texts = material::texts(args, &reduced)?;
+    output::write(&texts)?;
+    let written: Vec<PathBuf> = texts.into_iter().map(|(path, _)| path).collect();
+    let figures = Figures::of(&reduced, args.density.is_none(), &written);
+    print_figures(shared, &figures, || figures.text())
 }
 
 fn reduced(args: &ReduceArgs) -> Result<Reduced, Vec<Diagnostic>> {
@@ -122,17 +123,4 @@ fn fault(error: &RecordingError) -> Diagnostic {
         RecordingError::Read(error) => faults::recording(error),
         other => Diagnostic { hint: other.hint(), ..Diagnostic::new(other.to_string()) },
     }
-}
-
-fn keep(args: &ReduceArgs, reduced: &Reduced, texts: Vec<(PathBuf, String)>, shared: &Shared) -> ExitCode {
-    if let Err(mistake) = output::write(&texts) {
-        report(&[mistake]);
-        return ExitCode::from(WRITE_FAILURE);
-    }
-    let written: Vec<PathBuf> = texts.into_iter().map(|(path, _)| path).collect();
-    let figures = Figures::of(reduced, args.density.is_none(), &written);
-    if shared.json {
-        return print_json(&figures);
-    }
-    if shared.quiet { ExitCode::SUCCESS } else { print(figures.text().trim_end()) }
 }

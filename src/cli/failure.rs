@@ -1,0 +1,83 @@
+//! Why a command fails, and its exit status.
+
+use std::process::ExitCode;
+
+use super::print_diagnostics;
+use crate::diagnostic::Diagnostic;
+
+/// The exit status of a command that fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ExitStatus {
+    /// Results could not be written, or another program failed.
+    OutputFailed = 1,
+    /// A mistake in a scenario, a script or the arguments; nothing was written.
+    BadInput = 2,
+    /// A run failed numerically; what was computed until then is stored.
+    NumericalFailure = 3,
+}
+
+/// Why a command fails.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// What the command exits with.
+    pub status: ExitStatus,
+    /// What is printed on standard error; empty where standard output has it already.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Failure {
+    /// A file or folder could not be written, or another program failed.
+    pub fn output(diagnostic: Diagnostic) -> Failure {
+        Failure { status: ExitStatus::OutputFailed, diagnostics: vec![diagnostic] }
+    }
+
+    /// A run failed numerically.
+    pub fn numerical(diagnostic: Diagnostic) -> Failure {
+        Failure { status: ExitStatus::NumericalFailure, diagnostics: vec![diagnostic] }
+    }
+
+    /// One failure of many, with the highest exit status; none where there are none.
+    pub fn all(failures: impl IntoIterator<Item = Failure>) -> Option<Failure> {
+        failures.into_iter().reduce(|mut all, failure| {
+            all.status = all.status.max(failure.status);
+            all.diagnostics.extend(failure.diagnostics);
+            all
+        })
+    }
+
+    /// Prints the diagnostics and gives the exit status.
+    pub fn report(&self) -> ExitCode {
+        if !self.diagnostics.is_empty() {
+            print_diagnostics(&self.diagnostics);
+        }
+        ExitCode::from(self.status as u8)
+    }
+}
+
+/// A mistake of the user's.
+impl From<Diagnostic> for Failure {
+    fn from(diagnostic: Diagnostic) -> Failure {
+        Failure::from(vec![diagnostic])
+    }
+}
+
+/// Mistakes of the user's.
+impl From<Vec<Diagnostic>> for Failure {
+    fn from(diagnostics: Vec<Diagnostic>) -> Failure {
+        Failure { status: ExitStatus::BadInput, diagnostics }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_failures_exit_with_the_highest_status() {
+        let mistake = || Diagnostic::new("no");
+        let failures = [Failure::output(mistake()), Failure::numerical(mistake()), mistake().into()];
+        let all = Failure::all(failures).unwrap();
+        assert_eq!((all.status, all.diagnostics.len()), (ExitStatus::NumericalFailure, 3));
+        assert!(Failure::all([]).is_none());
+    }
+}
