@@ -10,7 +10,7 @@ use super::{Failure, Shared, digest, folder, print_figures, table};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post::RunComparison;
 use crate::report::compare_page;
-use crate::store::{self, Draft, StoredRun, StoredRunError};
+use crate::store::{self, Draft, StoredRun, StoredRunError, run_files};
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {
@@ -80,7 +80,7 @@ fn free(args: &CompareArgs) -> Result<(), Vec<Diagnostic>> {
     store::check_places(std::slice::from_ref(&args.out)).map_err(|error| mistake(storing(&error)))?;
     let replaced = args.runs.iter().find(|run| is_same(run, &args.out) || run.starts_with(&args.out));
     // What `droptower run` leaves has signals, a comparison has none.
-    let is_run = || args.out.join("signals.csv").exists();
+    let is_run = || args.out.join(run_files::SIGNALS).exists();
     let message = match replaced {
         Some(run) => format!("the results would take the place of {}, which is compared", shown_path(run)),
         None if is_run() => format!("the results would take the place of the run {}", shown_path(&args.out)),

@@ -11,10 +11,7 @@ use crate::report::{self, RunPage, StudyPage, compare_page, vtu};
 use crate::script::{Row, ScriptOutput};
 use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
-use crate::store::{Draft, StoreError, TABLES};
-
-/// The run's own copy of its post script.
-pub const SCRIPT: &str = "post.rhai";
+use crate::store::{Draft, StoreError, run_files};
 
 /// A run, finished or broken off.
 pub struct Contents<'a> {
@@ -23,7 +20,7 @@ pub struct Contents<'a> {
     /// `None` where a run that broke off cannot be measured.
     pub results: Option<&'a Results>,
     pub scenario: &'a str,
-    /// Text of the post script that `scenario` reads as [`SCRIPT`].
+    /// Text of the post script that `scenario` reads as [`run_files::POST_SCRIPT`].
     pub script: Option<&'a str>,
     pub failure: Option<&'a str>,
     /// Whether ParaView is to see it, too.
@@ -35,10 +32,10 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     let Contents { model, outcome, results, scenario, script, failure, vtu } = contents;
     let mut files = Files { draft, names: Vec::new() };
     let signals = results.map_or(&outcome.signals, |results| &results.signals);
-    files.write("signals.csv", recording(signals)?)?;
-    files.write("energies.csv", recording(&outcome.energies)?)?;
+    files.write(run_files::SIGNALS, recording(signals)?)?;
+    files.write(run_files::ENERGIES, recording(&outcome.energies)?)?;
     if let Some(results) = results {
-        files.write("summary.json", json(&results.summary(model))?)?;
+        files.write(run_files::SUMMARY, json(&results.summary(model))?)?;
         files.script_output(&results.script_output)?;
         #[cfg(feature = "rerun")]
         files.recording(contents, results)?;
@@ -46,12 +43,12 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     if *vtu {
         files.vtu(model, outcome)?;
     }
-    files.write("scenario.toml", scenario.as_bytes().to_vec())?;
+    files.write(run_files::SCENARIO, scenario.as_bytes().to_vec())?;
     if let Some(text) = script {
-        files.write(SCRIPT, text.as_bytes().to_vec())?;
+        files.write(run_files::POST_SCRIPT, text.as_bytes().to_vec())?;
     }
     if let Some(cause) = failure {
-        files.write("failure.txt", format!("{cause}\n").into_bytes())?;
+        files.write(run_files::FAILURE, format!("{cause}\n").into_bytes())?;
     }
     if let Some(results) = results {
         files.page(contents, results)?;
@@ -62,21 +59,21 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
 /// Writes what a study leaves into the draft and gives the names of the files.
 pub fn fill_study(draft: &Draft, study: &StudyPage, summary: &Map<String, Value>) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
-    files.write("summary.json", json(summary)?)?;
+    files.write(run_files::SUMMARY, json(summary)?)?;
     files.script_output(study.output)?;
     #[cfg(feature = "rerun")]
     files.study_recording(study)?;
-    files.write("report.html", report::study_page(study).into_bytes())?;
+    files.write(run_files::REPORT, report::study_page(study).into_bytes())?;
     Ok(files.names)
 }
 
 /// Writes runs laid over each other into the draft and gives the names of the files.
 pub fn fill_comparison(draft: &Draft, comparison: &RunComparison) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
-    files.write("summary.json", json(&comparison.summary())?)?;
+    files.write(run_files::SUMMARY, json(&comparison.summary())?)?;
     #[cfg(feature = "rerun")]
     files.comparison(comparison)?;
-    files.write("report.html", compare_page::compare_page(comparison).into_bytes())?;
+    files.write(run_files::REPORT, compare_page::compare_page(comparison).into_bytes())?;
     Ok(files.names)
 }
 
@@ -96,40 +93,40 @@ impl Files<'_> {
     fn page(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
         let Contents { model, outcome, scenario, failure, .. } = *contents;
         let page = report::run_page(&RunPage { model, outcome, results, scenario, failure, files: &self.names });
-        self.write("report.html", page.into_bytes())
+        self.write(run_files::REPORT, page.into_bytes())
     }
 
     #[cfg(feature = "rerun")]
     fn recording(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
         let Contents { model, outcome, scenario, failure, .. } = *contents;
-        let path = self.draft.path().join("recording.rrd");
+        let path = self.draft.path().join(run_files::RECORDING);
         report::recording::write(&path, &RunPage { model, outcome, results, scenario, failure, files: &self.names })
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
-        self.names.push("recording.rrd".into());
+        self.names.push(run_files::RECORDING.into());
         Ok(())
     }
 
     #[cfg(feature = "rerun")]
     fn study_recording(&mut self, study: &StudyPage) -> Result<(), StoreError> {
         use crate::report::recording::{StudyRecording, write_study};
-        let path = self.draft.path().join("recording.rrd");
+        let path = self.draft.path().join(run_files::RECORDING);
         write_study(&path, &StudyRecording::of(study))
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
-        self.names.push("recording.rrd".into());
+        self.names.push(run_files::RECORDING.into());
         Ok(())
     }
 
     #[cfg(feature = "rerun")]
     fn comparison(&mut self, comparison: &RunComparison) -> Result<(), StoreError> {
-        let path = self.draft.path().join("recording.rrd");
+        let path = self.draft.path().join(run_files::RECORDING);
         report::recording::write_comparison(&path, comparison)
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
-        self.names.push("recording.rrd".into());
+        self.names.push(run_files::RECORDING.into());
         Ok(())
     }
 
     fn vtu(&mut self, model: &Model, outcome: &Outcome) -> Result<(), StoreError> {
-        let folder = self.draft.path().join(vtu::FOLDER);
+        let folder = self.draft.path().join(run_files::SNAPSHOTS);
         let failed = |error| StoreError::write(&folder, io::Error::other(error));
         let draft = self.draft;
         let written = vtu::files(model, outcome).map(|file| {
@@ -143,7 +140,7 @@ impl Files<'_> {
 
     fn script_output(&mut self, output: &ScriptOutput) -> Result<(), StoreError> {
         for (name, rows) in &output.tables {
-            let file = format!("{TABLES}/{name}.csv");
+            let file = format!("{}/{name}.csv", run_files::TABLES);
             let content = table(rows).map_err(|error| StoreError::write(self.draft.path().join(&file), error))?;
             self.write(&file, content)?;
         }
@@ -156,13 +153,13 @@ impl Files<'_> {
 
 fn recording(recording: &Recording) -> Result<Vec<u8>, StoreError> {
     let mut text = Vec::new();
-    csv::write(recording, &mut text).map_err(|error| StoreError::write("signals.csv", error))?;
+    csv::write(recording, &mut text).map_err(|error| StoreError::write(run_files::SIGNALS, error))?;
     Ok(text)
 }
 
 fn json(summary: &Map<String, Value>) -> Result<Vec<u8>, StoreError> {
     let text = serde_json::to_vec_pretty(summary);
-    let mut text = text.map_err(|error| StoreError::write("summary.json", error.into()))?;
+    let mut text = text.map_err(|error| StoreError::write(run_files::SUMMARY, error.into()))?;
     text.push(b'\n');
     Ok(text)
 }

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::checkpoint::{self, CheckpointPolicy, CheckpointWriter};
 use super::faults::{evaluating, storing};
-use super::folder::{self, Contents, SCRIPT};
+use super::folder::{self, Contents};
 use super::forecast::Forecast;
 use super::live::{self, Show, Viewer};
 use super::progress::Bar;
@@ -17,7 +17,7 @@ use super::{Failure, Shared, digest, print, print_json};
 use crate::diagnostic::{Diagnostic, printable};
 use crate::report::{RunPage, duration};
 use crate::simulate::{self, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent};
-use crate::store::{self, Draft};
+use crate::store::{self, Draft, run_files};
 
 #[derive(Debug, Args)]
 pub struct RunArgs {
@@ -243,7 +243,11 @@ impl Job {
     }
 
     fn resolved(&self) -> String {
-        format!("# droptower {}\n{}", env!("CARGO_PKG_VERSION"), self.checked.document.resolved_beside_script(SCRIPT))
+        format!(
+            "# droptower {}\n{}",
+            env!("CARGO_PKG_VERSION"),
+            self.checked.document.resolved_beside_script(run_files::POST_SCRIPT)
+        )
     }
 }
 

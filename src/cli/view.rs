@@ -10,6 +10,7 @@ use clap::Args;
 use super::Failure;
 use super::Shared;
 use crate::diagnostic::{Diagnostic, printable, shown_path};
+use crate::store::run_files;
 
 #[derive(Debug, Args)]
 pub struct ViewArgs {
@@ -46,7 +47,7 @@ fn recording(run: &Path) -> Result<PathBuf, Diagnostic> {
         let mistake = Diagnostic::new(format!("there is no {}", shown_path(run)));
         return Err(mistake.hint("name the folder of a run, such as runs/drop/1008"));
     }
-    let recording = if run.is_file() { run.to_owned() } else { run.join("recording.rrd") };
+    let recording = if run.is_file() { run.to_owned() } else { run.join(run_files::RECORDING) };
     if recording.is_file() {
         return absolute(&recording);
     }

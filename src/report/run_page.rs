@@ -3,12 +3,13 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{duration, figure, film, key_figures, plot, run_plots, script_output, subject, vtu};
+use super::{duration, figure, film, key_figures, plot, run_plots, script_output, subject};
 use crate::diagnostic::shown_path;
 use crate::model::{Model, Window};
 use crate::plot::thinned;
 use crate::post::{COST, HEADER, ReferenceComparison, Results};
 use crate::simulate::Outcome;
+use crate::store::run_files::{RUN_FILES, SNAPSHOTS};
 
 /// What the page of a run is made of.
 #[derive(Clone, Copy)]
@@ -127,27 +128,15 @@ fn reference(run: &RunPage) -> String {
     format!("<p>{}</p>\n{}", escape(&over), html::list(&notes))
 }
 
-/// Files of a run's folder, and what they hold; what is not named here was left by its script.
-const HOLDINGS: [(&str, &str); 9] = [
-    ("signals.csv", "all channels over time, SI"),
-    ("energies.csv", "the energy audit over time"),
-    ("summary.json", "the figures, for other programs"),
-    ("scenario.toml", "the scenario with everything that it takes from elsewhere"),
-    ("post.rhai", "the script that added figures"),
-    ("recording.rrd", "film, impactor and signals to be played: droptower view"),
-    ("film.pvd", "the film for ParaView"),
-    ("impactor.pvd", "the impactor for ParaView"),
-    ("failure.txt", "why the run broke off"),
-];
-
+/// The files beside the page, and what they hold; those that are not of the run are the script's.
 fn files(run: &RunPage) -> String {
-    let holding = |name: &String| HOLDINGS.iter().find(|(known, _)| known == name).map(|(_, holding)| *holding);
-    let row = |name: &String| vec![name.clone(), holding(name).unwrap_or("left by the script").to_owned()];
-    let is_state = |name: &&String| name.split('/').next() == Some(vtu::FOLDER);
-    let (states, named): (Vec<&String>, Vec<&String>) = run.files.iter().partition(is_state);
+    let content = |name: &String| RUN_FILES.iter().find(|(known, _)| known == name).map(|(_, content)| *content);
+    let row = |name: &String| vec![name.clone(), content(name).unwrap_or("written by the script").to_owned()];
+    let is_snapshot = |name: &&String| name.split('/').next() == Some(SNAPSHOTS);
+    let (snapshots, named): (Vec<&String>, Vec<&String>) = run.files.iter().partition(is_snapshot);
     let mut rows: Vec<Vec<String>> = named.into_iter().map(row).collect();
-    if !states.is_empty() {
-        rows.push(vec![format!("{}/", vtu::FOLDER), format!("the {} states that ParaView is shown", states.len())]);
+    if !snapshots.is_empty() {
+        rows.push(vec![format!("{SNAPSHOTS}/"), format!("{} snapshots for ParaView", snapshots.len())]);
     }
     html::table("rows", &["file", "what it holds"].map(String::from), &rows)
 }

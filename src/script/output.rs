@@ -12,7 +12,7 @@ use super::plots::{self, PlotError};
 use super::{ConvergenceHistory, Entry, HostResult, refuse, to_json};
 use crate::diagnostic::shown_path;
 use crate::plot::{Correlation, Plot};
-use crate::store;
+use crate::store::run_files::RESERVED_NAMES;
 
 /// One row of a table: column name and value, in order.
 pub type Row = serde_json::Map<String, Value>;
@@ -170,7 +170,7 @@ impl OutputCollector {
     }
 
     pub(super) fn file(&self, file: File) -> Result<(), FileError> {
-        self.lock().files.put(file, &store::OURS)
+        self.lock().files.put(file, &RESERVED_NAMES)
     }
 
     pub(super) fn plot(&self, plot: Plot) -> Result<(), PlotError> {

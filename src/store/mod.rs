@@ -2,6 +2,7 @@
 
 mod stored_run;
 pub mod checkpoints;
+pub mod run_files;
 
 use std::collections::HashSet;
 use std::ffi::OsString;
@@ -17,28 +18,6 @@ use crate::diagnostic::folder_of;
 
 pub use checkpoints::CheckpointStore;
 pub use stored_run::{StoredRun, StoredRunError};
-
-/// Files and folders of a run folder that are always ours. What a script wrote is listed in the summary; anything else
-/// belongs to the user.
-pub const OURS: [&str; 11] = [
-    "signals.csv",
-    "energies.csv",
-    "summary.json",
-    "scenario.toml",
-    "post.rhai",
-    "recording.rrd",
-    "film.pvd",
-    "impactor.pvd",
-    "report.html",
-    "failure.txt",
-    TABLES,
-];
-
-/// Folder of the tables that a script left.
-pub const TABLES: &str = "tables";
-
-/// What makes a folder a run folder.
-const MARKS: [&str; 3] = ["summary.json", "scenario.toml", "failure.txt"];
 
 /// Why results cannot be stored; nothing that stood there before is lost.
 #[derive(Debug, Error)]
@@ -218,30 +197,26 @@ fn check_replaceable(target: &Path) -> Result<(), StoreError> {
         return Err(StoreError::NotAFolder { path: path() });
     };
     let names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-    if !names.is_empty() && !names.iter().any(|name| MARKS.contains(&name.as_str())) {
+    if !names.is_empty() && !names.iter().any(|name| run_files::MARKERS.contains(&name.as_str())) {
         return Err(StoreError::NotARun { path: path() });
     }
     let listed = listed(target);
-    let ours =
-        |name: &String| OURS.contains(&name.as_str()) && name != TABLES || is_state(name) || listed.contains(name);
-    match files(target).into_iter().find(|name| !ours(name)) {
+    let is_ours = |name: &String| run_files::is_written_by_run(name) || listed.contains(name);
+    match files(target).into_iter().find(|name| !is_ours(name)) {
         Some(found) => Err(StoreError::Foreign { path: path(), found }),
         None => Ok(()),
     }
 }
 
-/// Whether a file is one of the states that ParaView is shown: `vtu/film_0012.vtu`.
-fn is_state(name: &str) -> bool {
-    let state = name.strip_prefix("vtu/").and_then(|name| name.strip_suffix(".vtu"));
-    let number = state.and_then(|name| name.strip_prefix("film_").or(name.strip_prefix("impactor_")));
-    number.is_some_and(|number| !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()))
-}
-
 /// The tables and the files that a script left in `folder`, as the summary there lists them.
 fn listed(folder: &Path) -> HashSet<String> {
-    let text = fs::read(folder.join("summary.json")).unwrap_or_default();
+    let text = fs::read(folder.join(run_files::SUMMARY)).unwrap_or_default();
     let summary: Value = serde_json::from_slice(&text).unwrap_or_default();
-    let tables = summary["tables"].as_object().into_iter().flatten().map(|(name, _)| format!("{TABLES}/{name}.csv"));
+    let tables = summary["tables"]
+        .as_object()
+        .into_iter()
+        .flatten()
+        .map(|(name, _)| format!("{}/{name}.csv", run_files::TABLES));
     let files = summary["files"].as_array().into_iter().flatten().filter_map(|name| Some(name.as_str()?.to_owned()));
     tables.chain(files).collect()
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value};
 use thiserror::Error;
 
+use super::run_files;
 use crate::signal::file::{self, ReadOptions};
 use crate::signal::{Recording, says_virtual};
 
@@ -57,7 +58,7 @@ impl StoredRun {
         if !place.exists() {
             return Err(StoredRunError::Missing { path: place.into() });
         }
-        let table = place.join("signals.csv");
+        let table = place.join(run_files::SIGNALS);
         if place.is_dir() && table.is_file() {
             return StoredRun::of_folder(place, &table);
         }
@@ -75,9 +76,9 @@ impl StoredRun {
         Ok(StoredRun {
             place: place.into(),
             signals,
-            summary: summary(&place.join("summary.json"))?,
-            scenario: scenario(&place.join("scenario.toml"))?,
-            failure: text(&place.join("failure.txt"))?.map(|cause| cause.trim().to_owned()),
+            summary: summary(&place.join(run_files::SUMMARY))?,
+            scenario: scenario(&place.join(run_files::SCENARIO))?,
+            failure: text(&place.join(run_files::FAILURE))?.map(|cause| cause.trim().to_owned()),
             says_virtual,
         })
     }

@@ -29,9 +29,7 @@ use vtkio::xml::Compressor;
 
 use crate::model::Model;
 use crate::simulate::{Outcome, Snapshot};
-
-/// Folder of the states.
-pub const FOLDER: &str = "vtu";
+use crate::store::run_files::SNAPSHOTS;
 
 /// Sides of an impactor that is round.
 const SIDES: u32 = 64;
@@ -88,7 +86,7 @@ fn series<'a>(
     snapshots: &'a [Snapshot],
     grid: impl Fn(&Snapshot) -> Result<Grid, VtuError> + Send + Sync + 'a,
 ) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
-    let place = move |state: usize| format!("{FOLDER}/{name}_{state:04}.vtu");
+    let place = move |state: usize| format!("{SNAPSHOTS}/{name}_{state:04}.vtu");
     let state = move |(number, snapshot): (usize, &Snapshot)| {
         Ok(File { name: place(number), content: grid(snapshot).and_then(unstructured)? })
     };
