@@ -7,8 +7,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use droptower::diagnostic;
-use droptower::engine::{Engine, Fault, Observer, Patch, ThreadPool, Vectors, View};
+use droptower::engine::{Engine, Fault, Observer, Patch, StressFree, ThreadPool, Vectors, View};
 use droptower::lane::Width;
+use droptower::material::Law;
 use droptower::mesh;
 use droptower::model::{self, Model};
 use droptower::scenario::{Assignment, Document};
@@ -158,7 +159,10 @@ fn kernel() {
 fn pass<const L: usize>(model: &Model, width: Width) -> f64 {
     let face = &model.faces[0];
     let mesh = mesh::build(&model.specimen, face).expect("a mesh");
-    let mut patch = Patch::<L>::new(&mesh, face).expect("a patch");
+    let Law::Fabric(law) = &face.material.law else { panic!("a fabric") };
+    let stress_free = StressFree::new(face.md_angle, face.prestrain);
+    let thickness = face.material.thickness * f64::from(face.layers);
+    let mut patch = Patch::<_, L>::new(law.clone(), &mesh, &stress_free, thickness).expect("a patch");
     let mut position = Vectors::default();
     position.extend(mesh.nodes.iter().map(|p| [1.3 * p.x, 1.1 * p.y, 0.4 * p.x * p.y]));
     let mut force = Vectors::zero(mesh.nodes.len());

@@ -22,7 +22,7 @@ mod thread_pool;
 mod time_step;
 
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
-pub use element::{ElementDetail, ElementEnergy, ElementStrain, UndefinedFibreDirection};
+pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, UndefinedFibreDirection};
 pub use energy::Energies;
 pub use film::Film;
 use nodes::Kick;

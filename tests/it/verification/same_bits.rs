@@ -1,7 +1,8 @@
 //! The same bits, whoever computes them: any number of threads, lanes and vector instructions.
 
-use droptower::engine::{Engine, Patch, ThreadPool, Vectors};
+use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Vectors};
 use droptower::lane::Width;
+use droptower::material::{Law, MembraneLaw};
 use droptower::mesh::{self, Mesh};
 use droptower::model::Model;
 use droptower::simulate;
@@ -76,7 +77,23 @@ fn apart(mesh: &Mesh) -> Mesh {
 }
 
 fn forces<const L: usize>(mesh: &Mesh, model: &Model, width: Width) -> Vec<[u64; 3]> {
-    let mut patch = Patch::<L>::new(mesh, &model.faces[0]).expect("a patch");
+    match &model.faces[0].material.law {
+        Law::Fabric(law) => forces_of::<_, L>(law, mesh, model, width),
+        Law::RateFabric(law) => forces_of::<_, L>(law, mesh, model, width),
+        law => panic!("{law:?} is not tested here"),
+    }
+}
+
+fn forces_of<M: MembraneLaw + Clone, const L: usize>(
+    law: &M,
+    mesh: &Mesh,
+    model: &Model,
+    width: Width,
+) -> Vec<[u64; 3]> {
+    let face = &model.faces[0];
+    let stress_free = StressFree::new(face.md_angle, face.prestrain);
+    let thickness = face.material.thickness * f64::from(face.layers);
+    let mut patch = Patch::<_, L>::new(law.clone(), mesh, &stress_free, thickness).expect("a patch");
     let mut force = Vectors::zero(mesh.nodes.len());
     // Up, then part of the way back: on the curve and off it.
     for share in [1.0, 0.97] {
