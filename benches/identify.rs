@@ -11,11 +11,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use droptower::diagnostic;
+use droptower::functions;
 use droptower::identify::{self, SearchHost};
 use droptower::model;
 use droptower::post::{self, Plan};
 use droptower::scenario::{Assignment, Document};
-use droptower::script::{self, Arguments, Limits, OutputCollector, Row, Script, ScriptOutput};
+use droptower::script::{Arguments, Limits, OutputCollector, Row, Script, ScriptOutput};
 use droptower::signal::csv;
 use droptower::simulate;
 use rayon::prelude::*;
@@ -138,9 +139,9 @@ fn identify(tests: &[Recorded], method: &str, start: [f64; 3]) -> Outcome<([f64;
 
 /// Runs the script with `args`.
 fn run(args: Map) -> Outcome<ScriptOutput> {
-    let mut engine = script::engine(Limits::STUDY);
+    let mut engine = functions::engine(Limits::STUDY);
     let collector = OutputCollector::new(Vec::new(), |_| {});
-    collector.register(&mut engine);
+    functions::register_output(&mut engine, &collector);
     post::register_studies(&mut engine, vec![]);
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     Arguments::register(&mut engine);

@@ -21,6 +21,7 @@ pub mod engine;
 pub mod simulate;
 pub mod store;
 pub mod script;
+pub mod functions;
 pub mod post;
 pub mod identify;
 pub mod report;

@@ -3,9 +3,10 @@
 use serde::Serialize;
 
 use super::{Failure, Shared, print, print_json};
+use crate::functions;
 use crate::identify;
 use crate::post;
-use crate::script::{self, Chapter};
+use crate::script::{Chapter, Entry};
 
 /// The word in place of a key.
 pub const WORD: &str = "functions";
@@ -26,8 +27,8 @@ pub fn run(name: Option<&str>, shared: &Shared) -> Result<(), Failure> {
         return print(chapters.map(text).collect::<String>().trim_end());
     }
     let functions = chapters.flat_map(|(chapter, entries)| {
-        let function = move |entry: &script::Entry| {
-            let script::Entry { call, gives, example } = *entry;
+        let function = move |entry: &Entry| {
+            let Entry { call, gives, example } = *entry;
             Function { chapter, call, gives, example }
         };
         entries.into_iter().map(function)
@@ -41,11 +42,11 @@ pub fn are_called(name: &str) -> bool {
 }
 
 fn chapters() -> impl Iterator<Item = &'static Chapter> {
-    post::REFERENCE.iter().chain(identify::REFERENCE).chain(script::REFERENCE)
+    post::REFERENCE.iter().chain(identify::REFERENCE).chain(functions::REFERENCE)
 }
 
 /// The entries of a chapter in which `name` is called; all of them where there is no name.
-fn entries(chapter: &'static Chapter, name: Option<&str>) -> Vec<&'static script::Entry> {
+fn entries(chapter: &'static Chapter, name: Option<&str>) -> Vec<&'static Entry> {
     let calls = |call: &str, name: &str| {
         let opened = format!("{name}(");
         let begins = |at: usize| !call[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
@@ -54,8 +55,7 @@ fn entries(chapter: &'static Chapter, name: Option<&str>) -> Vec<&'static script
     chapter.entries.iter().filter(|entry| name.is_none_or(|name| calls(entry.call, name))).collect()
 }
 
-fn text((title, entries): (&str, Vec<&script::Entry>)) -> String {
-    let entry =
-        |entry: &script::Entry| format!("  {}\n      {}\n      e.g. {}\n", entry.call, entry.gives, entry.example);
+fn text((title, entries): (&str, Vec<&Entry>)) -> String {
+    let entry = |entry: &Entry| format!("  {}\n      {}\n      e.g. {}\n", entry.call, entry.gives, entry.example);
     format!("{title}\n{}\n", entries.into_iter().map(entry).collect::<String>())
 }

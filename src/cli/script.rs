@@ -10,12 +10,12 @@ use serde_json::{Map, Value, json};
 use super::faults::{reading, script, storing};
 use super::{Failure, Shared, digest, folder, print_figures, scenarios, table};
 use crate::diagnostic::{Diagnostic, printable, shown_path};
+use crate::functions;
 use crate::identify::{self, Identity, SearchEvent, SearchHost};
 use crate::post;
 use crate::report::StudyPage;
 use crate::script::{
-    Arguments, Fault, Limits, OutputCollector, Script, ScriptOutput, Session, TooManyPictures, engine,
-    register_recordings, to_json,
+    Arguments, Fault, Limits, OutputCollector, Script, ScriptOutput, Session, TooManyPictures, to_json,
 };
 use crate::store::{self, Draft, StoreError};
 
@@ -88,9 +88,9 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
         SearchEvent::Finished(convergence) => unless_kept(pictures.searched(convergence.clone())),
         SearchEvent::Correlation(correlation) => unless_kept(pictures.correlated(correlation.clone())),
     });
-    let mut engine = engine(Limits::STUDY);
-    collector.register(&mut engine);
-    register_recordings(&mut engine);
+    let mut engine = functions::engine(Limits::STUDY);
+    functions::register_output(&mut engine, &collector);
+    functions::register_reading(&mut engine);
     post::register_studies(&mut engine, changes);
     identify::register(&mut engine, &host);
     Arguments::register(&mut engine);

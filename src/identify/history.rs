@@ -270,7 +270,7 @@ fn head(identity: &Identity, number: usize, inputs: &BTreeMap<PathBuf, String>) 
 fn changed_input(text: &str) -> Option<String> {
     let logged = text.lines().skip(1).filter_map(|line| serde_json::from_str(line).ok());
     logged.into_iter().find_map(|logged| match logged {
-        Logged::Input { input, content } if script::content(&input) != content => Some(input.display().to_string()),
+        Logged::Input { input, content } if script::fingerprint(&input) != content => Some(input.display().to_string()),
         _ => None,
     })
 }
@@ -437,7 +437,7 @@ mod tests {
         let read = folder.path().join("read.csv");
         fs::write(&read, "1").unwrap();
         let path = written(folder.path());
-        open(folder.path()).unwrap().add_inputs(vec![(read.clone(), script::content(&read))]).unwrap();
+        open(folder.path()).unwrap().add_inputs(vec![(read.clone(), script::fingerprint(&read))]).unwrap();
         assert_eq!(open(folder.path()).unwrap().trials().len(), 4);
         fs::write(&read, "2").unwrap();
         let history = open(folder.path()).unwrap();

@@ -295,7 +295,8 @@ pub const ENTRIES: &[Entry] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::script::{Limits, engine};
+    use crate::functions::engine;
+    use crate::script::Limits;
 
     fn host() -> Engine {
         let mut engine = engine(Limits::STUDY);

@@ -3,8 +3,9 @@
 use rhai::{Dynamic, Engine, Map};
 
 use crate::experiment::coupon::Coupon;
+use crate::functions::Reduced;
 use crate::scenario::coupon_material::CouponMaterial;
-use crate::script::{Entry, HostResult, Options, Reduced, refuse};
+use crate::script::{Entry, HostResult, Options, refuse};
 use crate::units::Density;
 
 /// Name of the shear curve's file where a script gives none.
@@ -38,12 +39,13 @@ pub const ENTRIES: &[Entry] = &[Entry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::script::{Limits, engine, register_recordings};
+    use crate::functions::{engine, register_reading};
+    use crate::script::Limits;
 
     #[test]
     fn mistakes_are_said() {
         let mut engine = engine(Limits::STUDY);
-        register_recordings(&mut engine);
+        register_reading(&mut engine);
         register(&mut engine);
         let unknown =
             "let c = coupon(#{ gauge: 1, width: 1, thickness: 1 }); let u = curve([0, 0.01, 0.02, 1], [0, 1, 2, 3]);

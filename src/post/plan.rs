@@ -4,6 +4,7 @@ use rhai::Engine;
 use thiserror::Error;
 
 use super::{EvaluateError, ReferenceComparison, ReferenceError, Results, Run, run};
+use crate::functions;
 use crate::model::Model;
 use crate::script::{self, Limits, OutputCollector, Script};
 use crate::signal::filter::{ChannelFilter, FilterError, Standard};
@@ -82,8 +83,8 @@ impl Plan {
 }
 
 fn host(collector: &OutputCollector) -> Engine {
-    let mut engine = script::engine(Limits::POST);
-    collector.register(&mut engine);
+    let mut engine = functions::engine(Limits::POST);
+    functions::register_output(&mut engine, collector);
     run::register(&mut engine);
     engine
 }

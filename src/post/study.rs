@@ -40,17 +40,17 @@ impl Study {
     fn check(document: Document, other: Option<&Parts>, session: &Session) -> HostResult<Study> {
         let model = model::check(&document).map_err(mistakes)?;
         for path in document.files().iter().map(PathBuf::as_path).chain(model.meshes()) {
-            session.reads(path);
+            session.add_input(path);
         }
         if let Some(reference) = &model.reference {
-            session.reads_recording(&reference.signals);
+            session.add_recording_files(&reference.signals);
         }
         let plan = match other.filter(|other| Plan::is_common(&model, &other.model)) {
             Some(other) => other.plan.clone(),
             None => Plan::prepare(&model).map_err(refuse)?,
         };
         if let (Some(reference), Some(comparison)) = (&model.reference, plan.comparison()) {
-            session.hears(&reference.signals, comparison.is_virtual());
+            session.add_recording(&reference.signals, comparison.is_virtual());
         }
         Ok(Study(Arc::new(Parts { document, model, plan })))
     }
@@ -68,13 +68,13 @@ impl Study {
         let model = cut.as_ref().unwrap_or(model);
         let failed = |error: RunError| {
             let cause = format!("{}: {error}", model.name);
-            session.failed(&cause);
+            session.add_failure(&cause);
             if matches!(error, RunError::Failure(_)) { went_wrong(cause) } else { refuse(cause) }
         };
         let options = RunOptions { cancellation: session.cancellation().clone(), ..RunOptions::default() };
         let outcome = simulate::run_with(model, options, &mut |_| {}).map_err(failed)?;
         if let Some(time) = outcome.rupture_time {
-            session.ruptured(&model.name, time);
+            session.add_rupture(&model.name, time);
         }
         let mut results = plan.measure(model, &outcome).map_err(refuse)?;
         if model.run_time() < self.0.model.run_time() {

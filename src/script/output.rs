@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rhai::{Array, Dynamic, Engine, Map};
 use serde_json::Value;
 use thiserror::Error;
 
-use super::files::{self, File, FileError, Files};
+use super::ConvergenceHistory;
+use super::files::{File, FileError, Files};
 use super::plots::{self, PlotError};
-use super::{ConvergenceHistory, Entry, HostResult, refuse, to_json};
 use crate::diagnostic::shown_path;
 use crate::plot::{Correlation, Plot};
 use crate::store::run_files::RESERVED_NAMES;
@@ -117,42 +116,29 @@ impl OutputCollector {
         keep(&mut self.lock().correlations, correlation)
     }
 
-    /// Offers `measure`, `table`, `plot`, `write_csv`, `write_text`, `log` and `print` to scripts.
-    pub fn register(&self, engine: &mut Engine) {
-        let collector = self.clone();
-        engine.register_fn("measure", move |name: &str, value: Dynamic| collector.measure(name, &value));
-        let collector = self.clone();
-        engine.register_fn("table", move |name: &str, rows: Dynamic| collector.table(name, None, &rows));
-        let collector = self.clone();
-        engine.register_fn("table", move |name: &str, columns: Array, rows: Dynamic| {
-            collector.table(name, Some(&columns), &rows)
-        });
-        plots::register(self, engine);
-        files::register(self, engine);
-        let collector = self.clone();
-        engine.register_fn("log", move |line: Dynamic| collector.log(&line.to_string()));
-        let collector = self.clone();
-        // The interpreter's own `print` cannot answer with an error; a line too many is dropped there.
-        engine.on_print(move |line| drop(collector.log(line)));
-    }
-
-    fn measure(&self, name: &str, value: &Dynamic) -> HostResult<()> {
-        self.check(name).map_err(refuse)?;
-        let value = to_json(value)?;
+    /// Adds a figure, or replaces the one of this name.
+    ///
+    /// # Errors
+    /// The name is not one, is reserved, or there are too many.
+    pub fn measure(&self, name: &str, value: Value) -> Result<(), NameError> {
+        self.check(name)?;
         let measures = &mut self.lock().measures;
         if measures.len() >= MOST_ENTRIES {
-            return Err(refuse(NameError::TooMany));
+            return Err(NameError::TooMany);
         }
         measures.insert(name.into(), value);
         Ok(())
     }
 
-    fn table(&self, name: &str, columns: Option<&Array>, rows: &Dynamic) -> HostResult<()> {
-        self.check(name).map_err(refuse)?;
-        let rows = rows_of(rows, columns)?;
+    /// Adds a table, or replaces the one of this name.
+    ///
+    /// # Errors
+    /// The name is not one, is reserved, or there are too many tables or rows.
+    pub fn table(&self, name: &str, rows: Vec<Row>) -> Result<(), NameError> {
+        self.check(name)?;
         let tables = &mut self.lock().tables;
         if tables.len() >= MOST_ENTRIES || rows.len() > MOST_ENTRIES {
-            return Err(refuse(NameError::TooMany));
+            return Err(NameError::TooMany);
         }
         // One file a table: two names must differ on every file system.
         tables.retain(|(other, _)| !other.eq_ignore_ascii_case(name));
@@ -160,20 +146,32 @@ impl OutputCollector {
         Ok(())
     }
 
-    fn log(&self, line: &str) -> HostResult<()> {
+    /// Adds a line to the log.
+    ///
+    /// # Errors
+    /// There are too many.
+    pub fn log(&self, line: &str) -> Result<(), NameError> {
         if self.lock().log.len() >= MOST_ENTRIES {
-            return Err(refuse(NameError::TooMany));
+            return Err(NameError::TooMany);
         }
         (self.listener)(line);
         self.lock().log.push(line.into());
         Ok(())
     }
 
-    pub(super) fn file(&self, file: File) -> Result<(), FileError> {
+    /// Adds a file, or replaces the one of this name.
+    ///
+    /// # Errors
+    /// The name cannot name a file, is reserved for the results, or the files together are too large.
+    pub fn file(&self, file: File) -> Result<(), FileError> {
         self.lock().files.put(file, &RESERVED_NAMES)
     }
 
-    pub(super) fn plot(&self, plot: Plot) -> Result<(), PlotError> {
+    /// Adds a plot, or replaces the one of this title.
+    ///
+    /// # Errors
+    /// A text is empty or too long, it has no curves or too many, or the plots together are too large.
+    pub fn plot(&self, plot: Plot) -> Result<(), PlotError> {
         plots::put(&mut self.lock().plots, plot)
     }
 
@@ -200,53 +198,3 @@ fn keep<T>(pictures: &mut Vec<T>, picture: T) -> Result<(), TooManyPictures> {
     pictures.push(picture);
     Ok(())
 }
-
-fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> HostResult<Vec<Row>> {
-    if let Some(map) = rows.read_lock::<Map>() {
-        return Ok(vec![row_of(&map, columns)?]);
-    }
-    let Some(rows) = rows.read_lock::<Array>() else {
-        return Err(refuse(format!("a table is a map or a list of maps, not {}", rows.type_name())));
-    };
-    let row = |row: &Dynamic| match row.read_lock::<Map>() {
-        Some(map) => row_of(&map, columns),
-        None => Err(refuse(format!("a row of a table is a map, not {}", row.type_name()))),
-    };
-    rows.iter().map(row).collect()
-}
-
-fn row_of(map: &Map, columns: Option<&Array>) -> HostResult<Row> {
-    let Some(columns) = columns else {
-        return map.iter().map(|(key, value)| Ok((key.to_string(), to_json(value)?))).collect();
-    };
-    let column = |column: &Dynamic| {
-        let name = column.to_string();
-        let value = map.get(name.as_str()).ok_or_else(|| refuse(format!("a row has no `{name}`")))?;
-        Ok((name, to_json(value)?))
-    };
-    columns.iter().map(column).collect()
-}
-
-/// The reference of what a script writes down.
-pub const ENTRIES: &[Entry] = &[
-    Entry {
-        call: "measure(name, value)",
-        gives: "adds a figure to the summary; names are letters, digits and _",
-        example: r#"measure("stopping_distance_m", 0.17); true"#,
-    },
-    Entry {
-        call: "table(name, rows)",
-        gives: "adds a table to the summary; rows are a map or a list of maps, columns in alphabetical order",
-        example: r#"table("coefficients", #{ k1: 2.75, ke: 3.41 }); true"#,
-    },
-    Entry {
-        call: "table(name, columns, rows)",
-        gives: "the same with the columns in the order given",
-        example: r#"table("tests", ["test", "k1"], [#{ k1: 2.75, test: 1008 }]); true"#,
-    },
-    Entry {
-        call: "log(text)",
-        gives: "a line for the terminal and the report; `print` does the same",
-        example: r#"log("loading took " + 57 + " ms"); print("done"); true"#,
-    },
-];

@@ -1,4 +1,4 @@
-//! What the host remembers while one script runs: the files that it read, and the trial that a host function is called in.
+//! The state that host functions share while one script runs: the files that it read, and the trial they are called in.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,10 +11,10 @@ use super::Compared;
 use crate::file::{Digest, FileError};
 use crate::simulate::Cancellation;
 
-/// Most comparisons of one trial that are kept for pictures.
+/// Most comparisons of one trial that are stored for plots.
 const MOST_COMPARED: usize = 12;
 
-/// What host functions share while a script runs; every engine has one, as its tag. Cheap to clone.
+/// State that host functions share while a script runs; each engine has one, as its tag. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub struct Session {
     inputs: Arc<Mutex<BTreeMap<PathBuf, String>>>,
@@ -23,14 +23,14 @@ pub struct Session {
     cancellation: Cancellation,
 }
 
-/// What host functions tell about one evaluation of an objective.
+/// What host functions record during one evaluation of an objective.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trial {
-    /// Scenarios whose film broke, and when.
+    /// Scenarios whose film ruptured, each with the time.
     pub ruptures: Vec<String>,
-    /// Simulations that went wrong numerically, and why.
+    /// Causes of simulations that failed numerically.
     pub failures: Vec<String>,
-    /// What was held against references, for pictures.
+    /// What was compared with references, for plots.
     pub compared: Vec<Compared>,
 }
 
@@ -54,7 +54,7 @@ impl Session {
         Session { trial: Some(Arc::default()), cancellation: cancellation.clone(), ..self.clone() }
     }
 
-    /// What ends the simulations of an evaluation that nobody waits for any more.
+    /// Cancels the simulations of an evaluation whose result is no longer needed.
     pub fn cancellation(&self) -> &Cancellation {
         &self.cancellation
     }
@@ -64,68 +64,68 @@ impl Session {
         self.trial.is_some()
     }
 
-    /// What was told about the evaluation so far.
+    /// What was recorded of the evaluation so far.
     pub fn trial(&self) -> Trial {
         self.trial.as_ref().map(|trial| lock(trial).clone()).unwrap_or_default()
     }
 
-    /// The film of `scenario` broke at `time` (s).
-    pub fn ruptured(&self, scenario: &str, time: f64) {
-        self.tell(|trial| trial.ruptures.push(format!("{scenario}: the film broke at {:.1} ms", 1e3 * time)));
+    /// Records that the film of `scenario` ruptured at `time` (s).
+    pub fn add_rupture(&self, scenario: &str, time: f64) {
+        self.update_trial(|trial| trial.ruptures.push(format!("{scenario}: the film broke at {:.1} ms", 1e3 * time)));
     }
 
-    /// A simulation went wrong numerically.
-    pub fn failed(&self, cause: &str) {
-        self.tell(|trial| trial.failures.push(cause.into()));
+    /// Records that a simulation failed numerically.
+    pub fn add_failure(&self, cause: &str) {
+        self.update_trial(|trial| trial.failures.push(cause.into()));
     }
 
-    /// Something was held against a reference.
-    pub(super) fn compares(&self, compared: impl FnOnce() -> Compared) {
-        self.tell(|trial| {
+    /// Records a comparison with a reference.
+    pub(crate) fn add_comparison(&self, compared: impl FnOnce() -> Compared) {
+        self.update_trial(|trial| {
             if trial.compared.len() < MOST_COMPARED {
                 trial.compared.push(compared());
             }
         });
     }
 
-    fn tell(&self, tell: impl FnOnce(&mut Trial)) {
+    fn update_trial(&self, update: impl FnOnce(&mut Trial)) {
         if let Some(trial) = &self.trial {
-            tell(&mut lock(trial));
+            update(&mut lock(trial));
         }
     }
 
-    /// Remembers that the script read the file at `path`, and what it held when it was read first.
-    pub fn reads(&self, path: &Path) {
+    /// Records that the script read the file at `path`, with its fingerprint at the first read.
+    pub fn add_input(&self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
-        lock(&self.inputs).entry(path).or_insert_with_key(|path| content(path));
+        lock(&self.inputs).entry(path).or_insert_with_key(|path| fingerprint(path));
     }
 
-    /// Remembers the files of a recording: an ISO-MME test keeps its channels in a folder beside it.
-    pub fn reads_recording(&self, path: &Path) {
-        self.reads(path);
+    /// Records the files of a recording: an ISO-MME test has its channels in a folder beside it.
+    pub fn add_recording_files(&self, path: &Path) {
+        self.add_input(path);
         for entry in fs::read_dir(path.with_file_name("Channel")).into_iter().flatten().flatten() {
-            self.reads(&entry.path());
+            self.add_input(&entry.path());
         }
     }
 
-    /// Remembers whether the recording at `path` says that it is virtual.
-    pub fn hears(&self, path: &Path, is_virtual: bool) {
+    /// Records whether the recording at `path` is virtual.
+    pub fn add_recording(&self, path: &Path, is_virtual: bool) {
         lock(&self.recordings).insert(path.into(), is_virtual);
     }
 
-    /// Recordings that were read so far and say that they are virtual.
+    /// Virtual recordings that were read so far.
     pub fn virtual_recordings(&self) -> Vec<PathBuf> {
         let recordings = lock(&self.recordings);
         recordings.iter().filter(|(_, is_virtual)| **is_virtual).map(|(path, _)| path.clone()).collect()
     }
 
-    /// Whether nothing that was read so far was measured: there are recordings, and all are virtual.
+    /// Whether recordings were read so far and all of them are virtual.
     pub fn is_all_virtual(&self) -> bool {
         let recordings = lock(&self.recordings);
         !recordings.is_empty() && recordings.values().all(|is_virtual| *is_virtual)
     }
 
-    /// The files that were read so far, and what they held.
+    /// The files that were read so far, each with its fingerprint.
     pub fn inputs(&self) -> BTreeMap<PathBuf, String> {
         lock(&self.inputs).clone()
     }
@@ -137,8 +137,8 @@ impl From<Session> for Dynamic {
     }
 }
 
-/// Length and checksum of the file at `path`, or that it cannot be read.
-pub fn content(path: &Path) -> String {
+/// Length and checksum of the file at `path`, or that it cannot be read; devices and pipes are not read.
+pub fn fingerprint(path: &Path) -> String {
     match Digest::of_file(path) {
         Ok(digest) => digest.to_string(),
         Err(FileError::NotAFile) => "not a file".into(),
@@ -156,26 +156,26 @@ mod tests {
     use crate::script::{Limits, engine};
 
     #[test]
-    fn a_file_is_known_by_what_it_held_first() {
+    fn the_fingerprint_of_a_file_is_that_of_its_first_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.csv");
         fs::write(&path, "1").unwrap();
         let session = Session::default();
-        session.reads(&path);
+        session.add_input(&path);
         fs::write(&path, "2").unwrap();
-        session.clone().reads(&path);
+        session.clone().add_input(&path);
         let inputs = session.inputs();
         assert_eq!(inputs.len(), 1);
-        assert_ne!(inputs[&path], content(&path));
+        assert_ne!(inputs[&path], fingerprint(&path));
     }
 
     #[test]
-    fn virtual_recordings_are_told_from_measured_ones() {
+    fn virtual_and_measured_recordings_are_distinguished() {
         let session = Session::default();
         assert!(!session.is_all_virtual());
-        session.with_trial(&Cancellation::default()).hears(Path::new("b.csv"), true);
+        session.with_trial(&Cancellation::default()).add_recording(Path::new("b.csv"), true);
         assert!(session.is_all_virtual());
-        session.hears(Path::new("a.csv"), false);
+        session.add_recording(Path::new("a.csv"), false);
         assert!(!session.is_all_virtual());
         assert_eq!(session.virtual_recordings(), [PathBuf::from("b.csv")]);
     }

@@ -7,10 +7,11 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use droptower::diagnostic;
+use droptower::functions;
 use droptower::identify::{self, SearchEvent, SearchHost};
 use droptower::post;
 use droptower::scenario::Assignment;
-use droptower::script::{self, ConvergenceHistory, Limits};
+use droptower::script::{ConvergenceHistory, Limits};
 use droptower::signal::Series;
 use rhai::Engine;
 use serde_json::Value as Json;
@@ -220,7 +221,7 @@ fn engine_with(bench: &Bench, changes: &[&str], host: SearchHost) -> Engine {
     let changes = [bench.mesh.as_str(), recording.as_str()].into_iter().chain(changes.iter().copied());
     let read =
         |change| Assignment::from_argument(change).unwrap_or_else(|m| panic!("{}", diagnostic::render(&m, false)));
-    let mut engine = script::engine(Limits::STUDY);
+    let mut engine = functions::engine(Limits::STUDY);
     post::register_studies(&mut engine, changes.map(read).collect());
     identify::register(&mut engine, &host);
     engine

@@ -8,9 +8,10 @@ use rhai::{Engine, Map, Scope};
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
+use droptower::functions;
 use droptower::post;
 use droptower::report::Figure;
-use droptower::script::{self, Arguments, Limits, OutputCollector};
+use droptower::script::{Arguments, Limits, OutputCollector};
 use droptower::signal::csv;
 
 use crate::workbench::{droptower, error};
@@ -311,9 +312,9 @@ fn the_examples_of_the_scripting_reference_hold() {
     let rows: String = (0..40).map(|i| format!("{},{i},{}\n", f64::from(i) * 1e-4, -i)).collect();
     let table = format!("time_s,acceleration_m_s2,displacement_m\n{rows}");
     fs::write(bench.path().join("reference.csv"), table).expect("a table");
-    let mut engine: Engine = script::engine(Limits::STUDY);
-    OutputCollector::new(Vec::new(), |_| {}).register(&mut engine);
-    script::register_recordings(&mut engine);
+    let mut engine: Engine = functions::engine(Limits::STUDY);
+    functions::register_output(&mut engine, &OutputCollector::new(Vec::new(), |_| {}));
+    functions::register_reading(&mut engine);
     post::register_studies(&mut engine, vec![]);
     Arguments::register(&mut engine);
     // What post scripts find as `run` is tested beside it.

@@ -4,11 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use droptower::diagnostic::{Diagnostic, render};
+use droptower::functions;
 use droptower::identify::{self, SearchHost};
 use droptower::model::{self, Loading, Model};
 use droptower::post::{self, Plan, Results};
 use droptower::scenario::{Assignment, Document};
-use droptower::script::{self, Limits, OutputCollector, Script};
+use droptower::script::{Limits, OutputCollector, Script};
 use droptower::simulate;
 use droptower::units::DIMENSIONS;
 use rhai::{Map, Scope};
@@ -110,11 +111,11 @@ fn post_scripts_add_figures() {
 
 #[test]
 fn study_scripts_compile() {
-    let mut engine = script::engine(Limits::STUDY);
-    OutputCollector::new(Vec::new(), |_| {}).register(&mut engine);
+    let mut engine = functions::engine(Limits::STUDY);
+    functions::register_output(&mut engine, &OutputCollector::new(Vec::new(), |_| {}));
     post::register_studies(&mut engine, Vec::new());
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
-    script::register_recordings(&mut engine);
+    functions::register_reading(&mut engine);
     let mut scope = Scope::new();
     scope.push_constant("args", Map::new());
     for path in files("scripts/*.rhai") {

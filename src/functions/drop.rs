@@ -2,11 +2,11 @@
 
 use rhai::{Dynamic, Engine, Map};
 
-use super::{Entry, HostResult, Options, from_json, refuse};
 use crate::experiment::absorption::Body;
 use crate::experiment::drop::{self, Correction, Drop, Height, Reduction, Tower};
 use crate::experiment::fall::Fall;
 use crate::experiment::sensor::{self, Accelerometer, Laser, Sensors};
+use crate::script::{Entry, HostResult, Options, from_json, refuse, window};
 use crate::signal::{Recording, Series};
 
 /// Gravity where a script gives none, m/s²: equation 9 of the paper.
@@ -123,7 +123,7 @@ fn sensors(about: &Options<'_>) -> HostResult<Sensors> {
     };
     let rest = match about.map.get("rest") {
         None => assumed.rest,
-        Some(range) => super::window(range)?,
+        Some(range) => window(range)?,
     };
     let sample_rate = about.number("sample_rate", assumed.sample_rate)?;
     Ok(Sensors { accelerometer, laser: sees.then(Laser::default), sample_rate, rest })
@@ -158,7 +158,7 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use crate::script::reference::check::{assert_refused, engine};
+    use crate::functions::check::{assert_refused, engine};
 
     #[test]
     fn without_a_class_nothing_is_filtered() {

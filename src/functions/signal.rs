@@ -1,19 +1,15 @@
 //! Signals in scripts: whole series as one value, so that loops stay in the host.
 
-mod measures;
-
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, NativeCallContext};
 
-use super::{Compared, Entry, HostResult, Session, number, refuse, window};
+use crate::script::{Compared, Entry, HostResult, Session, number, refuse, window};
 use crate::signal::filter::{self, Standard};
 use crate::signal::{Series, integrate, norm};
-
-pub use measures::ENTRIES as MEASURE_ENTRIES;
 
 type Operator = fn(f64, f64) -> f64;
 
 /// Offers the type `signal` and its functions to scripts.
-pub fn register(engine: &mut Engine) {
+pub(super) fn register(engine: &mut Engine) {
     engine.register_type_with_name::<Series>("signal");
     engine
         .register_fn("signal", build)
@@ -38,7 +34,6 @@ pub fn register(engine: &mut Engine) {
         .register_fn("relative_error", relative_error)
         .register_fn("relative_residuals", relative_residuals);
     register_operators(engine);
-    measures::register(engine);
 }
 
 fn register_operators(engine: &mut Engine) {
@@ -123,7 +118,7 @@ fn pointwise(a: &Series, b: &Series, f: Operator) -> Series {
 fn relative_error(context: NativeCallContext, signal: Series, reference: Series, bounds: Dynamic) -> HostResult<f64> {
     let window = window(&bounds)?;
     let error = norm::relative_error(&signal, &reference, window).map_err(refuse)?;
-    Session::of(&context).compares(|| Compared::signals(&signal, &reference, window));
+    Session::of(&context).add_comparison(|| Compared::signals(&signal, &reference, window));
     Ok(error)
 }
 
@@ -135,7 +130,7 @@ fn relative_residuals(
 ) -> HostResult<Series> {
     let window = window(&bounds)?;
     let residuals = norm::relative_residuals(&signal, &reference, window).map_err(refuse)?;
-    Session::of(&context).compares(|| Compared::signals(&signal, &reference, window));
+    Session::of(&context).add_comparison(|| Compared::signals(&signal, &reference, window));
     Ok(residuals)
 }
 
@@ -217,7 +212,7 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use crate::script::reference::check::{assert_refused, engine};
+    use crate::functions::check::{assert_refused, engine};
 
     #[test]
     fn mistakes_are_said() {

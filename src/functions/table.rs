@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use rhai::{Array, Dynamic, Engine, Map, NativeCallContext};
 use thiserror::Error;
 
-use super::{Entry, Session, refuse};
 use crate::file::{self, FileError};
+use crate::script::{Entry, Session, refuse};
 
 /// Longest table that is read, bytes.
 const LONGEST: u64 = 1 << 20;
@@ -35,7 +35,7 @@ enum TableError {
 /// Offers `read_table` to scripts that may read files.
 pub(super) fn register(engine: &mut Engine) {
     engine.register_fn("read_table", |context: NativeCallContext, path: &str| {
-        Session::of(&context).reads(Path::new(path));
+        Session::of(&context).add_input(Path::new(path));
         read(Path::new(path)).map_err(refuse)
     });
 }
@@ -97,7 +97,7 @@ pub const ENTRIES: &[Entry] = &[Entry {
 
 #[cfg(test)]
 mod tests {
-    use crate::script::reference::check::engine;
+    use crate::functions::check::engine;
 
     #[test]
     fn cells_are_numbers_text_or_nothing() {

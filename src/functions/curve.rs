@@ -2,11 +2,11 @@
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 
-use super::{Compared, Entry, HostResult, Session, number, refuse};
 use crate::experiment::coupon::average::{
     AverageError, SampleStatistics, mean_curve, mean_law, mean_of_means, relative_difference,
 };
 use crate::experiment::coupon::{BREAK_SHARE, Curve, CurveEnd, WINDOW, YieldPoints, relative_residuals, yield_points};
+use crate::script::{Compared, Entry, HostResult, Session, number, refuse, window};
 
 /// Offers the type `curve`, its functions and means to scripts.
 pub(super) fn register(engine: &mut Engine) {
@@ -36,7 +36,7 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("mean_of_means", |groups: Array| mean_of_groups(&groups))
         .register_fn("relative_residuals", |context: NativeCallContext, curve: Curve, reference: Curve| {
             let residuals = relative_residuals(&curve, &reference).map_err(refuse)?;
-            Session::of(&context).compares(|| Compared::curves(&curve, &reference));
+            Session::of(&context).add_comparison(|| Compared::curves(&curve, &reference));
             Ok::<_, Box<EvalAltResult>>(list(&residuals))
         })
         .register_fn("relative_difference", |measured: Dynamic, reference: Dynamic| {
@@ -51,7 +51,7 @@ pub(super) fn register(engine: &mut Engine) {
 
 /// A window of strain `[from, to]`.
 pub(super) fn strains(value: &Dynamic) -> HostResult<[f64; 2]> {
-    super::window(value)
+    window(value)
 }
 
 /// Mean, deviation and count as scripts see them.
@@ -229,7 +229,7 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use crate::script::reference::check::{assert_refused, engine};
+    use crate::functions::check::{assert_refused, engine};
 
     #[test]
     fn mistakes_are_said() {

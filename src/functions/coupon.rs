@@ -6,11 +6,11 @@ use std::sync::Arc;
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
 use super::curve::{list, numbers, spread_map, strains, yield_map};
-use super::{Entry, HostResult, Options, Session, refuse};
 use crate::experiment::coupon::{
     Coupon, CouponReader, CouponTest, Curve, DirectionMeans, Machine, RecordingError, Reduction, Rules, Sample,
     SpeedMeans,
 };
+use crate::script::{Entry, HostResult, Options, Session, refuse};
 use crate::signal::Series;
 use crate::units::{Length, Velocity};
 
@@ -60,12 +60,12 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> Ho
         return Err(refuse(format!("no file matches `{pattern}`")));
     }
     for path in &paths {
-        session.reads(path);
+        session.add_input(path);
     }
     let reading = CouponReader::new(coupon, rules(&Options { of: "read_coupons", map: given })?);
     let read = |path: &PathBuf| {
         let recorded = reading.read(path)?;
-        session.hears(path, recorded.sample.is_virtual);
+        session.add_recording(path, recorded.sample.is_virtual);
         Ok::<_, RecordingError>(recorded_map(&recorded).into())
     };
     paths.iter().map(read).collect::<Result<Array, RecordingError>>().map_err(|error| match error.hint() {
@@ -234,7 +234,7 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use crate::script::reference::check::{assert_refused, engine};
+    use crate::functions::check::{assert_refused, engine};
 
     #[test]
     fn mistakes_are_said() {

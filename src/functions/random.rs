@@ -5,7 +5,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT};
 
-use super::{Entry, refuse};
+use crate::script::{Entry, refuse};
 
 /// Most numbers that are drawn at once: as many as a list of a script holds.
 const MOST: INT = 10_000;
@@ -52,7 +52,7 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use crate::script::reference::check::engine;
+    use crate::functions::check::engine;
 
     /// The numbers that virtual recordings were made with: another version of the generator must not change them unseen.
     #[test]

@@ -2,8 +2,7 @@
 
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
-use super::HostResult;
-use crate::script::{Compared, Entry, Session, number, refuse};
+use crate::script::{Compared, Entry, HostResult, Session, number, refuse};
 use crate::signal::clip::{self, Counting};
 use crate::signal::{Series, hic, rating, resample};
 
@@ -37,7 +36,7 @@ fn clip(s: &Series, duration: &Dynamic, counting: Counting) -> HostResult<f64> {
 fn rate(context: NativeCallContext, reference: Series, comparison: Series) -> HostResult<Map> {
     let rating = rating::rate(&reference, &comparison).map_err(refuse)?;
     let all = [f64::NEG_INFINITY, f64::INFINITY];
-    Session::of(&context).compares(|| Compared::signals(&comparison, &reference, all));
+    Session::of(&context).add_comparison(|| Compared::signals(&comparison, &reference, all));
     let notes: Array = rating.notes.into_iter().map(Dynamic::from).collect();
     let entries: [(&str, Dynamic); 9] = [
         ("corridor", rating.corridor.into()),
@@ -124,7 +123,7 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use crate::script::reference::check::{assert_refused, engine};
+    use crate::functions::check::{assert_refused, engine};
 
     #[test]
     fn mistakes_are_said() {

@@ -4,15 +4,13 @@ use std::path::Path;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, Identifier, Map, NativeCallContext};
 
-use super::{Entry, HostResult, Session, refuse};
+use crate::script::{Entry, HostResult, Session, refuse};
 use crate::signal::file::{self, ReadOptions};
 use crate::signal::{ChannelError, Measurement, Series, says_virtual};
 use crate::units::Unit;
 
 /// Offers the type `measurement` to scripts that may read files.
-pub fn register(engine: &mut Engine) {
-    super::table::register(engine);
-    super::coupon::register_reading(engine);
+pub(super) fn register(engine: &mut Engine) {
     engine
         .register_type_with_name::<Measurement>("measurement")
         .register_fn("read_recording", |context: NativeCallContext, path: &str| {
@@ -32,9 +30,9 @@ pub fn register(engine: &mut Engine) {
 /// The path is relative to the working directory.
 fn read(context: &NativeCallContext, path: &str, wanted: &ReadOptions) -> HostResult<Measurement> {
     let (session, path) = (Session::of(context), Path::new(path));
-    session.reads_recording(path);
+    session.add_recording_files(path);
     let measurement = file::read(path, wanted).map_err(|error| hinted(&error, error.hint()))?;
-    session.hears(path, says_virtual(&measurement.notes));
+    session.add_recording(path, says_virtual(&measurement.notes));
     Ok(measurement)
 }
 
@@ -149,7 +147,7 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use crate::script::reference::check::{assert_refused, engine};
+    use crate::functions::check::{assert_refused, engine};
 
     #[test]
     fn what_a_file_leaves_open_is_given() {

@@ -1,0 +1,91 @@
+//! Functions that every script can call: signals, curves, coupon and drop tests, tables, plots, files.
+//!
+//! Scenarios and runs come with `post`, searches with `identify`.
+
+#[cfg(test)]
+pub(crate) mod check;
+mod coupon;
+mod curve;
+mod drop;
+mod files;
+mod measures;
+mod plots;
+mod random;
+mod recording;
+mod results;
+mod signal;
+mod table;
+
+use rhai::Engine;
+
+use crate::script::{self, Chapter, Limits, OutputCollector};
+
+pub use coupon::Reduced;
+
+/// The reference of these functions.
+pub const REFERENCE: &[Chapter] = &[
+    Chapter { title: "signals", entries: signal::ENTRIES },
+    Chapter { title: "measures of signals", entries: measures::ENTRIES },
+    Chapter { title: "results", entries: results::ENTRIES },
+    Chapter { title: "plots", entries: plots::ENTRIES },
+    Chapter { title: "files", entries: files::ENTRIES },
+    Chapter { title: "curves", entries: curve::ENTRIES },
+    Chapter { title: "coupon tests", entries: coupon::ENTRIES },
+    Chapter { title: "drop tests", entries: drop::ENTRIES },
+    Chapter { title: "random numbers", entries: random::ENTRIES },
+    Chapter { title: "tables (droptower script)", entries: table::ENTRIES },
+    Chapter { title: "recordings (droptower script)", entries: recording::ENTRIES },
+];
+
+/// An interpreter within `limits` with the functions that neither read nor write files.
+pub fn engine(limits: Limits) -> Engine {
+    let mut engine = script::engine(limits);
+    signal::register(&mut engine);
+    measures::register(&mut engine);
+    random::register(&mut engine);
+    drop::register(&mut engine);
+    curve::register(&mut engine);
+    coupon::register(&mut engine);
+    engine
+}
+
+/// Offers the functions that read files: recordings, tables, coupon tests.
+pub fn register_reading(engine: &mut Engine) {
+    recording::register(engine);
+    table::register(engine);
+    coupon::register_reading(engine);
+}
+
+/// Offers the functions whose output `collector` takes: figures, tables, plots, files, the log.
+pub fn register_output(engine: &mut Engine, collector: &OutputCollector) {
+    results::register(collector, engine);
+    plots::register(collector, engine);
+    files::register(collector, engine);
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use rhai::{Map, Scope};
+
+    use super::REFERENCE;
+    use super::check::engine;
+    use crate::script::Script;
+
+    #[test]
+    fn the_examples_hold() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.csv");
+        std::fs::write(&path, "time [ms],acceleration [g]\n0,1\n1,2\n").unwrap();
+        let mut scope = Scope::new();
+        scope.push_constant("args", Map::from([("recording".into(), path.to_string_lossy().into_owned().into())]));
+        let engine = engine();
+        for entry in REFERENCE.iter().flat_map(|chapter| chapter.entries) {
+            let held = engine.eval_with_scope::<bool>(&mut scope.clone(), entry.example);
+            assert!(matches!(held, Ok(true)), "{}: {held:?}", entry.call);
+            let compiled = Script::compile(&engine, &scope, Path::new("s.rhai"), entry.example);
+            assert!(compiled.is_ok(), "{}: {compiled:?}", entry.call);
+        }
+    }
+}

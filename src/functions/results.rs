@@ -1,0 +1,117 @@
+//! Figures, tables and lines of the log.
+
+use rhai::{Array, Dynamic, Engine, Map};
+
+use crate::script::{Entry, HostResult, OutputCollector, Row, refuse, to_json};
+
+/// Offers `measure`, `table`, `log` and `print` to scripts.
+pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
+    let own = collector.clone();
+    engine
+        .register_fn("measure", move |name: &str, value: Dynamic| own.measure(name, to_json(&value)?).map_err(refuse));
+    let own = collector.clone();
+    engine
+        .register_fn("table", move |name: &str, rows: Dynamic| own.table(name, rows_of(&rows, None)?).map_err(refuse));
+    let own = collector.clone();
+    engine.register_fn("table", move |name: &str, columns: Array, rows: Dynamic| {
+        own.table(name, rows_of(&rows, Some(&columns))?).map_err(refuse)
+    });
+    let own = collector.clone();
+    engine.register_fn("log", move |line: Dynamic| own.log(&line.to_string()).map_err(refuse));
+    let own = collector.clone();
+    // The interpreter's own `print` cannot return an error: it drops lines past the limit.
+    engine.on_print(move |line| drop(own.log(line)));
+}
+
+fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> HostResult<Vec<Row>> {
+    if let Some(map) = rows.read_lock::<Map>() {
+        return Ok(vec![row_of(&map, columns)?]);
+    }
+    let Some(rows) = rows.read_lock::<Array>() else {
+        return Err(refuse(format!("a table is a map or a list of maps, not {}", rows.type_name())));
+    };
+    let row = |row: &Dynamic| match row.read_lock::<Map>() {
+        Some(map) => row_of(&map, columns),
+        None => Err(refuse(format!("a row of a table is a map, not {}", row.type_name()))),
+    };
+    rows.iter().map(row).collect()
+}
+
+fn row_of(map: &Map, columns: Option<&Array>) -> HostResult<Row> {
+    let Some(columns) = columns else {
+        return map.iter().map(|(key, value)| Ok((key.to_string(), to_json(value)?))).collect();
+    };
+    let column = |column: &Dynamic| {
+        let name = column.to_string();
+        let value = map.get(name.as_str()).ok_or_else(|| refuse(format!("a row has no `{name}`")))?;
+        Ok((name, to_json(value)?))
+    };
+    columns.iter().map(column).collect()
+}
+
+/// The reference of what a script writes down.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "measure(name, value)",
+        gives: "adds a figure to the summary; names are letters, digits and _",
+        example: r#"measure("stopping_distance_m", 0.17); true"#,
+    },
+    Entry {
+        call: "table(name, rows)",
+        gives: "adds a table to the summary; rows are a map or a list of maps, columns in alphabetical order",
+        example: r#"table("coefficients", #{ k1: 2.75, ke: 3.41 }); true"#,
+    },
+    Entry {
+        call: "table(name, columns, rows)",
+        gives: "the same with the columns in the order given",
+        example: r#"table("tests", ["test", "k1"], [#{ k1: 2.75, test: 1008 }]); true"#,
+    },
+    Entry {
+        call: "log(text)",
+        gives: "a line for the terminal and the report; `print` does the same",
+        example: r#"log("loading took " + 57 + " ms"); print("done"); true"#,
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use rhai::Scope;
+
+    use crate::functions::{engine, register_output};
+    use crate::script::{Fault, Limits, OutputCollector, Script, ScriptOutput};
+
+    fn run(text: &str) -> Result<ScriptOutput, Fault> {
+        let (mut engine, scope) = (engine(Limits { operations: 30_000, ..Limits::STUDY }), Scope::new());
+        let collector = OutputCollector::new(vec!["steps".into()], |_| {});
+        register_output(&mut engine, &collector);
+        let script = Script::compile(&engine, &scope, Path::new("s.rhai"), text);
+        script.map_err(|mut faults| faults.remove(0))?.run(&engine, scope)?;
+        Ok(collector.output())
+    }
+
+    #[test]
+    fn an_endless_log_is_stopped() {
+        assert!(run("loop { print(\"x\"); log(\"y\"); }").is_err());
+    }
+
+    #[test]
+    fn names_are_checked() {
+        assert!(run("measure(\"a b\", 1)").unwrap_err().message.contains("use letters, digits and _"));
+        assert!(run("measure(\"../x\", 1)").is_err());
+        assert!(run("table(\"ä\", [])").is_err());
+        assert!(run("measure(\"steps\", 1)").unwrap_err().message.contains("cannot be replaced"));
+    }
+
+    #[test]
+    fn figures_keep_their_order_and_kind() {
+        let found = run("measure(\"b\", 1); measure(\"a\", 0.5); measure(\"n\", 0.0/0.0); measure(\"t\", \"x\");
+             table(\"rows\", [\"test\", \"k1\"], [#{ k1: 2, test: \"1008\" }]); print(1.5);")
+        .unwrap();
+        let measures = serde_json::to_string(&found.measures).unwrap();
+        assert_eq!(measures, r#"{"b":1,"a":0.5,"n":null,"t":"x"}"#);
+        assert_eq!(serde_json::to_string(&found.tables[0].1).unwrap(), r#"[{"test":"1008","k1":2}]"#);
+        assert_eq!(found.log, ["1.5"]);
+    }
+}
