@@ -5,6 +5,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub(crate) use crc32fast::Hasher as Crc32;
@@ -69,7 +70,7 @@ pub(crate) fn checksum(bytes: &[u8]) -> u32 {
 }
 
 /// What identifies the content of a file: its length and its checksum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Digest {
     length: u64,
     checksum: u32,

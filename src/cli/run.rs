@@ -111,7 +111,7 @@ fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     let every = jobs.iter().find_map(|job| job.writer.as_ref()?.every());
     for Job { checked, writer, .. } in &mut jobs {
         if let (Some(every), Some(writer)) = (every, writer) {
-            writer.keep_as_others(every, checked.model.run_time());
+            writer.default_interval(every, checked.model.run_time());
         }
     }
     if mistakes.is_empty() { Ok(jobs) } else { Err(mistakes) }
@@ -149,10 +149,10 @@ impl Job {
         let mut restart = None;
         if let Some(writer) = &self.writer {
             restart = writer.start()?;
-            writer.open().map_err(Failure::output)?;
+            writer.create_folder().map_err(Failure::output)?;
         }
         if let Some(restart) = &restart {
-            bar.note(&format!("{} goes on at {}", model.name, duration(restart.time())));
+            bar.note(&format!("{} resumes at {}", model.name, duration(restart.time())));
             bar.start_at(index, restart.time() / model.run_time());
         }
         let every = self.writer.as_ref().and_then(CheckpointWriter::every);
@@ -165,7 +165,7 @@ impl Job {
         };
         let mut lost = 0_usize;
         let mut keep = |checkpoint: &Checkpoint<'_>| {
-            if let Some(mistake) = self.writer.as_ref().and_then(|writer| writer.keep(checkpoint).err()) {
+            if let Some(mistake) = self.writer.as_ref().and_then(|writer| writer.write(checkpoint).err()) {
                 // A full disk stays full: once is enough.
                 if lost == 0 {
                     bar.complain(&mistake.hint("the run goes on; its last whole checkpoint stays"));

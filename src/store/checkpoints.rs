@@ -77,8 +77,8 @@ impl CheckpointStore {
         None
     }
 
-    /// Makes the folder, so that a place where nothing can be written shows before the run.
-    pub fn open(&self) -> Result<(), StoreError> {
+    /// Creates the folder: one that cannot be written is reported before the run.
+    pub fn create_folder(&self) -> Result<(), StoreError> {
         fs::create_dir_all(&self.folder).map_err(|error| StoreError::write(&self.folder, error))
     }
 
@@ -175,7 +175,7 @@ mod tests {
     fn empty() -> (tempfile::TempDir, CheckpointStore) {
         let root = tempfile::tempdir().unwrap();
         let store = CheckpointStore::beside(&root.path().join("drop"));
-        store.open().unwrap();
+        store.create_folder().unwrap();
         (root, store)
     }
 

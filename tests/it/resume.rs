@@ -80,7 +80,7 @@ fn a_killed_run_goes_on_to_the_same_bits() {
     assert!(!checkpoints(bench.path()).is_empty());
     let last = run(bench.path(), &[&SLOW[..], &["--resume", "--threads", "1"]].concat());
     assert!(last.status.success(), "{}", error(&last));
-    assert!(error(&last).contains("note: drop goes on at "), "{}", error(&last));
+    assert!(error(&last).contains("note: drop resumes at "), "{}", error(&last));
     let (one, other) = (bench.path().join("through"), bench.path().join("runs/drop"));
     for name in ["signals.csv", "energies.csv", "scenario.toml"] {
         let content = |folder: &Path| fs::read(folder.join(name)).expect("a file");
@@ -111,7 +111,7 @@ fn a_checkpoint_is_refused_by_any_other_run() {
     let output = run(bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     assert_eq!(output.status.code(), Some(2));
     assert!(error(&output).contains("an unfinished run left checkpoints"), "{}", error(&output));
-    assert!(error(&output).contains("--resume goes on from there"), "{}", error(&output));
+    assert!(error(&output).contains("--resume continues from there"), "{}", error(&output));
     // What is read after the run may change.
     fs::write(bench.path().join("post.rhai"), "measure(\"more\", 1);").expect("a script");
     let output = run(bench.path(), &[&SLOW[..], &["--resume", "--quiet", "--set", "post.script=post.rhai"]].concat());
@@ -129,14 +129,14 @@ fn a_batch_is_taken_up_with_one_run_done_and_one_not_begun() {
     }
     let all = [&["run", done, "drop.toml", later, "--resume"][..], &SLOW].concat();
     let output = droptower(bench.path(), &all);
-    assert_eq!(output.status.code(), Some(2), "nothing to go on from");
+    assert_eq!(output.status.code(), Some(2), "no checkpoint to resume from");
     assert_eq!(error(&output).matches("there is no checkpoint in").count(), 3, "{}", error(&output));
     assert!(droptower(bench.path(), &[&["run", done, "--quiet"][..], &SLOW].concat()).status.success());
     killed_after_a_checkpoint(bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     let output = droptower(bench.path(), &all);
     assert!(output.status.success(), "{}", error(&output));
     for expected in [
-        "note: drop goes on at ",
+        "note: drop resumes at ",
         "note: later starts from its beginning: there is no checkpoint in runs/later.checkpoint\n",
         "note: done starts from its beginning: there is no checkpoint in runs/done.checkpoint; \
          its results in runs/done will be replaced: leave it out to keep them\n",

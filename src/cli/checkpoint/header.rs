@@ -1,0 +1,221 @@
+//! The header of a checkpoint: the run that it is of.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::diagnostic::shown_path;
+use crate::file::Digest;
+use crate::model::{ImpactorShape, Model, Shape};
+use crate::scenario::{self, Document};
+
+/// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever
+/// [`CheckpointHeader`], `simulate::Checkpoint` or anything in them (the model, the engine's `State`, the probe's `Record`)
+/// gains, loses or moves a field or gives it another type or meaning: the file holds bare numbers, which another layout would
+/// misread, and builds of one version may differ.
+const MAGIC: &[u8; 24] = b"droptower checkpoint 05\n";
+
+/// The message about a checkpoint of another layout.
+pub(super) const OTHER_LAYOUT: &str = "not a checkpoint of this build of droptower";
+
+/// Version of droptower: another one may give other bits.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Tables of a scenario that are read after the run.
+const AFTER_THE_RUN: [&str; 3] = ["title", "reference", "post"];
+
+/// Most differing keys that a refusal names.
+const MOST_KEYS: usize = 3;
+
+/// Characters beyond which a refusal does not print a value.
+const LONGEST_VALUE: usize = 60;
+
+/// The run that a checkpoint is of; stands before the state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct CheckpointHeader {
+    version: String,
+    /// Simulated time between two checkpoints, s; `None` where no further ones are written.
+    pub every: Option<f64>,
+    /// Whether snapshots have their detail.
+    detailed: bool,
+    /// The resolved scenario, for messages.
+    scenario: String,
+    /// What decides the bits of the run: the checked model without its name, its paths and what is read after the run.
+    model: Model,
+    /// The files of its meshes, specimen first.
+    meshes: Vec<Digest>,
+}
+
+impl CheckpointHeader {
+    /// The header of a run of `model`, checked from `document`.
+    ///
+    /// # Errors
+    /// A mesh cannot be read.
+    pub fn new(document: &Document, model: &Model, every: Option<f64>, detailed: bool) -> io::Result<CheckpointHeader> {
+        let meshes = model.meshes().map(digest).collect::<io::Result<_>>()?;
+        let (scenario, model) = (document.resolved(), decisive(model));
+        Ok(CheckpointHeader { version: VERSION.into(), every, detailed, scenario, model, meshes })
+    }
+
+    /// Reads the header at the start of a checkpoint.
+    pub fn read(file: &mut impl Read) -> io::Result<CheckpointHeader> {
+        let mut magic = [0; MAGIC.len()];
+        file.read_exact(&mut magic)?;
+        if magic != *MAGIC {
+            return Err(io::Error::other(OTHER_LAYOUT));
+        }
+        let mut length = [0; 8];
+        file.read_exact(&mut length)?;
+        let mut header = Vec::new();
+        file.take(u64::from_le_bytes(length)).read_to_end(&mut header)?;
+        postcard::from_bytes(&header).map_err(|_| io::Error::other(OTHER_LAYOUT))
+    }
+
+    /// Writes the header at the start of a checkpoint.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let header = postcard::to_allocvec(self).map_err(io::Error::other)?;
+        out.write_all(MAGIC)?;
+        out.write_all(&(header.len() as u64).to_le_bytes())?;
+        out.write_all(&header)
+    }
+
+    /// Why a run of this header cannot resume from a checkpoint of another; `None` where it can.
+    pub fn differs_from(&self, other: &CheckpointHeader) -> Option<String> {
+        if self.version != other.version {
+            let (now, then) = (&self.version, &other.version);
+            return Some(format!("droptower {then} wrote it, this is {now}: the results may differ in their bits"));
+        }
+        if self.detailed != other.detailed {
+            return Some(format!("it was started with{} --vtu", if other.detailed { "" } else { "out" }));
+        }
+        if self.model == other.model && self.meshes == other.meshes {
+            return None;
+        }
+        let differences = differences(&other.scenario, &self.scenario);
+        Some(match differences.as_slice() {
+            [] => "the scenario is the same, but a file that it names has changed".into(),
+            all if all.len() > MOST_KEYS => {
+                format!("{}; and {} more", all[..MOST_KEYS].join("; "), all.len() - MOST_KEYS)
+            }
+            all => all.join("; "),
+        })
+    }
+}
+
+fn digest(path: &Path) -> io::Result<Digest> {
+    Digest::of_file(path).map_err(|error| io::Error::other(format!("{}: {error}", shown_path(path))))
+}
+
+/// The model without what does not decide the bits of its run: its name, where its meshes are, and what is read after the run.
+fn decisive(model: &Model) -> Model {
+    let mut model = Model { name: String::new(), title: String::new(), reference: None, post: None, ..model.clone() };
+    if let Shape::Mesh(path) = &mut model.specimen.shape {
+        *path = PathBuf::new();
+    }
+    if let Some(ImpactorShape::Mesh(path)) = model.impactor.as_mut().map(|impactor| &mut impactor.shape) {
+        *path = PathBuf::new();
+    }
+    model
+}
+
+/// The keys in which the resolved scenario of a checkpoint, `then`, and that of a run, `now`, differ, as a message says it.
+fn differences(then: &str, now: &str) -> Vec<String> {
+    let (then, now) = (leaves(then), leaves(now));
+    let paths: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
+    let difference = |path: &String| match (then.get(path), now.get(path)) {
+        (Some(then), Some(now)) if then == now => None,
+        (Some(then), Some(now)) if then.len().max(now.len()) > LONGEST_VALUE => {
+            Some(format!("there `{path}` is another one"))
+        }
+        (Some(then), Some(now)) => Some(format!("there `{path}` is {then}, here it is {now}")),
+        (None, Some(_)) => Some(format!("there it has no `{path}`")),
+        (Some(_), None) => Some(format!("there it has `{path}`, here it has none")),
+        (None, None) => None,
+    };
+    paths.into_iter().filter_map(difference).collect()
+}
+
+/// The values of a resolved scenario that decide the run, as TOML, by the paths of their keys.
+fn leaves(scenario: &str) -> BTreeMap<String, String> {
+    let mut leaves = scenario::leaves(scenario);
+    leaves.retain(|path, _| !AFTER_THE_RUN.contains(&path.split('.').next().unwrap_or_default()));
+    leaves
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The header of a run of so many layers, whose resolved scenario is `scenario`.
+    fn header(version: &str, scenario: &str, layers: u32) -> CheckpointHeader {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/drop/1008.toml");
+        let document = Document::read(&path).expect("a document");
+        let mut model = crate::model::check(&document).expect("a model");
+        model.faces[0].layers = layers;
+        let header = CheckpointHeader::new(&document, &model, None, false).expect("a header");
+        CheckpointHeader { version: version.into(), scenario: scenario.into(), ..header }
+    }
+
+    #[test]
+    fn long_values_and_long_lists_are_cut_short() {
+        let lists = |last: u8| format!("a = [{}{last}]\n[[layer]]\nheight = {last}\n", "0.25, ".repeat(20));
+        let found = differences(&lists(1), &lists(2));
+        assert_eq!(found, ["there `a` is another one", "there `layer.0.height` is 1, here it is 2"]);
+        let other = header(VERSION, "a = 1\nb = 1\nc = 1\nd = 1\ne = 1\n", 9);
+        let hint = header(VERSION, "", 8).differs_from(&other).unwrap();
+        assert!(hint.ends_with("there it has `c`, here it has none; and 2 more"), "{hint}");
+    }
+
+    #[test]
+    fn a_refusal_names_the_keys_that_differ() {
+        let own = header("0.1.0", "[layers]\ncount = 8\n", 8);
+        for (version, scenario, layers, expected) in [
+            ("0.1.0", "[layers]\ncount = 8\n", 8, None),
+            ("0.1.0", "title = \"other\"\n", 8, None),
+            (
+                "0.0.9",
+                "[layers]\ncount = 8\n",
+                8,
+                Some("droptower 0.0.9 wrote it, this is 0.1.0: the results may differ in their bits"),
+            ),
+            ("0.1.0", "[layers]\ncount = 9\n", 9, Some("there `layers.count` is 9, here it is 8")),
+            ("0.1.0", "[layers]\ncount = 8\nmore = 1\n", 9, Some("there it has `layers.more`, here it has none")),
+            ("0.1.0", "[layers]\n", 9, Some("there it has no `layers.count`")),
+            ("0.1.0", "title = \"a\"\n[layers]\ncount = 9\n", 9, Some("there `layers.count` is 9, here it is 8")),
+            (
+                "0.1.0",
+                "[layers]\ncount = 8\n",
+                9,
+                Some("the scenario is the same, but a file that it names has changed"),
+            ),
+        ] {
+            assert_eq!(own.differs_from(&header(version, scenario, layers)).as_deref(), expected);
+        }
+    }
+
+    #[test]
+    fn a_mesh_is_compared_by_what_its_file_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, moved] = ["a.stl", "b.stl"].map(|name| folder.path().join(name));
+        let digests = |path: &Path| CheckpointHeader { meshes: vec![digest(path).unwrap()], ..header(VERSION, "", 8) };
+        std::fs::write(&path, "solid film").unwrap();
+        let before = digests(&path);
+        std::fs::rename(&path, &moved).unwrap();
+        assert_eq!(digests(&moved).differs_from(&before), None);
+        std::fs::write(&moved, "solid Film").unwrap();
+        assert!(digests(&moved).differs_from(&before).unwrap().ends_with("a file that it names has changed"));
+        assert!(digest(&path).is_err());
+    }
+
+    #[test]
+    fn a_header_is_read_as_it_was_written() {
+        let header = header(VERSION, "[layers]\ncount = 8\n", 8);
+        let mut file = Vec::new();
+        header.write(&mut file).unwrap();
+        assert_eq!(CheckpointHeader::read(&mut file.as_slice()).unwrap(), header);
+        file[22] += 1;
+        assert_eq!(CheckpointHeader::read(&mut file.as_slice()).unwrap_err().to_string(), OTHER_LAYOUT);
+    }
+}
