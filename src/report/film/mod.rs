@@ -1,11 +1,14 @@
-//! The film of a page: kept states of faces and impactor, small enough to be sent by mail.
+//! The film on a page: snapshots of faces and impactor, in few enough bytes to send the page by mail.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+mod coarse;
+
+use std::collections::BTreeSet;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
+use self::coarse::{CoarseSurface, bounds};
 use super::body::Body;
 use super::html::{data, escape};
 use super::plot::short;
@@ -14,35 +17,35 @@ use crate::post::lowest_point;
 use crate::signal::Recording;
 use crate::simulate::{Film, FilmState, Outcome, Snapshot};
 
-/// Most states on a page.
+/// Most snapshots on a page.
 const MOST_STATES: usize = 32;
 
-/// What all states together take at most, bytes before they are written as text, which takes a third more.
+/// Most bytes of all snapshots; base64 makes a third more of them.
 const MOST_BYTES: usize = 900_000;
 
 /// Most patches of the whole film, mirror images included; more are slow to draw.
 const MOST_PATCHES: usize = 8_000;
 
-/// Patches that a face has at any rate, beside faces with very many elements.
+/// Least patches of a face beside faces with very many elements.
 const LEAST_PATCHES: usize = 8;
 
 /// Most patches of an impactor that is a mesh.
 const MOST_OF_BODY: usize = 2_000;
 
-/// Sides of an impactor that is round.
+/// Sides of a round impactor.
 const SIDES: u32 = 36;
 
-/// The value of a strain that stands for a broken element; those of others lie below.
+/// The byte of a strain that marks a failed element; others are below.
 const BROKEN: u8 = u8::MAX;
 
-/// The figure with the film in 3-D, as HTML that the page's script draws; empty where no state was kept.
+/// The figure with the film in 3-D, as HTML that the page's script draws; empty without snapshots.
 pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> String {
     let snapshots: Vec<&Snapshot> = outcome.snapshots.iter().filter(|snapshot| is_finite(snapshot)).collect();
     let Some(first) = snapshots.first() else {
         return String::new();
     };
     let faces = faces(&outcome.films, first);
-    let bytes: usize = faces.iter().map(|face| face.picture.bytes()).sum();
+    let bytes: usize = faces.iter().map(|face| face.surface.bytes()).sum();
     let most = (MOST_BYTES / bytes.max(1)).clamp(2, MOST_STATES);
     let moments = moments(model, outcome, signals);
     let chosen = chosen(&snapshots, &moments, most);
@@ -54,7 +57,7 @@ pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> S
     format!("<figure class=\"film\">\n{data}<figcaption class=\"note\">{}</figcaption>\n</figure>\n", escape(&note))
 }
 
-/// A moment worth looking at, and its time, s.
+/// A moment to go to, and its time, s.
 type Moment = (&'static str, f64);
 
 fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment> {
@@ -71,10 +74,11 @@ fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment>
     moments
 }
 
-/// The first and the last state, those at the moments or next after them, and others evenly between, at most so many.
+/// Indices of at most `most` snapshots: the first and the last, those at the moments or next after them, and others evenly
+/// between.
 fn chosen(snapshots: &[&Snapshot], moments: &[Moment], most: usize) -> BTreeSet<usize> {
     let last = snapshots.len() - 1;
-    // What breaks is seen broken after it.
+    // A failed element is shown failed in the next snapshot.
     let after = |time: f64| snapshots.partition_point(|snapshot| snapshot.time < time).min(last);
     let wanted = [0, last].into_iter().chain(moments.iter().map(|(_, time)| after(*time)));
     let mut chosen = BTreeSet::new();
@@ -94,11 +98,11 @@ pub(super) fn is_finite(snapshot: &Snapshot) -> bool {
     body && snapshot.films.iter().all(|film| film.positions.iter().all(finite))
 }
 
-/// One face: which, and how it is drawn.
+/// One face of film as it is drawn.
 struct Face {
     index: usize,
     mirrored: [bool; 2],
-    picture: Picture,
+    surface: CoarseSurface,
 }
 
 fn faces(films: &[Film], first: &Snapshot) -> Vec<Face> {
@@ -106,138 +110,17 @@ fn faces(films: &[Film], first: &Snapshot) -> Vec<Face> {
     let drawn: usize = films.iter().map(|film| images(film) * (film.quads.len() + film.tris.len())).sum();
     let face = |(index, film): (usize, &Film)| {
         let outlines: Vec<[u32; 4]> = outlines(film).collect();
-        // Every face has its share of the patches.
+        // Patches are shared out by the numbers of elements.
         let share = (outlines.len() as f64 * (MOST_PATCHES as f64 / drawn as f64).min(1.0)) as usize;
-        let picture = Picture::of(&first.films[index].positions, &outlines, share.max(LEAST_PATCHES));
-        Face { index, mirrored: film.mirrored, picture }
+        let surface = CoarseSurface::of(&first.films[index].positions, &outlines, share.max(LEAST_PATCHES));
+        Face { index, mirrored: film.mirrored, surface }
     };
     films.iter().enumerate().map(face).collect()
 }
 
-/// Corners of the elements in the order of their strains; those of a triangle with its last one twice.
+/// Corners of the elements in the order of their strains; a triangle has its last one twice.
 fn outlines(film: &Film) -> impl Iterator<Item = [u32; 4]> {
     film.quads.iter().copied().chain(film.tris.iter().map(|&[a, b, c]| [a, b, c, c]))
-}
-
-/// A surface with few enough patches: the nodes that stand for those around them, and the elements that still have an area.
-struct Picture {
-    /// Of the mesh.
-    nodes: Vec<u32>,
-    /// Corners, counted in `nodes`.
-    patches: Vec<[u32; 4]>,
-    /// The element that each patch shows.
-    element: Vec<u32>,
-}
-
-impl Picture {
-    /// All elements where there are at most `most`, else those that remain when the nodes of a cell are one; more than `most`
-    /// where even the corners of their box have more between them.
-    fn of(points: &[[f32; 3]], outlines: &[[u32; 4]], most: usize) -> Picture {
-        if outlines.len() <= most {
-            let nodes = (0..points.len() as u32).collect();
-            let element = (0..outlines.len() as u32).collect();
-            return Picture { nodes, patches: outlines.to_vec(), element };
-        }
-        let [low, high] = bounds(points.iter().copied());
-        let mut extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
-        extents.sort_by(f32::total_cmp);
-        let mut cell = (extents[2] * extents[1] / most.max(1) as f32).sqrt().max(extents[2] / most.max(1) as f32);
-        loop {
-            let lattice = Lattice::new([low, high], cell);
-            let picture = Picture::coarse(points, outlines, &lattice);
-            if picture.patches.len() <= most || lattice.is_coarsest() {
-                return picture;
-            }
-            cell *= 1.2;
-        }
-    }
-
-    fn coarse(points: &[[f32; 3]], outlines: &[[u32; 4]], lattice: &Lattice) -> Picture {
-        // Of each point of the lattice its number and the node nearest to it, which keeps edges where they are.
-        let mut nearest: HashMap<[u32; 3], (u32, f32)> = HashMap::new();
-        let mut nodes: Vec<u32> = Vec::new();
-        let mut number = |(node, point): (usize, &[f32; 3])| {
-            let (place, distance) = lattice.nearest(point);
-            let next = nodes.len() as u32;
-            let (number, least) = nearest.entry(place).or_insert((next, f32::INFINITY));
-            if *number == next {
-                nodes.push(node as u32);
-            }
-            if distance < *least {
-                *least = distance;
-                nodes[*number as usize] = node as u32;
-            }
-            *number
-        };
-        let group: Vec<u32> = points.iter().enumerate().map(&mut number).collect();
-        let mut seen: HashSet<Vec<u32>> = HashSet::new();
-        let (mut patches, mut element) = (Vec::new(), Vec::new());
-        for (at, outline) in outlines.iter().enumerate() {
-            let patch = outline.map(|node| group[node as usize]);
-            let mut corners = patch.to_vec();
-            corners.sort_unstable();
-            corners.dedup();
-            if corners.len() >= 3 && seen.insert(corners) {
-                patches.push(patch);
-                element.push(at as u32);
-            }
-        }
-        Picture { nodes, patches, element }
-    }
-
-    /// Where its nodes are.
-    fn places(&self, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        self.nodes.iter().map(|node| points[*node as usize]).collect()
-    }
-
-    /// What a state takes, bytes.
-    fn bytes(&self) -> usize {
-        6 * self.nodes.len() + 3 * self.patches.len()
-    }
-
-    fn corners(&self) -> impl Iterator<Item = u32> {
-        self.patches.iter().flatten().copied()
-    }
-}
-
-/// Points at equal distances along each axis, from end to end of a box.
-struct Lattice {
-    low: [f32; 3],
-    /// From end to end along each axis, at least one.
-    steps: [f32; 3],
-    step: [f32; 3],
-}
-
-impl Lattice {
-    /// With steps of at most about `cell`.
-    fn new([low, high]: [[f32; 3]; 2], cell: f32) -> Lattice {
-        let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
-        let steps = extent.map(|extent| (extent / cell).round().max(1.0));
-        Lattice { low, steps, step: [0, 1, 2].map(|axis| extent[axis] / steps[axis]) }
-    }
-
-    /// Whether only the corners of the box are left.
-    fn is_coarsest(&self) -> bool {
-        self.steps.iter().all(|steps| *steps == 1.0)
-    }
-
-    /// The nearest point, counted along each axis, and the square of its distance in steps.
-    fn nearest(&self, point: &[f32; 3]) -> ([u32; 3], f32) {
-        let steps = [0, 1, 2].map(|axis| match self.step[axis] > 0.0 {
-            true => (point[axis] - self.low[axis]) / self.step[axis],
-            false => 0.0,
-        });
-        (steps.map(|step| step.round() as u32), steps.iter().map(|step| (step - step.round()).powi(2)).sum())
-    }
-}
-
-/// Smallest and largest coordinates; zeros of nothing.
-fn bounds(points: impl Iterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
-    let ends = points.map(|point| [point, point]).reduce(|[low, high], [point, _]| {
-        let each = |of: fn(f32, f32) -> f32, ends: [f32; 3]| [0, 1, 2].map(|axis| of(ends[axis], point[axis]));
-        [each(f32::min, low), each(f32::max, high)]
-    });
-    ends.unwrap_or_default()
 }
 
 /// What is drawn.
@@ -252,7 +135,7 @@ impl Scene<'_> {
     fn contents(&self) -> Value {
         let places: Vec<Vec<[f32; 3]>> = self.states.iter().map(|state| self.places(state)).collect();
         let ends = bounds(self.states.iter().flat_map(|state| self.held(state)));
-        // A slack fibre is like another.
+        // Compressive fibre strains are not told apart.
         let fibre = self.range(|[md, td, _]| [md.max(0.0), td.max(0.0)]);
         let shear = self.range(|[_, _, shear]| [*shear; 2]);
         let state = |(state, places): (&&Snapshot, &Vec<[f32; 3]>)| {
@@ -269,8 +152,8 @@ impl Scene<'_> {
         };
         let face = |face: &Face| {
             json!({
-                "nodes": face.picture.nodes.len(),
-                "patches": text(face.picture.corners().flat_map(u32::to_le_bytes)),
+                "nodes": face.surface.nodes.len(),
+                "patches": text(face.surface.corners().flat_map(u32::to_le_bytes)),
                 "mirrored": face.mirrored,
             })
         };
@@ -285,46 +168,46 @@ impl Scene<'_> {
         })
     }
 
-    /// All faces, one after the other.
+    /// Positions of the nodes of all faces.
     fn places(&self, state: &Snapshot) -> Vec<[f32; 3]> {
-        self.faces.iter().flat_map(|face| face.picture.places(&state.films[face.index].positions)).collect()
+        self.faces.iter().flat_map(|face| face.surface.positions(&state.films[face.index].positions)).collect()
     }
 
-    /// Places of the corners of what holds; pieces of a broken film may be anywhere.
+    /// Positions of the corners of intact elements; pieces of a torn film may be anywhere.
     fn held(&self, state: &Snapshot) -> impl Iterator<Item = [f32; 3]> {
-        self.faces.iter().flat_map(|Face { index, picture, .. }| {
+        self.faces.iter().flat_map(|Face { index, surface, .. }| {
             let film = &state.films[*index];
-            let held = picture.patches.iter().zip(&picture.element).filter(|(_, element)| holds(film, **element));
-            held.flat_map(|(patch, _)| patch.map(|node| film.positions[picture.nodes[node as usize] as usize]))
+            let held = surface.patches.iter().zip(&surface.element).filter(|(_, element)| holds(film, **element));
+            held.flat_map(|(patch, _)| patch.map(|node| film.positions[surface.nodes[node as usize] as usize]))
         })
     }
 
-    /// Smallest and largest strain of what is drawn and holds; never empty.
+    /// Smallest and largest strain of intact elements that are drawn; the range is never empty.
     fn range(&self, of: fn(&[f32; 3]) -> [f32; 2]) -> [f32; 2] {
         let states =
             self.states.iter().flat_map(|state| self.faces.iter().map(|face| (&state.films[face.index], face)));
         let values = states.flat_map(|(film, face)| {
-            let held = face.picture.element.iter().filter(|at| holds(film, **at));
+            let held = face.surface.element.iter().filter(|at| holds(film, **at));
             held.flat_map(|at| of(&film.strains[*at as usize]))
         });
         let [low, high] = values.fold([0.0_f32, 0.0], |[low, high], value| [low.min(value), high.max(value)]);
         if high - low > 1e-6 { [low, high] } else { [low, low + 1e-6] }
     }
 
-    /// What the reader should know of the picture.
+    /// The caption: how many snapshots and patches are shown.
     fn note(&self, outcome: &Outcome) -> String {
         let mut note = format!(
-            "{} of {} kept states, in between interpolated; displacements to scale, broken elements left out.",
+            "{} of {} snapshots, interpolated in between; displacements to scale, failed elements left out.",
             self.states.len(),
             outcome.snapshots.len()
         );
-        let shown: usize = self.faces.iter().map(|face| face.picture.patches.len()).sum();
+        let shown: usize = self.faces.iter().map(|face| face.surface.patches.len()).sum();
         let elements: usize = outcome.films.iter().map(|film| film.quads.len() + film.tris.len()).sum();
         if shown < elements {
-            note += &format!(" The mesh is too fine for a page: {shown} patches stand for its {elements} elements.");
+            note += &format!(" The mesh is coarsened for the page: {shown} patches represent its {elements} elements.");
         }
         if outcome.films.iter().any(|film| film.mirrored.contains(&true)) {
-            note += " The part that was computed is mirrored to the whole film.";
+            note += " The part that was computed is mirrored into the whole film.";
         }
         note
     }
@@ -335,7 +218,7 @@ fn holds(film: &FilmState, element: u32) -> bool {
     !film.failed[at] && film.strains[at].iter().all(|strain| strain.is_finite())
 }
 
-/// Strains along MD and TD and shear of each patch, as shares of their ranges; what lies outside stands at their ends.
+/// Strains along MD and TD and shear of each patch, as shares of their ranges, clamped to them.
 fn strains(face: &Face, state: &Snapshot, ranges: [[f32; 2]; 3]) -> Vec<u8> {
     let film = &state.films[face.index];
     let share =
@@ -344,10 +227,10 @@ fn strains(face: &Face, state: &Snapshot, ranges: [[f32; 2]; 3]) -> Vec<u8> {
         true => [0, 1, 2].map(|part| share(film.strains[*at as usize][part], ranges[part])),
         false => [BROKEN; 3],
     };
-    face.picture.element.iter().flat_map(patch).collect()
+    face.surface.element.iter().flat_map(patch).collect()
 }
 
-/// Coordinates as shares of the box, axis by axis.
+/// Coordinates as shares of the box along each axis.
 fn quantised(places: &[[f32; 3]], [low, high]: [[f32; 3]; 2]) -> impl Iterator<Item = u16> {
     let most = f32::from(u16::MAX);
     let share = move |axis: usize, value: f32| {
@@ -365,9 +248,9 @@ fn body(body: &Body) -> Value {
     let near = |c: f32| short(f64::from(c));
     let Body { points, triangles } = body;
     let outlines: Vec<[u32; 4]> = triangles.iter().map(|&[a, b, c]| [a, b, c, c]).collect();
-    let picture = Picture::of(points, &outlines, MOST_OF_BODY);
-    let places = picture.places(points);
-    json!({ "points": places.iter().map(|place| place.map(near)).collect::<Vec<_>>(), "patches": picture.patches })
+    let coarse = CoarseSurface::of(points, &outlines, MOST_OF_BODY);
+    let places = coarse.positions(points);
+    json!({ "points": places.iter().map(|place| place.map(near)).collect::<Vec<_>>(), "patches": coarse.patches })
 }
 
 #[cfg(test)]
@@ -376,7 +259,7 @@ mod tests {
     use crate::mesh::{Mesh, Quality};
 
     /// A square sheet of `n` × `n` quadrilaterals.
-    fn sheet(n: u32) -> (Vec<[f32; 3]>, Film) {
+    pub fn sheet(n: u32) -> (Vec<[f32; 3]>, Film) {
         let row = n + 1;
         let points =
             (0..row * row).map(|at| [(at % row) as f32 / n as f32, (at / row) as f32 / n as f32, 0.0]).collect();
@@ -398,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn places_are_near_where_they_were() {
+    fn quantised_positions_are_within_half_a_step() {
         let places = [[-0.2_f32, 0.0, 0.013], [0.2, 0.4, -0.17], [0.0123, 0.3, -0.05]];
         let ends = bounds(places.iter().copied());
         let back: Vec<u16> = quantised(&places, ends).collect();
@@ -412,51 +295,29 @@ mod tests {
     }
 
     #[test]
-    fn strains_are_near_and_broken_elements_are_told_apart() {
+    fn strains_are_quantised_and_failed_elements_marked() {
         let (points, film) = sheet(2);
         let outlines: Vec<[u32; 4]> = outlines(&film).collect();
-        let face = Face { index: 0, mirrored: film.mirrored, picture: Picture::of(&points, &outlines, 100) };
+        let face = Face { index: 0, mirrored: film.mirrored, surface: CoarseSurface::of(&points, &outlines, 100) };
         let written = strains(&face, &snapshot(0.0, &points, &film), [[0.0, 0.5], [0.0, 0.5], [-0.2, 0.3]]);
         assert_eq!(written[..6], [BROKEN, BROKEN, BROKEN, 51, 254, 0]);
     }
 
     #[test]
-    fn fine_meshes_are_drawn_coarser_and_cover_the_same_place() {
-        let (points, film) = sheet(200);
-        let outlines: Vec<[u32; 4]> = outlines(&film).collect();
-        let picture = Picture::of(&points, &outlines, 3000);
-        assert!(picture.patches.len() <= 3000 && picture.patches.len() > 1500, "{}", picture.patches.len());
-        let [low, high] = bounds(picture.places(&points).into_iter());
-        assert_eq!((low, high), ([0.0; 3], [1.0, 1.0, 0.0]), "its edges stay where they are");
-        assert!(picture.corners().all(|corner| (corner as usize) < picture.nodes.len()));
-    }
-
-    #[test]
-    fn a_small_face_beside_a_fine_one_is_still_drawn() {
+    fn a_face_of_few_elements_is_drawn_beside_a_fine_one() {
         let (fine, small) = (sheet(200), sheet(1));
         let states = [&fine, &small].map(|(points, film)| snapshot(0.0, points, film).films.remove(0));
         let first = Snapshot { time: 0.0, films: states.into(), impactor: None };
         let patches: Vec<usize> =
-            faces(&[fine.1, small.1], &first).iter().map(|face| face.picture.patches.len()).collect();
+            faces(&[fine.1, small.1], &first).iter().map(|face| face.surface.patches.len()).collect();
         assert!(patches[0] > 500 && patches[1] == 1, "{patches:?}");
     }
 
     #[test]
-    fn what_no_lattice_makes_few_enough_stays_as_it_is() {
-        let bent: Vec<[f32; 3]> = (0..9).map(|at| [(at % 3) as f32, (at / 3) as f32, (at % 2) as f32]).collect();
-        let corner = |at: u32| at / 2 * 3 + at % 2;
-        let outlines: Vec<[u32; 4]> =
-            (0..4).map(|at| [corner(at), corner(at) + 1, corner(at) + 4, corner(at) + 3]).collect();
-        for most in [0, 1, 2] {
-            assert!(!Picture::of(&bent, &outlines, most).patches.is_empty(), "{most}");
-        }
-    }
-
-    #[test]
-    fn what_flew_off_does_not_make_the_picture_small() {
+    fn failed_elements_do_not_extend_the_bounds() {
         let (mut points, film) = sheet(2);
         let outlines: Vec<[u32; 4]> = outlines(&film).collect();
-        let face = Face { index: 0, mirrored: film.mirrored, picture: Picture::of(&points, &outlines, 100) };
+        let face = Face { index: 0, mirrored: film.mirrored, surface: CoarseSurface::of(&points, &outlines, 100) };
         // A corner that only the first element has, which is broken.
         points[0] = [-1e6; 3];
         let state = snapshot(0.0, &points, &film);
@@ -465,20 +326,20 @@ mod tests {
     }
 
     #[test]
-    fn page_and_recording_have_the_same_colours() {
+    fn page_and_recording_use_the_same_colour_map() {
         let rows = |text: &'static str| -> String {
             let (_, rest) = text.split_once("const VIRIDIS").expect("colours");
             let (_, rest) = rest.split_once("= [").expect("their beginning");
             let (rows, _) = rest.split_once("];").expect("their end");
             rows.split_whitespace().collect()
         };
-        let [page, recording] = [include_str!("page/page.js"), include_str!("../../viz/src/colour.rs")].map(rows);
+        let [page, recording] = [include_str!("../page/page.js"), include_str!("../../../viz/src/colour.rs")].map(rows);
         assert_eq!(page.matches('[').count(), 9);
         assert_eq!(page, recording);
     }
 
     #[test]
-    fn states_hold_the_moments_and_stay_few() {
+    fn chosen_snapshots_include_the_moments() {
         let (points, film) = sheet(1);
         let snapshots: Vec<Snapshot> = (0..240).map(|at| snapshot(f64::from(at) * 0.5e-3, &points, &film)).collect();
         let snapshots: Vec<&Snapshot> = snapshots.iter().collect();
@@ -489,13 +350,13 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_film_stays_small_enough_to_be_sent() {
+    fn the_largest_film_stays_below_its_size_limit() {
         let (points, film) = sheet(300);
         let snapshots: Vec<Snapshot> = (0..40).map(|at| snapshot(f64::from(at), &points, &film)).collect();
         let outlines: Vec<[u32; 4]> = outlines(&film).collect();
-        let picture = Picture::of(&points, &outlines, MOST_PATCHES / 4);
-        let most = (MOST_BYTES / picture.bytes()).clamp(2, MOST_STATES);
-        let face = Face { index: 0, mirrored: film.mirrored, picture };
+        let surface = CoarseSurface::of(&points, &outlines, MOST_PATCHES / 4);
+        let most = (MOST_BYTES / surface.bytes()).clamp(2, MOST_STATES);
+        let face = Face { index: 0, mirrored: film.mirrored, surface };
         let states = snapshots.iter().take(most).collect();
         let scene = Scene { faces: vec![face], states, moments: vec![], body: None };
         let text = data(&scene.contents());
