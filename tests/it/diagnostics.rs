@@ -1,7 +1,7 @@
-//! Every mistake is found where it is and told what to do about it.
+//! Every mistake in a scenario is reported at its place, with a hint where one helps.
 //!
 //! `broken/*.toml` are scenarios with mistakes. Each offending line ends in `# error: …`, with `# hint: …` where there
-//! is a hint; one line may have several. Lines of the files that a scenario names count as its own.
+//! is a hint; one line may have several. Lines of the files that a scenario names are included.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,7 +13,7 @@ use droptower::scenario::{Assignment, Document};
 use proptest::prelude::*;
 
 /// File, line, message and hint of a mistake.
-type Finding = (String, usize, String, Option<String>);
+type Mistake = (String, usize, String, Option<String>);
 
 fn broken() -> Vec<PathBuf> {
     let paths = glob::glob("tests/it/broken/*.toml").expect("a good pattern");
@@ -24,8 +24,8 @@ fn check(path: &Path) -> Result<Model, Vec<Diagnostic>> {
     model::check(&Document::read(path)?)
 }
 
-/// What the comments of a scenario, and of the parts that it names, expect.
-fn expected(path: &Path) -> BTreeSet<Finding> {
+/// The mistakes that the comments of a scenario, and of the parts that it names, expect.
+fn expected(path: &Path) -> BTreeSet<Mistake> {
     let mut files = vec![path.to_owned()];
     let mut next = 0;
     while next < files.len() {
@@ -42,33 +42,33 @@ fn file_name(path: &Path) -> String {
     path.file_name().expect("a file").to_string_lossy().into_owned()
 }
 
-fn comments(file: &Path) -> Vec<Finding> {
+fn comments(file: &Path) -> Vec<Mistake> {
     let text = fs::read_to_string(file).expect("a text file");
-    let mut findings = Vec::new();
+    let mut mistakes = Vec::new();
     for (number, line) in text.lines().enumerate() {
         for comment in line.split("# error: ").skip(1) {
             let (message, hint) = match comment.split_once(" # hint: ") {
                 Some((message, hint)) => (message, Some(hint.trim().to_owned())),
                 None => (comment, None),
             };
-            findings.push((file.display().to_string(), number + 1, message.trim().to_owned(), hint));
+            mistakes.push((file.display().to_string(), number + 1, message.trim().to_owned(), hint));
         }
     }
-    findings
+    mistakes
 }
 
-fn found(mistakes: &[Diagnostic]) -> BTreeSet<Finding> {
-    let finding = |mistake: &Diagnostic| {
+fn found(mistakes: &[Diagnostic]) -> BTreeSet<Mistake> {
+    let comparable = |mistake: &Diagnostic| {
         let span = mistake.span.as_ref();
         let file = span.map(|span| span.source.name.clone()).unwrap_or_default();
         let line = span.map_or(0, |span| span.start().0);
         (file, line, mistake.message.clone(), mistake.hint.clone())
     };
-    mistakes.iter().map(finding).collect()
+    mistakes.iter().map(comparable).collect()
 }
 
 #[test]
-fn every_mistake_is_found_where_it_is() {
+fn every_mistake_is_reported_at_its_place() {
     let mut wrong = Vec::new();
     for path in broken() {
         let mistakes = check(&path).err().unwrap_or_default();
@@ -83,7 +83,7 @@ fn every_mistake_is_found_where_it_is() {
 }
 
 #[test]
-fn messages_keep_to_the_house_style() {
+fn messages_are_lower_case_without_full_stop() {
     for path in broken() {
         for (_, _, message, hint) in expected(&path) {
             for text in [Some(message), hint].into_iter().flatten() {
@@ -95,7 +95,7 @@ fn messages_keep_to_the_house_style() {
 }
 
 #[test]
-fn the_parts_themselves_are_sound() {
+fn the_parts_of_the_scenarios_check() {
     for part in ["tower", "coupon"] {
         let path = format!("tests/it/broken/parts/{part}.toml");
         let checked = check(Path::new(&path));
@@ -113,7 +113,7 @@ fn set(argument: &str) -> Result<Model, Vec<Diagnostic>> {
 }
 
 #[test]
-fn set_takes_toml_and_bare_texts() {
+fn set_accepts_toml_and_bare_text() {
     let size = |argument: &str| set(argument).map(|model| model.faces[0].meshing.size);
     for argument in [
         "specimen.mesh.size=20mm",
@@ -128,15 +128,15 @@ fn set_takes_toml_and_bare_texts() {
 }
 
 #[test]
-fn set_changes_its_mind_about_excluding_keys() {
-    let model = set("loading.impact.drop_height=1m").expect("drop_height takes the place of velocity");
+fn set_replaces_a_key_that_excludes_it() {
+    let model = set("loading.impact.drop_height=1m").expect("drop_height replaces velocity");
     let model::Loading::Impact { velocity, .. } = model.loading else { panic!("still an impact") };
     assert!((velocity - (2.0 * 9.81_f64).sqrt()).abs() < 1e-12);
     assert!(set("specimen.shape.circle.radius=20cm").is_ok());
 }
 
 #[test]
-fn set_reaches_into_lists() {
+fn set_changes_entries_of_lists() {
     let document = Document::read(Path::new("tests/it/broken/symmetry-layers.toml")).expect("it reads");
     let arguments = ["layer.1.md_angle=0 deg", "layer.1.material=tests/it/broken/parts/film.toml"];
     let assignments = arguments.map(|argument| Assignment::from_argument(argument).expect("a value"));
@@ -145,7 +145,7 @@ fn set_reaches_into_lists() {
 }
 
 #[test]
-fn set_points_at_its_own_mistakes() {
+fn mistakes_in_set_are_reported_at_their_column() {
     for (argument, column, message) in [
         ("layers.count=ten", 14, "expected a whole number, found \"ten\""),
         ("layers.cuont=10", 8, "unknown key `cuont`"),
@@ -164,12 +164,12 @@ fn set_points_at_its_own_mistakes() {
 }
 
 #[test]
-fn a_script_merges_into_a_material_that_is_a_file() {
+fn an_assignment_changes_one_key_of_a_material_file() {
     let scale: toml::Value = toml::from_str("v = { k1 = 2.0, ke = 3.0, ky = 1.0 }").expect("a table");
     let assignment = Assignment::from_value("specimen.material.fabric.scale", &scale["v"], "script");
-    let moved = model::check(&tower().with(&[assignment.expect("a value")])).expect("a model");
-    let still = model::check(&tower()).expect("a model");
-    assert_ne!(moved.faces[0].material, still.faces[0].material);
+    let changed = model::check(&tower().with(&[assignment.expect("a value")])).expect("a model");
+    let unchanged = model::check(&tower()).expect("a model");
+    assert_ne!(changed.faces[0].material, unchanged.faces[0].material);
 }
 
 #[test]
@@ -180,14 +180,13 @@ fn a_material_file_replaces_the_one_before() {
 }
 
 #[test]
-fn a_resolved_scenario_is_the_same_from_anywhere() {
+fn a_resolved_scenario_does_not_depend_on_its_folder() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("resolved.toml");
     fs::write(&path, tower().resolved()).expect("writable");
     let again = check(&path).unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)));
     let model = model::check(&tower()).expect("a model");
-    assert_eq!(format!("{:?}", again.faces), format!("{:?}", model.faces));
-    assert_eq!(format!("{:?}", again.impactor), format!("{:?}", model.impactor));
+    assert_eq!((&again.faces, &again.impactor), (&model.faces, &model.impactor));
     assert_eq!((again.loading, again.output), (model.loading, model.output));
     assert_eq!((again.specimen, again.frame, again.title), (model.specimen, model.frame, model.title));
 }
@@ -220,7 +219,7 @@ fn mesh_files_are_bounded_before_they_are_read() {
 }
 
 #[test]
-fn a_chain_of_files_has_an_end() {
+fn chains_of_files_are_limited() {
     let folder = tempfile::tempdir().expect("a folder");
     for link in 0..40 {
         let text = format!("extends = \"{}.toml\"\n", link + 1);
@@ -232,7 +231,7 @@ fn a_chain_of_files_has_an_end() {
 
 const TEMPLATE: &str = include_str!("../../src/cli/templates/drop.toml");
 
-/// Pieces that turn one part of the language into another.
+/// Pieces of text that change the structure of a scenario.
 fn piece() -> impl Strategy<Value = String> {
     prop_oneof![
         Just("[".to_owned()),

@@ -1,4 +1,4 @@
-//! What the documents point to is there.
+//! Links in the documents point to files that exist.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,21 +14,21 @@ fn documents() -> Vec<PathBuf> {
     found.collect()
 }
 
-/// The targets of Markdown's links and pictures, without the place within them.
+/// The targets of Markdown's links and pictures, without fragments.
 fn targets(text: &str) -> Vec<&str> {
     let ends = text.match_indices("](").filter_map(|(at, _)| text[at + 2..].split(')').next());
     ends.map(|target| target.split('#').next().unwrap_or_default()).filter(|target| !target.is_empty()).collect()
 }
 
 #[test]
-fn links_lead_somewhere() {
+fn links_point_to_files() {
     let documents = documents();
     assert!(documents.len() > 8, "{documents:?}");
     for document in documents {
         let folder = document.parent().unwrap_or(Path::new(""));
         let text = fs::read_to_string(&document).expect("a text");
         for target in targets(&text).into_iter().filter(|target| !target.contains("://")) {
-            assert!(folder.join(target).exists(), "{}: {target} is not there", document.display());
+            assert!(folder.join(target).exists(), "{}: {target} does not exist", document.display());
         }
     }
 }

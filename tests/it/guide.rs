@@ -1,15 +1,15 @@
-//! docs/guide.md works as it stands: every file in it is written, every command run.
+//! docs/guide.md is correct: every file in it is written, every command run.
 
 use std::fs;
 use std::path::Path;
 
 use crate::workbench::{droptower, error, root};
 
-/// A coarser mesh: the guide's own takes minutes where it is not what is told of.
+/// A coarser mesh for commands whose results are not printed in the guide; its own takes minutes.
 const COARSE: [&str; 2] = ["--set", "specimen.mesh.size=8mm"];
 
-/// Pictures are told of nowhere.
-const FEW_PICTURES: [&str; 2] = ["--set", "output.frames=2"];
+/// Few snapshots: the guide prints none.
+const FEW_SNAPSHOTS: [&str; 2] = ["--set", "output.frames=2"];
 
 /// A block of the guide: its language and its lines.
 struct Block {
@@ -33,25 +33,27 @@ fn file_name(block: &Block) -> Option<&str> {
     name.ends_with(&format!(".{}", block.language)).then_some(name)
 }
 
-/// The commands of a block; a run whose results stand in the guide prints them.
+/// Runs the commands of a block; a run whose results are in the guide prints them.
 fn run(folder: &Path, block: &Block) {
     let (commands, results): (Vec<&str>, Vec<&str>) = block.text.lines().partition(|line| line.starts_with('$'));
     for command in commands {
-        let command = command.strip_prefix("$ droptower ").expect("a command of ours");
+        let command = command.strip_prefix("$ droptower ").expect("a command of droptower");
         let words: Vec<&str> = command.split_whitespace().collect();
-        let is_told = words[0] == "run" && !results.is_empty();
-        let coarse = if is_told { &[][..] } else { &COARSE };
-        let changes = if ["run", "script"].contains(&words[0]) { [coarse, &FEW_PICTURES].concat() } else { vec![] };
+        let has_results = words[0] == "run" && !results.is_empty();
+        let coarse = if has_results { &[][..] } else { &COARSE };
+        let changes = if ["run", "script"].contains(&words[0]) { [coarse, &FEW_SNAPSHOTS].concat() } else { vec![] };
         let output = droptower(folder, &[words.clone(), changes].concat());
         assert!(output.status.success(), "droptower {command}\n{}", error(&output));
-        let said = String::from_utf8_lossy(&output.stdout);
-        let told = if is_told { &results[..] } else { &[] };
-        told.iter().for_each(|line| assert!(said.lines().any(|said| said == *line), "{line}\nis not in\n{said}"));
+        let printed = String::from_utf8_lossy(&output.stdout);
+        let expected = if has_results { &results[..] } else { &[] };
+        for line in expected {
+            assert!(printed.lines().any(|found| found == *line), "{line}\nis not in\n{printed}");
+        }
     }
 }
 
 #[test]
-fn every_file_and_command_of_the_guide_works() {
+fn every_command_of_the_guide_succeeds() {
     let guide = fs::read_to_string(root().join("docs/guide.md")).expect("the guide");
     let folder = tempfile::tempdir().expect("a folder");
     let blocks = blocks(&guide);

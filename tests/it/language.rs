@@ -1,4 +1,4 @@
-//! What a sound scenario becomes: SI values, defaults, the order of the faces.
+//! The model of a scenario: SI values, defaults, the order of the faces.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
@@ -14,7 +14,7 @@ fn read(path: &Path) -> Model {
     model.unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)))
 }
 
-/// The model of a text that lies in a folder of its own, as `scenarios/<name>.toml`, beside the sound parts.
+/// The model of a text as `scenarios/<name>.toml` in a folder of its own, beside the parts that it may extend.
 fn model(name: &str, text: &str) -> Model {
     let folder = tempfile::tempdir().expect("a folder");
     let scenarios = folder.path().join("scenarios");
@@ -29,7 +29,7 @@ fn model(name: &str, text: &str) -> Model {
 }
 
 #[test]
-fn the_tower_in_si() {
+fn the_model_is_in_si_units() {
     let tower = read(Path::new("tests/it/broken/parts/tower.toml"));
     assert_eq!((tower.name.as_str(), tower.title.as_str()), ("tower", "Drop tower"));
     assert_eq!(tower.specimen.shape, Shape::Rectangle { x: 0.4, y: 0.4 });
@@ -85,7 +85,7 @@ fn defaults_are_filled_in() {
 }
 
 #[test]
-fn a_layer_has_its_own_or_the_specimens() {
+fn keys_of_a_layer_replace_those_of_the_specimen() {
     let text = "
         extends = \"tower.toml\"
         [[layer]]
@@ -98,7 +98,7 @@ fn a_layer_has_its_own_or_the_specimens() {
         mesh.element = \"tri3\"
         ";
     let two = model("two", text);
-    assert_eq!(two.film(), "film", "two films have no one name");
+    assert_eq!(two.film(), "film", "two films have no common name");
     let faces = two.faces;
     let of = |place: usize| {
         let face = &faces[place];
@@ -112,7 +112,7 @@ fn a_layer_has_its_own_or_the_specimens() {
 }
 
 #[test]
-fn a_stretch_turns_the_film_and_not_the_pull() {
+fn a_stretch_rotates_the_film_and_not_its_axis() {
     for (direction, angle) in [("MD", 0.0), ("TD", FRAC_PI_2), ("90 deg", FRAC_PI_2)] {
         let text = format!("extends = \"coupon.toml\"\nloading.stretch.direction = \"{direction}\"");
         let coupon = model("coupon-td", &text);
@@ -124,7 +124,7 @@ fn a_stretch_turns_the_film_and_not_the_pull() {
 }
 
 #[test]
-fn multipliers_move_a_general_curve_like_its_yield_points() {
+fn multipliers_transform_a_general_curve_as_its_yield_points() {
     let general = "
         extends = \"tower.toml\"
         specimen.material.fabric.scale = { k1 = 2.75, ke = 3.41, ky = 1.2 }
@@ -167,7 +167,7 @@ fn by_rate(changes: &[&str]) -> Law {
     model.unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false))).faces[0].material.law.clone()
 }
 
-/// Multipliers stand at a curve, at its fibre set or at the fabric, and the nearest count; assignments reach each.
+/// Multipliers belong to a curve, its fibre set or the fabric, and the innermost apply; assignments change each.
 #[test]
 fn curves_by_strain_rate() {
     let stresses = |changes: &[&str]| {
@@ -207,11 +207,11 @@ fn measured_rates_follow_from_curves_by_rate() {
     };
     let md = "specimen.material.fabric.md.rates=[{ rate = 0.1, curve = [[1, 1e6]] }, { rate = 5, curve = [[1, 1e6]] }]";
     assert_eq!(read(&[md]), Some([0.1, 9.0]));
-    // Both sets apart: no key was written that could be refused.
+    // The ranges of both sets are disjoint: there is no key to be refused.
     let slow =
         "specimen.material.fabric.md.rates=[{ rate = 0.01, curve = [[1, 1e6]] }, { rate = 0.5, curve = [[1, 1e6]] }]";
     assert_eq!(read(&[slow]), Some([0.01, 9.0]));
     assert_eq!(read(&[md, "specimen.material.fabric.measured_rates=[2, 3]"]), Some([2.0, 3.0]));
-    // Fibres with one curve say no rate.
+    // A fibre set with one curve has no rate.
     assert_eq!(read(&[]), Some([1.0, 9.0]));
 }

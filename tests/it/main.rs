@@ -8,6 +8,7 @@ mod coupons;
 mod diagnostics;
 mod language;
 mod documents;
+mod examples;
 mod golden;
 mod guide;
 mod identification;

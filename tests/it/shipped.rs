@@ -1,4 +1,4 @@
-//! What is shipped works: every scenario and material checks, every scenario starts, every script compiles and runs.
+//! Shipped files: every scenario and material checks, every scenario starts, every script compiles.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ fn read(path: &Path) -> Document {
     sound(path, Document::read(path))
 }
 
-/// All shipped scenarios; what is no scenario is a material.
+/// All shipped scenarios; the other files are materials.
 fn scenarios() -> Vec<(PathBuf, Document)> {
     let documents = files("scenarios/**/*.toml").into_iter().map(|path| (path.clone(), read(&path)));
     documents.filter(|(_, document)| !document.is_material()).collect()
@@ -46,25 +46,25 @@ fn materials_check() {
 }
 
 #[test]
-fn scenarios_check_and_so_does_what_a_run_keeps_of_them() {
+fn scenarios_and_their_resolved_copies_check() {
     let folder = tempfile::tempdir().expect("a folder");
-    let kept = folder.path().join("scenario.toml");
+    let resolved = folder.path().join("scenario.toml");
     for (path, document) in scenarios() {
         let model = sound(&path, model::check(&document));
-        fs::write(&kept, document.resolved()).expect("writable");
-        let again = sound(&path, model::check(&read(&kept)));
-        assert_eq!(placeless(again), placeless(model), "{}", path.display());
+        fs::write(&resolved, document.resolved()).expect("writable");
+        let again = sound(&path, model::check(&read(&resolved)));
+        assert_eq!(without_folder(again), without_folder(model), "{}", path.display());
     }
 }
 
-/// The model as text, without what depends on where its file lies.
-fn placeless(mut model: Model) -> String {
+/// The model without what depends on the folder of its file.
+fn without_folder(mut model: Model) -> Model {
     model.name.clear();
     let recording = model.reference.as_mut().map(|reference| &mut reference.signals);
     for path in model.post.iter_mut().chain(recording) {
         *path = fs::canonicalize(&path).expect("a file");
     }
-    format!("{model:?}")
+    model
 }
 
 /// A few samples on a coarse mesh.
@@ -82,11 +82,11 @@ fn shortened(document: &Document, path: &Path) -> Model {
 }
 
 fn run(model: &Model) -> Results {
-    let told = |error: &dyn std::fmt::Display| format!("{}: {error}", model.name);
-    let plan = Plan::prepare(model).unwrap_or_else(|error| panic!("{}", told(&error)));
-    let outcome = simulate::run(model, &mut |_| {}).unwrap_or_else(|error| panic!("{}", told(&error)));
+    let message = |error: &dyn std::fmt::Display| format!("{}: {error}", model.name);
+    let plan = Plan::prepare(model).unwrap_or_else(|error| panic!("{}", message(&error)));
+    let outcome = simulate::run(model, &mut |_| {}).unwrap_or_else(|error| panic!("{}", message(&error)));
     assert!(outcome.energy_balance_error < 0.01, "{}: balance {}", model.name, outcome.energy_balance_error);
-    plan.evaluate(model, &outcome, |_| {}).unwrap_or_else(|error| panic!("{}", told(&error)))
+    plan.evaluate(model, &outcome, |_| {}).unwrap_or_else(|error| panic!("{}", message(&error)))
 }
 
 #[test]

@@ -1,0 +1,80 @@
+//! A law of one's own on a single element: `cargo run --release --example single_element_law`.
+//!
+//! Incompressible neo-Hookean film in plane stress (Treloar 1943) with the shear modulus μ and C_IJ = f_I·f_J has the energy
+//! W = ½ μ (C₁₁ + C₂₂ + 1/det C − 3). Stretched by λ along MD with its width held, its nominal stress is p₁ = μ (λ − λ⁻³).
+
+use std::array::from_fn;
+
+use droptower::engine::{Patch, StressFree, Vectors};
+use droptower::lane::{Lane, Width, dot, splat};
+use droptower::material::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress};
+use droptower::mesh::Mesh;
+use nalgebra::Point3;
+
+/// The film; μ in Pa.
+struct NeoHookean(f64);
+
+/// C₁₁, C₂₂, C₁₂ and 1/det C; the stretch variance counts as stretch.
+fn right_cauchy_green<const L: usize>(d: &Deformation<L>) -> [Lane<L>; 4] {
+    let square = |i: usize| from_fn(|l| dot(&d.f[i], &d.f[i])[l] + d.spread[i][l]);
+    let (c11, c22, c12): (Lane<L>, Lane<L>, Lane<L>) = (square(0), square(1), dot(&d.f[0], &d.f[1]));
+    [c11, c22, c12, from_fn(|l| 1.0 / (c11[l] * c22[l] - c12[l] * c12[l]))]
+}
+
+impl MembraneLaw for NeoHookean {
+    type History<const L: usize> = PeakStrains<L>;
+
+    fn stress<const L: usize>(&self, d: &Deformation<L>, _: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {
+        let [c11, c22, c12, inverse] = right_cauchy_green(d);
+        let tension = [c22, c11].map(|other| from_fn(|l| self.0 * (1.0 - other[l] * inverse[l].powi(2))));
+        let cross: Lane<L> = from_fn(|l| self.0 * c12[l] * inverse[l].powi(2));
+        let p = |i: usize, axis: usize, l: usize| tension[i][l] * d.f[i][axis][l] + cross[l] * d.f[1 - i][axis][l];
+        Stress { p: [0, 1].map(|i| [0, 1, 2].map(|axis| from_fn(|l| p(i, axis, l)))), tension, cross }
+    }
+
+    fn energy<const L: usize>(&self, d: &Deformation<L>, _: &PeakStrains<L>) -> Energy<L> {
+        let [c11, c22, _, inverse] = right_cauchy_green(d);
+        Energy { stored: from_fn(|l| 0.5 * self.0 * (c11[l] + c22[l] + inverse[l] - 3.0)), absorbed: splat(0.0) }
+    }
+
+    /// From d²(1/det C) ≤ 6 |b₁ f₂ − b₂ f₁|²/(det C)² along every motion b ⊗ n of unit size.
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, _: &PeakStrains<L>) -> Stiffness<L> {
+        let [c11, c22, c12, inverse] = right_cauchy_green(d);
+        let bound = |c: Lane<L>| from_fn(|l| 3.0 * self.0 * c[l].abs() * inverse[l].powi(2));
+        Stiffness { along: [c22, c11].map(bound), across: [splat(self.0); 2], shear: bound(c12), alignment: splat(1.0) }
+    }
+
+    /// 1/√det C, from the stress alone.
+    fn thickness_ratio<const L: usize>(&self, s: &Stress<L>) -> Lane<L> {
+        let ratio = |l: usize| [s.tension[0][l], s.tension[1][l], s.cross[l]].map(|stress| stress / self.0);
+        from_fn(|l| ratio(l)).map(|[t1, t2, cross]| ((1.0 - t1) * (1.0 - t2) - cross * cross).powf(1.0 / 6.0))
+    }
+
+    fn moduli(&self) -> [f64; 2] {
+        [4.0 * self.0; 2]
+    }
+
+    fn break_strains<const L: usize>(&self, _: &PeakStrains<L>) -> [Lane<L>; 2] {
+        [splat(f64::INFINITY); 2]
+    }
+}
+
+fn main() {
+    print!("{}", report());
+}
+
+/// What the example prints: stress over stretch, of the element and in closed form.
+pub fn report() -> String {
+    let nodes = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+    let mesh = Mesh { nodes: nodes.to_vec(), quads: vec![[0, 1, 2, 3]], ..Mesh::default() };
+    let (film, thickness, stress_free) = (NeoHookean(0.4e6), 50e-6, StressFree::new(0.0, [0.0; 2]));
+    let mut element = Patch::<_, 1>::new(film, &mesh, &stress_free, thickness).expect("MD lies in the plane");
+    let rows = [1.0, 1.1, 1.5, 2.0, 3.0_f64].map(|stretch| {
+        let (mut position, mut force) = (Vectors::default(), Vectors::zero(nodes.len()));
+        position.extend(nodes.iter().map(|p| [stretch * p.x, p.y, 0.0]));
+        element.add_forces(Width::best(), &position, 0.0, &mut force);
+        let (stress, exact) = (-(force.at(1)[0] + force.at(2)[0]) / thickness, 0.4e6 * (stretch - stretch.powi(-3)));
+        format!("{stretch:<7.3}  {stress:<12.3}  {exact:.3}\n")
+    });
+    format!("stretch  stress_Pa     closed_form_Pa\n{}", rows.concat())
+}
