@@ -158,7 +158,7 @@ fn kernel() {
 
 fn pass<const L: usize>(model: &Model, width: Width) -> f64 {
     let face = &model.faces[0];
-    let mesh = mesh::build(&model.specimen, face).expect("a mesh");
+    let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing).expect("a mesh");
     let Law::Fabric(law) = &face.material.law else { panic!("a fabric") };
     let stress_free = StressFree::new(face.md_angle, face.prestrain);
     let thickness = face.material.thickness * f64::from(face.layers);

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use super::digest::{grouped, short};
-use crate::model::{Model, Shape, Symmetry};
+use crate::mesh::Outline;
+use crate::model::{Model, Symmetry};
 use crate::report::significant;
 use crate::simulate::Progress;
 use crate::units::Time;
@@ -58,7 +59,7 @@ impl Left {
     pub fn told(&self, model: &Model, keeps: bool) -> String {
         let Left { wall, per_element_step, steps, progress } = self;
         let mut cheaper = vec![];
-        if !matches!(model.specimen.shape, Shape::Mesh(_)) {
+        if !matches!(model.specimen.shape, Outline::Mesh(_)) {
             cheaper.push("twice the specimen.mesh.size takes an eighth of it".to_owned());
         }
         if model.specimen.symmetry == Symmetry::None {

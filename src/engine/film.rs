@@ -12,11 +12,11 @@ use super::element::{
 use super::film_history::FilmHistory;
 use super::footprint;
 use super::nodes::{Nodes, Vectors};
+use super::section::Section;
 use super::thread_pool::{Disjoint, ThreadPool};
 use crate::lane::{LANES, Width};
 use crate::material::{Elastic, Fabric, History, Law, MembraneLaw, RateCurves, TensionField};
 use crate::mesh::Mesh;
-use crate::model::{self, Face};
 
 /// A face of film ready to be stepped.
 #[derive(Clone, Debug)]
@@ -97,28 +97,29 @@ macro_rules! by_kind {
 }
 
 impl Film {
-    /// The elements of `mesh` as film of `face`; appends the face's nodes, lifted to its height, to `nodes`.
-    /// `mass_scaling` multiplies the density.
+    /// The elements of `mesh` with the properties of `section`; appends the nodes of the mesh, lifted by `height` (m), to
+    /// `nodes`.
+    ///
+    /// # Errors
+    /// MD is perpendicular to an element.
     pub fn mount(
         mesh: &Mesh,
-        face: &Face,
-        mass_scaling: f64,
+        section: &Section,
+        height: f64,
         nodes: &mut Nodes,
     ) -> Result<Film, UndefinedFibreDirection> {
-        let stress_free = StressFree::new(face.md_angle, face.prestrain);
-        let thickness = face.material.thickness * f64::from(face.layers);
-        let density = face.material.density * mass_scaling;
+        let &Section { ref law, density, thickness, md_angle, prestrain, full_integration: full } = section;
+        let stress_free = StressFree::new(md_angle, prestrain);
         let first = nodes.position.len();
 
-        let full = face.meshing.element == model::Element::Quad4Full;
         let mut mount = Mount { mesh, stress_free, full, thickness, density, masses: vec![0.0; mesh.nodes.len()] };
-        let (cloth, colours) = match &face.material.law {
+        let (cloth, colours) = match law {
             Law::Fabric(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::Fabric(sheet), colours)),
             Law::RateFabric(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::RateFabric(sheet), colours)),
             Law::Elastic(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::Elastic(sheet), colours)),
             Law::TensionField(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::TensionField(sheet), colours)),
         }?;
-        nodes.extend(mesh.nodes.iter().map(|p| [p.x, p.y, p.z + face.height]), &mount.masses);
+        nodes.extend(mesh.nodes.iter().map(|p| [p.x, p.y, p.z + height]), &mount.masses);
         Ok(Film { cloth, density, thickness, nodes: first..nodes.position.len(), colours })
     }
 

@@ -5,8 +5,6 @@ use nalgebra::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::model::Guide;
-
 /// A rigid body about its centre of mass, guided along z or free.
 #[derive(Clone, Debug)]
 pub struct RigidBody {
@@ -21,9 +19,9 @@ pub struct RigidBody {
     /// kg m², in body axes.
     inertia: Matrix3<f64>,
     /// Inverse of the inertia in space axes at the present pose, 1/(kg m²).
-    softness: Matrix3<f64>,
-    /// What its guide lets it do.
-    pub guide: Guide,
+    inverse_inertia: Matrix3<f64>,
+    /// Whether it is guided along z; a free body has six degrees of freedom.
+    guided: bool,
 }
 
 /// How a body moves, as plain numbers.
@@ -36,7 +34,7 @@ pub struct Motion {
     velocity: [f64; 3],
     spin: [f64; 3],
     /// Column by column.
-    softness: [[f64; 3]; 3],
+    inverse_inertia: [[f64; 3]; 3],
 }
 
 /// Contacts gathered into the body's own equations of motion: how much film mass follows each of its motions, and
@@ -67,18 +65,32 @@ impl Gathered {
 }
 
 impl RigidBody {
-    /// A body at `pose` with `velocity` (m/s), not spinning; `inertia` (kg m²) about its centre of mass in body axes.
-    pub fn new(
-        pose: Isometry3<f64>,
-        velocity: Vector3<f64>,
-        mass: f64,
-        inertia: Matrix3<f64>,
-        guide: Guide,
-    ) -> RigidBody {
+    /// A body at `pose` that moves along z alone, at `velocity` (m/s, upward); `mass` in kg.
+    pub fn guided(pose: Isometry3<f64>, velocity: f64, mass: f64) -> RigidBody {
+        RigidBody {
+            pose,
+            velocity: Vector3::new(0.0, 0.0, velocity),
+            spin: Vector3::zeros(),
+            mass,
+            inertia: Matrix3::zeros(),
+            inverse_inertia: Matrix3::zeros(),
+            guided: true,
+        }
+    }
+
+    /// A body at `pose` with six degrees of freedom and `velocity` (m/s), not spinning; `mass` in kg, `inertia` (kg m²) about
+    /// its centre of mass in body axes.
+    pub fn free(pose: Isometry3<f64>, velocity: Vector3<f64>, mass: f64, inertia: Matrix3<f64>) -> RigidBody {
         let spin = Vector3::zeros();
-        let mut body = RigidBody { pose, velocity, spin, mass, inertia, softness: Matrix3::zeros(), guide };
-        body.turn();
+        let inverse_inertia = Matrix3::zeros();
+        let mut body = RigidBody { pose, velocity, spin, mass, inertia, inverse_inertia, guided: false };
+        body.update_inverse_inertia();
         body
+    }
+
+    /// A body at `pose` with the prescribed motion along z at `velocity` (m/s, upward).
+    pub fn driven(pose: Isometry3<f64>, velocity: f64) -> RigidBody {
+        RigidBody::guided(pose, velocity, f64::INFINITY)
     }
 
     /// How it moves.
@@ -88,7 +100,7 @@ impl RigidBody {
             rotation: self.pose.rotation.coords.into(),
             velocity: self.velocity.into(),
             spin: self.spin.into(),
-            softness: self.softness.into(),
+            inverse_inertia: self.inverse_inertia.into(),
         }
     }
 
@@ -98,12 +110,7 @@ impl RigidBody {
         self.pose = Isometry3::from_parts(Translation3::from(motion.place), turn);
         self.velocity = motion.velocity.into();
         self.spin = motion.spin.into();
-        self.softness = motion.softness.into();
-    }
-
-    /// A body that moves along z at `velocity` (m/s, upward) whatever it meets.
-    pub fn driven(pose: Isometry3<f64>, velocity: f64) -> RigidBody {
-        RigidBody::new(pose, Vector3::new(0.0, 0.0, velocity), f64::INFINITY, Matrix3::zeros(), Guide::Z)
+        self.inverse_inertia = motion.inverse_inertia.into();
     }
 
     /// Whether its motion is prescribed: then it has no energy of its own, and what it gives comes from outside.
@@ -112,18 +119,18 @@ impl RigidBody {
     }
 
     /// Brings the inverse inertia to the present pose; a body that resists no rotation about some axis is kept from it.
-    fn turn(&mut self) {
-        if self.guide == Guide::Free {
-            self.softness = self.space_inertia().try_inverse().unwrap_or_else(Matrix3::zeros);
+    fn update_inverse_inertia(&mut self) {
+        if !self.guided {
+            self.inverse_inertia = self.space_inertia().try_inverse().unwrap_or_else(Matrix3::zeros);
         }
     }
 
     /// Velocity of its material point at `arm` (m) from the centre of mass.
     #[inline]
     pub fn velocity_at(&self, arm: &Vector3<f64>) -> Vector3<f64> {
-        match self.guide {
-            Guide::Z => self.velocity,
-            Guide::Free => self.velocity + self.spin.cross(arm),
+        match self.guided {
+            true => self.velocity,
+            false => self.velocity + self.spin.cross(arm),
         }
     }
 
@@ -143,15 +150,15 @@ impl RigidBody {
     pub fn drift(&mut self, dt: f64) {
         self.pose = self.predicted(dt);
         self.pose.rotation.renormalize();
-        self.turn();
+        self.update_inverse_inertia();
     }
 
     /// Gravity `g` (m/s², downward) and the gyroscopic moment over `dt`.
     pub fn kick(&mut self, dt: f64, g: f64) {
         self.velocity.z -= g * dt;
-        if self.guide == Guide::Free {
+        if !self.guided {
             let moment = self.spin.cross(&(self.space_inertia() * self.spin));
-            self.spin -= self.softness * moment * dt;
+            self.spin -= self.inverse_inertia * moment * dt;
         }
     }
 
@@ -163,11 +170,11 @@ impl RigidBody {
     /// Takes up impulses of the sum `impulse` (N s) and their `moment` about the centre of mass (N m s), as far as the guide
     /// lets it.
     pub fn push_about(&mut self, impulse: &Vector3<f64>, moment: &Vector3<f64>) {
-        match self.guide {
-            Guide::Z => self.velocity.z += impulse.z / self.mass,
-            Guide::Free => {
+        match self.guided {
+            true => self.velocity.z += impulse.z / self.mass,
+            false => {
                 self.velocity += impulse / self.mass;
-                self.spin += self.softness * moment;
+                self.spin += self.inverse_inertia * moment;
             }
         }
     }
@@ -175,20 +182,20 @@ impl RigidBody {
     /// Work of impulses at its surface, their sum `impulse` (N s) and `moment` about the centre of mass (N m s), at the mean of
     /// its motion `before` and now, J.
     pub fn work_of(&self, impulse: &Vector3<f64>, moment: &Vector3<f64>, before: &RigidBody) -> f64 {
-        let turned = match self.guide {
-            Guide::Z => 0.0,
-            Guide::Free => moment.dot(&(self.spin + before.spin)),
+        let turned = match self.guided {
+            true => 0.0,
+            false => moment.dot(&(self.spin + before.spin)),
         };
         0.5 * (impulse.dot(&(self.velocity + before.velocity)) + turned)
     }
 
     /// Velocity per impulse along `direction` at `arm` from the centre of mass, 1/kg.
     pub fn mobility(&self, direction: &Vector3<f64>, arm: &Vector3<f64>) -> f64 {
-        match self.guide {
-            Guide::Z => direction.z * direction.z / self.mass,
-            Guide::Free => {
+        match self.guided {
+            true => direction.z * direction.z / self.mass,
+            false => {
                 let lever = arm.cross(direction);
-                1.0 / self.mass + lever.dot(&(self.softness * lever))
+                1.0 / self.mass + lever.dot(&(self.inverse_inertia * lever))
             }
         }
     }
@@ -196,7 +203,7 @@ impl RigidBody {
     /// Whether it only moves along z.
     #[inline(always)]
     pub fn is_guided(&self) -> bool {
-        self.guide == Guide::Z
+        self.guided
     }
 
     /// Adds to `gathered` film of `mass` (kg) that a contact at `arm` drags along, in every direction or only along one,
@@ -228,9 +235,9 @@ impl RigidBody {
     /// that follows it (theory.md, equation 20).
     pub fn after(&self, gathered: &Gathered) -> RigidBody {
         let mut body = self.clone();
-        match self.guide {
-            Guide::Z => body.velocity.z -= gathered.momentum[2] / (self.mass + gathered.mass[(2, 2)]),
-            Guide::Free => {
+        match self.guided {
+            true => body.velocity.z -= gathered.momentum[2] / (self.mass + gathered.mass[(2, 2)]),
+            false => {
                 let mut own = Matrix6::from_diagonal_element(self.mass);
                 own.fixed_view_mut::<3, 3>(3, 3).copy_from(&self.space_inertia());
                 if let Some(inverse) = (own + gathered.mass).try_inverse() {
@@ -267,10 +274,10 @@ impl RigidBody {
 mod tests {
     use super::*;
 
-    fn body(guide: Guide) -> RigidBody {
+    fn free_body() -> RigidBody {
         let inertia = Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3));
         let velocity = Vector3::new(0.3, -0.2, -4.0);
-        let mut body = RigidBody::new(Isometry3::translation(0.0, 0.0, 1.0), velocity, 2.0, inertia, guide);
+        let mut body = RigidBody::free(Isometry3::translation(0.0, 0.0, 1.0), velocity, 2.0, inertia);
         body.spin = Vector3::new(1.0, -2.0, 0.5);
         body
     }
@@ -280,7 +287,7 @@ mod tests {
     fn a_gathered_contact_is_an_inelastic_collision() {
         let at = Vector3::new(0.4, 0.1, -0.3);
         let film = 0.5;
-        let body = body(Guide::Free);
+        let body = free_body();
         let mut gathered = Gathered::default();
         let meeting = body.velocity_at(&at);
         body.gather(&mut gathered, &at, film, None, &(film * meeting));
@@ -308,7 +315,7 @@ mod tests {
     /// Spinning freely about a general axis: energy and angular momentum stay.
     #[test]
     fn a_free_spin_keeps_its_angular_momentum() {
-        let mut free = body(Guide::Free);
+        let mut free = free_body();
         let start = free.space_inertia() * free.spin;
         let energy = free.kinetic_energy(&free.clone());
         let dt = 1e-5;

@@ -5,8 +5,7 @@ use std::f64::consts::FRAC_PI_4;
 use nalgebra::{Point2, Point3};
 
 use super::grid::{self, Grid};
-use super::{Mesh, MeshError, elements_per_cell};
-use crate::model::{Element, Meshing};
+use super::{Element, Mesh, MeshError, Meshing, elements_per_cell};
 
 /// Half the width of the central block over the radius: its elements and those at the rim then
 /// differ little in size.

@@ -3,8 +3,7 @@
 use nalgebra::Point3;
 
 use super::topology;
-use super::{Mesh, MeshError};
-use crate::model::Element;
+use super::{Element, Mesh, MeshError};
 
 /// Node numbers must fit `u32`, and a cell brings about one node.
 const LIMIT: usize = u32::MAX as usize / 4;

@@ -9,9 +9,10 @@ mod grid;
 mod structured;
 mod topology;
 
-use nalgebra::Point3;
+use std::path::PathBuf;
 
-use crate::model::{Element, Face, Shape, Specimen};
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
 
 pub use error::MeshError;
 pub use quality::Quality;
@@ -34,16 +35,61 @@ pub struct Mesh {
     pub mirrors: [Vec<u32>; 2],
 }
 
-/// Divides `face` of `specimen` into elements.
+/// Outline of a film in the plane z = 0, centred on the origin. Lengths in m.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Outline {
+    /// Full side lengths along x and y.
+    Rectangle {
+        x: f64,
+        y: f64,
+    },
+    Circle {
+        radius: f64,
+    },
+    /// Nodes and elements from an STL, OBJ or VTU file, coordinates in m.
+    Mesh(PathBuf),
+}
+
+/// A straight edge of a rectangle, or the outermost nodes of another outline in that direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Side {
+    XMinus,
+    XPlus,
+    YMinus,
+    YPlus,
+}
+
+/// How a face is divided into elements.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Meshing {
+    pub element: Element,
+    /// Edge length aimed at, m. Not used by imported meshes.
+    pub size: f64,
+}
+
+/// Kind of membrane element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Element {
+    /// Four nodes, one integration point, stabilised against hourglass modes.
+    Quad4,
+    /// Four nodes, 2×2 integration points.
+    Quad4Full,
+    /// Three nodes, constant strain.
+    Tri3,
+}
+
+/// Divides a film of `outline` into elements; `mirrored` tells whether x = 0 and y = 0 are mirror planes, beyond which nothing
+/// is meshed.
 ///
-/// Rectangles and circles lie in the plane z = 0; imported meshes keep the z of their file. The
-/// height of the face is for the caller to add.
-pub fn build(specimen: &Specimen, face: &Face) -> Result<Mesh, MeshError> {
-    let mirrored = specimen.symmetry.mirrors();
-    match &specimen.shape {
-        Shape::Rectangle { x, y } => structured::rectangle([*x, *y], mirrored, &face.meshing),
-        Shape::Circle { radius } => disc::disc(*radius, mirrored, &face.meshing),
-        Shape::Mesh(path) => import::film(path, mirrored, face.meshing.element),
+/// Rectangles and circles lie in the plane z = 0; imported meshes keep the z of their file.
+///
+/// # Errors
+/// Lengths that are not positive, more elements than can be numbered, or a file that is not a mesh of a film.
+pub fn build(outline: &Outline, mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
+    match outline {
+        Outline::Rectangle { x, y } => structured::rectangle([*x, *y], mirrored, meshing),
+        Outline::Circle { radius } => disc::disc(*radius, mirrored, meshing),
+        Outline::Mesh(path) => import::film(path, mirrored, meshing.element),
     }
 }
 

@@ -3,8 +3,7 @@
 use nalgebra::Point3;
 
 use super::grid::{self, Grid};
-use super::{Mesh, MeshError, elements_per_cell};
-use crate::model::{Element, Meshing};
+use super::{Element, Mesh, MeshError, Meshing, elements_per_cell};
 
 /// A rectangle centred on the origin, `lengths` along x and y in m.
 pub fn rectangle(lengths: [f64; 2], mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {

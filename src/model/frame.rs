@@ -1,7 +1,8 @@
 //! What holds the film.
 
 use super::specimen::symmetry;
-use super::{Findings, Frame, Hold, Side};
+use super::{Findings, Frame, Hold};
+use crate::mesh::Side;
 use crate::scenario::{self, EdgeChoice, Loading, Scenario, Shape};
 
 const PATH: &str = "frame.hold";

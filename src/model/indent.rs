@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::{Face, Findings, Hold, Impactor, ImpactorShape, Loading, Model, Shape, Side};
+use super::{Face, Findings, Hold, Impactor, ImpactorShape, Loading, Model};
+use crate::mesh::{Outline, Side};
 
 const DEPTH: &str = "loading.indent.depth";
 
@@ -50,7 +51,7 @@ fn millimetres(length: f64) -> String {
 
 /// Straight ways over the film from under the impactor to what is held.
 struct Spans<'a> {
-    shape: &'a Shape,
+    shape: &'a Outline,
     hold: &'a Hold,
     from: [f64; 2],
 }
@@ -60,9 +61,9 @@ impl Spans<'_> {
     fn is_beside(&self) -> bool {
         let [x, y] = self.from;
         match self.shape {
-            Shape::Circle { radius } => x.hypot(y) >= *radius,
-            Shape::Rectangle { x: width, y: height } => x.abs() >= 0.5 * width || y.abs() >= 0.5 * height,
-            Shape::Mesh(_) => false,
+            Outline::Circle { radius } => x.hypot(y) >= *radius,
+            Outline::Rectangle { x: width, y: height } => x.abs() >= 0.5 * width || y.abs() >= 0.5 * height,
+            Outline::Mesh(_) => false,
         }
     }
 
@@ -77,11 +78,11 @@ impl Spans<'_> {
     fn length(&self, angle: f64) -> Option<f64> {
         let ([x, y], [dx, dy]) = (self.from, [angle.cos(), angle.sin()]);
         match self.shape {
-            Shape::Circle { radius } => {
+            Outline::Circle { radius } => {
                 let along = x * dx + y * dy;
                 Some((along * along + radius * radius - x * x - y * y).sqrt() - along)
             }
-            Shape::Rectangle { x: width, y: height } => {
+            Outline::Rectangle { x: width, y: height } => {
                 let to = |half: f64, from: f64, step: f64, sides: [Side; 2]| match step {
                     0.0 => (f64::INFINITY, sides[0]),
                     step if step > 0.0 => ((half - from) / step, sides[1]),
@@ -97,7 +98,7 @@ impl Spans<'_> {
                 };
                 held.then_some(length)
             }
-            Shape::Mesh(_) => None,
+            Outline::Mesh(_) => None,
         }
         .filter(|length| *length > 0.0)
     }

@@ -1,8 +1,9 @@
 //! The faces of film, in the order in which the impactor meets them.
 
 use super::specimen::{is_along_axes, symmetry};
-use super::{Element, Face, Findings, Loading, Meshing, Symmetry, material};
+use super::{Face, Findings, Loading, Symmetry, material};
 use crate::material::Material;
+use crate::mesh::{Element, Meshing};
 use crate::scenario::{self, Layer, Layers, Scenario};
 
 /// The faces; none where a material is missing or no material.

@@ -2,7 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Findings, Loading, Model, Shape};
+use super::{Findings, Loading, Model};
+use crate::mesh::Outline;
 use crate::scenario::{self, Axis, Direction, Scenario};
 
 /// Time for which the pressure is held, over that in which it rises.
@@ -10,10 +11,10 @@ const HOLD: f64 = 0.5;
 
 impl Loading {
     /// Simulated time, s; not a number for a stretch of a shape that jaws cannot hold, which is a mistake of its own.
-    pub fn run_time(&self, shape: &Shape) -> f64 {
+    pub fn run_time(&self, shape: &Outline) -> f64 {
         match (self, shape) {
             (Loading::Impact { duration, .. }, _) => *duration,
-            (Loading::Stretch { velocity, until, .. }, Shape::Rectangle { x, .. }) => until * x / velocity,
+            (Loading::Stretch { velocity, until, .. }, Outline::Rectangle { x, .. }) => until * x / velocity,
             (Loading::Stretch { .. }, _) => f64::NAN,
             (Loading::Indent { depth, velocity, .. }, _) => depth / velocity,
             (Loading::Pressure { ramp, .. }, _) => (1.0 + HOLD) * ramp,

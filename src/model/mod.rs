@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::diagnostic::Diagnostic;
 use crate::material::Material;
+use crate::mesh::{Meshing, Outline, Side};
 use crate::scenario::{Document, Scenario};
 use findings::Findings;
 pub use size::{MOST_IN_FRAMES, PER_DETAIL, PER_FRAME};
@@ -106,7 +107,7 @@ impl Model {
     /// Files of the specimen's and the impactor's meshes.
     pub fn meshes(&self) -> impl Iterator<Item = &Path> {
         let specimen = match &self.specimen.shape {
-            Shape::Mesh(path) => Some(path),
+            Outline::Mesh(path) => Some(path),
             _ => None,
         };
         let impactor = match self.impactor.as_ref().map(|impactor| &impactor.shape) {
@@ -127,25 +128,10 @@ impl Model {
 /// Outline of the film and the part of it that is computed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Specimen {
-    pub shape: Shape,
+    pub shape: Outline,
     pub symmetry: Symmetry,
     /// Mass-proportional damping of the film, 1/s.
     pub damping: f64,
-}
-
-/// Outline of the film in the plane z = 0, centred on the origin. Lengths in m.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Shape {
-    /// Full side lengths along x and y.
-    Rectangle {
-        x: f64,
-        y: f64,
-    },
-    Circle {
-        radius: f64,
-    },
-    /// Nodes and elements from an STL, OBJ or VTU file, coordinates in m.
-    Mesh(PathBuf),
 }
 
 /// Mirror planes through the origin; the computed part lies at x >= 0 and/or y >= 0.
@@ -157,25 +143,6 @@ pub enum Symmetry {
     /// Only y >= 0 is computed.
     HalfY,
     Quarter,
-}
-
-/// How a face is divided into elements.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Meshing {
-    pub element: Element,
-    /// Edge length aimed at, m. Not used by imported meshes.
-    pub size: f64,
-}
-
-/// Kind of membrane element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Element {
-    /// Four nodes, one integration point, stabilised against hourglass modes.
-    Quad4,
-    /// Four nodes, 2×2 integration points.
-    Quad4Full,
-    /// Three nodes, constant strain.
-    Tri3,
 }
 
 /// One face of film: `layers` layers that act as one membrane.
@@ -206,15 +173,6 @@ pub enum Hold {
     All,
     Sides(Vec<Side>),
     None,
-}
-
-/// A straight edge of a rectangle, or the outermost nodes of another outline in that direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Side {
-    XMinus,
-    XPlus,
-    YMinus,
-    YPlus,
 }
 
 /// The rigid body that meets the film.

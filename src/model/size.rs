@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use super::{Element, Face, Findings, ImpactorShape, Model, Shape};
+use super::{Face, Findings, ImpactorShape, Model};
+use crate::mesh::{Element, Outline};
 
 /// Memory that one run may take for its film, bytes. A bound that is the same on every machine: a film
 /// finer than this is a mistake in the unit of `specimen.mesh.size`.
@@ -53,7 +54,7 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
 /// Refuses files of meshes that are too long to be read at all.
 fn files(model: &Model, findings: &mut Findings<'_>) {
     let film = match &model.specimen.shape {
-        Shape::Mesh(path) => Some(("specimen.shape.mesh", path)),
+        Outline::Mesh(path) => Some(("specimen.shape.mesh", path)),
         _ => None,
     };
     let impactor = match model.impactor.as_ref().map(|impactor| &impactor.shape) {
@@ -83,7 +84,7 @@ fn samples(model: &Model, film: f64, findings: &mut Findings<'_>) {
 fn mesh_path(model: &Model, place: usize, findings: &Findings<'_>) -> String {
     let own = format!("layer.{place}.mesh.size");
     match model.specimen.shape {
-        Shape::Mesh(_) => "specimen.shape.mesh".to_owned(),
+        Outline::Mesh(_) => "specimen.shape.mesh".to_owned(),
         _ if findings.is_written(&own) => own,
         _ => "specimen.mesh.size".to_owned(),
     }
@@ -94,11 +95,11 @@ fn length(path: &Path) -> f64 {
     fs::metadata(path).map_or(0.0, |file| file.len() as f64)
 }
 
-fn largest_side(shape: &Shape) -> f64 {
+fn largest_side(shape: &Outline) -> f64 {
     match shape {
-        Shape::Rectangle { x, y } => x.max(*y),
-        Shape::Circle { radius } => 2.0 * radius,
-        Shape::Mesh(_) => f64::INFINITY,
+        Outline::Rectangle { x, y } => x.max(*y),
+        Outline::Circle { radius } => 2.0 * radius,
+        Outline::Mesh(_) => f64::INFINITY,
     }
 }
 
@@ -117,10 +118,10 @@ fn per_element(element: Element) -> f64 {
 fn elements(model: &Model, face: &Face) -> f64 {
     let size = face.meshing.size;
     let whole = match &model.specimen.shape {
-        Shape::Mesh(path) => return length(path) / FILE_PER_ELEMENT,
+        Outline::Mesh(path) => return length(path) / FILE_PER_ELEMENT,
         _ if size <= 0.0 => return 0.0, // out of range, and said so already
-        Shape::Rectangle { x, y } => (x / size).ceil() * (y / size).ceil(),
-        Shape::Circle { radius } => PI * (radius / size).powi(2),
+        Outline::Rectangle { x, y } => (x / size).ceil() * (y / size).ceil(),
+        Outline::Circle { radius } => PI * (radius / size).powi(2),
     };
     let triangles = if face.meshing.element == Element::Tri3 { 2.0 } else { 1.0 };
     whole * triangles / model.specimen.symmetry.copies()

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use super::*;
 use crate::material::{Elastic, Law, Material};
+use crate::mesh::{Element, Meshing, Outline};
 use crate::model::*;
 use crate::script::Fault;
 use crate::signal::{Channel, Recording};
@@ -36,7 +37,7 @@ fn model() -> Model {
     Model {
         name: "drop/pulse".into(),
         title: "A half-sine pulse".into(),
-        specimen: Specimen { shape: Shape::Circle { radius: 0.2 }, symmetry: Symmetry::None, damping: 0.0 },
+        specimen: Specimen { shape: Outline::Circle { radius: 0.2 }, symmetry: Symmetry::None, damping: 0.0 },
         faces: vec![face],
         frame: Frame { hold: Hold::All },
         impactor: Some(Impactor {

@@ -5,9 +5,9 @@ use nalgebra::{Isometry3, Vector3};
 use super::frame_force::HeldSides;
 use super::stretch::Coupon;
 use super::{Film as FilmTopology, RunError, indent, slow, stretch};
-use crate::engine::{Contact, Engine, Film, Impact, Inflation, Loads, Nodes, RigidBody, Surface, ThreadPool};
-use crate::mesh::{self, Mesh, Quality};
-use crate::model::{Hold, Impactor, ImpactorShape, Loading, Model};
+use crate::engine::{Contact, Engine, Film, Impact, Inflation, Loads, Nodes, RigidBody, Section, Surface, ThreadPool};
+use crate::mesh::{self, Element, Mesh, Quality};
+use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Loading, Model};
 
 /// An engine and what has to be remembered of how it was set up.
 pub(super) struct Scene {
@@ -57,9 +57,9 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     let mut held = HeldSides::of(model);
     let scaled = (!matches!(model.loading, Loading::Impact { .. })).then_some(mass_scaling);
     for face in &model.faces {
-        let mesh = mesh::build(&model.specimen, face)?;
+        let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)?;
         let first = nodes.position.len();
-        films.push(Film::mount(&mesh, face, mass_scaling, &mut nodes)?);
+        films.push(Film::mount(&mesh, &section(face, mass_scaling), face.height, &mut nodes)?);
         mirror(&mut nodes, &mesh, first);
         held.mount(&mesh, first);
         match model.loading {
@@ -79,9 +79,7 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
             loads.gravity = gravity;
             if let Some(impactor) = &model.impactor {
                 let (contact, pose) = over_film(impactor, model, &films, &nodes)?;
-                let inertia = contact.surface().inertia_per_mass() * impactor.mass;
-                let velocity = Vector3::new(0.0, 0.0, -velocity);
-                let body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
+                let body = falling(impactor, contact.surface(), pose, velocity);
                 mounting.start = body.centre().z;
                 impact = Some(Impact { body, contact });
             }
@@ -99,16 +97,40 @@ fn mounted(model: &Model, mass_scaling: f64) -> Result<Scene, RunError> {
     Ok(Scene { engine: Engine::new(films, nodes, impact, loads), mounting })
 }
 
-/// The surface of the impactor about its centre of mass.
+/// The membrane section of `face`; `mass_scaling` multiplies its density.
+pub fn section(face: &Face, mass_scaling: f64) -> Section {
+    Section {
+        law: face.material.law.clone(),
+        density: face.material.density * mass_scaling,
+        thickness: face.material.thickness * f64::from(face.layers),
+        md_angle: face.md_angle,
+        prestrain: face.prestrain,
+        full_integration: face.meshing.element == Element::Quad4Full,
+    }
+}
+
+/// The surface of an impactor of this shape about its centre of mass.
 ///
 /// # Errors
 /// Its mesh cannot be read, or is no closed surface.
-fn impactor_surface(impactor: &Impactor) -> Result<Surface, RunError> {
-    let triangles = match &impactor.shape {
-        ImpactorShape::Mesh(path) => Some(mesh::import::surface(path)?),
-        _ => None,
-    };
-    Ok(Surface::new(&impactor.shape, triangles)?)
+pub fn surface(shape: &ImpactorShape) -> Result<Surface, RunError> {
+    Ok(match shape {
+        ImpactorShape::Sphere { radius } => Surface::sphere(*radius),
+        ImpactorShape::Hemisphere { radius, length } => Surface::hemisphere(*radius, *length),
+        ImpactorShape::Cylinder { radius, length } => Surface::cylinder(*radius, *length),
+        ImpactorShape::Mesh(path) => Surface::closed_mesh(mesh::import::surface(path)?),
+    }?)
+}
+
+/// The impactor at `pose`, falling at `velocity` (m/s, downward positive).
+pub fn falling(impactor: &Impactor, surface: &Surface, pose: Isometry3<f64>, velocity: f64) -> RigidBody {
+    match impactor.guide {
+        Guide::Z => RigidBody::guided(pose, -velocity, impactor.mass),
+        Guide::Free => {
+            let inertia = surface.inertia_per_mass() * impactor.mass;
+            RigidBody::free(pose, Vector3::new(0.0, 0.0, -velocity), impactor.mass, inertia)
+        }
+    }
 }
 
 /// Threads for a run of so many elements: all that there are, unless the run is one of several that share them.
@@ -164,7 +186,7 @@ fn over_film(
     films: &[Film],
     nodes: &Nodes,
 ) -> Result<(Contact, Isometry3<f64>), RunError> {
-    let surface = impactor_surface(impactor)?;
+    let surface = surface(&impactor.shape)?;
     let mut offset = vec![0.0; nodes.position.len()];
     let mut between = 0.0;
     for film in films {

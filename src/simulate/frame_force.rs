@@ -2,7 +2,8 @@
 
 use crate::engine::Nodes;
 use crate::mesh::Mesh;
-use crate::model::{Hold, Loading, Model, Shape, Side};
+use crate::mesh::{Outline, Side};
+use crate::model::{Hold, Loading, Model};
 use crate::signal::{Channel, Recording};
 
 /// Columns of the pull along x and y.
@@ -27,7 +28,7 @@ struct HeldSide {
 impl HeldSides {
     /// The held sides of `model`, before any face is mounted.
     pub(super) fn of(model: &Model) -> HeldSides {
-        let is_rectangle = matches!(model.specimen.shape, Shape::Rectangle { .. });
+        let is_rectangle = matches!(model.specimen.shape, Outline::Rectangle { .. });
         let sides = match &model.frame.hold {
             _ if !is_rectangle || matches!(model.loading, Loading::Stretch { .. }) => vec![],
             Hold::All => vec![Side::XMinus, Side::XPlus, Side::YMinus, Side::YPlus],

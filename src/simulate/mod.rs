@@ -31,6 +31,7 @@ use crate::mesh::{MeshError, Quality};
 use crate::model::Model;
 use crate::signal::Recording;
 use build::Mounting;
+pub use build::{falling, section, surface};
 pub use cancellation::Cancellation;
 pub use checkpoint::{Checkpoint, Checkpoints, Restart};
 pub use image::Image;

@@ -2,10 +2,12 @@
 
 use thiserror::Error;
 
+use super::build::section;
 use super::stretch::Coupon;
 use crate::engine::{Film, Nodes, UndefinedFibreDirection, Vectors};
 use crate::mesh::{self, MeshError};
-use crate::model::{Face, Loading, Meshing, Model, Shape, Side, Specimen, Symmetry};
+use crate::mesh::{Meshing, Outline, Side};
+use crate::model::{Face, Loading, Model};
 
 /// What jaws do to the width of the film between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,16 +90,15 @@ const GUESSES: usize = 100;
 
 impl SingleElement {
     fn of(model: &Model) -> Result<SingleElement, PullError> {
-        let (Loading::Stretch { velocity, .. }, Shape::Rectangle { x, y }, [face]) =
+        let (Loading::Stretch { velocity, .. }, Outline::Rectangle { x, y }, [face]) =
             (&model.loading, &model.specimen.shape, &model.faces[..])
         else {
             return Err(PullError::NotAStretch);
         };
         let face = Face { meshing: Meshing { size: x.max(*y), ..face.meshing }, ..face.clone() };
-        let specimen = Specimen { symmetry: Symmetry::None, ..model.specimen.clone() };
-        let mesh = mesh::build(&specimen, &face)?;
+        let mesh = mesh::build(&model.specimen.shape, [false; 2], &face.meshing)?;
         let mut nodes = Nodes::default();
-        let film = Film::mount(&mesh, &face, 1.0, &mut nodes)?;
+        let film = Film::mount(&mesh, &section(&face, 1.0), face.height, &mut nodes)?;
         let sides = [Side::XPlus, Side::YPlus].map(|side| mesh.sides[side as usize].clone());
         let (flat, section, rate) = (nodes.position.clone(), Coupon::of(model).section, velocity / x);
         Ok(SingleElement { film, flat, nodes, sides, section, rate })

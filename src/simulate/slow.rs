@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use crate::lane::splat;
-use crate::model::{Face, Hold, Loading, Model, Shape, Side};
+use crate::mesh::{Outline, Side};
+use crate::model::{Face, Hold, Loading, Model};
 
 /// Steps above which the film of a stretch is made heavier.
 const STEPS_OF_A_STRETCH: f64 = 200_000.0;
@@ -85,18 +86,18 @@ fn periods(model: &Model) -> f64 {
 }
 
 /// Radius of the largest disc between held edges, m; none for imported outlines.
-fn radius(shape: &Shape, hold: &Hold) -> Option<f64> {
+fn radius(shape: &Outline, hold: &Hold) -> Option<f64> {
     let held = |side| match hold {
         Hold::All => true,
         Hold::Sides(sides) => sides.contains(&side),
         Hold::None => false,
     };
     match shape {
-        Shape::Rectangle { x, .. } if !held(Side::YMinus) || !held(Side::YPlus) => Some(0.5 * x),
-        Shape::Rectangle { y, .. } if !held(Side::XMinus) || !held(Side::XPlus) => Some(0.5 * y),
-        Shape::Rectangle { x, y } => Some(0.5 * x.min(*y)),
-        Shape::Circle { radius } => Some(*radius),
-        Shape::Mesh(_) => None,
+        Outline::Rectangle { x, .. } if !held(Side::YMinus) || !held(Side::YPlus) => Some(0.5 * x),
+        Outline::Rectangle { y, .. } if !held(Side::XMinus) || !held(Side::XPlus) => Some(0.5 * y),
+        Outline::Rectangle { x, y } => Some(0.5 * x.min(*y)),
+        Outline::Circle { radius } => Some(*radius),
+        Outline::Mesh(_) => None,
     }
 }
 
@@ -132,7 +133,7 @@ fn cap(face: &Face, radius: f64, pressure: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::material::{Elastic, Law, Material};
-    use crate::model::{Element, Meshing};
+    use crate::mesh::{Element, Meshing};
 
     /// Against Hencky's centre: the cap is within a tenth of its strain ⅔ (w/a)².
     #[test]

@@ -4,7 +4,8 @@ use super::build::Mounting;
 use super::tracks::Tracks;
 use crate::engine::{Jaw, Nodes};
 use crate::mesh::Mesh;
-use crate::model::{Face, Model, Shape, Side};
+use crate::mesh::{Outline, Side};
+use crate::model::{Face, Model};
 use crate::signal::Recording;
 
 /// Distance of the jaws, m, and stress-free cross-section of the film between them, m².
@@ -17,7 +18,7 @@ pub(super) struct Coupon {
 impl Coupon {
     /// The film between the jaws of `model`; none but a rectangle can be held.
     pub(super) fn of(model: &Model) -> Coupon {
-        let Shape::Rectangle { x: gauge, y: width } = model.specimen.shape else { return Coupon::default() };
+        let Outline::Rectangle { x: gauge, y: width } = model.specimen.shape else { return Coupon::default() };
         let section =
             |face: &Face| width * face.material.thickness * f64::from(face.layers) / (1.0 + face.prestrain[1]);
         Coupon { gauge, section: model.faces.iter().map(section).sum() }

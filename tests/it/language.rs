@@ -6,7 +6,8 @@ use std::path::Path;
 
 use droptower::diagnostic::render;
 use droptower::material::Law;
-use droptower::model::{self, Element, Hold, ImpactorShape, Loading, Model, Shape, Side, Symmetry, Window};
+use droptower::mesh::{Element, Outline, Side};
+use droptower::model::{self, Hold, ImpactorShape, Loading, Model, Symmetry, Window};
 use droptower::scenario::{Assignment, Document};
 
 fn read(path: &Path) -> Model {
@@ -32,7 +33,7 @@ fn model(name: &str, text: &str) -> Model {
 fn the_model_is_in_si_units() {
     let tower = read(Path::new("tests/it/broken/parts/tower.toml"));
     assert_eq!((tower.name.as_str(), tower.title.as_str()), ("tower", "Drop tower"));
-    assert_eq!(tower.specimen.shape, Shape::Rectangle { x: 0.4, y: 0.4 });
+    assert_eq!(tower.specimen.shape, Outline::Rectangle { x: 0.4, y: 0.4 });
     assert_eq!(tower.specimen.symmetry, Symmetry::Quarter);
     assert_eq!(tower.faces.iter().map(|face| face.height).collect::<Vec<_>>(), [0.0, -0.03]);
     let face = &tower.faces[0];

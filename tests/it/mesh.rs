@@ -3,35 +3,15 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use droptower::material::{Elastic, Law, Material};
-use droptower::mesh::{self, Mesh, Quality};
-use droptower::model::{Element, Face, Meshing, Shape, Side, Specimen, Symmetry};
+use droptower::mesh::{self, Element, Mesh, Meshing, Outline, Quality, Side};
+use droptower::model::Symmetry;
 
 const SYMMETRIES: [Symmetry; 4] = [Symmetry::None, Symmetry::HalfX, Symmetry::HalfY, Symmetry::Quarter];
-const SQUARE: Shape = Shape::Rectangle { x: 0.4, y: 0.4 };
-const DISC: Shape = Shape::Circle { radius: 0.1 };
+const SQUARE: Outline = Outline::Rectangle { x: 0.4, y: 0.4 };
+const DISC: Outline = Outline::Circle { radius: 0.1 };
 
-fn face(element: Element, size: f64) -> Face {
-    let elastic = Elastic { young: 1e8, poisson: 0.4 };
-    Face {
-        height: 0.0,
-        layers: 1,
-        film: None,
-        material: Material { density: 915.0, thickness: 12e-6, law: Law::Elastic(elastic), measured_rates: None },
-        md_angle: 0.0,
-        prestrain: [0.0; 2],
-        meshing: Meshing { element, size },
-    }
-}
-
-fn build(shape: &Shape, symmetry: Symmetry, element: Element, size: f64) -> Mesh {
-    let specimen = specimen(shape, symmetry);
-    mesh::build(&specimen, &face(element, size)).unwrap()
-}
-
-fn specimen(shape: &Shape, symmetry: Symmetry) -> Specimen {
-    let shape = shape.clone();
-    Specimen { shape, symmetry, damping: 0.0 }
+fn build(outline: &Outline, symmetry: Symmetry, element: Element, size: f64) -> Mesh {
+    mesh::build(outline, symmetry.mirrors(), &Meshing { element, size }).unwrap()
 }
 
 fn parts(symmetry: Symmetry) -> usize {
@@ -56,7 +36,7 @@ fn rectangles_have_the_elements_that_their_size_asks_for() {
         ([0.1, 0.1], 1.0, Symmetry::None, 1),
     ];
     for ([x, y], size, symmetry, elements) in cases {
-        let mesh = build(&Shape::Rectangle { x, y }, symmetry, Element::Quad4, size);
+        let mesh = build(&Outline::Rectangle { x, y }, symmetry, Element::Quad4, size);
         assert_eq!(mesh.quads.len(), elements, "{x} by {y} at {size} {symmetry:?}");
     }
 }
@@ -65,8 +45,7 @@ fn rectangles_have_the_elements_that_their_size_asks_for() {
 fn absurd_meshes_are_refused() {
     let absurd = Meshing { element: Element::Tri3, size: 1e-300 };
     for shape in [SQUARE, DISC] {
-        let face = Face { meshing: absurd, ..face(Element::Tri3, 1.0) };
-        assert!(mesh::build(&specimen(&shape, Symmetry::None), &face).is_err());
+        assert!(mesh::build(&shape, [false; 2], &absurd).is_err());
     }
 }
 
@@ -77,7 +56,7 @@ fn with_elements(symmetry: Symmetry) -> [(Symmetry, Element); 2] {
 #[test]
 fn parts_of_a_rectangle_cover_their_share_of_it() {
     for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
-        let mesh = build(&Shape::Rectangle { x: 0.3, y: 0.2 }, symmetry, element, 0.017);
+        let mesh = build(&Outline::Rectangle { x: 0.3, y: 0.2 }, symmetry, element, 0.017);
         let share = 0.06 / parts(symmetry) as f64;
         assert!((Quality::of(&mesh).area - share).abs() < 1e-14);
     }
@@ -210,8 +189,7 @@ fn file(name: &str, text: impl AsRef<[u8]>) -> (tempfile::TempDir, PathBuf) {
 }
 
 fn import(path: &Path, symmetry: Symmetry, element: Element) -> Result<Mesh, mesh::MeshError> {
-    let specimen = specimen(&Shape::Mesh(path.to_owned()), symmetry);
-    mesh::build(&specimen, &face(element, 1.0))
+    mesh::build(&Outline::Mesh(path.to_owned()), symmetry.mirrors(), &Meshing { element, size: 1.0 })
 }
 
 fn as_obj(mesh: &Mesh) -> String {

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::diagnostic::shown_path;
 use crate::file::Digest;
-use crate::model::{ImpactorShape, Model, Shape};
+use crate::mesh::Outline;
+use crate::model::{ImpactorShape, Model};
 use crate::scenario::{self, Document};
 
 /// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever
@@ -111,7 +112,7 @@ fn digest(path: &Path) -> io::Result<Digest> {
 /// The model without what does not decide the bits of its run: its name, where its meshes are, and what is read after the run.
 fn decisive(model: &Model) -> Model {
     let mut model = Model { name: String::new(), title: String::new(), reference: None, post: None, ..model.clone() };
-    if let Shape::Mesh(path) = &mut model.specimen.shape {
+    if let Outline::Mesh(path) = &mut model.specimen.shape {
         *path = PathBuf::new();
     }
     if let Some(ImpactorShape::Mesh(path)) = model.impactor.as_mut().map(|impactor| &mut impactor.shape) {

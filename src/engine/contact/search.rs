@@ -10,7 +10,6 @@ use parry3d_f64::shape::{
 use thiserror::Error;
 
 use crate::lane::{LANES, Lane, Lane3, dot, larger, smaller, splat};
-use crate::model::ImpactorShape;
 
 /// The impactor's surface about its centre of mass, body axes.
 #[derive(Clone, Debug)]
@@ -64,24 +63,34 @@ pub enum SurfaceError {
 }
 
 impl Surface {
-    /// The surface of `shape`; `triangles` are those of its mesh file, if it has one.
-    pub fn new(shape: &ImpactorShape, triangles: Option<Triangles>) -> Result<Surface, SurfaceError> {
-        match *shape {
-            ImpactorShape::Sphere { radius } => Surface::about_centre(Kind::Ball(Ball::new(radius))),
-            ImpactorShape::Hemisphere { radius, length } => {
-                let (low, high) = (Vector::new(0.0, 0.0, -0.5 * length), Vector::new(0.0, 0.0, 0.5 * length));
-                Surface::about_centre(Kind::Capsule(Capsule::new(low, high, radius)))
-            }
-            ImpactorShape::Cylinder { radius, length } => {
-                let upright = Pose::from_parts(Vector::ZERO, rotation_y_to_z());
-                let cylinder = SharedShape::new(Cylinder::new(0.5 * length, radius));
-                Surface::about_centre(Kind::Other(SharedShape::compound(vec![(upright, cylinder)])))
-            }
-            ImpactorShape::Mesh(_) => {
-                let (vertices, indices) = triangles.ok_or(SurfaceError::NotASurface)?;
-                Surface::about_centre(Kind::Other(SharedShape::new(closed_mesh(&vertices, indices)?)))
-            }
-        }
+    /// A sphere of `radius` (m).
+    ///
+    /// # Errors
+    /// [`SurfaceError::NoVolume`], as with all shapes.
+    pub fn sphere(radius: f64) -> Result<Surface, SurfaceError> {
+        Surface::about_centre(Kind::Ball(Ball::new(radius)))
+    }
+
+    /// A shaft along z of `radius` and `length` (m) with a hemisphere at each end: the lower one is the tip.
+    pub fn hemisphere(radius: f64, length: f64) -> Result<Surface, SurfaceError> {
+        let (low, high) = (Vector::new(0.0, 0.0, -0.5 * length), Vector::new(0.0, 0.0, 0.5 * length));
+        Surface::about_centre(Kind::Capsule(Capsule::new(low, high, radius)))
+    }
+
+    /// A flat-ended cylinder along z of `radius` and `length` (m).
+    pub fn cylinder(radius: f64, length: f64) -> Result<Surface, SurfaceError> {
+        let upright = Pose::from_parts(Vector::ZERO, rotation_y_to_z());
+        let cylinder = SharedShape::new(Cylinder::new(0.5 * length, radius));
+        Surface::about_centre(Kind::Other(SharedShape::compound(vec![(upright, cylinder)])))
+    }
+
+    /// A closed, orientable surface of `triangles`.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NotASurface`] where it is open or not orientable.
+    pub fn closed_mesh(triangles: Triangles) -> Result<Surface, SurfaceError> {
+        let (vertices, indices) = triangles;
+        Surface::about_centre(Kind::Other(SharedShape::new(closed_mesh(&vertices, indices)?)))
     }
 
     fn about_centre(shape: Kind) -> Result<Surface, SurfaceError> {
@@ -390,7 +399,7 @@ impl Kind {
     }
 }
 
-/// The surface of one of the shapes that [`Surface::new`] makes; of others nothing.
+/// Triangles of one of the shapes that a [`Surface`] can have; none of others.
 fn triangulated(shape: &dyn Shape, sides: u32) -> Triangles {
     let (vertices, triangles) = match shape.as_typed_shape() {
         TypedShape::Ball(ball) => ball.to_trimesh(sides, sides / 2),
@@ -442,14 +451,7 @@ mod tests {
     use super::*;
 
     fn shapes() -> Vec<Surface> {
-        [
-            ImpactorShape::Sphere { radius: 0.15 },
-            ImpactorShape::Hemisphere { radius: 0.02, length: 0.1 },
-            ImpactorShape::Cylinder { radius: 0.03, length: 0.2 },
-        ]
-        .iter()
-        .map(|s| Surface::new(s, None).unwrap())
-        .collect()
+        [Surface::sphere(0.15), Surface::hemisphere(0.02, 0.1), Surface::cylinder(0.03, 0.2)].map(Result::unwrap).into()
     }
 
     /// Volumes by the divergence theorem are those of the shapes, but for what flat pieces cut off; all faces look outwards.
@@ -458,20 +460,20 @@ mod tests {
         use std::f64::consts::PI;
         let [radius, length]: [f64; 2] = [0.02, 0.1];
         let (ball, shaft) = (4.0 / 3.0 * PI * radius.powi(3), PI * radius * radius * length);
-        for (shape, volume, lowest) in [
-            (ImpactorShape::Sphere { radius }, ball, -radius),
-            (ImpactorShape::Hemisphere { radius, length }, ball + shaft, -radius - 0.5 * length),
-            (ImpactorShape::Cylinder { radius, length }, shaft, -0.5 * length),
+        for (surface, volume, lowest) in [
+            (Surface::sphere(radius), ball, -radius),
+            (Surface::hemisphere(radius, length), ball + shaft, -radius - 0.5 * length),
+            (Surface::cylinder(radius, length), shaft, -0.5 * length),
         ] {
-            let (vertices, triangles) = Surface::new(&shape, None).unwrap().triangles(48);
+            let (vertices, triangles) = surface.unwrap().triangles(48);
             let six = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(|n| vertices[n as usize].coords);
                 a.dot(&b.cross(&c))
             };
             let found = triangles.iter().map(six).sum::<f64>() / 6.0;
-            assert!((0.98 * volume..volume).contains(&found), "{shape:?}: {found} for {volume}");
+            assert!((0.98 * volume..volume).contains(&found), "{found} for {volume}");
             let bottom = vertices.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-            assert!((bottom - lowest).abs() < 1e-12, "{shape:?}: {bottom}");
+            assert!((bottom - lowest).abs() < 1e-12, "{bottom} for {lowest}");
         }
     }
 

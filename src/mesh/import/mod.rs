@@ -12,8 +12,7 @@ use std::path::Path;
 use nalgebra::Point3;
 
 use super::grid::split;
-use super::{Mesh, MeshError, topology};
-use crate::model::Element;
+use super::{Element, Mesh, MeshError, topology};
 
 pub use fault::Fault;
 pub use vtu::VtuFault;

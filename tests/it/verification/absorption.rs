@@ -2,8 +2,8 @@
 
 use droptower::engine::{Engine, Loads};
 use droptower::material::{Curve, Fabric, Law, Material};
+use droptower::mesh::Element;
 use droptower::mesh::Mesh;
-use droptower::model::Element;
 use nalgebra::Point3;
 
 use super::claims::Claims;

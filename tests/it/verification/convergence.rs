@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use droptower::model::Element;
+use droptower::mesh::Element;
 
 use super::axisymmetric;
 use super::claims::Claims;

@@ -2,7 +2,7 @@
 
 use droptower::engine::{Film, Nodes};
 use droptower::material::Material;
-use droptower::model::Element;
+use droptower::mesh::Element;
 
 use super::claims::Claims;
 use super::random::Random;

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use droptower::engine::{Engine, Loads};
 use droptower::material::{Elastic, Law, Material};
 use droptower::mesh;
-use droptower::model::{Element, Face, Meshing, Shape, Side, Specimen, Symmetry};
+use droptower::mesh::{Element, Meshing, Outline, Side};
+use droptower::model::Face;
 
 use super::claims::Claims;
 use super::scene::{mounted, places, put, watch};
@@ -70,8 +71,8 @@ impl Film {
         };
         let prestrain = [PRESTRAIN, across];
         let face = Face { height: 0.0, layers: 1, material, md_angle: 0.0, prestrain, meshing, film: None };
-        let shape = Shape::Rectangle { x: SPAN, y: self.width(edge) };
-        let mesh = mesh::build(&Specimen { shape, symmetry: Symmetry::None, damping }, &face).expect("a mesh");
+        let shape = Outline::Rectangle { x: SPAN, y: self.width(edge) };
+        let mesh = mesh::build(&shape, [false; 2], &face.meshing).expect("a mesh");
         let (film, mut nodes) = mounted(&mesh, &face);
         let ends = [Side::XMinus, Side::XPlus].map(|side| mesh.sides[side as usize].clone()).concat();
         let held = match self {

@@ -2,7 +2,8 @@
 
 use droptower::material::Material;
 use droptower::mesh::Mesh;
-use droptower::model::{Element, Face, Meshing};
+use droptower::mesh::{Element, Meshing};
+use droptower::model::Face;
 use nalgebra::{Matrix2, Point3, Rotation3, Vector3};
 
 use super::claims::Claims;

@@ -11,7 +11,7 @@ const CELLS: [usize; 2] = [3, 3];
 
 /// A′/A of a sheet stretched by `stretch` on distorted elements, and how far its nodes are off a uniform deformation over
 /// its side.
-fn drawn_in(material: droptower::material::Material, element: droptower::model::Element, stretch: f64) -> [f64; 2] {
+fn drawn_in(material: droptower::material::Material, element: droptower::mesh::Element, stretch: f64) -> [f64; 2] {
     let mesh = sheet(CELLS, element, 0.25, |[u, v]| [SIDE * u, SIDE * v]);
     let (film, mut nodes) = mounted(&mesh, &face(material, element, [0.0; 2]));
     put(&mut nodes, |_, [x, y, _]| [stretch * x, y, 0.0]);

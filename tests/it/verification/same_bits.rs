@@ -3,11 +3,11 @@
 use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Vectors};
 use droptower::lane::Width;
 use droptower::material::{Law, MembraneLaw};
-use droptower::mesh::{self, Mesh};
+use droptower::mesh::Mesh;
 use droptower::model::Model;
 use droptower::simulate;
 
-use super::scene::Blind;
+use super::scene::{Blind, build};
 use super::tower::shipped;
 
 /// Coarse, so that a few hundred steps take film and impactor far: a quarter of 1008 with both of its faces.
@@ -110,7 +110,7 @@ fn forces_of<M: MembraneLaw + Clone, const L: usize>(
 fn an_element_has_the_same_force_in_any_number_of_lanes() {
     let by_rate = "specimen.material=scenarios/materials/lldpe-rates.toml";
     for model in [small(), shipped("drop/1008.toml", &["specimen.mesh.size=20mm", by_rate])] {
-        let mesh = apart(&mesh::build(&model.specimen, &model.faces[0]).expect("a mesh"));
+        let mesh = apart(&build(&model, &model.faces[0]).expect("a mesh"));
         let expected = forces::<1>(&mesh, &model, Width::Baseline);
         assert!(expected.iter().flatten().any(|bits| f64::from_bits(*bits).abs() > 1e-3));
         for width in Width::available() {

@@ -1,10 +1,9 @@
 //! Engines set up by hand, and a look at every step.
 
-use droptower::engine::{
-    Contact, Energies, Engine, Fault, Film, Impact, Jaw, Loads, Nodes, Observer, RigidBody, Surface, View,
-};
-use droptower::mesh::{self, Mesh};
-use droptower::model::{Hold, Loading, Model, Side, Symmetry};
+use droptower::engine::{Contact, Energies, Engine, Fault, Film, Impact, Jaw, Loads, Nodes, Observer, View};
+use droptower::mesh::{self, Mesh, MeshError, Side};
+use droptower::model::{Face, Hold, Loading, Model, Symmetry};
+use droptower::simulate::{falling, section, surface};
 use nalgebra::{Isometry3, Vector3};
 
 /// An engine that is stepped by a test.
@@ -27,9 +26,9 @@ impl Scene {
         let mut offset = vec![];
         let mut between = 0.0;
         for face in &model.faces {
-            let mesh = mesh::build(&model.specimen, face).expect("a mesh");
+            let mesh = build(model, face).expect("a mesh");
             let first = nodes.position.len();
-            films.push(Film::mount(&mesh, face, 1.0, &mut nodes).expect("a film"));
+            films.push(Film::mount(&mesh, &section(face, 1.0), face.height, &mut nodes).expect("a film"));
             for (mirror, held) in mesh.mirrors.iter().zip([[true, false, false], [false, true, false]]) {
                 nodes.hold(mirror.iter().map(|n| first + *n as usize), held);
             }
@@ -41,12 +40,10 @@ impl Scene {
             between += thickness;
         }
         let impactor = model.impactor.as_ref().expect("an impactor");
-        let surface = Surface::new(&impactor.shape, None).expect("a surface");
+        let surface = surface(&impactor.shape).expect("a surface");
         let [x, y] = impactor.position;
         let pose = Isometry3::translation(x, y, model.faces[0].height + offset[0] - surface.lowest());
-        let velocity = Vector3::new(0.0, 0.0, -velocity);
-        let inertia = surface.inertia_per_mass() * impactor.mass;
-        let mut body = RigidBody::new(pose, velocity, impactor.mass, inertia, impactor.guide);
+        let mut body = falling(impactor, &surface, pose, velocity);
         body.spin = spin;
         let copies = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
         let contact = Contact::new(surface, impactor.friction, copies, offset);
@@ -56,9 +53,10 @@ impl Scene {
 
     /// The film of a stretch between jaws that part at `velocity` (m/s).
     pub fn stretched(model: &Model, velocity: f64) -> Scene {
-        let mesh = mesh::build(&model.specimen, &model.faces[0]).expect("a mesh");
+        let mesh = build(model, &model.faces[0]).expect("a mesh");
         let mut nodes = Nodes::default();
-        let film = Film::mount(&mesh, &model.faces[0], 1.0, &mut nodes).expect("a film");
+        let film =
+            Film::mount(&mesh, &section(&model.faces[0], 1.0), model.faces[0].height, &mut nodes).expect("a film");
         let jaws = [(Side::XMinus, -0.5), (Side::XPlus, 0.5)].map(|(side, share)| {
             let jaw = Jaw { nodes: mesh.sides[side as usize].clone(), velocity: share * velocity };
             nodes.hold(jaw.nodes.iter().map(|n| *n as usize), [true; 3]);
@@ -139,9 +137,14 @@ pub fn relaxed(film: Film, nodes: Nodes, damping: f64, time: f64) -> (Vec<[f64; 
     watch(&mut engine, |view| (places(view.nodes), view.energies()))
 }
 
+/// The mesh of a face.
+pub fn build(model: &Model, face: &Face) -> Result<Mesh, MeshError> {
+    mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)
+}
+
 /// A mesh and the nodes and film that stand on it, before anything moves.
-pub fn mounted(mesh: &Mesh, face: &droptower::model::Face) -> (Film, Nodes) {
+pub fn mounted(mesh: &Mesh, face: &Face) -> (Film, Nodes) {
     let mut nodes = Nodes::default();
-    let film = Film::mount(mesh, face, 1.0, &mut nodes).expect("a film");
+    let film = Film::mount(mesh, &section(face, 1.0), face.height, &mut nodes).expect("a film");
     (film, nodes)
 }

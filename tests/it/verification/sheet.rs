@@ -3,7 +3,8 @@
 use droptower::engine::Nodes;
 use droptower::material::{Elastic, Law, Material, TensionField};
 use droptower::mesh::Mesh;
-use droptower::model::{Element, Face, Meshing};
+use droptower::mesh::{Element, Meshing};
+use droptower::model::Face;
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
 use super::random::Random;

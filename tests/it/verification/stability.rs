@@ -2,7 +2,8 @@
 
 use droptower::engine::{Film, Nodes};
 use droptower::material::Material;
-use droptower::model::{Element, Face, Meshing};
+use droptower::mesh::{Element, Meshing};
+use droptower::model::Face;
 use nalgebra::DMatrix;
 
 use super::claims::Claims;

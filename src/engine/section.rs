@@ -1,0 +1,20 @@
+//! The membrane section: what the elements of a face are made of.
+
+use crate::material::Law;
+
+/// Properties of the elements of a face, which act as one membrane.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// Constitutive law of one layer.
+    pub law: Law,
+    /// kg/m³, with mass scaling.
+    pub density: f64,
+    /// Thickness of all layers, m.
+    pub thickness: f64,
+    /// Angle from the x axis to MD, rad.
+    pub md_angle: f64,
+    /// Engineering pre-strain along MD and TD: the stress-free length is the mounted one / (1 + pre-strain).
+    pub prestrain: [f64; 2],
+    /// Whether quadrilaterals have 2×2 integration points instead of one with hourglass control.
+    pub full_integration: bool,
+}
