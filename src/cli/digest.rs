@@ -24,7 +24,7 @@ pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
     if let Some(time) = outcome.rupture_time {
         let _ = writeln!(text, "  the film ruptured at {}", duration(time));
     }
-    for warning in results.measures.warnings() {
+    for warning in results.measures.findings().iter() {
         let _ = writeln!(text, "  warning: {warning}");
     }
     for line in &results.script_output.log {

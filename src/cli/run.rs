@@ -15,6 +15,7 @@ use super::progress::Bar;
 use super::scenarios::{Checked, Selection, both};
 use super::{Failure, Shared, digest, print, print_json};
 use crate::diagnostic::{Diagnostic, printable};
+use crate::post;
 use crate::report::{RunPage, duration};
 use crate::simulate::{self, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent};
 use crate::store::{self, Draft, run_files};
@@ -212,7 +213,7 @@ impl Job {
         let (model, outcome) = (&self.checked.model, &failure.so_far);
         // What broke off may be too short or too wild to be measured; then its signals stand alone.
         let results = self.checked.plan.measure(model, outcome).ok();
-        let cause = failure.cause.to_string();
+        let cause = post::failure_message(failure, model);
         let script = self.checked.plan.script();
         let contents = Contents {
             model,

@@ -142,20 +142,9 @@ pub enum Fault {
     NotANumber { time: f64, face: usize, element: usize },
     #[error("the time step fell from {first:.3e} s to {now:.3e} s at {time:.6} s, limited by face {face}")]
     TimeStepCollapsed { time: f64, first: f64, now: f64, face: usize },
-    #[error(
-        "not quasi-static: at {time:.6} s the film's kinetic energy is {:.1} % of the energy it took up; \
-         {remedy}",
-        100.0 * .share
-    )]
-    NotQuasiStatic { time: f64, share: f64, remedy: String },
-    #[error(
-        "not at rest: at the end, {time:.6} s, the deflection still changed by {:.2} % in the last tenth of the run; \
-         {remedy}",
-        100.0 * .change
-    )]
-    NotAtRest { time: f64, change: f64, remedy: String },
-    #[error("the energy balance is off by {:.1} % of the energy exchanged at {time:.6} s", 100.0 * .error)]
-    EnergyLost { time: f64, error: f64 },
+    /// The observer ended the run.
+    #[error("the observer ended the run")]
+    Stopped,
 }
 
 impl Engine {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Audit, ReferenceComparison};
+use super::{Audit, ReferenceComparison, RunFindings, Warning};
 use crate::experiment::absorption::{Body, energy_absorption};
 use crate::model::{Impactor, Loading, Model};
 use crate::signal::csv::clean_time;
@@ -34,7 +34,8 @@ pub struct Impact {
     pub reference_notes: Option<Vec<String>>,
     #[serde(flatten)]
     pub audit: Audit,
-    pub warnings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: RunFindings,
 }
 
 impl Impact {
@@ -54,10 +55,10 @@ impl Impact {
             let after = channel("velocity_m_s").window([time, f64::INFINITY]);
             after.largest()
         });
-        let mut warnings = outcome.warnings.clone();
-        let mut error = |name: &str, result: Option<Result<f64, NormError>>| match result {
+        let mut findings = RunFindings::of(model, outcome);
+        let mut error = |channel: &'static str, result: Option<Result<f64, NormError>>| match result {
             Some(Err(reason)) => {
-                warnings.push(format!("no {name} error: {reason}"));
+                findings.push(&Warning::NoReferenceError { channel, reason });
                 None
             }
             Some(Ok(error)) => Some(error),
@@ -65,7 +66,7 @@ impl Impact {
         };
         let acceleration_error = error("acceleration", comparison.and_then(|c| c.acceleration_error(&acceleration)));
         let displacement_error = error("displacement", comparison.and_then(|c| c.displacement_error(&displacement)));
-        warnings.extend(comparison.into_iter().flat_map(ReferenceComparison::warnings));
+        comparison.into_iter().flat_map(ReferenceComparison::warnings).for_each(|warning| findings.push(&warning));
         let [break_strain_md, break_strain_td] = break_strains(model);
         Impact {
             peak_acceleration_m_s2: peak.map(|[_, value]| value),
@@ -80,7 +81,7 @@ impl Impact {
             displacement_error,
             reference_notes: comparison.map(|c| c.said.iter().chain(&c.reduced).cloned().collect()),
             audit: Audit::of(outcome),
-            warnings,
+            findings,
         }
     }
 }

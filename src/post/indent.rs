@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Audit;
+use super::{Audit, RunFindings};
 use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
 
@@ -27,12 +27,13 @@ pub struct Indent {
     pub final_force: Option<f64>,
     #[serde(flatten)]
     pub audit: Audit,
-    pub warnings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: RunFindings,
 }
 
 impl Indent {
     /// Measures of `signals` under an impactor at `velocity`, m/s.
-    pub fn measure(velocity: f64, outcome: &Outcome, signals: &Recording) -> Indent {
+    pub fn measure(velocity: f64, outcome: &Outcome, signals: &Recording, findings: RunFindings) -> Indent {
         let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
         let (depth, force) = (channel("depth_m"), channel("force_N"));
         let peak = force.largest();
@@ -46,7 +47,7 @@ impl Indent {
             final_depth: depth.values().last().copied(),
             final_force: force.values().last().copied(),
             audit: Audit::of(outcome),
-            warnings: outcome.warnings.clone(),
+            findings,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Audit;
+use super::{Audit, RunFindings};
 use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
 
@@ -25,12 +25,13 @@ pub struct Inflation {
     pub burst_pressure: Option<f64>,
     #[serde(flatten)]
     pub audit: Audit,
-    pub warnings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: RunFindings,
 }
 
 impl Inflation {
     /// Measures of `signals`.
-    pub fn measure(outcome: &Outcome, signals: &Recording) -> Inflation {
+    pub fn measure(outcome: &Outcome, signals: &Recording, findings: RunFindings) -> Inflation {
         let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
         let (pressure, deflection) = (channel("pressure_Pa"), channel("deflection_m"));
         let last_pressure = pressure.values().last().copied();
@@ -41,7 +42,7 @@ impl Inflation {
             settling: outcome.settling,
             burst_pressure: outcome.rupture_time.and(last_pressure),
             audit: Audit::of(outcome),
-            warnings: outcome.warnings.clone(),
+            findings,
         }
     }
 }

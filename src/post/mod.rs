@@ -8,6 +8,7 @@ mod indent;
 mod inflation;
 mod plan;
 mod reference;
+mod remedies;
 mod results;
 mod run;
 mod stretch;
@@ -15,6 +16,7 @@ mod study;
 #[cfg(test)]
 mod tests;
 mod trial;
+mod warning;
 
 use crate::script::Chapter;
 
@@ -25,10 +27,12 @@ pub use indent::Indent;
 pub use inflation::Inflation;
 pub use plan::{Plan, PrepareError};
 pub use reference::{ReferenceComparison, ReferenceError};
+pub use remedies::failure as failure_message;
 pub use results::{EvaluateError, HEADER, Measures, Results};
 pub use run::Run;
 pub use stretch::Stretch;
 pub use study::{Study, register as register_studies};
+pub use warning::{CODES, RunFindings, Warning};
 
 /// The reference of what runs and scenarios offer to scripts.
 pub const REFERENCE: &[Chapter] = &[

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::Warning;
 use crate::experiment::absorption::Body;
 use crate::experiment::drop::{ChannelNames, DropChannels, DropChannelsError, DropError, Height, Reduction, Tower};
 use crate::model::{Impactor, Loading, Model, Reference, Window};
@@ -88,10 +89,12 @@ impl ReferenceComparison {
         }))
     }
 
-    /// What a reader of the errors must know: that the recording is virtual, and what was assumed and doubted in its reduction.
-    pub fn warnings(&self) -> impl Iterator<Item = String> {
+    /// What puts the errors in doubt: a virtual recording, and what was assumed or is implausible in its reduction.
+    pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         let mark = self.said.iter().find(|note| says_virtual(std::slice::from_ref(note)));
-        mark.into_iter().chain(&self.reduced).map(|note| format!("reference: {note}"))
+        let mark = mark.map(|note| Warning::VirtualReference { note: note.clone() });
+        let reduced = self.reduced.iter().map(|note| Warning::ReferenceReduction { note: note.clone() });
+        mark.into_iter().chain(reduced)
     }
 
     /// Whether the recording says that nothing was measured.

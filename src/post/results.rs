@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use thiserror::Error;
 
-use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, Stretch};
+use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, RunFindings, Stretch};
 use crate::model::{Loading, Model};
 use crate::script::{Fault, ScriptOutput};
 use crate::signal::filter::{self, FilterError, Standard};
@@ -54,11 +54,14 @@ impl Results {
         comparison: Option<ReferenceComparison>,
     ) -> Result<Results, EvaluateError> {
         let signals = with_filtered(model, &outcome.signals)?;
+        let findings = || RunFindings::of(model, outcome);
         let measures = match model.loading {
             Loading::Impact { .. } => Measures::Impact(Impact::measure(model, outcome, &signals, comparison.as_ref())),
-            Loading::Stretch { .. } => Measures::Stretch(Stretch::measure(outcome, &signals)),
-            Loading::Indent { velocity, .. } => Measures::Indent(Indent::measure(velocity, outcome, &signals)),
-            Loading::Pressure { .. } => Measures::Inflation(Inflation::measure(outcome, &signals)),
+            Loading::Stretch { .. } => Measures::Stretch(Stretch::measure(outcome, &signals, findings())),
+            Loading::Indent { velocity, .. } => {
+                Measures::Indent(Indent::measure(velocity, outcome, &signals, findings()))
+            }
+            Loading::Pressure { .. } => Measures::Inflation(Inflation::measure(outcome, &signals, findings())),
         };
         Ok(Results { signals, measures, comparison, script_output: ScriptOutput::default() })
     }
@@ -112,13 +115,13 @@ impl Measures {
         }
     }
 
-    /// Everything that the user should know before trusting the figures.
-    pub fn warnings(&self) -> &[String] {
+    /// What the run and its comparison with a reference reported.
+    pub fn findings(&self) -> &RunFindings {
         match self {
-            Measures::Impact(impact) => &impact.warnings,
-            Measures::Stretch(stretch) => &stretch.warnings,
-            Measures::Indent(indent) => &indent.warnings,
-            Measures::Inflation(inflation) => &inflation.warnings,
+            Measures::Impact(impact) => &impact.findings,
+            Measures::Stretch(stretch) => &stretch.findings,
+            Measures::Indent(indent) => &indent.findings,
+            Measures::Inflation(inflation) => &inflation.findings,
         }
     }
 

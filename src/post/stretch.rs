@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Audit;
+use super::{Audit, RunFindings};
 use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
 
@@ -25,12 +25,13 @@ pub struct Stretch {
     pub final_strain: Option<f64>,
     #[serde(flatten)]
     pub audit: Audit,
-    pub warnings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: RunFindings,
 }
 
 impl Stretch {
     /// Measures of `signals`.
-    pub fn measure(outcome: &Outcome, signals: &Recording) -> Stretch {
+    pub fn measure(outcome: &Outcome, signals: &Recording, findings: RunFindings) -> Stretch {
         let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
         let (strain, stress) = (channel("strain"), channel("stress_Pa"));
         let peak = stress.largest();
@@ -47,7 +48,7 @@ impl Stretch {
             stress_at_break: at_break.map(|(_, stress)| stress),
             final_strain: strain.values().last().copied(),
             audit: Audit::of(outcome),
-            warnings: outcome.warnings.clone(),
+            findings,
         }
     }
 }

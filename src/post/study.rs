@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::coupon_material;
 use super::run::{self, ReferenceSignals};
-use super::{Plan, Run, trial};
+use super::{Plan, Run, failure_message, trial};
 use crate::diagnostic::Diagnostic;
 use crate::experiment::coupon::Curve;
 use crate::material::Law;
@@ -67,7 +67,11 @@ impl Study {
         let cut = session.is_trial().then(|| trial::cut(model, plan.comparison()));
         let model = cut.as_ref().unwrap_or(model);
         let failed = |error: RunError| {
-            let cause = format!("{}: {error}", model.name);
+            let cause = match &error {
+                RunError::Failure(failure) => failure_message(failure, model),
+                error => error.to_string(),
+            };
+            let cause = format!("{}: {cause}", model.name);
             session.add_failure(&cause);
             if matches!(error, RunError::Failure(_)) { went_wrong(cause) } else { refuse(cause) }
         };

@@ -18,7 +18,7 @@ const PEAK: f64 = 150.0;
 const PULSE: f64 = 0.09;
 const SPEED: f64 = 6.0;
 
-fn model() -> Model {
+pub(super) fn model() -> Model {
     let material = Material {
         density: 915.0,
         thickness: 12e-6,
@@ -89,7 +89,7 @@ fn outcome() -> Outcome {
         films: Vec::new(),
         impactor: None,
         rates: RateHistogram::default(),
-        warnings: vec!["as made".into()],
+        warnings: vec![],
         rupture_time: None,
         energy_balance_error: 0.0004,
         kinetic_share: None,

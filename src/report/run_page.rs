@@ -65,7 +65,7 @@ fn lead(run: &RunPage) -> String {
 fn warnings(run: &RunPage) -> String {
     let failure = run.failure.map(|cause| format!("The run broke off: {cause}"));
     let rupture = run.outcome.rupture_time.map(|time| format!("The film ruptured at {}", duration(time)));
-    let warnings = run.results.measures.warnings().iter().cloned();
+    let warnings = run.results.measures.findings().iter().map(ToString::to_string);
     let lines: Vec<String> = failure.into_iter().chain(rupture).chain(warnings).collect();
     html::warnings("Warnings", &lines)
 }

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::{Energies, Fault};
+use super::Fault;
+use crate::engine::Energies;
 use crate::signal::{Channel, Recording};
 
 /// Balance error, over the energy exchanged, that stops a run.
@@ -47,7 +48,10 @@ impl EnergyCheck {
         }
     }
 
-    /// Takes in the energies at `time` (s); a fault where they no longer add up.
+    /// Takes in the energies at `time` (s).
+    ///
+    /// # Errors
+    /// The energy balance is lost.
     pub(super) fn sample(&mut self, time: f64, energies: Energies) -> Result<(), Fault> {
         let start = *self.start.get_or_insert(energies);
         self.time.push(time);
@@ -59,10 +63,10 @@ impl EnergyCheck {
         if time < self.from { Ok(()) } else { self.fault().map_or(Ok(()), Err) }
     }
 
-    /// The fault of energies that did not add up so far.
+    /// The fault of a run whose energy balance is lost.
     pub(super) fn fault(&self) -> Option<Fault> {
         let (time, error) = (*self.time.last()?, self.balance_error());
-        (error > STOP).then_some(Fault::EnergyLost { time, error })
+        (error > STOP).then_some(Fault::EnergyBalance { time, error })
     }
 
     /// What losses in contact and friction have fallen by since they were largest, J: energy that came from nowhere,

@@ -4,12 +4,14 @@ mod build;
 mod cancellation;
 mod checkpoint;
 mod energy_check;
+mod fault;
 mod frame_force;
 mod snapshot;
 mod grid;
 mod image;
 mod impact;
 mod indent;
+mod monitor;
 mod pressure;
 mod probe;
 mod pull;
@@ -18,25 +20,26 @@ mod rows;
 mod slow;
 mod stretch;
 mod tracks;
-mod warnings;
+mod warning;
 
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
-use crate::engine::{Engine, Fault, StateMismatch, Surface, ThreadPool, UndefinedFibreDirection};
+use crate::engine::{self, Engine, Surface, ThreadPool};
 use crate::lane::Width;
-use crate::mesh::{MeshError, Quality};
+use crate::mesh::Quality;
 use crate::model::Model;
 use crate::signal::Recording;
 use build::Mounting;
 pub use build::{falling, section, surface};
 pub use cancellation::Cancellation;
 pub use checkpoint::{Checkpoint, Checkpoints, Restart};
+pub use fault::{Failure, Fault, RunError};
 pub use image::Image;
 use probe::Probe;
 pub use pull::{Across, PullError, pull};
+pub use warning::{CODES, Warning};
 
 /// What came out of a run.
 #[derive(Clone, Debug)]
@@ -52,7 +55,8 @@ pub struct Outcome {
     /// Surface of the impactor that moves in the snapshots.
     pub impactor: Option<Surface>,
     pub rates: RateHistogram,
-    pub warnings: Vec<String>,
+    /// What puts figures in doubt.
+    pub warnings: Vec<Warning>,
     /// First time at which an element broke, s.
     pub rupture_time: Option<f64>,
     /// Largest |ΣE − E₀| over the energy exchanged.
@@ -163,42 +167,6 @@ pub struct Progress {
     pub elements: usize,
 }
 
-/// Why there is no outcome.
-#[derive(Debug, Error)]
-pub enum RunError {
-    /// The film or the impactor could not be meshed.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    /// The impactor's surface is of no use.
-    #[error(transparent)]
-    Surface(#[from] crate::engine::SurfaceError),
-    /// A fibre has no direction in an element.
-    #[error(transparent)]
-    FibreDirection(#[from] UndefinedFibreDirection),
-    /// The checkpoint belongs to another scene.
-    #[error("the checkpoint does not fit: {0}")]
-    StateMismatch(#[from] StateMismatch),
-    /// The impactor has no film under it.
-    #[error("the impactor goes down beside the film and never touches it")]
-    Missed,
-    /// Nobody waits for it any more.
-    #[error("the run was cancelled")]
-    Cancelled,
-    /// The run went wrong numerically.
-    #[error("{0}")]
-    Failure(Box<Failure>),
-}
-
-/// A run that went wrong numerically, with what was computed so far.
-#[derive(Debug, Error)]
-#[error("{cause}")]
-pub struct Failure {
-    /// Time, place and cause.
-    pub cause: Fault,
-    /// What was computed until then.
-    pub so_far: Outcome,
-}
-
 /// Element steps between two reports of progress: about a millisecond.
 const REPORT_AFTER: usize = 30_000;
 
@@ -268,11 +236,14 @@ pub fn run_with(
     }
     let wall = || before + begin.elapsed();
     let mut events = SnapshotEvents { on_snapshot, mounting: &scene.mounting, reported: 0 };
-    let fault = advance(&mut engine, &mut probe, checkpoints, progress, &wall, &cancellation, &mut events).err();
+    let stepped = advance(&mut engine, &mut probe, checkpoints, progress, &wall, &cancellation, &mut events);
     if cancellation.is_cancelled() {
         return Err(RunError::Cancelled);
     }
-    let fault = fault.or_else(|| probe.fault());
+    let fault = match stepped {
+        Ok(()) | Err(engine::Fault::Stopped) => probe.fault(),
+        Err(fault) => Some(fault.into()),
+    };
     let outcome = probe.finish(&engine, scene.mounting, wall());
     match fault {
         None => Ok(outcome),
@@ -310,7 +281,7 @@ fn advance(
     wall: &dyn Fn() -> Duration,
     cancellation: &Cancellation,
     events: &mut SnapshotEvents<'_, '_>,
-) -> Result<(), Fault> {
+) -> Result<(), engine::Fault> {
     let elements = engine.elements();
     let stride = (REPORT_AFTER / elements.max(1)).max(1) as u64;
     let after = |time: f64, every: f64| ((time / every).floor() + 1.0) * every;

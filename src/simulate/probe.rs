@@ -7,20 +7,18 @@ use serde::{Deserialize, Serialize};
 use super::build::Mounting;
 use super::energy_check::EnergyCheck;
 use super::frame_force::HeldSides;
+use super::monitor::{Figures, Monitor};
 use super::pressure::Rise;
 use super::rates::RateAudit;
 use super::tracks::Tracks;
-use super::warnings::{Figures, Warnings};
-use super::{Outcome, Snapshot, impact, indent, pressure, slow, snapshot, stretch};
-use crate::engine::{ElementStrain, Engine, Fault, Inflation, Observer, Track, View};
+use super::warning::bounds::KINETIC;
+use super::{Fault, Outcome, Snapshot, impact, indent, pressure, snapshot, stretch};
+use crate::engine::{self, ElementStrain, Engine, Inflation, Observer, Track, View};
 use crate::model::{Loading, Model};
 use crate::signal::Recording;
 
 /// Looks at the energies, the contact and the strain around it in a run, unless there are fewer samples.
 const AUDITS: f64 = 400.0;
-
-/// Kinetic share above which a test is not quasi-static.
-pub(super) const KINETIC: f64 = 0.01;
 
 /// Change of an inflated film in the last tenth of its run, over its deflection, above which it is not at rest.
 const RESTLESS: f64 = 2e-3;
@@ -40,8 +38,6 @@ pub(super) struct Probe<'a> {
     detailed: bool,
     audit: f64,
     held: HeldSides,
-    /// What to do about a slow test that is too fast.
-    remedy: String,
     /// Strains of all elements, as last looked at.
     faces: Vec<Vec<ElementStrain>>,
     record: Record,
@@ -56,7 +52,7 @@ pub(super) struct Record {
     snapshots: Vec<Snapshot>,
     energy: EnergyCheck,
     rates: RateAudit,
-    warnings: Warnings,
+    monitor: Monitor,
     rupture_time: Option<f64>,
     penetration: Option<f64>,
     lowest: f64,
@@ -86,7 +82,7 @@ impl<'a> Probe<'a> {
             snapshots: vec![],
             energy: EnergyCheck::new(scale, judged_from),
             rates: RateAudit::new(measured),
-            warnings: Warnings::default(),
+            monitor: Monitor::default(),
             rupture_time: None,
             penetration: None,
             lowest: f64::INFINITY,
@@ -98,7 +94,6 @@ impl<'a> Probe<'a> {
             snapshot_interval: duration / snapshots.saturating_sub(1).max(1) as f64,
             detailed,
             held: mounting.held.clone(),
-            remedy: slow::remedy(model, mounting.mass_scaling),
             audit: (duration / AUDITS).max(sample),
             faces: vec![],
             record,
@@ -149,11 +144,10 @@ impl<'a> Probe<'a> {
     fn unsteady(&self) -> Option<Fault> {
         let (time, share) = self.record.energy.kinetic_share();
         if self.is_quasi_static() && share > KINETIC {
-            return Some(Fault::NotQuasiStatic { time, share, remedy: self.remedy.clone() });
+            return Some(Fault::NotQuasiStatic { time, share });
         }
         let restless = self.settling().filter(|change| *change > RESTLESS);
-        let remedy = || self.remedy.clone();
-        restless.map(|change| Fault::NotAtRest { time: self.duration, change, remedy: remedy() })
+        restless.map(|change| Fault::NotAtRest { time: self.duration, change })
     }
 
     /// How far an inflated film that held is at rest.
@@ -175,7 +169,7 @@ impl<'a> Probe<'a> {
         self.record.audits as f64 * self.audit <= time
     }
 
-    fn look(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
+    fn look(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), engine::Fault> {
         if self.snapshot_due(view.time) {
             self.record.snapshots.push(snapshot::snapshot(view, faces, self.detailed));
         }
@@ -203,18 +197,18 @@ impl<'a> Probe<'a> {
         }
     }
 
-    fn take_audit(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), Fault> {
+    fn take_audit(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), engine::Fault> {
         self.record.audits += 1;
         let energies = view.energies();
         if !energies.total().is_finite() {
             return Err(not_a_number(view.time, faces));
         }
-        self.record.warnings.strain(view, faces);
+        self.record.monitor.strain(view, faces);
         if let (Some(seen), Some(size)) = (view.contact_state(), view.impactor_size()) {
-            self.record.warnings.touch(view.time, size, &seen);
+            self.record.monitor.contact(view.time, size, &seen);
             self.record.penetration = Some(self.record.penetration.unwrap_or(0.0).max(seen.penetration / size));
         }
-        self.record.energy.sample(view.time, energies)
+        self.record.energy.sample(view.time, energies).map_err(|_| engine::Fault::Stopped)
     }
 
     /// The outcome after the last step of `engine`.
@@ -229,14 +223,12 @@ impl<'a> Probe<'a> {
         let rates = self.record.rates.finish();
         let unfinished = signals.channel("contact_force_N").is_some_and(impact::ends_loaded);
         let snapshots = [self.model.output.frames, self.snapshots];
-        let remedy = &self.remedy;
-        let figures =
-            Figures { balance, outside: rates.outside, kinetic: kinetic_share, remedy, snapshots, unfinished };
+        let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, snapshots, unfinished };
         Outcome {
             signals,
             energies,
             snapshots: self.record.snapshots,
-            warnings: self.record.warnings.finish(&figures, &mounting.films),
+            warnings: self.record.monitor.finish(&figures, &mounting.films),
             films: mounting.films,
             impactor: engine.impactor().cloned(),
             rates,
@@ -274,12 +266,12 @@ impl<'a> Probe<'a> {
     }
 }
 
-fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> Fault {
+fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> engine::Fault {
     let lost = |s: &ElementStrain| !s.strain.iter().all(|e| e.is_finite());
     let found = faces.iter().enumerate().find_map(|(face, s)| s.iter().position(lost).map(|element| (face, element)));
     match found {
-        Some((face, element)) => Fault::NotANumber { time, face: face + 1, element },
-        None => Fault::ImpactorLost { time },
+        Some((face, element)) => engine::Fault::NotANumber { time, face: face + 1, element },
+        None => engine::Fault::ImpactorLost { time },
     }
 }
 
@@ -288,7 +280,7 @@ impl Observer for Probe<'_> {
         self.record.tracks.is_due(time) || self.snapshot_due(time) || self.audit_due(time)
     }
 
-    fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
+    fn see(&mut self, view: &View<'_>) -> Result<(), engine::Fault> {
         let mut faces = std::mem::take(&mut self.faces);
         view.strains(&mut faces);
         let seen = self.look(view, &faces);

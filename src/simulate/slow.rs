@@ -44,24 +44,6 @@ pub(super) fn damping(model: &Model) -> f64 {
     }
 }
 
-/// What to do about a slow test that is too fast and used the factor `used` on the film's mass. A slower loading would only
-/// get a larger one where that is chosen.
-pub(super) fn remedy(model: &Model, used: Option<f64>) -> String {
-    let slower = "load it more slowly";
-    let (key, written) = match model.loading {
-        Loading::Impact { .. } => return slower.into(),
-        Loading::Stretch { mass_scaling, .. } => ("loading.stretch.mass_scaling", mass_scaling),
-        Loading::Indent { mass_scaling, .. } => ("loading.indent.mass_scaling", mass_scaling),
-        Loading::Pressure { mass_scaling, .. } => ("loading.pressure.mass_scaling", mass_scaling),
-    };
-    let digits = |used: f64| if used < 100.0 { format!("{used:.3}") } else { format!("{used:.0}") };
-    match used.filter(|used| *used > 1.0).map(digits) {
-        None => slower.into(),
-        Some(used) if written.is_some() => format!("set `{key}` lower than {used}, or {slower}"),
-        Some(used) => format!("set `{key}` lower than {used}, which was chosen"),
-    }
-}
-
 /// Time in which the load rises, s.
 fn time_of_loading(model: &Model) -> f64 {
     match model.loading {

@@ -226,7 +226,7 @@ fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
     let reference = plan.comparison().expect("a comparison");
     let travel = reference.displacement.as_ref().and_then(Series::smallest).expect("a turn");
     assert!((travel[1] / truth.displacement - 1.0).abs() < 0.01, "{travel:?} for {truth:?}");
-    let warnings: Vec<String> = reference.warnings().collect();
+    let warnings: Vec<String> = reference.warnings().map(|warning| warning.to_string()).collect();
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].starts_with("reference: VIRTUAL drop test: nothing fell"), "{warnings:?}");
     assert!(warnings[1].starts_with("reference: no laser and no height"), "{warnings:?}");

@@ -97,7 +97,7 @@ fn scenario(text: &str) -> Text {
 fn documents(run: &RunPage) -> Vec<Document> {
     let RunPage { model, results, .. } = run;
     let warnings: String =
-        results.measures.warnings().iter().map(|line| format!("- {}\n", text::escaped(line))).collect();
+        results.measures.findings().iter().map(|found| format!("- {}\n", text::escaped(&found.message))).collect();
     let figures = figure::markdown(&results.summary(model));
     let summary =
         format!("# {}\n\n{}\n\n{warnings}\n{figures}", text::escaped(&model.title), text::escaped(&subject(model)));

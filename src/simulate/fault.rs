@@ -1,0 +1,81 @@
+//! Why a run has no outcome, or only part of one.
+
+use thiserror::Error;
+
+use super::Outcome;
+use crate::engine::{self, StateMismatch, SurfaceError, UndefinedFibreDirection};
+use crate::mesh::MeshError;
+
+/// Why there is no outcome.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// The film or the impactor could not be meshed.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The surface of the impactor cannot be used for contact.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// A fibre has no direction in an element.
+    #[error(transparent)]
+    FibreDirection(#[from] UndefinedFibreDirection),
+    /// The checkpoint belongs to another scene.
+    #[error("the checkpoint does not fit: {0}")]
+    StateMismatch(#[from] StateMismatch),
+    /// There is no film under the impactor.
+    #[error("the impactor goes down beside the film and never touches it")]
+    Missed,
+    /// The run was cancelled.
+    #[error("the run was cancelled")]
+    Cancelled,
+    /// The run failed numerically.
+    #[error("{0}")]
+    Failure(Box<Failure>),
+}
+
+/// A run that failed numerically, with what was computed until then.
+#[derive(Debug, Error)]
+#[error("{cause}")]
+pub struct Failure {
+    /// Time, place and cause.
+    pub cause: Fault,
+    /// What was computed until then.
+    pub so_far: Outcome,
+}
+
+/// Why a run failed numerically.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Fault {
+    /// The engine cannot step on.
+    #[error(transparent)]
+    Engine(#[from] engine::Fault),
+    /// Inertia matters in a test that must be quasi-static.
+    #[error(
+        "not quasi-static: at {time:.6} s the film's kinetic energy is {:.1} % of the energy it took up",
+        100.0 * .share
+    )]
+    NotQuasiStatic {
+        /// Time of the largest share, s.
+        time: f64,
+        /// Kinetic energy over the energy that the film took up.
+        share: f64,
+    },
+    /// An inflated film still moves at the end.
+    #[error(
+        "not at rest: at the end, {time:.6} s, the deflection still changed by {:.2} % in the last tenth of the run",
+        100.0 * .change
+    )]
+    NotAtRest {
+        /// End of the run, s.
+        time: f64,
+        /// Change of the deflection over the last tenth of the run, over the deflection.
+        change: f64,
+    },
+    /// The energy balance is lost.
+    #[error("the energy balance is off by {:.1} % of the energy exchanged at {time:.6} s", 100.0 * .error)]
+    EnergyBalance {
+        /// s.
+        time: f64,
+        /// Error over the energy exchanged.
+        error: f64,
+    },
+}

@@ -1,0 +1,109 @@
+//! The bounds that a run is watched for while it steps.
+
+use serde::{Deserialize, Serialize};
+
+use super::Film;
+use super::warning::{Warning, bounds};
+use crate::engine::{self, ContactState, ElementStrain, View};
+use crate::model::MOST_IN_FRAMES;
+
+/// Figures that are known only at the end of a run.
+pub(super) struct Figures {
+    /// Error of the energy balance.
+    pub(super) balance: f64,
+    /// Share of the straining outside the measured rates.
+    pub(super) outside: f64,
+    /// Kinetic share of a slow test.
+    pub(super) kinetic: Option<f64>,
+    /// Snapshots asked for and taken.
+    pub(super) snapshots: [usize; 2],
+    /// Whether the impactor is still in contact at the end.
+    pub(super) unfinished: bool,
+}
+
+/// For each bound the first time at which it was exceeded, and the largest excess.
+#[derive(Default, Serialize, Deserialize)]
+pub(super) struct Monitor {
+    edge: Option<(f64, f64)>,
+    penetration: Option<(f64, f64)>,
+    frame_hit: Option<f64>,
+    localised: Option<(f64, f64, usize)>,
+}
+
+/// Intact elements, by their number among such, that share a node with the one of number `element`.
+fn neighbours(film: &engine::Film, element: usize) -> Vec<usize> {
+    let (mut corners, mut place) = (vec![], 0);
+    film.for_each_intact(|c| {
+        if place == element {
+            corners.extend_from_slice(c);
+        }
+        place += 1;
+    });
+    let (mut beside, mut place) = (vec![], 0);
+    film.for_each_intact(|c| {
+        if place != element && c.iter().any(|n| corners.contains(n)) {
+            beside.push(place);
+        }
+        place += 1;
+    });
+    beside
+}
+
+impl Monitor {
+    /// Records the state of contact at `time` (s) on an impactor of `size` (m).
+    pub(super) fn contact(&mut self, time: f64, size: f64, seen: &ContactState) {
+        let (edge, depth) = (seen.longest_edge / size, seen.penetration / size);
+        if edge > bounds::EDGE && self.edge.is_none_or(|(_, worst)| edge > worst) {
+            self.edge = Some((self.edge.map_or(time, |c| c.0), edge));
+        }
+        if depth > bounds::PENETRATION && self.penetration.is_none_or(|(_, worst)| depth > worst) {
+            self.penetration = Some((self.penetration.map_or(time, |c| c.0), depth));
+        }
+        if seen.frame_hit && self.frame_hit.is_none() {
+            self.frame_hit = Some(time);
+        }
+    }
+
+    /// Looks for an element that is strained much more than its neighbours.
+    pub(super) fn strain(&mut self, view: &View<'_>, strains: &[Vec<ElementStrain>]) {
+        if self.localised.is_some() {
+            return;
+        }
+        for (face, (film, strains)) in view.films.iter().zip(strains).enumerate() {
+            let largest = |s: &ElementStrain| s.strain[0].max(s.strain[1]);
+            let intact: Vec<f64> = strains.iter().filter(|s| s.volume > 0.0).map(largest).collect();
+            let Some(worst) = (0..intact.len()).max_by(|a, b| intact[*a].total_cmp(&intact[*b])) else { continue };
+            if intact[worst] < bounds::LOCALISED_STRAIN {
+                continue;
+            }
+            let around: Vec<f64> = neighbours(film, worst).into_iter().map(|k| intact[k]).collect();
+            let mean = around.iter().sum::<f64>() / around.len().max(1) as f64;
+            if !around.is_empty() && intact[worst] > bounds::LOCALISATION * mean {
+                self.localised = Some((view.time, intact[worst], face + 1));
+            }
+        }
+    }
+
+    /// The warnings of a run on `films` that ended with `figures`.
+    pub(super) fn finish(self, figures: &Figures, films: &[Film]) -> Vec<Warning> {
+        let Figures { balance, outside, kinetic, snapshots: [wanted, taken], unfinished } = *figures;
+        let misshapen = films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < bounds::JACOBIAN);
+        let mut out: Vec<Warning> = misshapen
+            .map(|(face, film)| Warning::MisshapenElements { face: face + 1, quality: film.quality })
+            .collect();
+        out.extend(self.edge.map(|(time, edge)| Warning::CoarseContact { time, edge }));
+        out.extend(self.penetration.map(|(time, depth)| Warning::Penetration { time, depth }));
+        out.extend(self.frame_hit.map(|time| Warning::FrameHit { time }));
+        out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
+        out.extend(unfinished.then_some(Warning::Unfinished));
+        out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: MOST_IN_FRAMES }));
+        out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));
+        out.extend((outside > bounds::RATES).then_some(Warning::StrainRateOutside { share: outside }));
+        out.extend(kinetic.and_then(|share| match share {
+            share if share > bounds::KINETIC => Some(Warning::NotQuasiStatic { share }),
+            share if share > bounds::NEARLY => Some(Warning::NearlyQuasiStatic { share }),
+            _ => None,
+        }));
+        out
+    }
+}

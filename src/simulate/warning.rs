@@ -1,0 +1,258 @@
+//! Warnings of a run.
+
+use std::fmt;
+
+use serde_json::{Map, Value};
+
+use crate::finding::{Code, Report, codes};
+use crate::mesh::Quality;
+
+codes! {
+    MISSHAPEN_ELEMENTS = "misshapen-elements", Warning,
+        "an element of the mesh has a small scaled Jacobian: it is far from a square or an equilateral triangle, and its \
+         strains and its stable time step are poor",
+        "mesh the outline again with better shaped elements; `droptower check` names the worst of them";
+    COARSE_CONTACT = "coarse-contact", Warning,
+        "elements in contact are large compared with the impactor, so that the film follows its shape only roughly",
+        "use a smaller `specimen.mesh.size`";
+    PENETRATION = "penetration", Warning,
+        "faces of elements between nodes in contact reach into the impactor",
+        "use a smaller `specimen.mesh.size`";
+    FRAME_HIT = "frame-hit", Warning,
+        "the impactor reached nodes that the frame clamps; the frame itself is not modelled, so that the motion from then on \
+         is not that of a test",
+        "shorten the test or use a stiffer film or a lower impact energy";
+    STRAIN_LOCALISATION = "strain-localisation", Warning,
+        "one element is strained much more than its neighbours; with a softening law or a coarse mesh the result from then on \
+         depends on the mesh",
+        "compare with a finer `specimen.mesh.size` and do not use figures from after that time";
+    UNFINISHED = "unfinished", Warning,
+        "the run ends while the impactor is still in contact, so that rebound and energy absorption are not final",
+        "use a longer `loading.impact.duration`";
+    FEWER_SNAPSHOTS = "fewer-snapshots", Warning,
+        "the recording holds fewer states of the film than `output.frames`, because more of so fine a mesh would take too \
+         much memory; signals and figures are not affected",
+        "use a lower `output.frames` or a larger `specimen.mesh.size`";
+    ENERGY_BALANCE = "energy-balance", Warning,
+        "the sum of all energies changed by more than 1 % of the energy exchanged; above 10 % the run stops",
+        "use a smaller `solver.step_factor` or a finer mesh";
+    STRAIN_RATE_OUTSIDE = "strain-rate-outside", Warning,
+        "more than 5 % of the film's straining lies outside the strain rates at which its curves were measured",
+        "use curves that were measured at the rates of the test (`strain_rates` in the summary)";
+    NOT_QUASI_STATIC = "not-quasi-static", Warning,
+        "the kinetic energy of the film exceeds 1 % of the energy that it took up: inertia affects the force",
+        "load more slowly or set a lower `mass_scaling`";
+    NEARLY_QUASI_STATIC = "nearly-quasi-static", Warning,
+        "the kinetic energy of the film exceeds 0.2 % of the energy that it took up; the bound is 1 %",
+        "load more slowly or set a lower `mass_scaling` where accuracy matters";
+}
+
+/// What puts figures of a run in doubt. Faces are counted from one, times are in s.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// The mesh of a face has an element with a small scaled Jacobian.
+    MisshapenElements {
+        /// The face.
+        face: usize,
+        /// Shape of its elements, the worst of them.
+        quality: Quality,
+    },
+    /// Elements in contact are large compared with the impactor.
+    CoarseContact {
+        /// When the bound was exceeded first.
+        time: f64,
+        /// Longest edge in contact over the radius of the impactor.
+        edge: f64,
+    },
+    /// Faces reach into the impactor.
+    Penetration {
+        /// When the bound was exceeded first.
+        time: f64,
+        /// Largest penetration over the radius of the impactor.
+        depth: f64,
+    },
+    /// The impactor reached the clamped edge.
+    FrameHit {
+        /// When it did first.
+        time: f64,
+    },
+    /// One element is strained much more than its neighbours.
+    StrainLocalisation {
+        /// When it was seen first.
+        time: f64,
+        /// Largest engineering strain of the element.
+        strain: f64,
+        /// Its face.
+        face: usize,
+    },
+    /// The impactor is still in contact at the end.
+    Unfinished,
+    /// Fewer snapshots than asked for.
+    FewerSnapshots {
+        /// Asked for.
+        wanted: usize,
+        /// Taken.
+        taken: usize,
+        /// Memory that all snapshots may take, bytes.
+        memory: f64,
+    },
+    /// The energy balance is off.
+    EnergyBalance {
+        /// Largest error over the energy exchanged.
+        error: f64,
+    },
+    /// Straining outside the measured strain rates.
+    StrainRateOutside {
+        /// Share of the straining.
+        share: f64,
+    },
+    /// A slow test whose inertia matters.
+    NotQuasiStatic {
+        /// Largest share of kinetic energy in the energy that the film took up.
+        share: f64,
+    },
+    /// A slow test whose inertia nearly matters.
+    NearlyQuasiStatic {
+        /// Largest share of kinetic energy in the energy that the film took up.
+        share: f64,
+    },
+}
+
+/// Bounds above which a run is warned of.
+pub(super) mod bounds {
+    /// Scaled Jacobian of an element, a lower bound.
+    pub(in crate::simulate) const JACOBIAN: f64 = 0.3;
+    /// Edge of an element in contact over the radius of the impactor.
+    pub(in crate::simulate) const EDGE: f64 = 0.25;
+    /// Penetration over the radius of the impactor.
+    pub(in crate::simulate) const PENETRATION: f64 = 0.01;
+    /// Strain of one element over the mean of its neighbours.
+    pub(in crate::simulate) const LOCALISATION: f64 = 2.0;
+    /// Strain below which localisation is not looked for.
+    pub(in crate::simulate) const LOCALISED_STRAIN: f64 = 0.5;
+    /// Error of the energy balance.
+    pub(in crate::simulate) const BALANCE: f64 = 0.01;
+    /// Share of straining outside the measured rates.
+    pub(in crate::simulate) const RATES: f64 = 0.05;
+    /// Kinetic share of a quasi-static test.
+    pub(in crate::simulate) const KINETIC: f64 = 0.01;
+    /// Kinetic share of a test that is nearly not quasi-static.
+    pub(in crate::simulate) const NEARLY: f64 = 0.2 * KINETIC;
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (ms, percent) = (|t: &f64| 1e3 * t, |share: &f64| 100.0 * share);
+        match self {
+            Warning::MisshapenElements { face, quality } => write!(f, "misshapen elements in face {face}: {quality}"),
+            Warning::CoarseContact { time, edge } => write!(
+                f,
+                "coarse contact: from {:.1} ms edges in contact are up to {edge:.2} of the impactor's radius (bound {})",
+                ms(time),
+                bounds::EDGE
+            ),
+            Warning::Penetration { time, depth } => write!(
+                f,
+                "penetration: from {:.1} ms faces reach up to {:.1} % of the radius into the impactor (bound {:.0} %)",
+                ms(time),
+                percent(depth),
+                percent(&bounds::PENETRATION)
+            ),
+            Warning::FrameHit { time } => write!(
+                f,
+                "the impactor reached the clamped edge at {:.1} ms: the frame itself is not modelled",
+                ms(time)
+            ),
+            Warning::StrainLocalisation { time, strain, face } => write!(
+                f,
+                "strain localisation: at {:.1} ms one element of face {face} is strained to {strain:.2}, over {} times its \
+                 neighbours; the result depends on the mesh from there on",
+                ms(time),
+                bounds::LOCALISATION
+            ),
+            Warning::Unfinished => f.write_str(
+                "the run ends while the impactor is still in contact: rebound and energy absorption are not final",
+            ),
+            Warning::FewerSnapshots { wanted, taken, memory } => write!(
+                f,
+                "the recording holds {taken} states of the film instead of {wanted}: more of so fine a mesh would take more \
+                 than {:.1} GB",
+                1e-9 * memory
+            ),
+            Warning::EnergyBalance { error } => {
+                write!(f, "energy balance error {:.1} % of the energy exchanged", percent(error))
+            }
+            Warning::StrainRateOutside { share } => write!(
+                f,
+                "strain rate: {:.0} % of the straining lies outside the rates at which the curves were measured",
+                percent(share)
+            ),
+            Warning::NotQuasiStatic { share } => {
+                write!(f, "not quasi-static: kinetic energy is up to {:.1} % of the film's", percent(share))
+            }
+            Warning::NearlyQuasiStatic { share } => write!(
+                f,
+                "barely quasi-static: kinetic energy is up to {:.1} % of the film's (bound {:.0} %)",
+                percent(share),
+                percent(&bounds::KINETIC)
+            ),
+        }
+    }
+}
+
+impl Report for Warning {
+    fn code(&self) -> &'static Code {
+        match self {
+            Warning::MisshapenElements { .. } => &MISSHAPEN_ELEMENTS,
+            Warning::CoarseContact { .. } => &COARSE_CONTACT,
+            Warning::Penetration { .. } => &PENETRATION,
+            Warning::FrameHit { .. } => &FRAME_HIT,
+            Warning::StrainLocalisation { .. } => &STRAIN_LOCALISATION,
+            Warning::Unfinished => &UNFINISHED,
+            Warning::FewerSnapshots { .. } => &FEWER_SNAPSHOTS,
+            Warning::EnergyBalance { .. } => &ENERGY_BALANCE,
+            Warning::StrainRateOutside { .. } => &STRAIN_RATE_OUTSIDE,
+            Warning::NotQuasiStatic { .. } => &NOT_QUASI_STATIC,
+            Warning::NearlyQuasiStatic { .. } => &NEARLY_QUASI_STATIC,
+        }
+    }
+
+    fn figures(&self) -> Map<String, Value> {
+        let figures: &[(&str, Value)] = match *self {
+            Warning::MisshapenElements { face, quality } => {
+                &[("face", face.into()), ("scaled_jacobian", quality.jacobian.into())]
+            }
+            Warning::CoarseContact { time, edge } => &[("time_s", time.into()), ("edge_over_radius", edge.into())],
+            Warning::Penetration { time, depth } => {
+                &[("time_s", time.into()), ("penetration_over_radius", depth.into())]
+            }
+            Warning::FrameHit { time } => &[("time_s", time.into())],
+            Warning::StrainLocalisation { time, strain, face } => {
+                &[("time_s", time.into()), ("strain", strain.into()), ("face", face.into())]
+            }
+            Warning::Unfinished => &[],
+            Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
+            Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],
+            Warning::StrainRateOutside { share } => &[("share", share.into())],
+            Warning::NotQuasiStatic { share } | Warning::NearlyQuasiStatic { share } => {
+                &[("kinetic_share", share.into())]
+            }
+        };
+        figures.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::finding::Finding;
+
+    #[test]
+    fn a_warning_states_the_fact_and_its_figures() {
+        let finding = Finding::new(&Warning::CoarseContact { time: 0.0123, edge: 0.4 });
+        let message =
+            "coarse contact: from 12.3 ms edges in contact are up to 0.40 of the impactor's radius (bound 0.25)";
+        assert_eq!((finding.code.as_str(), finding.message.as_str()), ("coarse-contact", message));
+        assert_eq!(serde_json::to_string(&finding.figures).unwrap(), r#"{"time_s":0.0123,"edge_over_radius":0.4}"#);
+    }
+}
