@@ -1,4 +1,4 @@
-//! `droptower check`: everything that is wrong with scenarios and materials, at once.
+//! `droptower check`: scenarios and materials checked without running them, all mistakes at once.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ pub struct CheckArgs {
     pub selection: Selection,
 }
 
-/// What was found in one file.
+/// The mistakes of one file.
 #[derive(Serialize)]
 struct Verdict {
     path: String,
@@ -50,7 +50,7 @@ pub fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
     if wrong.is_empty() { Ok(()) } else { Err(wrong.into()) }
 }
 
-/// What is wrong with the file, as the scenario or the material that it is.
+/// The mistakes of a scenario or a material.
 fn mistakes(path: &Path, assignments: &[Assignment]) -> Vec<Diagnostic> {
     let is_material = Document::read(path).is_ok_and(|document| document.is_material());
     if !is_material {

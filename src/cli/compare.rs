@@ -1,4 +1,4 @@
-//! `droptower compare`: several runs laid over each other.
+//! `droptower compare`: several runs compared with the first.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::store::{self, Draft, StoredRun, StoredRunError, run_files};
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    /// Run folders, or files of signals; the others are held against the first
+    /// Run folders, or files of signals; each is compared with the first
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
     /// Folder for the results
@@ -23,7 +23,7 @@ pub struct CompareArgs {
     /// Compare this signal alone, by its name in signals.csv; may be given several times
     #[arg(long, value_name = "NAME")]
     pub signal: Vec<String>,
-    /// Show every figure, also where all runs agree
+    /// Print every figure, also where all runs agree
     #[arg(long)]
     pub all: bool,
 }
@@ -42,7 +42,7 @@ pub fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     })
 }
 
-/// The runs, read back; at least two, each once.
+/// The stored runs; at least two, each once.
 fn stored(places: &[PathBuf]) -> Result<Vec<StoredRun>, Vec<Diagnostic>> {
     let (mut runs, mut mistakes): (Vec<StoredRun>, Vec<Diagnostic>) = (vec![], vec![]);
     for (index, place) in places.iter().enumerate() {
@@ -56,8 +56,8 @@ fn stored(places: &[PathBuf]) -> Result<Vec<StoredRun>, Vec<Diagnostic>> {
         }
     }
     if places.len() < 2 {
-        let mistake = Diagnostic::new("one run has nothing to be compared with");
-        mistakes.push(mistake.hint("name two or more: droptower compare runs/a runs/b"));
+        let mistake = Diagnostic::new("expected two or more runs, found one");
+        mistakes.push(mistake.hint("compare them like this: droptower compare runs/a runs/b"));
     }
     if mistakes.is_empty() { Ok(runs) } else { Err(mistakes) }
 }
@@ -65,8 +65,9 @@ fn stored(places: &[PathBuf]) -> Result<Vec<StoredRun>, Vec<Diagnostic>> {
 fn unreadable(error: &StoredRunError) -> Diagnostic {
     match error {
         StoredRunError::Signals(error) => recording(error),
-        StoredRunError::Missing { .. } | StoredRunError::NotARun { .. } => Diagnostic::new(error.to_string())
-            .hint("a run folder is what `droptower run` leaves, such as runs/drop/1008"),
+        StoredRunError::Missing { .. } | StoredRunError::NotARun { .. } => {
+            Diagnostic::new(error.to_string()).hint("`droptower run` writes run folders, such as runs/drop/1008")
+        }
         StoredRunError::Summary { .. } | StoredRunError::NoFigures { .. } | StoredRunError::Scenario { .. } => {
             Diagnostic::new(error.to_string()).hint("run the scenario again, or compare its signals.csv alone")
         }
@@ -74,16 +75,16 @@ fn unreadable(error: &StoredRunError) -> Diagnostic {
     }
 }
 
-/// The results take the place of nothing that is not theirs, and of none of the runs.
+/// Checks that the results replace neither files of the user nor any of the runs.
 fn free(args: &CompareArgs) -> Result<(), Vec<Diagnostic>> {
     let mistake = |mistake: Diagnostic| vec![mistake];
     store::check_places(std::slice::from_ref(&args.out)).map_err(|error| mistake(storing(&error)))?;
     let replaced = args.runs.iter().find(|run| is_same(run, &args.out) || run.starts_with(&args.out));
-    // What `droptower run` leaves has signals, a comparison has none.
+    // A run folder has signals, the folder of a comparison has none.
     let is_run = || args.out.join(run_files::SIGNALS).exists();
     let message = match replaced {
-        Some(run) => format!("the results would take the place of {}, which is compared", shown_path(run)),
-        None if is_run() => format!("the results would take the place of the run {}", shown_path(&args.out)),
+        Some(run) => format!("the results would replace {}, which is compared", shown_path(run)),
+        None if is_run() => format!("the results would replace the run {}", shown_path(&args.out)),
         None => return Ok(()),
     };
     Err(mistake(Diagnostic::new(message).hint("give another --out")))
@@ -96,7 +97,7 @@ fn is_same(one: &Path, other: &Path) -> bool {
     }
 }
 
-/// Every signal that is asked for is there.
+/// Checks that every signal that is asked for is one of a run.
 fn check_signals(runs: &[StoredRun], wanted: &[String]) -> Result<(), Diagnostic> {
     let there: Vec<&str> =
         runs.iter().flat_map(|run| &run.signals.channels).map(|channel| channel.name.as_str()).collect();
@@ -111,7 +112,7 @@ fn check_signals(runs: &[StoredRun], wanted: &[String]) -> Result<(), Diagnostic
     })
 }
 
-/// What differs, and what came out; every line ends with a line break.
+/// What differs between the scenarios, then figures, errors of signals and notes; every line ends with a line break.
 fn text(comparison: &RunComparison, all: bool) -> String {
     let names: Vec<String> = comparison.runs.iter().map(|run| run.name.clone()).collect();
     let part = |words: &str, rows: Vec<Vec<String>>| {
@@ -138,7 +139,7 @@ fn text(comparison: &RunComparison, all: bool) -> String {
     .concat()
 }
 
-/// Letters of a cell that are shown.
+/// Most characters of a cell.
 const LONGEST: usize = 40;
 
 fn cut(cell: String) -> String {

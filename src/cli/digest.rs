@@ -38,22 +38,22 @@ pub fn folder(place: &Path, files: &[String]) -> String {
     format!("  {}: {}\n", shown_path(place), gathered(files).join("  "))
 }
 
-/// Most files of one folder, or of none, that are named one by one.
+/// Most files of one folder that are named one by one.
 const MOST_NAMED: usize = 9;
 
-/// The names, where a folder holds many only the folder and how many.
+/// The names; of a folder that holds many, its name and their number.
 fn gathered(files: &[String]) -> Vec<String> {
     let folder = |name: &str| name.rsplit_once('/').map_or(String::new(), |(folder, _)| folder.to_owned());
     let mut counts: HashMap<String, usize> = HashMap::new();
     for name in files {
         *counts.entry(folder(name)).or_default() += 1;
     }
-    let mut said = HashSet::new();
+    let mut named = HashSet::new();
     let mut entry = |name: &String| {
         let folder = folder(name);
         let count = counts.get(&folder).copied().filter(|count| !folder.is_empty() && *count > MOST_NAMED);
         let Some(count) = count else { return Some(name.clone()) };
-        said.insert(folder.clone()).then(|| format!("{folder}/ ({count} files)"))
+        named.insert(folder.clone()).then(|| format!("{folder}/ ({count} files)"))
     };
     files.iter().filter_map(&mut entry).collect()
 }
@@ -133,7 +133,7 @@ fn inflation(measures: &Inflation) -> String {
     )
 }
 
-/// How far a slow test was from equilibrium, and what it took to be as near.
+/// The kinetic share of a slow test and the factor on its mass.
 fn steadiness(audit: &Audit) -> String {
     match (audit.mass_scaling, audit.kinetic_share) {
         (Some(scaling), Some(share)) => {

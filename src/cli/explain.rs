@@ -15,7 +15,7 @@ pub struct ExplainArgs {
     pub path: Option<String>,
 }
 
-/// What is known of one key.
+/// The entry of one key.
 #[derive(Serialize)]
 struct Explanation {
     key: String,
@@ -62,7 +62,7 @@ fn top_keys() -> impl Iterator<Item = &'static Key> {
     grammar::scenario().table().into_iter().flat_map(|table| &table.keys)
 }
 
-/// The key at `path` and its name; a number in the path (an item of a list) is passed over.
+/// The key at `path` and its name; a number in the path (an item of a list) is skipped.
 fn find(path: &str) -> Result<(String, &'static Key), Diagnostic> {
     let mut rule = grammar::scenario();
     let mut name = String::new();
@@ -83,7 +83,7 @@ fn find(path: &str) -> Result<(String, &'static Key), Diagnostic> {
     found.map(|key| (name, key)).ok_or_else(|| Diagnostic::new(format!("`{path}` is not a key")))
 }
 
-/// The keys whose paths end with `path`, where they are few.
+/// The keys whose paths end with `path`, if there are at most three.
 fn ending(path: &str) -> Option<String> {
     let suffix = format!(".{path}");
     let all = top_keys().flat_map(|key| paths(&key.name, key));

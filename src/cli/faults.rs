@@ -28,7 +28,7 @@ pub fn reading(error: &ReadError) -> Vec<Diagnostic> {
     }
 }
 
-/// What would go wrong after the run.
+/// A reference or post script that cannot be used after the run.
 pub fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
     match error {
         PrepareError::Script(error) => reading(error),
@@ -37,7 +37,7 @@ pub fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
     }
 }
 
-/// What went wrong after the run.
+/// A measurement or post script that failed after the run.
 pub fn evaluating(error: &EvaluateError) -> Diagnostic {
     match error {
         EvaluateError::Script(fault) => script(fault),
@@ -50,7 +50,7 @@ pub fn storing(error: &StoreError) -> Diagnostic {
     Diagnostic::new(error.to_string())
 }
 
-/// A recording that cannot be read, with the line in question.
+/// A recording that cannot be read, with the line at fault.
 pub fn recording(error: &file::ReadError) -> Diagnostic {
     let mistake = match error.place() {
         Some((path, line, column)) => match line_of(&path, line) {
@@ -65,7 +65,7 @@ pub fn recording(error: &file::ReadError) -> Diagnostic {
     Diagnostic { hint: error.hint(), ..mistake }
 }
 
-/// A channel of the file at `path` that is not what the command works on.
+/// A channel of the file at `path` of another quantity than the command expects.
 pub fn quantity(path: &Path, error: &QuantityError) -> Diagnostic {
     let mistake = Diagnostic::new(format!("{}: {error}", shown_path(path)));
     match error {
@@ -77,7 +77,7 @@ pub fn quantity(path: &Path, error: &QuantityError) -> Diagnostic {
 /// Most of a line that a diagnostic shows, bytes.
 const LONGEST_SHOWN: u64 = 4096;
 
-/// The line `number` of a file that may be large; the lines before it are not held.
+/// The line `number` of a file that may be large; the lines before it are not held in memory.
 fn line_of(path: &Path, number: usize) -> Option<String> {
     let mut file = BufReader::new(File::open(path).ok()?);
     for _ in 1..number {

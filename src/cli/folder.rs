@@ -1,4 +1,4 @@
-//! What goes into a run folder.
+//! Writes the files of a run folder.
 
 use std::io;
 
@@ -13,17 +13,17 @@ use crate::signal::{Recording, csv};
 use crate::simulate::Outcome;
 use crate::store::{Draft, StoreError, run_files};
 
-/// A run, finished or broken off.
+/// A run, complete or failed.
 pub struct Contents<'a> {
     pub model: &'a Model,
     pub outcome: &'a Outcome,
-    /// `None` where a run that broke off cannot be measured.
+    /// `None` where a failed run cannot be measured.
     pub results: Option<&'a Results>,
     pub scenario: &'a str,
     /// Text of the post script that `scenario` reads as [`run_files::POST_SCRIPT`].
     pub script: Option<&'a str>,
     pub failure: Option<&'a str>,
-    /// Whether ParaView is to see it, too.
+    /// Whether the snapshots are also written for ParaView.
     pub vtu: bool,
 }
 
@@ -56,7 +56,7 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
     Ok(files.names)
 }
 
-/// Writes what a study leaves into the draft and gives the names of the files.
+/// Writes all files of a study into the draft and gives their names.
 pub fn fill_study(draft: &Draft, study: &StudyPage, summary: &Map<String, Value>) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
     files.write(run_files::SUMMARY, json(summary)?)?;
@@ -67,7 +67,7 @@ pub fn fill_study(draft: &Draft, study: &StudyPage, summary: &Map<String, Value>
     Ok(files.names)
 }
 
-/// Writes runs laid over each other into the draft and gives the names of the files.
+/// Writes all files of a comparison into the draft and gives their names.
 pub fn fill_comparison(draft: &Draft, comparison: &RunComparison) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
     files.write(run_files::SUMMARY, json(&comparison.summary())?)?;
@@ -89,7 +89,7 @@ impl Files<'_> {
         Ok(())
     }
 
-    /// The page, which names the files that stand beside it.
+    /// Writes the page, which lists the files written before it.
     fn page(&mut self, contents: &Contents, results: &Results) -> Result<(), StoreError> {
         let Contents { model, outcome, scenario, failure, .. } = *contents;
         let page = report::run_page(&RunPage { model, outcome, results, scenario, failure, files: &self.names });

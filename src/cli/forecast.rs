@@ -1,4 +1,4 @@
-//! How long a run will take, told at its start where it is long.
+//! Forecast of the wall time of a long run.
 
 use std::time::Duration;
 
@@ -9,24 +9,24 @@ use crate::report::significant;
 use crate::simulate::Progress;
 use crate::units::Time;
 
-/// Wall time of a run that is told before, s.
+/// Wall time from which a forecast is printed, s.
 const LONG: f64 = 3600.0;
 
-/// What is watched before it is foretold: the first steps warm the caches and the curves.
+/// Wall time that is measured before the forecast: the first steps fill caches and curves.
 const WATCHED: Duration = Duration::from_secs(1);
 
-/// Wall time between two checkpoints that is proposed, s.
+/// Wall time between two checkpoints that the forecast proposes, s.
 const BETWEEN_CHECKPOINTS: f64 = 600.0;
 
-/// Watches the first second of a run.
+/// Measures the first second of a run.
 #[derive(Default)]
 pub struct Forecast {
-    /// Wall time and steps at the first look.
+    /// Wall time and steps at the first call.
     first: Option<(Duration, u64)>,
-    told: bool,
+    done: bool,
 }
 
-/// What is left of a run.
+/// The rest of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Left {
     /// s.
@@ -38,14 +38,14 @@ pub struct Left {
 }
 
 impl Forecast {
-    /// Looks at a run that has taken `wall` so far: once, after the first second of stepping, what is left of it if that is
-    /// long. Steps are taken to stay as long as they are; film that yields lets them grow.
-    pub fn look(&mut self, progress: &Progress, wall: Duration) -> Option<Left> {
+    /// The rest of a run that has taken `wall` so far, if it is long; given once, after the first second of stepping. The
+    /// time step is taken as constant; yielding film makes it longer.
+    pub fn update(&mut self, progress: &Progress, wall: Duration) -> Option<Left> {
         let (before, steps) = *self.first.get_or_insert((wall, progress.steps));
-        if self.told || wall - before < WATCHED || progress.steps == steps {
+        if self.done || wall - before < WATCHED || progress.steps == steps {
             return None;
         }
-        self.told = true;
+        self.done = true;
         let per_step = (wall - before).as_secs_f64() / (progress.steps - steps) as f64;
         let steps = (progress.duration - progress.time).max(0.0) / progress.time_step;
         let per_element_step = 1e9 * per_step / progress.elements.max(1) as f64;
@@ -55,25 +55,25 @@ impl Forecast {
 }
 
 impl Left {
-    /// What the terminal says; `keeps` tells whether the run leaves checkpoints.
-    pub fn told(&self, model: &Model, keeps: bool) -> String {
+    /// The message of the terminal; `has_checkpoints` is whether the run writes checkpoints.
+    pub fn message(&self, model: &Model, has_checkpoints: bool) -> String {
         let Left { wall, per_element_step, steps, progress } = self;
         let mut cheaper = vec![];
         if !matches!(model.specimen.shape, Outline::Mesh(_)) {
-            cheaper.push("twice the specimen.mesh.size takes an eighth of it".to_owned());
+            cheaper.push("twice the specimen.mesh.size takes an eighth of the time".to_owned());
         }
         if model.specimen.symmetry == Symmetry::None {
-            cheaper.push("a specimen.symmetry, where the scene has one, half or a quarter".to_owned());
+            cheaper.push("specimen.symmetry, where the scene is symmetric, takes a half or a quarter".to_owned());
         }
-        if !keeps {
+        if !has_checkpoints {
             let every = rounded(progress.duration * BETWEEN_CHECKPOINTS / wall);
-            cheaper.push(format!("--checkpoint-every \"{}\" lets it go on after an interruption", Time(every)));
+            cheaper.push(format!("--checkpoint-every \"{}\" allows it to resume after an interruption", Time(every)));
         }
         let hint: String = cheaper.iter().map(|way| format!("\n  {way}")).collect();
         format!(
             "{} will take about {}: {} elements, {} steps of {} us to go, {per_element_step:.0} ns per element step{hint}",
             model.name,
-            spoken(*wall),
+            in_words(*wall),
             grouped(progress.elements as u64),
             grouped(significant(*steps, 2).parse::<f64>().unwrap_or(*steps) as u64),
             short(1e6 * progress.time_step),
@@ -87,7 +87,7 @@ fn rounded(value: f64) -> f64 {
 }
 
 /// A long time in hours and minutes, or days and hours.
-fn spoken(seconds: f64) -> String {
+fn in_words(seconds: f64) -> String {
     let minutes = (seconds / 60.0).round() as u64;
     let hours = (seconds / 3600.0).round() as u64;
     if hours < 48 {
@@ -108,33 +108,33 @@ mod tests {
     }
 
     #[test]
-    fn a_long_run_is_foretold_once_after_a_second() {
+    fn a_long_run_is_forecast_once_after_a_second() {
         let mut forecast = Forecast::default();
-        let mut look = |millis, steps| forecast.look(&after(steps), Duration::from_millis(millis));
-        assert!(look(300, 10).is_none());
-        assert!(look(1200, 15).is_none(), "not a second of stepping yet");
-        let left = look(2300, 20).expect("100 000 steps of 0.2 s are long");
+        let mut update = |millis, steps| forecast.update(&after(steps), Duration::from_millis(millis));
+        assert!(update(300, 10).is_none());
+        assert!(update(1200, 15).is_none(), "not a second of stepping yet");
+        let left = update(2300, 20).expect("100 000 steps of 0.2 s are long");
         assert!((left.wall - 0.2 * (100_000.0 - 20.0)).abs() < 1e-6 * left.wall, "{left:?}");
         assert!((left.per_element_step - 2000.0).abs() < 1e-9);
-        assert!(look(9000, 30).is_none(), "it is said once");
+        assert!(update(9000, 30).is_none(), "there is one forecast");
     }
 
     #[test]
-    fn a_run_of_less_than_an_hour_is_not() {
+    fn a_run_of_less_than_an_hour_has_no_forecast() {
         for (steps_a_second, long) in [(29, false), (27, true)] {
             let mut forecast = Forecast::default();
-            forecast.look(&after(1), Duration::from_millis(200));
-            let left = forecast.look(&after(1 + steps_a_second), Duration::from_millis(1200));
+            forecast.update(&after(1), Duration::from_millis(200));
+            let left = forecast.update(&after(1 + steps_a_second), Duration::from_millis(1200));
             assert_eq!(left.is_some(), long, "{steps_a_second} steps a second: {left:?}");
         }
     }
 
     #[test]
-    fn times_are_spoken() {
+    fn long_times_are_in_hours_or_days() {
         for (seconds, expected) in
             [(3600.0, "1 h 00 min"), (7790.0, "2 h 10 min"), (100_000.0, "27 h 47 min"), (180_000.0, "2 d 2 h")]
         {
-            assert_eq!(spoken(seconds), expected);
+            assert_eq!(in_words(seconds), expected);
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::scenario::{Document, Value};
 
 #[derive(Debug, Args)]
 pub struct ListArgs {
-    /// The folder to look through
+    /// The folder to search
     #[arg(default_value = "scenarios")]
     pub folder: PathBuf,
 }
@@ -21,7 +21,7 @@ pub struct ListArgs {
 struct Listed {
     name: String,
     path: String,
-    /// None where the file cannot be read; `droptower check` says why.
+    /// `None` where the file cannot be read; `droptower check` gives the reason.
     title: Option<String>,
 }
 
@@ -37,7 +37,7 @@ pub fn run(args: &ListArgs, shared: &Shared) -> Result<(), Failure> {
     let lines: Vec<String> = listed
         .iter()
         .map(|scenario| {
-            let title = scenario.title.as_deref().unwrap_or("(wrong; see droptower check)");
+            let title = scenario.title.as_deref().unwrap_or("(not readable; see droptower check)");
             format!("{:width$}  {title}", scenario.path)
         })
         .collect();
@@ -50,7 +50,7 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, Diagnostic> {
     }
     let folder = glob::Pattern::escape(&folder.to_string_lossy());
     let paths = glob::glob(&format!("{folder}/**/*.toml"))
-        .map_err(|error| Diagnostic::new(format!("cannot look through {folder}: {error}")))?;
+        .map_err(|error| Diagnostic::new(format!("cannot search {folder}: {error}")))?;
     Ok(paths.filter_map(Result::ok).collect())
 }
 

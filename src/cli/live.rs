@@ -1,4 +1,4 @@
-//! `--live`: a run in a running viewer while it goes. Whatever goes wrong with the viewer is a warning: the run goes on.
+//! `--live`: a run in an open viewer while it computes. A failure of the viewer is a warning: the run continues.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -12,11 +12,11 @@ use crate::simulate::SnapshotEvent;
 /// The viewer that shows runs.
 pub struct Viewer {
     address: Address,
-    /// Whether it did not answer or got stuck: then the other runs do without it too.
+    /// Whether it did not answer or stopped responding: then the other runs are not shown either.
     is_gone: AtomicBool,
 }
 
-/// A run on show, where there is anybody to show it to.
+/// A run that a viewer shows, if one answers.
 pub struct Show<'a> {
     live: Option<Live<'a>>,
     viewer: Option<&'a Viewer>,
@@ -26,17 +26,17 @@ pub struct Show<'a> {
 /// The viewer at an address.
 ///
 /// # Errors
-/// The address is none.
+/// The text is not an address.
 pub fn viewer(address: &str) -> Result<Viewer, Diagnostic> {
     let viewer = |address| Viewer { address, is_gone: AtomicBool::new(false) };
     address.parse().map(viewer).map_err(|error| {
-        let mistake = Diagnostic::new(format!("--live: `{address}` is no address of a viewer: {error}"));
+        let mistake = Diagnostic::new(format!("--live: expected the address of a viewer, found `{address}`: {error}"));
         mistake.hint(format!("write it like {}", Address::DEFAULT))
     })
 }
 
 impl<'a> Show<'a> {
-    /// Begins to show the run of `checked` from the text `scenario`, where there is a viewer and it answers.
+    /// Begins to show the run of `checked`, resolved as `scenario`, if there is a viewer and it answers.
     pub fn begin(viewer: Option<&'a Viewer>, checked: &'a Checked, scenario: &'a str, bar: &'a Bar) -> Show<'a> {
         let mut show = Show { live: None, viewer: viewer.filter(|viewer| !viewer.is_gone()), bar };
         if let Some(viewer) = show.viewer {
@@ -48,7 +48,7 @@ impl<'a> Show<'a> {
         show
     }
 
-    /// Whether anybody looks on.
+    /// Whether a viewer shows the run.
     pub fn is_on(&self) -> bool {
         self.live.is_some()
     }
@@ -63,7 +63,7 @@ impl<'a> Show<'a> {
         }
     }
 
-    /// Shows what was measured in the end, if anything was.
+    /// Shows the results, if there are any.
     pub fn finish(mut self, run: Option<&RunPage>) {
         let live = self.live.take().filter(|_| !self.viewer.is_some_and(Viewer::is_gone));
         if let Some(Err(error)) = live.map(|live| live.finish(run)) {
@@ -71,12 +71,12 @@ impl<'a> Show<'a> {
         }
     }
 
-    /// Warns of what goes wrong with a viewer, once of one that is gone.
+    /// Warns of a failure of the viewer; of one that is gone, once.
     fn warn(&self, error: &LiveError) {
         let is_gone = matches!(error, LiveError::NoAnswer { .. } | LiveError::Stuck { .. });
         let was_gone = is_gone && self.viewer.is_some_and(|viewer| viewer.is_gone.swap(true, Ordering::Relaxed));
         if !was_gone {
-            self.bar.warn(&format!("--live: {error}; the run and its recording do without"));
+            self.bar.warn(&format!("--live: {error}; the run continues without the viewer"));
         }
     }
 }

@@ -6,16 +6,16 @@ use crate::diagnostic::Diagnostic;
 use crate::report::RunPage;
 use crate::simulate::SnapshotEvent;
 
-/// A viewer, of which there is none.
+/// A viewer; this build has none.
 pub enum Viewer {}
 
-/// A run that nobody looks at.
+/// A run without a viewer.
 pub struct Show;
 
-/// Refuses every address.
+/// Refuses every address: this build has no recordings.
 pub fn viewer(_: &str) -> Result<Viewer, Diagnostic> {
-    let mistake = Diagnostic::new("--live: this build makes no recordings");
-    Err(mistake.hint("build it with the feature `rerun`, which it has unless --no-default-features is given"))
+    let mistake = Diagnostic::new("--live: this build writes no recordings");
+    Err(mistake.hint("build with the feature `rerun`, which is on unless --no-default-features is given"))
 }
 
 impl Show {

@@ -1,4 +1,4 @@
-//! The command line: one file a command, exit codes, and the one place that prints.
+//! The command line: one file a command, one failure with its exit status, and the one place that prints.
 
 mod check;
 mod checkpoint;
@@ -50,27 +50,27 @@ pub struct Shared {
     /// Print figures as JSON on standard output
     #[arg(long, global = true)]
     pub json: bool,
-    /// Threads to compute with; all cores where it is left out
+    /// Number of threads [default: all cores]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Print nothing but mistakes
+    /// Print errors only
     #[arg(long, short, global = true)]
     pub quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Simulate scenarios: compare, record, report
+    /// Run scenarios and write signals, figures, a page and a recording
     Run(run::RunArgs),
-    /// Say everything that is wrong with scenarios and materials, without running them
+    /// Check scenarios and materials without running them
     Check(check::CheckArgs),
     /// Print the JSON Schema of the scenario language, for editors
     Schema,
-    /// Say what a key means (unit, range, default), or what functions scripts have
+    /// Explain a key (unit, range, default), a script function or the code of a finding
     Explain(explain::ExplainArgs),
     /// Write a commented scenario to start from
     New(new::NewArgs),
-    /// Lay runs over each other: scenarios, figures and signals, held against the first
+    /// Compare runs with the first of them: scenarios, figures and signals
     Compare(compare::CompareArgs),
     /// List the scenarios of a folder
     List(list::ListArgs),
@@ -78,10 +78,10 @@ enum Command {
     View(view::ViewArgs),
     /// Run a Rhai script over scenarios
     Script(script::ScriptArgs),
-    /// Work on recordings without a simulation
+    /// Read, filter, convert, rate and reduce recordings
     #[command(subcommand)]
     Signal(signal::SignalCommand),
-    /// Work on coupon tests: recordings in, moduli, yield points and a material out
+    /// Reduce coupon tests to moduli, yield points, strength and a material
     #[command(subcommand)]
     Tensile(tensile::TensileCommand),
 }
@@ -119,11 +119,11 @@ fn run(command: &Command, shared: &Shared) -> Result<(), Failure> {
 /// Prints diagnostics on standard error, with colours on a terminal.
 pub fn print_diagnostics(diagnostics: &[Diagnostic]) {
     let styled = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
-    // Where standard error is closed, the exit status still tells.
+    // With standard error closed, the exit status is left.
     let _ = writeln!(io::stderr(), "{}", diagnostic::render(diagnostics, styled));
 }
 
-/// Prints text on standard output, without what would steer the terminal; a reader that closes the pipe (`| head`) is no failure.
+/// Prints text on standard output without control characters; a reader that closes the pipe (`| head`) is no failure.
 pub fn print(text: &str) -> Result<(), Failure> {
     match writeln!(io::stdout(), "{}", diagnostic::printable(text)) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -139,7 +139,7 @@ pub fn print_json(figures: &impl Serialize) -> Result<(), Failure> {
     print(&text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?)
 }
 
-/// Prints the figures of a command as the user wants them: as JSON, as text, or not at all.
+/// Prints the figures of a command as JSON, as text, or not at all, as `--json` and `--quiet` ask for.
 pub fn print_figures(shared: &Shared, figures: &impl Serialize, text: impl FnOnce() -> String) -> Result<(), Failure> {
     match (shared.json, shared.quiet) {
         (true, _) => print_json(figures),

@@ -13,11 +13,11 @@ use crate::diagnostic::{Diagnostic, shown_path};
 pub struct NewArgs {
     /// What to simulate
     pub kind: Kind,
-    /// The file to write; an existing one is left alone
+    /// The file to write; an existing file is not replaced
     pub path: PathBuf,
 }
 
-/// The tests that there is a template of.
+/// The tests for which there is a template.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Kind {
     /// A sphere on a wound film, as in the LLDPE study
@@ -28,7 +28,7 @@ pub enum Kind {
     Coupon,
     /// A slow probe into a clamped disc
     Indent,
-    /// A clamped disc blown up
+    /// A clamped disc inflated by pressure
     Pressure,
 }
 
@@ -55,7 +55,7 @@ pub fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
         Ok(()) if shared.quiet => Ok(()),
         Ok(()) => print(&format!("wrote {shown}; try: droptower check {shown}")),
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-            let mistake = Diagnostic::new(format!("{shown} exists already"));
+            let mistake = Diagnostic::new(format!("{shown} already exists"));
             Err(mistake.hint("give another name, or remove it first").into())
         }
         Err(error) => Err(Failure::output(Diagnostic::new(format!("cannot write {shown}: {error}")))),

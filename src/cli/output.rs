@@ -1,4 +1,4 @@
-//! Files that commands leave where the user says: whole or not at all, and never over what somebody else wrote.
+//! Files that commands write where the user says: whole or not at all, and never over a file that droptower did not write.
 
 use std::fs::{self, Metadata};
 use std::io::{self, BufWriter, Write};
@@ -10,21 +10,21 @@ use super::Failure;
 use crate::diagnostic::{Diagnostic, folder_of, shown_path};
 use crate::file;
 
-/// What stands before the checksum in the last line of a text that may be replaced while it is unchanged.
+/// Text before the checksum in the last line of a file that may be replaced while it is unchanged.
 const SEAL: &str = "# Replaced by the next reduction only while it is unchanged: ";
 
-/// Longest text that is looked through for its seal, bytes.
+/// Longest file that is checked for a seal, bytes.
 const LONGEST_SEALED: u64 = 16 << 20;
 
-/// Refuses an output that does not end in `.{ending}`, is no plain file, or is the `input`.
+/// Refuses an output that does not end in `.{ending}`, is not a regular file, or is the `input`.
 ///
-/// What is there already stays there, unless it is empty, was sealed here and left as it was, or the user says `force`;
-/// none where the command has no such option.
+/// An existing file is refused unless it is empty, sealed and unchanged, or `force` is given; `force` is `None` where the
+/// command has no such option.
 pub fn check(out: &Path, ending: &str, input: Option<&Path>, force: Option<bool>) -> Result<(), Failure> {
     let shown = shown_path(out);
     let refused = |message, hint: &str| Err(Failure::from(Diagnostic::new(message).hint(hint)));
     if !ends_in(out, ending) {
-        return refused(format!("{shown} does not end in .{ending}"), "the ending says what is written");
+        return refused(format!("{shown} does not end in .{ending}"), "the ending names the format");
     }
     let Some((place, there)) = there(out).map_err(|error| unwritable(out, &error))? else {
         return Ok(());
@@ -38,8 +38,8 @@ pub fn check(out: &Path, ending: &str, input: Option<&Path>, force: Option<bool>
     if there.len() == 0 || force == Some(true) || is_sealed(&place, &there) {
         return Ok(());
     }
-    let hint = if force.is_some() { ", remove it first, or say --force" } else { ", or remove it first" };
-    refused(format!("{shown} is there already and is not replaced"), &format!("give another name{hint}"))
+    let hint = if force.is_some() { ", remove it first, or give --force" } else { ", or remove it first" };
+    refused(format!("{shown} already exists and is not replaced"), &format!("give another name{hint}"))
 }
 
 /// Whether the name ends in `.{ending}`, however it is capitalised.
@@ -47,13 +47,13 @@ pub fn ends_in(out: &Path, ending: &str) -> bool {
     out.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
 }
 
-/// Writes a file of its own that takes the place of `out`, or of what the link `out` points to, when it is whole.
+/// Writes a temporary file that replaces `out`, or what the link `out` points to, when it is complete.
 pub fn write(out: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     let written = || Draft::write(out, content)?.keep();
     written().map_err(|error| failed(out, &error))
 }
 
-/// Writes texts that know whether they were changed since; none is put in its place before all of them are written.
+/// Writes sealed texts, which show whether they were changed since; none is put in its place before all are written.
 pub fn write_sealed(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
     let mut drafts = Vec::new();
     for (out, text) in texts {
@@ -72,7 +72,7 @@ fn unwritable(out: &Path, error: &impl std::fmt::Display) -> Diagnostic {
     Diagnostic::new(format!("cannot write {}: {error}", shown_path(out)))
 }
 
-/// What is at `out`, and where it really is; none where the place is free.
+/// The canonical path and the metadata of what is at `out`; `None` where there is nothing.
 fn there(out: &Path) -> io::Result<Option<(PathBuf, Metadata)>> {
     match fs::symlink_metadata(out) {
         Ok(_) => {
@@ -85,7 +85,7 @@ fn there(out: &Path) -> io::Result<Option<(PathBuf, Metadata)>> {
     }
 }
 
-/// A file under another name beside the place that it is to take.
+/// A temporary file beside the path that it will replace.
 struct Draft {
     file: NamedTempFile,
     place: PathBuf,
@@ -105,16 +105,16 @@ impl Draft {
     }
 
     fn keep(self) -> io::Result<()> {
-        // A device or a pipe that came to stand there meanwhile is not unlinked.
+        // A device or a pipe created there meanwhile is not unlinked.
         if there(&self.place)?.is_some_and(|(_, found)| !found.is_file()) {
-            return Err(io::Error::other("it is no file that can be replaced"));
+            return Err(io::Error::other("it is not a file that can be replaced"));
         }
         self.file.persist(&self.place)?;
         Ok(())
     }
 }
 
-/// A temporary file is its owner's alone; what it becomes is read by whom the user's mask lets.
+/// A temporary file in `folder` with the permissions of the user's mask instead of the owner's alone.
 fn draft(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".droptower-");
@@ -126,12 +126,12 @@ fn draft(folder: &Path) -> io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-/// The text with a last line that tells whether it is still the same.
+/// The text with its seal, a last line with its checksum.
 fn sealed(text: &str) -> String {
     format!("{text}{SEAL}{:08x}\n", file::checksum(text.as_bytes()))
 }
 
-/// Whether the file was sealed here and left as it was; what cannot be read was not.
+/// Whether the file has a seal and is unchanged; one that cannot be read is not.
 fn is_sealed(place: &Path, there: &Metadata) -> bool {
     there.len() < LONGEST_SEALED && file::read_text(place, LONGEST_SEALED).is_ok_and(|text| has_seal(&text))
 }
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn a_text_that_was_changed_is_not_sealed() {
+    fn a_changed_text_has_no_valid_seal() {
         let text = sealed("density = 915\n");
         assert!(has_seal(&text));
         for changed in
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn what_somebody_else_wrote_stays() {
+    fn a_file_that_is_not_sealed_is_not_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let place = |name: &str| folder.path().join(name);
         let out = place("o.csv");
@@ -173,7 +173,7 @@ mod tests {
         assert!(check(&out, "csv", None, None).is_ok(), "nothing is lost");
         fs::write(&out, "mine\n").unwrap();
         for force in [None, Some(false)] {
-            assert!(refusal(&out, None, force).contains("is there already"));
+            assert!(refusal(&out, None, force).contains("already exists"));
         }
         assert!(check(&out, "csv", None, Some(true)).is_ok());
         assert!(refusal(&out, Some(&folder.path().join(".").join("o.csv")), Some(true)).contains("is the input"));
@@ -185,13 +185,13 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_are_followed_and_devices_left_alone() {
+    fn links_are_followed_and_devices_refused() {
         use std::os::unix::fs::symlink;
         let folder = tempfile::tempdir().unwrap();
         let [link, aim, null] = ["o.csv", "aim.csv", "null.csv"].map(|name| folder.path().join(name));
         fs::write(&aim, "old").unwrap();
         symlink(&aim, &link).unwrap();
-        assert!(refusal(&link, None, Some(false)).contains("is there already"));
+        assert!(refusal(&link, None, Some(false)).contains("already exists"));
         assert!(refusal(&link, Some(&aim), Some(true)).contains("is the input"));
         write(&link, |file| file.write_all(b"new")).unwrap();
         assert_eq!(fs::read_to_string(&aim).unwrap(), "new");

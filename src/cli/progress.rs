@@ -1,4 +1,4 @@
-//! A bar over all runs with the time to go, on a terminal only.
+//! A progress bar over all runs with the remaining time, on a terminal only.
 
 use std::io::{self, Write};
 use std::sync::Mutex;
@@ -11,17 +11,17 @@ use crate::diagnostic::{self, Diagnostic};
 use crate::report::duration;
 use crate::simulate::Progress;
 
-/// Steps of the bar that one run has.
+/// Steps of the bar for one run.
 const PER_RUN: f64 = 1000.0;
 
-/// Between two looks of the bar.
+/// Time between two updates of the bar.
 const REFRESH: Duration = Duration::from_millis(100);
 
 /// One bar for all runs.
 pub struct Bar {
     bar: ProgressBar,
     done: Vec<AtomicU64>,
-    /// What runs that were taken up had done before.
+    /// Progress of resumed runs when they resumed.
     before: Vec<AtomicU64>,
     quiet: bool,
     start: Instant,
@@ -29,7 +29,7 @@ pub struct Bar {
 }
 
 impl Bar {
-    /// A bar for so many runs on standard error; invisible where that is no terminal or quiet is asked for.
+    /// A bar for so many runs on standard error; hidden where that is not a terminal or `quiet`.
     pub fn new(runs: usize, quiet: bool) -> Bar {
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
         let bar = ProgressBar::with_draw_target(Some((runs as f64 * PER_RUN) as u64), target);
@@ -41,18 +41,18 @@ impl Bar {
         Bar { bar, done: none(), before: none(), quiet, start, drawn: Mutex::new(start) }
     }
 
-    /// Tells that the run at `index` is taken up where this share of it is done.
+    /// Sets the share of the run at `index` that was done before it resumed.
     pub fn start_at(&self, index: usize, share: f64) {
         let share = (share.clamp(0.0, 1.0) * PER_RUN) as u64;
         self.before[index].store(share, Ordering::Relaxed);
         self.done[index].store(share, Ordering::Relaxed);
     }
 
-    /// Shows how far the run at `index` is; a bar that was drawn just now stays as it is.
+    /// Shows the progress of the run at `index`; the bar is redrawn ten times a second at most.
     pub fn show(&self, index: usize, progress: Progress) {
         let share = (progress.time / progress.duration).clamp(0.0, 1.0);
         self.done[index].store((share * PER_RUN) as u64, Ordering::Relaxed);
-        // Another run that is drawing the bar draws this one's progress too.
+        // Another run that is drawing the bar includes the progress of this one.
         let Ok(mut drawn) = self.drawn.try_lock() else {
             return;
         };
@@ -80,41 +80,41 @@ impl Bar {
         self.start.elapsed()
     }
 
-    /// Tells something while runs go on, unless quiet is asked for.
+    /// Prints a note above the bar, unless `quiet`.
     pub fn note(&self, text: &str) {
         if !self.quiet {
             self.print(&format!("note: {text}"));
         }
     }
 
-    /// Tells of something that will be missing.
+    /// Prints a warning above the bar.
     #[cfg(feature = "rerun")]
     pub fn warn(&self, text: &str) {
         self.print(&format!("warning: {text}"));
     }
 
-    /// Tells of something that went wrong, though the runs go on.
-    pub fn complain(&self, mistake: &Diagnostic) {
+    /// Prints an error above the bar; the runs continue.
+    pub fn error(&self, mistake: &Diagnostic) {
         self.print(&diagnostic::render(std::slice::from_ref(mistake), false));
     }
 
     fn print(&self, text: &str) {
-        // A closed standard error leaves no place to complain to.
+        // With standard error closed, there is nowhere to print.
         self.bar.suspend(|| drop(writeln!(io::stderr(), "{}", diagnostic::printable(text))));
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// What is left of the wall time, once enough is done to tell: `elapsed` has brought the share done from `before` to
-/// `share`.
+/// The remaining wall time, once enough is done for an estimate: the share done went from `before` to `share` in
+/// `elapsed`.
 fn to_go(elapsed: Duration, before: f64, share: f64) -> Option<String> {
     let own = share - before;
-    let telling = own >= 0.02 || (own > 0.0 && elapsed >= Duration::from_millis(500));
-    let left = telling.then(|| elapsed.as_secs_f64() * (1.0 - share) / own)?;
+    let enough = own >= 0.02 || (own > 0.0 && elapsed >= Duration::from_millis(500));
+    let left = enough.then(|| elapsed.as_secs_f64() * (1.0 - share) / own)?;
     Some(match left {
         seconds if seconds < 90.0 => format!("{} s", seconds.ceil()),
         seconds if seconds < 5400.0 => format!("{:.0} min", seconds / 60.0),
@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn time_to_go_waits_until_it_can_be_told() {
+    fn the_remaining_time_waits_for_enough_progress() {
         let after = |millis, share| to_go(Duration::from_millis(millis), 0.0, share);
         assert_eq!(after(100, 0.0), None);
         assert_eq!(after(100, 0.01), None);
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn time_to_go_of_a_run_taken_up_counts_from_there() {
+    fn the_remaining_time_of_a_resumed_run_counts_from_there() {
         let after = |millis, share| to_go(Duration::from_millis(millis), 0.5, share);
         assert_eq!(after(100, 0.501), None);
         assert_eq!(after(10_000, 0.75).as_deref(), Some("10 s"));

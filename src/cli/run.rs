@@ -1,4 +1,4 @@
-//! `droptower run`: simulate, compare, record, report.
+//! `droptower run`: runs scenarios and writes their run folders.
 
 use std::path::{Path, PathBuf};
 
@@ -27,14 +27,14 @@ pub struct RunArgs {
     /// Folder for the results, in place of runs/<name of the scenario>
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Save the run whenever this much time has been simulated ("5 ms"), so that --resume can take it up if it is interrupted
+    /// Write a checkpoint after every such simulated time ("5 ms"), from which --resume continues an interrupted run
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub checkpoint_every: Option<String>,
-    /// Go on from the newest checkpoint of a run that was interrupted; the results are the same to the bit. Of several
-    /// scenarios, those without a checkpoint start from their beginning, those that are done already too
+    /// Resume an interrupted run from its newest checkpoint; the results are the same to the bit. Of several scenarios,
+    /// those without a checkpoint start from their beginning, complete ones included
     #[arg(long)]
     pub resume: bool,
-    /// Show the runs in a running Rerun viewer while they go [usual address: rerun+http://127.0.0.1:9876/proxy]
+    /// Show the runs in an open Rerun viewer while they compute [usual address: rerun+http://127.0.0.1:9876/proxy]
     #[arg(
         long,
         value_name = "URL",
@@ -43,36 +43,36 @@ pub struct RunArgs {
         default_missing_value = "rerun+http://127.0.0.1:9876/proxy"
     )]
     pub live: Option<String>,
-    /// Write the kept states for ParaView besides: film.pvd and impactor.pvd, with strain, stress and thickness
+    /// Also write the snapshots for ParaView: film.pvd and impactor.pvd, with strain, stress and thickness
     #[arg(long)]
     pub vtu: bool,
 }
 
-/// A scenario and where its results go, proved before the first run starts.
+/// A scenario and the folder of its results, checked before the first run starts.
 struct Job {
     checked: Checked,
     place: PathBuf,
     /// Its checkpoints, if it has any.
     writer: Option<CheckpointWriter>,
-    /// Whether it is written for ParaView.
+    /// Whether the snapshots are also written for ParaView.
     vtu: bool,
 }
 
-/// What the terminal shows of a job.
+/// The result of a job, for the terminal.
 #[derive(Default)]
 struct Done {
     text: String,
     summary: Option<Value>,
     failure: Option<Failure>,
-    /// Whether what was computed is on the disk.
+    /// Whether the results are on the disk.
     stored: bool,
 }
 
 pub fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     let apart = args.live.as_ref().and_then(|_| args.selection.scenarios.iter().find(|given| given.contains("://")));
     if let Some(address) = apart {
-        let mistake = Diagnostic::new(format!("{} is an address and no scenario", printable(address)));
-        let hint = format!("a viewer's address follows without a blank: --live={}", printable(address));
+        let mistake = Diagnostic::new(format!("{} is an address, not a scenario", printable(address)));
+        let hint = format!("write the address without a space: --live={}", printable(address));
         return Err(mistake.hint(hint).into());
     }
     let viewer = args.live.as_deref().map(live::viewer).transpose();
@@ -91,7 +91,7 @@ pub fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     failure.map_or(printed, Err)
 }
 
-/// Checks and places of all scenarios, or all their mistakes.
+/// All scenarios checked, each with the folder of its results, or all their mistakes.
 fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();
     let (every, scenarios) = both(every.map_err(|mistake| vec![mistake]), args.selection.checked())?;
@@ -99,7 +99,7 @@ fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     let places = scenarios.iter().map(|checked| place(args.out.as_deref(), &checked.model.name, several));
     let places: Vec<PathBuf> = places.collect::<Result<_, _>>().map_err(|error| vec![storing(&error)])?;
     store::check_places(&places).map_err(|error| vec![storing(&error)])?;
-    // A batch leaves runs that are done, runs with checkpoints, and runs that had not come so far.
+    // An interrupted batch leaves complete runs, runs with checkpoints, and runs that had not started.
     let or_start = args.resume && several && places.iter().any(|place| checkpoint::are_beside(place));
     let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.vtu };
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
@@ -136,15 +136,15 @@ impl Job {
             Ok(Err(RunError::Failure(failure))) => self.store_failed(&failure, &scenario, show),
             Ok(Err(error)) => Done::failed(Diagnostic::new(format!("{}: {error}", self.checked.model.name)).into()),
         };
-        // Results that could not be stored can still be had from the last checkpoint, and so can those that a post
-        // script, mended since, measures.
+        // The last checkpoint stays where the results could not be stored or the post script failed: a run resumed from it
+        // gives them again.
         if let Some(writer) = self.writer.as_ref().filter(|_| done.stored) {
             writer.clear();
         }
         done
     }
 
-    /// The run itself, watched by `bar`, from its checkpoint where there is one to go on from.
+    /// The run itself, from its checkpoint where it resumes, with its progress shown by `bar`.
     fn simulate(&self, bar: &Bar, index: usize, show: &mut Show) -> Result<Result<Outcome, RunError>, Failure> {
         let model = &self.checked.model;
         let mut restart = None;
@@ -160,16 +160,16 @@ impl Job {
         let mut forecast = Forecast::default();
         let mut progress = |progress: Progress| {
             bar.show(index, progress);
-            if let Some(left) = forecast.look(&progress, bar.elapsed()) {
-                bar.note(&left.told(model, every.is_some()));
+            if let Some(left) = forecast.update(&progress, bar.elapsed()) {
+                bar.note(&left.message(model, every.is_some()));
             }
         };
         let mut lost = 0_usize;
         let mut keep = |checkpoint: &Checkpoint<'_>| {
             if let Some(mistake) = self.writer.as_ref().and_then(|writer| writer.write(checkpoint).err()) {
-                // A full disk stays full: once is enough.
+                // A full disk stays full: one message is enough.
                 if lost == 0 {
-                    bar.complain(&mistake.hint("the run goes on; its last whole checkpoint stays"));
+                    bar.error(&mistake.hint("the run continues; its last whole checkpoint stays"));
                 }
                 lost += 1;
             }
@@ -181,7 +181,7 @@ impl Job {
         let options = RunOptions { restart, checkpoints, on_snapshot, detailed: self.vtu, ..RunOptions::default() };
         let outcome = simulate::run_with(model, options, &mut progress);
         if lost > 1 {
-            bar.complain(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));
+            bar.error(&Diagnostic::new(format!("{}: {lost} checkpoints could not be written", model.name)));
         }
         Ok(outcome)
     }
@@ -202,7 +202,7 @@ impl Job {
             let files = folder::fill(&draft, &contents)?;
             Ok((draft.publish()?, files))
         });
-        // The viewer may let itself be waited for: the results do not.
+        // The viewer may be slow: it gets the results after they are stored.
         show.finish(Some(&RunPage { model, outcome, results: &results, scenario, failure: None, files: &[] }));
         let (place, files) = stored.map_err(|error| Failure::output(storing(&error)))?;
         let text = [digest::run(model, outcome, &results), digest::folder(&place, &files)].concat();
@@ -211,7 +211,7 @@ impl Job {
 
     fn store_failed(&self, failure: &simulate::Failure, scenario: &str, show: Show) -> Done {
         let (model, outcome) = (&self.checked.model, &failure.so_far);
-        // What broke off may be too short or too wild to be measured; then its signals stand alone.
+        // A failed run may be too short or too irregular to be measured; then only its signals are written.
         let results = self.checked.plan.measure(model, outcome).ok();
         let cause = post::failure_message(failure, model);
         let script = self.checked.plan.script();
@@ -233,7 +233,7 @@ impl Job {
         let mistake = Diagnostic::new(format!("{}: {cause}", model.name));
         match stored {
             Ok(place) => {
-                let hint = format!("what was computed so far is in {}", place.display());
+                let hint = format!("what was computed until then is in {}", place.display());
                 Done { stored: true, ..Done::failed(Failure::numerical(mistake.hint(hint))) }
             }
             Err(error) => {

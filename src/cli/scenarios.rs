@@ -10,7 +10,7 @@ use crate::model::{self, Model};
 use crate::post::Plan;
 use crate::scenario::{Assignment, Document};
 
-/// Which scenarios, and what is changed in them.
+/// Scenarios, and changes of their keys.
 #[derive(Debug, Args)]
 pub struct Selection {
     /// Scenario files or globs
@@ -21,7 +21,7 @@ pub struct Selection {
     pub set: Vec<String>,
 }
 
-/// A scenario that can be run, as written and as checked, with what is needed after the run.
+/// A scenario as written and as checked, with the plan of its results.
 #[derive(Clone, Debug)]
 pub struct Checked {
     pub document: Document,
@@ -59,10 +59,10 @@ impl Selection {
     }
 }
 
-/// A sound scenario, or its mistakes.
+/// A checked scenario, or its mistakes.
 pub type Verdict = Result<Checked, Vec<Diagnostic>>;
 
-/// The scenario at `path` with changes laid over it.
+/// Checks the scenario at `path` with `assignments` applied.
 pub fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
     let document = Document::read(path)?;
     if document.is_material() {
@@ -92,8 +92,8 @@ pub fn assignments(set: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
     if mistakes.is_empty() { Ok(assignments) } else { Err(mistakes) }
 }
 
-/// The files that paths and globs name, each once, in the order of the arguments. A shell that expands globs has
-/// done so already; elsewhere, and within quotes, it is done here.
+/// The files that paths and globs name, each once, in the order of the arguments. A shell expands globs
+/// itself; elsewhere, and in quotes, they are expanded here.
 fn files(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
     let (mut files, mut mistakes) = (Vec::new(), Vec::new());
     for pattern in patterns {

@@ -1,9 +1,9 @@
-//! What a script leaves, as the terminal shows it.
+//! Tables on the terminal: the figures and tables of a script.
 
 use crate::report::{Figure, cell, columns};
 use crate::script::{Row, ScriptOutput};
 
-/// Most rows of a table that are shown; all of them are in its file.
+/// Most rows of a table that are printed; its file has all of them.
 const MOST_ROWS: usize = 40;
 
 /// Figures and tables; every line ends with a line break.
@@ -14,7 +14,7 @@ pub fn script_output(output: &ScriptOutput) -> String {
     figures.chain(tables).collect()
 }
 
-/// The rows under their columns, numbers and text set to the right.
+/// The rows under the names of their columns, aligned to the right.
 fn table(rows: &[Row]) -> String {
     let columns = columns(rows);
     let shown = rows.iter().take(MOST_ROWS);
@@ -25,7 +25,7 @@ fn table(rows: &[Row]) -> String {
     aligned(&lines, 0) + rest.as_str()
 }
 
-/// Lines of as many cells each under one another, the first `words` columns set to the left, the others to the right.
+/// Lines of equally many cells in columns, the first `words` columns aligned to the left, the others to the right.
 pub fn aligned(lines: &[Vec<String>], words: usize) -> String {
     let columns = lines.first().map_or(0, Vec::len);
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn columns_stand_under_their_names() {
+    fn cells_are_aligned_under_the_names_of_their_columns() {
         let row = |layers: i64, travel: f64| match json!({ "layers": layers, "travel": travel }) {
             serde_json::Value::Object(row) => row,
             _ => Row::new(),

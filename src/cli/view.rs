@@ -1,4 +1,4 @@
-//! `droptower view`: recordings in the installed Rerun viewer.
+//! `droptower view`: opens recordings in the installed Rerun viewer.
 
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -14,18 +14,18 @@ use crate::store::run_files;
 
 #[derive(Debug, Args)]
 pub struct ViewArgs {
-    /// Folders of runs and studies, or recordings themselves
+    /// Folders of runs and studies, or recordings
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
-    /// The viewer's program, in place of $DROPTOWER_VIEWER and of `rerun` on the PATH
+    /// The viewer's program [default: $DROPTOWER_VIEWER, else `rerun` on the PATH]
     #[arg(long, value_name = "PROGRAM")]
     pub viewer: Option<OsString>,
 }
 
-/// The version of the viewer that recordings are made for.
+/// Version of the viewer that recordings are written for.
 const VERSION: &str = "0.36";
 
-/// How to come by the viewer.
+/// How to install the viewer.
 const INSTALL: &str = "`pip install rerun-sdk==0.36.3` or `cargo install rerun-cli --version 0.36.3 --locked` installs it; \
      --viewer or $DROPTOWER_VIEWER names one that is not on the PATH";
 
@@ -52,10 +52,10 @@ fn recording(run: &Path) -> Result<PathBuf, Diagnostic> {
         return absolute(&recording);
     }
     let mistake = Diagnostic::new(format!("{} holds no recording.rrd", shown_path(run)));
-    Err(mistake.hint("runs that broke off too early have none, nor have those of a build without the feature `rerun`"))
+    Err(mistake.hint("runs that failed too early have none, nor do those of a build without the feature `rerun`"))
 }
 
-/// The same place by a path that no viewer takes for an option.
+/// The absolute path, which no viewer reads as an option.
 fn absolute(recording: &Path) -> Result<PathBuf, Diagnostic> {
     std::path::absolute(recording)
         .map_err(|error| Diagnostic::new(format!("cannot open {}: {error}", shown_path(recording))))
@@ -68,9 +68,9 @@ fn program(args: &ViewArgs) -> OsString {
 
 fn open(program: &OsString, recordings: impl Iterator<Item = PathBuf>, quiet: bool) -> Result<(), Failure> {
     let version = version(program)?;
-    if !quiet && !is_made_for(&version) {
-        let text = format!("warning: recordings are made for the Rerun viewer {VERSION}, this is {version}");
-        // Nobody may be listening.
+    if !quiet && !is_supported(&version) {
+        let text = format!("warning: recordings are written for the Rerun viewer {VERSION}, this is {version}");
+        // With standard error closed, there is nowhere to print.
         let _ = writeln!(io::stderr(), "{}", printable(&text));
     }
     let status = Command::new(program).args(recordings).status().map_err(|error| not_started(program, &error))?;
@@ -81,11 +81,11 @@ fn open(program: &OsString, recordings: impl Iterator<Item = PathBuf>, quiet: bo
     Err(Failure::output(Diagnostic::new(format!("the Rerun viewer `{name}` failed: {status}"))))
 }
 
-/// What the viewer says of its version.
+/// The version that the viewer prints.
 fn version(program: &OsString) -> Result<String, Diagnostic> {
-    let said = Command::new(program).arg("--version").stdin(Stdio::null()).output();
-    let said = said.map_err(|error| not_started(program, &error))?;
-    Ok(String::from_utf8_lossy(&said.stdout).lines().next().unwrap_or("a program that says no version").to_owned())
+    let output = Command::new(program).arg("--version").stdin(Stdio::null()).output();
+    let output = output.map_err(|error| not_started(program, &error))?;
+    Ok(String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or("a program without a version").to_owned())
 }
 
 fn not_started(program: &OsString, error: &io::Error) -> Diagnostic {
@@ -97,8 +97,8 @@ fn not_started(program: &OsString, error: &io::Error) -> Diagnostic {
     Diagnostic::new(message).hint(INSTALL)
 }
 
-/// Whether the viewer is of the version that recordings are made for.
-fn is_made_for(version: &str) -> bool {
+/// Whether recordings are written for a viewer of this version.
+fn is_supported(version: &str) -> bool {
     version
         .split_whitespace()
         .any(|word| word.strip_prefix(VERSION).is_some_and(|rest| rest.is_empty() || rest.starts_with('.')))
@@ -109,9 +109,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn versions_are_told_apart() {
-        assert!(is_made_for("rerun-cli 0.36.3 [rustc 1.92.0] x86_64-unknown-linux-gnu release-0.36.3 d2f3"));
-        assert!(!is_made_for("rerun-cli 0.37.0 (built with 0.366)"));
-        assert!(!is_made_for("GNU bash, version 5.2"));
+    fn a_viewer_of_another_minor_version_is_not_supported() {
+        assert!(is_supported("rerun-cli 0.36.3 [rustc 1.92.0] x86_64-unknown-linux-gnu release-0.36.3 d2f3"));
+        assert!(!is_supported("rerun-cli 0.37.0 (built with 0.366)"));
+        assert!(!is_supported("GNU bash, version 5.2"));
     }
 }

@@ -17,7 +17,7 @@ fn standard_output(arguments: &[&str]) -> String {
 }
 
 #[test]
-fn templates_are_sound_and_not_overwritten() {
+fn templates_pass_the_check_and_are_not_overwritten() {
     let folder = tempfile::tempdir().expect("a folder");
     for kind in ["drop", "dart", "coupon", "indent", "pressure"] {
         let path = folder.path().join(format!("{kind}.toml"));
@@ -30,7 +30,7 @@ fn templates_are_sound_and_not_overwritten() {
 }
 
 #[test]
-fn mistakes_exit_with_two_and_come_as_json() {
+fn mistakes_exit_with_two_and_are_printed_as_json() {
     let tower = "tests/it/broken/parts/tower.toml";
     let output = droptower(&["check", "--json", tower, "--set", "layers.count=0"]);
     assert_eq!(output.status.code(), Some(2));
@@ -51,7 +51,7 @@ fn all_scenarios_of_a_glob_are_checked_at_once() {
 }
 
 #[test]
-fn materials_are_checked_alone() {
+fn a_material_is_checked_without_a_scenario() {
     let good = standard_output(&["check", "tests/it/broken/parts/film.toml", "tests/it/broken/parts/tower.toml"]);
     assert_eq!(good.lines().filter(|line| line.starts_with("ok")).count(), 2, "{good}");
     let output = droptower(&["check", "--json", "tests/it/broken/parts/thicknes.toml"]);
@@ -106,23 +106,23 @@ fn explain_gives_unit_range_default_and_sentence() {
 
 #[test]
 fn every_key_has_a_sentence() {
-    fn silent(rule: &Rule, name: &str, found: &mut Vec<String>) {
+    fn without_sentence(rule: &Rule, name: &str, found: &mut Vec<String>) {
         let table = rule.table().or_else(|| rule.item(0)?.table());
         for key in table.into_iter().flat_map(|table| &table.keys) {
             let name = format!("{name}.{}", key.name);
             if key.sentence.is_none() {
                 found.push(name.clone());
             }
-            silent(&key.rule, &name, found);
+            without_sentence(&key.rule, &name, found);
         }
     }
     let mut found = Vec::new();
-    silent(grammar::scenario(), "", &mut found);
+    without_sentence(grammar::scenario(), "", &mut found);
     assert!(found.is_empty(), "no sentence for {found:?}");
 }
 
 #[test]
-fn the_schema_closes_its_tables_and_asks_for_nothing() {
+fn the_schema_allows_no_further_keys_and_requires_none() {
     let schema: Json = serde_json::from_str(&standard_output(&["schema"])).expect("JSON");
     assert_eq!(schema["additionalProperties"], false);
     assert_eq!(schema["properties"]["specimen"]["additionalProperties"], false);
@@ -131,7 +131,7 @@ fn the_schema_closes_its_tables_and_asks_for_nothing() {
 }
 
 #[test]
-fn list_names_scenarios_and_leaves_materials_out() {
+fn list_prints_scenarios_without_materials() {
     let listed: Json =
         serde_json::from_str(&standard_output(&["list", "tests/it/broken/parts", "--json"])).expect("JSON");
     let listed = listed.as_array().expect("a list");

@@ -1,4 +1,4 @@
-//! `droptower compare`: runs laid over each other.
+//! `droptower compare`: several runs compared with the first.
 
 use std::fs;
 use std::path::Path;
@@ -27,7 +27,7 @@ fn json(path: &Path) -> Json {
 }
 
 #[test]
-fn runs_are_laid_over_each_other() {
+fn runs_are_compared_with_the_first() {
     let bench = bench();
     let compare =
         |more: &[&str]| droptower(bench.path(), &[&["compare", "runs/drop/eight", "runs/drop/nine"], more].concat());
@@ -65,7 +65,7 @@ fn runs_are_laid_over_each_other() {
 }
 
 #[test]
-fn what_runs_do_not_share_is_said() {
+fn signals_and_figures_that_runs_do_not_share_are_noted() {
     let bench = bench();
     let recording = bench.path().join("recording.csv");
     fs::write(&recording, "# VIRTUAL: nothing fell\ntime [ms],displacement [mm]\n0,0\n1,-4\n2,-8\n").expect("a file");
@@ -85,7 +85,7 @@ fn what_runs_do_not_share_is_said() {
 }
 
 #[test]
-fn mistakes_are_told_at_once_and_nothing_is_written() {
+fn all_mistakes_are_reported_and_nothing_is_written() {
     let bench = bench();
     fs::create_dir(bench.path().join("empty")).expect("a folder");
     fs::create_dir_all(bench.path().join("damaged")).expect("a folder");
@@ -106,11 +106,11 @@ fn mistakes_are_told_at_once_and_nothing_is_written() {
     ] {
         assert!(all.contains(expected), "{all}");
     }
-    assert!(refused(&["runs/coupon"]).contains("one run has nothing to be compared with"));
+    assert!(refused(&["runs/coupon"]).contains("expected two or more runs, found one"));
     let taken = refused(&["runs/coupon", "runs/drop/nine", "--out", "runs/coupon"]);
-    assert!(taken.contains("would take the place of runs/coupon"), "{taken}");
+    assert!(taken.contains("would replace runs/coupon"), "{taken}");
     let run = refused(&["runs/drop/eight", "runs/drop/nine", "--out", "runs/coupon"]);
-    assert!(run.contains("would take the place of the run runs/coupon"), "{run}");
+    assert!(run.contains("would replace the run runs/coupon"), "{run}");
     let misspelt = refused(&["runs/coupon", "runs/drop/nine", "--signal", "displacment_m"]);
     assert!(misspelt.contains("did you mean `displacement_m`?"), "{misspelt}");
     assert!(bench.path().join("runs/coupon/summary.json").exists());

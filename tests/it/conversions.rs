@@ -127,7 +127,7 @@ fn only_its_own_kind_of_file_is_written_and_none_is_replaced_unasked() {
     for (call, expected) in [
         ([&filter[..], &["notes.toml"]].concat(), "does not end in .csv"),
         ([&filter[..], &["notes.toml", "--force"]].concat(), "does not end in .csv"),
-        ([&filter[..], &["notes.csv"]].concat(), "notes.csv is there already"),
+        ([&filter[..], &["notes.csv"]].concat(), "notes.csv already exists"),
         ([&filter[..], &["data.csv", "--force"]].concat(), "data.csv is the input"),
         ([&filter[..], &["/dev/null"]].concat(), "does not end in .csv"),
         (vec!["convert", "data.csv", "-o", "notes.csv"], "say --force"),

@@ -1,4 +1,4 @@
-//! A run as ParaView reads it: what is in the files, and that nobody gets them who did not ask.
+//! A run as ParaView reads it: the content of the files, and that they are written on request only.
 
 use std::fs;
 use std::path::Path;
@@ -26,8 +26,8 @@ fn states(folder: &Path, name: &str) -> Vec<(f64, UnstructuredGridPiece)> {
     let document = Xml::parse(&text).expect("XML");
     let entries = document.descendants().filter(|node| node.has_tag_name("DataSet"));
     let read = |node: roxmltree::Node| {
-        let said = |name| node.attribute(name).expect("an attribute");
-        (said("timestep").parse().expect("a time"), grid(&folder.join(said("file"))))
+        let attribute = |name| node.attribute(name).expect("an attribute");
+        (attribute("timestep").parse().expect("a time"), grid(&folder.join(attribute("file"))))
     };
     entries.map(read).collect()
 }
@@ -59,7 +59,7 @@ fn array(of: &[Attribute], name: &str) -> Vec<f64> {
 }
 
 #[test]
-fn a_drop_is_there_whole_and_as_the_signals_say() {
+fn the_series_of_a_drop_agree_with_its_signals() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = root().join("scenarios/drop/1008.toml").display().to_string();
     let arguments = [&["run", &scenario, "--vtu", "--out", "results"][..], &QUICK].concat();
@@ -99,8 +99,8 @@ fn a_drop_is_there_whole_and_as_the_signals_say() {
         for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
             close(extreme(axis, sign), 0.2, 1e-6);
         }
-        let said = |name: &str| signals.series(name).expect("a channel").at(*time);
-        if let (Some(largest), Some(travel)) = (said("max_strain_md"), said("displacement_m")) {
+        let value = |name: &str| signals.series(name).expect("a channel").at(*time);
+        if let (Some(largest), Some(travel)) = (value("max_strain_md"), value("displacement_m")) {
             let most = strain[0].iter().copied().fold(0.0, f64::max);
             assert!((most - largest).abs() < 2e-3, "{most} at {time} s, {largest} in the signals");
             let points: Vec<f64> = body.points.cast_into().expect("points");
@@ -118,7 +118,7 @@ fn a_drop_is_there_whole_and_as_the_signals_say() {
 }
 
 #[test]
-fn what_broke_is_gone_and_what_nobody_asked_for_is_not_there() {
+fn failed_elements_are_left_out_and_series_written_on_request_only() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = root().join("scenarios/stretch/md-0.2.toml").display().to_string();
     let run = |more: &[&str]| {
@@ -136,7 +136,7 @@ fn what_broke_is_gone_and_what_nobody_asked_for_is_not_there() {
 }
 
 #[test]
-fn a_foreign_file_beside_the_states_stays() {
+fn a_file_of_the_user_beside_the_snapshots_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = root().join("scenarios/stretch/md-0.2.toml").display().to_string();
     let arguments = ["run", &scenario, "--vtu", "--out", "results", "--set", "output.frames=2"];
@@ -157,7 +157,7 @@ endsolid tip
 ";
 
 #[test]
-fn an_impactor_whose_file_is_gone_by_the_end_is_shown() {
+fn an_impactor_is_written_though_its_file_was_deleted() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("tip.stl");
     fs::write(&path, TIP).expect("a file");

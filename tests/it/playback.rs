@@ -1,4 +1,4 @@
-//! Recordings of runs, read back: what the viewer shows is what the engine computed.
+//! Recordings of runs, read back: they hold what the engine computed.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -58,7 +58,7 @@ fn a_recording_holds_what_the_engine_computed() {
     assert!(!played.values(TIME, "/measured/displacement_mm").is_empty(), "what was measured lies beside it");
 }
 
-/// All states of a face, node by node, with its broken elements and the nodes in touch.
+/// All snapshots of a face, node by node, with its failed elements and the nodes in contact.
 fn film_is_the_engines(played: &Playback, outcome: &Outcome, face: usize) {
     let states: Vec<&FilmState> = outcome.snapshots.iter().map(|snapshot| &snapshot.films[face]).collect();
     let nodes = played.nodes(&format!("/scene/face-{}", face + 1));
@@ -81,7 +81,7 @@ fn film_is_the_engines(played: &Playback, outcome: &Outcome, face: usize) {
     assert_eq!(most(&mut touching.iter().map(|(_, points)| points.len())), computed, "a quarter is shown whole");
 }
 
-/// The strain along MD of the elements around each node that hold, in the colours of the map.
+/// The strain along MD of the intact elements around each node, in the colours of the map.
 fn colours_are_those_of_the_strains(played: &Playback, outcome: &Outcome, face: usize) {
     let held = |state: &FilmState| {
         let elements = state.strains.iter().zip(&state.failed).filter(|(_, failed)| !**failed);
@@ -146,8 +146,8 @@ fn signals_are_those_of_the_table(played: &Playback, table: &Recording) {
     }
 }
 
-/// Of the 3.8 MB of the default run, a half are the positions of 882 nodes in 240 states, 0.6 MB its four colours, 0.5 MB the
-/// nodes in touch, 0.2 MB normals, and 0.6 MB the signals and texts.
+/// Of the 3.8 MB of the default run, a half are the positions of 882 nodes in 240 snapshots, 0.6 MB its four colours, 0.5 MB the
+/// nodes in contact, 0.2 MB normals, and 0.6 MB the signals and texts.
 #[test]
 fn the_default_run_stays_within_four_megabytes() {
     let (_folder, out) = run("scenarios/drop/1008.toml", &[]);

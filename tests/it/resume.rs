@@ -1,4 +1,4 @@
-//! Large and long runs: interrupted and taken up again, told beforehand, within memory.
+//! Large and long runs: interrupted and resumed, forecast, within memory.
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -17,7 +17,7 @@ use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, Restart, RunEr
 
 use crate::workbench::{command, droptower, error};
 
-/// Some tens of milliseconds of computing between two checkpoints: time enough to kill it there.
+/// Some tens of milliseconds of computing between two checkpoints: enough time to kill the run there.
 const SLOW: [&str; 6] =
     ["--set", "specimen.mesh.size=8mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=40ms"];
 
@@ -41,7 +41,7 @@ fn checkpoints(bench: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// Starts a run and kills it once it has left a checkpoint newer than all that were there.
+/// Starts a run and kills it once it has written a checkpoint newer than all before.
 fn killed_after_a_checkpoint(bench: &Path, arguments: &[&str]) {
     let before = checkpoints(bench).pop();
     let mut command = command(bench, &[&["run", "drop.toml"], arguments].concat());
@@ -56,7 +56,7 @@ fn killed_after_a_checkpoint(bench: &Path, arguments: &[&str]) {
     child.wait().expect("gone");
 }
 
-/// The summary without what the clock decides.
+/// The summary without the figures that depend on wall time.
 fn summary(folder: &Path) -> Json {
     let text = fs::read(folder.join("summary.json")).expect("a summary");
     let mut summary: Json = serde_json::from_slice(&text).expect("JSON");
@@ -68,12 +68,12 @@ fn summary(folder: &Path) -> Json {
 }
 
 #[test]
-fn a_killed_run_goes_on_to_the_same_bits() {
+fn a_killed_run_resumes_to_the_same_bits() {
     let bench = bench();
     let through = run(bench.path(), &[&SLOW[..], &["--out", "through", "--quiet"]].concat());
     assert!(through.status.success(), "{}", error(&through));
-    let kept = [&SLOW[..], &["--checkpoint-every", "2 ms"]].concat();
-    killed_after_a_checkpoint(bench.path(), &kept);
+    let arguments = [&SLOW[..], &["--checkpoint-every", "2 ms"]].concat();
+    killed_after_a_checkpoint(bench.path(), &arguments);
     assert!(!bench.path().join("runs/drop").exists());
     // Taken up with the same interval, killed again, and taken up with another number of threads.
     killed_after_a_checkpoint(bench.path(), &[&SLOW[..], &["--resume"]].concat());
@@ -91,7 +91,7 @@ fn a_killed_run_goes_on_to_the_same_bits() {
 }
 
 #[test]
-fn a_checkpoint_is_refused_by_any_other_run() {
+fn a_checkpoint_of_another_run_is_refused() {
     let bench = bench();
     killed_after_a_checkpoint(bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     for (changed, expected) in [
@@ -102,8 +102,8 @@ fn a_checkpoint_is_refused_by_any_other_run() {
     ] {
         let output = run(bench.path(), &[&SLOW[..], &["--resume", "--set", changed]].concat());
         assert_eq!(output.status.code(), Some(2), "{changed}");
-        let told = error(&output);
-        assert!(told.contains("is of another run") && told.contains(expected), "{changed}: {told}");
+        let refusal = error(&output);
+        assert!(refusal.contains("is of another run") && refusal.contains(expected), "{changed}: {refusal}");
     }
     let output = run(bench.path(), &[&SLOW[..], &["--resume", "--vtu"]].concat());
     assert_eq!(output.status.code(), Some(2));
@@ -121,7 +121,7 @@ fn a_checkpoint_is_refused_by_any_other_run() {
 }
 
 #[test]
-fn a_batch_is_taken_up_with_one_run_done_and_one_not_begun() {
+fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
     let bench = bench();
     let [done, later] = ["done.toml", "later.toml"];
     for copy in [done, later] {
@@ -149,10 +149,10 @@ fn a_batch_is_taken_up_with_one_run_done_and_one_not_begun() {
 }
 
 #[test]
-fn damaged_checkpoints_give_way_to_the_one_before() {
+fn a_run_resumes_from_the_checkpoint_before_a_damaged_one() {
     let bench = bench();
-    let kept = [&SLOW[..], &["--checkpoint-every", "1 ms"]].concat();
-    killed_after_a_checkpoint(bench.path(), &kept);
+    let arguments = [&SLOW[..], &["--checkpoint-every", "1 ms"]].concat();
+    killed_after_a_checkpoint(bench.path(), &arguments);
     killed_after_a_checkpoint(bench.path(), &[&SLOW[..], &["--resume"]].concat());
     let [older, newer] = checkpoints(bench.path()).try_into().expect("two checkpoints");
     let whole = fs::read(&newer).expect("a checkpoint");
@@ -173,7 +173,7 @@ fn damaged_checkpoints_give_way_to_the_one_before() {
 }
 
 #[test]
-fn what_cannot_be_kept_or_taken_up_is_said_before_the_run() {
+fn wrong_intervals_and_missing_checkpoints_are_reported_before_the_run() {
     let bench = bench();
     for (arguments, expected) in [
         (&["--resume"][..], "there is no checkpoint in runs/drop.checkpoint"),
@@ -205,9 +205,9 @@ fn a_failed_run_leaves_no_checkpoints() {
     assert!(!bench.path().join("runs/drop.checkpoint").exists());
 }
 
-/// Reads the standard error of a run that would take hours until it says so, and kills it.
+/// Reads the standard error of a run that would take hours up to its forecast, and kills it.
 #[test]
-fn a_run_of_hours_says_so_at_its_start() {
+fn a_run_of_hours_has_a_forecast() {
     let bench = bench();
     let long = ["--set", "specimen.mesh.size=4mm", "--set", "specimen.symmetry=none"];
     let long = [&long[..], &["--set", "loading.impact.duration=900s", "--set", "output.filter=none"]].concat();
@@ -215,25 +215,25 @@ fn a_run_of_hours_says_so_at_its_start() {
     let mut command = command(bench.path(), &[&["run", "drop.toml"], &slow[..]].concat());
     let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().expect("the binary starts");
     let lines = BufReader::new(child.stderr.take().expect("its standard error")).lines();
-    let told: Vec<String> = lines.map_while(Result::ok).take(4).collect();
+    let printed: Vec<String> = lines.map_while(Result::ok).take(4).collect();
     child.kill().expect("killed");
     child.wait().expect("gone");
-    let told = told.join("\n");
-    assert!(told.starts_with("note: drop will take about ") && told.contains("ns per element step"), "{told}");
-    assert!(told.contains("--checkpoint-every"), "{told}");
+    let printed = printed.join("\n");
+    assert!(printed.starts_with("note: drop will take about ") && printed.contains("ns per element step"), "{printed}");
+    assert!(printed.contains("--checkpoint-every"), "{printed}");
 }
 
-fn told(mistakes: Vec<diagnostic::Diagnostic>) -> String {
+fn rendered(mistakes: Vec<diagnostic::Diagnostic>) -> String {
     diagnostic::render(&mistakes, false)
 }
 
 /// A golden case with a few changes.
 fn golden(case: &str, changes: &[&str]) -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(case).join("scenario.toml");
-    let document = Document::read(&path).unwrap_or_else(|mistakes| panic!("{}", told(mistakes)));
+    let document = Document::read(&path).unwrap_or_else(|mistakes| panic!("{}", rendered(mistakes)));
     let changes = changes.iter().map(|change| Assignment::from_argument(change).expect("a change"));
     let document = document.with(&changes.collect::<Vec<_>>());
-    model::check(&document).unwrap_or_else(|mistakes| panic!("{}", told(mistakes)))
+    model::check(&document).unwrap_or_else(|mistakes| panic!("{}", rendered(mistakes)))
 }
 
 /// The outcome, and every checkpoint on the way as it would be written.
@@ -258,10 +258,10 @@ fn assert_same(one: &Outcome, other: &Outcome, what: &str) {
     assert!(untimed(one) == untimed(other), "{what}: something besides signals and energies differs");
 }
 
-/// Every law, loading, element and kind of impactor that the golden cases have: rupture, a turning sphere, faces of their
+/// Every law, loading, element and kind of impactor that the golden cases have: rupture, a rotating sphere, faces of their
 /// own, triangles, a slow test whose mass is scaled.
 #[test]
-fn every_kind_of_run_goes_on_to_the_same_bits() {
+fn every_kind_of_run_resumes_to_the_same_bits() {
     for (case, changes) in [
         ("drop-1508", &["output.frames=20"][..]),
         ("free-sphere", &["output.frames=20"]),
@@ -277,8 +277,8 @@ fn every_kind_of_run_goes_on_to_the_same_bits() {
         let detailed = RunOptions { detailed: true, ..RunOptions::default() };
         let through = simulate::run_with(&model, detailed, &mut |_| {});
         let through = through.unwrap_or_else(|error: RunError| panic!("{case}: {error}"));
-        let (kept, written) = with_checkpoints(&model, every, None);
-        assert_same(&through, &kept, case);
+        let (outcome, written) = with_checkpoints(&model, every, None);
+        assert_same(&through, &outcome, case);
         assert_eq!(written.len(), 4, "{case}");
         for (number, bytes) in written.iter().enumerate().skip(1).step_by(2) {
             let restart: Restart = postcard::from_bytes(bytes).expect("what was written");
@@ -299,7 +299,7 @@ fn a_state_of_another_mesh_is_refused() {
     assert!(matches!(refused, Err(RunError::StateMismatch(_))), "{refused:?}");
 }
 
-/// The shipped drop test with a million elements, everything on and all states kept that are kept of so many.
+/// The shipped drop test with a million elements, every output on, and as many snapshots as such a mesh has.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_million_elements_fit_into_two_gigabytes() {
@@ -331,7 +331,7 @@ fn a_million_elements_fit_into_two_gigabytes() {
     println!("{peak} kB at the peak, {} bytes an element in the engine", summary["bytes_per_element"]);
 }
 
-/// What the memory check counts on, within the bound that the engine is held to.
+/// The memory per element that the check of `model` assumes, and its upper bound.
 #[test]
 fn elements_take_little_memory() {
     for (element, most) in [("quad4", 400.0), ("tri3", 300.0), ("quad4-full", 700.0)] {

@@ -1,4 +1,4 @@
-//! The built binary, for the commands that simulate: folders, figures, exit codes, scripts.
+//! The built binary, for the commands that simulate: folders, figures, exit statuses, scripts.
 
 use std::fs;
 use std::path::Path;
@@ -47,7 +47,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_run_leaves_its_folder() {
+fn a_run_writes_its_folder() {
     let bench = bench();
     let output = run(bench.path(), &["drop.toml"]);
     assert_eq!(code(&output), Some(0), "{}", error(&output));
@@ -93,7 +93,7 @@ fn a_run_leaves_its_folder() {
 }
 
 #[test]
-fn the_kept_scenario_gives_the_same_signals_elsewhere() {
+fn the_stored_scenario_gives_the_same_signals_elsewhere() {
     let (bench, elsewhere) = (bench(), tempfile::tempdir().expect("a folder"));
     let scenario = fs::read_to_string(bench.path().join("drop.toml")).expect("the template");
     fs::write(bench.path().join("drop.toml"), scenario + "\n[post]\nscript = \"own.rhai\"\n").expect("a scenario");
@@ -115,7 +115,7 @@ fn the_kept_scenario_gives_the_same_signals_elsewhere() {
 }
 
 #[test]
-fn the_shipped_test_is_read_back() {
+fn the_shipped_test_is_compared_with_its_reference() {
     let bench = tempfile::tempdir().expect("a folder");
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/drop/1008.toml");
     let output = run(bench.path(), &[shipped.to_str().expect("UTF-8"), "--json", "--quiet"]);
@@ -154,7 +154,7 @@ fn the_page_shows_the_figures_of_the_summary() {
 }
 
 #[test]
-fn a_run_that_goes_wrong_numerically_keeps_what_it_had() {
+fn a_numerical_failure_stores_what_was_computed() {
     let bench = bench();
     // A film that turns into diamond at 30 % makes the stable step collapse when the sphere gets there.
     let wall = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
@@ -176,7 +176,7 @@ fn a_run_that_goes_wrong_numerically_keeps_what_it_had() {
 }
 
 #[test]
-fn several_scenarios_go_below_one_folder() {
+fn several_scenarios_are_stored_below_one_folder() {
     let bench = bench();
     fs::copy(bench.path().join("drop.toml"), bench.path().join("other.toml")).expect("a copy");
     let output = run(bench.path(), &["*.toml", "--out", "out", "--json"]);
@@ -187,7 +187,7 @@ fn several_scenarios_go_below_one_folder() {
 }
 
 #[test]
-fn one_mistake_keeps_everything_from_being_written() {
+fn nothing_is_written_where_one_scenario_is_wrong() {
     let bench = bench();
     let good = fs::read_to_string(bench.path().join("drop.toml")).expect("the template");
     fs::write(bench.path().join("bad.rhai"), "let a = 1;\nlet b = nosuch;").expect("a script");
@@ -214,7 +214,7 @@ fn one_mistake_keeps_everything_from_being_written() {
 }
 
 #[test]
-fn folders_of_others_are_left_alone() {
+fn folders_of_the_user_are_not_replaced() {
     let bench = bench();
     fs::create_dir(bench.path().join("own")).expect("a folder");
     fs::write(bench.path().join("own/notes.txt"), "mine").expect("a file");
@@ -236,7 +236,7 @@ measure("difference", relative_error(runs[1].displacement, runs[0].displacement,
 "#;
 
 #[test]
-fn a_script_leaves_its_tables() {
+fn a_script_writes_its_tables() {
     let bench = bench();
     fs::write(bench.path().join("study.rhai"), STUDY).expect("a script");
     let arguments = ["script", "study.rhai", "--scenario", "drop.toml", "--arg", "layers=16"];
@@ -282,7 +282,7 @@ fn an_argument_that_no_script_reads_is_a_mistake() {
 }
 
 #[test]
-fn mistakes_in_a_script_have_their_place() {
+fn mistakes_in_a_script_have_line_and_column() {
     let bench = bench();
     for (text, expected) in [
         ("\nlet t = scenario(\"nosuch.toml\"); args.scenario", "study.rhai:2:9"),
@@ -303,7 +303,7 @@ fn mistakes_in_a_script_have_their_place() {
 }
 
 #[test]
-fn the_examples_of_the_scripting_reference_hold() {
+fn the_examples_of_the_scripting_reference_run() {
     let bench = bench();
     let path = bench.path().join("quick.toml");
     let quick = [QUICK[1], QUICK[3]].map(|set| set.replacen('=', " = \"", 1) + "\"\n").concat();

@@ -1,4 +1,4 @@
-//! Slow indentation and inflation through the built binary: what they leave, and how they end.
+//! Slow indentation and inflation through the built binary: their results, and how they end.
 
 use std::fs;
 use std::path::Path;
@@ -25,12 +25,13 @@ fn run(folder: &Path, changes: &[&str]) -> (Output, Recording, Json) {
     let output = droptower(folder, &arguments);
     let place = if output.status.success() { "runs/slow" } else { "runs/slow.failed" };
     let place = folder.join(place);
-    let signals = csv::read(&place.join("signals.csv")).unwrap_or_else(|error| panic!("{error}: {}", told(&output)));
+    let signals = csv::read(&place.join("signals.csv"))
+        .unwrap_or_else(|error| panic!("{error}: {}", standard_error_and_output(&output)));
     let summary = fs::read(place.join("summary.json")).expect("a summary");
     (output, signals, serde_json::from_slice(&summary).expect("JSON"))
 }
 
-fn told(output: &Output) -> String {
+fn standard_error_and_output(output: &Output) -> String {
     [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned()).concat()
 }
 
@@ -48,10 +49,10 @@ fn figure(summary: &Json, name: &str) -> f64 {
 }
 
 #[test]
-fn an_indentation_leaves_depth_and_force() {
+fn an_indentation_records_depth_and_force() {
     let bench = bench("indent");
     let (output, signals, summary) = run(bench.path(), &["loading.indent.depth=15mm"]);
-    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", standard_error_and_output(&output));
     assert_eq!(header(bench.path()), "time_s,depth_m,force_N");
     assert_eq!(signals.channel("depth_m").map(|depth| depth[0]), Some(0.0), "the depth starts at first touch");
     assert!((last(&signals, "depth_m") - 0.015).abs() < 1e-12);
@@ -62,14 +63,14 @@ fn an_indentation_leaves_depth_and_force() {
     let energies = csv::read(&bench.path().join("runs/slow/energies.csv")).expect("energies");
     let given = -last(&energies, "external_J");
     assert!((figure(&summary, "work_J") / given - 1.0).abs() < 0.02, "{} of {given}", summary["work_J"]);
-    assert!(told(&output).contains("kinetic share 0.0 %"));
+    assert!(standard_error_and_output(&output).contains("kinetic share 0.0 %"));
 }
 
 #[test]
 fn an_inflation_comes_to_rest() {
     let bench = bench("pressure");
     let (output, signals, summary) = run(bench.path(), &[]);
-    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", standard_error_and_output(&output));
     assert_eq!(header(bench.path()), "time_s,pressure_Pa,deflection_m");
     assert_eq!(last(&signals, "pressure_Pa"), 5e3);
     assert_eq!(figure(&summary, "final_deflection_m"), last(&signals, "deflection_m"));
@@ -79,7 +80,7 @@ fn an_inflation_comes_to_rest() {
 
 /// Quarter and whole film; slow and slower, each with a mass of its own.
 #[test]
-fn neither_symmetry_nor_pace_is_felt() {
+fn neither_symmetry_nor_speed_changes_the_result() {
     let bench = bench("indent");
     let force = |changes: &[&str]| {
         let all = [&["loading.indent.depth=15mm", "specimen.mesh.size=2.5mm"], changes].concat();
@@ -94,12 +95,16 @@ fn neither_symmetry_nor_pace_is_felt() {
 }
 
 #[test]
-fn what_is_not_quasi_static_is_refused_and_kept() {
+fn a_run_that_is_not_quasi_static_fails_and_is_stored() {
     let bench = bench("indent");
     let fast = ["loading.indent.velocity=10 m/s", "output.sample_rate=20 kHz"];
     let (output, signals, summary) = run(bench.path(), &fast);
-    assert_eq!(output.status.code(), Some(3), "{}", told(&output));
-    assert!(told(&output).contains("not quasi-static: at 0.00"), "{}", told(&output));
+    assert_eq!(output.status.code(), Some(3), "{}", standard_error_and_output(&output));
+    assert!(
+        standard_error_and_output(&output).contains("not quasi-static: at 0.00"),
+        "{}",
+        standard_error_and_output(&output)
+    );
     assert!(signals.time.len() > 10 && figure(&summary, "kinetic_share") > 0.01);
     let cause = fs::read_to_string(bench.path().join("runs/slow.failed/failure.txt")).expect("a cause");
     assert!(cause.contains("load it more slowly"), "{cause}");
@@ -111,25 +116,33 @@ fn an_impactor_beside_the_film_is_a_mistake() {
     let arguments = ["run", "slow.toml", "--set", "impactor.position=['200 mm', 0]", "--set", "specimen.symmetry=none"];
     let output = droptower(bench.path(), &arguments);
     assert_eq!(output.status.code(), Some(2));
-    assert!(told(&output).contains("the impactor goes down beside the film"), "{}", told(&output));
+    assert!(
+        standard_error_and_output(&output).contains("the impactor goes down beside the film"),
+        "{}",
+        standard_error_and_output(&output)
+    );
     assert!(!bench.path().join("runs").exists());
 }
 
-/// A film that breaks ends the test: its last sample is the last that held.
+/// A film that breaks ends the test: its last sample is the last before the break.
 #[test]
-fn a_break_is_the_end() {
+fn a_break_ends_the_test() {
     let brittle = "specimen.material.fabric.md={curve=[[0.05,'5 MPa'],[0.1,'6 MPa']]}";
     let (burst, puncture) = (bench("pressure"), bench("indent"));
     let (output, signals, summary) = run(burst.path(), &[brittle]);
-    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", standard_error_and_output(&output));
     assert_eq!(summary["ruptured"], true);
     assert_eq!(figure(&summary, "burst_pressure_Pa"), last(&signals, "pressure_Pa"));
-    assert!(last(&signals, "pressure_Pa") < 5e3 && told(&output).contains("burst at"), "{}", told(&output));
+    assert!(
+        last(&signals, "pressure_Pa") < 5e3 && standard_error_and_output(&output).contains("burst at"),
+        "{}",
+        standard_error_and_output(&output)
+    );
 
     let film = "specimen.material.fabric={md={curve=[[0.02,'5 MPa'],[0.04,'6 MPa']]},td={curve=[[0.02,'5 MPa'],[2,'6 MPa']]},\
                 shear={curve=[[1,'5 MPa']]}}";
     let (output, signals, summary) = run(puncture.path(), &[film, "loading.indent.depth=12mm"]);
-    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", standard_error_and_output(&output));
     let depth = figure(&summary, "depth_at_break_m");
     assert!(depth < 0.012 && (last(&signals, "depth_m") - depth).abs() < 4e-3 / 20.0, "{depth}");
 }

@@ -18,7 +18,7 @@ use crate::workbench::{droptower, error};
 const LONG: Duration = Duration::from_secs(120);
 
 #[test]
-fn what_cannot_be_opened_is_told_with_a_way_out() {
+fn a_run_without_a_recording_is_refused_with_a_hint() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("empty")).expect("a folder");
     fs::write(folder.path().join("recording.rrd"), "").expect("a file");
@@ -33,7 +33,7 @@ fn what_cannot_be_opened_is_told_with_a_way_out() {
     }
 }
 
-/// A viewer that says another version and notes what it was told to open.
+/// A viewer that prints another version and writes down what it is asked to open.
 #[cfg(unix)]
 #[test]
 fn a_viewer_of_another_version_is_used_with_a_warning() {
@@ -47,7 +47,7 @@ fn a_viewer_of_another_version_is_used_with_a_warning() {
     fs::write(folder.path().join("-h.rrd"), "").expect("a file");
     let output = droptower(folder.path(), &["view", "--viewer", "./viewer.sh", "--", ".", "-h.rrd"]);
     assert_eq!(output.status.code(), Some(0), "{}", error(&output));
-    assert!(error(&output).contains("made for the Rerun viewer 0.36"), "{}", error(&output));
+    assert!(error(&output).contains("written for the Rerun viewer 0.36"), "{}", error(&output));
     let opened = fs::read_to_string(folder.path().join("opened")).expect("opened");
     let opened: Vec<&str> = opened.split_whitespace().collect();
     let all_there = opened.iter().all(|path| path.starts_with('/') && fs::exists(path).is_ok_and(|there| there));
@@ -55,7 +55,7 @@ fn a_viewer_of_another_version_is_used_with_a_warning() {
 }
 
 #[test]
-fn a_run_is_refused_an_address_that_is_none() {
+fn an_invalid_address_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     assert!(droptower(folder.path(), &["new", "drop", "drop.toml"]).status.success());
     let output = droptower(folder.path(), &["run", "drop.toml", "--live=nowhere"]);
@@ -80,10 +80,10 @@ fn a_missing_viewer_is_a_warning() {
     assert!(folder.path().join("runs/drop/recording.rrd").is_file());
 }
 
-/// A viewer that takes every connection and never says a word.
+/// A viewer that accepts every connection and never answers.
 #[cfg(feature = "rerun")]
 #[test]
-fn a_silent_viewer_delays_no_results() {
+fn a_viewer_that_never_answers_delays_no_results() {
     let door = TcpListener::bind("127.0.0.1:0").expect("a port");
     let live = format!("--live=rerun+http://{}/proxy", door.local_addr().expect("an address"));
     let _silence = thread::spawn(move || door.incoming().collect::<Vec<_>>());
@@ -108,6 +108,6 @@ fn a_silent_viewer_delays_no_results() {
     assert!(first_stored.elapsed() > Duration::from_secs(4), "it was the viewer that was waited for");
     let output = run.wait_with_output().expect("its output");
     assert_eq!(output.status.code(), Some(0), "{}", error(&output));
-    let told = error(&output).matches("warning: --live: ").count();
-    assert!(told == 1 && stored.iter().all(|path| path.is_file()), "{}", error(&output));
+    let warnings = error(&output).matches("warning: --live: ").count();
+    assert!(warnings == 1 && stored.iter().all(|path| path.is_file()), "{}", error(&output));
 }
