@@ -69,7 +69,7 @@ pub fn report() -> String {
     let mesh = Mesh { nodes: nodes.to_vec(), quads: vec![[0, 1, 2, 3]], ..Mesh::default() };
     let (film, thickness, stress_free) = (NeoHookean(0.4e6), 50e-6, StressFree::new(0.0, [0.0; 2]));
     let mut element = Patch::<_, 1>::new(film, &mesh, &stress_free, thickness).expect("MD lies in the plane");
-    let rows = [1.0, 1.1, 1.5, 2.0, 3.0_f64].map(|stretch| {
+    let rows = [1.1, 1.5, 2.0, 3.0_f64].map(|stretch| {
         let (mut position, mut force) = (Vectors::default(), Vectors::zero(nodes.len()));
         position.extend(nodes.iter().map(|p| [stretch * p.x, p.y, 0.0]));
         element.add_forces(Width::best(), &position, 0.0, &mut force);
