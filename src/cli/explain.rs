@@ -1,16 +1,17 @@
-//! `droptower explain`: unit, range, default and sentence of every key under a path.
+//! `droptower explain`: unit, range, default and sentence of the keys under a path, script functions, codes of findings.
 
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use super::{Failure, Shared, functions, print, print_json};
+use super::{Failure, Shared, codes, functions, print, print_json};
 use crate::diagnostic::{Diagnostic, closest};
 use crate::scenario::grammar::{self, Key, Rule, TableRule};
 
 #[derive(Debug, Args)]
 pub struct ExplainArgs {
-    /// Key path, e.g. specimen.mesh; the top tables where it is left out; a function of scripts, e.g. plot; `functions` for all of them
+    /// Key path, e.g. specimen.mesh [default: the top tables]; a script function, e.g. plot; the code of a finding, e.g.
+    /// coarse-contact; `functions` or `findings` for all of them
     #[arg(value_name = "KEY")]
     pub path: Option<String>,
 }
@@ -35,14 +36,19 @@ struct Choice {
 }
 
 pub fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
-    if args.path.as_deref() == Some(functions::WORD) {
-        return functions::run(None, shared);
+    match args.path.as_deref() {
+        Some(functions::WORD) => return functions::run(None, shared),
+        Some(codes::WORD) => return codes::run(None, shared),
+        _ => {}
     }
     let explanations = match &args.path {
         Some(path) => match find(path) {
             Ok((name, key)) => under(&name, key),
             Err(_) if functions::are_called(path) => return functions::run(Some(path), shared),
-            Err(mistake) => return Err(mistake.into()),
+            Err(mistake) => match codes::find(path) {
+                Some(code) => return codes::run(Some(code), shared),
+                None => return Err(with_code(mistake, path).into()),
+            },
         },
         None => top(),
     };
@@ -51,6 +57,14 @@ pub fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
     }
     let texts: Vec<String> = explanations.iter().map(text).collect();
     print(&texts.join("\n\n"))
+}
+
+/// The mistake with the code of a finding as its hint, where the unknown `path` is like one and is written like one.
+fn with_code(mistake: Diagnostic, path: &str) -> Diagnostic {
+    match codes::hint(path).filter(|_| path.contains('-')) {
+        Some(hint) => mistake.hint(hint),
+        None => mistake,
+    }
 }
 
 /// The tables of a scenario, without what is in them.

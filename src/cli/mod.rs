@@ -2,6 +2,7 @@
 
 mod check;
 mod checkpoint;
+mod codes;
 mod compare;
 mod digest;
 mod explain;

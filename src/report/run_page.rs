@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 use super::html::{self, escape};
 use super::{duration, figure, film, key_figures, plot, run_plots, script_output, subject};
 use crate::diagnostic::shown_path;
+use crate::finding::Finding;
 use crate::model::{Model, Window};
 use crate::plot::thinned;
 use crate::post::{COST, HEADER, ReferenceComparison, Results};
@@ -63,14 +64,19 @@ fn lead(run: &RunPage) -> String {
 }
 
 fn warnings(run: &RunPage) -> String {
-    let failure = run.failure.map(|cause| format!("The run broke off: {cause}"));
+    let failure = run.failure.map(|cause| format!("The run failed: {cause}"));
     let rupture = run.outcome.rupture_time.map(|time| format!("The film ruptured at {}", duration(time)));
-    let warnings = run.results.measures.findings().iter().map(ToString::to_string);
-    let lines: Vec<String> = failure.into_iter().chain(rupture).chain(warnings).collect();
+    let findings = run.results.measures.findings().iter().map(with_code);
+    let lines: Vec<String> = failure.into_iter().chain(rupture).chain(findings).collect();
     html::warnings("Warnings", &lines)
 }
 
-/// All figures of the summary, those of the machine behind a fold.
+/// A finding with its code, which `droptower explain` takes.
+fn with_code(finding: &Finding) -> String {
+    format!("{} [{}]", finding.message, finding.code)
+}
+
+/// All figures of the summary, those of the machine after the others.
 fn figures(summary: &Map<String, Value>) -> String {
     let is_cost = |name: &String| COST.contains(&name.as_str());
     let own = |name: &String| !HEADER.contains(&name.as_str());

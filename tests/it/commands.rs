@@ -105,6 +105,18 @@ fn explain_gives_unit_range_default_and_sentence() {
 }
 
 #[test]
+fn explain_gives_meaning_and_remedy_of_findings() {
+    let one = standard_output(&["explain", "coarse-contact"]);
+    assert!(one.starts_with("coarse-contact (warning)\n") && one.contains("what to do: use a smaller"), "{one}");
+    let all: Json = serde_json::from_str(&standard_output(&["explain", "findings", "--json"])).expect("JSON");
+    let code = |code: &&Json| code["name"] == "coarse-contact" && code["severity"] == "warning";
+    assert_eq!(all.as_array().expect("a list").iter().filter(code).count(), 1);
+    let unknown = droptower(&["explain", "corse-contact"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&unknown.stderr).contains("did you mean the finding `coarse-contact`?"));
+}
+
+#[test]
 fn every_key_has_a_sentence() {
     fn without_sentence(rule: &Rule, name: &str, found: &mut Vec<String>) {
         let table = rule.table().or_else(|| rule.item(0)?.table());

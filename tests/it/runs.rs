@@ -168,7 +168,7 @@ fn a_numerical_failure_stores_what_was_computed() {
     let cause = fs::read_to_string(folder.join("failure.txt")).expect("a cause");
     assert!(cause.contains("the time step fell") && cause.contains(" s at 0.0") && cause.contains("face"), "{cause}");
     let page = fs::read_to_string(folder.join("report.html")).expect("a page");
-    assert!(page.contains("The run broke off: the time step fell"));
+    assert!(page.contains("The run failed: the time step fell"));
     let signals = csv::read(&folder.join("signals.csv")).expect("signals");
     assert!(signals.time.len() > 100 && signals.time.len() < 400, "{} samples", signals.time.len());
     assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0));

@@ -12,7 +12,10 @@ pub fn of(run: &RunPage) -> Vec<Event> {
     let end = signals.time.last().copied().unwrap_or_default();
     let rupture = run.outcome.rupture_time.map(|time| (time, Severity::Warning, "first element breaks".to_owned()));
     let failure = run.failure.map(|cause| (end, Severity::Warning, format!("the run broke off: {cause}")));
-    let warnings = run.results.measures.findings().iter().map(|found| (end, Severity::Warning, found.message.clone()));
+    let warnings = run.results.measures.findings().iter().map(|found| {
+        let severity = if found.is_warning() { Severity::Warning } else { Severity::Info };
+        (end, severity, format!("{} [{}]", found.message, found.code))
+    });
     let said = run.results.script_output.log.iter().map(|text| (end, Severity::Info, text.clone()));
     let motion = motion(signals).into_iter().map(|(time, text)| (time, Severity::Info, text));
     // The viewer's own column of times is too narrow for them.

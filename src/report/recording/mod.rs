@@ -96,8 +96,9 @@ fn scenario(text: &str) -> Text {
 /// Summary, what the post script left in tables, and the scenario.
 fn documents(run: &RunPage) -> Vec<Document> {
     let RunPage { model, results, .. } = run;
+    let findings = results.measures.findings().iter();
     let warnings: String =
-        results.measures.findings().iter().map(|found| format!("- {}\n", text::escaped(&found.message))).collect();
+        findings.map(|found| format!("- {} \\[{}\\]\n", text::escaped(&found.message), found.code)).collect();
     let figures = figure::markdown(&results.summary(model));
     let summary =
         format!("# {}\n\n{}\n\n{warnings}\n{figures}", text::escaped(&model.title), text::escaped(&subject(model)));

@@ -1,0 +1,59 @@
+//! `droptower explain findings`: what the codes of findings mean and what to do.
+
+use super::{Failure, Shared, print, print_json};
+use crate::diagnostic::closest;
+use crate::finding::Code;
+use crate::{post, simulate};
+
+/// The word in place of a key that lists all codes.
+pub const WORD: &str = "findings";
+
+/// All codes, room by room.
+fn all() -> impl Iterator<Item = &'static Code> {
+    [simulate::CODES, post::CODES].into_iter().flatten().copied()
+}
+
+/// The code `name`.
+pub fn find(name: &str) -> Option<&'static Code> {
+    all().find(|code| code.name == name)
+}
+
+/// The code whose name is like `name`, as a hint.
+pub fn hint(name: &str) -> Option<String> {
+    closest(name, all().map(|code| code.name)).map(|name| format!("did you mean the finding `{name}`?"))
+}
+
+/// Prints the meaning of `code`, or of all codes.
+pub fn run(code: Option<&'static Code>, shared: &Shared) -> Result<(), Failure> {
+    let codes: Vec<&Code> = code.map_or_else(|| all().collect(), |code| vec![code]);
+    if shared.json {
+        return print_json(&codes);
+    }
+    print(&codes.into_iter().map(text).collect::<Vec<_>>().join("\n\n"))
+}
+
+fn text(code: &Code) -> String {
+    format!("{} ({})\n    {}\n    what to do: {}", code.name, code.severity, code.meaning, code.remedy)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+    use crate::finding::is_code;
+
+    #[test]
+    fn codes_are_unique_well_formed_and_explained() {
+        let mut seen = HashSet::new();
+        for code in all() {
+            assert!(is_code(code.name), "{}", code.name);
+            assert!(seen.insert(code.name), "{} has two meanings", code.name);
+            for text in [code.meaning, code.remedy] {
+                assert!(text.starts_with(char::is_lowercase) || text.starts_with('`'), "{}: {text}", code.name);
+                assert!(!text.ends_with('.') && !text.contains("  "), "{}: {text}", code.name);
+            }
+        }
+        assert!(!seen.is_empty());
+    }
+}
