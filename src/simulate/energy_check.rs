@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Fault;
+use super::fault::Fault;
 use crate::engine::Energies;
 use crate::signal::{Channel, Recording};
 

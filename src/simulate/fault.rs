@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::Outcome;
+use super::outcome::Outcome;
 use crate::engine::{self, StateMismatch, SurfaceError, UndefinedFibreDirection};
 use crate::mesh::MeshError;
 

@@ -1,9 +1,8 @@
 //! What the film pulls on the frame that holds it (theory.md, equation 160).
 
 use crate::engine::Nodes;
-use crate::mesh::Mesh;
-use crate::mesh::{Outline, Side};
-use crate::model::{Hold, Loading, Model};
+use crate::mesh::{Mesh, Outline, Side};
+use crate::model::{Hold, Model};
 use crate::signal::{Channel, Recording};
 
 /// Columns of the pull along x and y.
@@ -30,7 +29,7 @@ impl HeldSides {
     pub(super) fn of(model: &Model) -> HeldSides {
         let is_rectangle = matches!(model.specimen.shape, Outline::Rectangle { .. });
         let sides = match &model.frame.hold {
-            _ if !is_rectangle || matches!(model.loading, Loading::Stretch { .. }) => vec![],
+            _ if !is_rectangle => vec![],
             Hold::All => vec![Side::XMinus, Side::XPlus, Side::YMinus, Side::YPlus],
             Hold::Sides(sides) => sides.clone(),
             Hold::None => vec![],

@@ -6,151 +6,38 @@ mod checkpoint;
 mod energy_check;
 mod fault;
 mod frame_force;
-mod snapshot;
 mod grid;
 mod image;
-mod impact;
-mod indent;
+mod loading;
 mod monitor;
-mod pressure;
+mod mount;
+mod outcome;
 mod probe;
 mod pull;
 mod rates;
+mod rise;
 mod rows;
-mod slow;
-mod stretch;
+mod snapshot;
 mod tracks;
 mod warning;
 
 use std::time::{Duration, Instant};
 
-use serde::{Deserialize, Serialize};
-
 use crate::engine::{self, Engine, Surface, ThreadPool};
-use crate::lane::Width;
-use crate::mesh::Quality;
 use crate::model::Model;
 use crate::signal::Recording;
-use build::Mounting;
-pub use build::{falling, section, surface};
 pub use cancellation::Cancellation;
 pub use checkpoint::{Checkpoint, Checkpoints, Restart};
 pub use fault::{Failure, Fault, RunError};
 pub use image::Image;
+use mount::Mounting;
+pub use mount::{falling, section, surface};
+pub use outcome::{Film, Outcome};
 use probe::Probe;
 pub use pull::{Across, PullError, pull};
+pub use rates::RateHistogram;
+pub use snapshot::{Detail, FilmState, Snapshot};
 pub use warning::{CODES, Warning};
-
-/// What came out of a run.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// Channels of `signals.csv`, in its order, without the filtered one (that is post-processing).
-    pub signals: Recording,
-    /// The energy audit, sampled with the signals: one channel a term, J.
-    pub energies: Recording,
-    /// States of films and impactor over time.
-    pub snapshots: Vec<Snapshot>,
-    /// Topology of the films, one entry a face.
-    pub films: Vec<Film>,
-    /// Surface of the impactor that moves in the snapshots.
-    pub impactor: Option<Surface>,
-    pub rates: RateHistogram,
-    /// What puts figures in doubt.
-    pub warnings: Vec<Warning>,
-    /// First time at which an element broke, s.
-    pub rupture_time: Option<f64>,
-    /// Largest |ΣE − E₀| over the energy exchanged.
-    pub energy_balance_error: f64,
-    /// Largest share of kinetic energy in the film's energy, once a tenth of it is there (only quasi-static loadings).
-    pub kinetic_share: Option<f64>,
-    /// Energy lost to damping over the film's (only quasi-static loadings).
-    pub damping_share: Option<f64>,
-    /// Change of an inflated film's deflection over the last tenth of the test, over the deflection; none where it broke.
-    pub settling: Option<f64>,
-    /// Factor on the film's mass that the run used (only quasi-static loadings).
-    pub mass_scaling: Option<f64>,
-    /// Largest penetration over the impactor's radius.
-    pub penetration: Option<f64>,
-    pub elements: usize,
-    /// What the engine's own arrays take, bytes.
-    pub bytes: usize,
-    /// Threads that worked on it.
-    pub threads: usize,
-    /// Vector instructions that its kernels were run with.
-    pub instructions: Width,
-    pub steps: u64,
-    /// Mean time step, s.
-    pub time_step: f64,
-    pub wall: Duration,
-}
-
-/// Topology of one face, as pictures need it.
-#[derive(Clone, Debug)]
-pub struct Film {
-    pub nodes: usize,
-    pub quads: Vec<[u32; 4]>,
-    pub tris: Vec<[u32; 3]>,
-    /// Edges by which the frame or the jaws hold it, as pairs of nodes.
-    pub held: Vec<[u32; 2]>,
-    /// Mirror planes that complete the picture: x, y.
-    pub mirrored: [bool; 2],
-    /// How well its elements are shaped.
-    pub quality: Quality,
-}
-
-/// State of the whole scene at one time.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Snapshot {
-    /// s.
-    pub time: f64,
-    /// One entry a face.
-    pub films: Vec<FilmState>,
-    /// Position (m) and rotation (unit quaternion i, j, k, w) of the impactor.
-    pub impactor: Option<([f64; 3], [f64; 4])>,
-}
-
-/// State of one face at one time.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct FilmState {
-    pub positions: Vec<[f32; 3]>,
-    /// Engineering strain of the MD and TD fibres and shear angle, one entry an element (quads, then triangles).
-    pub strains: Vec<[f32; 3]>,
-    /// Broken elements.
-    pub failed: Vec<bool>,
-    /// Nodes of the face that the impactor touches, ascending.
-    pub touching: Vec<u32>,
-    /// Stress and more, where the run was asked for it ([`RunOptions::detailed`]).
-    pub detail: Option<Detail>,
-}
-
-/// What only some want to know of the state of a face.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Detail {
-    /// m/s, one entry a node.
-    pub velocities: Vec<[f32; 3]>,
-    /// Engineering stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section, one entry an
-    /// element, as all that follow.
-    pub stresses: Vec<[f32; 3]>,
-    /// Largest MD and TD strain so far.
-    pub peaks: Vec<[f32; 2]>,
-    /// Thickness over that of stress-free film; NaN where the law says nothing of it.
-    pub thickness_ratio: Vec<f32>,
-    /// Images of unit vectors along MD and TD of the stress-free film: directions of the fibres, as long as they are stretched.
-    pub fibres: Vec<[[f32; 3]; 2]>,
-}
-
-/// Share of the film's straining (volume × strain beyond the largest so far, loading only) by strain rate.
-#[derive(Clone, Debug, Default)]
-pub struct RateHistogram {
-    /// Edges of the bins, 1/s, logarithmic.
-    pub edges: Vec<f64>,
-    /// Share in each bin; sums to one when anything was strained.
-    pub shares: Vec<f64>,
-    /// Range in which the curves were measured, 1/s.
-    pub measured: Option<[f64; 2]>,
-    /// Share outside that range.
-    pub outside: f64,
-}
 
 /// Where a run stands.
 #[derive(Clone, Copy, Debug)]

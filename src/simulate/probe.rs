@@ -4,17 +4,20 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::build::Mounting;
 use super::energy_check::EnergyCheck;
+use super::fault::Fault;
 use super::frame_force::HeldSides;
+use super::loading::{self, Inertia, LoadCase};
 use super::monitor::{Figures, Monitor};
-use super::pressure::Rise;
+use super::mount::Mounting;
+use super::outcome::Outcome;
 use super::rates::RateAudit;
+use super::rise::{self, Rise};
+use super::snapshot::{self, Snapshot};
 use super::tracks::Tracks;
 use super::warning::bounds::KINETIC;
-use super::{Fault, Outcome, Snapshot, impact, indent, pressure, snapshot, stretch};
-use crate::engine::{self, ElementStrain, Engine, Inflation, Observer, Track, View};
-use crate::model::{Loading, Model};
+use crate::engine::{self, ElementStrain, Engine, Observer, Track, View};
+use crate::model::Model;
 use crate::signal::Recording;
 
 /// Looks at the energies, the contact and the strain around it in a run, unless there are fewer samples.
@@ -29,6 +32,7 @@ const JUDGED_FROM: f64 = 0.1;
 /// Gathers the outcome of a run while it goes.
 pub(super) struct Probe<'a> {
     model: &'a Model,
+    loading: Box<dyn LoadCase + 'a>,
     duration: f64,
     /// Number of snapshots.
     snapshots: usize,
@@ -62,17 +66,9 @@ impl<'a> Probe<'a> {
     pub(super) fn new(model: &'a Model, mounting: &Mounting, detailed: bool) -> Probe<'a> {
         let sample = 1.0 / model.output.sample_rate;
         let duration = model.run_time();
-        let (speed, gravity) = match model.loading {
-            Loading::Impact { velocity, gravity, .. } => (velocity, gravity),
-            Loading::Indent { velocity, .. } => (velocity, 0.0),
-            Loading::Stretch { .. } | Loading::Pressure { .. } => (0.0, 0.0),
-        };
-        let scale = match (&model.loading, &model.impactor) {
-            (Loading::Impact { velocity, .. }, Some(impactor)) => 0.5 * impactor.mass * velocity * velocity,
-            _ => 0.0,
-        };
-        let impact = matches!(model.loading, Loading::Impact { .. });
-        let judged_from = if impact { 0.0 } else { JUDGED_FROM * duration };
+        let loading = loading::of(model);
+        let [speed, gravity] = loading.approach();
+        let judged_from = if loading.inertia() == Inertia::Dynamic { 0.0 } else { JUDGED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
         let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
         let record = Record {
@@ -80,7 +76,7 @@ impl<'a> Probe<'a> {
             tracks: Tracks::new(duration, sample, speed, gravity),
             rise: Rise::default(),
             snapshots: vec![],
-            energy: EnergyCheck::new(scale, judged_from),
+            energy: EnergyCheck::new(loading.energy_scale(), judged_from),
             rates: RateAudit::new(measured),
             monitor: Monitor::default(),
             rupture_time: None,
@@ -89,6 +85,7 @@ impl<'a> Probe<'a> {
         };
         Probe {
             model,
+            loading,
             duration,
             snapshots,
             snapshot_interval: duration / snapshots.saturating_sub(1).max(1) as f64,
@@ -131,9 +128,9 @@ impl<'a> Probe<'a> {
         broke || (time > self.duration && self.record.tracks.are_complete())
     }
 
-    /// Whether the film is in equilibrium all the time; then its breaking is the end of the test.
+    /// Whether inertia must not matter; then the failure of the film ends the test.
     fn is_quasi_static(&self) -> bool {
-        matches!(self.model.loading, Loading::Indent { .. } | Loading::Pressure { .. })
+        self.loading.inertia() == Inertia::Negligible
     }
 
     /// The fault of a run as a whole: energies that do not add up, or a test that was not quasi-static as it should be.
@@ -152,7 +149,7 @@ impl<'a> Probe<'a> {
 
     /// How far an inflated film that held is at rest.
     fn settling(&self) -> Option<f64> {
-        self.record.rupture_time.is_none().then(|| pressure::settling(&self.record.tracks))?
+        self.record.rupture_time.is_none().then(|| rise::settling(&self.record.tracks))?
     }
 
     /// Elements broke in the step from `time` (s).
@@ -186,7 +183,7 @@ impl<'a> Probe<'a> {
         if self.held.are_there() {
             self.record.tracks.frame.push(view.time, self.held.pull(view.nodes));
         }
-        if matches!(self.model.loading, Loading::Pressure { .. }) {
+        if self.loading.has_rise() {
             self.record.tracks.rise.push(view.time, [self.record.rise.largest(view)]);
         }
         self.record.rates.sample(view.time, faces);
@@ -213,7 +210,7 @@ impl<'a> Probe<'a> {
 
     /// The outcome after the last step of `engine`.
     pub(super) fn finish(self, engine: &Engine, mounting: Mounting, wall: Duration) -> Outcome {
-        let slow = !matches!(self.model.loading, Loading::Impact { .. });
+        let slow = self.loading.inertia() != Inertia::Dynamic;
         let kinetic_share = slow.then(|| self.record.energy.kinetic_share().1);
         let damping_share = slow.then(|| self.record.energy.damping_share());
         let balance = self.record.energy.balance_error();
@@ -221,7 +218,7 @@ impl<'a> Probe<'a> {
         let signals = self.signals(&mounting);
         let energies = self.energies();
         let rates = self.record.rates.finish();
-        let unfinished = signals.channel("contact_force_N").is_some_and(impact::ends_loaded);
+        let unfinished = signals.channel("contact_force_N").is_some_and(loading::ends_loaded);
         let snapshots = [self.model.output.frames, self.snapshots];
         let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, snapshots, unfinished };
         Outcome {
@@ -252,15 +249,7 @@ impl<'a> Probe<'a> {
     /// The signals of `signals.csv` so far.
     pub(super) fn signals(&self, mounting: &Mounting) -> Recording {
         let tracks = &self.record.tracks;
-        let mut signals = match self.model.loading {
-            Loading::Impact { gravity, .. } => {
-                let mass = self.model.impactor.as_ref().map_or(0.0, |i| i.mass);
-                impact::signals(tracks, mounting, mass, gravity)
-            }
-            Loading::Stretch { velocity, .. } => stretch::signals(tracks, mounting, velocity),
-            Loading::Indent { velocity, .. } => indent::signals(tracks, velocity),
-            Loading::Pressure { pressure, ramp, .. } => pressure::signals(tracks, &Inflation { pressure, ramp }),
-        };
+        let mut signals = self.loading.signals(tracks, mounting);
         self.held.add_columns(&tracks.frame.rows, &mut signals);
         signals
     }

@@ -2,12 +2,11 @@
 
 use thiserror::Error;
 
-use super::build::section;
-use super::stretch::Coupon;
+use super::loading;
+use super::mount::section;
 use crate::engine::{Film, Nodes, UndefinedFibreDirection, Vectors};
-use crate::mesh::{self, MeshError};
-use crate::mesh::{Meshing, Outline, Side};
-use crate::model::{Face, Loading, Model};
+use crate::mesh::{self, MeshError, Meshing, Outline, Side};
+use crate::model::{Face, Model};
 
 /// What jaws do to the width of the film between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,8 +89,8 @@ const GUESSES: usize = 100;
 
 impl SingleElement {
     fn of(model: &Model) -> Result<SingleElement, PullError> {
-        let (Loading::Stretch { velocity, .. }, Outline::Rectangle { x, y }, [face]) =
-            (&model.loading, &model.specimen.shape, &model.faces[..])
+        let (Some(stretch), Outline::Rectangle { x, y }, [face]) =
+            (loading::stretch(model), &model.specimen.shape, &model.faces[..])
         else {
             return Err(PullError::NotAStretch);
         };
@@ -100,7 +99,7 @@ impl SingleElement {
         let mut nodes = Nodes::default();
         let film = Film::mount(&mesh, &section(&face, 1.0), face.height, &mut nodes)?;
         let sides = [Side::XPlus, Side::YPlus].map(|side| mesh.sides[side as usize].clone());
-        let (flat, section, rate) = (nodes.position.clone(), Coupon::of(model).section, velocity / x);
+        let (flat, section, rate) = (nodes.position.clone(), stretch.section, stretch.velocity / x);
         Ok(SingleElement { film, flat, nodes, sides, section, rate })
     }
 

@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::RateHistogram;
 use crate::engine::ElementStrain;
 
 /// Bins a decade.
@@ -12,6 +11,19 @@ const DECADES: (i32, i32) = (-5, 5);
 
 /// By how much a rate may miss an end of the measured range and still count as inside.
 const EDGE: f64 = 0.01;
+
+/// Share of the film's straining (volume × strain beyond the largest so far, loading only) by strain rate.
+#[derive(Clone, Debug, Default)]
+pub struct RateHistogram {
+    /// Edges of the bins, 1/s, logarithmic.
+    pub edges: Vec<f64>,
+    /// Share in each bin; sums to one when anything was strained.
+    pub shares: Vec<f64>,
+    /// Range in which the curves were measured, 1/s.
+    pub measured: Option<[f64; 2]>,
+    /// Share outside that range.
+    pub outside: f64,
+}
 
 /// Straining of virgin film by rate, weighted with volume and strain.
 #[derive(Serialize, Deserialize)]

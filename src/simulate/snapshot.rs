@@ -2,9 +2,52 @@
 
 use std::ops::Range;
 
-use super::{Detail, Film, FilmState, Snapshot};
+use serde::{Deserialize, Serialize};
+
+use super::outcome::Film;
 use crate::engine::{self, ElementDetail, ElementStrain, View};
 use crate::model::{MOST_IN_FRAMES, PER_DETAIL, PER_FRAME};
+
+/// State of the whole scene at one time.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// s.
+    pub time: f64,
+    /// One entry a face.
+    pub films: Vec<FilmState>,
+    /// Position (m) and rotation (unit quaternion i, j, k, w) of the impactor.
+    pub impactor: Option<([f64; 3], [f64; 4])>,
+}
+
+/// State of one face at one time.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FilmState {
+    pub positions: Vec<[f32; 3]>,
+    /// Engineering strain of the MD and TD fibres and shear angle, one entry an element (quads, then triangles).
+    pub strains: Vec<[f32; 3]>,
+    /// Broken elements.
+    pub failed: Vec<bool>,
+    /// Nodes of the face that the impactor touches, ascending.
+    pub touching: Vec<u32>,
+    /// Stress and more, where the run was asked for it ([`RunOptions::detailed`]).
+    pub detail: Option<Detail>,
+}
+
+/// What only some want to know of the state of a face.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Detail {
+    /// m/s, one entry a node.
+    pub velocities: Vec<[f32; 3]>,
+    /// Engineering stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section, one entry an
+    /// element, as all that follow.
+    pub stresses: Vec<[f32; 3]>,
+    /// Largest MD and TD strain so far.
+    pub peaks: Vec<[f32; 2]>,
+    /// Thickness over that of stress-free film; NaN where the law says nothing of it.
+    pub thickness_ratio: Vec<f32>,
+    /// Images of unit vectors along MD and TD of the stress-free film: directions of the fibres, as long as they are stretched.
+    pub fibres: Vec<[[f32; 3]; 2]>,
+}
 
 /// Number of snapshots of `films` where `wanted` are asked for: as many as fit into [`MOST_IN_FRAMES`], at least the first and
 /// the last.

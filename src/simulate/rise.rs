@@ -1,10 +1,9 @@
-//! The signals of a slow inflation.
+//! How far film under pressure rises, and whether it is at rest.
 
 use serde::{Deserialize, Serialize};
 
 use super::tracks::Tracks;
-use crate::engine::{Inflation, View};
-use crate::signal::Recording;
+use crate::engine::View;
 
 /// How far the film rose.
 #[derive(Default, Serialize, Deserialize)]
@@ -31,13 +30,6 @@ pub(super) fn settling(tracks: &Tracks) -> Option<f64> {
     let held = &rows[rows.len() - rows.len().div_ceil(10)..];
     let change = held.iter().map(|[rise]| (rise - last).abs()).fold(0.0, f64::max);
     Some(change / last.abs())
-}
-
-/// Pressure and the rise of the node that rose most.
-pub(super) fn signals(tracks: &Tracks, inflation: &Inflation) -> Recording {
-    let row = |(k, [rise]): (usize, &[f64; 1])| [inflation.at(k as f64 * tracks.sample), *rise];
-    let rows: Vec<_> = tracks.rise.rows.iter().enumerate().map(row).collect();
-    tracks.table(&["pressure_Pa", "deflection_m"], &rows)
 }
 
 #[cfg(test)]

@@ -1,0 +1,87 @@
+//! Impact: a body falls onto the film.
+
+use super::{Inertia, LoadCase, MassScaling};
+use crate::engine::{self, Film, Loads, Nodes};
+use crate::model::Model;
+use crate::signal::Recording;
+use crate::simulate::fault::RunError;
+use crate::simulate::mount::{self, Mounting};
+use crate::simulate::tracks::Tracks;
+
+const NAMES: [&str; 10] = [
+    "displacement_m",
+    "velocity_m_s",
+    "acceleration_m_s2",
+    "contact_force_N",
+    "kinetic_energy_J",
+    "potential_energy_J",
+    "absorbed_energy_J",
+    "total_energy_J",
+    "max_strain_md",
+    "max_strain_td",
+];
+
+/// A body that falls onto the film at `velocity` (m/s, downward) under `gravity` (m/s²).
+pub(super) struct Impact<'a> {
+    pub(super) model: &'a Model,
+    pub(super) velocity: f64,
+    pub(super) gravity: f64,
+}
+
+impl LoadCase for Impact<'_> {
+    fn inertia(&self) -> Inertia {
+        Inertia::Dynamic
+    }
+
+    fn mass_scaling(&self) -> MassScaling {
+        MassScaling::Unscaled
+    }
+
+    fn damping(&self) -> f64 {
+        self.model.specimen.damping
+    }
+
+    fn apply(&self, films: &[Film], nodes: &Nodes, loads: &mut Loads) -> Result<Option<engine::Impact>, RunError> {
+        loads.gravity = self.gravity;
+        let Some(impactor) = &self.model.impactor else { return Ok(None) };
+        let (contact, pose) = mount::over_film(impactor, self.model, films, nodes)?;
+        let body = mount::falling(impactor, contact.surface(), pose, self.velocity);
+        Ok(Some(engine::Impact { body, contact }))
+    }
+
+    fn approach(&self) -> [f64; 2] {
+        [self.velocity, self.gravity]
+    }
+
+    fn energy_scale(&self) -> f64 {
+        self.model.impactor.as_ref().map_or(0.0, |impactor| 0.5 * impactor.mass * self.velocity * self.velocity)
+    }
+
+    /// Motion and energies of the impactor and the largest strains (theory.md, section 8).
+    fn signals(&self, tracks: &Tracks, mounting: &Mounting) -> Recording {
+        let (mass, gravity) = (self.model.impactor.as_ref().map_or(0.0, |i| i.mass), self.gravity);
+        let start = tracks.first_contact.unwrap_or(mounting.start);
+        let half = &tracks.at_half_steps.rows;
+        let row = |k: usize| {
+            let [z, work, _] = tracks.at_steps.rows[k];
+            let velocity = half[2 * k + 1][0];
+            let acceleration = (half[2 * k + 2][0] - half[2 * k][0]) / tracks.sample;
+            let displacement = z - start;
+            let kinetic = 0.5 * mass * velocity * velocity;
+            let potential = mass * gravity * displacement;
+            let force = tracks.contact_force(k);
+            let [md, td] = tracks.strains.rows[k];
+            [displacement, velocity, acceleration, force, kinetic, potential, work, kinetic + potential + work, md, td]
+        };
+        let rows: Vec<_> = (0..tracks.whole().min(tracks.strains.rows.len())).map(row).collect();
+        tracks.table(&NAMES, &rows)
+    }
+}
+
+/// Whether a force is still more than a hundredth of its peak over the last hundredth of its samples.
+pub(in crate::simulate) fn ends_loaded(force: &[f64]) -> bool {
+    let peak = force.iter().copied().fold(0.0, f64::max);
+    let last = &force[force.len() - force.len().div_ceil(100)..];
+    let mean = last.iter().sum::<f64>() / last.len().max(1) as f64;
+    mean > 0.01 * peak
+}

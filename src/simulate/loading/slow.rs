@@ -1,0 +1,47 @@
+//! How long a test has to take for its film to stay in equilibrium (theory.md, section 10).
+
+use std::f64::consts::TAU;
+
+use crate::lane::splat;
+use crate::mesh::{Outline, Side};
+use crate::model::{Face, Hold, Model};
+
+/// Periods of the film for which a test loads it, where the factor on its mass is chosen.
+pub(super) const PERIODS: f64 = 50.0;
+
+/// First zero of the Bessel function J₀: angular frequency of a round membrane over its wave speed and radius.
+const ROUND: f64 = 2.404_826;
+
+/// Periods of the softest face in `time` (s), where `stretch` is what a face of a radius (m) is stretched by at the end of
+/// the test: an estimate within a factor of two.
+pub(super) fn periods(model: &Model, time: f64, stretch: impl Fn(&Face, f64) -> f64) -> f64 {
+    let Some(radius) = radius(&model.specimen.shape, &model.frame.hold) else { return 0.0 };
+    let frequency =
+        |face: &Face| ROUND * (tension(face, stretch(face, radius)) / face.material.density).sqrt() / radius;
+    let softest = model.faces.iter().map(frequency).fold(f64::INFINITY, f64::min);
+    time * softest / TAU
+}
+
+/// Radius of the largest disc between held edges, m; none for imported outlines.
+fn radius(shape: &Outline, hold: &Hold) -> Option<f64> {
+    let held = |side| match hold {
+        Hold::All => true,
+        Hold::Sides(sides) => sides.contains(&side),
+        Hold::None => false,
+    };
+    match shape {
+        Outline::Rectangle { x, .. } if !held(Side::YMinus) || !held(Side::YPlus) => Some(0.5 * x),
+        Outline::Rectangle { y, .. } if !held(Side::XMinus) || !held(Side::XPlus) => Some(0.5 * y),
+        Outline::Rectangle { x, y } => Some(0.5 * x.min(*y)),
+        Outline::Circle { radius } => Some(*radius),
+        Outline::Mesh(_) => None,
+    }
+}
+
+/// Mean stress of a face, Pa, that is stretched in all directions by `stretch` beyond its pre-strain.
+pub(super) fn tension(face: &Face, stretch: f64) -> f64 {
+    let [md, td] = face.prestrain.map(|prestrain| (1.0 + prestrain) * stretch);
+    let f = [[md, 0.0, 0.0], [0.0, td, 0.0]].map(|v| v.map(splat));
+    let p = face.material.law.virgin_stress(f);
+    0.5 * (p[0][0][0] + p[1][1][0])
+}

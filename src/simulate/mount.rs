@@ -1,0 +1,98 @@
+//! How film and impactor are mounted.
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::fault::RunError;
+use super::frame_force::HeldSides;
+use super::outcome::Film as FilmTopology;
+use crate::engine::{Contact, Film, Nodes, RigidBody, Section, Surface};
+use crate::mesh::{self, Element, Mesh};
+use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model};
+
+/// How the specimen was mounted.
+pub(super) struct Mounting {
+    /// Topology of the faces.
+    pub(super) films: Vec<FilmTopology>,
+    /// Height of the impactor's centre of mass at the start, m.
+    pub(super) start: f64,
+    /// Factor on the film's mass; none under a dynamic loading.
+    pub(super) mass_scaling: Option<f64>,
+    /// Sides whose force on the frame is recorded.
+    pub(super) held: HeldSides,
+}
+
+/// The membrane section of `face`; `mass_scaling` multiplies its density.
+pub fn section(face: &Face, mass_scaling: f64) -> Section {
+    Section {
+        law: face.material.law.clone(),
+        density: face.material.density * mass_scaling,
+        thickness: face.material.thickness * f64::from(face.layers),
+        md_angle: face.md_angle,
+        prestrain: face.prestrain,
+        full_integration: face.meshing.element == Element::Quad4Full,
+    }
+}
+
+/// The surface of an impactor of this shape about its centre of mass.
+///
+/// # Errors
+/// Its mesh cannot be read, or is no closed surface.
+pub fn surface(shape: &ImpactorShape) -> Result<Surface, RunError> {
+    Ok(match shape {
+        ImpactorShape::Sphere { radius } => Surface::sphere(*radius),
+        ImpactorShape::Hemisphere { radius, length } => Surface::hemisphere(*radius, *length),
+        ImpactorShape::Cylinder { radius, length } => Surface::cylinder(*radius, *length),
+        ImpactorShape::Mesh(path) => Surface::closed_mesh(mesh::import::surface(path)?),
+    }?)
+}
+
+/// The impactor at `pose`, falling at `velocity` (m/s, downward positive).
+pub fn falling(impactor: &Impactor, surface: &Surface, pose: Isometry3<f64>, velocity: f64) -> RigidBody {
+    match impactor.guide {
+        Guide::Z => RigidBody::guided(pose, -velocity, impactor.mass),
+        Guide::Free => {
+            let inertia = surface.inertia_per_mass() * impactor.mass;
+            RigidBody::free(pose, Vector3::new(0.0, 0.0, -velocity), impactor.mass, inertia)
+        }
+    }
+}
+
+/// Keeps the nodes on mirror planes on them. `first` is the first of all nodes that belongs to `mesh`.
+pub(super) fn mirror(nodes: &mut Nodes, mesh: &Mesh, first: usize) {
+    for (plane, axes) in mesh.mirrors.iter().zip([[true, false, false], [false, true, false]]) {
+        nodes.hold(plane.iter().map(|n| first + *n as usize), axes);
+    }
+}
+
+/// Clamps the held edges.
+pub(super) fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
+    let mut clamp = |edge: &[u32]| nodes.hold(edge.iter().map(|n| first + *n as usize), [true; 3]);
+    match hold {
+        Hold::All => clamp(&mesh.rim),
+        Hold::Sides(sides) => sides.iter().for_each(|side| clamp(&mesh.sides[*side as usize])),
+        Hold::None => {}
+    }
+}
+
+/// The impactor with its lowest point on the highest of the first face.
+pub(super) fn over_film(
+    impactor: &Impactor,
+    model: &Model,
+    films: &[Film],
+    nodes: &Nodes,
+) -> Result<(Contact, Isometry3<f64>), RunError> {
+    let surface = surface(&impactor.shape)?;
+    let mut offset = vec![0.0; nodes.position.len()];
+    let mut between = 0.0;
+    for film in films {
+        offset[film.nodes.clone()].fill(between + 0.5 * film.thickness);
+        between += film.thickness;
+    }
+    let top = films.first().map_or(0.0, |film| {
+        let heights = nodes.position.range(film.nodes.clone())[2].iter().copied();
+        heights.fold(f64::NEG_INFINITY, f64::max) + 0.5 * film.thickness
+    });
+    let [x, y] = impactor.position;
+    let pose = Isometry3::translation(x, y, top - surface.lowest());
+    Ok((Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset), pose))
+}

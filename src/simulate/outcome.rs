@@ -1,0 +1,68 @@
+//! The outcome of a run.
+
+use std::time::Duration;
+
+use super::rates::RateHistogram;
+use super::snapshot::Snapshot;
+use super::warning::Warning;
+use crate::engine::Surface;
+use crate::lane::Width;
+use crate::mesh::Quality;
+use crate::signal::Recording;
+
+/// The outcome of a run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Channels of `signals.csv`, in its order, without the filtered one (that is post-processing).
+    pub signals: Recording,
+    /// The energy audit, sampled with the signals: one channel a term, J.
+    pub energies: Recording,
+    /// States of films and impactor over time.
+    pub snapshots: Vec<Snapshot>,
+    /// Topology of the films, one entry a face.
+    pub films: Vec<Film>,
+    /// Surface of the impactor that moves in the snapshots.
+    pub impactor: Option<Surface>,
+    pub rates: RateHistogram,
+    /// What puts figures in doubt.
+    pub warnings: Vec<Warning>,
+    /// First time at which an element broke, s.
+    pub rupture_time: Option<f64>,
+    /// Largest |ΣE − E₀| over the energy exchanged.
+    pub energy_balance_error: f64,
+    /// Largest share of kinetic energy in the film's energy, once a tenth of it is there (only quasi-static loadings).
+    pub kinetic_share: Option<f64>,
+    /// Energy lost to damping over the film's (only quasi-static loadings).
+    pub damping_share: Option<f64>,
+    /// Change of an inflated film's deflection over the last tenth of the test, over the deflection; none where it broke.
+    pub settling: Option<f64>,
+    /// Factor on the film's mass that the run used (only quasi-static loadings).
+    pub mass_scaling: Option<f64>,
+    /// Largest penetration over the impactor's radius.
+    pub penetration: Option<f64>,
+    pub elements: usize,
+    /// What the engine's own arrays take, bytes.
+    pub bytes: usize,
+    /// Threads that worked on it.
+    pub threads: usize,
+    /// Vector instructions that its kernels were run with.
+    pub instructions: Width,
+    pub steps: u64,
+    /// Mean time step, s.
+    pub time_step: f64,
+    pub wall: Duration,
+}
+
+/// Topology of one face, as pictures need it.
+#[derive(Clone, Debug)]
+pub struct Film {
+    pub nodes: usize,
+    pub quads: Vec<[u32; 4]>,
+    pub tris: Vec<[u32; 3]>,
+    /// Edges by which the frame or the jaws hold it, as pairs of nodes.
+    pub held: Vec<[u32; 2]>,
+    /// Mirror planes that complete the picture: x, y.
+    pub mirrored: [bool; 2],
+    /// How well its elements are shaped.
+    pub quality: Quality,
+}
