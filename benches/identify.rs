@@ -140,7 +140,7 @@ fn identify(tests: &[Recorded], method: &str, start: [f64; 3]) -> Outcome<([f64;
 /// Runs the script with `args`.
 fn run(args: Map) -> Outcome<ScriptOutput> {
     let mut engine = functions::engine(Limits::STUDY);
-    let collector = OutputCollector::new(Vec::new(), |_| {});
+    let collector = OutputCollector::new(Vec::new());
     functions::register_output(&mut engine, &collector);
     post::register_studies(&mut engine, vec![]);
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));

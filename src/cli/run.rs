@@ -188,7 +188,7 @@ impl Job {
 
     fn store(&self, outcome: &Outcome, scenario: &str, show: Show) -> Result<Done, Failure> {
         let model = &self.checked.model;
-        let results = self.checked.plan.evaluate(model, outcome, |_| {}).map_err(|error| evaluating(&error))?;
+        let results = self.checked.plan.evaluate(model, outcome).map_err(|error| evaluating(&error))?;
         let contents = Contents {
             model,
             outcome,

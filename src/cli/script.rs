@@ -10,12 +10,14 @@ use serde_json::{Map, Value, json};
 use super::faults::{reading, script, storing};
 use super::{Failure, Shared, digest, folder, print_figures, scenarios, table};
 use crate::diagnostic::{Diagnostic, printable, shown_path};
+use crate::finding::Finding;
 use crate::functions;
 use crate::identify::{self, Identity, SearchEvent, SearchHost};
 use crate::post;
 use crate::report::StudyPage;
 use crate::script::{
-    Arguments, Fault, Limits, OutputCollector, Script, ScriptOutput, Session, TooManyPictures, to_json,
+    Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, TooManySearches, Warning,
+    to_json,
 };
 use crate::store::{self, Draft, StoreError};
 
@@ -38,7 +40,7 @@ pub struct ScriptArgs {
 }
 
 /// Names that belong to a study's summary.
-const RESERVED: [&str; 7] = ["script", "droptower", "study", "warning", "tables", "plots", "files"];
+const RESERVED: [&str; 8] = ["script", "droptower", "study", "warning", "findings", "tables", "plots", "files"];
 
 /// A script that was run, and what it found.
 struct Studied {
@@ -49,6 +51,8 @@ struct Studied {
     /// The text that was run.
     text: String,
     output: ScriptOutput,
+    /// The finding that recordings behind it are virtual, which its output begins with.
+    virtual_recordings: Option<Finding>,
 }
 
 pub fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
@@ -71,22 +75,23 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     let changes = scenarios::assignments(&args.set)?;
     let say = move |line: &str| {
         if !quiet {
-            // Nobody may be listening; what a script logs is kept for the report anyway.
+            // The report has every message, so one that cannot be printed is dropped.
             let _ = writeln!(io::stderr(), "{}", printable(line));
         }
     };
-    let collector = OutputCollector::new(RESERVED.map(String::from).into(), say);
-    let pictures = collector.clone();
-    let unless_kept = move |kept: Result<(), TooManyPictures>| {
-        if let Err(error) = kept {
+    let collector = OutputCollector::new(RESERVED.map(String::from).into());
+    let collector = collector.with_listener(move |message| say(&message.to_string()));
+    let searches = collector.clone();
+    let note_error = move |added: Result<(), TooManySearches>| {
+        if let Err(error) = added {
             say(&format!("note: {error}"));
         }
     };
     let host = SearchHost::new(Some(store::history_of(place)), move |event| match event {
         SearchEvent::Progress(progress) => say(&progress.to_string()),
         SearchEvent::Note(note) => say(&format!("note: {note}")),
-        SearchEvent::Finished(convergence) => unless_kept(pictures.searched(convergence.clone())),
-        SearchEvent::Correlation(correlation) => unless_kept(pictures.correlated(correlation.clone())),
+        SearchEvent::Finished(convergence) => note_error(searches.add_search(convergence.clone())),
+        SearchEvent::Correlation(correlation) => note_error(searches.add_correlation(correlation.clone())),
     });
     let mut engine = functions::engine(Limits::STUDY);
     functions::register_output(&mut engine, &collector);
@@ -106,12 +111,14 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
         false => Failure::from(script(&fault)),
     };
     program.run(&engine, scope).map_err(stopped)?;
-    let virtual_recordings = Session::of_engine(&engine).virtual_recordings();
-    let output = ScriptOutput { virtual_recordings, ..collector.output() };
-    if let Some(warning) = output.warning() {
-        say(&format!("warning: {warning}"));
+    let virtual_recordings = Warning::virtual_recordings(Session::of_engine(&engine).virtual_recordings());
+    let virtual_recordings = virtual_recordings.map(|warning| Finding::new(&warning));
+    if let Some(finding) = &virtual_recordings {
+        say(&Message::Finding(finding).to_string());
     }
-    Ok(Studied { name, call, text: program.text().into(), output })
+    let mut output = collector.output();
+    output.findings.splice(..0, virtual_recordings.clone());
+    Ok(Studied { name, call, text: program.text().into(), output, virtual_recordings })
 }
 
 /// Every argument has its place in the script: one that is misspelt would change nothing.
@@ -179,12 +186,16 @@ fn value_of(text: &str) -> Dynamic {
 }
 
 fn summary(studied: &Studied) -> Map<String, Value> {
-    let Studied { name, call, output, .. } = studied;
+    let Studied { name, call, output, virtual_recordings, .. } = studied;
     let mut summary = Map::new();
     summary.insert("script".into(), json!(name));
     summary.insert("droptower".into(), json!(env!("CARGO_PKG_VERSION")));
     summary.insert("study".into(), Value::Object(call.clone()));
-    summary.extend(output.warning().map(|warning| ("warning".into(), json!(warning))));
+    summary.extend(virtual_recordings.iter().map(|finding| ("warning".into(), json!(finding.message))));
+    let warnings = output.findings.iter().filter(|finding| finding.is_warning());
+    // A script's own figure `warnings` takes the place of the messages.
+    summary.insert("warnings".into(), warnings.map(|warning| json!(warning.message)).collect());
+    summary.insert("findings".into(), json!(output.findings));
     summary.extend(output.measures.clone());
     let tables = output.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
     summary.insert("tables".into(), Value::Object(tables.collect()));
@@ -194,7 +205,7 @@ fn summary(studied: &Studied) -> Map<String, Value> {
 }
 
 fn keep(studied: &Studied, place: &Path) -> Result<Vec<String>, StoreError> {
-    let Studied { name, call, text, output } = studied;
+    let Studied { name, call, text, output, .. } = studied;
     let draft = Draft::begin(place)?;
     let page = StudyPage { name, call, output, script: text };
     let files = folder::fill_study(&draft, &page, &summary(studied))?;

@@ -9,7 +9,7 @@ use crate::script::{Limits, OutputCollector};
 pub(crate) fn engine() -> Engine {
     let mut engine = super::engine(Limits::POST);
     register_reading(&mut engine);
-    register_output(&mut engine, &OutputCollector::new(vec!["steps".into()], |_| {}));
+    register_output(&mut engine, &OutputCollector::new(vec!["steps".into()]));
     engine
 }
 

@@ -224,7 +224,7 @@ mod tests {
     use crate::script::Limits;
 
     fn plots(script: &str) -> Vec<Plot> {
-        let collector = OutputCollector::new(vec![], |_| {});
+        let collector = OutputCollector::new(vec![]);
         let mut engine = plain(Limits::POST);
         register_output(&mut engine, &collector);
         engine.run(script).unwrap();

@@ -1,10 +1,10 @@
-//! Figures, tables and lines of the log.
+//! Figures, tables, lines of the log and warnings.
 
 use rhai::{Array, Dynamic, Engine, Map};
 
 use crate::script::{Entry, HostResult, OutputCollector, Row, refuse, to_json};
 
-/// Offers `measure`, `table`, `log` and `print` to scripts.
+/// Offers `measure`, `table`, `log`, `print` and `warn` to scripts.
 pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
     let own = collector.clone();
     engine
@@ -18,6 +18,8 @@ pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
     });
     let own = collector.clone();
     engine.register_fn("log", move |line: Dynamic| own.log(&line.to_string()).map_err(refuse));
+    let own = collector.clone();
+    engine.register_fn("warn", move |code: &str, text: &str| own.warn(code, text).map_err(refuse));
     let own = collector.clone();
     // The interpreter's own `print` cannot return an error: it drops lines past the limit.
     engine.on_print(move |line| drop(own.log(line)));
@@ -71,6 +73,12 @@ pub const ENTRIES: &[Entry] = &[
         gives: "a line for the terminal and the report; `print` does the same",
         example: r#"log("loading took " + 57 + " ms"); print("done"); true"#,
     },
+    Entry {
+        call: "warn(code, text)",
+        gives: "a warning for terminal, report, recording and summary (`findings`, `warnings`); the code names its kind: \
+                lower-case words joined by hyphens",
+        example: r#"let peak = 812.0; if peak > 500 { warn("hard-impact", `the peak of ${peak} m/s² exceeds 500 m/s²`); } true"#,
+    },
 ];
 
 #[cfg(test)]
@@ -79,12 +87,13 @@ mod tests {
 
     use rhai::Scope;
 
+    use crate::finding::Finding;
     use crate::functions::{engine, register_output};
     use crate::script::{Fault, Limits, OutputCollector, Script, ScriptOutput};
 
     fn run(text: &str) -> Result<ScriptOutput, Fault> {
         let (mut engine, scope) = (engine(Limits { operations: 30_000, ..Limits::STUDY }), Scope::new());
-        let collector = OutputCollector::new(vec!["steps".into()], |_| {});
+        let collector = OutputCollector::new(vec!["steps".into()]);
         register_output(&mut engine, &collector);
         let script = Script::compile(&engine, &scope, Path::new("s.rhai"), text);
         script.map_err(|mut faults| faults.remove(0))?.run(&engine, scope)?;
@@ -94,6 +103,17 @@ mod tests {
     #[test]
     fn an_endless_log_is_stopped() {
         assert!(run("loop { print(\"x\"); log(\"y\"); }").is_err());
+        assert!(run("loop { warn(\"x\", \"y\"); }").is_err());
+    }
+
+    #[test]
+    fn a_warning_is_a_finding_with_the_code_of_the_script() {
+        let found = run("log(\"warning: of the log\"); warn(\"hard-impact\", \"the peak exceeds 500 m/s²\")").unwrap();
+        assert_eq!(found.findings, [Finding::of_script("hard-impact", "the peak exceeds 500 m/s²")]);
+        assert_eq!(found.log, ["warning: of the log"], "a line of the log is no warning, whatever it says");
+        let fault = run("let a = 1;\n  warn(\"Hard impact\", \"x\")").unwrap_err();
+        assert!(fault.message.starts_with("`Hard impact` is not the code of a warning: use lower-case"), "{fault}");
+        assert_eq!((fault.line, fault.column), (2, 3));
     }
 
     #[test]

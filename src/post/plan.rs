@@ -35,7 +35,7 @@ impl Plan {
             ChannelFilter::new(class, 1.0 / model.output.sample_rate, Standard::Iso6487)?;
         }
         let comparison = ReferenceComparison::read(model)?;
-        let collector = OutputCollector::new(Vec::new(), |_| {});
+        let collector = OutputCollector::new(Vec::new());
         let engine = host(&collector);
         let stand_in = run::scope(Run::empty());
         let read = |path| Script::read(&engine, &stand_in, path);
@@ -49,19 +49,15 @@ impl Plan {
         one.reference == other.reference && one.post == other.post && one.output == other.output && of(one) == of(other)
     }
 
-    /// Measures the run and lets the post script add to it; `listener` hears what the script logs.
-    pub fn evaluate(
-        &self,
-        model: &Model,
-        outcome: &Outcome,
-        listener: impl Fn(&str) + Send + Sync + 'static,
-    ) -> Result<Results, EvaluateError> {
+    /// Measures the run and adds what its post script leaves.
+    pub fn evaluate(&self, model: &Model, outcome: &Outcome) -> Result<Results, EvaluateError> {
         let mut results = self.measure(model, outcome)?;
         if let Some(script) = &self.script {
-            let collector = OutputCollector::new(results.measures.reserved(), listener);
+            let collector = OutputCollector::new(results.measures.reserved());
             let run = Run::new(model, outcome, &results);
             script.run(&host(&collector), run::scope(run))?;
             results.script_output = collector.output();
+            results.measures.findings_mut().extend(&results.script_output.findings);
         }
         Ok(results)
     }

@@ -115,13 +115,22 @@ impl Measures {
         }
     }
 
-    /// What the run and its comparison with a reference reported.
+    /// What the run, its comparison with a reference and its post script reported.
     pub fn findings(&self) -> &RunFindings {
         match self {
             Measures::Impact(impact) => &impact.findings,
             Measures::Stretch(stretch) => &stretch.findings,
             Measures::Indent(indent) => &indent.findings,
             Measures::Inflation(inflation) => &inflation.findings,
+        }
+    }
+
+    pub(super) fn findings_mut(&mut self) -> &mut RunFindings {
+        match self {
+            Measures::Impact(impact) => &mut impact.findings,
+            Measures::Stretch(stretch) => &mut stretch.findings,
+            Measures::Indent(indent) => &mut indent.findings,
+            Measures::Inflation(inflation) => &mut inflation.findings,
         }
     }
 

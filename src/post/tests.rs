@@ -126,13 +126,13 @@ fn with_script(text: &str) -> Result<Results, EvaluateError> {
     fs::write(&path, text).unwrap();
     let model = Model { post: Some(path), ..model() };
     let plan = Plan::prepare(&model).unwrap();
-    plan.evaluate(&model, &outcome(), |_| {})
+    plan.evaluate(&model, &outcome())
 }
 
 #[test]
 fn a_pulse_has_the_measures_of_its_formula() {
     let plan = Plan::prepare(&model()).unwrap();
-    let results = plan.evaluate(&model(), &outcome(), |_| {}).unwrap();
+    let results = plan.evaluate(&model(), &outcome()).unwrap();
     let impact = impact(&results);
     close(impact.peak_acceleration_m_s2, PEAK, 0.01);
     close(impact.time_of_peak_acceleration_s, PULSE / 2.0, 1e-9);
@@ -151,7 +151,7 @@ fn a_pulse_has_the_measures_of_its_formula() {
 
 #[test]
 fn what_is_not_finite_is_null_in_the_summary() {
-    let results = Plan::prepare(&model()).unwrap().evaluate(&model(), &outcome(), |_| {}).unwrap();
+    let results = Plan::prepare(&model()).unwrap().evaluate(&model(), &outcome()).unwrap();
     let summary = results.summary(&model());
     assert!(summary["penetration"].is_null());
     assert!(summary["acceleration_error"].is_null());
@@ -163,7 +163,7 @@ fn a_run_that_breaks_off_before_the_turn_has_no_rebound() {
     let mut short = outcome();
     short.signals.time.truncate(100);
     short.signals.channels.iter_mut().for_each(|c| c.values.truncate(100));
-    let results = Plan::prepare(&model()).unwrap().evaluate(&model(), &short, |_| {}).unwrap();
+    let results = Plan::prepare(&model()).unwrap().evaluate(&model(), &short).unwrap();
     assert_eq!(impact(&results).rebound_velocity_m_s, None);
     assert_eq!(impact(&results).energy_absorption, None);
 }
@@ -183,7 +183,7 @@ fn a_reference_ten_per_cent_low_gives_its_error() {
     let row = |t: f64| format!("{t},{},{}\n", motion(t)[2] / 1.1, motion(t)[0]);
     let (_folder, model) = reference(row, "time_s,acceleration_m_s2,displacement_m");
     let plan = Plan::prepare(&model).unwrap();
-    let results = plan.evaluate(&model, &outcome(), |_| {}).unwrap();
+    let results = plan.evaluate(&model, &outcome()).unwrap();
     close(impact(&results).acceleration_error, 0.1, 1e-4);
     close(impact(&results).displacement_error, 0.0, 1e-9);
 }
@@ -225,6 +225,14 @@ fn a_post_script_adds_to_the_summary() {
     close(summary["speed_lost"].as_f64(), 2.0 * PEAK * PULSE / PI, 1e-3);
     assert_eq!(summary["tables"]["layers"][0]["n"], 8);
     assert_eq!(results.script_output.log, ["400"]);
+}
+
+#[test]
+fn a_warning_of_a_post_script_is_a_finding_of_the_run() {
+    let summary = with_script("warn(\"hard-impact\", \"the peak exceeds 100 m/s²\")").unwrap().summary(&model());
+    assert_eq!(summary["warnings"].as_array().unwrap().last().unwrap(), "the peak exceeds 100 m/s²");
+    let finding = summary["findings"].as_array().unwrap().last().unwrap();
+    assert_eq!((&finding["code"], &finding["severity"]), (&"hard-impact".into(), &"warning".into()));
 }
 
 #[test]

@@ -93,6 +93,11 @@ impl RunFindings {
         self.0.push(Finding::new(warning));
     }
 
+    /// Adds findings of the post script.
+    pub(super) fn extend(&mut self, findings: &[Finding]) {
+        self.0.extend_from_slice(findings);
+    }
+
     /// All of them.
     pub fn iter(&self) -> impl Iterator<Item = &Finding> {
         self.0.iter()

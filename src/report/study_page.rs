@@ -4,6 +4,7 @@ use serde_json::{Map, Value};
 
 use super::html::{self, escape};
 use super::{cell, figure, script_output};
+use crate::finding::Finding;
 use crate::script::ScriptOutput;
 
 /// What the page of a study is made of.
@@ -23,15 +24,17 @@ const MOST_POINTS: usize = 120_000;
 
 /// `report.html` of a study.
 pub fn study_page(study: &StudyPage) -> String {
-    let (warned, said) = study.output.warned_and_said();
-    let warnings: Vec<String> = study.output.warning().into_iter().chain(warned).collect();
+    let (warnings, notes): (Vec<&Finding>, Vec<&Finding>) =
+        study.output.findings.iter().partition(|finding| finding.is_warning());
+    let messages = |findings: Vec<&Finding>| findings.into_iter().map(Finding::to_string).collect::<Vec<_>>();
     let body = [
         format!("<h1>{}</h1>\n", escape(study.name)),
-        html::warnings("Warnings", &warnings),
+        html::warnings("Warnings", &messages(warnings)),
+        html::section("Notes", &html::list(&messages(notes))),
         html::section("What was run", &run(study.call)),
         html::section("Figures", &figure::table(study.output.measures.iter())),
         script_output::sections(study.output, MOST_POINTS),
-        html::section("Log", &html::list(&said)),
+        html::section("Log", &html::list(&study.output.log)),
         html::section("Script", &html::verbatim(study.script)),
         html::section("Run it again", &again(study.call)),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
@@ -82,6 +85,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::script::Warning;
 
     #[test]
     fn a_study_is_run_again_by_the_words_it_was_run_by() {
@@ -97,8 +101,9 @@ mod tests {
 
     #[test]
     fn a_page_says_that_recordings_are_virtual() {
-        let page = |virtual_recordings| {
-            let output = ScriptOutput { virtual_recordings, ..ScriptOutput::default() };
+        let page = |recordings| {
+            let findings = Warning::virtual_recordings(recordings).iter().map(Finding::new).collect();
+            let output = ScriptOutput { findings, ..ScriptOutput::default() };
             study_page(&StudyPage { name: "identify", call: &Map::new(), output: &output, script: "" })
         };
         let said = "VIRTUAL recordings, nothing was measured: drops/1008.csv";

@@ -16,6 +16,7 @@ mod plots;
 mod reference;
 mod session;
 mod value;
+mod warning;
 
 pub use arguments::Arguments;
 pub use compared::{Compared, Over, Target};
@@ -25,8 +26,9 @@ pub(crate) use files::MOST_BYTES;
 pub use files::{File, FileError, Files};
 pub use host::{Limits, ReadError, STACK, Script, engine};
 pub use options::Options;
-pub use output::{NameError, OutputCollector, Row, ScriptOutput, TooManyPictures};
+pub use output::{Message, OutputCollector, OutputError, Row, ScriptOutput, TooManySearches};
 pub use plots::PlotError;
 pub use reference::{Chapter, Entry};
 pub use session::{Session, Trial, fingerprint};
 pub use value::{from_json, number, to_json, window};
+pub use warning::{CODES, Warning};

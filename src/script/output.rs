@@ -1,6 +1,6 @@
-//! What a script leaves behind: figures, tables, plots, files, and a log.
+//! What a script leaves: figures, tables, plots, files, findings and a log.
 
-use std::path::PathBuf;
+use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde_json::Value;
@@ -9,122 +9,123 @@ use thiserror::Error;
 use super::ConvergenceHistory;
 use super::files::{File, FileError, Files};
 use super::plots::{self, PlotError};
-use crate::diagnostic::shown_path;
+use crate::finding::{Finding, is_code};
 use crate::plot::{Correlation, Plot};
 use crate::store::run_files::RESERVED_NAMES;
 
 /// One row of a table: column name and value, in order.
 pub type Row = serde_json::Map<String, Value>;
 
-/// Most entries of each kind that are kept.
+/// Most entries of each kind.
 const MOST_ENTRIES: usize = 10_000;
 
-/// Most searches and correlations whose pictures are kept.
-const MOST_PICTURES: usize = 100;
+/// Most searches and correlations whose plots are stored.
+const MOST_SEARCHES: usize = 100;
 
-/// Most virtual recordings that are named one by one.
-const MOST_NAMED: usize = 6;
-
-/// Figures, tables, plots, files and log lines in the order in which the script gave them.
+/// Figures, tables, plots, files, findings and lines of the log, in the order in which the script gave them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScriptOutput {
     pub measures: Row,
     pub tables: Vec<(String, Vec<Row>)>,
     pub plots: Vec<Plot>,
-    /// How its searches came to their results.
+    /// The convergence histories of its searches.
     pub searches: Vec<ConvergenceHistory>,
-    /// Of what its searches found.
+    /// The correlations of what its searches found.
     pub correlations: Vec<Correlation>,
     pub files: Files,
     pub log: Vec<String>,
-    /// Recordings that it read, or that its scenarios are compared with, and that say they are virtual.
-    pub virtual_recordings: Vec<PathBuf>,
+    /// What it reported with `warn`, and what puts its output in doubt otherwise.
+    pub findings: Vec<Finding>,
 }
 
-impl ScriptOutput {
-    /// What a reader must know before anything else: that recordings behind it are virtual.
-    pub fn warning(&self) -> Option<String> {
-        let named: Vec<String> = self.virtual_recordings.iter().take(MOST_NAMED).map(|path| shown_path(path)).collect();
-        let more = match self.virtual_recordings.len().saturating_sub(MOST_NAMED) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        (!named.is_empty()).then(|| format!("VIRTUAL recordings, nothing was measured: {}{more}", named.join(", ")))
-    }
-
-    /// The lines of the log in two: those that the script began with `warning: `, without that word, and the others.
-    pub fn warned_and_said(&self) -> (Vec<String>, Vec<String>) {
-        let (mut warned, mut said) = (Vec::new(), Vec::new());
-        for line in &self.log {
-            match line.strip_prefix("warning: ") {
-                Some(warning) => warned.push(warning.to_owned()),
-                None => said.push(line.clone()),
-            }
-        }
-        (warned, said)
-    }
-}
-
-/// Why a name cannot be given to a figure or a table.
+/// Why a figure, a table, a line or a warning of a script is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum NameError {
+pub enum OutputError {
     #[error("`{name}` is not a name for a figure or a table: use letters, digits and _")]
     Letters { name: String },
     #[error("`{name}` is a figure of every run and cannot be replaced")]
     Reserved { name: String },
-    #[error("a script leaves at most {MOST_ENTRIES} figures, tables, rows or lines")]
+    #[error("`{code}` is not the code of a warning: use lower-case words joined by hyphens, such as `coarse-mesh`")]
+    Code { code: String },
+    #[error("a script leaves at most {MOST_ENTRIES} figures, tables, rows, lines or warnings")]
     TooMany,
 }
 
-/// A picture that is not kept.
+/// There are too many searches to store the plots of one more.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("report and recording show the first {MOST_PICTURES} searches of a script, and none behind them")]
-pub struct TooManyPictures;
+#[error("report and recording show the first {MOST_SEARCHES} searches of a script; later ones have no plots")]
+pub struct TooManySearches;
 
-/// Where host functions write output down while a script runs.
+/// What a script reports while it runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Message<'a> {
+    /// A line of its log.
+    Line(&'a str),
+    /// A finding, by `warn`.
+    Finding(&'a Finding),
+}
+
+impl fmt::Display for Message<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Message::Line(line) => f.write_str(line),
+            Message::Finding(finding) => write!(f, "{}: {finding}", finding.severity),
+        }
+    }
+}
+
+/// Called with each message of a script at once.
+type Listener = dyn Fn(Message<'_>) + Send + Sync;
+
+/// Collects the output of a script while it runs. Cheap to clone.
 #[derive(Clone)]
 pub struct OutputCollector {
     output: Arc<Mutex<ScriptOutput>>,
     reserved: Arc<[String]>,
-    listener: Arc<dyn Fn(&str) + Send + Sync>,
+    listener: Arc<Listener>,
 }
 
 impl OutputCollector {
-    /// An empty collector; `reserved` names cannot be given, `listener` hears every log line at once.
-    pub fn new(reserved: Vec<String>, listener: impl Fn(&str) + Send + Sync + 'static) -> OutputCollector {
-        OutputCollector { output: Arc::default(), reserved: reserved.into(), listener: Arc::new(listener) }
+    /// An empty collector; figures and tables cannot have a `reserved` name.
+    pub fn new(reserved: Vec<String>) -> OutputCollector {
+        OutputCollector { output: Arc::default(), reserved: reserved.into(), listener: Arc::new(|_| {}) }
     }
 
-    /// What was written down so far.
+    /// The same, which calls `listener` with each message.
+    pub fn with_listener(self, listener: impl Fn(Message<'_>) + Send + Sync + 'static) -> OutputCollector {
+        OutputCollector { listener: Arc::new(listener), ..self }
+    }
+
+    /// What was collected so far.
     pub fn output(&self) -> ScriptOutput {
         self.lock().clone()
     }
 
-    /// Keeps how a search came to its result.
+    /// Adds the convergence history of a search.
     ///
     /// # Errors
     /// There are too many.
-    pub fn searched(&self, convergence: ConvergenceHistory) -> Result<(), TooManyPictures> {
-        keep(&mut self.lock().searches, convergence)
+    pub fn add_search(&self, convergence: ConvergenceHistory) -> Result<(), TooManySearches> {
+        push(&mut self.lock().searches, convergence)
     }
 
-    /// Keeps how what was found hangs together.
+    /// Adds the correlation of what a search found.
     ///
     /// # Errors
     /// There are too many.
-    pub fn correlated(&self, correlation: Correlation) -> Result<(), TooManyPictures> {
-        keep(&mut self.lock().correlations, correlation)
+    pub fn add_correlation(&self, correlation: Correlation) -> Result<(), TooManySearches> {
+        push(&mut self.lock().correlations, correlation)
     }
 
     /// Adds a figure, or replaces the one of this name.
     ///
     /// # Errors
     /// The name is not one, is reserved, or there are too many.
-    pub fn measure(&self, name: &str, value: Value) -> Result<(), NameError> {
+    pub fn measure(&self, name: &str, value: Value) -> Result<(), OutputError> {
         self.check(name)?;
         let measures = &mut self.lock().measures;
         if measures.len() >= MOST_ENTRIES {
-            return Err(NameError::TooMany);
+            return Err(OutputError::TooMany);
         }
         measures.insert(name.into(), value);
         Ok(())
@@ -134,11 +135,11 @@ impl OutputCollector {
     ///
     /// # Errors
     /// The name is not one, is reserved, or there are too many tables or rows.
-    pub fn table(&self, name: &str, rows: Vec<Row>) -> Result<(), NameError> {
+    pub fn table(&self, name: &str, rows: Vec<Row>) -> Result<(), OutputError> {
         self.check(name)?;
         let tables = &mut self.lock().tables;
         if tables.len() >= MOST_ENTRIES || rows.len() > MOST_ENTRIES {
-            return Err(NameError::TooMany);
+            return Err(OutputError::TooMany);
         }
         // One file a table: two names must differ on every file system.
         tables.retain(|(other, _)| !other.eq_ignore_ascii_case(name));
@@ -150,12 +151,29 @@ impl OutputCollector {
     ///
     /// # Errors
     /// There are too many.
-    pub fn log(&self, line: &str) -> Result<(), NameError> {
+    pub fn log(&self, line: &str) -> Result<(), OutputError> {
         if self.lock().log.len() >= MOST_ENTRIES {
-            return Err(NameError::TooMany);
+            return Err(OutputError::TooMany);
         }
-        (self.listener)(line);
+        (self.listener)(Message::Line(line));
         self.lock().log.push(line.into());
+        Ok(())
+    }
+
+    /// Adds a warning with the script's own code.
+    ///
+    /// # Errors
+    /// The code is not one, or there are too many warnings.
+    pub fn warn(&self, code: &str, text: &str) -> Result<(), OutputError> {
+        if !is_code(code) {
+            return Err(OutputError::Code { code: code.chars().take(80).collect() });
+        }
+        if self.lock().findings.len() >= MOST_ENTRIES {
+            return Err(OutputError::TooMany);
+        }
+        let finding = Finding::of_script(code, text);
+        (self.listener)(Message::Finding(&finding));
+        self.lock().findings.push(finding);
         Ok(())
     }
 
@@ -175,13 +193,13 @@ impl OutputCollector {
         plots::put(&mut self.lock().plots, plot)
     }
 
-    fn check(&self, name: &str) -> Result<(), NameError> {
+    fn check(&self, name: &str) -> Result<(), OutputError> {
         let letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || name.len() > 80 || !name.chars().all(letter) {
-            return Err(NameError::Letters { name: name.chars().take(80).collect() });
+            return Err(OutputError::Letters { name: name.chars().take(80).collect() });
         }
         if self.reserved.iter().any(|reserved| reserved == name) {
-            return Err(NameError::Reserved { name: name.into() });
+            return Err(OutputError::Reserved { name: name.into() });
         }
         Ok(())
     }
@@ -191,10 +209,10 @@ impl OutputCollector {
     }
 }
 
-fn keep<T>(pictures: &mut Vec<T>, picture: T) -> Result<(), TooManyPictures> {
-    if pictures.len() >= MOST_PICTURES {
-        return Err(TooManyPictures);
+fn push<T>(stored: &mut Vec<T>, item: T) -> Result<(), TooManySearches> {
+    if stored.len() >= MOST_SEARCHES {
+        return Err(TooManySearches);
     }
-    pictures.push(picture);
+    stored.push(item);
     Ok(())
 }

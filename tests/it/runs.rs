@@ -313,7 +313,7 @@ fn the_examples_of_the_scripting_reference_run() {
     let table = format!("time_s,acceleration_m_s2,displacement_m\n{rows}");
     fs::write(bench.path().join("reference.csv"), table).expect("a table");
     let mut engine: Engine = functions::engine(Limits::STUDY);
-    functions::register_output(&mut engine, &OutputCollector::new(Vec::new(), |_| {}));
+    functions::register_output(&mut engine, &OutputCollector::new(Vec::new()));
     functions::register_reading(&mut engine);
     post::register_studies(&mut engine, vec![]);
     Arguments::register(&mut engine);

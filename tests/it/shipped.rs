@@ -86,7 +86,7 @@ fn run(model: &Model) -> Results {
     let plan = Plan::prepare(model).unwrap_or_else(|error| panic!("{}", message(&error)));
     let outcome = simulate::run(model, &mut |_| {}).unwrap_or_else(|error| panic!("{}", message(&error)));
     assert!(outcome.energy_balance_error < 0.01, "{}: balance {}", model.name, outcome.energy_balance_error);
-    plan.evaluate(model, &outcome, |_| {}).unwrap_or_else(|error| panic!("{}", message(&error)))
+    plan.evaluate(model, &outcome).unwrap_or_else(|error| panic!("{}", message(&error)))
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn post_scripts_add_figures() {
 #[test]
 fn study_scripts_compile() {
     let mut engine = functions::engine(Limits::STUDY);
-    functions::register_output(&mut engine, &OutputCollector::new(Vec::new(), |_| {}));
+    functions::register_output(&mut engine, &OutputCollector::new(Vec::new()));
     post::register_studies(&mut engine, Vec::new());
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     functions::register_reading(&mut engine);

@@ -21,15 +21,17 @@ impl StudyRecording {
             searches: output.searches.iter().flat_map(approaches).collect(),
             plots: plots.into_iter().cloned().collect(),
             over_time: over_time.into_iter().cloned().collect(),
-            log: output.warning().into_iter().chain(output.log.iter().cloned()).collect(),
+            findings: output.findings.clone(),
+            log: output.log.clone(),
         }
     }
 }
 
 /// Figures, tables, correlations, and what was run.
 fn texts(study: &StudyPage) -> Vec<Text> {
-    let warning = study.output.warning().map_or(String::new(), |warning| format!("{}\n\n", text::escaped(&warning)));
-    let summary = Text { title: "Summary".into(), markdown: warning + markdown(&study.output.measures).as_str() };
+    let warnings = study.output.findings.iter().filter(|finding| finding.is_warning());
+    let warnings: String = warnings.map(|warning| format!("{}\n\n", text::escaped(&warning.message))).collect();
+    let summary = Text { title: "Summary".into(), markdown: warnings + markdown(&study.output.measures).as_str() };
     let given = serde_json::to_string_pretty(study.call).unwrap_or_else(|error| error.to_string());
     let run = [Text::verbatim("Script", study.script), Text::verbatim("What was run", &given)];
     let own = [Some(summary), Text::tables(study.output), correlations(study.output), Text::files(study.output)];

@@ -7,6 +7,7 @@ use droptower_viz::{Chart, Diagram, Event, Moment, Places, Scene, Severity, Sign
 use super::RecordingError;
 use super::diagram::{self, diagram};
 use super::text::Text;
+use crate::finding::Finding;
 use crate::plot::{Curve, Look, Plot};
 
 /// What the recording of a study is made of.
@@ -22,7 +23,9 @@ pub struct StudyRecording {
     pub plots: Vec<Plot>,
     /// Plots over the time of a test in ms, which also go on the timeline `time` of a study without a search.
     pub over_time: Vec<Plot>,
-    /// What the script logged.
+    /// What the script reported.
+    pub findings: Vec<Finding>,
+    /// The lines of its log.
     pub log: Vec<String>,
 }
 
@@ -158,8 +161,13 @@ fn events(study: &StudyRecording) -> Vec<Event> {
             format!("{}: objective {:.5}{}", search.name, at.objective, parameters.collect::<String>()),
         )
     };
-    let said = study.log.iter().map(|line| event(end, line.clone()));
-    iterations.map(words).chain(said).collect()
+    let findings = study.findings.iter().map(|finding| Event {
+        at: end,
+        severity: if finding.is_warning() { Severity::Warning } else { Severity::Info },
+        text: finding.message.clone(),
+    });
+    let lines = study.log.iter().map(|line| event(end, line.clone()));
+    iterations.map(words).chain(findings).chain(lines).collect()
 }
 
 #[cfg(test)]
@@ -179,6 +187,7 @@ mod tests {
             name: "identify".into(),
             over_time: vec![target.clone()],
             searches: vec![Approach { name: "1008".into(), target, iterations: (0..3).map(iteration).collect() }],
+            findings: vec![],
             log: vec!["done".into()],
             ..StudyRecording::default()
         }
