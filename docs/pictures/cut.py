@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Cuts the pictures of the gallery out of report pages and keeps them small.
+"""Cuts the pictures of the gallery out of report pages and reduces their palette.
 
     cut.py RESULTS PICTURES            # folders of docs/pictures/make
     cut.py --small PICTURE SMALL       # one picture with a reduced palette
@@ -13,7 +13,7 @@ from PIL import Image
 from playwright.sync_api import sync_playwright
 
 COLOURS = 255
-# Name, run, what is cut out, and the time in ms to which the film is moved.
+# Name, run, what is cut out, and the time in ms at which the film is shown.
 CUTS = [
     ("drop", "drop", "figure.film", 57.3),
     ("acceleration", "drop", "figure.plot:has(h3:text-is('Acceleration of the impactor'))", None),
