@@ -1,57 +1,33 @@
-//! One face of film: its elements, its law, its share of the nodes.
+//! One face of film: its elements in chunks and its nodes.
 //!
-//! The elements stand in chunks, which threads take one by one. Chunks of one colour share no node, so they may add their
-//! forces at the same time; colours follow each other. Neither depends on the number of threads, and so does no sum.
+//! Threads take the chunks one by one. Chunks of one colour share no node, so their forces may be added at the same time; the
+//! colours follow each other. Neither depends on the number of threads, and so the order of no sum does.
 
 use std::ops::Range;
 
-use super::element::{
-    self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, Forces, FullQuads, OwnForces, Quads, Shaped,
-    StressFree, Tris, UndefinedFibreDirection,
-};
+use super::colouring::first_fit;
+use super::element::{ElementDetail, ElementEnergy, ElementStrain, Forces};
+use super::element_group::ElementGroup;
 use super::film_history::FilmHistory;
-use super::footprint;
 use super::nodes::{Nodes, Vectors};
-use super::section::Section;
 use super::thread_pool::{Disjoint, ThreadPool};
-use crate::lane::{LANES, Width};
-use crate::material::{Elastic, Fabric, History, Law, MembraneLaw, RateCurves, TensionField};
-use crate::mesh::Mesh;
+use crate::lane::Width;
 
 /// A face of film ready to be stepped.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Film {
-    cloth: Cloth,
+    chunks: Vec<Chunk>,
     /// kg/m³, with mass scaling.
     density: f64,
     /// Thickness of all layers, m.
     pub thickness: f64,
     /// Which of all nodes are this face's; elements count theirs from the first of them.
     pub(crate) nodes: Range<usize>,
-    /// Number of colours.
-    colours: usize,
 }
 
-/// Elements with their law and its history variables.
-#[derive(Clone, Debug)]
-enum Cloth {
-    Fabric(Sheet<Fabric>),
-    RateFabric(Sheet<Fabric<RateCurves>>),
-    Elastic(Sheet<Elastic>),
-    TensionField(Sheet<TensionField>),
-}
-
-/// Elements of one law.
-#[derive(Clone, Debug)]
-struct Sheet<M: MembraneLaw> {
-    law: M,
-    chunks: Vec<Chunk<M::History<LANES>>>,
-}
-
-/// Elements that one thread works on.
-#[derive(Clone, Debug)]
-struct Chunk<P> {
-    elements: Elements<P>,
+/// Elements that one thread takes at a time.
+pub(super) struct Chunk {
+    group: Box<dyn ElementGroup>,
     colour: usize,
     /// Number of the first element among those of the film.
     first: usize,
@@ -59,132 +35,88 @@ struct Chunk<P> {
     failed: bool,
 }
 
-/// Elements of one kind.
-#[derive(Clone, Debug)]
-enum Elements<P> {
-    Quads(Quads<LANES, P>),
-    FullQuads(FullQuads<LANES, P>),
-    Tris(Tris<LANES, P>),
-}
-
-/// Number of chunks that a film is cut into where they do not become too large or too small: enough for threads to share.
-const CHUNKS: usize = 12;
-
-/// Bounds on the blocks of a chunk.
-const BLOCKS: [usize; 2] = [4, 64];
-
-/// Runs `$body` with `$sheet` bound to what `$cloth`, one of the laws in `$Of`, holds.
-macro_rules! by_law {
-    ($Of:ident, $cloth:expr, |$sheet:ident| $body:expr) => {
-        match $cloth {
-            $Of::Fabric($sheet) => $body,
-            $Of::RateFabric($sheet) => $body,
-            $Of::Elastic($sheet) => $body,
-            $Of::TensionField($sheet) => $body,
-        }
-    };
-}
-
-/// Runs `$body` with `$blocks` bound to the elements of a chunk.
-macro_rules! by_kind {
-    ($elements:expr, |$blocks:ident| $body:expr) => {
-        match $elements {
-            Elements::Quads($blocks) => $body,
-            Elements::FullQuads($blocks) => $body,
-            Elements::Tris($blocks) => $body,
-        }
-    };
+impl Clone for Chunk {
+    fn clone(&self) -> Chunk {
+        Chunk { group: self.group.boxed(), ..*self }
+    }
 }
 
 impl Film {
-    /// The elements of `mesh` with the properties of `section`; appends the nodes of the mesh, lifted by `height` (m), to
-    /// `nodes`.
-    ///
-    /// # Errors
-    /// MD is perpendicular to an element.
-    pub fn mount(
-        mesh: &Mesh,
-        section: &Section,
-        height: f64,
-        nodes: &mut Nodes,
-    ) -> Result<Film, UndefinedFibreDirection> {
-        let &Section { ref law, density, thickness, md_angle, prestrain, full_integration: full } = section;
-        let stress_free = StressFree::new(md_angle, prestrain);
-        let first = nodes.position.len();
-
-        let mut mount = Mount { mesh, stress_free, full, thickness, density, masses: vec![0.0; mesh.nodes.len()] };
-        let (cloth, colours) = match law {
-            Law::Fabric(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::Fabric(sheet), colours)),
-            Law::RateFabric(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::RateFabric(sheet), colours)),
-            Law::Elastic(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::Elastic(sheet), colours)),
-            Law::TensionField(law) => mount.sheet(law).map(|(sheet, colours)| (Cloth::TensionField(sheet), colours)),
-        }?;
-        nodes.extend(mesh.nodes.iter().map(|p| [p.x, p.y, p.z + height]), &mount.masses);
-        Ok(Film { cloth, density, thickness, nodes: first..nodes.position.len(), colours })
+    /// A film of `groups` of elements, each a chunk, on its `nodes` among all; `density` in kg/m³, `thickness` in m.
+    pub(super) fn new(groups: Vec<Box<dyn ElementGroup>>, density: f64, thickness: f64, nodes: Range<usize>) -> Film {
+        let of_group: Vec<Vec<u32>> = groups.iter().map(|group| nodes_of(&**group, 0)).collect();
+        let mut first = 0;
+        let chunk = |(group, colour): (Box<dyn ElementGroup>, usize)| {
+            let chunk = Chunk { colour, first, failed: false, group };
+            first += chunk.group.len();
+            chunk
+        };
+        let chunks = groups.into_iter().zip(first_fit(&of_group)).map(chunk).collect();
+        Film { chunks, density, thickness, nodes }
     }
 
     /// Number of elements.
     pub fn elements(&self) -> usize {
-        by_law!(Cloth, &self.cloth, |sheet| sheet.chunks.iter().map(Chunk::count).sum())
-    }
-
-    /// Number of colours of its chunks.
-    pub(super) fn colours(&self) -> usize {
-        self.colours
+        self.chunks.iter().map(|chunk| chunk.group.len()).sum()
     }
 
     /// Number of integration points.
     pub(super) fn points(&self) -> usize {
-        by_law!(Cloth, &self.cloth, |sheet| sheet.points())
+        self.chunks.iter().map(|chunk| chunk.group.points()).sum()
     }
 
     /// Number of history variables of the law, at all integration points.
     pub(super) fn variables(&self) -> usize {
-        by_law!(Cloth, &self.cloth, |sheet| sheet.variables())
+        self.chunks.iter().map(|chunk| chunk.group.variables()).sum()
     }
 
     /// Bytes of its elements.
     pub(super) fn bytes(&self) -> usize {
-        by_law!(Cloth, &self.cloth, |sheet| sheet.bytes())
+        self.chunks.iter().map(|chunk| chunk.group.bytes()).sum()
     }
 
     /// History variables of its elements.
     pub(super) fn save(&self) -> FilmHistory {
-        by_law!(Cloth, &self.cloth, |sheet| sheet.save())
+        let mut history = FilmHistory::default();
+        self.chunks.iter().for_each(|chunk| chunk.group.save(&mut history));
+        history
     }
 
     /// Restores the history variables of its elements; `history` has as many integration points.
     pub(super) fn restore(&mut self, history: &FilmHistory) {
-        by_law!(Cloth, &mut self.cloth, |sheet| sheet.restore(history));
+        let mut reader = history.reader();
+        self.chunks.iter_mut().for_each(|chunk| chunk.group.restore(&mut reader));
     }
 
-    /// Calls `show` with the corners of every element that is not deleted, counted among all nodes.
+    /// Calls `show` with the nodes of every element that is not deleted, counted among all nodes.
     pub fn for_each_intact(&self, mut show: impl FnMut(&[u32])) {
         let first = self.nodes.start as u32;
-        by_law!(Cloth, &self.cloth, |sheet| sheet.for_each_intact(first, &mut show))
+        self.chunks.iter().for_each(|chunk| chunk.group.for_each(first, true, &mut show));
     }
 
-    /// Gets the film ready for its forces to be added by several threads.
-    pub(super) fn pulling(&mut self) -> Pulling<'_> {
-        let cloth = match &mut self.cloth {
-            Cloth::Fabric(sheet) => PullingCloth::Fabric(sheet.pulling()),
-            Cloth::RateFabric(sheet) => PullingCloth::RateFabric(sheet.pulling()),
-            Cloth::Elastic(sheet) => PullingCloth::Elastic(sheet.pulling()),
-            Cloth::TensionField(sheet) => PullingCloth::TensionField(sheet.pulling()),
-        };
-        Pulling { cloth, nodes: self.nodes.clone() }
+    /// Colour and nodes of each chunk, counted among all nodes.
+    pub(super) fn chunks(&self) -> impl Iterator<Item = (usize, Vec<u32>)> {
+        let first = self.nodes.start as u32;
+        self.chunks.iter().map(move |chunk| (chunk.colour, nodes_of(&*chunk.group, first)))
     }
 
-    /// Adds the film's forces to those of its nodes, which came where they are in `dt` (s), and remembers how far it was strained.
+    /// Shares the film among threads, which add its forces to `force`, that of its own nodes.
+    pub(super) fn share<'a>(&'a mut self, force: [&'a mut [f64]; 3]) -> SharedFilm<'a> {
+        let nodes = self.nodes.clone();
+        SharedFilm { chunks: Disjoint::new(&mut self.chunks), forces: Forces::new(force), nodes }
+    }
+
+    /// Adds the film's forces to those of its nodes, which moved to their positions in `dt` (s), and updates the history
+    /// variables.
     pub fn add_forces(&mut self, nodes: &mut Nodes, dt: f64) {
-        let colours: Vec<Vec<usize>> = (0..self.colours).map(|colour| self.chunks_of(colour).collect()).collect();
-        let of = self.nodes.clone();
+        let mut order: Vec<usize> = (0..self.chunks.len()).collect();
+        order.sort_by_key(|chunk| self.chunks[*chunk].colour);
+        let own = self.nodes.clone();
         let Nodes { position, force, .. } = nodes;
-        let forces = Forces::new(force.axes_mut().map(|axis| &mut axis[of.clone()]));
-        let pulling = self.pulling();
-        for chunk in colours.concat() {
+        let film = self.share(force.axes_mut().map(|axis| &mut axis[own.clone()]));
+        for chunk in order {
             // SAFETY: there is one thread.
-            unsafe { pulling.add_forces(Width::best(), chunk, position.axes(), dt, forces.own()) };
+            unsafe { film.add_forces(Width::best(), chunk, position.axes(), dt) };
         }
     }
 
@@ -197,8 +129,8 @@ impl Film {
 
     /// Stress, thickness and fibres of every element, quads first; `position` is that of all nodes.
     pub fn details(&self, position: &Vectors) -> Vec<ElementDetail> {
-        let position = position.axes().map(|axis| &axis[self.nodes.clone()]);
-        by_law!(Cloth, &self.cloth, |sheet| sheet.details(&position))
+        let position = self.own(position.axes());
+        self.chunks.iter().flat_map(|chunk| chunk.group.details(&position)).collect()
     }
 
     /// Energies of the film alone, J.
@@ -211,150 +143,56 @@ impl Film {
         frequency_bounds(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
 
-    /// Numbers of the chunks of one colour.
-    pub(super) fn chunks_of(&self, colour: usize) -> impl Iterator<Item = usize> + '_ {
-        let colours: Vec<usize> = by_law!(Cloth, &self.cloth, |sheet| sheet.chunks.iter().map(|c| c.colour).collect());
-        (0..colours.len()).filter(move |chunk| colours[*chunk] == colour)
-    }
-
     /// Deletes every element in which the last pass over the forces found a fibre past its break strain; its mass stays in the
     /// nodes. `position` is that of all nodes. Returns the number of elements and their energies.
     pub fn delete_failed(&mut self, position: [&[f64]; 3]) -> (usize, ElementEnergy) {
-        let position = position.map(|axis| &axis[self.nodes.clone()]);
-        by_law!(Cloth, &mut self.cloth, |sheet| sheet.delete_failed(&position))
-    }
-
-    /// Number of chunks.
-    fn chunks(&self) -> usize {
-        by_law!(Cloth, &self.cloth, |sheet| sheet.chunks.len())
-    }
-}
-
-impl<M: MembraneLaw> Sheet<M> {
-    fn points(&self) -> usize {
-        let of = |chunk: &Chunk<_>| by_kind!(&chunk.elements, |blocks| blocks.count * blocks.points());
-        self.chunks.iter().map(of).sum()
-    }
-
-    fn variables(&self) -> usize {
-        self.points() * M::History::<LANES>::virgin().variables().count()
-    }
-
-    fn bytes(&self) -> usize {
-        let of = |chunk: &Chunk<_>| by_kind!(&chunk.elements, |blocks| footprint::blocks(blocks));
-        self.chunks.iter().map(of).sum()
-    }
-
-    fn save(&self) -> FilmHistory {
-        let mut history = FilmHistory::default();
-        self.chunks.iter().for_each(|chunk| by_kind!(&chunk.elements, |blocks| history.save(blocks)));
-        history
-    }
-
-    fn restore(&mut self, history: &FilmHistory) {
-        let mut reader = history.reader();
-        for chunk in &mut self.chunks {
-            by_kind!(&mut chunk.elements, |blocks| reader.restore(blocks));
-        }
-    }
-
-    fn for_each_intact(&self, first: u32, mut show: impl FnMut(&[u32])) {
-        for chunk in &self.chunks {
-            by_kind!(&chunk.elements, |blocks| {
-                for (b, l) in blocks.places().filter(|(b, l)| !blocks.is_deleted(*b, *l)) {
-                    show(&blocks.corners[b].of(l).map(|n| first + n));
-                }
-            });
-        }
-    }
-
-    fn pulling(&mut self) -> PullingSheet<'_, M> {
-        PullingSheet { law: &self.law, chunks: Disjoint::new(&mut self.chunks) }
-    }
-
-    fn delete_failed(&mut self, position: &[&[f64]; 3]) -> (usize, ElementEnergy) {
+        let position = self.own(position);
         let mut total = (0, ElementEnergy::default());
         for chunk in self.chunks.iter_mut().filter(|chunk| chunk.failed) {
-            let failed =
-                by_kind!(&mut chunk.elements, |blocks| { super::failure::delete_failed(blocks, &self.law, position) });
-            total.0 += failed.0;
-            total.1.add(&failed.1);
+            let (count, energy) = chunk.group.delete_failed(&position);
+            total.0 += count;
+            total.1.add(&energy);
         }
         total
     }
 
-    fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail> {
-        let of = |chunk: &Chunk<_>| by_kind!(&chunk.elements, |blocks| element::details(blocks, &self.law, position));
-        self.chunks.iter().flat_map(of).collect()
+    /// The part of an array over all nodes that belongs to the film's own, an axis each.
+    fn own<'a>(&self, axes: [&'a [f64]; 3]) -> [&'a [f64]; 3] {
+        axes.map(|axis| &axis[self.nodes.clone()])
     }
+}
 
-    fn energy(&self, chunk: usize, width: Width, position: &[&[f64]; 3]) -> ElementEnergy {
-        by_kind!(&self.chunks[chunk].elements, |blocks| element::energy(width, blocks, &self.law, position))
-    }
-
-    fn frequency_bound(&self, chunk: usize, width: Width, density: f64, position: &[&[f64]; 3]) -> f64 {
-        by_kind!(&self.chunks[chunk].elements, |blocks| {
-            element::frequency_bound(width, blocks, &self.law, density, position)
-        })
-    }
+/// Nodes of all elements of a group, counted from `first`.
+fn nodes_of(group: &dyn ElementGroup, first: u32) -> Vec<u32> {
+    let mut nodes = vec![];
+    group.for_each(first, false, &mut |corners| nodes.extend_from_slice(corners));
+    nodes
 }
 
 /// A film whose forces several threads add, each those of its own chunks.
-pub(super) struct Pulling<'a> {
-    cloth: PullingCloth<'a>,
+pub(super) struct SharedFilm<'a> {
+    chunks: Disjoint<'a, Chunk>,
+    forces: Forces<'a>,
     nodes: Range<usize>,
 }
 
-enum PullingCloth<'a> {
-    Fabric(PullingSheet<'a, Fabric>),
-    RateFabric(PullingSheet<'a, Fabric<RateCurves>>),
-    Elastic(PullingSheet<'a, Elastic>),
-    TensionField(PullingSheet<'a, TensionField>),
-}
-
-struct PullingSheet<'a, M: MembraneLaw> {
-    law: &'a M,
-    chunks: Disjoint<'a, Chunk<M::History<LANES>>>,
-}
-
-impl Pulling<'_> {
-    /// Adds the forces of one chunk to `force`, that of the film's own nodes; `position`, where the nodes came in `dt` (s), is
-    /// that of all nodes.
+impl SharedFilm<'_> {
+    /// Adds the forces of one chunk; `position`, to which the nodes moved in `dt` (s), is that of all nodes.
     ///
     /// # Safety
-    /// No other thread may be at work on this chunk.
-    pub(super) unsafe fn add_forces(
-        &self,
-        width: Width,
-        chunk: usize,
-        position: [&[f64]; 3],
-        dt: f64,
-        force: OwnForces<'_>,
-    ) {
+    /// Meanwhile no other thread may add those of this chunk or of one that shares a node with it.
+    pub(super) unsafe fn add_forces(&self, width: Width, chunk: usize, position: [&[f64]; 3], dt: f64) {
         let position = position.map(|axis| &axis[self.nodes.clone()]);
-        by_law!(PullingCloth, &self.cloth, |sheet| {
-            // SAFETY: the caller keeps other threads from this chunk.
-            let chunk = unsafe { sheet.chunks.at(chunk) };
-            chunk.failed = by_kind!(&mut chunk.elements, |blocks| {
-                element::add_forces(width, blocks, sheet.law, &position, dt, force)
-            });
-        });
-    }
-
-    /// Which of all nodes are this film's.
-    pub(super) fn nodes(&self) -> Range<usize> {
-        self.nodes.clone()
+        // SAFETY: the caller keeps other threads from this chunk and from its nodes.
+        let (chunk, force) = unsafe { (self.chunks.at(chunk), self.forces.own()) };
+        chunk.failed = chunk.group.add_forces(width, &position, dt, force);
     }
 }
 
 /// Energies of each film, J; `position` is that of all nodes.
 pub(super) fn energies(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3]) -> Vec<ElementEnergy> {
     let mut totals = vec![ElementEnergy::default(); films.len()];
-    let parts = survey(films, pool, |film, chunk| {
-        let film = &films[film];
-        let position = position.map(|axis| &axis[film.nodes.clone()]);
-        by_law!(Cloth, &film.cloth, |sheet| sheet.energy(chunk, pool.width(), &position))
-    });
+    let parts = for_each_chunk(films, pool, |f, chunk| chunk.group.energy(pool.width(), &films[f].own(position)));
     parts.iter().for_each(|(film, energy)| totals[*film].add(energy));
     totals
 }
@@ -362,10 +200,8 @@ pub(super) fn energies(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3])
 /// Bound on the squared angular frequency of any element of each film, rad²/s².
 pub(super) fn frequency_bounds(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3]) -> Vec<f64> {
     let mut largest = vec![0.0_f64; films.len()];
-    let parts = survey(films, pool, |film, chunk| {
-        let film = &films[film];
-        let position = position.map(|axis| &axis[film.nodes.clone()]);
-        by_law!(Cloth, &film.cloth, |sheet| sheet.frequency_bound(chunk, pool.width(), film.density, &position))
+    let parts = for_each_chunk(films, pool, |f, chunk| {
+        chunk.group.frequency_bound(pool.width(), films[f].density, &films[f].own(position))
     });
     for (film, squared) in parts {
         let most = &mut largest[film];
@@ -381,118 +217,28 @@ pub(super) fn strains(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3], 
         face.resize(film.elements(), ElementStrain::default());
     }
     let faces: Vec<Disjoint<'_, ElementStrain>> = out.iter_mut().map(|face| Disjoint::new(face)).collect();
-    survey(films, pool, |film, chunk| {
-        let position = position.map(|axis| &axis[films[film].nodes.clone()]);
-        by_law!(Cloth, &films[film].cloth, |sheet| {
-            let chunk = &sheet.chunks[chunk];
-            // SAFETY: every chunk writes its own elements alone.
-            let own = unsafe { faces[film].range(chunk.first..chunk.first + chunk.count()) };
-            by_kind!(&chunk.elements, |blocks| element::strains(pool.width(), blocks, &position, own))
-        });
+    for_each_chunk(films, pool, |f, chunk| {
+        // SAFETY: every chunk comes up once and writes to its own elements alone.
+        let own = unsafe { faces[f].range(chunk.first..chunk.first + chunk.group.len()) };
+        chunk.group.strains(pool.width(), &films[f].own(position), own);
     });
 }
 
-/// What `work` says of every chunk, given by the number of its film and its own, with the number of its film, in order.
-fn survey<T: Clone + Default + Send>(
+/// The result of `work` for every chunk, called with the number of its film, each with that number, in order.
+fn for_each_chunk<T: Clone + Default + Send>(
     films: &[Film],
     pool: &ThreadPool,
-    work: impl Fn(usize, usize) -> T + Sync,
+    work: impl Fn(usize, &Chunk) -> T + Sync,
 ) -> Vec<(usize, T)> {
-    let chunks: Vec<(usize, usize)> =
-        films.iter().enumerate().flat_map(|(f, film)| (0..film.chunks()).map(move |chunk| (f, chunk))).collect();
+    let chunks: Vec<(usize, &Chunk)> =
+        films.iter().enumerate().flat_map(|(f, film)| film.chunks.iter().map(move |chunk| (f, chunk))).collect();
     let mut out: Vec<(usize, T)> = chunks.iter().map(|(f, _)| (*f, T::default())).collect();
-    let answers = Disjoint::new(&mut out);
+    let results = Disjoint::new(&mut out);
     pool.each(chunks.len(), |part| {
         let (film, chunk) = chunks[part];
-        let answer = work(film, chunk);
+        let result = work(film, chunk);
         // SAFETY: every part comes up once.
-        unsafe { answers.at(part).1 = answer };
+        unsafe { results.at(part).1 = result };
     });
     out
 }
-
-impl<P: History<LANES>> Chunk<P> {
-    fn count(&self) -> usize {
-        by_kind!(&self.elements, |blocks| blocks.count)
-    }
-
-    fn for_each_node(&self, mut show: impl FnMut(usize)) {
-        by_kind!(&self.elements, |blocks| {
-            for (b, l) in blocks.places() {
-                blocks.corners[b].of(l).iter().for_each(|n| show(*n as usize));
-            }
-        });
-    }
-}
-
-/// A film while its elements are made.
-struct Mount<'a> {
-    mesh: &'a Mesh,
-    stress_free: StressFree,
-    /// Whether quads are integrated in full.
-    full: bool,
-    thickness: f64,
-    density: f64,
-    masses: Vec<f64>,
-}
-
-impl Mount<'_> {
-    /// The elements with their law, and the number of colours of their chunks; adds their mass to their nodes.
-    fn sheet<M: MembraneLaw + Clone>(&mut self, law: &M) -> Result<(Sheet<M>, usize), UndefinedFibreDirection> {
-        let mut chunks = vec![];
-        if self.full {
-            self.add(&self.mesh.quads, Elements::FullQuads, &mut chunks)?;
-        } else {
-            self.add(&self.mesh.quads, Elements::Quads, &mut chunks)?;
-        }
-        self.add(&self.mesh.tris, Elements::Tris, &mut chunks)?;
-        let colours = colour(&mut chunks, self.mesh.nodes.len());
-        Ok((Sheet { law: law.clone(), chunks }, colours))
-    }
-
-    /// Adds elements of one kind, and their mass to their nodes.
-    fn add<B, P: History<LANES>, const NODES: usize>(
-        &mut self,
-        nodes: &[[u32; NODES]],
-        kind: impl Fn(Blocks<B, NODES>) -> Elements<P>,
-        chunks: &mut Vec<Chunk<P>>,
-    ) -> Result<(), UndefinedFibreDirection>
-    where
-        B: Block<NODES, LANES>,
-        B::Element: Shaped<NODES>,
-    {
-        let blocks = nodes.len().div_ceil(LANES);
-        let size = LANES * blocks.div_ceil(CHUNKS).clamp(BLOCKS[0], BLOCKS[1]);
-        for nodes in nodes.chunks(size) {
-            let elements: Vec<B::Element> = element::shaped(nodes, &self.mesh.nodes, &self.stress_free)?;
-            for (nodes, element) in nodes.iter().zip(&elements) {
-                let share = self.density * self.thickness * element.area() / NODES as f64;
-                nodes.iter().for_each(|n| self.masses[*n as usize] += share);
-            }
-            let first = chunks.last().map_or(0, |chunk| chunk.first + chunk.count());
-            let elements = kind(Blocks::new(nodes, &elements, self.thickness));
-            chunks.push(Chunk { elements, colour: 0, first, failed: false });
-        }
-        Ok(())
-    }
-}
-
-/// Gives every chunk the first colour that no earlier chunk with a node in common has; returns the number of colours.
-fn colour<P: History<LANES>>(chunks: &mut [Chunk<P>], nodes: usize) -> usize {
-    // A bit a colour: those that stand at a node already.
-    let mut taken = vec![0_u64; nodes];
-    let mut colours = 0;
-    for chunk in chunks {
-        let mut around = 0;
-        chunk.for_each_node(|n| around |= taken[n]);
-        let free = around.trailing_ones() as usize;
-        // A mesh whose elements come in any order can need more than the mask holds: then a chunk gets a colour to itself.
-        chunk.colour = if free < MASK { free } else { colours.max(MASK) };
-        chunk.for_each_node(|n| taken[n] |= 1_u64.checked_shl(chunk.colour as u32).unwrap_or(0));
-        colours = colours.max(chunk.colour + 1);
-    }
-    colours
-}
-
-/// Colours that a mask can tell apart.
-const MASK: usize = u64::BITS as usize;

@@ -4,14 +4,16 @@
 //! contact, drift of the body (theory.md, section 4). Whoever wants signals or pictures brings an [`Observer`], which is
 //! shown a read-only [`View`].
 
+mod colouring;
 mod contact;
 mod element;
+mod element_group;
 mod energy;
 mod failure;
 mod film;
 mod film_history;
 mod footprint;
-
+mod mount;
 mod nodes;
 mod observer;
 mod patch;
@@ -39,7 +41,8 @@ use time_step::TimeStep;
 
 use std::ops::Range;
 
-use element::Forces;
+use colouring::Colouring;
+use film::SharedFilm;
 use nodes::Moved;
 use pressure::Inflated;
 use serde::{Deserialize, Serialize};
@@ -60,8 +63,10 @@ pub struct Engine {
     /// What pressure did last.
     inflated: Option<Inflated>,
     pool: ThreadPool,
-    /// Chunks of film whose forces may be added at the same time, film and chunk, colour by colour.
-    phases: Vec<Vec<(usize, usize)>>,
+    /// All chunks: film and number of the chunk in it.
+    chunks: Vec<(usize, usize)>,
+    /// Which of `chunks` share no node.
+    colouring: Colouring,
     /// Nodes that are moved together, none of them on two faces.
     node_ranges: Vec<Range<usize>>,
     /// Elements that failed since [`Engine::step`] last returned.
@@ -156,13 +161,15 @@ impl Engine {
         let ends = films.iter().map(|film| film.nodes.end);
         let begins = films.iter().map(|film| film.nodes.start).chain([nodes.mass.len()]);
         assert!(begins.eq(std::iter::once(0).chain(ends)), "films follow each other on their nodes");
-        let colours = films.iter().map(Film::colours).max().unwrap_or(0);
-        let of_colour = |colour: usize| {
-            let of_film =
-                |(f, film): (usize, &Film)| film.chunks_of(colour).map(|chunk| (f, chunk)).collect::<Vec<_>>();
-            films.iter().enumerate().flat_map(of_film).collect()
-        };
-        let phases = (0..colours).map(of_colour).collect();
+        let (mut chunks, mut colours, mut chunk_nodes) = (vec![], vec![], vec![]);
+        for (f, film) in films.iter().enumerate() {
+            for (chunk, (colour, nodes)) in film.chunks().enumerate() {
+                chunks.push((f, chunk));
+                colours.push(colour);
+                chunk_nodes.push(nodes);
+            }
+        }
+        let colouring = Colouring::new(&colours, &chunk_nodes).expect("films colour their chunks");
         let cut = |Range { start, end }: Range<usize>| {
             (start..end).step_by(NODES_AT_ONCE).map(move |from| from..end.min(from + NODES_AT_ONCE))
         };
@@ -179,7 +186,8 @@ impl Engine {
             previous: PreviousStep::default(),
             inflated: None,
             pool: ThreadPool::new(1),
-            phases,
+            chunks,
+            colouring,
             node_ranges,
             failed: 0,
         };
@@ -274,26 +282,21 @@ impl Engine {
     fn add_forces(&mut self, dt: f64) {
         let position = self.nodes.position.axes();
         let mut rest = self.nodes.force.axes_mut();
-        let films: Vec<_> = self
-            .films
-            .iter_mut()
-            .map(|film| {
-                let pulling = film.pulling();
-                let own = rest.each_mut().map(|axis| {
-                    let (own, others) = std::mem::take(axis).split_at_mut(pulling.nodes().len());
-                    *axis = others;
-                    own
-                });
-                (pulling, Forces::new(own))
-            })
-            .collect();
-        let (pool, width) = (&self.pool, self.pool.width());
-        for chunks in &self.phases {
-            pool.each(chunks.len(), |part| {
-                let (film, chunk) = chunks[part];
-                let (pulling, forces) = &films[film];
-                // SAFETY: chunks of one colour share no node, films neither, and each chunk comes up once.
-                unsafe { pulling.add_forces(width, chunk, position, dt, forces.own()) };
+        let mut films: Vec<SharedFilm<'_>> = Vec::with_capacity(self.films.len());
+        for film in &mut self.films {
+            let own = rest.each_mut().map(|axis| {
+                let (own, others) = std::mem::take(axis).split_at_mut(film.nodes.len());
+                *axis = others;
+                own
+            });
+            films.push(film.share(own));
+        }
+        let width = self.pool.width();
+        for colour in self.colouring.colours() {
+            self.pool.each(colour.len(), |part| {
+                let (film, chunk) = self.chunks[colour[part]];
+                // SAFETY: the colouring holds each chunk once, and those of one colour share no node.
+                unsafe { films[film].add_forces(width, chunk, position, dt) };
             });
         }
     }

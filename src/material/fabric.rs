@@ -54,13 +54,6 @@ impl<F: FibreLaw> Fabric<F> {
     pub fn absorption(&self) -> f64 {
         self.absorption.share()
     }
-
-    /// Strains at which the MD and TD fibres break when they are strained slowly, and those at which they are broken however fast
-    /// they were strained.
-    pub(super) fn break_range(&self) -> [[f64; 2]; 2] {
-        let ([md, longest_md], [td, longest_td]) = (self.md.break_strains(), self.td.break_strains());
-        [[md, td], [longest_md, longest_td]]
-    }
 }
 
 /// |sin γ| up to which the shear angle is the angle itself.
@@ -258,6 +251,11 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     #[inline(always)]
     fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2] {
         [self.md.break_strain(&history.fibres[0]), self.td.break_strain(&history.fibres[1])]
+    }
+
+    fn break_range(&self) -> [[f64; 2]; 2] {
+        let ([md, longest_md], [td, longest_td]) = (self.md.break_strains(), self.td.break_strains());
+        [[md, td], [longest_md, longest_td]]
     }
 }
 

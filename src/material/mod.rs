@@ -138,6 +138,11 @@ pub trait MembraneLaw {
     fn moduli(&self) -> [f64; 2];
     /// Strains at which the MD and TD fibres break.
     fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2];
+    /// Strains at which the MD and TD fibres break when they are strained slowly, and those at which they are broken at any
+    /// rate.
+    fn break_range(&self) -> [[f64; 2]; 2] {
+        [[f64::INFINITY; 2]; 2]
+    }
 }
 
 /// The law of a film.
@@ -172,23 +177,48 @@ impl Law {
     }
 
     fn break_range(&self) -> [[f64; 2]; 2] {
-        match self {
-            Law::Fabric(law) => law.break_range(),
-            Law::RateFabric(law) => law.break_range(),
-            Law::Elastic(_) | Law::TensionField(_) => [[f64::INFINITY; 2]; 2],
+        struct BreakRange;
+        impl LawVisitor for BreakRange {
+            type Output = [[f64; 2]; 2];
+
+            fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> [[f64; 2]; 2] {
+                law.break_range()
+            }
         }
+        self.visit(BreakRange)
     }
 
     /// First Piola–Kirchhoff stress of film that goes slowly and straight to the gradient `f`, Pa of one layer.
     pub fn virgin_stress(&self, f: Gradient<1>) -> Gradient<1> {
-        let d = Deformation::from(f);
+        struct VirginStress(Deformation<1>);
+        impl LawVisitor for VirginStress {
+            type Output = Gradient<1>;
+
+            fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> Gradient<1> {
+                law.stress(&self.0, &mut History::virgin(), 0.0).p
+            }
+        }
+        self.visit(VirginStress(f.into()))
+    }
+
+    /// Calls `visitor` with the law itself: the one place that tells the laws apart.
+    pub fn visit<V: LawVisitor>(&self, visitor: V) -> V::Output {
         match self {
-            Law::Fabric(law) => law.stress(&d, &mut History::virgin(), 0.0).p,
-            Law::RateFabric(law) => law.stress(&d, &mut History::virgin(), 0.0).p,
-            Law::Elastic(law) => law.stress(&d, &mut History::virgin(), 0.0).p,
-            Law::TensionField(law) => law.stress(&d, &mut History::virgin(), 0.0).p,
+            Law::Fabric(law) => visitor.visit(law),
+            Law::RateFabric(law) => visitor.visit(law),
+            Law::Elastic(law) => visitor.visit(law),
+            Law::TensionField(law) => visitor.visit(law),
         }
     }
+}
+
+/// What is done with a law of any type, once [`Law::visit`] knows it.
+pub trait LawVisitor {
+    /// What comes of it.
+    type Output;
+
+    /// Called with the law.
+    fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> Self::Output;
 }
 
 /// What one layer of film is made of.

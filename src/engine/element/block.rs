@@ -177,6 +177,12 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
         self.blocks.first().map_or(0, |block| block.history().count())
     }
 
+    /// History variables of the law at one integration point.
+    pub fn variables(&self) -> usize {
+        let first = self.blocks.first().and_then(|block| block.history().next());
+        first.map_or(0, |(history, _)| history.variables().count())
+    }
+
     /// Whether the element at `block`, `lane` is deleted.
     pub fn is_deleted(&self, block: usize, lane: usize) -> bool {
         self.blocks[block].volume()[lane] == 0.0

@@ -1,0 +1,138 @@
+//! Elements of one law and kind behind one trait: the place where the engine's calls become kernels.
+
+use std::sync::Arc;
+
+use super::element::{self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, OwnForces};
+use super::film_history::{FilmHistory, Reader};
+use super::{failure, footprint};
+use crate::lane::{LANES, Width};
+use crate::material::MembraneLaw;
+
+/// Elements of one kind with one law, as many as one thread takes at a time: one virtual call serves hundreds of elements.
+///
+/// Positions and forces are those of the film's own nodes.
+pub(super) trait ElementGroup: Send + Sync {
+    /// Number of elements.
+    fn len(&self) -> usize;
+
+    /// Number of integration points.
+    fn points(&self) -> usize;
+
+    /// Number of history variables of the law, at all integration points.
+    fn variables(&self) -> usize;
+
+    /// Bytes of its arrays.
+    fn bytes(&self) -> usize;
+
+    /// The same elements with the same history.
+    fn boxed(&self) -> Box<dyn ElementGroup>;
+
+    /// Adds the forces of the elements, whose nodes moved to `position` in `dt` (s), to `force`. Whether a fibre is past its
+    /// break strain.
+    fn add_forces(&mut self, width: Width, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>) -> bool;
+
+    /// Energies, J.
+    fn energy(&self, width: Width, position: &[&[f64]; 3]) -> ElementEnergy;
+
+    /// Bound on the squared angular frequency of any element of `density` (kg/m³), rad²/s².
+    fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64;
+
+    /// Strains of the elements, in order, into `out`.
+    fn strains(&self, width: Width, position: &[&[f64]; 3], out: &mut [ElementStrain]);
+
+    /// Stress, thickness and fibres of the elements, in order.
+    fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail>;
+
+    /// Deletes the elements with a fibre past its break strain; their number and their energies.
+    fn delete_failed(&mut self, position: &[&[f64]; 3]) -> (usize, ElementEnergy);
+
+    /// Appends the history variables.
+    fn save(&self, history: &mut FilmHistory);
+
+    /// Restores the history variables.
+    fn restore(&mut self, reader: &mut Reader<'_>);
+
+    /// Calls `show` with the nodes of every element, counted from `first`; of intact ones alone or of all.
+    fn for_each(&self, first: u32, intact: bool, show: &mut dyn FnMut(&[u32]));
+}
+
+/// Elements of one kind with the law `M`.
+#[derive(Clone)]
+struct Group<M, B, const NODES: usize> {
+    law: Arc<M>,
+    elements: Blocks<B, NODES>,
+}
+
+/// `elements` with `law`.
+pub(super) fn group<M, B, const NODES: usize>(law: Arc<M>, elements: Blocks<B, NODES>) -> Box<dyn ElementGroup>
+where
+    M: MembraneLaw + Send + Sync + 'static,
+    B: Block<NODES, LANES, History = M::History<LANES>> + Clone + Send + Sync + 'static,
+{
+    Box::new(Group { law, elements })
+}
+
+impl<M, B, const NODES: usize> ElementGroup for Group<M, B, NODES>
+where
+    M: MembraneLaw + Send + Sync + 'static,
+    B: Block<NODES, LANES, History = M::History<LANES>> + Clone + Send + Sync + 'static,
+{
+    fn len(&self) -> usize {
+        self.elements.count
+    }
+
+    fn points(&self) -> usize {
+        self.elements.count * self.elements.points()
+    }
+
+    fn variables(&self) -> usize {
+        self.points() * self.elements.variables()
+    }
+
+    fn bytes(&self) -> usize {
+        footprint::blocks(&self.elements)
+    }
+
+    fn boxed(&self) -> Box<dyn ElementGroup> {
+        group(Arc::clone(&self.law), self.elements.clone())
+    }
+
+    fn add_forces(&mut self, width: Width, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>) -> bool {
+        element::add_forces(width, &mut self.elements, &*self.law, position, dt, force)
+    }
+
+    fn energy(&self, width: Width, position: &[&[f64]; 3]) -> ElementEnergy {
+        element::energy(width, &self.elements, &*self.law, position)
+    }
+
+    fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64 {
+        element::frequency_bound(width, &self.elements, &*self.law, density, position)
+    }
+
+    fn strains(&self, width: Width, position: &[&[f64]; 3], out: &mut [ElementStrain]) {
+        element::strains(width, &self.elements, position, out);
+    }
+
+    fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail> {
+        element::details(&self.elements, &*self.law, position)
+    }
+
+    fn delete_failed(&mut self, position: &[&[f64]; 3]) -> (usize, ElementEnergy) {
+        failure::delete_failed(&mut self.elements, &*self.law, position)
+    }
+
+    fn save(&self, history: &mut FilmHistory) {
+        history.save(&self.elements);
+    }
+
+    fn restore(&mut self, reader: &mut Reader<'_>) {
+        reader.restore(&mut self.elements);
+    }
+
+    fn for_each(&self, first: u32, intact: bool, show: &mut dyn FnMut(&[u32])) {
+        let Blocks { corners, .. } = &self.elements;
+        for (b, l) in self.elements.places().filter(|(b, l)| !(intact && self.elements.is_deleted(*b, *l))) {
+            show(&corners[b].of(l).map(|n| first + n));
+        }
+    }
+}

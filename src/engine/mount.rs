@@ -1,0 +1,91 @@
+//! Mounting: a mesh becomes the elements of a film.
+
+use std::sync::Arc;
+
+use super::element::{self, Block, Blocks, FullQuads, Quads, Shaped, StressFree, Tris, UndefinedFibreDirection};
+use super::element_group::{ElementGroup, group};
+use super::film::Film;
+use super::nodes::Nodes;
+use super::section::Section;
+use crate::lane::LANES;
+use crate::material::{LawVisitor, MembraneLaw};
+use crate::mesh::Mesh;
+
+/// Number of chunks that a film is cut into where they do not become too large or too small: enough for threads to share.
+const CHUNKS: usize = 12;
+
+/// Bounds on the blocks of a chunk.
+const BLOCKS: [usize; 2] = [4, 64];
+
+impl Film {
+    /// The elements of `mesh` with the properties of `section`; appends the nodes of the mesh, lifted by `height` (m), to
+    /// `nodes`.
+    ///
+    /// # Errors
+    /// MD is perpendicular to an element.
+    pub fn mount(
+        mesh: &Mesh,
+        section: &Section,
+        height: f64,
+        nodes: &mut Nodes,
+    ) -> Result<Film, UndefinedFibreDirection> {
+        let stress_free = StressFree::new(section.md_angle, section.prestrain);
+        let mount = Mount { mesh, section, stress_free, masses: vec![0.0; mesh.nodes.len()], groups: vec![] };
+        let Mount { masses, groups, .. } = section.law.visit(mount)?;
+        let first = nodes.position.len();
+        nodes.extend(mesh.nodes.iter().map(|p| [p.x, p.y, p.z + height]), &masses);
+        Ok(Film::new(groups, section.density, section.thickness, first..nodes.position.len()))
+    }
+}
+
+/// A film while its elements are made.
+struct Mount<'a> {
+    mesh: &'a Mesh,
+    section: &'a Section,
+    stress_free: StressFree,
+    /// Of the nodes so far, kg.
+    masses: Vec<f64>,
+    /// The elements so far.
+    groups: Vec<Box<dyn ElementGroup>>,
+}
+
+impl LawVisitor for Mount<'_> {
+    type Output = Result<Self, UndefinedFibreDirection>;
+
+    fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(mut self, law: &M) -> Self::Output {
+        let law = Arc::new(law.clone());
+        if self.section.full_integration {
+            self.add(&self.mesh.quads, |blocks: FullQuads<LANES, _>| group(Arc::clone(&law), blocks))?;
+        } else {
+            self.add(&self.mesh.quads, |blocks: Quads<LANES, _>| group(Arc::clone(&law), blocks))?;
+        }
+        self.add(&self.mesh.tris, |blocks: Tris<LANES, _>| group(Arc::clone(&law), blocks))?;
+        Ok(self)
+    }
+}
+
+impl Mount<'_> {
+    /// Adds elements of one kind in groups, and their mass to their nodes.
+    fn add<B, const NODES: usize>(
+        &mut self,
+        nodes: &[[u32; NODES]],
+        group: impl Fn(Blocks<B, NODES>) -> Box<dyn ElementGroup>,
+    ) -> Result<(), UndefinedFibreDirection>
+    where
+        B: Block<NODES, LANES>,
+        B::Element: Shaped<NODES>,
+    {
+        let &Section { density, thickness, .. } = self.section;
+        let blocks = nodes.len().div_ceil(LANES);
+        let size = LANES * blocks.div_ceil(CHUNKS).clamp(BLOCKS[0], BLOCKS[1]);
+        for nodes in nodes.chunks(size) {
+            let elements: Vec<B::Element> = element::shaped(nodes, &self.mesh.nodes, &self.stress_free)?;
+            for (nodes, element) in nodes.iter().zip(&elements) {
+                let share = density * thickness * element.area() / NODES as f64;
+                nodes.iter().for_each(|n| self.masses[*n as usize] += share);
+            }
+            self.groups.push(group(Blocks::new(nodes, &elements, thickness)));
+        }
+        Ok(())
+    }
+}
