@@ -7,21 +7,22 @@ use crate::experiment::drop::{self, Correction, Drop, Height, Reduction, Tower};
 use crate::experiment::fall::Fall;
 use crate::experiment::sensor::{self, Accelerometer, Laser, Sensors};
 use crate::script::{Entry, HostResult, Options, from_json, refuse, window};
+use crate::signal::column::{self, Column};
 use crate::signal::{Recording, Series};
 
 /// Gravity where a script gives none, m/s²: equation 9 of the paper.
 const GRAVITY: f64 = 9.81;
 
-/// Short names of channels, as a run has them.
-const CHANNELS: [(&str, &str); 8] = [
-    ("displacement", "displacement_m"),
-    ("velocity", "velocity_m_s"),
-    ("acceleration", "acceleration_filtered_m_s2"),
-    ("acceleration_raw", "acceleration_m_s2"),
-    ("kinetic_energy", "kinetic_energy_J"),
-    ("potential_energy", "potential_energy_J"),
-    ("absorbed_energy", "absorbed_energy_J"),
-    ("total_energy", "total_energy_J"),
+/// Channels of a reduced drop.
+const CHANNELS: [Column; 8] = [
+    column::DISPLACEMENT,
+    column::VELOCITY,
+    column::ACCELERATION_FILTERED,
+    column::ACCELERATION,
+    column::KINETIC_ENERGY,
+    column::POTENTIAL_ENERGY,
+    column::ABSORBED_ENERGY,
+    column::TOTAL_ENERGY,
 ];
 
 /// Offers `reduce_drop` and `virtual_drop` to scripts.
@@ -68,8 +69,8 @@ fn correction(about: &Options<'_>) -> HostResult<Correction> {
 fn reduced(drop: &Drop) -> HostResult<Map> {
     let figures = serde_json::to_value(drop.figures()).map_err(refuse)?;
     let mut map = from_json(&figures).try_cast::<Map>().unwrap_or_default();
-    for (short, column) in CHANNELS {
-        map.insert(short.into(), signal(&drop.signals, column));
+    for Column { short, name, .. } in CHANNELS {
+        map.insert(short.into(), signal(&drop.signals, name));
     }
     Ok(map)
 }

@@ -7,7 +7,7 @@ use crate::experiment::absorption::{Body, energy_absorption};
 use crate::model::{Impactor, Loading, Model};
 use crate::signal::csv::clean_time;
 use crate::signal::norm::NormError;
-use crate::signal::{Recording, Series};
+use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
 /// What an impact comes down to; fields of `summary.json`.
@@ -47,12 +47,12 @@ impl Impact {
         comparison: Option<&ReferenceComparison>,
     ) -> Impact {
         let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
-        let acceleration = channel("acceleration_filtered_m_s2");
-        let displacement = channel("displacement_m");
+        let acceleration = channel(column::ACCELERATION_FILTERED.name);
+        let displacement = channel(column::DISPLACEMENT.name);
         let peak = acceleration.largest();
         let deepest = displacement.smallest();
         let rebound = lowest_point(signals).and_then(|[time, _]| {
-            let after = channel("velocity_m_s").window([time, f64::INFINITY]);
+            let after = channel(column::VELOCITY.name).window([time, f64::INFINITY]);
             after.largest()
         });
         let mut findings = RunFindings::of(model, outcome);
@@ -106,7 +106,7 @@ impl Impact {
 
 /// Where the impactor turned round: time (s) and displacement (m). None where it was still going down at the end.
 pub fn lowest_point(signals: &Recording) -> Option<[f64; 2]> {
-    let displacement = signals.series("displacement_m")?;
+    let displacement = signals.series(column::DISPLACEMENT.name)?;
     displacement.smallest().filter(|[time, _]| displacement.time().last() > Some(time))
 }
 
@@ -124,8 +124,8 @@ fn absorption(model: &Model, signals: &Recording) -> Option<f64> {
         return None;
     };
     let body = Body { mass: *mass, gravity: *gravity };
-    let velocity = signals.channel("velocity_m_s")?;
-    energy_absorption(body, velocity, signals.channel("displacement_m")?).ok()
+    let velocity = signals.channel(column::VELOCITY.name)?;
+    energy_absorption(body, velocity, signals.channel(column::DISPLACEMENT.name)?).ok()
 }
 
 #[cfg(test)]

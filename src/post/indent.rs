@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Audit, RunFindings};
-use crate::signal::{Recording, Series};
+use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
 /// What an indentation comes down to; fields of `summary.json`.
@@ -35,7 +35,7 @@ impl Indent {
     /// Measures of `signals` under an impactor at `velocity`, m/s.
     pub fn measure(velocity: f64, outcome: &Outcome, signals: &Recording, findings: RunFindings) -> Indent {
         let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
-        let (depth, force) = (channel("depth_m"), channel("force_N"));
+        let (depth, force) = (channel(column::DEPTH.name), channel(column::FORCE.name));
         let peak = force.largest();
         let pairs = || depth.values().iter().zip(force.values());
         let slices = pairs().zip(pairs().skip(1));

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Audit, RunFindings};
-use crate::signal::{Recording, Series};
+use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
 /// What an inflation comes down to; fields of `summary.json`.
@@ -33,7 +33,7 @@ impl Inflation {
     /// Measures of `signals`.
     pub fn measure(outcome: &Outcome, signals: &Recording, findings: RunFindings) -> Inflation {
         let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
-        let (pressure, deflection) = (channel("pressure_Pa"), channel("deflection_m"));
+        let (pressure, deflection) = (channel(column::PRESSURE.name), channel(column::DEFLECTION.name));
         let last_pressure = pressure.values().last().copied();
         Inflation {
             peak_pressure: pressure.largest().map(|[_, pressure]| pressure),

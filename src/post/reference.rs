@@ -12,7 +12,7 @@ use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::norm::{NormError, relative_error};
 use crate::signal::resample::{self, ResampleError};
-use crate::signal::{Measurement, Series, integrate, says_virtual};
+use crate::signal::{Measurement, Series, column, integrate, says_virtual};
 
 /// A recording ready for comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,15 +143,16 @@ impl Signals {
         reference: &Reference,
     ) -> Result<Option<Signals>, ReferenceError> {
         let channel = |name| measurement.channel(name).ok().map(|channel| channel.series.clone());
-        let (raw, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
+        let (raw, displacement) = (channel(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));
         let named = reference.acceleration.is_some() || reference.displacement.is_some();
-        let filtered = match channel("acceleration_filtered_m_s2") {
+        let filtered = match channel(column::ACCELERATION_FILTERED.name) {
             _ if named => return Ok(None),
             Some(filtered) => Some(filtered),
             None => raw.as_ref().map(|raw| filtered(raw, model, reference)).transpose()?,
         };
         let any = filtered.is_some() || displacement.is_some();
-        let (absorbed_energy, total_energy) = (channel("absorbed_energy_J"), channel("total_energy_J"));
+        let (absorbed_energy, total_energy) =
+            (channel(column::ABSORBED_ENERGY.name), channel(column::TOTAL_ENERGY.name));
         let reduced = Vec::new();
         Ok(any.then_some(Signals {
             raw,
@@ -184,9 +185,10 @@ impl Signals {
         let reduction = Reduction { class: sensed.class_to_apply(model.output.filter), ..Reduction::default() };
         let drop = sensed.reduce(&tower, &reduction).map_err(|source| ReferenceError::Drop { path: path(), source })?;
         let channel = |name| drop.signals.series(name);
-        let (raw, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
-        let (filtered, energy_absorption) = (channel("acceleration_filtered_m_s2"), drop.energy_absorption);
-        let (absorbed_energy, total_energy) = (channel("absorbed_energy_J"), channel("total_energy_J"));
+        let (raw, displacement) = (channel(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));
+        let (filtered, energy_absorption) = (channel(column::ACCELERATION_FILTERED.name), drop.energy_absorption);
+        let (absorbed_energy, total_energy) =
+            (channel(column::ABSORBED_ENERGY.name), channel(column::TOTAL_ENERGY.name));
         let reduced = drop.notes;
         Ok(Signals { raw, filtered, displacement, absorbed_energy, total_energy, energy_absorption, reduced })
     }

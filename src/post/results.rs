@@ -9,7 +9,7 @@ use crate::model::{Loading, Model};
 use crate::script::{Fault, ScriptOutput};
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::resample::{self, ResampleError};
-use crate::signal::{Channel, Recording};
+use crate::signal::{Channel, Recording, column};
 use crate::simulate::Outcome;
 
 /// Entries of a summary that are no figures: which scenario, and by which droptower.
@@ -154,7 +154,7 @@ impl Measures {
 /// `signals` with the channel `acceleration_filtered_m_s2` where there is an acceleration.
 fn with_filtered(model: &Model, signals: &Recording) -> Result<Recording, EvaluateError> {
     let mut signals = signals.clone();
-    let Some(raw) = signals.series("acceleration_m_s2") else {
+    let Some(raw) = signals.series(column::ACCELERATION.name) else {
         return Ok(signals);
     };
     let values = match model.output.filter {
@@ -174,7 +174,7 @@ fn with_filtered(model: &Model, signals: &Recording) -> Result<Recording, Evalua
             }
         }
     };
-    let name = "acceleration_filtered_m_s2".into();
-    signals.insert_after("acceleration_m_s2", Channel { name, values });
+    let name = column::ACCELERATION_FILTERED.name.into();
+    signals.insert_after(column::ACCELERATION.name, Channel { name, values });
     Ok(signals)
 }

@@ -8,31 +8,9 @@ use serde_json::{Value, json};
 use super::{ReferenceComparison, Results};
 use crate::model::{Loading, Model};
 use crate::script::{Entry, from_json, refuse};
+use crate::signal::column::{COLUMNS, Column};
 use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
-
-/// Short names of channels: what a script writes, and the column it means.
-const CHANNELS: [(&str, &str); 19] = [
-    ("displacement", "displacement_m"),
-    ("velocity", "velocity_m_s"),
-    ("acceleration", "acceleration_filtered_m_s2"),
-    ("acceleration_raw", "acceleration_m_s2"),
-    ("contact_force", "contact_force_N"),
-    ("kinetic_energy", "kinetic_energy_J"),
-    ("potential_energy", "potential_energy_J"),
-    ("absorbed_energy", "absorbed_energy_J"),
-    ("total_energy", "total_energy_J"),
-    ("max_strain_md", "max_strain_md"),
-    ("max_strain_td", "max_strain_td"),
-    ("frame_force_x", "frame_force_x_N"),
-    ("frame_force_y", "frame_force_y_N"),
-    ("force", "force_N"),
-    ("strain", "strain"),
-    ("stress", "stress_Pa"),
-    ("depth", "depth_m"),
-    ("pressure", "pressure_Pa"),
-    ("deflection", "deflection_m"),
-];
 
 /// A finished run: signals, energies, figures and what was run. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -91,11 +69,11 @@ impl Run {
     }
 
     fn channel(&self, name: &str) -> Result<Series, Box<EvalAltResult>> {
-        let known = CHANNELS.iter().find(|(short, _)| *short == name);
-        let series = known.and_then(|(_, column)| self.0.signals.series(column));
+        let known = COLUMNS.iter().find(|column| column.short == name);
+        let series = known.and_then(|column| self.0.signals.series(column.name));
         series.ok_or_else(|| {
-            let has = |(_, column): &&(&str, &str)| self.0.signals.channel(column).is_some();
-            let shorts = CHANNELS.iter().filter(has).map(|(short, _)| *short);
+            let has = |column: &&Column| self.0.signals.channel(column.name).is_some();
+            let shorts = COLUMNS.iter().filter(has).map(|column| column.short);
             let others = ["time", "signals", "energies", "summary", "model"];
             unknown("run", name, shorts.chain(others))
         })

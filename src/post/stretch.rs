@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Audit, RunFindings};
-use crate::signal::{Recording, Series};
+use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
 /// What a tensile test comes down to; fields of `summary.json`.
@@ -33,7 +33,7 @@ impl Stretch {
     /// Measures of `signals`.
     pub fn measure(outcome: &Outcome, signals: &Recording, findings: RunFindings) -> Stretch {
         let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
-        let (strain, stress) = (channel("strain"), channel("stress_Pa"));
+        let (strain, stress) = (channel(column::STRAIN.name), channel(column::STRESS.name));
         let peak = stress.largest();
         let at_break = outcome.rupture_time.and_then(|rupture| {
             let before = strain.window([f64::NEG_INFINITY, rupture]);
@@ -41,7 +41,7 @@ impl Stretch {
             Some((strain.at(rupture).or(strain.at(time))?, stress.at(time)?))
         });
         Stretch {
-            peak_force: channel("force_N").largest().map(|[_, force]| force),
+            peak_force: channel(column::FORCE.name).largest().map(|[_, force]| force),
             peak_stress: peak.map(|[_, value]| value),
             strain_at_peak_stress: peak.and_then(|[time, _]| strain.at(time)),
             strain_at_break: at_break.map(|(strain, _)| strain),

@@ -8,11 +8,15 @@ use crate::diagnostic::shown_path;
 use crate::plot::{self as diagrams, Curve, Plot, TIME};
 use crate::post::RunComparison;
 use crate::post::comparison::{ComparedFigure, ComparedRun, ComparedSignal};
-use crate::signal::Series;
+use crate::signal::{Series, column};
 
 /// Pairs of columns of which the second is drawn over the first, besides over time.
-const AGAINST: [[&str; 2]; 4] =
-    [["strain", "stress_Pa"], ["displacement_m", "force_N"], ["depth_m", "force_N"], ["deflection_m", "pressure_Pa"]];
+const AGAINST: [[&str; 2]; 4] = [
+    [column::STRAIN.name, column::STRESS.name],
+    [column::DISPLACEMENT.name, column::FORCE.name],
+    [column::DEPTH.name, column::FORCE.name],
+    [column::DEFLECTION.name, column::PRESSURE.name],
+];
 
 /// Points that all curves have together, so that page and recording stay small enough to be sent.
 const MOST_POINTS: usize = 100_000;

@@ -3,6 +3,7 @@
 use super::RunPage;
 use crate::plot::{Curve, Plot, TIME, Window};
 use crate::post::{Measures, ReferenceComparison};
+use crate::signal::column::{self, Column};
 use crate::signal::{Channel, Recording, Series};
 
 /// Signals over time and against each other, by kind of loading.
@@ -39,7 +40,7 @@ pub(super) fn energies(energies: &Recording) -> (Plot, Vec<String>) {
 
 /// As Figures 23 to 27 of the paper, and what the film does besides.
 fn impact(signals: &Recording, comparison: Option<&ReferenceComparison>) -> Vec<Plot> {
-    let simulated = |name: &str, column: &str, factor| Some(over_time(name, &signals.series(column)?, factor));
+    let simulated = |name: &str, column: Column| Some(over_time(name, &signals.series(column.name)?, column.factor));
     let measured = |of: fn(&ReferenceComparison) -> &Option<Series>, name: &str, factor| {
         let comparison = comparison?;
         Some(over_time(&format!("{name}{}", comparison.label()), of(comparison).as_ref()?, factor).dashed())
@@ -50,88 +51,81 @@ fn impact(signals: &Recording, comparison: Option<&ReferenceComparison>) -> Vec<
         window: window.clone(),
         ..over_time_plot(title, y, curves)
     };
-    let energy = |name: &str| simulated(name, &format!("{name}_energy_J"), 1.0);
     vec![
         compared(
             "Displacement of the impactor",
-            "displacement (mm)",
-            [simulated("simulated", "displacement_m", 1e3), measured(|c| &c.displacement, "", 1e3)],
+            column::DISPLACEMENT.axis,
+            [simulated("simulated", column::DISPLACEMENT), measured(|c| &c.displacement, "", 1e3)],
         ),
         compared(
             "Acceleration of the impactor",
-            "acceleration (m/s²)",
-            [simulated("simulated", "acceleration_filtered_m_s2", 1.0), measured(|c| &c.acceleration, "", 1.0)],
+            column::ACCELERATION_FILTERED.axis,
+            [simulated("simulated", column::ACCELERATION_FILTERED), measured(|c| &c.acceleration, "", 1.0)],
         ),
         compared(
             "Energy loss of the impactor",
-            "energy (J)",
-            [simulated("simulated", "absorbed_energy_J", 1.0), measured(|c| &c.absorbed_energy, "", 1.0)],
+            column::ABSORBED_ENERGY.axis,
+            [simulated("simulated", column::ABSORBED_ENERGY), measured(|c| &c.absorbed_energy, "", 1.0)],
         ),
         over_time_plot(
             "Total energy of the impactor",
-            "energy (J)",
-            [energy("kinetic"), energy("potential"), energy("total"), measured(|c| &c.total_energy, "total, ", 1.0)],
+            column::TOTAL_ENERGY.axis,
+            [
+                simulated("kinetic", column::KINETIC_ENERGY),
+                simulated("potential", column::POTENTIAL_ENERGY),
+                simulated("total", column::TOTAL_ENERGY),
+                measured(|c| &c.total_energy, "total, ", 1.0),
+            ],
         ),
-        against(signals, "Force and travel", [DISPLACEMENT, Axis { column: "contact_force_N", ..FORCE }]),
-        over_time_plot("Contact force", "force (N)", [simulated("simulated", "contact_force_N", 1.0)]),
+        against(signals, "Force and travel", [column::DISPLACEMENT, column::CONTACT_FORCE]),
+        over_time_plot("Contact force", column::CONTACT_FORCE.axis, [simulated("simulated", column::CONTACT_FORCE)]),
         over_time_plot(
             "Largest strain of the film",
-            "engineering strain (%)",
-            [simulated("along MD", "max_strain_md", 100.0), simulated("along TD", "max_strain_td", 100.0)],
+            column::MAX_STRAIN_MD.axis,
+            [simulated("along MD", column::MAX_STRAIN_MD), simulated("along TD", column::MAX_STRAIN_TD)],
         ),
         over_time_plot(
             "Acceleration before the filter",
-            "acceleration (m/s²)",
-            [simulated("simulated", "acceleration_m_s2", 1.0)],
+            column::ACCELERATION.axis,
+            [simulated("simulated", column::ACCELERATION)],
         ),
     ]
 }
 
 fn stretch(signals: &Recording) -> Vec<Plot> {
-    let strain = Axis { words: "engineering strain (%)", column: "strain", factor: 100.0 };
-    let stress = Axis { words: "stress (MPa)", column: "stress_Pa", factor: 1e-6 };
-    let travel = Axis { words: "travel of the jaws (mm)", ..DISPLACEMENT };
-    vec![against(signals, "Stress and strain", [strain, stress]), against(signals, "Force and travel", [travel, FORCE])]
-}
-
-fn indent(signals: &Recording) -> Vec<Plot> {
-    let depth = Axis { words: "depth (mm)", column: "depth_m", factor: 1e3 };
-    vec![against(signals, "Force and depth", [depth, FORCE])]
-}
-
-fn inflation(signals: &Recording) -> Vec<Plot> {
-    let deflection = Axis { words: "deflection (mm)", column: "deflection_m", factor: 1e3 };
-    let pressure = Axis { words: "pressure (kPa)", column: "pressure_Pa", factor: 1e-3 };
-    let over_time = signals.series("deflection_m").map(|series| over_time("simulated", &series, 1e3));
+    let travel = Column { axis: "travel of the jaws (mm)", ..column::DISPLACEMENT };
     vec![
-        against(signals, "Pressure and deflection", [deflection, pressure]),
-        over_time_plot("Deflection of the highest point", "deflection (mm)", [over_time]),
+        against(signals, "Stress and strain", [column::STRAIN, column::STRESS]),
+        against(signals, "Force and travel", [travel, column::FORCE]),
     ]
 }
 
-/// The pull on the frame, where sides of a rectangle are held.
+fn indent(signals: &Recording) -> Vec<Plot> {
+    vec![against(signals, "Force and depth", [column::DEPTH, column::FORCE])]
+}
+
+fn inflation(signals: &Recording) -> Vec<Plot> {
+    let Column { name, axis, factor, .. } = column::DEFLECTION;
+    let over_time = signals.series(name).map(|series| over_time("simulated", &series, factor));
+    vec![
+        against(signals, "Pressure and deflection", [column::DEFLECTION, column::PRESSURE]),
+        over_time_plot("Deflection of the highest point", axis, [over_time]),
+    ]
+}
+
+/// The force on the frame, where sides of a rectangle are held.
 fn frame(signals: &Recording) -> Option<Plot> {
-    let pull = |name: &str, column: &str| Some(over_time(name, &signals.series(column)?, 1.0));
-    let curves = [pull("along x", "frame_force_x_N"), pull("along y", "frame_force_y_N")];
+    let force = |name: &str, column: Column| Some(over_time(name, &signals.series(column.name)?, column.factor));
+    let curves = [force("along x", column::FRAME_FORCE_X), force("along y", column::FRAME_FORCE_Y)];
     let any = curves.iter().any(Option::is_some);
-    any.then(|| over_time_plot("Pull of the film on the frame", "force (N)", curves))
+    any.then(|| over_time_plot("Pull of the film on the frame", column::FRAME_FORCE_X.axis, curves))
 }
-
-/// One axis of a plot: what it says, and the column that it shows times a factor.
-struct Axis {
-    words: &'static str,
-    column: &'static str,
-    factor: f64,
-}
-
-const DISPLACEMENT: Axis = Axis { words: "displacement (mm)", column: "displacement_m", factor: 1e3 };
-const FORCE: Axis = Axis { words: "force (N)", column: "force_N", factor: 1.0 };
 
 /// One column over another.
-fn against(signals: &Recording, title: &str, [x, y]: [Axis; 2]) -> Plot {
-    let column = |axis: &Axis| signals.channel(axis.column).unwrap_or_default();
-    let points = column(&x).iter().zip(column(&y)).map(|(a, b)| [a * x.factor, b * y.factor]);
-    Plot::new(title, [x.words, y.words], vec![Curve::line("simulated", points)])
+fn against(signals: &Recording, title: &str, [x, y]: [Column; 2]) -> Plot {
+    let values = |column: &Column| signals.channel(column.name).unwrap_or_default();
+    let points = values(&x).iter().zip(values(&y)).map(|(a, b)| [a * x.factor, b * y.factor]);
+    Plot::new(title, [x.axis, y.axis], vec![Curve::line("simulated", points)])
 }
 
 fn over_time_plot(title: &str, y: &str, curves: impl IntoIterator<Item = Option<Curve>>) -> Plot {

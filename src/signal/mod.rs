@@ -1,6 +1,7 @@
 //! Time series as values: what a channel and a recording are, and what is done to them.
 
 pub mod clip;
+pub mod column;
 pub mod csv;
 pub mod file;
 pub mod filter;

@@ -3,10 +3,10 @@
 use crate::engine::Nodes;
 use crate::mesh::{Mesh, Outline, Side};
 use crate::model::{Hold, Model};
-use crate::signal::{Channel, Recording};
+use crate::signal::{Channel, Recording, column};
 
 /// Columns of the pull along x and y.
-const NAMES: [&str; 2] = ["frame_force_x_N", "frame_force_y_N"];
+const NAMES: [&str; 2] = [column::FRAME_FORCE_X.name, column::FRAME_FORCE_Y.name];
 
 /// The sides of a rectangle that its frame holds, with their nodes on all faces. Other outlines have no sides, and between
 /// jaws the pull is a signal of its own.

@@ -18,7 +18,7 @@ use super::tracks::Tracks;
 use super::warning::bounds::KINETIC;
 use crate::engine::{self, ElementStrain, Engine, Observer, Track, View};
 use crate::model::Model;
-use crate::signal::Recording;
+use crate::signal::{Recording, column};
 
 /// Looks at the energies, the contact and the strain around it in a run, unless there are fewer samples.
 const AUDITS: f64 = 400.0;
@@ -218,7 +218,7 @@ impl<'a> Probe<'a> {
         let signals = self.signals(&mounting);
         let energies = self.energies();
         let rates = self.record.rates.finish();
-        let unfinished = signals.channel("contact_force_N").is_some_and(loading::ends_loaded);
+        let unfinished = signals.channel(column::CONTACT_FORCE.name).is_some_and(loading::ends_loaded);
         let snapshots = [self.model.output.frames, self.snapshots];
         let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, snapshots, unfinished };
         Outcome {

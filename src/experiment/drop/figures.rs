@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::Drop;
 use crate::experiment::contact::SpeedSource;
-use crate::signal::Series;
 use crate::signal::csv::clean_time;
+use crate::signal::{Series, column};
 
 /// Figures of a drop, units in their names; times of peaks count from contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -52,8 +52,8 @@ impl Drop {
     /// The figures of this drop.
     pub fn figures(&self) -> Figures {
         let channel = |name| self.signals.series(name).unwrap_or_else(|| Series::new([], []));
-        let peak = channel("acceleration_filtered_m_s2").largest();
-        let deepest = channel("displacement_m").smallest();
+        let peak = channel(column::ACCELERATION_FILTERED.name).largest();
+        let deepest = channel(column::DISPLACEMENT.name).smallest();
         Figures {
             contact_time_s: self.contact.time,
             impact_velocity_m_s: -self.contact.velocity,
@@ -62,9 +62,9 @@ impl Drop {
             time_of_peak_acceleration_s: peak.map(|[time, _]| clean_time(time)),
             peak_displacement_m: deepest.map(|[_, value]| value),
             time_of_peak_displacement_s: deepest.map(|[time, _]| clean_time(time)),
-            impact_energy: channel("kinetic_energy_J").values().first().copied(),
-            peak_absorbed_energy: channel("absorbed_energy_J").largest().map(|[_, work]| work),
-            final_absorbed_energy: channel("absorbed_energy_J").values().last().copied(),
+            impact_energy: channel(column::KINETIC_ENERGY.name).values().first().copied(),
+            peak_absorbed_energy: channel(column::ABSORBED_ENERGY.name).largest().map(|[_, work]| work),
+            final_absorbed_energy: channel(column::ABSORBED_ENERGY.name).values().last().copied(),
             energy_absorption: self.energy_absorption,
             total_energy_drift: self.total_energy_drift,
             iterations: self.contact.iterations,

@@ -3,7 +3,7 @@
 use super::DropError;
 use crate::experiment::absorption::Body;
 use crate::experiment::contact::Contact;
-use crate::signal::{Channel, Recording, Series, integrate, resample};
+use crate::signal::{Channel, Recording, Series, column, integrate, resample};
 
 /// The channels on a time axis that starts at contact.
 pub(super) fn signals(
@@ -24,14 +24,14 @@ pub(super) fn signals(
     let absorbed = work(body, &filtered, displacement.values());
     let total = motion().zip(&absorbed).map(|((v, d), w)| body.energy(*v, *d) + w).collect();
     let channels = [
-        ("displacement_m", displacement.values().to_vec()),
-        ("velocity_m_s", velocity.values().to_vec()),
-        ("acceleration_m_s2", acceleration.values().to_vec()),
-        ("acceleration_filtered_m_s2", filtered),
-        ("kinetic_energy_J", kinetic),
-        ("potential_energy_J", potential),
-        ("absorbed_energy_J", absorbed),
-        ("total_energy_J", total),
+        (column::DISPLACEMENT.name, displacement.values().to_vec()),
+        (column::VELOCITY.name, velocity.values().to_vec()),
+        (column::ACCELERATION.name, acceleration.values().to_vec()),
+        (column::ACCELERATION_FILTERED.name, filtered),
+        (column::KINETIC_ENERGY.name, kinetic),
+        (column::POTENTIAL_ENERGY.name, potential),
+        (column::ABSORBED_ENERGY.name, absorbed),
+        (column::TOTAL_ENERGY.name, total),
     ];
     let channels = channels.map(|(name, values)| Channel { name: name.into(), values });
     Ok(Recording { time: axis, channels: channels.into() })

@@ -2,7 +2,7 @@
 
 use super::Drop;
 use crate::experiment::fit::least_squares;
-use crate::signal::Series;
+use crate::signal::{Series, column};
 
 /// Laser and integrated acceleration that are further apart (m) do not show one motion.
 const LASER_APART: f64 = 1e-3;
@@ -44,8 +44,8 @@ fn slow(drop: &Drop) -> Option<String> {
 }
 
 fn late_peak(drop: &Drop) -> Option<String> {
-    let [turn, _] = drop.signals.series("displacement_m")?.smallest()?;
-    let [peak, _] = drop.signals.series("acceleration_filtered_m_s2")?.largest()?;
+    let [turn, _] = drop.signals.series(column::DISPLACEMENT.name)?.smallest()?;
+    let [peak, _] = drop.signals.series(column::ACCELERATION_FILTERED.name)?.largest()?;
     (peak > 1.2 * turn).then(|| {
         format!(
             "the largest acceleration, at {:.1} ms, is not that of the impact, which turned the impactor at {:.1} ms",

@@ -14,7 +14,7 @@ use super::html::{data, escape};
 use super::plot::short;
 use crate::model::{Loading, Model};
 use crate::post::lowest_point;
-use crate::signal::Recording;
+use crate::signal::{Recording, column};
 use crate::simulate::{Film, FilmState, Outcome, Snapshot};
 
 /// Most snapshots on a page.
@@ -64,10 +64,10 @@ fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment>
     let peak = |channel: &str| Some(signals.series(channel)?.largest()?[0]);
     let mut moments = Vec::new();
     if matches!(model.loading, Loading::Impact { .. }) {
-        moments.extend(peak("acceleration_filtered_m_s2").map(|time| ("largest deceleration", time)));
+        moments.extend(peak(column::ACCELERATION_FILTERED.name).map(|time| ("largest deceleration", time)));
         moments.extend(lowest_point(signals).map(|[time, _]| ("lowest point", time)));
     } else {
-        moments.extend(peak("force_N").map(|time| ("largest force", time)));
+        moments.extend(peak(column::FORCE.name).map(|time| ("largest force", time)));
     }
     moments.extend(outcome.rupture_time.map(|time| ("rupture", time)));
     moments.sort_by(|a, b| a.1.total_cmp(&b.1));

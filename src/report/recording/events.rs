@@ -4,7 +4,7 @@ use droptower_viz::{Event, Moment, Severity};
 
 use crate::post::lowest_point;
 use crate::report::{RunPage, duration};
-use crate::signal::Recording;
+use crate::signal::{Recording, column};
 
 /// First contact, extremes, rupture, rebound and warnings in the order of time, and what the post script said.
 pub fn of(run: &RunPage) -> Vec<Event> {
@@ -27,9 +27,9 @@ pub fn of(run: &RunPage) -> Vec<Event> {
 
 /// How an impactor fares.
 fn motion(signals: &Recording) -> Vec<(f64, String)> {
-    let Some(force) = signals.channel("contact_force_N") else { return vec![] };
+    let Some(force) = signals.channel(column::CONTACT_FORCE.name) else { return vec![] };
     let contact = force.iter().position(|force| *force > 0.0).map(|k| (k, "first contact".to_owned()));
-    let braking = largest(signals, "acceleration_filtered_m_s2")
+    let braking = largest(signals, column::ACCELERATION_FILTERED.name)
         .map(|(k, peak)| (k, format!("largest deceleration, {peak:.1} m/s²")));
     let turn = lowest_point(signals);
     let lowest = turn.map(|[time, depth]| (time, format!("lowest point, {:.1} mm", 1e3 * depth)));
@@ -45,7 +45,7 @@ const BRUSHING: f64 = 0.01;
 fn rebound(signals: &Recording, force: &[f64], turn: f64) -> Option<(f64, String)> {
     let brushing = BRUSHING * force.iter().copied().fold(0.0, f64::max);
     let left = force.iter().rposition(|force| *force > brushing)? + 1;
-    let speed = signals.channel("velocity_m_s")?.get(left)?;
+    let speed = signals.channel(column::VELOCITY.name)?.get(left)?;
     let time = *signals.time.get(left)?;
     (time > turn && *speed > 0.0).then(|| (time, format!("leaves the film at {speed:.2} m/s")))
 }

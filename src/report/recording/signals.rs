@@ -3,7 +3,7 @@
 use droptower_viz::{Chart, Places, SignalTrack, Stroke};
 
 use crate::post::ReferenceComparison;
-use crate::signal::{Recording, Series};
+use crate::signal::{Recording, Series, column};
 
 /// Channels in one picture.
 struct Picture {
@@ -46,54 +46,62 @@ const fn in_units(channel: &'static str, entity: &'static str, factor: f64) -> S
 const FIRST: [Picture; 7] = [
     Picture {
         title: "Acceleration, m/s²",
-        channels: &[shown("acceleration_filtered_m_s2", "simulated, filtered"), shown("acceleration_m_s2", RAW)],
-        measured: &[(shown("acceleration_filtered_m_s2", ""), |c| c.acceleration.as_ref())],
+        channels: &[
+            shown(column::ACCELERATION_FILTERED.name, "simulated, filtered"),
+            shown(column::ACCELERATION.name, RAW),
+        ],
+        measured: &[(shown(column::ACCELERATION_FILTERED.name, ""), |c| c.acceleration.as_ref())],
     },
     Picture {
         title: "Displacement, mm",
         channels: &[
-            in_mm("displacement_m", "displacement_mm"),
-            in_mm("depth_m", "depth_mm"),
-            in_mm("deflection_m", "deflection_mm"),
+            in_mm(column::DISPLACEMENT.name, "displacement_mm"),
+            in_mm(column::DEPTH.name, "depth_mm"),
+            in_mm(column::DEFLECTION.name, "deflection_mm"),
         ],
-        measured: &[(Shown { channel: "displacement_m", entity: "displacement_mm", label: "", factor: 1e3 }, |c| {
-            c.displacement.as_ref()
-        })],
+        measured: &[(
+            Shown { channel: column::DISPLACEMENT.name, entity: "displacement_mm", label: "", factor: 1e3 },
+            |c| c.displacement.as_ref(),
+        )],
     },
     Picture {
         title: "Energy of the impactor, J",
         channels: &[
-            shown("kinetic_energy_J", "kinetic"),
-            shown("potential_energy_J", "potential"),
-            shown("absorbed_energy_J", "absorbed by the film"),
-            shown("total_energy_J", "total"),
+            shown(column::KINETIC_ENERGY.name, "kinetic"),
+            shown(column::POTENTIAL_ENERGY.name, "potential"),
+            shown(column::ABSORBED_ENERGY.name, "absorbed by the film"),
+            shown(column::TOTAL_ENERGY.name, "total"),
         ],
         measured: &[
-            (shown("absorbed_energy_J", "absorbed by the film, "), |c| c.absorbed_energy.as_ref()),
-            (shown("total_energy_J", "total, "), |c| c.total_energy.as_ref()),
+            (shown(column::ABSORBED_ENERGY.name, "absorbed by the film, "), |c| c.absorbed_energy.as_ref()),
+            (shown(column::TOTAL_ENERGY.name, "total, "), |c| c.total_energy.as_ref()),
         ],
     },
-    Picture { title: "Force, N", channels: &[shown("force_N", "simulated")], measured: &[] },
-    Picture { title: "Stress, MPa", channels: &[in_units("stress_Pa", "stress_MPa", 1e-6)], measured: &[] },
-    Picture { title: "Strain, %", channels: &[in_units("strain", "strain_percent", 100.0)], measured: &[] },
-    Picture { title: "Pressure, kPa", channels: &[in_units("pressure_Pa", "pressure_kPa", 1e-3)], measured: &[] },
+    Picture { title: "Force, N", channels: &[shown(column::FORCE.name, "simulated")], measured: &[] },
+    Picture { title: "Stress, MPa", channels: &[in_units(column::STRESS.name, "stress_MPa", 1e-6)], measured: &[] },
+    Picture { title: "Strain, %", channels: &[in_units(column::STRAIN.name, "strain_percent", 100.0)], measured: &[] },
+    Picture {
+        title: "Pressure, kPa",
+        channels: &[in_units(column::PRESSURE.name, "pressure_kPa", 1e-3)],
+        measured: &[],
+    },
 ];
 
 /// Pictures behind each other.
 const MORE: [Picture; 4] = [
-    Picture { title: "Contact force, N", channels: &[shown("contact_force_N", "simulated")], measured: &[] },
-    Picture { title: "Velocity, m/s", channels: &[shown("velocity_m_s", "simulated")], measured: &[] },
+    Picture { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE.name, "simulated")], measured: &[] },
+    Picture { title: "Velocity, m/s", channels: &[shown(column::VELOCITY.name, "simulated")], measured: &[] },
     Picture {
         title: "Largest strain, %",
         channels: &[
-            Shown { channel: "max_strain_md", entity: "max_strain_md_percent", label: "MD", factor: 100.0 },
-            Shown { channel: "max_strain_td", entity: "max_strain_td_percent", label: "TD", factor: 100.0 },
+            Shown { channel: column::MAX_STRAIN_MD.name, entity: "max_strain_md_percent", label: "MD", factor: 100.0 },
+            Shown { channel: column::MAX_STRAIN_TD.name, entity: "max_strain_td_percent", label: "TD", factor: 100.0 },
         ],
         measured: &[],
     },
     Picture {
         title: "Pull on the frame, N",
-        channels: &[shown("frame_force_x_N", "along x"), shown("frame_force_y_N", "along y")],
+        channels: &[shown(column::FRAME_FORCE_X.name, "along x"), shown(column::FRAME_FORCE_Y.name, "along y")],
         measured: &[],
     },
 ];

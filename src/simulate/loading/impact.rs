@@ -3,22 +3,22 @@
 use super::{Inertia, LoadCase, MassScaling};
 use crate::engine::{self, Film, Loads, Nodes};
 use crate::model::Model;
-use crate::signal::Recording;
+use crate::signal::{Recording, column};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::{self, Mounting};
 use crate::simulate::tracks::Tracks;
 
 const NAMES: [&str; 10] = [
-    "displacement_m",
-    "velocity_m_s",
-    "acceleration_m_s2",
-    "contact_force_N",
-    "kinetic_energy_J",
-    "potential_energy_J",
-    "absorbed_energy_J",
-    "total_energy_J",
-    "max_strain_md",
-    "max_strain_td",
+    column::DISPLACEMENT.name,
+    column::VELOCITY.name,
+    column::ACCELERATION.name,
+    column::CONTACT_FORCE.name,
+    column::KINETIC_ENERGY.name,
+    column::POTENTIAL_ENERGY.name,
+    column::ABSORBED_ENERGY.name,
+    column::TOTAL_ENERGY.name,
+    column::MAX_STRAIN_MD.name,
+    column::MAX_STRAIN_TD.name,
 ];
 
 /// A body that falls onto the film at `velocity` (m/s, downward) under `gravity` (m/s²).

@@ -5,7 +5,7 @@ use nalgebra::Isometry3;
 use super::{Inertia, LoadCase, MassScaling, slow};
 use crate::engine::{self, Contact, Film, Loads, Nodes, RigidBody};
 use crate::model::Model;
-use crate::signal::Recording;
+use crate::signal::{Recording, column};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::{self, Mounting};
 use crate::simulate::tracks::Tracks;
@@ -63,7 +63,7 @@ impl LoadCase for Indent<'_> {
     fn signals(&self, tracks: &Tracks, _: &Mounting) -> Recording {
         let row = |k: usize| [self.velocity * k as f64 * tracks.sample, tracks.contact_force(k)];
         let rows: Vec<_> = (0..tracks.whole().min(tracks.strains.rows.len())).map(row).collect();
-        tracks.table(&["depth_m", "force_N"], &rows)
+        tracks.table(&[column::DEPTH.name, column::FORCE.name], &rows)
     }
 }
 

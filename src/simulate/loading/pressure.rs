@@ -3,7 +3,7 @@
 use super::{Inertia, LoadCase, MassScaling, slow};
 use crate::engine::{self, Film, Inflation, Loads, Nodes};
 use crate::model::{Face, Model};
-use crate::signal::Recording;
+use crate::signal::{Recording, column};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::Mounting;
 use crate::simulate::tracks::Tracks;
@@ -58,7 +58,7 @@ impl LoadCase for Pressure<'_> {
         let inflation = self.inflation();
         let row = |(k, [rise]): (usize, &[f64; 1])| [inflation.at(k as f64 * tracks.sample), *rise];
         let rows: Vec<_> = tracks.rise.rows.iter().enumerate().map(row).collect();
-        tracks.table(&["pressure_Pa", "deflection_m"], &rows)
+        tracks.table(&[column::PRESSURE.name, column::DEFLECTION.name], &rows)
     }
 }
 

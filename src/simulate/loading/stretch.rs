@@ -4,7 +4,7 @@ use super::{Inertia, LoadCase, MassScaling};
 use crate::engine::{self, Film, Jaw, Loads, Nodes};
 use crate::mesh::{Mesh, Outline, Side};
 use crate::model::{Face, Hold, Model};
-use crate::signal::Recording;
+use crate::signal::{Recording, column};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::Mounting;
 use crate::simulate::tracks::Tracks;
@@ -90,6 +90,6 @@ impl LoadCase for Stretch {
             [displacement, force, displacement / gauge, force / section]
         };
         let rows: Vec<_> = (0..tracks.samples.min(tracks.at_steps.rows.len())).map(row).collect();
-        tracks.table(&["displacement_m", "force_N", "strain", "stress_Pa"], &rows)
+        tracks.table(&[column::DISPLACEMENT.name, column::FORCE.name, column::STRAIN.name, column::STRESS.name], &rows)
     }
 }
