@@ -1,8 +1,8 @@
 //! Bounds of the parameters.
 //!
-//! Nelder–Mead keeps to them by *projection*: a point beyond is moved onto the box before it is tried. The others, which
-//! build on derivatives or on a distribution, search without bounds in u, from which x follows by MINUIT's *transform*
-//! (James and Roos, Comput. Phys. Commun. 10, 1975):
+//! Nelder–Mead keeps them by *projection*: a point outside is moved onto the box before it is evaluated. The other
+//! methods, which build on derivatives or on a distribution, search without bounds in u, from which x follows by the
+//! *transform* of MINUIT (James and Roos, Comput. Phys. Commun. 10, 1975):
 //!
 //! - both bounds: x = lo + (hi − lo)(1 + sin u)/2
 //! - lower only: x = lo − 1 + √(u² + 1)
@@ -12,26 +12,52 @@ use std::f64::consts::FRAC_PI_2;
 
 use thiserror::Error;
 
-/// Share of the box, or of the value, by which a start on a bound is moved inwards where bounds are kept by transform: on
-/// the bound itself the transform has no slope.
+/// Share of the box, or of the value, by which a start on a bound is moved inwards for the transform, whose derivative
+/// vanishes on the bound.
 const INWARDS: f64 = 0.01;
 
-/// A box, one pair of bounds an unknown; infinite where there is none.
+/// A box: lower and upper bounds of the unknowns, infinite where there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounds {
     lower: Vec<f64>,
     upper: Vec<f64>,
 }
 
-/// Why there is no box, or no search in it.
+/// Why bounds are invalid.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum BoundsError {
+    /// One side has the wrong number of entries.
     #[error("`{which}` has {found} entries for {unknowns} unknowns")]
-    Count { which: &'static str, found: usize, unknowns: usize },
-    #[error("the bounds of x[{place}] leave no room: {lower} to {upper}")]
-    Empty { place: usize, lower: f64, upper: f64 },
-    #[error("the start lies outside the bounds: x[{place}] = {value}, which may be {lower} to {upper}")]
-    Outside { place: usize, value: f64, lower: f64, upper: f64 },
+    Count {
+        /// `lower` or `upper`.
+        which: &'static str,
+        /// Number of its entries.
+        found: usize,
+        /// Number of unknowns.
+        unknowns: usize,
+    },
+    /// The interval of an unknown is empty.
+    #[error("the bounds of x[{index}] are empty: {lower} to {upper}")]
+    Empty {
+        /// The unknown.
+        index: usize,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
+    /// A point lies outside.
+    #[error("the start lies outside the bounds: x[{index}] = {value}, which may be {lower} to {upper}")]
+    Outside {
+        /// The unknown.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
 }
 
 impl Bounds {
@@ -40,7 +66,10 @@ impl Bounds {
         Bounds { lower: vec![f64::NEG_INFINITY; unknowns], upper: vec![f64::INFINITY; unknowns] }
     }
 
-    /// Bounds of `unknowns`; left out, there are none on that side.
+    /// Bounds of `unknowns`; `None` leaves a side unbounded.
+    ///
+    /// # Errors
+    /// A side has the wrong number of entries, or an interval is empty.
     pub fn new(unknowns: usize, lower: Option<Vec<f64>>, upper: Option<Vec<f64>>) -> Result<Bounds, BoundsError> {
         let none = Bounds::none(unknowns);
         let bounds = Bounds { lower: lower.unwrap_or(none.lower), upper: upper.unwrap_or(none.upper) };
@@ -52,7 +81,7 @@ impl Bounds {
         let room = |[lower, upper]: [f64; 2]| lower < upper;
         let tight = bounds.pairs().position(|pair| !room(pair));
         match tight {
-            Some(place) => Err(BoundsError::Empty { place, lower: bounds.lower[place], upper: bounds.upper[place] }),
+            Some(index) => Err(BoundsError::Empty { index, lower: bounds.lower[index], upper: bounds.upper[index] }),
             None => Ok(bounds),
         }
     }
@@ -67,38 +96,41 @@ impl Bounds {
         self.pairs().flatten().any(f64::is_finite)
     }
 
-    /// Whether every unknown has both.
+    /// Whether every unknown has both bounds.
     pub fn are_all(&self) -> bool {
         self.pairs().flatten().all(f64::is_finite)
     }
 
-    /// Whether `x` may be tried.
+    /// Whether `x` lies in the box.
+    ///
+    /// # Errors
+    /// The first unknown that lies outside.
     pub fn check(&self, x: &[f64]) -> Result<(), BoundsError> {
         let outside = x.iter().zip(self.pairs()).position(|(x, [lower, upper])| *x < lower || *x > upper);
-        outside.map_or(Ok(()), |place| {
-            let [lower, upper] = [self.lower[place], self.upper[place]];
-            Err(BoundsError::Outside { place, value: x[place], lower, upper })
+        outside.map_or(Ok(()), |index| {
+            let [lower, upper] = [self.lower[index], self.upper[index]];
+            Err(BoundsError::Outside { index, value: x[index], lower, upper })
         })
     }
 
-    /// The unknowns of `x` that lie on a bound, or so close to one that a search by transform, which never reaches it, means it.
-    pub fn touched(&self, x: &[f64]) -> Vec<usize> {
+    /// The unknowns of `x` that lie on a bound, or as close to one as the transform comes.
+    pub fn active(&self, x: &[f64]) -> Vec<usize> {
         /// Over the size of the bound.
         const CLOSE: f64 = 1e-6;
         let close = |x: f64, bound: f64| bound.is_finite() && (x - bound).abs() <= CLOSE * bound.abs();
         let on =
             |(x, [lower, upper]): (&f64, [f64; 2])| *x <= lower || *x >= upper || close(*x, lower) || close(*x, upper);
-        x.iter().zip(self.pairs()).enumerate().filter(|(_, pair)| on(*pair)).map(|(place, _)| place).collect()
+        x.iter().zip(self.pairs()).enumerate().filter(|(_, pair)| on(*pair)).map(|(index, _)| index).collect()
     }
 
-    /// Moves `x` onto the box where it lies beyond.
+    /// Projects `x` onto the box.
     pub fn project(&self, x: &mut [f64]) {
         for (x, [lower, upper]) in x.iter_mut().zip(self.pairs()) {
             *x = x.clamp(lower, upper);
         }
     }
 
-    /// Moves what lies on a bound a little inwards.
+    /// Moves the unknowns of `x` that lie on a bound inwards.
     pub fn inwards(&self, x: &mut [f64]) {
         for (x, [lower, upper]) in x.iter_mut().zip(self.pairs()) {
             let room = if (upper - lower).is_finite() { upper - lower } else { x.abs().max(1.0) };
@@ -110,7 +142,7 @@ impl Bounds {
         }
     }
 
-    /// The point of the box that `u` stands for.
+    /// The transform: the point of the box at `u`.
     pub fn x_of(&self, u: &[f64]) -> Vec<f64> {
         let x = |(u, [lower, upper]): (&f64, [f64; 2])| match [lower.is_finite(), upper.is_finite()] {
             [true, true] => (lower + (upper - lower) * 0.5 * (1.0 + u.sin())).clamp(lower, upper),
@@ -121,7 +153,7 @@ impl Bounds {
         u.iter().zip(self.pairs()).map(x).collect()
     }
 
-    /// A u that stands for the point `x` of the box.
+    /// The inverse of the transform: a `u` with the point `x` of the box.
     pub fn u_of(&self, x: &[f64]) -> Vec<f64> {
         let u = |(x, [lower, upper]): (&f64, [f64; 2])| match [lower.is_finite(), upper.is_finite()] {
             [true, true] => (2.0 * (x - lower) / (upper - lower) - 1.0).asin().clamp(-FRAC_PI_2, FRAC_PI_2),
@@ -140,7 +172,7 @@ mod tests {
     const NONE: f64 = f64::INFINITY;
 
     #[test]
-    fn the_transform_goes_there_and_back() {
+    fn the_inverse_of_the_transform_is_exact() {
         let bounds = Bounds::new(4, Some(vec![0.5, -2.0, -NONE, -NONE]), Some(vec![4.0, NONE, 7.0, NONE])).unwrap();
         let x = [1.25, 3.0, -5.0, 11.0];
         for (found, expected) in bounds.x_of(&bounds.u_of(&x)).iter().zip(x) {
@@ -152,20 +184,20 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beyond_is_moved_onto_the_box_and_then_inwards() {
+    fn points_outside_are_projected_onto_the_box() {
         let bounds = Bounds::new(2, Some(vec![0.0, 1.0]), None).unwrap();
         let mut x = [-3.0, 5.0];
         bounds.project(&mut x);
-        assert_eq!((x, bounds.touched(&x)), ([0.0, 5.0], vec![0]));
+        assert_eq!((x, bounds.active(&x)), ([0.0, 5.0], vec![0]));
         bounds.inwards(&mut x);
         assert_eq!(x, [0.01, 5.0]);
     }
 
     #[test]
-    fn boxes_that_cannot_be_are_refused() {
+    fn invalid_bounds_are_errors() {
         let error = |lower, upper| Bounds::new(2, lower, upper).unwrap_err().to_string();
         assert_eq!(error(Some(vec![1.0]), None), "`lower` has 1 entries for 2 unknowns");
-        assert_eq!(error(Some(vec![0.0; 2]), Some(vec![1.0, 0.0])), "the bounds of x[1] leave no room: 0 to 0");
+        assert_eq!(error(Some(vec![0.0; 2]), Some(vec![1.0, 0.0])), "the bounds of x[1] are empty: 0 to 0");
         let outside = Bounds::new(1, Some(vec![0.5]), Some(vec![4.0])).unwrap().check(&[0.2]).unwrap_err();
         assert_eq!(outside.to_string(), "the start lies outside the bounds: x[0] = 0.2, which may be 0.5 to 4");
     }

@@ -1,48 +1,52 @@
-//! Searches: parameters of a scenario, or of anything else that a script computes, from what was measured.
+//! Searches: minimization of an objective over the parameters of a scenario or of any other model, and how well these
+//! are known.
 //!
-//! A script says what is to be small, [`minimize`](register) finds where it is, and [`confidence`](Confidence) and
-//! [`profiles`] say how well it is known. Trials are evaluated in parallel ahead of the
-//! search and written down as they end; neither changes what the search finds, bit for bit.
+//! [`minimize`] searches with one of three [methods](Method) from one or several starts. A [`TrialPool`] evaluates the
+//! trials of one or several searches in parallel, also speculatively, and writes them to a [`History`]; neither changes
+//! the result, to the bit. [`Confidence`] and [`profiles`] say how well the parameters are known. The bindings offer
+//! all of it to scripts.
+//!
+//! ```
+//! use droptower::identify::{Method, Problem, Search, SearchError, minimize, with_evaluator};
+//!
+//! let line = |x: &[f64]| vec![x[0] - 3.1, x[0] + x[1] - 4.9, x[0] + 2.0 * x[1] - 7.0];
+//! let search = Search::new(Method::LevenbergMarquardt, vec![1.0, 1.0]);
+//! let result = with_evaluator(Problem::new(&line), 2, |evaluator| minimize(&search, evaluator, &mut |_| {}))?;
+//! assert!((result.best.x[1] - 1.95).abs() < 1e-6);
+//! # Ok::<(), SearchError>(())
+//! ```
 
+mod bindings;
 mod bounds;
-mod cma_es;
 mod confidence;
 mod convergence;
-mod crew;
-mod foresight;
-mod history;
-mod identifiability;
-mod levenberg_marquardt;
-mod nelder_mead;
-mod noise;
+mod error;
+mod iteration;
+mod method;
 mod objective;
 mod options;
-mod profile;
+mod pool;
 mod progress;
-mod script;
+mod result;
 mod search;
 mod starts;
-mod tangent;
-mod trust;
+mod warning;
 
-use crate::script::Chapter;
+pub use bindings::{REFERENCE, SearchEvent, SearchHost, register};
 pub use bounds::{Bounds, BoundsError};
-pub use confidence::{Confidence, ConfidenceError, Question};
-pub use crew::{Crew, CrewError, Desk, Task};
-pub use history::{History, HistoryError, Identity, Logged, Sketch};
-pub use identifiability::Direction;
-pub use nelder_mead::{Limits, Simplex, Step, Values};
-pub use noise::{Colour, Noise};
-pub use objective::{Answer, Broken, Evaluation, Objective, Observed};
-pub use options::{Method, OnFailure, OnRupture, OptionsError, Search, Starts};
-pub use profile::{Point, Profile, ProfileError, profiles};
-pub use progress::Progress;
-pub use script::{SearchEvent, SearchHost, register};
-pub use search::{Best, Ended, Iteration, SearchError, minimise};
-pub use tangent::{Tangent, TangentError};
-
-/// The reference of searches.
-pub const REFERENCE: &[Chapter] = &[
-    Chapter { title: "searches (droptower script)", entries: script::ENTRIES },
-    Chapter { title: "trust in what a search found (droptower script)", entries: trust::ENTRIES },
-];
+pub use confidence::confidence::{Confidence, ConfidenceError, ConfidenceOptions};
+pub use confidence::covariance::CovarianceError;
+pub use confidence::identifiability::Direction;
+pub use confidence::linearization::{Linearization, LinearizationError};
+pub use confidence::noise::{Colour, Noise};
+pub use confidence::profile::{Profile, ProfileError, ProfilePoint, profiles};
+pub use error::SearchError;
+pub use iteration::{Iteration, Step, StopReason};
+pub use objective::{Evaluation, FatalError, Objective, ObjectiveValue, Trial};
+pub use options::{Method, OnFailure, OptionsError, Search, Starts};
+pub use pool::history::{History, HistoryError, Identity};
+pub use pool::trial_pool::{Evaluator, PoolError, Problem, TrialPool, with_evaluator};
+pub use progress::{Progress, Remaining};
+pub use result::{SearchResult, StartResult};
+pub use search::minimize;
+pub use warning::{CODES, Side, Warning};

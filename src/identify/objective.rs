@@ -1,6 +1,8 @@
-//! What is to be small.
+//! The objective of a search, and the outcome of one trial.
 
 use std::error::Error;
+use std::fmt;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use thiserror::Error;
@@ -8,118 +10,169 @@ use thiserror::Error;
 use crate::script::Compared;
 use crate::simulate::Cancellation;
 
-/// Something with a value at every point; asked from several threads at once, in any order, some points in vain.
+/// An objective function: a scalar, or residuals whose sum of squares is minimized.
+///
+/// It is evaluated from several threads at once, in any order, also at speculative points whose values the search may
+/// not use. A closure `Fn(&[f64]) -> T` is one where `T` is `f64`, `Vec<f64>` (residuals) or a `Result` of these.
 pub trait Objective: Sync {
-    /// What is found at `x`; the same whenever it is asked. Once it is cancelled, whatever comes soonest will do.
+    /// The outcome at `x`, a function of `x` alone. The outcome of a cancelled evaluation is discarded.
     fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation;
 
-    /// The same with what was held against references on the way, for pictures.
-    fn observe(&self, x: &[f64], cancellation: &Cancellation) -> Observed {
+    /// The same with the curves that were compared with references.
+    fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
         self.evaluate(x, cancellation).into()
     }
 
-    /// Files that were read since the objective was made, with what they held: found again changed, its answers are void.
-    fn inputs(&self) -> Vec<(std::path::PathBuf, String)> {
+    /// Files read since the objective was made, each with a description of its content. A history whose files have
+    /// changed is not resumed from.
+    fn inputs(&self) -> Vec<(PathBuf, String)> {
         Vec::new()
     }
 }
 
-/// One trial as it is remembered.
+impl<F, T> Objective for F
+where
+    F: Fn(&[f64]) -> T + Sync,
+    T: Into<Evaluation>,
+{
+    fn evaluate(&self, x: &[f64], _: &Cancellation) -> Evaluation {
+        self(x).into()
+    }
+}
+
+/// One trial as the trial cache and the history store it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Observed {
-    pub found: Evaluation,
-    /// What was held against references.
+pub struct Trial {
+    /// The outcome.
+    pub evaluation: Evaluation,
+    /// Simulated curves that were compared with references.
     pub compared: Vec<Compared>,
 }
 
-/// What came of one trial.
+/// The outcome of one trial.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Evaluation {
-    Answer(Answer),
-    /// There is no value here.
+    /// A finite value.
+    Value(ObjectiveValue),
+    /// There is no value at this point.
     Failed {
         /// Why.
         cause: String,
-        /// Whether a simulation went wrong numerically.
+        /// Whether a simulation failed numerically.
         numerical: bool,
     },
-    /// The whole search cannot go on.
-    Broken(Broken),
+    /// The search has to stop.
+    Fatal(FatalError),
 }
 
-/// Why an objective cannot go on. It stays with the trial that found it, since of several trials it is the search that says
-/// which one counts.
-#[derive(Clone, Debug, Error)]
-#[error("{0}")]
-pub struct Broken(Arc<dyn Error + Send + Sync>);
-
-/// What an objective answers.
+/// The value of an objective.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Answer {
-    Value(f64),
-    /// Differences whose squares are to be small together.
+pub enum ObjectiveValue {
+    /// A scalar.
+    Scalar(f64),
+    /// Residuals; the objective value is their Euclidean norm.
     Residuals(Vec<f64>),
 }
 
-impl From<Evaluation> for Observed {
-    fn from(found: Evaluation) -> Observed {
-        Observed { found, compared: Vec::new() }
+/// An error that ends the whole search. It is stored with its trial, since the search and not the order in which trials
+/// end decides which error counts.
+#[derive(Clone, Debug, Error)]
+#[error("{0}")]
+pub struct FatalError(Arc<dyn Error + Send + Sync>);
+
+impl From<Evaluation> for Trial {
+    fn from(evaluation: Evaluation) -> Trial {
+        Trial { evaluation, compared: Vec::new() }
     }
 }
 
 impl Evaluation {
-    /// No value, for a cause that is not numerical.
+    /// A trial without a value, for a cause that is not numerical.
     pub fn failed(cause: impl Into<String>) -> Evaluation {
         Evaluation::Failed { cause: cause.into(), numerical: false }
     }
 }
 
-impl Broken {
-    /// For `cause`: a text, or an error of the objective's own.
-    pub fn new(cause: impl Into<Box<dyn Error + Send + Sync>>) -> Broken {
-        Broken(Arc::from(cause.into()))
+/// A value that is not finite is a failed trial.
+impl From<ObjectiveValue> for Evaluation {
+    fn from(value: ObjectiveValue) -> Evaluation {
+        let finite = match &value {
+            ObjectiveValue::Scalar(value) => value.is_finite(),
+            ObjectiveValue::Residuals(residuals) => residuals.iter().all(|r| r.is_finite()),
+        };
+        if finite { Evaluation::Value(value) } else { Evaluation::failed("the objective is not a number") }
+    }
+}
+
+impl From<f64> for Evaluation {
+    fn from(value: f64) -> Evaluation {
+        ObjectiveValue::Scalar(value).into()
+    }
+}
+
+impl From<Vec<f64>> for Evaluation {
+    fn from(residuals: Vec<f64>) -> Evaluation {
+        ObjectiveValue::Residuals(residuals).into()
+    }
+}
+
+/// An error is a failed trial.
+impl<T: Into<Evaluation>, E: fmt::Display> From<Result<T, E>> for Evaluation {
+    fn from(result: Result<T, E>) -> Evaluation {
+        result.map_or_else(|error| Evaluation::failed(error.to_string()), Into::into)
+    }
+}
+
+impl FatalError {
+    /// An error with this cause: a text, or an error of the objective's own.
+    pub fn new(cause: impl Into<Box<dyn Error + Send + Sync>>) -> FatalError {
+        FatalError(Arc::from(cause.into()))
     }
 
-    /// The cause, where it is of that kind.
+    /// The cause, where it is an `E`.
     pub fn cause<E: Error + 'static>(&self) -> Option<&E> {
         self.0.downcast_ref()
     }
 }
 
-/// Equal where they say the same.
-impl PartialEq for Broken {
-    fn eq(&self, other: &Broken) -> bool {
+/// By message.
+impl PartialEq for FatalError {
+    fn eq(&self, other: &FatalError) -> bool {
         self.to_string() == other.to_string()
     }
 }
 
-impl From<&str> for Broken {
-    fn from(cause: &str) -> Broken {
-        Broken::new(cause)
+impl From<&str> for FatalError {
+    fn from(cause: &str) -> FatalError {
+        FatalError::new(cause)
     }
 }
 
-impl Answer {
-    /// The value, or the Euclidean norm of the residuals.
+impl ObjectiveValue {
+    /// The scalar, or the Euclidean norm of the residuals.
     pub fn value(&self) -> f64 {
         match self {
-            Answer::Value(value) => *value,
-            Answer::Residuals(residuals) => residuals.iter().map(|r| r * r).sum::<f64>().sqrt(),
+            ObjectiveValue::Scalar(value) => *value,
+            ObjectiveValue::Residuals(residuals) => residuals.iter().map(|r| r * r).sum::<f64>().sqrt(),
         }
-    }
-
-    /// The answer where all of it is finite.
-    pub(super) fn checked(self) -> Evaluation {
-        let finite = match &self {
-            Answer::Value(value) => value.is_finite(),
-            Answer::Residuals(residuals) => residuals.iter().all(|r| r.is_finite()),
-        };
-        if finite { Evaluation::Answer(self) } else { Evaluation::failed("the objective is not a number") }
     }
 }
 
-impl<F: Fn(&[f64]) -> f64 + Sync> Objective for F {
-    fn evaluate(&self, x: &[f64], _: &Cancellation) -> Evaluation {
-        Answer::Value(self(x)).checked()
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(objective: &dyn Objective, x: f64) -> Evaluation {
+        objective.evaluate(&[x], &Cancellation::default())
+    }
+
+    #[test]
+    fn closures_over_scalars_residuals_and_results_are_objectives() {
+        assert_eq!(at(&|x: &[f64]| x[0], 2.0), Evaluation::Value(ObjectiveValue::Scalar(2.0)));
+        assert_eq!(at(&|x: &[f64]| vec![x[0], 1.0], 2.0), Evaluation::Value(ObjectiveValue::Residuals(vec![2.0, 1.0])));
+        let positive = |x: &[f64]| if x[0] > 0.0 { Ok(x[0]) } else { Err("not positive") };
+        assert_eq!(at(&positive, 2.0), Evaluation::Value(ObjectiveValue::Scalar(2.0)));
+        assert_eq!(at(&positive, -2.0), Evaluation::failed("not positive"));
+        assert_eq!(at(&|x: &[f64]| x[0].ln(), -1.0), Evaluation::failed("the objective is not a number"));
     }
 }

@@ -1,22 +1,22 @@
-//! What a search may be told.
+//! The options of a search.
 
 use thiserror::Error;
 
 use super::bounds::{Bounds, BoundsError};
 
-/// How a minimum is searched.
+/// The method of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Simplex, as MATLAB's `fminsearch`.
+    /// The simplex search of Nelder and Mead, as MATLAB's `fminsearch`.
     NelderMead,
-    /// Damped least squares on a vector of residuals.
+    /// Damped least squares; needs residuals.
     LevenbergMarquardt,
     /// Evolution of a normal distribution, for rough objectives.
     CmaEs,
 }
 
 impl Method {
-    /// The methods by the names that scripts write.
+    /// The methods by their names in scripts.
     pub const NAMES: [(&'static str, Method); 3] = [
         ("nelder-mead", Method::NelderMead),
         ("levenberg-marquardt", Method::LevenbergMarquardt),
@@ -24,87 +24,113 @@ impl Method {
     ];
 }
 
-/// What a trial counts as that has no value.
+/// What a trial without a value counts as.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OnFailure {
     /// As worse than all others.
     #[default]
     Worst,
-    /// As what is found a millionth of its place aside; worst, where that fails too.
+    /// As the trial at x (1 + 10⁻⁶); as worst where that fails too.
     Retry,
-    /// As the end of the search.
+    /// As an error of the search.
     Stop,
 }
 
-/// What a run counts as in which the film broke.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum OnRupture {
-    /// As a failed trial.
-    #[default]
-    Fail,
-    /// As any other: for tests whose film broke.
-    Keep,
-}
-
-/// Where searches start besides the first start.
+/// Starts beside [`Search::start`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Starts {
+    /// None.
     #[default]
     One,
-    /// So many in all, the others in a Latin hypercube over the bounds.
+    /// This number in all, the others in a Latin hypercube over the bounds.
     Spread(usize),
-    /// These as well.
+    /// These.
     Given(Vec<Vec<f64>>),
 }
 
-/// A search, ready to begin.
+/// A search: method, start, tolerances and limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
+    /// The method.
     pub method: Method,
+    /// The first start, one value for each unknown.
     pub start: Vec<f64>,
-    /// Nelder–Mead: largest distance of a corner from the best along an axis. Levenberg–Marquardt: change of x over its size.
-    /// CMA-ES: standard deviation over the first one's unit.
+    /// Nelder–Mead: largest distance of a vertex from the best along an axis. Levenberg–Marquardt: relative change of
+    /// x. CMA-ES: standard deviation in units of the first one.
     pub tol_x: f64,
-    /// Nelder–Mead, CMA-ES: spread of the objective. Levenberg–Marquardt: change of the sum of squares over itself.
+    /// Nelder–Mead, CMA-ES: difference of objective values. Levenberg–Marquardt: relative reduction of the sum of
+    /// squares.
     pub tol_f: f64,
-    pub most_iterations: usize,
-    pub most_evaluations: usize,
+    /// Limit of iterations of one start.
+    pub max_iterations: usize,
+    /// Limit of evaluations of one start.
+    pub max_evaluations: usize,
+    /// Bounds of the unknowns.
     pub bounds: Bounds,
-    /// Of the random numbers of CMA-ES and of the Latin hypercube.
+    /// Seed of CMA-ES and of the Latin hypercube.
     pub seed: u64,
+    /// Further starts.
     pub starts: Starts,
-    /// Where to begin in place of a start without a value: the first of these that has one.
+    /// Replacements of a start without a value: the first that has one.
     pub fallback: Vec<Vec<f64>>,
+    /// What a trial without a value counts as.
     pub on_failure: OnFailure,
-    pub on_rupture: OnRupture,
-    /// Relative step of the differences that make a Jacobian.
+    /// Relative step of the differences of a Jacobian.
     pub difference: f64,
-    /// First standard deviation of CMA-ES: over the size of an unknown, or in u where it has bounds.
+    /// Initial standard deviation of CMA-ES: relative to an unknown without bounds, in u for one with bounds.
     pub spread: f64,
 }
 
-/// Why a search cannot begin.
+/// Why the options of a search are invalid.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum OptionsError {
+    /// The bounds are invalid.
     #[error(transparent)]
     Bounds(#[from] BoundsError),
-    #[error("a search needs 1 to {} unknowns, the start has {found}", Search::MOST_UNKNOWNS)]
-    Unknowns { found: usize },
-    #[error("the start is not a number: x[{place}] = {value}")]
-    Start { place: usize, value: f64 },
+    /// There are too many unknowns, or none.
+    #[error("a search needs 1 to {} unknowns, the start has {found}", Search::MAX_UNKNOWNS)]
+    Unknowns {
+        /// Their number.
+        found: usize,
+    },
+    /// A start is not finite.
+    #[error("the start is not a number: x[{index}] = {value}")]
+    Start {
+        /// The unknown.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// An option is out of its range.
     #[error("`{option}` is {found}, which must be {range}")]
-    Range { option: &'static str, found: f64, range: &'static str },
+    Range {
+        /// Its name.
+        option: &'static str,
+        /// Its value.
+        found: f64,
+        /// The range in words.
+        range: &'static str,
+    },
+    /// A Latin hypercube needs bounds.
     #[error("starts spread over the bounds need `lower` and `upper` for every unknown")]
     Unbounded,
+    /// A start has the wrong number of entries.
     #[error("start {number} has {found} entries for {unknowns} unknowns")]
-    Count { number: usize, found: usize, unknowns: usize },
+    Count {
+        /// The start, from one; fallbacks are counted behind the starts.
+        number: usize,
+        /// Number of its entries.
+        found: usize,
+        /// Number of unknowns.
+        unknowns: usize,
+    },
 }
 
 impl Search {
-    /// Most unknowns of a search; more ask for gradients.
-    pub const MOST_UNKNOWNS: usize = 50;
-    /// Most starts of one search.
-    pub const MOST_STARTS: usize = 1000;
+    /// Largest number of unknowns; more need gradients.
+    pub const MAX_UNKNOWNS: usize = 50;
+    /// Largest number of starts.
+    pub const MAX_STARTS: usize = 1000;
 
     /// A search from `start` with the tolerances and limits of MATLAB's `fminsearch`.
     pub fn new(method: Method, start: Vec<f64>) -> Search {
@@ -113,24 +139,26 @@ impl Search {
             method,
             tol_x: 1e-4,
             tol_f: 1e-4,
-            most_iterations: 200 * unknowns,
-            most_evaluations: 200 * unknowns,
+            max_iterations: 200 * unknowns,
+            max_evaluations: 200 * unknowns,
             bounds: Bounds::none(unknowns),
             seed: 1,
             starts: Starts::One,
             fallback: vec![],
             on_failure: OnFailure::Worst,
-            on_rupture: OnRupture::Fail,
             difference: 1e-3,
             spread: 0.25,
             start,
         }
     }
 
-    /// Whether it can begin.
+    /// Checks ranges, bounds and starts.
+    ///
+    /// # Errors
+    /// The first option that is invalid.
     pub fn check(&self) -> Result<(), OptionsError> {
         let unknowns = self.start.len();
-        if !(1..=Search::MOST_UNKNOWNS).contains(&unknowns) {
+        if !(1..=Search::MAX_UNKNOWNS).contains(&unknowns) {
             return Err(OptionsError::Unknowns { found: unknowns });
         }
         for (option, found) in [("tol_x", self.tol_x), ("tol_f", self.tol_f)] {
@@ -143,7 +171,7 @@ impl Search {
                 return Err(OptionsError::Range { option, found, range: "between 0 and 1" });
             }
         }
-        for (option, found) in [("max_iterations", self.most_iterations), ("max_evaluations", self.most_evaluations)] {
+        for (option, found) in [("max_iterations", self.max_iterations), ("max_evaluations", self.max_evaluations)] {
             if found == 0 {
                 return Err(OptionsError::Range { option, found: 0.0, range: "at least 1" });
             }
@@ -152,7 +180,7 @@ impl Search {
     }
 
     fn check_starts(&self, unknowns: usize) -> Result<(), OptionsError> {
-        let most = Search::MOST_STARTS;
+        let most = Search::MAX_STARTS;
         let starts = match &self.starts {
             Starts::One => &vec![],
             Starts::Spread(count) if (1..=most).contains(count) && self.bounds.are_all() => &vec![],
@@ -169,8 +197,8 @@ impl Search {
             if start.len() != unknowns {
                 return Err(OptionsError::Count { number: number + 1, found: start.len(), unknowns });
             }
-            if let Some(place) = start.iter().position(|x| !x.is_finite()) {
-                return Err(OptionsError::Start { place, value: start[place] });
+            if let Some(index) = start.iter().position(|x| !x.is_finite()) {
+                return Err(OptionsError::Start { index, value: start[index] });
             }
             self.bounds.check(start)?;
         }

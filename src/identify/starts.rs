@@ -1,15 +1,16 @@
-//! Several starts, and whether they agree.
+//! Several starts of one search, and whether their results agree.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardUniform};
 
 use super::options::{Search, Starts};
-use super::search::Ended;
+use super::result::StartResult;
+use super::warning::Warning;
 
-/// Relative difference of values beyond which two starts found different minima, and of places beyond which they found
-/// different points, where the tolerances are not wider.
-const APART: f64 = 0.01;
+/// Relative difference of objective values, or of points, above which the results of two starts differ, where the
+/// tolerances are not wider.
+const DIFFERENT: f64 = 0.01;
 
 /// The starts of `search`, its own first.
 pub(super) fn all(search: &Search) -> Vec<Vec<f64>> {
@@ -39,34 +40,26 @@ fn spread(search: &Search, count: usize) -> Vec<Vec<f64>> {
     points
 }
 
-/// What it means where not all starts ended at the best point.
-pub(super) fn disagreement(search: &Search, best: &Ended, ended: &[Ended]) -> Vec<String> {
-    let worse = |other: &&Ended| other.f - best.f > (APART * best.f.abs()).max(10.0 * search.tol_f);
-    let apart = |other: &&Ended| {
-        let far = |(a, b): (&f64, &f64)| (a - b).abs() > (APART * b.abs()).max(100.0 * search.tol_x);
-        !worse(other) && other.x.iter().zip(&best.x).any(far)
+/// Warnings where not all `results` are the best one.
+pub(super) fn disagreement(search: &Search, best: &StartResult, results: &[StartResult]) -> Vec<Warning> {
+    let is_higher = |other: &&StartResult| other.f - best.f > (DIFFERENT * best.f.abs()).max(10.0 * search.tol_f);
+    let is_elsewhere = |other: &&StartResult| {
+        let differs = |(a, b): (&f64, &f64)| (a - b).abs() > (DIFFERENT * b.abs()).max(100.0 * search.tol_x);
+        !is_higher(other) && other.x.iter().zip(&best.x).any(differs)
     };
-    let mut warnings = Vec::new();
-    let higher: Vec<String> = ended.iter().filter(worse).map(|other| format!("{:.6}", other.f)).collect();
-    if !higher.is_empty() {
-        let (count, all, values) = (higher.len(), ended.len(), higher.join(", "));
-        warnings.push(format!(
-            "{count} of {all} starts ended higher than {:.6}, at {values}: there are local minima",
-            best.f
-        ));
-    }
-    let elsewhere = ended.iter().filter(apart).count();
-    if elsewhere > 0 {
-        let all = ended.len();
-        warnings.push(format!("{elsewhere} of {all} starts ended as low elsewhere: the minimum is not one point"));
-    }
-    warnings
+    let starts = results.len();
+    let values: Vec<f64> = results.iter().filter(is_higher).map(|other| other.f).collect();
+    let higher = (!values.is_empty()).then(|| Warning::StartsDisagree { starts, best: best.f, values });
+    let count = results.iter().filter(is_elsewhere).count();
+    let elsewhere = (count > 0).then_some(Warning::NotUnique { count, starts });
+    higher.into_iter().chain(elsewhere).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::{Bounds, Method};
+    use crate::identify::bounds::Bounds;
+    use crate::identify::options::Method;
 
     #[test]
     fn every_part_of_every_axis_holds_one_start() {

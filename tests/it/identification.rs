@@ -1,4 +1,4 @@
-//! Searches: killed and taken up again, on any number of threads, cheap and right; and what can go wrong in them.
+//! Searches: resumed after a kill, on any number of threads, their results and their errors.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ table("history", best.history);
 table("best", #{ k1: best.x[0], ke: best.x[1], ky: best.x[2], f: best.f, evaluations: best.evaluations });
 "#;
 
-/// The multipliers of a recording to which coloured noise was added, as a sensor of 0.5 m/s² behind a channel filter has it.
+/// The multipliers from a recording with coloured noise, that of a sensor of 0.5 m/s² behind a channel filter.
 const TRUST: &str = r#"
 let test = scenario(args.scenario);
 let recorded = test.reference.acceleration;
@@ -51,8 +51,8 @@ table("intervals", along.intervals);
 table("counts", #{ samples: trust.samples, effective: trust.effective_samples });
 "#;
 
-/// A folder with the recording of a coarse run of 1008 in `recording/signals.csv`, its multipliers those of Table 8, and the
-/// script of a search.
+/// A folder with the recording of a coarse run of 1008 in `recording/signals.csv`, its multipliers those of Table 8,
+/// and the script of a search.
 struct Bench {
     folder: TempDir,
     mesh: String,
@@ -121,7 +121,7 @@ fn error(output: &Output) -> String {
 }
 
 #[test]
-fn a_killed_search_goes_on_to_the_same_bits_without_repeating_a_trial() {
+fn a_killed_search_resumes_with_the_same_bits_and_repeats_no_trial() {
     let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
     let through = bench.droptower(&bench.search(&scenario, "through", &["--threads", "2"]));
     assert!(through.status.success(), "{}", error(&through));
@@ -162,11 +162,11 @@ fn a_killed_search_goes_on_to_the_same_bits_without_repeating_a_trial() {
 
     let again = bench.droptower(&bench.search(&scenario, "killed", &[]));
     assert!(again.status.success(), "{}", error(&again));
-    assert_eq!(bench.trials("killed"), trials, "a search that is done needs no more trials");
+    assert_eq!(bench.trials("killed"), trials, "a finished search evaluates no trials");
 }
 
 #[test]
-fn known_multipliers_are_found_from_a_run_s_own_signals() {
+fn known_multipliers_are_found_from_the_signals_of_a_run() {
     let (bench, scenario) = (Bench::new("20 mm"), shipped("scenarios/drop/1008.toml"));
     let script = shipped("scripts/identify.rhai");
     let arguments = bench.over_the_recording(&script, &scenario, &["--arg", "method=levenberg-marquardt", "--json"]);
@@ -181,7 +181,7 @@ fn known_multipliers_are_found_from_a_run_s_own_signals() {
 }
 
 #[test]
-fn how_well_multipliers_are_known_does_not_depend_on_threads_and_is_true() {
+fn intervals_of_multipliers_contain_them_and_do_not_depend_on_threads() {
     let (bench, scenario) = (Bench::new("20 mm"), shipped("scenarios/drop/1008.toml"));
     fs::write(bench.path("trust.rhai"), TRUST).expect("writable");
     let ask = |threads: &str| {
@@ -195,7 +195,7 @@ fn how_well_multipliers_are_known_does_not_depend_on_threads_and_is_true() {
         assert!(bench.table("1", name) == bench.table("2", name), "{name} differs");
     }
     let trials = |out: &str| fs::read_dir(bench.path(&format!("{out}.history"))).expect("histories").count();
-    assert_eq!((trials("1"), trials("2")), (3, 3), "the search, its confidence and its profiles are written down");
+    assert_eq!((trials("1"), trials("2")), (3, 3), "search, confidence and profiles have a history each");
 
     let tables = &summary["tables"];
     let figure = |table: &str, row: usize, name: &str| tables[table][row][name].as_f64().expect("a number");
@@ -251,7 +251,7 @@ fn a_run_within_an_objective_ends_with_the_window_and_has_the_same_errors() {
             in_trials.call(|run| relative_error(run.displacement, r.displacement, test.window)) - d,
             in_trials.call(|run| run.time.end()) - test.window[1],
             whole.time.end(),
-            // What only the end of a run tells is not there, rather than wrong.
+            // Figures of the end of a run are missing.
             in_trials.call(|run| {
                 let known = run.summary;
                 if known.energy_absorption == () && known.rebound_velocity_m_s == () && known.peak_displacement_m < -0.1 { 1 } else { 0 }
@@ -268,9 +268,9 @@ fn a_run_within_an_objective_ends_with_the_window_and_has_the_same_errors() {
     assert_eq!(found[4], 1.0);
 }
 
-/// The pictures of a search hold what was simulated, sample by sample, from the start to the best, on any number of threads.
+/// The fit history of a search has the simulated samples from the start to the best, on any number of threads.
 #[test]
-fn a_search_shows_its_simulations_closing_in_on_the_reference() {
+fn the_fit_history_of_a_search_approaches_the_reference() {
     let bench = Bench::new("40 mm");
     let text = script(
         r#"
@@ -319,7 +319,7 @@ fn a_search_shows_its_simulations_closing_in_on_the_reference() {
 }
 
 #[test]
-fn a_run_that_ruptures_counts_as_the_script_says() {
+fn a_ruptured_run_counts_as_on_rupture_sets() {
     let bench = Bench::new("40 mm");
     let engine = engine(&bench, &[]);
     let warnings = |rule: &str| {
@@ -334,13 +334,16 @@ fn a_run_that_ruptures_counts_as_the_script_says() {
         ));
         engine.eval::<String>(&text).unwrap_or_else(|error| panic!("{error}"))
     };
-    let told = warnings("fail");
-    assert!(told.contains("1 trials failed and counted as worst") && told.contains("the film broke at"), "{told}");
+    let failed = warnings("fail");
+    assert!(
+        failed.contains("1 trials failed and counted as worst") && failed.contains("the film broke at"),
+        "{failed}"
+    );
     assert_eq!(warnings("keep"), "not converged: max_evaluations was reached; ");
 }
 
 #[test]
-fn what_goes_wrong_in_a_search_has_a_name() {
+fn errors_in_a_search_are_reported() {
     let bench = Bench::new("40 mm");
     let short = "reference.window=[\"0.11 ms\", \"0.12 ms\"]";
     for (body, expected) in [
@@ -359,9 +362,9 @@ fn what_goes_wrong_in_a_search_has_a_name() {
     }
 }
 
-/// Searches of two tests at the same time, killed and taken up again, find what each finds alone.
+/// Concurrent searches of two tests, resumed after a kill, have the results of each alone.
 #[test]
-fn searches_at_the_same_time_are_taken_up_again() {
+fn concurrent_searches_resume() {
     let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
     let both = r#"
         let test = scenario(args.scenario);
@@ -384,7 +387,7 @@ fn searches_at_the_same_time_are_taken_up_again() {
     run("together", &["--threads", "2"]);
     assert!(bench.table("apart", "found") == bench.table("together", "found"), "they differ");
 
-    // What a kill leaves: whole lines up to some trial, and half of the next.
+    // Files after a kill: complete lines up to some trial, and half of the next.
     let files = || fs::read_dir(bench.path("together.history")).expect("histories").flatten().map(|file| file.path());
     assert_eq!(files().count(), 2);
     for (file, share) in files().zip([3, 5]) {
@@ -401,9 +404,9 @@ fn searches_at_the_same_time_are_taken_up_again() {
 }
 
 #[test]
-fn a_simulation_that_goes_wrong_is_no_mistake_of_the_script() {
+fn a_numerical_failure_is_no_error_of_the_script() {
     let (bench, scenario) = (Bench::new("50 mm"), shipped("scenarios/drop/1008.toml"));
-    // A film that turns into diamond at 30 % makes the stable step collapse when the sphere gets there.
+    // A film as stiff as diamond beyond 30 % makes the stable time step collapse.
     let diamond = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
     let measured = "specimen.material.fabric.scale={k1=1,ke=1,ky=1}";
     for (body, status) in [
@@ -424,7 +427,7 @@ fn a_simulation_that_goes_wrong_is_no_mistake_of_the_script() {
     ] {
         fs::write(bench.path("wrong.rhai"), format!("let test = scenario(args.scenario);\n{body};")).expect("writable");
         let more = ["--set", diamond, "--set", measured, "--out", "wrong"];
-        // Started again, the search finds in its history how the trial ended.
+        // The second time, the outcome of the trial comes from the history.
         for _ in 0..2 {
             let output = bench.droptower(&bench.over_the_recording("wrong.rhai", &scenario, &more));
             assert_eq!(output.status.code(), Some(status), "{body}: {}", error(&output));

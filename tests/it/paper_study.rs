@@ -1,5 +1,5 @@
-//! The paper's identification (Tables 8 and 9): the multipliers that the virtual recordings were made with are found again; and
-//! the studies of what it leaves open.
+//! The identification of the paper (Tables 8 and 9), which finds the multipliers of the virtual recordings, and studies
+//! beyond it.
 
 use std::fs;
 
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use crate::workbench::{data, droptower, error, figures, printed, root};
 
-/// What the study leaves with the faster of its methods.
+/// The summary of the study with the faster of its methods.
 fn study(folder: &TempDir, more: &[&str]) -> Json {
     let out = folder.path().join("study");
     let out = out.to_str().expect("UTF-8");
@@ -24,9 +24,9 @@ fn figure(row: &Json, name: &str) -> f64 {
     row[name].as_f64().unwrap_or_else(|| panic!("no {name} in {row}"))
 }
 
-/// Every multiplier of Table 8 within `share` of the one that the recording was made with, which is the printed one; and the
-/// errors of the films' own curves within those of the paper (3 % and 1 %).
-fn finds_table_8(summary: &Json, share: f64) {
+/// Checks that all multipliers of Table 8 are within `share` of the printed ones, with which the recordings were made,
+/// and the errors of the curves within those of the paper (3 % and 1 %).
+fn check_table_8(summary: &Json, share: f64) {
     let truth = fs::read_to_string(data("paper/table-8.csv")).expect("the printed table");
     let truth: Vec<Vec<f64>> = truth
         .lines()
@@ -46,8 +46,8 @@ fn finds_table_8(summary: &Json, share: f64) {
     }
 }
 
-/// One film for all tests fits each worse than its own does; its errors stand beside the printed ones.
-fn prints_table_9(summary: &Json) {
+/// Checks that one film for all tests has larger errors than the film of each, beside the printed ones.
+fn check_table_9(summary: &Json) {
     for (averaged, own) in rows(summary, "table_9").iter().zip(rows(summary, "table_8")) {
         assert_eq!(averaged["test"], own["test"]);
         for name in ["acceleration_error", "displacement_error"] {
@@ -64,8 +64,8 @@ fn multipliers_are_found_within_two_per_cent_without_noise() {
     let folder = TempDir::new().expect("a folder");
     let coarse = ["--arg", "recordings=exact", "--set", "specimen.mesh.size=20 mm"];
     let summary = study(&folder, &coarse);
-    finds_table_8(&summary, 0.02);
-    prints_table_9(&summary);
+    check_table_8(&summary, 0.02);
+    check_table_9(&summary);
 }
 
 /// On the mesh and from the virtual recordings that are shipped.
@@ -73,8 +73,8 @@ fn multipliers_are_found_within_two_per_cent_without_noise() {
 fn multipliers_are_found_within_five_per_cent_from_noisy_recordings() {
     let folder = TempDir::new().expect("a folder");
     let summary = study(&folder, &[]);
-    finds_table_8(&summary, 0.05);
-    prints_table_9(&summary);
+    check_table_8(&summary, 0.05);
+    check_table_9(&summary);
     assert!(rows(&summary, "table_9").iter().all(|row| row["ruptured"] == false));
     assert_eq!(rows(&summary, "prediction_1508")[0]["ruptured"], true);
 
@@ -86,7 +86,7 @@ fn multipliers_are_found_within_five_per_cent_from_noisy_recordings() {
     assert!(fs::read_to_string(film).expect("a film").contains("VIRTUAL"));
 }
 
-/// What a study of the repository leaves on a coarse mesh.
+/// The summary of a study of the repository on a coarse mesh.
 fn coarse(script: &str, more: &[&str]) -> Json {
     let folder = TempDir::new().expect("a folder");
     let out = folder.path().join("study");
@@ -94,10 +94,11 @@ fn coarse(script: &str, more: &[&str]) -> Json {
     figures(&droptower(&root(), &[&["script", script, "--json", "--quiet", "--out", out], more].concat()))
 }
 
-/// Six multipliers from one acceleration are known worse than three, and every further signal or test tells more of each; with a drop
-/// that only TD holds they are as good as separate. The search from one signal ends far off although its misfit is small.
+/// Six multipliers from one acceleration have wider intervals than three, and each further signal or test narrows them;
+/// with a drop onto a strip along TD they are independent. The search from one signal ends far off although its misfit
+/// is small.
 #[test]
-fn what_is_not_identifiable_becomes_so_with_further_signals() {
+fn further_signals_make_multipliers_identifiable() {
     let scenario = ["--scenario", "scenarios/drop/1008.toml", "--arg", "mesh=40 mm"];
     let summary = coarse("scripts/identifiability.rhai", &scenario);
     let [three, six, others @ ..] = rows(&summary, "half_width") else { panic!("no rows") };
@@ -120,9 +121,9 @@ fn what_is_not_identifiable_becomes_so_with_further_signals() {
     assert!(off > 0.1 && figure(&summary, "six_from_one_acceleration_error") < 0.03, "{off} {summary}");
 }
 
-/// Cut short: that films with and without curves by rate are fitted to all tests, and measured alike.
+/// With few evaluations: films with and without rate dependence are fitted to all tests.
 #[test]
-fn films_with_and_without_rates_are_held_against_each_other() {
+fn films_with_and_without_rates_are_compared() {
     let short = ["--set", "specimen.mesh.size=40 mm", "--arg", "lead=40 mm", "--arg", "evaluations=5"];
     let summary = coarse("scripts/rate-dependence.rhai", &short);
     let films = rows(&summary, "films");
@@ -138,7 +139,7 @@ fn films_with_and_without_rates_are_held_against_each_other() {
 }
 
 #[test]
-fn a_study_of_another_test_says_what_it_needs() {
+fn a_study_of_another_test_is_refused() {
     let folder = TempDir::new().expect("a folder");
     let out = folder.path().join("study");
     let given = ["--scenario", "scenarios/drop/1508.toml", "--out", out.to_str().expect("UTF-8")];

@@ -1,27 +1,33 @@
 //! Evolution of a normal distribution (CMA-ES, Hansen and Ostermeier, Evol. Comput. 9, 2001) for rough objectives.
 //!
-//! A generation is evaluated at once. The distribution lives in u: the unknowns over their size at the start, or what stands
-//! for them within bounds, see [`Bounds`](super::Bounds).
+//! A generation is evaluated at once. The distribution is over u: the unknowns divided by their values at the start, or
+//! their transforms within bounds, see [`Bounds`](crate::identify::Bounds).
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use cmaes::{CMAESOptions, DVector, TerminationReason};
 
-use super::search::{Course, Ended, Iteration, SearchError, limit, order};
+use super::trials::{SearchContext, order};
+use crate::identify::error::SearchError;
+use crate::identify::iteration::{Iteration, Step, StopReason};
+use crate::identify::result::StartResult;
 
-/// What a failed trial counts as. The method ranks trials; only their order matters.
+/// Value of a failed trial. The method only ranks values.
 const WORST: f64 = 1e300;
 
 /// Searches from `start`.
-pub(super) fn search(start: &[f64], course: Course<'_, '_, '_>) -> Result<Ended, SearchError> {
-    let Course { search, trials, number, listener } = course;
+pub(in crate::identify) fn search(
+    start: &[f64],
+    context: SearchContext<'_, '_, '_>,
+) -> Result<StartResult, SearchError> {
+    let SearchContext { search, trials, start: number, observer } = context;
     let mut start = start.to_vec();
     search.bounds.inwards(&mut start);
     let origin = search.bounds.u_of(&start);
     let bounded: Vec<bool> = search.bounds.pairs().map(|pair| pair.iter().any(|bound| bound.is_finite())).collect();
-    // Where a bound has given the unknown a scale of its own, that is taken.
-    let scale = |place: usize| if bounded[place] || origin[place] == 0.0 { 1.0 } else { origin[place].abs() };
+    // The transform of bounds scales an unknown already.
+    let scale = |index: usize| if bounded[index] || origin[index] == 0.0 { 1.0 } else { origin[index].abs() };
     let scale: Vec<f64> = (0..origin.len()).map(scale).collect();
     let x_of = |v: &DVector<f64>| {
         let u: Vec<f64> = v.iter().zip(&scale).map(|(v, scale)| v * scale).collect();
@@ -31,11 +37,11 @@ pub(super) fn search(start: &[f64], course: Course<'_, '_, '_>) -> Result<Ended,
     let before = AtomicUsize::new(0);
     let objective = |v: &DVector<f64>| {
         let x = x_of(v);
-        match trials.answer_of_several(&x, before.load(Ordering::Relaxed)) {
-            Ok(answer) => answer.map_or(WORST, |answer| answer.value()),
-            Err(why) => {
-                // The others of the generation are still tried, so that it does not matter which of them was quicker.
-                errors.lock().unwrap_or_else(PoisonError::into_inner).push((x, why));
+        match trials.value_of_several(&x, before.load(Ordering::Relaxed)) {
+            Ok(value) => value.map_or(WORST, |value| value.value()),
+            Err(error) => {
+                // The rest of the generation is still evaluated: the order in which trials end does not matter.
+                errors.lock().unwrap_or_else(PoisonError::into_inner).push((x, error));
                 WORST
             }
         }
@@ -46,16 +52,16 @@ pub(super) fn search(start: &[f64], course: Course<'_, '_, '_>) -> Result<Ended,
         .tol_fun(search.tol_f)
         .tol_fun_hist(search.tol_f)
         .tol_x(search.tol_x)
-        .max_generations(search.most_iterations)
-        .max_function_evals(search.most_evaluations);
+        .max_generations(search.max_iterations)
+        .max_function_evals(search.max_evaluations);
     let mut state = options.build(objective).map_err(|why| SearchError::CmaEs(format!("{why:?}")))?;
     let mut history: Vec<Iteration> = Vec::new();
-    let ended = loop {
+    let end = loop {
         before.store(trials.evaluations(), Ordering::Relaxed);
-        let ended = state.next_parallel();
+        let end = state.next_parallel();
         let errors = std::mem::take(&mut *errors.lock().unwrap_or_else(PoisonError::into_inner));
-        if let Some((_, why)) = errors.into_iter().min_by(|(a, _), (b, _)| order(a, b)) {
-            return Err(why);
+        if let Some((_, error)) = errors.into_iter().min_by(|(a, _), (b, _)| order(a, b)) {
+            return Err(error);
         }
         if let Some(best) = state.overall_best_individual() {
             let iteration = Iteration {
@@ -66,26 +72,26 @@ pub(super) fn search(start: &[f64], course: Course<'_, '_, '_>) -> Result<Ended,
                 f: best.value,
                 size: Some(state.sigma()),
                 spread: None,
-                step: "generation",
+                step: Step::Generation,
             };
-            listener(&iteration);
+            observer(&iteration);
             history.push(iteration);
         }
-        if let Some(ended) = ended {
-            break ended;
+        if let Some(end) = end {
+            break end;
         }
     };
-    let converged = ended.reasons.iter().any(has_converged);
-    let (x, f) = ended.overall_best.map_or((start, f64::INFINITY), |best| (x_of(&best.point), best.value));
+    let converged = end.reasons.iter().any(has_converged);
+    let (x, f) = end.overall_best.map_or((start, f64::INFINITY), |best| (x_of(&best.point), best.value));
     let (iterations, evaluations) = (state.generation(), state.function_evals());
-    let reason = match ended.reasons.first() {
+    let reason = match end.reasons.first() {
         Some(TerminationReason::MaxFunctionEvals | TerminationReason::MaxGenerations) => {
-            limit(iterations, search).into()
+            StopReason::limit(iterations, search)
         }
-        Some(reason) => words(reason),
-        None => String::new(),
+        Some(reason) => stop_reason(reason),
+        None => StopReason::Method("none".into()),
     };
-    Ok(Ended { x, f, iterations, evaluations, converged, reason, size: Some(state.sigma()), history })
+    Ok(StartResult { x, f, iterations, evaluations, converged, reason, size: Some(state.sigma()), history })
 }
 
 fn has_converged(reason: &TerminationReason) -> bool {
@@ -93,10 +99,10 @@ fn has_converged(reason: &TerminationReason) -> bool {
     matches!(reason, R::TolFun | R::TolFunRel | R::TolFunHist | R::TolX)
 }
 
-fn words(reason: &TerminationReason) -> String {
+fn stop_reason(reason: &TerminationReason) -> StopReason {
     match reason {
-        TerminationReason::TolFun | TerminationReason::TolFunHist => "the objective changes by less than tol_f".into(),
-        TerminationReason::TolX => "the distribution is narrower than tol_x".into(),
-        other => format!("the method stopped ({other})"),
+        TerminationReason::TolFun | TerminationReason::TolFunHist => StopReason::ObjectiveTolerance,
+        TerminationReason::TolX => StopReason::DistributionTolerance,
+        other => StopReason::Method(other.to_string()),
     }
 }

@@ -1,23 +1,24 @@
-//! How residuals hang together from sample to sample.
+//! Autocorrelation of residuals.
 //!
-//! Residuals of a filtered signal are not independent: N samples say less than N numbers would. An autoregression is fitted to
-//! them (Burg, *Modern Spectral Analysis*, 1978, 34–48), of the order for which Akaike's criterion with Hurvich and Tsai's
-//! correction (Biometrika 76, 1989) is smallest; its autocorrelation stands for that of the noise. This is the autoregressive
-//! estimate of covariance of den Haan and Levin (Handbook of Statistics 15, 1997), which needs no bandwidth.
+//! Residuals of a filtered signal are not independent: N samples hold less information than N independent ones. An
+//! autoregression is fitted to them (Burg, *Modern Spectral Analysis*, 1978, 34–48), of the order for which Akaike's
+//! criterion with Hurvich and Tsai's correction (Biometrika 76, 1989) is smallest; its autocorrelation is the estimate
+//! of that of the noise. This is the autoregressive estimate of covariance of den Haan and Levin (Handbook of
+//! Statistics 15, 1997), which needs no bandwidth.
 
 use nalgebra::DMatrix;
 
-/// What is assumed of the residuals.
+/// The assumed noise of the residuals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Colour {
-    /// Neighbours may be correlated.
+    /// Autoregressive: neighbouring residuals may be correlated.
     #[default]
     Coloured,
-    /// Every residual is independent of the others, as the textbook has it.
+    /// White: all residuals are independent.
     White,
 }
 
-/// Noise that does not change its character along the samples: an autoregression.
+/// Stationary noise: an autoregression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
     /// Reflection coefficients k of orders one, two, …; none for white noise.
@@ -30,7 +31,7 @@ impl Noise {
         Noise { reflections: vec![] }
     }
 
-    /// The noise of which `residuals` are a sample. What never changes sign is noise too: no mean is taken off.
+    /// The noise of `residuals`. Their mean is part of it.
     pub fn of(residuals: &[f64], colour: Colour) -> Noise {
         match colour {
             Colour::White => Noise::white(),
@@ -38,44 +39,45 @@ impl Noise {
         }
     }
 
-    /// Of the autoregression; zero for white noise.
+    /// Order of the autoregression; zero for white noise.
     pub fn order(&self) -> usize {
         self.reflections.len()
     }
 
     /// `uᵀ R u` of the columns `u` (samples × columns) with the correlation R of the samples.
-    pub fn between(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    pub fn covariance(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let count = columns.ncols();
-        let mixed: Vec<Vec<f64>> = columns.column_iter().map(|u| self.mix(u.as_slice())).collect();
+        let products: Vec<Vec<f64>> = columns.column_iter().map(|u| self.correlate(u.as_slice())).collect();
         let dot = |row: usize, column: usize| -> f64 {
-            columns.column(row).iter().zip(&mixed[column]).map(|(u, mixed)| u * mixed).sum()
+            columns.column(row).iter().zip(&products[column]).map(|(u, product)| u * product).sum()
         };
         DMatrix::from_fn(count, count, |row, column| dot(row.min(column), row.max(column)))
     }
 
-    /// `R u`: what comes from the samples before and from those after.
-    fn mix(&self, u: &[f64]) -> Vec<f64> {
-        let before = self.carried(u.iter().copied());
-        let after = self.carried(u.iter().rev().copied());
+    /// `R u`: the sum of the causal and the anticausal part.
+    fn correlate(&self, u: &[f64]) -> Vec<f64> {
+        let before = self.causal(u.iter().copied());
+        let after = self.causal(u.iter().rev().copied());
         before.iter().zip(after.iter().rev()).map(|(before, after)| 0.5 * (before + after)).collect()
     }
 
-    /// u_t + 2 Σ_{l ≥ 1} ρ_l u_{t−l} at every t, all lags at the cost of the order: the autocorrelation's one-sided spectrum is
-    /// F = (1 + z⁻¹S₀)/(1 − z⁻¹S₀) with Schur's continued fraction S_m = (k_m + z⁻¹S_{m+1})/(1 + k_m z⁻¹S_{m+1}) of the
-    /// reflections. The waves in such a lattice cannot grow, which the recursion in the coefficients of an autoregression
-    /// can where its roots lie close together (Markel and Gray, *Linear Prediction of Speech*, 1976).
-    fn carried(&self, u: impl Iterator<Item = f64>) -> Vec<f64> {
-        // What came back from every layer one sample ago; nothing does from below the last.
+    /// u_t + 2 Σ_{l ≥ 1} ρ_l u_{t−l} at every t, all lags at the cost of the order: the autocorrelation's one-sided
+    /// spectrum is F = (1 + z⁻¹S₀)/(1 − z⁻¹S₀) with Schur's continued fraction S_m = (k_m + z⁻¹S_{m+1})/(1 + k_m
+    /// z⁻¹S_{m+1}) of the reflections. The waves in such a lattice cannot grow, which the recursion in the coefficients
+    /// of an autoregression can where its roots lie close together (Markel and Gray, *Linear Prediction of Speech*,
+    /// 1976).
+    fn causal(&self, u: impl Iterator<Item = f64>) -> Vec<f64> {
+        // The backward waves of all layers one sample ago; there is none below the last layer.
         let mut back = vec![0.0; self.order() + 1];
         let step = |u: f64| {
-            let carried = u + 2.0 * back[0];
+            let sum = u + 2.0 * back[0];
             let mut down = u + back[0];
             for (layer, k) in self.reflections.iter().enumerate() {
                 let from_below = back[layer + 1];
                 down -= k * from_below;
                 back[layer] = k * down + from_below;
             }
-            carried
+            sum
         };
         u.map(step).collect()
     }
@@ -102,10 +104,10 @@ fn autoregression(x: &[f64]) -> Noise {
         }
         let reflection = 2.0 * product / squares;
         reflections.push(reflection);
-        for place in (order..x.len()).rev() {
-            let (f, b) = (forward[place], backward[place - 1]);
-            forward[place] = f - reflection * b;
-            backward[place] = b - reflection * f;
+        for index in (order..x.len()).rev() {
+            let (f, b) = (forward[index], backward[index - 1]);
+            forward[index] = f - reflection * b;
+            backward[index] = b - reflection * f;
         }
         share *= 1.0 - reflection * reflection;
         let value = criterion(samples, order, share);
@@ -117,7 +119,7 @@ fn autoregression(x: &[f64]) -> Noise {
     Noise { reflections }
 }
 
-/// Akaike's criterion, corrected for few samples; `share` is the part of the power that is not foreseen.
+/// Akaike's criterion, corrected for few samples; `share` is the unpredicted part of the power.
 fn criterion(samples: f64, order: usize, share: f64) -> f64 {
     let parameters = order as f64 + 1.0;
     samples * share.ln() + 2.0 * samples * parameters / (samples - parameters - 1.0)
@@ -157,7 +159,7 @@ pub(super) mod tests {
     fn correlations(noise: &Noise, count: usize) -> Vec<f64> {
         let mut first = vec![0.0; count];
         first[0] = 1.0;
-        noise.mix(&first)
+        noise.correlate(&first)
     }
 
     #[test]
@@ -181,8 +183,8 @@ pub(super) mod tests {
         }
     }
 
-    /// R written out: Levinson's recursion gives the coefficients of the autoregression and its autocorrelation, which it
-    /// then continues lag by lag.
+    /// The matrix R: Levinson's recursion gives the coefficients of the autoregression and its autocorrelation, and
+    /// continues it lag by lag.
     fn whole(noise: &Noise, samples: usize) -> DMatrix<f64> {
         let (mut phi, mut rho, mut share) = (Vec::<f64>::new(), vec![1.0], 1.0);
         let next =
@@ -199,21 +201,21 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn sums_over_lags_are_those_of_the_whole_matrix() {
+    fn the_covariance_is_that_of_the_correlation_matrix() {
         let moving_mean = normals(3, 404).windows(5).map(|five| five.iter().sum::<f64>() / 5.0).collect();
         for (drawn, least_order) in [(neighbours(1, 60, 0.7), 1), (moving_mean, 5)] {
             let noise = Noise::of(&drawn, Colour::Coloured);
             assert!(noise.order() >= least_order, "{noise:?}");
             let columns = DMatrix::from_fn(drawn.len(), 2, |row, column| (0.1 * (row * (column + 1)) as f64).sin());
             let expected = columns.transpose() * whole(&noise, drawn.len()) * &columns;
-            assert!((noise.between(&columns) - &expected).norm() < 1e-10 * expected.norm());
+            assert!((noise.covariance(&columns) - &expected).norm() < 1e-10 * expected.norm());
         }
     }
 
-    /// Smoothed three times over, its autoregression has all its roots close to one, where products of its coefficients
-    /// lose all figures.
+    /// After three moving means all roots of the autoregression are close to one, where products of its coefficients
+    /// lose all digits.
     #[test]
-    fn correlations_of_very_smooth_noise_stay_those_of_noise() {
+    fn correlations_of_very_smooth_noise_stay_bounded() {
         let smooth = |x: Vec<f64>| x.windows(20).map(|some| some.iter().sum::<f64>()).collect::<Vec<_>>();
         let noise = Noise::of(&smooth(smooth(smooth(normals(4, 20_057)))), Colour::Coloured);
         assert!(noise.order() > 10);
@@ -222,8 +224,8 @@ pub(super) mod tests {
         assert!(found[2000..].iter().all(|rho| rho.abs() < 1e-3));
         // Autocorrelation of three moving means: the sixfold convolution of a box with itself.
         let convolved = |x: &[f64]| -> Vec<f64> {
-            let at = |x: &[f64], place: usize| x.get(place).copied().unwrap_or(0.0);
-            (0..x.len() + 19).map(|place| (0..20.min(place + 1)).map(|back| at(x, place - back)).sum()).collect()
+            let at = |x: &[f64], index: usize| x.get(index).copied().unwrap_or(0.0);
+            (0..x.len() + 19).map(|index| (0..20.min(index + 1)).map(|back| at(x, index - back)).sum()).collect()
         };
         let box_six = (0..5).fold(vec![1.0; 20], |x, _| convolved(&x));
         let middle = box_six.len() / 2;
@@ -233,21 +235,21 @@ pub(super) mod tests {
         }
     }
 
-    /// A random walk of 100 000 samples: with lag by lag 10¹⁰ products a column.
+    /// A random fit of 100 000 samples: with lag by lag 10¹⁰ products a column.
     #[test]
-    fn a_long_record_near_a_unit_root_costs_its_order_only() {
-        let mut walk = normals(6, 100_000);
-        for place in 1..walk.len() {
-            walk[place] += walk[place - 1];
+    fn a_long_record_near_a_unit_root_has_linear_cost() {
+        let mut fit = normals(6, 100_000);
+        for index in 1..fit.len() {
+            fit[index] += fit[index - 1];
         }
-        let noise = Noise::of(&walk, Colour::Coloured);
-        let ones = DMatrix::from_element(walk.len(), 1, 1.0);
-        let samples = walk.len() as f64;
-        assert!(noise.between(&ones)[(0, 0)] > 1e3 * samples, "{noise:?}");
+        let noise = Noise::of(&fit, Colour::Coloured);
+        let ones = DMatrix::from_element(fit.len(), 1, 1.0);
+        let samples = fit.len() as f64;
+        assert!(noise.covariance(&ones)[(0, 0)] > 1e3 * samples, "{noise:?}");
     }
 
     #[test]
-    fn nothing_and_next_to_nothing_are_white() {
+    fn zero_and_very_few_residuals_are_white() {
         for residuals in [vec![0.0; 50], vec![1.0], vec![]] {
             assert_eq!(Noise::of(&residuals, Colour::Coloured), Noise::white());
         }

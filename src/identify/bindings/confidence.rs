@@ -1,0 +1,284 @@
+//! `confidence` and `profiles`.
+
+use rhai::{Array, Dynamic, Engine, FnPtr, INT, Map, NativeCallContext};
+
+use super::host::SearchHost;
+use super::options::{self, ScriptSearch, count, unknown, word};
+use super::result;
+use crate::identify::confidence::confidence::{Confidence, ConfidenceOptions};
+use crate::identify::confidence::linearization::{Linearization, LinearizationError};
+use crate::identify::confidence::noise::Colour;
+use crate::identify::confidence::profile::{self, ProfileError};
+use crate::identify::pool::trial_pool::Evaluator;
+use crate::plot::Correlation;
+use crate::script::{Entry, HostResult, refuse};
+
+/// Options beside those of `minimize`.
+const OPTIONS: [&str; 4] = ["noise", "relative", "points", "parts"];
+
+const COLOURS: [(&str, Colour); 2] = [("coloured", Colour::Coloured), ("white", Colour::White)];
+
+/// Default and largest number of points of a profile on each side of the estimate.
+const POINTS: usize = 3;
+const MAX_POINTS: INT = 20;
+
+/// The arguments of `confidence` or `profiles`.
+struct Request {
+    /// A search that starts at the estimate.
+    search: ScriptSearch,
+    options: ConfidenceOptions,
+    /// Points of a profile on each side.
+    points: usize,
+    /// Lengths of the lists that the residuals are joined from.
+    parts: Option<Vec<usize>>,
+}
+
+impl Request {
+    fn new(best: &Dynamic, options: &Map, call: FnPtr) -> HostResult<Request> {
+        let known = || options::OPTIONS.into_iter().chain(OPTIONS);
+        if let Some(other) = options.keys().find(|option| !known().any(|known| known == option.as_str())) {
+            return Err(unknown("option", other, known()));
+        }
+        let (own, others): (Map, Map) =
+            options.clone().into_iter().partition(|(option, _)| OPTIONS.contains(&option.as_str()));
+        let search = ScriptSearch::new("levenberg-marquardt", &estimate(best)?, &others, call)?;
+        search.search.check().map_err(refuse)?;
+        let (colour, relative) = (Colour::default(), false);
+        let options = ConfidenceOptions { names: search.labels.names.clone(), colour, relative };
+        let mut request = Request { search, options, points: POINTS, parts: None };
+        for (option, value) in &own {
+            match option.as_str() {
+                "noise" => request.options.colour = word(option, &value.to_string(), &COLOURS)?,
+                "relative" => {
+                    let truth = value.as_bool();
+                    request.options.relative =
+                        truth.map_err(|found| refuse(format!("`relative` is true or false, not {found}")))?;
+                }
+                "parts" => request.parts = Some(parts(value)?),
+                _ => request.points = count(value, "points", MAX_POINTS)?,
+            }
+        }
+        Ok(request)
+    }
+
+    fn linearization(&self, evaluator: &Evaluator<'_, '_>) -> Result<Linearization, LinearizationError> {
+        let linearization = Linearization::at_start(&self.search.search, evaluator)?;
+        match &self.parts {
+            Some(parts) => linearization.joined_from(parts),
+            None => Ok(linearization),
+        }
+    }
+}
+
+fn parts(value: &Dynamic) -> HostResult<Vec<usize>> {
+    let wrong = || refuse(format!("`parts` is a list of lengths, such as [400, 400], not {value}"));
+    let list = value.read_lock::<Array>().map(|list| list.clone()).ok_or_else(wrong)?;
+    let length = |item: &Dynamic| item.as_int().ok().and_then(|length| usize::try_from(length).ok());
+    list.iter().map(|item| length(item).filter(|length| *length > 0).ok_or_else(wrong)).collect()
+}
+
+/// The point of a result of `minimize` or `confidence`, or a list.
+fn estimate(best: &Dynamic) -> HostResult<Array> {
+    let found = match best.read_lock::<Map>() {
+        Some(map) => map.get("x").cloned().unwrap_or_default(),
+        None => best.clone(),
+    };
+    let wrong = || format!("an estimate is what `minimize` gave, or a list x, not {}", best.type_name());
+    let list = found.read_lock::<Array>().map(|list| list.clone());
+    list.ok_or_else(|| refuse(wrong()))
+}
+
+fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request) -> HostResult<Map> {
+    let confidences = host.run::<_, ProfileError>(context, std::slice::from_ref(&request.search), |evaluator, _| {
+        Ok(Confidence::of(&request.linearization(evaluator)?, &request.options)?)
+    })?;
+    let confidence = first(confidences)?;
+    let title = match &request.search.labels.title {
+        Some(title) => format!("Correlation: {title}"),
+        None => "Correlation".into(),
+    };
+    host.report_correlation(&plotted(&confidence, title));
+    Ok(result::of_confidence(&confidence))
+}
+
+fn profiles(host: &SearchHost, context: &NativeCallContext, request: &Request) -> HostResult<Map> {
+    let searches = std::slice::from_ref(&request.search);
+    let profiles = host.run::<_, ProfileError>(context, searches, |evaluator, _| {
+        let linearization = request.linearization(evaluator)?;
+        let confidence = Confidence::of(&linearization, &request.options)?;
+        let mut observer = |open: usize| host.note(&format!("profiles: {open} points remain"));
+        let search = &request.search.search;
+        profile::profiles(search, &linearization, &confidence, request.points, evaluator, &mut observer)
+    })?;
+    first(profiles).map(|profiles| result::of_profiles(&profiles, &request.options.names))
+}
+
+fn plotted(confidence: &Confidence, title: String) -> Correlation {
+    let correlation = &confidence.correlation;
+    let rows = correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
+    Correlation { title, names: confidence.names.clone(), rows }
+}
+
+fn first<T>(results: Vec<T>) -> HostResult<T> {
+    results.into_iter().next().ok_or_else(|| refuse("the search has no result"))
+}
+
+/// Registers `confidence` and `profiles`.
+pub(super) fn register(engine: &mut Engine, host: &SearchHost) {
+    type Function = fn(&SearchHost, &NativeCallContext, &Request) -> HostResult<Map>;
+    let functions: [(&str, Function); 2] = [("confidence", confidence), ("profiles", profiles)];
+    for (name, function) in functions {
+        let own = host.clone();
+        let with = move |context: NativeCallContext, best: Dynamic, options: Map, call: FnPtr| {
+            function(&own, &context, &Request::new(&best, &options, call)?)
+        };
+        engine.register_fn(name, with);
+        let own = host.clone();
+        let without = move |context: NativeCallContext, best: Dynamic, call: FnPtr| {
+            function(&own, &context, &Request::new(&best, &Map::new(), call)?)
+        };
+        engine.register_fn(name, without);
+    }
+}
+
+/// The reference of `confidence` and `profiles`.
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "confidence(best, options, |x| residuals)",
+        gives: "confidence intervals of the parameters that `minimize` found (or a list x), from the Jacobian of the \
+            residuals: #{ names, x, standard_errors, lower, upper, covariance, correlation, samples, \
+            effective_samples, degrees_of_freedom, condition, warnings, findings, table, correlation_table }; \
+            intervals of 95 %. Residuals may be correlated along the list. `warnings` name combinations that are not \
+            identifiable. Takes the options of `minimize`, of which names, bounds, difference and the rules for \
+            failed trials have an effect",
+        example: r#"let read = [3.1, 4.9, 7.0, 9.2, 10.9, 13.1];
+                    let line = |x| read.map(|y, i| x[0] + x[1] * i - y);
+                    let o = #{ names: ["offset", "slope"] };
+                    let best = minimize("levenberg-marquardt", [1.0, 1], o, line);
+                    let c = confidence(best, o, line);
+                    c.lower[1] < 2 && c.upper[1] > 2
+                        && c.table[1].parameter == "slope" && c.table[1].value == best.x[1]"#,
+    },
+    Entry {
+        call: "profiles(best, options, |x| residuals)",
+        gives: "the objective along each parameter, all others fitted again: #{ table, intervals, lower, upper, \
+            warnings, findings }; `table` has parameter, value, f and all parameters, `intervals` the ends of 95 %, \
+            () where the objective does not rise enough. Two or three trials a index",
+        example: r#"let read = [3.0, 2.2, 1.5, 1.2, 0.8, 0.6, 0.4, 0.3];
+                    let decay = |x| read.map(|y, i| x[0] * exp(-x[1] * i) - y);
+                    let best = minimize("levenberg-marquardt", [2.0, 0.2], decay);
+                    let p = profiles(best, #{ relative: true }, decay);
+                    p.table.len() == 14 && p.lower[1] < best.x[1] && p.upper[1] > best.x[1]"#,
+    },
+    Entry {
+        call: "#{ noise: \"coloured\" | \"white\", relative: false, points: 3, parts: [n1, n2, …] }",
+        gives: "further options of `confidence` and `profiles`: whether neighbouring residuals may be correlated; \
+            intervals symmetric in the logarithm, for multipliers; places of a profile on each side; lengths of the \
+            lists that the residuals are joined from, such as several signals (their sum is the number of residuals; \
+            one list otherwise): each part then has noise of its own size and correlation",
+        example: r#"let c = confidence([2.0], #{ noise: "white", relative: true }, |x| [x[0] - 1.9, x[0] - 2.1]);
+                    let joined = |x| [x[0] - 1.9, x[0] - 2.1] + [x[1] - 1.0, x[1] - 5.0];
+                    let d = confidence([2.0, 3.0], #{ noise: "white", parts: [2, 2] }, joined);
+                    (c.lower[0] * c.upper[0] - 4).abs() < 1e-9 && (c.standard_errors[0] - 0.1).abs() < 1e-9
+                        && (d.standard_errors[0] - 0.1).abs() < 1e-9 && (d.standard_errors[1] - 2).abs() < 1e-9"#,
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::super::register;
+    use super::*;
+    use crate::functions::engine;
+    use crate::script::Limits;
+
+    fn host() -> Engine {
+        let mut engine = engine(Limits::STUDY);
+        register(&mut engine, &SearchHost::new(None, |_| {}));
+        engine
+    }
+
+    /// The model is linear: the ends of the profiles are those of the covariance, each with the noise of its own part.
+    #[test]
+    fn profiles_of_joined_signals_have_the_intervals_of_the_covariance() {
+        let script = r#"
+            let quiet = [0.1, -0.2, 0.1, 0.2, -0.1, -0.1, 0.1, -0.1];
+            let loud = [3.0, 4.0, -1.0, -4.0, -3.0, -1.0, 1.0, 1.0];
+            let means = |x| quiet.map(|y| x[0] - y) + loud.map(|y| x[1] - y);
+            let ends = |options| {
+                let p = profiles([0.0, 0.0], options, means);
+                let c = confidence([0.0, 0.0], options, means);
+                [p.upper[0], p.upper[1], c.upper[0], c.upper[1]]
+            };
+            ends.call(#{ noise: "white", parts: [8, 8] }) + ends.call(#{ noise: "white" })
+        "#;
+        let found = host().eval::<Array>(script).unwrap();
+        let found: Vec<f64> = found.iter().map(|end| end.as_float().unwrap()).collect();
+        let [along, along_loud, apart, apart_loud, joined, ..] = found[..] else { panic!("{found:?}") };
+        assert!((along / apart - 1.0).abs() < 1e-6 && (along_loud / apart_loud - 1.0).abs() < 1e-6, "{found:?}");
+        // t(7) √(Σ y²/7/8), of Student's tables 2.3646.
+        for (end, squares) in [(along, 0.14_f64), (along_loud, 54.0)] {
+            assert!((end / (2.3646 * (squares / 56.0).sqrt()) - 1.0).abs() < 1e-4, "{end}");
+        }
+        assert!(joined > 5.0 * along, "{found:?}");
+    }
+
+    #[test]
+    fn mistakes_are_reported() {
+        let engine = host();
+        for (text, expected) in [
+            ("confidence([1.0], |x| x[0])", "the objective gave a number, and a confidence needs residuals"),
+            ("profiles([1.0], |x| x[0])", "the objective gave a number, and a confidence needs residuals"),
+            ("confidence(1.0, |x| [x[0], 1])", "an estimate is what `minimize` gave, or a list x, not f64"),
+            ("confidence(#{ y: 1 }, |x| [x[0], 1])", "an estimate is what `minimize` gave, or a list x, not map"),
+            ("confidence([], |x| [1])", "a search needs 1 to 50 unknowns, the start has 0"),
+            ("confidence([1, 2], |x| [x[0], x[1]])", "the objective gave 2 residuals for 2 parameters"),
+            (
+                "confidence([1], |x| if x[0] == 1 { [1, 2] } else { [1] })",
+                "the objective gave 1 residuals at [1.001], and 2 at the estimate",
+            ),
+            ("profiles([1, 1], |x| if (x[0] - 1).abs() > 0.01 { [1] } else { [x[0], x[1], 2] })", "residuals at ["),
+            ("confidence([1], |x| throw \"no\")", "the objective has no value at the estimate [1.0]: no"),
+            (
+                "confidence([1], |x| if x[0] == 1 { [1, 2] } else { throw \"no\" })",
+                "the trials beside x[0] failed, there is no derivative: at [0.999]: no",
+            ),
+            (
+                "confidence([1], #{ on_failure: \"stop\" }, |x| if x[0] <= 1 { [x[0], 2] } else { throw \"no\" })",
+                "the trials beside x[0] failed, there is no derivative: at [1.001]: no",
+            ),
+            (
+                "confidence([1], #{ relativ: true }, |x| [x[0], 1])",
+                "unknown option `relativ` (did you mean `relative`?)",
+            ),
+            ("confidence([1], #{ relative: 1 }, |x| [x[0], 1])", "`relative` is true or false, not i64"),
+            (
+                "confidence([1], #{ noise: \"pink\" }, |x| [x[0], 1])",
+                "unknown noise `pink` (there are coloured, white)",
+            ),
+            ("profiles([1], #{ points: 0 }, |x| [x[0], 1])", "`points` is 0, which must be 1 to 20"),
+            (
+                "confidence([1], #{ parts: [1, 2] }, |x| [x[0], 1])",
+                "`parts` [1, 2] are 3 residuals together, and the objective gave 2: expected the lengths of the lists",
+            ),
+            ("profiles([1], #{ parts: [] }, |x| [x[0], 1])", "`parts` [] are 0 residuals together"),
+            (
+                "confidence([1], #{ parts: [0, 2] }, |x| [x[0], 1])",
+                "`parts` is a list of lengths, such as [400, 400], not [0, 2]",
+            ),
+            (
+                "confidence([1], #{ parts: 2 }, |x| [x[0], 1])",
+                "`parts` is a list of lengths, such as [400, 400], not 2",
+            ),
+            ("confidence([1], #{ lower: [2] }, |x| [x[0], 1])", "the start lies outside the bounds"),
+            ("confidence([1, 2], #{ names: [\"a\"] }, |x| [x[0], 1])", "`names` has 1 entries for 2 unknowns"),
+            ("confidence([1], |x| x[3])", "Array index 3 out of bounds"),
+            (
+                "minimize(\"nelder-mead\", [1], |x| confidence([1], |y| [y[0], 1]).x[0])",
+                "an objective cannot search: `confidence` is called within one",
+            ),
+        ] {
+            let error = engine.run(text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text} gave: {error}");
+        }
+    }
+}

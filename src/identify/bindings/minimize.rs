@@ -1,0 +1,305 @@
+//! `minimize` and `minimize_all`.
+
+use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, Map, NativeCallContext};
+
+use super::host::SearchHost;
+use super::options::ScriptSearch;
+use super::result;
+use crate::script::{Entry, HostResult, refuse, thrown};
+
+/// Registers `minimize` and `minimize_all`.
+pub(super) fn register(engine: &mut Engine, host: &SearchHost) {
+    let own = host.clone();
+    engine.register_fn(
+        "minimize",
+        move |context: NativeCallContext, method: &str, start: Array, options: Map, call: FnPtr| {
+            minimize(&own, &context, ScriptSearch::new(method, &start, &options, call)?)
+        },
+    );
+    let own = host.clone();
+    engine.register_fn("minimize", move |context: NativeCallContext, method: &str, start: Array, call: FnPtr| {
+        minimize(&own, &context, ScriptSearch::new(method, &start, &Map::new(), call)?)
+    });
+    let own = host.clone();
+    engine.register_fn(
+        "minimize_all",
+        move |context: NativeCallContext, method: &str, starts: Array, options: Dynamic, calls: Array| {
+            let searches = searches(method, &starts, &options, calls)?;
+            let results = minimize_all(&own, &context, &searches)?;
+            Ok::<Array, Box<EvalAltResult>>(results.into_iter().map(Dynamic::from).collect())
+        },
+    );
+}
+
+fn minimize(host: &SearchHost, context: &NativeCallContext, search: ScriptSearch) -> HostResult<Map> {
+    let mut results = minimize_all(host, context, &[search])?;
+    results.pop().ok_or_else(|| refuse("the search has no result"))
+}
+
+fn minimize_all(host: &SearchHost, context: &NativeCallContext, searches: &[ScriptSearch]) -> HostResult<Vec<Map>> {
+    let results = host.minimize(context, searches)?;
+    let map = |(found, search): (_, &ScriptSearch)| result::of_search(found, &search.labels.names);
+    Ok(results.iter().zip(searches).map(map).collect())
+}
+
+/// The searches of `minimize_all`. `options` are those of all, or a list with those of each.
+fn searches(method: &str, starts: &Array, options: &Dynamic, calls: Array) -> HostResult<Vec<ScriptSearch>> {
+    let count = calls.len();
+    let check_length = |list: &Array, what: &str| match list.len() {
+        found if found == count => Ok(()),
+        found => Err(refuse(format!("minimize_all has {found} {what} for {count} objectives"))),
+    };
+    check_length(starts, "starts")?;
+    let options: Vec<Dynamic> = match options.read_lock::<Array>() {
+        Some(list) => check_length(&list, "maps of options").map(|()| list.clone())?,
+        None => vec![options.clone(); count],
+    };
+    let searches = starts.iter().zip(options).zip(calls).enumerate().map(|(number, ((start, options), call))| {
+        let of_search = |error: Box<EvalAltResult>| match &*error {
+            EvalAltResult::ErrorRuntime(value, _) => refuse(format!("search {}: {}", number + 1, thrown(value))),
+            _ => error,
+        };
+        let start = start.read_lock::<Array>().ok_or_else(|| of_search(refuse("its start is a list of numbers")))?;
+        let options = options.read_lock::<Map>().ok_or_else(|| of_search(refuse("its options are a map")))?;
+        let call =
+            call.try_cast::<FnPtr>().ok_or_else(|| of_search(refuse("its objective is a function, as in `|x| …`")))?;
+        ScriptSearch::new(method, &start, &options, call).map_err(of_search)
+    });
+    searches.collect()
+}
+
+/// The reference of `minimize`.
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry {
+        call: "minimize(method, start, options, |x| …)",
+        gives: "the minimum of the objective: #{ x, f, iterations, evaluations, converged, reason, simplex_size, \
+            history, starts, warnings, findings }. Methods: \"nelder-mead\" (as MATLAB's fminsearch), \
+            \"levenberg-marquardt\" (residuals), \"cma-es\" (rough objectives). The objective gives a number, or a \
+            signal or list of residuals, of which \"nelder-mead\" and \"cma-es\" take the norm. It is called from \
+            several threads with copies of the variables that it captures, made when the search began. A trial may \
+            take 1 000 000 operations; all searches of a script share its time limit of a week",
+        example: r#"let banana = |x| 100 * (x[1] - x[0] ** 2) ** 2 + (1 - x[0]) ** 2;
+                    let best = minimize("nelder-mead", [-1.2, 1], #{}, banana);
+                    best.iterations == 85 && best.evaluations == 159 && best.converged"#,
+    },
+    Entry {
+        call: "minimize_all(method, [start, …], options, [|x| …, …])",
+        gives: "the results of `minimize` for independent objectives, in their order and to the same bit, from \
+            concurrent searches on all cores; options are one map for all or a list of maps. If a search fails, \
+            earlier ones run to their ends, later ones are cancelled, and the call fails with the first error",
+        example: r#"let found = minimize_all("nelder-mead", [[2.0], [3.0]], #{ tol_f: 1e-6 },
+                        [|x| x[0] ** 2, |x| (x[0] - 1) ** 2]);
+                    found[1].f == minimize("nelder-mead", [3.0], #{ tol_f: 1e-6 }, |x| (x[0] - 1) ** 2).f"#,
+    },
+    Entry {
+        call: "#{ tol_x, tol_f, max_iterations, max_evaluations }",
+        gives: "when a search ends: both tolerances 1e-4, both limits 200 for each unknown; absolute for \
+            \"nelder-mead\" and \"cma-es\", relative for \"levenberg-marquardt\"",
+        example: r#"let o = #{ max_iterations: 3 }; let best = minimize("nelder-mead", [1], o, |x| x[0] ** 2);
+                    !best.converged && best.reason == "max_iterations was reached" && best.history.len() == 3"#,
+    },
+    Entry {
+        call: "#{ lower: [..], upper: [..] }",
+        gives: "bounds, `()` for none: by projection and new simplices on a bound (\"nelder-mead\"), by transform \
+            (the others)",
+        example: r#"let best = minimize("nelder-mead", [2.0], #{ lower: [1.5] }, |x| x[0] ** 2); best.x[0] == 1.5"#,
+    },
+    Entry {
+        call: "#{ starts: 5, seed: 1 }, #{ starts: [[..], ..] }",
+        gives: "further starts, in a Latin hypercube over the bounds or as given; warnings say if their results \
+            disagree",
+        example: r#"let o = #{ lower: [-3], upper: [3], starts: 4 };
+                    let best = minimize("nelder-mead", [1.2], o, |x| (x[0] ** 2 - 1) ** 2 + 0.3 * x[0]);
+                    best.x[0] < 0 && best.warnings[0].contains("local minima")"#,
+    },
+    Entry {
+        call: "#{ fallback: [[..], ..] }",
+        gives: "replacements of a start without a value: the first of these with a value is used and noted in warnings",
+        example: r#"let large = |x| if x[0] < 1 { throw "too small" } else { x[0] };
+                    let best = minimize("nelder-mead", [0.5], #{ fallback: [[2.0]] }, large);
+                    best.history[0].x0 >= 1 && best.warnings[0].contains("started from [2.0] instead")"#,
+    },
+    Entry {
+        call: "#{ on_failure: \"worst\" | \"retry\" | \"stop\", on_rupture: \"fail\" | \"keep\" }",
+        gives: "what a trial counts as that throws or is not a number: worse than all others (noted in warnings), \
+            what is found a millionth aside, or the end; and whether a run in which film breaks is such a trial",
+        example: r#"let best = minimize("nelder-mead", [2.0], #{}, |x| if x[0] < 1 { throw "too small" } else { x[0] });
+                    best.x[0] >= 1 && best.warnings[0].contains("too small")"#,
+    },
+    Entry {
+        call: "#{ title: \"1008\", signals: [\"acceleration (m/s²)\", ..] }",
+        gives: "what the search is called in report and recording, where its iterations are shown without further \
+            work: the objective, the unknowns, and the signals that the objective compares (`relative_error`, \
+            `relative_residuals`, `rate`) closing in on their references; and what these signals are called, in the \
+            order in which they are compared",
+        example: r#"let read = signal([0, 1, 2], [5, 7, 9]);
+                    let o = #{ title: "line", signals: ["force (N)"], names: ["offset"] };
+                    let line = |x| signal([0, 1, 2], [x[0], x[0] + 2, x[0] + 4]);
+                    let best = minimize("nelder-mead", [4.0], o, |x| relative_error(line.call(x), read, [0, 2]));
+                    (best.x[0] - 5).abs() < 1e-3"#,
+    },
+    Entry {
+        call: "#{ names: [..], difference: 1e-3, spread: 0.25 }",
+        gives: "columns of the unknowns in the history; relative step of the Jacobian's differences; first standard \
+            deviation of \"cma-es\"",
+        example: r#"minimize("nelder-mead", [2.0], #{ names: ["k1"] }, |x| x[0] ** 2).history[0].k1 == 2.0"#,
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use rhai::INT;
+
+    use super::super::{confidence, register};
+    use super::*;
+    use crate::functions::engine;
+    use crate::script::Limits;
+
+    fn host() -> Engine {
+        let mut engine = engine(Limits::STUDY);
+        register(&mut engine, &SearchHost::new(None, |_| {}));
+        engine
+    }
+
+    #[test]
+    fn the_examples_of_the_reference_are_true() {
+        let engine = host();
+        for entry in ENTRIES.iter().chain(confidence::ENTRIES) {
+            let result = engine.eval::<bool>(entry.example);
+            assert!(matches!(result, Ok(true)), "{}: {result:?}", entry.call);
+        }
+    }
+
+    #[test]
+    fn mistakes_are_reported() {
+        let engine = host();
+        let with = |options: &str| format!("minimize(\"nelder-mead\", [1.0, 2], #{{ {options} }}, |x| x[0] + x[1])");
+        for (text, expected) in [
+            ("minimize(\"nelder\", [1], |x| x[0])".into(), "unknown method `nelder` (did you mean `nelder-mead`?)"),
+            ("minimize(\"bfgs\", [1], |x| x[0])".into(), "there are nelder-mead, levenberg-marquardt, cma-es"),
+            ("minimize(\"cma-es\", [], |x| 1)".into(), "a search needs 1 to 50 unknowns, the start has 0"),
+            ("minimize(\"cma-es\", [1, \"a\"], |x| 1)".into(), "expected a number for start"),
+            ("minimize(\"cma-es\", [0.0 / 0.0], |x| 1)".into(), "the start is not a number: x[0] = NaN"),
+            (with("tolx: 1e-4"), "unknown option `tolx` (did you mean `tol_x`?)"),
+            (with("tol_x: -1"), "`tol_x` is -1, which must be zero or more"),
+            (with("tol_f: \"a\""), "expected a number for tol_f"),
+            (with("max_iterations: 0"), "`max_iterations` is 0, which must be 1 to 100000"),
+            (with("max_evaluations: 1.5"), "`max_evaluations` is a whole number, not f64"),
+            (with("lower: 1"), "`lower` is a list, not i64"),
+            (with("lower: [0]"), "`lower` has 1 entries for 2 unknowns"),
+            (with("lower: [0, 1], upper: [1, 1]"), "the bounds of x[1] are empty: 1 to 1"),
+            (with("lower: [2, ()]"), "the start lies outside the bounds: x[0] = 1, which may be 2 to inf"),
+            (with("starts: 3"), "starts spread over the bounds need `lower` and `upper` for every unknown"),
+            (with("starts: [[1]]"), "start 2 has 1 entries for 2 unknowns"),
+            (with("starts: [[1, 5]], upper: [2, 3]"), "the start lies outside the bounds: x[1] = 5"),
+            (with("fallback: [[1]]"), "start 2 has 1 entries for 2 unknowns"),
+            (with("fallback: [1]"), "`fallback` is a list of lists, with i64 in it"),
+            ("minimize_all(\"cma-es\", [[1]], #{}, [])".into(), "minimize_all has 1 starts for 0 objectives"),
+            ("minimize_all(\"cma-es\", [[1]], [], [|x| 1])".into(), "minimize_all has 0 maps of options for 1 objectives"),
+            ("minimize_all(\"cma-es\", [1], #{}, [|x| 1])".into(), "search 1: its start is a list of numbers"),
+            ("minimize_all(\"cma-es\", [[1]], #{}, [1])".into(), "search 1: its objective is a function"),
+            (
+                "minimize_all(\"nelder-mead\", [[1], [2]], #{}, [|x| x[0] ** 2, |x| { throw \"no\" }])".into(),
+                "search 2: the objective has no value at the start [2.0]: no",
+            ),
+            (with("on_failure: \"ignore\""), "unknown on_failure `ignore` (there are worst, retry, stop)"),
+            (with("on_rupture: 1"), "`on_rupture` is a text, not i64"),
+            (with("difference: 2"), "`difference` is 2, which must be between 0 and 1"),
+            (with("names: [\"k1\"]"), "`names` has 1 entries for 2 unknowns"),
+            ("minimize(\"levenberg-marquardt\", [1], |x| x[0])".into(), "levenberg-marquardt needs residuals"),
+            ("minimize(\"levenberg-marquardt\", [1, 2], |x| [x[0]])".into(), "the objective gave 1 residuals for 2 unknowns"),
+            (
+                "minimize(\"levenberg-marquardt\", [1], |x| if x[0] == 1 { [2, 3] } else { [1] })".into(),
+                "the objective gave 1 residuals at",
+            ),
+            ("minimize(\"nelder-mead\", [1], |x| \"a\")".into(), "an objective gives a number, a signal or a list, not string"),
+            ("minimize(\"nelder-mead\", [1], |x| x[1])".into(), "Array index 1 out of bounds"),
+            ("minimize(\"nelder-mead\", [1], |x| 0.0 / 0.0)".into(), "the objective has no value at the start [1.0]"),
+            ("minimize(\"nelder-mead\", [1], |x| { throw \"no\" })".into(), "no value at the start [1.0]: no"),
+            (
+                "minimize(\"nelder-mead\", [2.0], #{ on_failure: \"stop\" }, |x| if x[0] < 1 { throw \"no\" } else { x[0] })".into(),
+                "a trial failed at [0.",
+            ),
+            ("minimize(\"nelder-mead\", [1], |x| { loop {} })".into(), "Too many operations"),
+            (
+                "minimize(\"nelder-mead\", [1], |x| minimize(\"nelder-mead\", [1], |y| y[0]).f)".into(),
+                "an objective cannot search",
+            ),
+        ] {
+            let error = engine.run(&text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text} gave: {error}");
+        }
+    }
+
+    #[test]
+    fn a_mistake_in_an_objective_is_reported_at_its_position() {
+        let error = host().run("let a = 1;\nminimize(\"nelder-mead\", [1], |x| {\n  x[7]\n})").unwrap_err();
+        assert_eq!(error.unwrap_inner().position().line(), Some(3));
+    }
+
+    /// A speculative trial at 1.2 or below has the index out of range; the search stops at 1.4.
+    #[test]
+    fn a_mistake_in_an_unused_speculative_trial_is_not_reported() {
+        let text = "minimize(\"nelder-mead\", [2.0], #{ on_failure: \"stop\" }, |x| {
+            if x[0] <= 1.2 { [0][9] } else if x[0] < 1.5 { let s = 0; for i in 0..20000 { s += 1; } throw \"too small\" } else { x[0] }
+        })";
+        for threads in [1, 2, 4] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let error = pool.install(|| host().run(text)).unwrap_err().to_string();
+            assert!(error.contains("a trial failed at [1.39999") && error.contains("too small"), "{threads}: {error}");
+        }
+    }
+
+    #[test]
+    fn concurrent_searches_have_the_results_of_each_alone() {
+        let text =
+            "let calls = [|x| [10 * (x[1] - x[0] ** 2), 1 - x[0]], |x| [x[0] - 3, x[0] * x[1]], |x| [x[0], x[1] - 1]];
+            let starts = [[-1.2, 1], [1.0, 2], [0.5, 0.5]];
+            for method in [\"nelder-mead\", \"levenberg-marquardt\", \"cma-es\"] {
+                let together = minimize_all(method, starts, #{ max_evaluations: 150 }, calls);
+                for (found, place) in together {
+                    let alone = minimize(method, starts[place], #{ max_evaluations: 150 }, calls[place]);
+                    if found.x != alone.x || found.f != alone.f || found.evaluations != alone.evaluations
+                        || found.history.len() != alone.history.len() { throw method + place }
+                }
+            }";
+        host().run(text).unwrap();
+    }
+
+    #[test]
+    fn a_script_that_searches_without_end_reaches_its_time_limit() {
+        let limits = Limits { time: std::time::Duration::from_millis(300), ..Limits::STUDY };
+        let mut engine = engine(limits);
+        register(&mut engine, &SearchHost::new(None, |_| {}));
+        let error = engine
+            .run("loop { minimize(\"nelder-mead\", [1.0], |x| { let s = 0; for i in 0..1000 { s += 1; } x[0] }) }");
+        let error = error.unwrap_err();
+        assert!(matches!(error.unwrap_inner(), EvalAltResult::ErrorTerminated(..)), "{error}");
+    }
+
+    #[test]
+    fn changes_of_captured_variables_are_lost_after_each_trial() {
+        let text = "let n = 0; let l = [0];
+            let best = minimize(\"nelder-mead\", [1.0], |x| { n += 1; l.push(n); x[0] ** 2 + l.len() + n });
+            best.f - 3.0 < 1e-6 && n == 0 && l.len() == 1";
+        assert!(host().eval::<bool>(text).unwrap());
+    }
+
+    #[test]
+    fn findings_have_code_severity_message_and_figures() {
+        let text = "let best = minimize(\"nelder-mead\", [2.0], #{ lower: [1.5] }, |x| x[0] ** 2);
+            let found = best.findings[0];
+            found.code == \"on-bound\" && found.severity == \"warning\" && found.message == best.warnings[0]
+                && found.index == 0 && found.value == 1.5";
+        assert!(host().eval::<bool>(text).unwrap());
+    }
+
+    #[test]
+    fn a_long_history_is_thinned_and_contains_its_ends() {
+        let text = "let o = #{ max_iterations: 1000, max_evaluations: 3000, tol_x: 0, tol_f: 0 };
+            let best = minimize(\"nelder-mead\", [3.0, 4, 5, 6], o, |x| x.reduce(|s, x| s + x ** 2, 0.0));
+            [best.history.len(), best.history[0].iteration, best.history[-1].iteration, best.iterations]";
+        let found: Vec<INT> = host().eval::<Array>(text).unwrap().iter().map(|n| n.as_int().unwrap()).collect();
+        assert!(found[0] > 300 && found[0] <= 600 && found[1] == 1 && found[2] == found[3], "{found:?}");
+    }
+}

@@ -1,0 +1,25 @@
+//! Searches in scripts: `minimize`, `minimize_all`, `confidence` and `profiles`.
+
+mod confidence;
+mod host;
+mod minimize;
+mod objective;
+mod options;
+mod result;
+
+use rhai::Engine;
+
+use crate::script::Chapter;
+pub use host::{SearchEvent, SearchHost};
+
+/// Registers `minimize`, `minimize_all`, `confidence` and `profiles`, whose searches `host` runs.
+pub fn register(engine: &mut Engine, host: &SearchHost) {
+    minimize::register(engine, host);
+    confidence::register(engine, host);
+}
+
+/// The reference of the script functions.
+pub const REFERENCE: &[Chapter] = &[
+    Chapter { title: "searches (droptower script)", entries: minimize::ENTRIES },
+    Chapter { title: "trust in what a search found (droptower script)", entries: confidence::ENTRIES },
+];

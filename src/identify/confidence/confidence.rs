@@ -1,0 +1,416 @@
+//! Confidence intervals of estimated parameters.
+
+use nalgebra::DMatrix;
+use statrs::distribution::{ContinuousCDF, StudentsT, StudentsTError};
+use thiserror::Error;
+
+use super::covariance::{Covariance, CovarianceError};
+use super::identifiability::{self, Direction};
+use super::interval::Interval;
+use super::linearization::Linearization;
+use super::noise::Colour;
+use crate::identify::warning::Warning;
+
+/// Probability of a value below the upper end of a two-sided interval of 95 %.
+const BELOW_UPPER: f64 = 0.975;
+
+/// Options of confidence intervals.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConfidenceOptions {
+    /// Names of the parameters.
+    pub names: Vec<String>,
+    /// Assumed noise of the residuals.
+    pub colour: Colour,
+    /// Whether intervals are symmetric in the logarithm, as for multipliers.
+    pub relative: bool,
+}
+
+/// Standard errors, intervals and correlation of estimated parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Confidence {
+    /// Names of the parameters.
+    pub names: Vec<String>,
+    /// The estimate.
+    pub x: Vec<f64>,
+    /// Standard errors in the units of the parameters; infinite without effect on the residuals.
+    pub standard_errors: Vec<f64>,
+    /// Intervals of 95 %: lower and upper end.
+    pub intervals: Vec<[f64; 2]>,
+    /// Whether these are symmetric in the logarithm.
+    pub relative: bool,
+    /// Covariance of the parameters; infinite where a standard error is.
+    pub covariance: DMatrix<f64>,
+    /// Correlation of the parameters.
+    pub correlation: DMatrix<f64>,
+    /// Number of residuals.
+    pub samples: usize,
+    /// Number of independent residuals with the same information about the parameters.
+    pub effective_samples: f64,
+    /// Degrees of freedom of the standard errors; the smallest where parts have noise of their own.
+    pub freedom: f64,
+    /// Student's quantile of the intervals.
+    pub quantile: f64,
+    /// Variance of a parameter over (JᵀJ)⁻¹: the increase of ‖r‖² at one standard error.
+    pub increases: Vec<f64>,
+    /// Condition number: largest over smallest singular value of ∂r/∂ln x.
+    pub condition: f64,
+    /// Combinations of parameters, the best-determined first.
+    pub directions: Vec<Direction>,
+    /// A Gauss–Newton step from the estimate, standard errors; zero at a minimum.
+    pub gauss_newton_step: Vec<f64>,
+    /// What puts the intervals in doubt.
+    pub warnings: Vec<Warning>,
+}
+
+/// Why there are no intervals.
+#[derive(Debug, Error)]
+pub enum ConfidenceError {
+    /// There is no covariance.
+    #[error(transparent)]
+    Covariance(#[from] CovarianceError),
+    /// There is no quantile.
+    #[error("Student's distribution is undefined for {freedom} degrees of freedom: {source}")]
+    Student {
+        /// Degrees of freedom.
+        freedom: f64,
+        /// The error of the distribution.
+        source: StudentsTError,
+    },
+}
+
+impl Confidence {
+    /// The confidence intervals at the point of `linearization`.
+    ///
+    /// # Errors
+    /// The Jacobian has no singular value decomposition, or the fit absorbs all samples of a part.
+    pub fn of(linearization: &Linearization, options: &ConfidenceOptions) -> Result<Confidence, ConfidenceError> {
+        let sandwich = Covariance::of(linearization, options.colour)?;
+        let covariance = sandwich.matrix();
+        let standard_errors: Vec<f64> = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
+        let freedom = sandwich.freedom();
+        let quantile = quantile(freedom)?;
+        let half_widths = standard_errors.iter().map(|error| quantile * error);
+        let intervals =
+            linearization.x.iter().zip(half_widths).map(|(x, width)| Interval::new(*x, width, options.relative));
+        let mut confidence = Confidence {
+            names: options.names.clone(),
+            x: linearization.x.clone(),
+            intervals: intervals.map(|interval| [interval.at(-1.0), interval.at(1.0)]).collect(),
+            relative: options.relative,
+            correlation: sandwich.correlation(),
+            samples: linearization.residuals.len(),
+            effective_samples: sandwich.parts.iter().map(|part| part.effective_samples).sum(),
+            freedom,
+            quantile,
+            increases: sandwich.increases(),
+            condition: sandwich.condition(),
+            directions: sandwich.directions(quantile),
+            gauss_newton_step: sandwich.gauss_newton_step(linearization, &standard_errors),
+            warnings: vec![],
+            covariance,
+            standard_errors,
+        };
+        confidence.warnings = confidence.check(linearization);
+        Ok(confidence)
+    }
+
+    fn check(&self, linearization: &Linearization) -> Vec<Warning> {
+        let names = &self.names;
+        let weak = self.directions.iter().filter_map(|direction| direction.check(names, &self.x));
+        let mut warnings: Vec<Warning> = weak.collect();
+        warnings.extend(identifiability::correlated(names, &self.correlation));
+        warnings.extend(identifiability::few_independent(self.samples, self.effective_samples, names.len()));
+        warnings.extend(identifiability::below_roughness(linearization));
+        let one_sided = linearization.one_sided.iter().map(|index| names[*index].clone());
+        warnings.extend(one_sided.map(|parameter| Warning::OneSided { parameter }));
+        warnings.extend(identifiability::not_at_minimum(names, &self.gauss_newton_step));
+        warnings
+    }
+}
+
+/// Student's quantile of a two-sided interval of 95 %.
+fn quantile(freedom: f64) -> Result<f64, ConfidenceError> {
+    let student = StudentsT::new(0.0, 1.0, freedom);
+    student
+        .map(|student| student.inverse_cdf(BELOW_UPPER))
+        .map_err(|source| ConfidenceError::Student { freedom, source })
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::super::noise::tests::{neighbours, normals};
+    use super::*;
+
+    fn confidence(linearization: &Linearization, colour: Colour) -> Confidence {
+        let names = ["a", "b", "c"].iter().take(linearization.x.len()).map(|name| (*name).to_owned()).collect();
+        Confidence::of(linearization, &ConfidenceOptions { names, colour, relative: false }).unwrap()
+    }
+
+    fn linearization(x: &[f64], residuals: &[f64], jacobian: DMatrix<f64>) -> Linearization {
+        let residuals = DVector::from_column_slice(residuals);
+        let parts = vec![residuals.len()];
+        Linearization { x: x.into(), residuals, parts, jacobian, roughness: 0.0, one_sided: vec![] }
+    }
+
+    /// a e^{−b t} at t in [0, 4] with the noise `noise`, fitted by Gauss and Newton.
+    fn decay(truth: [f64; 2], noise: &[f64]) -> Linearization {
+        let time = |index: usize| 4.0 * index as f64 / noise.len() as f64;
+        let value = |[a, b]: [f64; 2], index: usize| a * (-b * time(index)).exp();
+        let at = |x: [f64; 2]| {
+            let residual = |index: usize| value(x, index) - value(truth, index) - noise[index];
+            let slope = |index: usize, column: usize| {
+                let decay = (-x[1] * time(index)).exp();
+                if column == 0 { decay } else { -x[0] * time(index) * decay }
+            };
+            let residuals: Vec<f64> = (0..noise.len()).map(residual).collect();
+            linearization(&x, &residuals, DMatrix::from_fn(noise.len(), 2, slope))
+        };
+        let mut x = truth;
+        for _ in 0..8 {
+            let here = at(x);
+            let jacobian = &here.jacobian;
+            let step =
+                (jacobian.transpose() * jacobian).try_inverse().unwrap() * jacobian.transpose() * &here.residuals;
+            x = [x[0] - step[0], x[1] - step[1]];
+        }
+        at(x)
+    }
+
+    /// Share of `trials` in which the interval holds the truth, for each of two parameters.
+    fn coverage(trials: u64, colour: Colour, noise: impl Fn(u64) -> Vec<f64>) -> [f64; 2] {
+        let truth = [2.0, 0.8];
+        let mut held = [0.0; 2];
+        for seed in 0..trials {
+            let noise: Vec<f64> = noise(seed).iter().map(|noise| 0.1 * noise).collect();
+            let found = confidence(&decay(truth, &noise), colour);
+            for ((held, [lower, upper]), truth) in held.iter_mut().zip(found.intervals).zip(truth) {
+                *held += f64::from(u8::from((lower..=upper).contains(&truth))) / trials as f64;
+            }
+        }
+        held
+    }
+
+    /// Longley's kind of check: s² (JᵀJ)⁻¹ with s² = ‖r‖²/(N − p), written out.
+    #[test]
+    fn a_line_through_white_noise_has_the_covariance_of_the_textbook() {
+        let (count, noise) = (40, normals(5, 40));
+        let jacobian = DMatrix::from_fn(count, 2, |row, column| if column == 0 { 1.0 } else { row as f64 });
+        let y = DVector::from_fn(count, |row, _| noise[row] + 3.0 - 0.5 * row as f64);
+        let inverse = (jacobian.transpose() * &jacobian).try_inverse().unwrap();
+        let x = &inverse * jacobian.transpose() * &y;
+        let residuals = &jacobian * &x - &y;
+        let variance = residuals.norm_squared() / (count - 2) as f64;
+        let found = confidence(&linearization(x.as_slice(), residuals.as_slice(), jacobian), Colour::White);
+        let expected = variance * inverse;
+        assert!((&found.covariance - &expected).amax() < 1e-12 * expected.amax(), "{found:?}");
+        assert_eq!(found.effective_samples, count as f64);
+        assert!((found.freedom - 38.0).abs() < 1e-9, "{}", found.freedom);
+        // Tables of Student's distribution: 2.0244 at 38 degrees of freedom.
+        assert!((found.quantile - 2.0244).abs() < 1e-4, "{}", found.quantile);
+        let half_width = found.quantile * expected[(1, 1)].sqrt();
+        assert!((found.intervals[1][1] - x[1] - half_width).abs() < 1e-10);
+        assert!((found.increases[1] - variance).abs() < 1e-10);
+        assert!(found.gauss_newton_step.iter().all(|step| step.abs() < 1e-9));
+        assert_eq!(found.warnings, []);
+    }
+
+    /// Every standard error against the scatter of the estimates themselves, coloured noise: the sandwich written out
+    /// with the whole matrix R that made it.
+    #[test]
+    fn coloured_noise_widens_intervals_as_its_correlation_matrix_does() {
+        let (count, phi) = (4000, 0.7_f64);
+        let found = decay([2.0, 0.8], &neighbours(11, count, phi).iter().map(|e| 0.01 * e).collect::<Vec<_>>());
+        let coloured = confidence(&found, Colour::Coloured);
+        let inverse = (found.jacobian.transpose() * &found.jacobian).try_inverse().unwrap();
+        let mut between = DMatrix::zeros(2, 2);
+        for row in 0..count {
+            for column in row.saturating_sub(60)..(row + 61).min(count) {
+                let rho = 1e-4 * phi.powi(row.abs_diff(column) as i32);
+                between += rho * found.jacobian.row(row).transpose() * found.jacobian.row(column);
+            }
+        }
+        let expected = &inverse * between * &inverse;
+        for index in 0..2 {
+            let ratio = coloured.standard_errors[index] / expected[(index, index)].sqrt();
+            assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+        }
+        let naive = confidence(&found, Colour::White).standard_errors[0];
+        assert!(coloured.standard_errors[0] > 2.0 * naive);
+    }
+
+    /// Two signals of `count` samples, white noise and noise whose neighbours are correlated by 0.9, with a mean each:
+    /// the linearization of the means, in one list.
+    fn two_means(seed: u64, count: usize) -> Linearization {
+        let noise = [normals(seed, count), neighbours(seed + 5000, count, 0.9)];
+        let means = noise.each_ref().map(|noise| noise.iter().sum::<f64>() / count as f64);
+        let left: Vec<f64> =
+            noise.iter().zip(means).flat_map(|(noise, mean)| noise.iter().map(move |e| mean - e)).collect();
+        let jacobian = DMatrix::from_fn(2 * count, 2, |row, column| f64::from(u8::from(row / count == column)));
+        linearization(&means, &left, jacobian)
+    }
+
+    /// Deviation of the mean of n values whose neighbours are correlated by φ: √(Σ φ^|i−j|)/n.
+    fn deviation_of_mean(count: usize, phi: f64) -> f64 {
+        let lag = |lag: usize| (count - lag) as f64 * phi.powi(lag as i32);
+        (count as f64 + 2.0 * (1..count).map(lag).sum::<f64>()).sqrt() / count as f64
+    }
+
+    #[test]
+    fn every_signal_of_a_joined_list_has_its_own_noise() {
+        const COUNT: usize = 400;
+        const TRIALS: u64 = 100;
+        let mean = |errors_of: &dyn Fn(Linearization) -> Confidence| {
+            let mut mean = [0.0; 2];
+            for seed in 0..TRIALS {
+                let found = errors_of(two_means(seed, COUNT)).standard_errors;
+                mean.iter_mut().zip(found).for_each(|(mean, found)| *mean += found / TRIALS as f64);
+            }
+            mean
+        };
+        let apart = mean(&|found| confidence(&found.joined_from(&[COUNT, COUNT]).unwrap(), Colour::Coloured));
+        for (found, phi) in apart.into_iter().zip([0.0, 0.9]) {
+            let expected = deviation_of_mean(COUNT, phi);
+            assert!((found / expected - 1.0).abs() < 0.1, "{found} for {expected}");
+        }
+        let joined = mean(&|found| confidence(&found, Colour::Coloured));
+        println!("standard errors {apart:.3?}, as one record {joined:.3?}");
+        assert!(joined[0] > 2.0 * apart[0] && joined[1] < 0.85 * apart[1], "{joined:?} for {apart:?}");
+    }
+
+    /// A part that says nothing of the other's parameters is as if it were alone.
+    #[test]
+    fn independent_parts_have_the_covariance_of_each_alone() {
+        let whole = confidence(&two_means(3, 300).joined_from(&[300, 300]).unwrap(), Colour::Coloured);
+        let mut samples = 0.0;
+        let mut freedom = f64::INFINITY;
+        for index in 0..2 {
+            let Linearization { x, residuals, .. } = two_means(3, 300);
+            let own = &residuals.as_slice()[300 * index..300 * (index + 1)];
+            let alone =
+                confidence(&linearization(&[x[index]], own, DMatrix::from_element(300, 1, 1.0)), Colour::Coloured);
+            let ratio = whole.standard_errors[index] / alone.standard_errors[0];
+            let increase = whole.increases[index] / alone.increases[0];
+            assert!((ratio - 1.0).abs() < 1e-9 && (increase - 1.0).abs() < 1e-9, "{ratio}, {increase}");
+            samples += alone.effective_samples;
+            freedom = freedom.min(alone.freedom);
+        }
+        assert!((whole.effective_samples / samples - 1.0).abs() < 1e-9, "{} for {samples}", whole.effective_samples);
+        assert!((whole.freedom / freedom - 1.0).abs() < 1e-9, "{} for {freedom}", whole.freedom);
+    }
+
+    /// One mean of 20 quiet and 20 loud values, weighted alike: Welch's test of means, of half their difference.
+    #[test]
+    fn a_parameter_that_parts_share_has_welch_s_degrees_of_freedom() {
+        let [quiet, loud] = [normals(1, 20), normals(2, 20)].map(|drawn| {
+            let mean = drawn.iter().sum::<f64>() / 20.0;
+            drawn.iter().map(|e| e - mean).collect::<Vec<_>>()
+        });
+        let joined: Vec<f64> = quiet.iter().copied().chain(loud.iter().map(|e| 5.0 * e)).collect();
+        let mean = linearization(&[1.0], &joined, DMatrix::from_element(40, 1, 1.0)).joined_from(&[20, 20]).unwrap();
+        let found = confidence(&mean, Colour::White);
+        // The mean takes half a sample of either part with it.
+        let power = |part: &[f64]| part.iter().map(|e| e * e).sum::<f64>() / 19.5 * 20.0 / 1600.0;
+        let [quiet, loud] = [power(&joined[..20]), power(&joined[20..])];
+        assert!((found.covariance[(0, 0)] / (quiet + loud) - 1.0).abs() < 1e-12);
+        let expected = (quiet + loud).powi(2) / (quiet.powi(2) / 19.5 + loud.powi(2) / 19.5);
+        assert!((found.freedom / expected - 1.0).abs() < 1e-12, "{} for {expected}", found.freedom);
+    }
+
+    #[test]
+    fn a_part_that_the_fit_absorbs_has_no_noise() {
+        let jacobian = DMatrix::from_fn(6, 2, |row, column| f64::from(u8::from((row == 5) == (column == 1))));
+        let residuals = [1.0, -1.0, 2.0, -1.0, -1.0, 0.0];
+        let found = linearization(&[1.0, 2.0], &residuals, jacobian).joined_from(&[5, 1]).unwrap();
+        let question =
+            ConfidenceOptions { names: vec!["a".into(), "b".into()], colour: Colour::White, relative: false };
+        let error = Confidence::of(&found, &question).unwrap_err().to_string();
+        assert!(error.starts_with("part 2 of the residuals has 1, of which the fit absorbs 1.0"), "{error}");
+    }
+
+    #[test]
+    fn parameters_that_enter_as_a_product_only_are_named() {
+        // r = a b t − e at a = 2, b = 3
+        let noise = normals(2, 30);
+        let jacobian = DMatrix::from_fn(30, 2, |row, column| [3.0, 2.0][column] * row as f64);
+        let found = confidence(&linearization(&[2.0, 3.0], &noise, jacobian), Colour::White);
+        let Warning::NoEffect { combination } = &found.warnings[0] else { panic!("{found:?}") };
+        assert!(["a·b^-1", "a^-1·b"].contains(&combination.as_str()), "{combination}");
+        assert_eq!(found.standard_errors, [f64::INFINITY; 2]);
+        assert_eq!(found.condition, f64::INFINITY);
+        assert_eq!(found.warnings[1].to_string(), "a and b are correlated by -1.000");
+    }
+
+    #[test]
+    fn a_combination_hidden_by_noise_has_a_warning_with_its_factor() {
+        // ln-slopes: strong along a·b, weak along a/b, whose standard error is 1/0.05/√2.
+        let rows = [[1e3, 1e3], [0.05, -0.05], [0.0, 0.0], [0.0, 0.0]];
+        let jacobian = DMatrix::from_fn(4, 2, |row, column| rows[row][column]);
+        let found = confidence(&linearization(&[1.0, 1.0], &[0.0, 0.0, 1.0, -1.0], jacobian), Colour::White);
+        // t(2) = 4.3027, s = 1; the logarithm of a/b has the deviation 1/0.05.
+        let factor = (4.3027_f64 * 20.0).exp();
+        let Warning::NotIdentifiable { combination, factor: found } = &found.warnings[0] else { panic!("{found:?}") };
+        assert!(["a·b^-1", "a^-1·b"].contains(&combination.as_str()), "{combination}");
+        assert_eq!(format!("{found:.0e}"), format!("{factor:.0e}"));
+    }
+
+    #[test]
+    fn an_exact_fit_has_intervals_of_zero_width_and_a_warning() {
+        let jacobian = DMatrix::from_fn(10, 2, |row, column| (row as f64).powi(column as i32));
+        let found = confidence(&linearization(&[1.0, 2.0], &[0.0; 10], jacobian), Colour::Coloured);
+        assert_eq!((&found.intervals[..], &found.standard_errors[..]), (&[[1.0; 2], [2.0; 2]][..], &[0.0; 2][..]));
+        assert!(found.correlation.iter().chain(&found.gauss_newton_step).all(|value| value.is_finite()));
+        let below = |warning: &Warning| matches!(warning, Warning::ResidualsBelowRoughness { .. });
+        assert!(found.warnings.iter().any(below), "{found:?}");
+    }
+
+    #[test]
+    fn a_parameter_without_effect_does_not_change_the_other() {
+        let jacobian = DMatrix::from_fn(20, 2, |row, column| if column == 0 { row as f64 } else { 0.0 });
+        let found = confidence(&linearization(&[1.0, 2.0], &normals(1, 20), jacobian), Colour::White);
+        assert!(found.standard_errors[0].is_finite() && found.standard_errors[1].is_infinite());
+        assert_eq!(found.warnings[0], Warning::NoEffect { combination: "b".into() });
+    }
+
+    #[test]
+    fn an_estimate_off_the_minimum_has_a_warning() {
+        let jacobian = DMatrix::from_element(20, 1, 1.0);
+        let residuals: Vec<f64> = normals(4, 20).iter().map(|e| e + 2.0).collect();
+        let found = confidence(&linearization(&[1.0], &residuals, jacobian), Colour::White);
+        let off = |warning: &Warning| matches!(warning, Warning::NotAtMinimum { parameter, .. } if parameter == "a");
+        assert!(found.warnings.iter().any(off), "{found:?}");
+    }
+
+    /// The table of coverage in docs/theory.md, section 15: shares of the intervals that hold the truth, within three
+    /// standard deviations of what they promise, and far from it where coloured noise is taken for white.
+    #[test]
+    fn intervals_have_their_nominal_coverage() {
+        const TRIALS: u64 = 400;
+        type Draw = fn(u64) -> Vec<f64>;
+        let rows: [(&str, Draw, f64); 4] = [
+            ("white, 40", |seed| normals(seed + 2000, 40), 0.95),
+            ("moving mean of 5, 500", |seed| moving_mean(&normals(seed, 504)), 0.70),
+            ("neighbours correlated by 0.8, 800", |seed| neighbours(seed + 1000, 800, 0.8), 0.60),
+            ("by 0.9, 300", |seed| neighbours(seed + 3000, 300, 0.9), 0.45),
+        ];
+        let band = |share: f64| 3.0 * (share * (1.0 - share) / TRIALS as f64).sqrt();
+        for (name, draw, at_most) in rows {
+            let [coloured, white] = [Colour::Coloured, Colour::White].map(|colour| coverage(TRIALS, colour, draw));
+            println!("{name}: {coloured:.3?}, as white {white:.3?}");
+            for (held, white) in coloured.into_iter().zip(white) {
+                assert!((held - 0.95).abs() < band(0.95), "{name}: {held}");
+                assert!(white < at_most + band(at_most), "{name}: {white} where it is taken for white");
+            }
+        }
+        // Too few independent samples to know the correlation by, which section 15 says.
+        let [few, white] =
+            [Colour::Coloured, Colour::White].map(|colour| coverage(TRIALS, colour, |seed| neighbours(seed, 100, 0.9)));
+        println!("by 0.9, 100: {few:.3?}, as white {white:.3?}");
+        assert!(few.iter().all(|held| (0.7..0.95 - band(0.95)).contains(held)), "{few:?}");
+    }
+
+    fn moving_mean(drawn: &[f64]) -> Vec<f64> {
+        drawn.windows(5).map(|five| five.iter().sum::<f64>() / 5.0).collect()
+    }
+}

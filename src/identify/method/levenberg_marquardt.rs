@@ -1,0 +1,263 @@
+//! Damped least squares (Levenberg 1944, Marquardt 1963; Moré's implementation in MINPACK) on a vector of residuals.
+//!
+//! The differences of the Jacobian are evaluated at once. A failed trial counts as a point with large residuals, so
+//! that the trust region shrinks. Bounds are kept by transform, see [`Bounds`](crate::identify::Bounds).
+
+use std::cell::RefCell;
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
+// The version of nalgebra that the crate uses.
+use nalgebra_of_lm::{DMatrix, DVector, Dyn, Owned};
+
+use super::trials::SearchContext;
+use crate::identify::error::SearchError;
+use crate::identify::iteration::{Iteration, Step, StopReason};
+use crate::identify::objective::ObjectiveValue;
+use crate::identify::result::StartResult;
+
+/// Norm of the residuals of a failed trial over that at the start.
+const WORST: f64 = 1e3;
+
+/// Searches from `start`.
+pub(in crate::identify) fn search(
+    start: &[f64],
+    context: SearchContext<'_, '_, '_>,
+) -> Result<StartResult, SearchError> {
+    let search = context.search;
+    let mut start = start.to_vec();
+    search.bounds.inwards(&mut start);
+    let first = residuals(context.trials.at_start(&start)?)?;
+    if first.len() < start.len() {
+        return Err(SearchError::TooFew { found: first.len(), unknowns: start.len() });
+    }
+    let patience = search.max_evaluations.div_ceil(start.len() + 1);
+    let method = LevenbergMarquardt::new().with_ftol(search.tol_f).with_xtol(search.tol_x).with_patience(patience);
+    let problem = Problem {
+        u: DVector::from_vec(search.bounds.u_of(&start)),
+        worst: WORST * norm(&first),
+        count: first.len(),
+        state: RefCell::new(State {
+            context,
+            best: (start, f64::INFINITY),
+            here: vec![],
+            iterations: 0,
+            history: vec![],
+            end: None,
+        }),
+    };
+    let (problem, report) = method.minimize(problem);
+    let mut state = problem.state.into_inner();
+    if let Some(End::Error(error)) = state.end {
+        return Err(error);
+    }
+    state.iterations += 1;
+    state.observe(Step::Final);
+    let State { context, best: (x, f), iterations, history, end, .. } = state;
+    let (converged, reason) = match end {
+        Some(_) => (false, StopReason::limit(iterations, search)),
+        None => (report.termination.was_successful(), stop_reason(&report.termination)),
+    };
+    let evaluations = context.trials.evaluations();
+    Ok(StartResult { x, f, iterations, evaluations, converged, reason, size: None, history })
+}
+
+/// Residuals as a function of u, the transform of a point within the bounds.
+struct Problem<'s, 'c, 'a> {
+    u: DVector<f64>,
+    /// Norm of the residuals of a failed trial.
+    worst: f64,
+    /// Number of residuals.
+    count: usize,
+    /// The crate evaluates through shared references.
+    state: RefCell<State<'s, 'c, 'a>>,
+}
+
+struct State<'s, 'c, 'a> {
+    context: SearchContext<'s, 'c, 'a>,
+    best: (Vec<f64>, f64),
+    /// Residuals of the last trial that did not fail.
+    here: Vec<f64>,
+    iterations: usize,
+    history: Vec<Iteration>,
+    end: Option<End>,
+}
+
+/// Why the crate was stopped.
+enum End {
+    Limit,
+    Error(SearchError),
+}
+
+impl State<'_, '_, '_> {
+    fn observe(&mut self, step: Step) {
+        let (x, f) = self.best.clone();
+        let (iteration, evaluations) = (self.iterations, self.context.trials.evaluations());
+        let start = self.context.start;
+        let iteration = Iteration { start, iteration, evaluations, x, f, size: None, spread: None, step };
+        (self.context.observer)(&iteration);
+        self.history.push(iteration);
+    }
+}
+
+impl Problem<'_, '_, '_> {
+    fn x_of(&self, u: &DVector<f64>) -> Vec<f64> {
+        self.state.borrow().context.search.bounds.x_of(u.as_slice())
+    }
+
+    /// Steps of u for the differences, towards the centre of its range.
+    fn steps(&self) -> Vec<f64> {
+        let difference = self.state.borrow().context.search.difference;
+        self.u.iter().map(|u| if *u == 0.0 { difference } else { -difference * u }).collect()
+    }
+
+    /// The points of the differences around the present one.
+    fn difference_points(&self) -> Vec<Vec<f64>> {
+        let moved = |(index, step): (usize, f64)| {
+            let mut u = self.u.clone();
+            u[index] += step;
+            self.x_of(&u)
+        };
+        self.steps().into_iter().enumerate().map(moved).collect()
+    }
+
+    fn checked(&self, x: &[f64], value: Option<ObjectiveValue>) -> Result<Option<Vec<f64>>, SearchError> {
+        let found = value.map(residuals).transpose()?;
+        match &found {
+            Some(found) if found.len() != self.count => {
+                let expected = self.count;
+                Err(SearchError::Residuals { x: x.into(), found: found.len(), expected })
+            }
+            _ => Ok(found),
+        }
+    }
+
+    fn try_residuals(&self) -> Result<DVector<f64>, SearchError> {
+        let x = self.x_of(&self.u);
+        let value = {
+            let state = self.state.borrow();
+            let mut points = vec![x.clone()];
+            points.extend(self.difference_points());
+            // If the step is accepted, as most are, the Jacobian is requested next.
+            state.context.trials.speculate(&points);
+            state.context.trials.value(&x)?
+        };
+        let Some(found) = self.checked(&x, value)? else {
+            return Ok(DVector::from_element(self.count, self.worst / (self.count as f64).sqrt()));
+        };
+        let f = norm(&found);
+        let mut state = self.state.borrow_mut();
+        if f < state.best.1 {
+            state.best = (x, f);
+        }
+        state.here.clone_from(&found);
+        Ok(DVector::from_vec(found))
+    }
+
+    /// Differences from the present point, the last one that did not fail; to the other side where a trial fails.
+    fn try_jacobian(&self) -> Result<DMatrix<f64>, SearchError> {
+        let points = self.difference_points();
+        let here = self.state.borrow().here.clone();
+        let found = self.state.borrow().context.trials.values(&points)?;
+        let mut jacobian = DMatrix::zeros(self.count, self.u.len());
+        for (index, value) in found.into_iter().enumerate() {
+            let step = self.steps()[index];
+            let (there, step) = match self.checked(&points[index], value)? {
+                Some(there) => (there, step),
+                None => (self.residuals_behind(index, step)?, -step),
+            };
+            for (row, (there, here)) in there.iter().zip(&here).enumerate() {
+                jacobian[(row, index)] = (there - here) / step;
+            }
+        }
+        Ok(jacobian)
+    }
+
+    fn residuals_behind(&self, index: usize, step: f64) -> Result<Vec<f64>, SearchError> {
+        let mut u = self.u.clone();
+        u[index] -= step;
+        let x = self.x_of(&u);
+        let value = self.state.borrow().context.trials.value(&x)?;
+        let failed = || SearchError::Failed {
+            x: x.clone(),
+            cause: "the trials on both sides failed, there is no derivative".into(),
+            numerical: false,
+        };
+        self.checked(&x, value)?.ok_or_else(failed)
+    }
+
+    /// The value; none, which stops the crate, where the search ends.
+    fn unless_ended<T>(&self, value: Result<T, SearchError>) -> Option<T> {
+        let mut state = self.state.borrow_mut();
+        match value {
+            Ok(_) if state.context.trials.evaluations() > state.context.search.max_evaluations => {
+                state.end = Some(End::Limit);
+                None
+            }
+            Ok(value) => Some(value),
+            Err(error) => {
+                state.end = Some(End::Error(error));
+                None
+            }
+        }
+    }
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_, '_, '_> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
+
+    fn set_params(&mut self, u: &DVector<f64>) {
+        self.u.copy_from(u);
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.u.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        self.unless_ended(self.try_residuals())
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let ended = {
+            let mut state = self.state.borrow_mut();
+            state.iterations += 1;
+            let step = if state.iterations == 1 { Step::Initial } else { Step::Accepted };
+            state.observe(step);
+            state.iterations >= state.context.search.max_iterations
+        };
+        if ended {
+            self.state.borrow_mut().end = Some(End::Limit);
+            return None;
+        }
+        self.unless_ended(self.try_jacobian())
+    }
+}
+
+fn residuals(value: ObjectiveValue) -> Result<Vec<f64>, SearchError> {
+    match value {
+        ObjectiveValue::Residuals(residuals) => Ok(residuals),
+        ObjectiveValue::Scalar(_) => Err(SearchError::NotResiduals),
+    }
+}
+
+fn norm(residuals: &[f64]) -> f64 {
+    residuals.iter().map(|r| r * r).sum::<f64>().sqrt()
+}
+
+fn stop_reason(reason: &TerminationReason) -> StopReason {
+    match reason {
+        TerminationReason::ResidualsZero => StopReason::ZeroResiduals,
+        TerminationReason::Orthogonal => StopReason::ZeroGradient,
+        TerminationReason::Converged { ftol: true, .. } => StopReason::SumOfSquaresTolerance,
+        TerminationReason::Converged { .. } => StopReason::StepTolerance,
+        TerminationReason::NoImprovementPossible(tolerance) => StopReason::NoImprovement(tolerance),
+        TerminationReason::LostPatience => StopReason::MaxEvaluations,
+        TerminationReason::Numerical(quantity) => StopReason::NotFinite(quantity),
+        TerminationReason::User(quantity) | TerminationReason::WrongDimensions(quantity) => {
+            StopReason::Unavailable(quantity)
+        }
+        TerminationReason::NoParameters | TerminationReason::NoResiduals => StopReason::Empty,
+    }
+}

@@ -1,0 +1,362 @@
+//! What searches, confidence intervals and profiles warn of.
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+use thiserror::Error;
+
+use super::iteration::StopReason;
+use crate::finding::{Code, Report, codes};
+
+/// A warning about a search, a confidence interval or a profile. `index` counts unknowns and `start` starts, both from
+/// zero.
+#[derive(Clone, Debug, PartialEq, Error, Serialize)]
+#[serde(untagged)]
+pub enum Warning {
+    /// A start without a value was replaced by a fallback.
+    #[error("the objective has no value at the start {start:?}: {cause}; started from {fallback:?} instead")]
+    StartReplaced {
+        /// The start.
+        start: Vec<f64>,
+        /// Why its trial failed.
+        cause: String,
+        /// The fallback.
+        fallback: Vec<f64>,
+    },
+    /// A start lies on a bound.
+    #[error("start {} lies on the bound of x[{index}]", .start + 1)]
+    StartOnBound {
+        /// Number of the start.
+        start: usize,
+        /// The unknown.
+        index: usize,
+    },
+    /// Trials had no value.
+    #[error(
+        "{count} trials failed{} and counted as worst, the first at {first:?}: {cause}",
+        if *.retried { ", also when repeated," } else { "" }
+    )]
+    FailedTrials {
+        /// How many.
+        count: usize,
+        /// Whether each was repeated at a point beside.
+        retried: bool,
+        /// The first of them.
+        first: Vec<f64>,
+        /// Why the first failed.
+        cause: String,
+    },
+    /// The best start stopped before it converged.
+    #[error("not converged: {reason}")]
+    NotConverged {
+        /// Why it stopped.
+        reason: StopReason,
+    },
+    /// The best point lies on a bound.
+    #[error("the best x[{index}] = {value} lies on its bound")]
+    OnBound {
+        /// The unknown.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// Some starts ended at a higher objective value.
+    #[error(
+        "{} of {starts} starts ended higher than {best:.6}, at {}: there are local minima",
+        .values.len(),
+        listed(.values, 6)
+    )]
+    StartsDisagree {
+        /// Number of starts.
+        starts: usize,
+        /// The lowest objective value.
+        best: f64,
+        /// The higher values.
+        values: Vec<f64>,
+    },
+    /// Some starts ended at the same objective value and another point.
+    #[error("{count} of {starts} starts ended at the same value elsewhere: the minimum is not unique")]
+    NotUnique {
+        /// How many.
+        count: usize,
+        /// Number of starts.
+        starts: usize,
+    },
+    /// The residuals do not depend on a combination of parameters.
+    #[error("{combination} is not identifiable: it has no effect on the residuals")]
+    NoEffect {
+        /// The combination, such as `k1·ke^-0.8`.
+        combination: String,
+    },
+    /// The confidence interval of a combination of parameters is too wide.
+    #[error(
+        "{combination} is not practically identifiable: a change by a factor {} has less effect on the residuals \
+         than noise",
+        rounded(*.factor)
+    )]
+    NotIdentifiable {
+        /// The combination.
+        combination: String,
+        /// Half-width of its interval of 95 %, as a factor.
+        factor: f64,
+    },
+    /// The effect of a combination is small beside that of the best-determined one.
+    #[error(
+        "{combination} is weakly identifiable: its effect on the residuals is {ratio:.0} times smaller than that of \
+         the best-determined combination, and small errors of model or sensor change it"
+    )]
+    WeaklyIdentifiable {
+        /// The combination.
+        combination: String,
+        /// Largest singular value over its own.
+        ratio: f64,
+    },
+    /// Two parameters are strongly correlated.
+    #[error("{} and {} are correlated by {correlation:.3}", .parameters[0], .parameters[1])]
+    Correlated {
+        /// The two.
+        parameters: [String; 2],
+        /// Their coefficient of correlation.
+        correlation: f64,
+    },
+    /// The residuals are so strongly correlated that few independent ones are left.
+    #[error(
+        "the {samples} residuals are correlated and count as {effective_samples:.1} independent ones for {parameters} \
+         parameters: they show model error rather than noise, which the intervals do not cover"
+    )]
+    FewIndependentResiduals {
+        /// Number of residuals.
+        samples: usize,
+        /// Effective number of independent residuals.
+        effective_samples: f64,
+        /// Number of parameters.
+        parameters: usize,
+    },
+    /// The residuals are no larger than the roughness of the model.
+    #[error(
+        "the residuals ({norm:.3e}) are no larger than the roughness of the model or its curvature over the step of \
+         the differences ({roughness:.3e}): the intervals do not show the scatter of measurements"
+    )]
+    ResidualsBelowRoughness {
+        /// Norm of the residuals.
+        norm: f64,
+        /// Largest second difference of the residuals.
+        roughness: f64,
+    },
+    /// The derivative along a parameter is a one-sided difference.
+    #[error(
+        "the derivative along {parameter} is one-sided (bound or failed trial): its interval is valid on that side \
+         at best"
+    )]
+    OneSided {
+        /// The parameter.
+        parameter: String,
+    },
+    /// The gradient along a parameter is not zero at the estimate.
+    #[error(
+        "{parameter} is not at its minimum: a Gauss-Newton step would move it by {standard_errors:.1} standard errors"
+    )]
+    NotAtMinimum {
+        /// The parameter.
+        parameter: String,
+        /// Length of the step, standard errors.
+        standard_errors: f64,
+    },
+    /// The profile of a parameter does not reach the threshold on one side.
+    #[error(
+        "{parameter} has no {side} bound within {limit:.4}: it is not practically identifiable, the objective rises by \
+         less than noise"
+    )]
+    NoBound {
+        /// The parameter.
+        parameter: String,
+        /// Which end of its interval is missing.
+        side: Side,
+        /// The last point of the profile on that side.
+        limit: f64,
+    },
+    /// Failed trials end the profile of a parameter before the threshold.
+    #[error(
+        "{parameter} has no {side} bound before {limit:.4}, where trials failed: its interval is open on that side"
+    )]
+    OpenInterval {
+        /// The parameter.
+        parameter: String,
+        /// Which end of its interval is missing.
+        side: Side,
+        /// The first point without a value on that side.
+        limit: f64,
+    },
+    /// Points of a profile have no value.
+    #[error("trials failed where {parameter} is fixed at {}", listed(.values, 4))]
+    ProfileFailed {
+        /// The parameter.
+        parameter: String,
+        /// Its values at these points.
+        values: Vec<f64>,
+    },
+    /// A profile finds a lower objective value than the estimate.
+    #[error(
+        "with {parameter} fixed at {value:.4} the objective is lower than at the estimate, {found:.6} instead of \
+         {estimate:.6}, at [{}]: the search stopped before the minimum",
+        listed(.x, 4)
+    )]
+    LowerThanEstimate {
+        /// The parameter.
+        parameter: String,
+        /// Its value.
+        value: f64,
+        /// Norm of the residuals there.
+        found: f64,
+        /// Norm of the residuals at the estimate.
+        estimate: f64,
+        /// All parameters there.
+        x: Vec<f64>,
+    },
+}
+
+/// An end of an interval.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// The lower end.
+    Lower,
+    /// The upper end.
+    Upper,
+}
+
+impl std::fmt::Display for Side {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Side::Lower => "lower",
+            Side::Upper => "upper",
+        })
+    }
+}
+
+fn listed(values: &[f64], decimals: usize) -> String {
+    values.iter().map(|value| format!("{value:.decimals$}")).collect::<Vec<_>>().join(", ")
+}
+
+fn rounded(factor: f64) -> String {
+    if factor < 1e3 { format!("{factor:.1}") } else { format!("{factor:.0e}") }
+}
+
+codes! {
+    START_REPLACED = "start-replaced", Note,
+        "the objective has no value at a start of a search, which began at a fallback instead",
+        "none is needed where the fallback is a good start; otherwise choose another start";
+    START_ON_BOUND = "start-on-bound", Note,
+        "a start of a search lies on a bound of an unknown, where the initial simplex and the transform of bounds \
+         are one-sided",
+        "move the start inside the bounds";
+    FAILED_TRIALS = "failed-trials", Warning,
+        "trials of a search had no value: the objective threw, was not a number, or the film ruptured; they count as \
+         worse than all others",
+        "tighten the bounds if many failed; use on_failure \"retry\" for a rough objective and on_rupture \"keep\" \
+         for tests that rupture";
+    NOT_CONVERGED = "not-converged", Warning,
+        "a search stopped before its tolerances were met",
+        "raise max_iterations and max_evaluations, or loosen tol_x and tol_f if the objective is rough";
+    ON_BOUND = "on-bound", Warning,
+        "the best point of a search lies on a bound: the minimum is probably outside",
+        "widen the bound if larger or smaller values are physical";
+    STARTS_DISAGREE = "starts-disagree", Warning,
+        "some starts of a search ended at a higher objective value than the best: there are local minima",
+        "use more starts, and compare the points at which they ended";
+    NOT_UNIQUE = "not-unique", Warning,
+        "some starts of a search ended at the same objective value as the best and at another point: the data do not \
+         determine the unknowns",
+        "fix some unknowns, or add signals or tests to the objective";
+    NO_EFFECT = "no-effect", Warning,
+        "the residuals do not depend on a combination of parameters, which is structurally not identifiable",
+        "fix one parameter of the combination, or add data that depend on it";
+    NOT_IDENTIFIABLE = "not-identifiable", Warning,
+        "the confidence interval of a combination of parameters reaches a factor of 1.5: it is practically not \
+         identifiable",
+        "fix one parameter of the combination, or add signals or tests to the objective";
+    WEAKLY_IDENTIFIABLE = "weakly-identifiable", Warning,
+        "the effect of a combination of parameters on the residuals is below 1 % of the largest: errors of model and \
+         sensor determine it",
+        "add data on which the combination has more effect";
+    CORRELATED = "correlated", Warning,
+        "the correlation of two parameters exceeds 0.95: a change of one is compensated by the other",
+        "report both together, or add data that separate them";
+    FEW_INDEPENDENT_RESIDUALS = "few-independent-residuals", Warning,
+        "the residuals are so strongly correlated that they count as few independent ones: they show model error \
+         rather than noise",
+        "improve the model; the intervals do not cover its error";
+    RESIDUALS_BELOW_ROUGHNESS = "residuals-below-roughness", Warning,
+        "the residuals are no larger than the roughness or the curvature of the model over the step of the differences",
+        "do not read the intervals as scatter of measurements; change `difference` if the objective is rough";
+    ONE_SIDED = "one-sided", Warning,
+        "the derivative along a parameter is a one-sided difference, since the other side lies beyond a bound or \
+         failed",
+        "move the bound, or use profiles for the interval of that parameter";
+    NOT_AT_MINIMUM = "not-at-minimum", Warning,
+        "a Gauss-Newton step from the estimate moves a parameter by more than half a standard error",
+        "search again from the estimate with tighter tolerances";
+    NO_BOUND = "no-bound", Warning,
+        "the objective along a parameter does not rise to the threshold of 95 % on one side: it is not practically \
+         identifiable",
+        "fix another parameter, or add signals or tests to the objective";
+    OPEN_INTERVAL = "open-interval", Warning,
+        "trials failed along a parameter before the objective rose to the threshold of 95 %",
+        "find out why these trials fail; the interval is open on that side";
+    PROFILE_FAILED = "profile-failed", Warning,
+        "trials failed at some points of a profile",
+        "find out why these trials fail; the profile has gaps there";
+    LOWER_THAN_ESTIMATE = "lower-than-estimate", Warning,
+        "a profile finds a lower objective value than the estimate: the search stopped before the minimum",
+        "search again from the point that the warning gives";
+}
+
+impl Report for Warning {
+    fn code(&self) -> &'static Code {
+        match self {
+            Warning::StartReplaced { .. } => &START_REPLACED,
+            Warning::StartOnBound { .. } => &START_ON_BOUND,
+            Warning::FailedTrials { .. } => &FAILED_TRIALS,
+            Warning::NotConverged { .. } => &NOT_CONVERGED,
+            Warning::OnBound { .. } => &ON_BOUND,
+            Warning::StartsDisagree { .. } => &STARTS_DISAGREE,
+            Warning::NotUnique { .. } => &NOT_UNIQUE,
+            Warning::NoEffect { .. } => &NO_EFFECT,
+            Warning::NotIdentifiable { .. } => &NOT_IDENTIFIABLE,
+            Warning::WeaklyIdentifiable { .. } => &WEAKLY_IDENTIFIABLE,
+            Warning::Correlated { .. } => &CORRELATED,
+            Warning::FewIndependentResiduals { .. } => &FEW_INDEPENDENT_RESIDUALS,
+            Warning::ResidualsBelowRoughness { .. } => &RESIDUALS_BELOW_ROUGHNESS,
+            Warning::OneSided { .. } => &ONE_SIDED,
+            Warning::NotAtMinimum { .. } => &NOT_AT_MINIMUM,
+            Warning::NoBound { .. } => &NO_BOUND,
+            Warning::OpenInterval { .. } => &OPEN_INTERVAL,
+            Warning::ProfileFailed { .. } => &PROFILE_FAILED,
+            Warning::LowerThanEstimate { .. } => &LOWER_THAN_ESTIMATE,
+        }
+    }
+
+    /// The fields of the variant.
+    fn figures(&self) -> Map<String, Value> {
+        match serde_json::to_value(self) {
+            Ok(Value::Object(fields)) => fields,
+            _ => Map::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn the_figures_of_a_warning_are_its_fields() {
+        let warning = Warning::NotConverged { reason: StopReason::MaxEvaluations };
+        assert_eq!(warning.figures()["reason"], "max_evaluations was reached");
+        let warning = Warning::NoBound { parameter: "k1".into(), side: Side::Lower, limit: 0.5 };
+        assert_eq!(Value::Object(warning.figures()), json!({ "parameter": "k1", "side": "lower", "limit": 0.5 }));
+        let warning = Warning::FailedTrials { count: 2, retried: false, first: vec![1.0], cause: "no".into() };
+        assert_eq!(warning.to_string(), "2 trials failed and counted as worst, the first at [1.0]: no");
+    }
+}
