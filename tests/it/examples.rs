@@ -5,6 +5,9 @@
 #[path = "../../examples/run_and_read.rs"]
 mod run_and_read;
 #[allow(dead_code)]
+#[path = "../../examples/search.rs"]
+mod search;
+#[allow(dead_code)]
 #[path = "../../examples/single_element_law.rs"]
 mod single_element_law;
 
@@ -33,4 +36,12 @@ fn the_stress_of_a_law_on_a_single_element_is_its_closed_form() {
         let [_, stress, closed_form] = row[..] else { panic!("{report}") };
         assert!((stress - closed_form).abs() <= 2e-3, "{report}");
     }
+}
+
+#[test]
+fn a_search_finds_the_multiplier_of_a_run() {
+    let report = search::multiplier().expect("a multiplier");
+    let found: f64 =
+        report.split_once("ke ").and_then(|(_, rest)| rest.split(' ').next()?.parse().ok()).expect("a number");
+    assert!((found / 3.41 - 1.0).abs() < 1e-3, "{report}");
 }
