@@ -1,9 +1,9 @@
-//! What an identification costs: `cargo bench --bench identify`.
+//! Cost of an identification: `cargo bench --bench identify`.
 //!
-//! The signals of a drop test's own run are its recording: the multipliers that are to be found are those of its scenario. A
-//! cold start is [1, 1, 1], the quasi-static curves. The first test is searched from there, the others at the same time from
-//! what it found, or from a cold start where that film breaks at once. Beside the wall time stands that of all threads: the
-//! machine was shared where the wall time is more than that over their number.
+//! The recording of a drop test is the signals of its own run: the multipliers to be found are those of its scenario.
+//! The first test is searched from a cold start, [1, 1, 1], the quasi-static curves; the others at the same time from
+//! its result, or from a cold start where that film ruptures at once. The wall time is printed beside the CPU time of
+//! all threads: it exceeds the CPU time over their number where other processes use the machine.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -24,14 +24,14 @@ use rhai::{Map, Scope};
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// The tests that held.
+/// The tests without rupture.
 const TESTS: [&str; 5] = ["1008", "1009", "1010", "1509", "1510"];
 
 /// Columns of the printed table.
 const HEAD: &str =
     "| test | iterations | evaluations | k1 | ke | ky | off by | error |\n|---|---|---|---|---|---|---|---|";
 
-/// The search of `scripts/identify.rhai`, for one test after `first` from its result: both as the study does it.
+/// The search of `scripts/identify.rhai` for several tests.
 const SCRIPT: &str = r#"
 let options = #{
     tol_x: 1e-4, tol_f: 1e-4, max_iterations: 400, max_evaluations: 800, difference: 0.01,
@@ -75,24 +75,24 @@ fn main() -> Outcome<()> {
 struct Recorded {
     test: &'static str,
     recording: PathBuf,
-    /// The multipliers that are to be found: those of the scenario (Table 8).
+    /// The multipliers to be found: those of the scenario (Table 8).
     expected: [f64; 3],
 }
 
-/// Seconds by the clock, and those that the process computed.
+/// Wall time and CPU time, s.
 struct Cost {
     wall: f64,
     busy: f64,
 }
 
-/// Calls `work` and says what it cost.
+/// Calls `work` and measures its cost.
 fn timed<T>(work: impl FnOnce() -> Outcome<T>) -> Outcome<(T, Cost)> {
     let (begin, before) = (Instant::now(), busy());
     let done = work()?;
     Ok((done, Cost { wall: begin.elapsed().as_secs_f64(), busy: busy() - before }))
 }
 
-/// Seconds that all threads of this process have computed so far, as Linux counts them in hundredths; not a number elsewhere.
+/// CPU time of all threads of this process so far, s, from Linux in steps of 0.01 s; not a number elsewhere.
 fn busy() -> f64 {
     let stat = fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let fields = stat.rsplit(')').next().unwrap_or_default();
@@ -104,7 +104,7 @@ fn scenario(test: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenarios/drop/{test}.toml"))
 }
 
-/// Runs a test and keeps its signals as its recording.
+/// Runs a test and writes its signals as its recording.
 fn record(test: &'static str, folder: &Path) -> Outcome<Recorded> {
     let document = Document::read(&scenario(test)).map_err(told)?;
     let resolved: toml::Table = document.resolved().parse()?;
@@ -119,7 +119,7 @@ fn record(test: &'static str, folder: &Path) -> Outcome<Recorded> {
     Ok(Recorded { test, recording, expected })
 }
 
-/// Searches the multipliers of all of `tests` from `start` and prints them; those of the first, and what it cost.
+/// Searches the multipliers of all of `tests` from `start` and prints them. Returns those of the first, and the cost.
 fn identify(tests: &[Recorded], method: &str, start: [f64; 3]) -> Outcome<([f64; 3], Cost)> {
     let mut args = Map::new();
     args.insert("method".into(), method.into());
@@ -132,7 +132,7 @@ fn identify(tests: &[Recorded], method: &str, start: [f64; 3]) -> Outcome<([f64;
     let (findings, cost) = timed(|| run(args))?;
     let rows = findings.tables.iter().find(|(name, _)| name == "found").map(|(_, rows)| rows);
     let found: Vec<[f64; 3]> =
-        tests.iter().zip(rows.ok_or("the script left no table")?).map(|(test, row)| test.print(row)).collect();
+        tests.iter().zip(rows.ok_or("the script has no table")?).map(|(test, row)| test.print(row)).collect();
     findings.log.iter().for_each(|line| println!("\n{line}"));
     Ok((*found.first().ok_or("no test was searched")?, cost))
 }
