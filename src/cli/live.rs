@@ -73,7 +73,7 @@ impl<'a> Show<'a> {
 
     /// Warns of a failure of the viewer; of one that is gone, once.
     fn warn(&self, error: &LiveError) {
-        let is_gone = matches!(error, LiveError::NoAnswer { .. } | LiveError::Stuck { .. });
+        let is_gone = matches!(error, LiveError::NoAnswer { .. } | LiveError::NotResponding { .. });
         let was_gone = is_gone && self.viewer.is_some_and(|viewer| viewer.is_gone.swap(true, Ordering::Relaxed));
         if !was_gone {
             self.bar.warn(&format!("--live: {error}; the run continues without the viewer"));

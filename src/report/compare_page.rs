@@ -10,7 +10,7 @@ use crate::post::RunComparison;
 use crate::post::comparison::{ComparedFigure, ComparedRun, ComparedSignal};
 use crate::signal::{Series, column};
 
-/// Pairs of columns of which the second is drawn over the first, besides over time.
+/// Pairs of columns of which the second is also drawn over the first.
 const AGAINST: [[&str; 2]; 4] = [
     [column::STRAIN.name, column::STRESS.name],
     [column::DISPLACEMENT.name, column::FORCE.name],
@@ -18,7 +18,7 @@ const AGAINST: [[&str; 2]; 4] = [
     [column::DEFLECTION.name, column::PRESSURE.name],
 ];
 
-/// Points that all curves have together, so that page and recording stay small enough to be sent.
+/// Most points of all curves, so that page and recording can be sent by mail.
 const MOST_POINTS: usize = 100_000;
 
 /// `report.html` of a comparison.
@@ -34,7 +34,7 @@ pub fn compare_page(comparison: &RunComparison) -> String {
         html::section("Scenarios", &html::table("rows", &header("key"), &keys(comparison))),
         html::section("Figures", &html::table("rows", &header("figure"), &figures(comparison.key_figures()))),
         html::section("Signals", &plot::figures(against.iter().chain(&over_time))),
-        html::section("Distance of signals", &distances(&html::table("rows", &header("signal"), &errors(comparison)))),
+        html::section("Errors of signals", &distances(&html::table("rows", &header("signal"), &errors(comparison)))),
         html::section("Further figures", &html::table("rows", &header("figure"), &figures(comparison.other_figures()))),
         format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
@@ -80,7 +80,7 @@ pub fn keys(comparison: &RunComparison) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// A signal, then how far each run's is from the first one's.
+/// A signal, then the error of each run against the first.
 pub fn errors(comparison: &RunComparison) -> Vec<Vec<String>> {
     let value =
         |value: &Option<f64>| value.map_or_else(|| "-".into(), |error| format!("{} %", significant(100.0 * error, 3)));
@@ -91,7 +91,7 @@ pub fn errors(comparison: &RunComparison) -> Vec<Vec<String>> {
 }
 
 fn distances(table: &str) -> String {
-    let note = "RMS of the difference from the first run's signal over the RMS of that, over the time that both cover";
+    let note = "RMS of the difference from the signal of the first run over the RMS of that signal, over the time that both cover";
     if table.is_empty() { String::new() } else { format!("<p class=\"note\">{note}</p>\n{table}") }
 }
 
@@ -143,13 +143,13 @@ fn curves(comparison: &RunComparison, points: impl Fn(usize) -> Option<Vec<[f64;
     comparison.runs.iter().enumerate().filter_map(curve).collect()
 }
 
-/// With a capital, as a heading.
+/// `words` with a capital, as a heading.
 fn sentence(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// How a column is shown: in words and in the unit that people read.
+/// How a column is shown: its words and the unit of its axis.
 struct Shown {
     words: String,
     unit: String,

@@ -1,4 +1,4 @@
-//! Pictures of a search: its objective, its unknowns, and its simulations closing in on what was measured.
+//! Plots of a search: its objective, its unknowns, and its simulations as they converge to the target.
 
 use crate::plot::{Axis, Curve, Plot, Scale, TIME};
 use crate::script::{ConvergenceHistory, FitHistory, Improvement, Over};
@@ -7,7 +7,7 @@ use crate::units::{Pressure, Unit};
 /// Most iterations whose curves one plot shows.
 const MOST_CURVES: usize = 8;
 
-/// Objective and unknowns over iterations, then every fit; no objective and no unknowns of a search that did not move.
+/// Objective and unknowns over iterations, then every fit; no objective and no unknowns of a search without iterations.
 pub fn plots(convergence: &ConvergenceHistory) -> Vec<Plot> {
     let own = [objective(convergence), unknowns(convergence)].into_iter().filter(has_lines);
     own.chain(convergence.fits.iter().map(|fit| chosen(convergence, fit))).collect()
@@ -30,8 +30,8 @@ pub fn target(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot {
     Plot::new(title, [x, y.as_str()], vec![reference])
 }
 
-/// Words of the y axis, and the factor from SI. What a script says of signals over time is theirs; stresses over strain stand in
-/// the unit that it names, else in MPa, which is then said.
+/// Words of the y axis, and the factor from SI. A script names the words of signals over time; stresses over
+/// strain are in the unit that it names, else in MPa.
 fn ordinate(FitHistory { words, target, .. }: &FitHistory) -> (String, f64) {
     let named = || words.strip_suffix(')').and_then(|words| words.rsplit_once('(')).map(|(_, symbol)| symbol);
     let stress = || Unit::parse(named()?).ok().filter(|unit| unit.measures(Pressure::DIMENSION));

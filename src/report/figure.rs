@@ -1,4 +1,4 @@
-//! Figures as people read them: words, a rounded number, a unit.
+//! Figures in words with a rounded number and a unit.
 
 use serde_json::{Map, Value};
 
@@ -8,15 +8,17 @@ use crate::units::{STANDARD_GRAVITY, Unit};
 /// Standard gravity, m/s²: decelerations are shown in multiples of it.
 pub const G: f64 = STANDARD_GRAVITY;
 
-/// Suffixes that mean a force by length here; a recording might mean a moment by them.
+/// Suffixes that mean a force per length in a summary; in a recording they may mean a moment.
 const LINE_FORCES: [(&str, &str); 2] = [("_N_mm", "N/mm"), ("_N_m", "N/m")];
 
 /// One line of a table of figures.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
+    /// The name in words.
     pub words: String,
+    /// Rounded to four significant digits.
     pub value: String,
-    /// Accelerations in multiples of g besides.
+    /// The unit; accelerations also in multiples of g.
     pub unit: String,
 }
 
@@ -44,7 +46,7 @@ impl Figure {
     }
 }
 
-/// Figures as a table of HTML, each row with its name and its value in full.
+/// Figures as a table of HTML; each row carries the name and the full value as data attributes.
 pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) -> String {
     let row = |(name, value): (&String, &Value)| {
         let cells = Figure::of(name, value)?.cells().map(|cell| escape(&cell));
@@ -76,7 +78,7 @@ pub fn named(name: &str) -> (String, String) {
     }
 }
 
-/// A unit as print has it.
+/// A unit in typographic form.
 fn printed(symbol: &str) -> &str {
     match symbol {
         "m/s2" => "m/s²",
@@ -98,7 +100,7 @@ pub fn markdown(summary: &Map<String, Value>) -> String {
     format!("| figure | value | unit |\n|---|---:|---|\n{lines}")
 }
 
-/// Text that means itself in Markdown, within a table as elsewhere.
+/// `text` with everything that Markdown would read as markup escaped.
 pub fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {

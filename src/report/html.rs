@@ -1,4 +1,4 @@
-//! The frame of a page, and text made safe to stand in it.
+//! The HTML of a page, and the escaping of text in it.
 
 use std::fmt::Write;
 use std::sync::LazyLock;
@@ -58,7 +58,7 @@ pub fn page(title: &str, body: &str) -> String {
     )
 }
 
-/// What a reader must know, set off from the rest; nothing where there is nothing. Heading and lines are text.
+/// Warnings or notes in a box of their own; empty without lines. Heading and lines are text.
 pub fn warnings(heading: &str, lines: &[String]) -> String {
     if lines.is_empty() {
         return String::new();
@@ -72,7 +72,7 @@ pub fn data(value: &Value) -> String {
     format!("<script type=\"application/json\">{text}</script>\n")
 }
 
-/// A section with a heading (text) around `content` (HTML); nothing where there is no content.
+/// A section with a heading (text) around `content` (HTML); empty without content.
 pub fn section(heading: &str, content: &str) -> String {
     if content.is_empty() {
         return String::new();

@@ -1,4 +1,4 @@
-//! The few figures that a reader looks for first.
+//! The key figures at the top of a page.
 
 use serde_json::{Map, Value};
 
@@ -16,13 +16,13 @@ struct Key {
     /// From the summary's unit to the one shown.
     factor: f64,
     unit: &'static str,
-    /// What stands under it.
+    /// Second line of the card.
     beside: Beside,
 }
 
 enum Beside {
     Nothing,
-    /// When, by the name of a time.
+    /// At which time, by its name.
     Time(&'static str),
     /// At which strain, by its name.
     Strain(&'static str),
@@ -50,14 +50,14 @@ const IMPACT: [Key; 7] = [
     BALANCE,
 ];
 
-/// An impact that ended before the impactor turned round.
+/// An impact without a rebound.
 const DESCENT: [Key; 5] = [
     at(
         key("largest deceleration so far", "peak_acceleration_m_s2", 1.0 / G, "g"),
         Beside::Time("time_of_peak_acceleration_s"),
     ),
     at(
-        key("lowest so far, still going down", "peak_displacement_m", 1e3, "mm"),
+        key("lowest so far, still descending", "peak_displacement_m", 1e3, "mm"),
         Beside::Time("time_of_peak_displacement_s"),
     ),
     key("acceleration error E<sub>a</sub>", "acceleration_error", 100.0, "%"),
@@ -102,7 +102,7 @@ pub(super) fn cards(run: &RunPage, summary: &Map<String, Value>) -> String {
     format!("<ul class=\"cards\">\n{cards}{}</ul>\n", film(summary, run.failure.is_some()))
 }
 
-/// Share in % below which nobody asks for digits.
+/// Share in % below which a card shows no digits.
 const LEAST_SHARE: f64 = 0.01;
 
 fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, Value>) -> Option<String> {
@@ -133,12 +133,12 @@ fn number_of(value: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// Whether the film held, and if not, until when; of a run that broke off, only how far it got.
-fn film(summary: &Map<String, Value>, broke_off: bool) -> String {
+/// Whether the film ruptured, and when; of a failed run, that it held until then.
+fn film(summary: &Map<String, Value>, failed: bool) -> String {
     let rupture = summary.get("rupture_time_s").and_then(Value::as_f64);
     let (shown, beside) = match rupture {
         Some(time) => ("ruptured", format!("<span class=\"beside\">at {}</span>", duration(time))),
-        None if broke_off => ("held", "<span class=\"beside\">until the run broke off</span>".into()),
+        None if failed => ("held", "<span class=\"beside\">until the run failed</span>".into()),
         None => ("held", String::new()),
     };
     format!("<li><span class=\"words\">film</span><span class=\"value\">{shown}</span>{beside}</li>\n")
@@ -162,8 +162,8 @@ mod tests {
     #[test]
     fn a_film_held_only_as_long_as_the_run_went() {
         let whole = film(&Map::new(), false);
-        assert!(whole.contains("held") && !whole.contains("broke off"));
-        assert!(film(&Map::new(), true).contains("until the run broke off"));
+        assert!(whole.contains("held") && !whole.contains("run failed"));
+        assert!(film(&Map::new(), true).contains("until the run failed"));
         let ruptured = json!({ "rupture_time_s": 0.04 });
         assert!(film(ruptured.as_object().unwrap(), true).contains("ruptured</span><span class=\"beside\">at 40.0 ms"));
     }

@@ -1,4 +1,4 @@
-//! One self-contained page a run or study: figures, plots, warnings, and what was run. Opens offline.
+//! Self-contained pages of runs, studies and comparisons, their recordings, and the series for ParaView.
 
 mod body;
 mod convergence;

@@ -1,4 +1,4 @@
-//! Plots of a page: the data that its script draws, and the words that stand for them.
+//! Plots of a page: the data that its script draws, and a description for screen readers.
 
 use serde_json::{Value, json};
 
@@ -7,10 +7,10 @@ use super::html::{data, escape};
 use crate::plot::{Axis, Curve, Look, Plot, Scale};
 use crate::post::Histogram;
 
-/// Most points of one curve; longer ones are given by the extremes of their stretches.
+/// Most points of one curve; a longer one is reduced to the extremes of its intervals.
 const MOST_POINTS: usize = 2000;
 
-/// Significant digits of a point: more than any screen has pixels.
+/// Significant digits of a point: finer than the pixels of a screen.
 const DIGITS: i32 = 6;
 
 /// The plot as an HTML figure that the page's script draws; empty where no curve has a point.
@@ -23,13 +23,13 @@ pub fn figures<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
     side_by_side(plots.into_iter().map(figure))
 }
 
-/// Figures (HTML) side by side; nothing where there is none.
+/// Figures (HTML) side by side; empty without figures.
 pub(super) fn side_by_side(figures: impl IntoIterator<Item = String>) -> String {
     let figures: String = figures.into_iter().collect();
     if figures.is_empty() { figures } else { format!("<div class=\"plots\">\n{figures}</div>\n") }
 }
 
-/// The histogram of strain rates over decades, the measured range marked; empty where nothing strained.
+/// The histogram of strain rates over decades with the measured range marked; empty without straining.
 pub(super) fn rates(title: &str, histogram: &Histogram) -> String {
     let bins = histogram.edges_1_s.windows(2).zip(&histogram.shares);
     let worth: Vec<_> = bins.filter(|(_, share)| **share > WORTH_SHOWING).collect();
@@ -48,7 +48,7 @@ pub(super) fn rates(title: &str, histogram: &Histogram) -> String {
     drawn(&plot, true)
 }
 
-/// Share of the straining from which a bin is worth its place on the axis.
+/// Least share of the straining of a bin that extends the axis.
 const WORTH_SHOWING: f64 = 1e-3;
 
 fn drawn(plot: &Plot, filled: bool) -> String {
@@ -64,13 +64,13 @@ fn drawn(plot: &Plot, filled: bool) -> String {
     )
 }
 
-/// Whether the axes have a place for a point.
+/// Whether a point can be drawn on the axes.
 fn has_place(plot: &Plot, [x, y]: &[f64; 2]) -> bool {
     let on = |axis: &Axis, value: f64| value.is_finite() && (axis.scale == Scale::Linear || value > 0.0);
     on(&plot.x, *x) && on(&plot.y, *y)
 }
 
-/// What a reader who does not see the plot is told.
+/// The description for screen readers.
 fn description(plot: &Plot) -> String {
     let ends = |curve: &Curve, axis: usize| {
         let places = curve.points.iter().filter(|point| has_place(plot, point)).map(|point| point[axis]);
@@ -86,7 +86,7 @@ fn description(plot: &Plot) -> String {
     format!("{} over {}; {}{}", plot.y.words, plot.x.words, curves.join("; "), window.unwrap_or_default())
 }
 
-/// What the script reads. A curve with the abscissae of an earlier one names that one in their place.
+/// The data that the script reads. A curve with the abscissae of an earlier one refers to that curve.
 fn contents(plot: &Plot, filled: bool) -> Value {
     let mut abscissae: Vec<Vec<Value>> = Vec::new();
     let mut curve = |curve: &Curve| {
@@ -96,7 +96,7 @@ fn contents(plot: &Plot, filled: bool) -> Value {
                 |point: &[f64; 2]| if has_place(plot, point) { short(point[axis]).into() } else { Value::Null };
             points.iter().map(number).collect()
         };
-        // A gap has a place along the axis, so that curves with other gaps can share it.
+        // A gap keeps its abscissa, so that curves with other gaps can share the abscissae.
         let x: Vec<Value> = points.iter().map(|point| short(point[0]).into()).collect();
         let same = abscissae.iter().position(|known| *known == x);
         let written = same.map_or_else(|| json!(x), |earlier| json!(earlier));

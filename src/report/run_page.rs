@@ -9,24 +9,28 @@ use crate::finding::Finding;
 use crate::model::{Model, Window};
 use crate::plot::thinned;
 use crate::post::{COST, HEADER, ReferenceComparison, Results};
+use crate::scenario::{Assumption, assumptions};
 use crate::simulate::Outcome;
 use crate::store::run_files::{RUN_FILES, SNAPSHOTS};
 
-/// What the page of a run is made of.
+/// The content of the page of a run.
 #[derive(Clone, Copy)]
 pub struct RunPage<'a> {
+    /// The checked scenario.
     pub model: &'a Model,
+    /// The run.
     pub outcome: &'a Outcome,
+    /// Its figures and findings.
     pub results: &'a Results,
-    /// The fully resolved scenario.
+    /// The resolved scenario.
     pub scenario: &'a str,
-    /// Why the run broke off, where it did.
+    /// Why the run failed; `None` of a complete one.
     pub failure: Option<&'a str>,
     /// Names of the other files in the run's folder.
     pub files: &'a [String],
 }
 
-/// Points of the signals, of the energies, and of what the script left: beside the film, the page so stays below 3 MB.
+/// Most points of the signals, of the energies and of the script's plots, which keep the page below 3 MB.
 const MOST_POINTS: [usize; 3] = [35_000, 10_000, 40_000];
 
 /// `report.html` of a run.
@@ -52,7 +56,7 @@ pub fn run_page(run: &RunPage) -> String {
     html::page(&model.title, &body.concat())
 }
 
-/// What was run and what it is held against, in words.
+/// What was run and what it is compared with.
 fn lead(run: &RunPage) -> String {
     let RunPage { model, results, .. } = run;
     let file = |path: &std::path::Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
@@ -85,7 +89,7 @@ fn figures(summary: &Map<String, Value>) -> String {
     format!("{figures}<h3>Mesh and machine</h3>\n{cost}")
 }
 
-/// Where the energy went, how fast the film was strained, and how its elements are shaped.
+/// Energies, strain rates and element quality.
 fn audit(run: &RunPage) -> String {
     let audit = run.results.measures.audit();
     let (energies, negligible) = run_plots::energies(&run.outcome.energies);
@@ -113,7 +117,7 @@ fn audit(run: &RunPage) -> String {
     [plot::side_by_side([energies, rates]), format!("<h3>Worst elements of each face</h3>\n{meshes}")].concat()
 }
 
-/// The recording: what it says of itself and how it was read.
+/// The reference: the window of the comparison, the notes of its file, and how it was reduced.
 fn reference(run: &RunPage) -> String {
     let (Some(reference), Some(comparison)) = (&run.model.reference, &run.results.comparison) else {
         return String::new();
@@ -147,25 +151,13 @@ fn files(run: &RunPage) -> String {
     html::table("rows", &["file", "what it holds"].map(String::from), &rows)
 }
 
-/// The lines of the scenario whose comments say that something is assumed, each with the table it stands in.
+/// The values that the scenario assumes, each with its comment.
 fn assumed(scenario: &str) -> Vec<String> {
-    let mut table = "";
-    let mut found = Vec::new();
-    for line in scenario.lines() {
-        if line.starts_with('[') {
-            table = line.trim_matches(['[', ']']);
-            continue;
-        }
-        // The resolved text has one blank more before a comment than any value has within.
-        if let Some((value, comment)) = line.rsplit_once("  #").filter(|(_, comment)| comment.contains("assumed")) {
-            let dot = if table.is_empty() { "" } else { "." };
-            found.push(format!("{table}{dot}{value}: {}", comment.trim()));
-        }
-    }
-    found
+    let line = |Assumption { key, value, comment }| format!("{key} = {value}: {comment}");
+    assumptions(scenario).into_iter().map(line).collect()
 }
 
-/// How to run it again.
+/// The command and the scenario that repeat the run.
 fn again(run: &RunPage) -> String {
     let command = html::verbatim("droptower run scenario.toml --out again");
     let scenario = html::verbatim(run.scenario);
@@ -174,19 +166,4 @@ fn again(run: &RunPage) -> String {
          <details open>\n<summary>scenario.toml</summary>\n{scenario}</details>\n",
         env!("CARGO_PKG_VERSION")
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_assumed_is_listed_with_its_table() {
-        let scenario = "title = \"a\"\n[impactor]\nfriction = 0.4  # assumed\nmass = 1.0  # Table 3\n[[layer]]\n\
-                        height = \"a  # b\"  # distance assumed\n";
-        assert_eq!(
-            assumed(scenario),
-            ["impactor.friction = 0.4: assumed", "layer.height = \"a  # b\": distance assumed"]
-        );
-    }
 }

@@ -21,7 +21,7 @@ pub(super) fn signals(run: &RunPage) -> Vec<Plot> {
 /// Share of the largest energy below which a term is named and not drawn; one that is zero throughout does not exist.
 pub(super) const NEGLIGIBLE: f64 = 1e-3;
 
-/// Where the energy went, and the terms too small to be drawn.
+/// The energy audit, and the terms too small to be drawn.
 pub(super) fn energies(energies: &Recording) -> (Plot, Vec<String>) {
     let magnitude = |channel: &Channel| channel.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let largest = energies.channels.iter().map(magnitude).fold(0.0, f64::max);
@@ -38,7 +38,7 @@ pub(super) fn energies(energies: &Recording) -> (Plot, Vec<String>) {
     (plot, small.into_iter().map(words).collect())
 }
 
-/// As Figures 23 to 27 of the paper, and what the film does besides.
+/// The plots of Figures 23 to 27 of the paper, and those of the film.
 fn impact(signals: &Recording, comparison: Option<&ReferenceComparison>) -> Vec<Plot> {
     let simulated = |name: &str, column: Column| Some(over_time(name, &signals.series(column.name)?, column.factor));
     let measured = |of: fn(&ReferenceComparison) -> &Option<Series>, name: &str, factor| {
@@ -118,7 +118,7 @@ fn frame(signals: &Recording) -> Option<Plot> {
     let force = |name: &str, column: Column| Some(over_time(name, &signals.series(column.name)?, column.factor));
     let curves = [force("along x", column::FRAME_FORCE_X), force("along y", column::FRAME_FORCE_Y)];
     let any = curves.iter().any(Option::is_some);
-    any.then(|| over_time_plot("Pull of the film on the frame", column::FRAME_FORCE_X.axis, curves))
+    any.then(|| over_time_plot("Force of the film on the frame", column::FRAME_FORCE_X.axis, curves))
 }
 
 /// One column over another.

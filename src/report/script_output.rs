@@ -1,4 +1,4 @@
-//! What a script left, as sections of a page.
+//! The output of a script as sections of a page.
 
 use serde_json::Value;
 
@@ -8,13 +8,13 @@ use super::{convergence, plot, rounded};
 use crate::plot::{Plot, thinned};
 use crate::script::{File, Row, ScriptOutput};
 
-/// Rows of one table that a page shows; all are in its file.
+/// Most rows of a table on a page; its file has all of them.
 const MOST_ROWS: usize = 200;
 
-/// Rows of a table that is shown at once; a longer one unfolds.
+/// Most rows of a table that is not folded.
 const SHOWN_ROWS: usize = 16;
 
-/// Tables, plots, searches, correlations and files; nothing where a script left nothing. All plots together have at most
+/// Tables, plots, searches, correlations and files; empty of a script without output. All plots together have at most
 /// `most` points.
 pub(super) fn sections(output: &ScriptOutput, most: usize) -> String {
     let plots = thinned(output.plots.clone(), most);
@@ -47,7 +47,7 @@ pub fn columns(rows: &[Row]) -> Vec<String> {
     columns
 }
 
-/// A value of a table as people read it; numbers rounded, nothing where there is none.
+/// A value of a table as text: numbers rounded, empty where there is none.
 pub fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
@@ -74,7 +74,7 @@ fn table(name: &str, rows: &[Row]) -> String {
     }
 }
 
-/// The columns with those that a paper prints, `paper_<name>`, right beside ours.
+/// The columns, each followed by that of the paper, `paper_<name>`, if there is one.
 fn beside(columns: Vec<String>) -> Vec<String> {
     let papers = |name: &String| columns.iter().find(|other| other.strip_prefix("paper_") == Some(name)).cloned();
     let is_own =
@@ -86,7 +86,7 @@ fn points(plots: &[Plot]) -> usize {
     plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.points.len()).sum()
 }
 
-/// A section a search, as many as there is room for with `left` points.
+/// A section for each search, as long as its points are within `left`.
 fn searches(output: &ScriptOutput, mut left: usize) -> String {
     let mut sections = String::new();
     let mut without: Vec<&str> = Vec::new();

@@ -7,7 +7,7 @@ use super::{cell, figure, script_output};
 use crate::finding::Finding;
 use crate::script::ScriptOutput;
 
-/// What the page of a study is made of.
+/// The content of the page of a study.
 #[derive(Clone, Copy)]
 pub struct StudyPage<'a> {
     /// The script's name.
@@ -19,7 +19,7 @@ pub struct StudyPage<'a> {
     pub script: &'a str,
 }
 
-/// Points that all plots have together on a page, which so stays below 3 MB.
+/// Most points of all plots of a page, which keep it below 3 MB.
 const MOST_POINTS: usize = 120_000;
 
 /// `report.html` of a study.
@@ -57,7 +57,7 @@ fn argument((name, value): (&String, &Value)) -> String {
     format!("{name}={}", value.as_str().map_or_else(|| value.to_string(), str::to_owned))
 }
 
-/// The command that makes the study again.
+/// The command that repeats the study.
 fn again(call: &Map<String, Value>) -> String {
     let text = |name: &str| call.get(name).and_then(Value::as_str);
     let changes = call.get("set").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
@@ -74,7 +74,7 @@ fn again(call: &Map<String, Value>) -> String {
     )
 }
 
-/// A word of a command line, in quotes where a shell would take it apart.
+/// A word of a command line, in quotes where a shell would split or expand it.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=:,+%".contains(c);
     if word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }

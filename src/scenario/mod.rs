@@ -39,7 +39,7 @@ pub use material::{Elastic, Fabric, Fibre, Material, Point, RateCurve, Scale, Sh
 pub use output::{Filter, Output};
 pub use post::Post;
 pub use reference::{Phase, Reference, Window};
-pub use resolved::leaves;
+pub use resolved::{Assumption, assumptions, leaves};
 pub use solver::Solver;
 pub use specimen::{Circle, Element, Meshing, Shape, Specimen, Symmetry};
 pub use tree::{Node, Table, Value};

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use toml_edit::{DocumentMut, TableLike};
+use toml_edit::{DocumentMut, Item, TableLike};
 
 use super::grammar::Rule;
 use super::tree::{Node, Table, Value};
@@ -112,6 +112,45 @@ fn gather(path: &str, value: toml::Value, leaves: &mut BTreeMap<String, String>)
     }
 }
 
+/// A value of a resolved scenario whose comment says that it is assumed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Assumption {
+    /// Path of the key, e.g. `impactor.friction`; items of a list share the path of the list.
+    pub key: String,
+    /// The value, as TOML.
+    pub value: String,
+    /// The comment without its `#`.
+    pub comment: String,
+}
+
+/// The assumed values of a resolved scenario, in its order; none of a text that is not TOML.
+pub fn assumptions(scenario: &str) -> Vec<Assumption> {
+    let mut found = Vec::new();
+    if let Ok(document) = scenario.parse::<DocumentMut>() {
+        assumed("", document.as_table(), &mut found);
+    }
+    found
+}
+
+fn assumed(path: &str, table: &dyn TableLike, found: &mut Vec<Assumption>) {
+    for (key, item) in table.iter() {
+        let key = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+        match item {
+            Item::Value(value) => {
+                let suffix = value.decor().suffix().and_then(|suffix| suffix.as_str()).unwrap_or_default();
+                let comment = suffix.trim().trim_start_matches('#').trim().to_owned();
+                if comment.contains("assumed") {
+                    let value = value.clone().decorated("", "").to_string();
+                    found.push(Assumption { key, value, comment });
+                }
+            }
+            Item::Table(table) => assumed(&key, table, found),
+            Item::ArrayOfTables(tables) => tables.iter().for_each(|table| assumed(&key, table, found)),
+            Item::None => {}
+        }
+    }
+}
+
 fn anchored(node: &Node, rule: Option<&Rule>) -> Node {
     let value = match &node.value {
         Value::Text(text) if rule.is_some_and(Rule::is_path) => {
@@ -141,7 +180,27 @@ fn anchored(node: &Node, rule: Option<&Rule>) -> Node {
 mod tests {
     use std::fs;
 
+    use super::{Assumption, assumptions};
     use crate::scenario::Document;
+
+    #[test]
+    fn assumed_values_are_those_whose_comments_say_so() {
+        let scenario = "title = \"a\"\n[impactor]\nfriction = 0.4  # assumed\nmass = 1.0  # Table 3\n[[layer]]\n\
+                        height = \"a  # b\"  # distance assumed\n";
+        let assumption = |key: &str, value: &str, comment: &str| Assumption {
+            key: key.into(),
+            value: value.into(),
+            comment: comment.into(),
+        };
+        assert_eq!(
+            assumptions(scenario),
+            [
+                assumption("impactor.friction", "0.4", "assumed"),
+                assumption("layer.height", "\"a  # b\"", "distance assumed")
+            ]
+        );
+        assert!(assumptions("a = # assumed").is_empty());
+    }
 
     #[test]
     fn values_keep_the_comments_of_their_lines() {

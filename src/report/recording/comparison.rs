@@ -1,4 +1,4 @@
-//! Runs laid over each other, on one timeline.
+//! The recording of a comparison: all runs on one timeline.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::post::RunComparison;
 use crate::report::compare_page;
 use crate::script::Row;
 
-/// Writes runs laid over each other to `path`: plots over time as signals, others as diagrams.
+/// Writes the recording of a comparison to `path`: plots over time as signals, others as diagrams.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -34,7 +34,7 @@ fn scene(comparison: &RunComparison) -> Scene {
     }
 }
 
-/// What the terminal shows.
+/// The tables that the terminal prints.
 fn text(comparison: &RunComparison) -> Text {
     let notes = comparison.notes.iter().map(|note| format!("- {}\n", text::escaped(note)));
     let row = |head: &str, cells: Vec<String>| -> Row {
@@ -48,12 +48,12 @@ fn text(comparison: &RunComparison) -> Text {
         notes.collect(),
         table("Figures", "figure", compare_page::figures(comparison.key_figures())),
         table("Scenarios", "key", compare_page::keys(comparison)),
-        table("Distance of signals", "signal", compare_page::errors(comparison)),
+        table("Errors of signals", "signal", compare_page::errors(comparison)),
     ];
     Text { title: "Comparison".to_owned(), markdown: parts.join("\n") }
 }
 
-/// Where the curve of a run stands in the recording. Names of columns and runs may hold any letters; numbers are safe.
+/// Entity of the curve of a run. Names of columns and runs may hold any characters, so entities are numbered.
 fn entity(plot: usize, run: usize) -> String {
     format!("signals/{plot}/{run}")
 }
@@ -80,7 +80,7 @@ mod tests {
     use crate::store::StoredRun;
 
     #[test]
-    fn every_run_has_a_curve_in_every_picture() {
+    fn every_run_has_a_curve_in_every_chart() {
         let run = |place: &str, last: f64| {
             let channel = |name: &str, values: [f64; 2]| Channel { name: name.into(), values: values.to_vec() };
             let channels = vec![channel("strain", [0.0, 0.5]), channel("stress_Pa", [0.0, last])];

@@ -1,10 +1,10 @@
-//! Plots as the recording draws them.
+//! Plots as diagrams of a recording.
 
 use droptower_viz::{self as viz, Diagram};
 
 use crate::plot::{Axis, Curve, Look, Plot, Scale};
 
-/// One diagram a plot, each at a path of its own below `folder`.
+/// A diagram for each plot, at an entity below `folder`.
 pub(super) fn diagrams<'a>(
     folder: &'a str,
     plots: impl IntoIterator<Item = &'a Plot> + 'a,

@@ -1,4 +1,4 @@
-//! What happened, for the recording's log.
+//! The log of a recording: events of the run, findings, and the log of the post script.
 
 use droptower_viz::{Event, Moment, Severity};
 
@@ -6,26 +6,26 @@ use crate::post::lowest_point;
 use crate::report::{RunPage, duration};
 use crate::signal::{Recording, column};
 
-/// First contact, extremes, rupture, rebound and warnings in the order of time, and what the post script said.
+/// First contact, extremes, rupture, rebound and findings in the order of time, and the log of the post script.
 pub fn of(run: &RunPage) -> Vec<Event> {
     let signals = &run.results.signals;
     let end = signals.time.last().copied().unwrap_or_default();
     let rupture = run.outcome.rupture_time.map(|time| (time, Severity::Warning, "first element breaks".to_owned()));
-    let failure = run.failure.map(|cause| (end, Severity::Warning, format!("the run broke off: {cause}")));
+    let failure = run.failure.map(|cause| (end, Severity::Warning, format!("the run failed: {cause}")));
     let warnings = run.results.measures.findings().iter().map(|found| {
         let severity = if found.is_warning() { Severity::Warning } else { Severity::Info };
         (end, severity, format!("{} [{}]", found.message, found.code))
     });
-    let said = run.results.script_output.log.iter().map(|text| (end, Severity::Info, text.clone()));
+    let logged = run.results.script_output.log.iter().map(|text| (end, Severity::Info, text.clone()));
     let motion = motion(signals).into_iter().map(|(time, text)| (time, Severity::Info, text));
-    // The viewer's own column of times is too narrow for them.
+    // The column of times in the viewer is too narrow for them.
     let timed = |(time, severity, text)| (time, severity, format!("{}: {text}", duration(time)));
-    let mut all: Vec<_> = motion.chain(rupture).map(timed).chain(failure).chain(warnings).chain(said).collect();
+    let mut all: Vec<_> = motion.chain(rupture).map(timed).chain(failure).chain(warnings).chain(logged).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     all.into_iter().map(|(time, severity, text)| Event { at: Moment::Time(time), severity, text }).collect()
 }
 
-/// How an impactor fares.
+/// Contact, largest deceleration, lowest point and rebound of an impactor.
 fn motion(signals: &Recording) -> Vec<(f64, String)> {
     let Some(force) = signals.channel(column::CONTACT_FORCE.name) else { return vec![] };
     let contact = force.iter().position(|force| *force > 0.0).map(|k| (k, "first contact".to_owned()));
@@ -38,13 +38,13 @@ fn motion(signals: &Recording) -> Vec<(f64, String)> {
     [contact, braking].into_iter().flatten().filter_map(timed).chain(lowest).chain(rebound).collect()
 }
 
-/// Share of the largest contact force below which an impactor is free: slack film still brushes it on its way up.
-const BRUSHING: f64 = 0.01;
+/// Share of the largest contact force below which the impactor is free: slack film may touch it as it rises.
+const FREE: f64 = 0.01;
 
 /// When the impactor is free for good after the turn at the time `turn`, s, and its speed then.
 fn rebound(signals: &Recording, force: &[f64], turn: f64) -> Option<(f64, String)> {
-    let brushing = BRUSHING * force.iter().copied().fold(0.0, f64::max);
-    let left = force.iter().rposition(|force| *force > brushing)? + 1;
+    let least = FREE * force.iter().copied().fold(0.0, f64::max);
+    let left = force.iter().rposition(|force| *force > least)? + 1;
     let speed = signals.channel(column::VELOCITY.name)?.get(left)?;
     let time = *signals.time.get(left)?;
     (time > turn && *speed > 0.0).then(|| (time, format!("leaves the film at {speed:.2} m/s")))
@@ -63,7 +63,7 @@ mod tests {
     use crate::signal::Channel;
 
     #[test]
-    fn an_impactor_touches_turns_and_leaves() {
+    fn contact_lowest_point_and_rebound_are_logged() {
         let channel = |name: &str, values: [f64; 5]| Channel { name: name.to_owned(), values: values.to_vec() };
         let signals = |force| Recording {
             time: vec![0.0, 0.1, 0.2, 0.3, 0.4],
@@ -73,13 +73,13 @@ mod tests {
                 channel("velocity_m_s", [-4.0, -3.0, 0.0, 1.0, 1.5]),
             ],
         };
-        let told = |force| motion(&signals(force)).into_iter().map(|(time, text)| format!("{time} {text}"));
-        let bounced: Vec<String> = told([0.0, 3.0, 5.0, 1.0, 0.0]).collect();
+        let texts = |force| motion(&signals(force)).into_iter().map(|(time, text)| format!("{time} {text}"));
+        let bounced: Vec<String> = texts([0.0, 3.0, 5.0, 1.0, 0.0]).collect();
         assert_eq!(bounced, ["0.1 first contact", "0.2 lowest point, -200.0 mm", "0.4 leaves the film at 1.50 m/s"]);
-        assert_eq!(told([0.0, 3.0, 5.0, 1.0, 1.0]).count(), 2, "it stays in touch");
+        assert_eq!(texts([0.0, 3.0, 5.0, 1.0, 1.0]).count(), 2, "the impactor stays in contact");
         assert!(
-            told([0.0, 300.0, 500.0, 1.0, 1.0]).any(|line| line == "0.3 leaves the film at 1.00 m/s"),
-            "it is brushed"
+            texts([0.0, 300.0, 500.0, 1.0, 1.0]).any(|line| line == "0.3 leaves the film at 1.00 m/s"),
+            "slack film touches it"
         );
         assert_eq!(motion(&Recording::default()), []);
     }

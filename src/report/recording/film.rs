@@ -1,4 +1,4 @@
-//! Faces of film as the recording shows them: triangles, coloured by strain.
+//! Faces of film in a recording: triangles, coloured by strain.
 
 use droptower_viz::{Extent, FilmSnapshot, FilmTrack, Quantity};
 
@@ -9,12 +9,12 @@ struct Strain {
     key: &'static str,
     title: &'static str,
     words: &'static str,
-    /// From what `of` gives to the unit of the words.
+    /// Factor from the value of `of` to the unit of the words.
     factor: f32,
     of: fn(&[f32; 3]) -> f32,
 }
 
-/// What can be chosen, the one that is shown first. The sense of a shear angle turns round in a mirror, so its size is shown.
+/// The strains to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown.
 const STRAINS: [Strain; 4] = [
     Strain {
         key: "largest",
@@ -34,10 +34,10 @@ const STRAINS: [Strain; 4] = [
     },
 ];
 
-/// The end of the colours where nothing is strained more: strains below it are no more than rounding.
+/// Least upper end of the colour range: strains below it are rounding errors.
 const LEAST_STRAIN: f32 = 1e-6;
 
-/// The strains, from zero to the largest of an intact element in any of `snapshots`; negative is slack.
+/// The strains, with a range from zero to the largest of an intact element in any of `snapshots`.
 pub fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
     let highest = |strain: &Strain| {
         let states = snapshots.iter().flat_map(|snapshot| &snapshot.films);
@@ -51,7 +51,7 @@ pub fn tracks(films: &[Film]) -> Vec<FilmTrack> {
     films.iter().enumerate().map(|(face, film)| track(film, face)).collect()
 }
 
-/// What the faces take up in all of `snapshots`.
+/// Bounds of the faces in all of `snapshots`.
 pub fn extent(films: &[Film], snapshots: &[&Snapshot]) -> Extent {
     let faces = films.iter().enumerate().map(|(face, film)| (face, film, track(film, face)));
     faces.fold(Extent::default(), |extent, (face, film, track)| {
@@ -69,7 +69,7 @@ fn track(film: &Film, face: usize) -> FilmTrack {
     }
 }
 
-/// One face at one time.
+/// One face in a snapshot.
 pub fn state(film: &Film, snapshot: &Snapshot, face: usize) -> FilmSnapshot {
     let state = &snapshot.films[face];
     FilmSnapshot {
@@ -89,7 +89,7 @@ impl Strain {
     }
 }
 
-/// The largest strain of the elements that hold.
+/// The largest strain of the intact elements.
 fn largest(strain: &Strain, state: &FilmState) -> f32 {
     let held = state.strains.iter().zip(&state.failed).filter(|(_, failed)| !**failed);
     held.map(|(strains, _)| (strain.of)(strains)).fold(0.0, f32::max)
@@ -102,7 +102,7 @@ fn triangles(film: &Film) -> Vec<[u32; 3]> {
     quads.chain(film.tris.iter().copied()).collect()
 }
 
-/// A value of each element, for every triangle that it is drawn as.
+/// A value of each element, repeated for each of its triangles.
 fn per_triangle(film: &Film, value: impl Fn(usize) -> bool) -> Vec<bool> {
     let quads = film.quads.len();
     let of_quads = (0..quads).flat_map(|quad| [value(quad); 2]);
@@ -110,7 +110,7 @@ fn per_triangle(film: &Film, value: impl Fn(usize) -> bool) -> Vec<bool> {
     of_quads.chain(of_tris).collect()
 }
 
-/// A strain at the nodes, in the unit of its words: the mean of the elements around that hold.
+/// A strain at the nodes, in the unit of its words: the mean of the intact elements around each.
 fn nodal(strain: &Strain, film: &Film, state: &FilmState) -> Vec<f32> {
     let mut sums = vec![(0.0_f32, 0.0_f32); film.nodes];
     let quads = film.quads.iter().map(|quad| quad.as_slice());
@@ -133,7 +133,7 @@ mod tests {
     use crate::mesh::{Mesh, Quality};
 
     #[test]
-    fn nodes_take_the_mean_of_the_elements_that_hold() {
+    fn nodal_strains_are_means_of_the_intact_elements() {
         let film = Film {
             nodes: 6,
             quads: vec![[0, 1, 2, 3]],
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_strained_is_the_lower_end_of_the_colours() {
+    fn an_undeformed_film_has_the_lowest_colour() {
         for quantity in quantities(&[]) {
             let [low, high] = quantity.range;
             assert!(low == 0.0 && high > 0.0, "{}: {low} to {high}", quantity.title);

@@ -1,5 +1,5 @@
-//! A run in a running viewer while it goes: what a watched run shows is handed to a thread of its own, which a slow viewer
-//! may hold up and the run not.
+//! A run in an open viewer while it computes: a thread of its own sends the snapshots, so that a slow viewer does not delay
+//! the run.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
@@ -17,27 +17,28 @@ use crate::report::{RunPage, subject};
 use crate::signal::{Channel, Recording};
 use crate::simulate::SnapshotEvent;
 
-/// Longest wait for a viewer to answer, and for it to take what is left at the end: of the thread that talks to it for what it
-/// has sent, and a little longer of the run for that thread.
+/// Longest wait for a viewer to answer.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Longest wait of the sending thread at the end for what it has sent.
 const SENDING: Duration = Duration::from_secs(8);
+/// Longest wait of the run at the end for the sending thread.
 const LAST_PATIENCE: Duration = Duration::from_secs(10);
 
-/// States that may wait for the viewer before the next one is left out.
+/// Most snapshots in the queue to the viewer; further ones are left out.
 const WAITING: usize = 64;
 
-/// What colours reach beyond the largest strain so far when they have to be spread anew.
+/// Upper end of an extended colour range over the largest strain so far.
 const SPREAD: f32 = 1.25;
 
-/// Why a viewer does not show a run, or not all of it.
+/// Why a viewer does not show a run or a part of it.
 #[derive(Debug, Error)]
 pub enum LiveError {
     #[error("no viewer answers at {address}: {source}")]
     NoAnswer { address: String, source: io::Error },
-    #[error("the viewer at {address} fell behind: {lost} states were left out")]
+    #[error("the viewer at {address} was too slow: {lost} snapshots were left out")]
     Slow { address: String, lost: usize },
-    #[error("the viewer at {address} does not take the rest of the run")]
-    Stuck { address: String },
+    #[error("the viewer at {address} stopped responding")]
+    NotResponding { address: String },
     #[error(transparent)]
     Recording(#[from] RecordingError),
 }
@@ -49,24 +50,24 @@ pub struct Live<'a> {
     comparison: Option<&'a ReferenceComparison>,
     scenario: &'a str,
     viewer: Option<Viewer>,
-    /// Samples of the signals and of the energies that were handed over.
+    /// Samples of the signals and of the energies sent so far.
     sent: [usize; 2],
-    /// Paths of the signals that the viewer has.
+    /// Entities of the signals that the viewer has.
     shown: Vec<String>,
-    /// Ranges of the colours, as the viewer has them.
+    /// Colour ranges of the viewer.
     ranges: Vec<[f32; 2]>,
     lost: usize,
 }
 
-/// The thread that talks to the viewer.
+/// The thread that sends to the viewer.
 struct Viewer {
     news: SyncSender<State>,
-    /// Apart from the states, so that none of them can keep the end from getting through.
+    /// A channel of its own, so that a full queue of snapshots does not block the end.
     end: Sender<Scene>,
     done: Receiver<Result<(), VizError>>,
 }
 
-/// What is new in a run after a state was kept.
+/// A snapshot and the samples since the one before.
 struct State {
     time: f64,
     films: Vec<FilmSnapshot>,
@@ -76,7 +77,7 @@ struct State {
 }
 
 impl<'a> Live<'a> {
-    /// A viewer that answers at `address`, for a run of `model` from the text `scenario`.
+    /// Connects to the viewer at `address` for a run of `model`, resolved as `scenario`.
     ///
     /// # Errors
     /// No viewer answers.
@@ -102,7 +103,7 @@ impl<'a> Live<'a> {
         })
     }
 
-    /// Shows a state that can be drawn, unless the viewer has fallen behind.
+    /// Shows a snapshot of finite positions, unless the queue to the viewer is full.
     pub fn show(&mut self, event: &SnapshotEvent<'_>) {
         if !is_finite(event.snapshot) {
             return;
@@ -112,7 +113,7 @@ impl<'a> Live<'a> {
         }
         let Some(viewer) = &self.viewer else { return };
         let ranges = self.wider(event);
-        // A viewer that is gone is told at the end.
+        // A viewer that is gone is reported by `finish`.
         if viewer.news.try_send(self.state(event, ranges.clone())).is_err() {
             self.lost += 1;
             return;
@@ -121,28 +122,30 @@ impl<'a> Live<'a> {
         self.ranges = ranges.unwrap_or_else(|| std::mem::take(&mut self.ranges));
     }
 
-    /// Hands over what was measured in the end, if anything was, and waits for the viewer to take it, but not for long.
+    /// Sends the results, if there are any, and waits a limited time for the viewer to receive them.
     ///
     /// # Errors
-    /// The viewer fell behind, got stuck or refused.
+    /// The viewer was too slow, stopped responding or refused the data.
     pub fn finish(mut self, run: Option<&RunPage>) -> Result<(), LiveError> {
         let Some(Viewer { news, end, done }) = self.viewer.take() else { return Ok(()) };
         let address = self.address.to_string();
         if let Some(run) = run {
-            // Where nobody takes it, `done` tells why.
+            // Where the thread has ended, `done` has the reason.
             let _ = end.send(self.rest(run));
         }
         drop((news, end));
         match done.recv_timeout(LAST_PATIENCE) {
-            Ok(Err(VizError::Flush(_))) => Err(LiveError::Stuck { address }),
+            Ok(Err(VizError::Flush(_))) => Err(LiveError::NotResponding { address }),
             Ok(Err(error)) => Err(RecordingError::from(error).into()),
             Ok(Ok(())) if self.lost == 0 => Ok(()),
             Ok(Ok(())) => Err(LiveError::Slow { address, lost: self.lost }),
-            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Err(LiveError::Stuck { address }),
+            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {
+                Err(LiveError::NotResponding { address })
+            }
         }
     }
 
-    /// The scene before its first state.
+    /// The scene before its first snapshot.
     fn begin(&mut self, event: &SnapshotEvent<'_>) -> Scene {
         let Live { model, comparison, scenario, .. } = *self;
         let signals = signals::of(event.signals, event.energies, comparison, model.run_time());
@@ -181,7 +184,7 @@ impl<'a> Live<'a> {
         }
     }
 
-    /// The ranges of the colours, where the state goes beyond them.
+    /// The extended colour ranges, where the snapshot exceeds the present ones.
     fn wider(&self, event: &SnapshotEvent<'_>) -> Option<Vec<[f32; 2]>> {
         let now = film::quantities(&[event.snapshot]);
         let wider = now.iter().zip(&self.ranges).map(|(quantity, range)| match quantity.range {
@@ -192,8 +195,8 @@ impl<'a> Live<'a> {
         (wider != self.ranges).then_some(wider)
     }
 
-    /// What the viewer does not have yet: samples after the last state that it got, channels that are made in the end, what the
-    /// post script left, and what happened.
+    /// What the viewer does not have yet: samples since the last snapshot it received, channels computed at the end, the output
+    /// of the post script, and the log.
     fn rest(&self, run: &RunPage) -> Scene {
         let results = run.results;
         let all = signals::of(&results.signals, &run.outcome.energies, self.comparison, self.model.run_time());
@@ -217,7 +220,7 @@ impl<'a> Live<'a> {
         let sent = match track.path.split('/').next() {
             Some("signals") => signals,
             Some("energies") => energies,
-            // What was measured was there from the beginning.
+            // The reference was sent at the beginning.
             _ => track.values.len(),
         };
         let SignalTrack { places, mut values, .. } = track;
@@ -232,19 +235,19 @@ impl<'a> Live<'a> {
 
 impl Viewer {
     fn start(address: Address, scene: Scene) -> Viewer {
-        let (news, heard) = sync_channel(WAITING);
+        let (news, states) = sync_channel(WAITING);
         let (end, ended) = channel();
-        let (told, done) = channel();
+        let (result, done) = channel();
         thread::spawn(move || {
-            // Whoever waited for it may have given up.
-            let _ = told.send(tell(&address, scene, &heard, &ended));
+            // `finish` may have stopped waiting.
+            let _ = result.send(send(&address, scene, &states, &ended));
         });
         Viewer { news, end, done }
     }
 }
 
-/// Tells the viewer all states until there are no more, and how it ended, if it did.
-fn tell(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receiver<Scene>) -> Result<(), VizError> {
+/// Sends all snapshots until there are no more, then the results, if there are any.
+fn send(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receiver<Scene>) -> Result<(), VizError> {
     let mut stage = Stage::live(address, scene)?;
     for State { time, films, pose, samples, ranges } in states {
         stage.spread(Moment::Time(time), &ranges.unwrap_or_default())?;
@@ -309,14 +312,14 @@ mod tests {
         Recording { time: values, channels }
     }
 
-    /// A viewer that has room for one state, and what is told to it.
+    /// A viewer with a queue of one snapshot, and what is sent to it.
     fn viewer() -> (Viewer, Receiver<State>, Receiver<Scene>) {
         let ((news, states), (end, ends), (_, done)) = (sync_channel(1), channel(), channel());
         (Viewer { news, end, done }, states, ends)
     }
 
     #[test]
-    fn what_a_slow_viewer_misses_it_gets_with_the_next_state() {
+    fn samples_that_a_slow_viewer_missed_come_with_the_next_snapshot() {
         let (model, films, energies) = (model(), [film()], Recording::default());
         let (viewer, states, _ends) = viewer();
         let address = Address::DEFAULT.parse().expect("an address");
@@ -361,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn the_end_gets_through_where_no_state_does() {
+    fn the_end_is_received_though_the_queue_is_full() {
         let (viewer, states, ends) = viewer();
         let state = || State { time: 0.0, films: vec![], pose: None, samples: vec![], ranges: None };
         viewer.news.try_send(state()).expect("room for one");

@@ -1,4 +1,4 @@
-//! Runs and studies as Rerun recordings: film, impactor, signals and what happened; searches closing in on their target.
+//! Rerun recordings of runs (film, impactor, signals, events), studies and comparisons.
 
 mod body;
 mod comparison;
@@ -37,7 +37,7 @@ pub enum RecordingError {
 /// Longest time that a file may take to be written.
 const PATIENCE: Duration = Duration::from_secs(600);
 
-/// Writes the recording of a run to `path`, state by state.
+/// Writes the recording of a run to `path`, snapshot by snapshot.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -45,7 +45,7 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
     let outcome = run.outcome;
     let snapshots = drawn(&outcome.snapshots);
     let mut stage = Stage::file(path, scene(run, &snapshots))?;
-    // One face after the other: states of one entity in a row compress better.
+    // One face after the other: consecutive snapshots of one entity compress better.
     for (face, film) in outcome.films.iter().enumerate() {
         for snapshot in &snapshots {
             stage.film(face, &film::state(film, snapshot, face))?;
@@ -54,7 +54,7 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
     Ok(stage.finish(PATIENCE)?)
 }
 
-/// All but the states of the films, of which `snapshots` are shown.
+/// The scene without the snapshots of the films, which are logged one by one.
 fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
     let RunPage { model, outcome, results, .. } = run;
     let signals = signals::of(&results.signals, &outcome.energies, results.comparison.as_ref(), model.run_time());
@@ -75,14 +75,14 @@ fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
     }
 }
 
-/// The states that can be drawn: what flew to infinity before a run broke off cannot.
+/// The snapshots that can be drawn: those of finite positions.
 fn drawn(snapshots: &[Snapshot]) -> Vec<&Snapshot> {
     snapshots.iter().filter(|snapshot| is_finite(snapshot)).collect()
 }
 
-/// The states that have to be in view: the first and the last, which of a run that broke off may be anywhere.
-fn ends<'a>(snapshots: &[&'a Snapshot], broke_off: bool) -> Vec<&'a Snapshot> {
-    let last = snapshots.last().filter(|_| !broke_off);
+/// The snapshots that have to be in view: the first and, unless the run failed, the last.
+fn ends<'a>(snapshots: &[&'a Snapshot], failed: bool) -> Vec<&'a Snapshot> {
+    let last = snapshots.last().filter(|_| !failed);
     snapshots.first().into_iter().chain(last).copied().collect()
 }
 
@@ -93,7 +93,7 @@ fn scenario(text: &str) -> Text {
     Text::verbatim("Scenario", text)
 }
 
-/// Summary, what the post script left in tables, and the scenario.
+/// Summary, tables and files of the post script, and the scenario.
 fn documents(run: &RunPage) -> Vec<Document> {
     let RunPage { model, results, .. } = run;
     let findings = results.measures.findings().iter();
@@ -116,7 +116,7 @@ mod tests {
     use crate::simulate::FilmState;
 
     #[test]
-    fn what_flew_off_is_neither_drawn_nor_looked_at() {
+    fn snapshots_with_infinite_positions_are_not_drawn() {
         let snapshot = |place: f32| {
             let state = FilmState {
                 positions: vec![[place; 3]],

@@ -1,4 +1,4 @@
-//! What a study left, as its recording shows it.
+//! The output of a study in its recording.
 
 use serde_json::{Map, Value, json};
 
@@ -27,7 +27,7 @@ impl StudyRecording {
     }
 }
 
-/// Figures, tables, correlations, and what was run.
+/// Figures, tables, correlations, script and arguments.
 fn texts(study: &StudyPage) -> Vec<Text> {
     let warnings = study.output.findings.iter().filter(|finding| finding.is_warning());
     let warnings: String = warnings.map(|warning| format!("{}\n\n", text::escaped(&warning.message))).collect();
@@ -52,7 +52,7 @@ fn rows(Correlation { names, rows, .. }: &Correlation) -> Vec<Row> {
     names.iter().zip(rows).map(row).collect()
 }
 
-/// One approach to each target of a search; of a search without any, its objective and its unknowns.
+/// The convergence to each target of a search; without a target, its objective and its unknowns.
 fn approaches(search: &ConvergenceHistory) -> Vec<Approach> {
     if search.fits.is_empty() {
         return vec![without_target(search)];

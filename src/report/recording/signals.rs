@@ -1,22 +1,22 @@
-//! Signals over time as the recording shows them: in the units that people read, simulated over measured.
+//! Signals over time in a recording: in the units of its charts, simulated over measured.
 
 use droptower_viz::{Chart, Places, SignalTrack, Stroke};
 
 use crate::post::ReferenceComparison;
 use crate::signal::{Recording, Series, column};
 
-/// Channels in one picture.
-struct Picture {
+/// The channels of one chart.
+struct Pane {
     title: &'static str,
     channels: &'static [Shown],
-    /// What it is compared with, each with the beginning of its label.
+    /// The measured signals, each with the beginning of its label.
     measured: &'static [(Shown, MeasuredSeries)],
 }
 
 /// Which series of a recording.
 type MeasuredSeries = fn(&ReferenceComparison) -> Option<&Series>;
 
-/// A channel as it is shown.
+/// How a channel is shown.
 struct Shown {
     /// Its name in `signals.csv`.
     channel: &'static str,
@@ -27,7 +27,7 @@ struct Shown {
     factor: f64,
 }
 
-/// What lies behind its own filtered channel.
+/// The unfiltered channel behind its filtered one.
 const RAW: &str = "simulated, raw";
 
 const fn shown(channel: &'static str, label: &'static str) -> Shown {
@@ -42,9 +42,9 @@ const fn in_units(channel: &'static str, entity: &'static str, factor: f64) -> S
     Shown { channel, entity, label: "simulated", factor }
 }
 
-/// Pictures beside the film, of which a run shows those it has channels for.
-const FIRST: [Picture; 7] = [
-    Picture {
+/// Charts beside the film; a run has those for which it has channels.
+const FIRST: [Pane; 7] = [
+    Pane {
         title: "Acceleration, m/s²",
         channels: &[
             shown(column::ACCELERATION_FILTERED.name, "simulated, filtered"),
@@ -52,7 +52,7 @@ const FIRST: [Picture; 7] = [
         ],
         measured: &[(shown(column::ACCELERATION_FILTERED.name, ""), |c| c.acceleration.as_ref())],
     },
-    Picture {
+    Pane {
         title: "Displacement, mm",
         channels: &[
             in_mm(column::DISPLACEMENT.name, "displacement_mm"),
@@ -64,7 +64,7 @@ const FIRST: [Picture; 7] = [
             |c| c.displacement.as_ref(),
         )],
     },
-    Picture {
+    Pane {
         title: "Energy of the impactor, J",
         channels: &[
             shown(column::KINETIC_ENERGY.name, "kinetic"),
@@ -77,21 +77,17 @@ const FIRST: [Picture; 7] = [
             (shown(column::TOTAL_ENERGY.name, "total, "), |c| c.total_energy.as_ref()),
         ],
     },
-    Picture { title: "Force, N", channels: &[shown(column::FORCE.name, "simulated")], measured: &[] },
-    Picture { title: "Stress, MPa", channels: &[in_units(column::STRESS.name, "stress_MPa", 1e-6)], measured: &[] },
-    Picture { title: "Strain, %", channels: &[in_units(column::STRAIN.name, "strain_percent", 100.0)], measured: &[] },
-    Picture {
-        title: "Pressure, kPa",
-        channels: &[in_units(column::PRESSURE.name, "pressure_kPa", 1e-3)],
-        measured: &[],
-    },
+    Pane { title: "Force, N", channels: &[shown(column::FORCE.name, "simulated")], measured: &[] },
+    Pane { title: "Stress, MPa", channels: &[in_units(column::STRESS.name, "stress_MPa", 1e-6)], measured: &[] },
+    Pane { title: "Strain, %", channels: &[in_units(column::STRAIN.name, "strain_percent", 100.0)], measured: &[] },
+    Pane { title: "Pressure, kPa", channels: &[in_units(column::PRESSURE.name, "pressure_kPa", 1e-3)], measured: &[] },
 ];
 
-/// Pictures behind each other.
-const MORE: [Picture; 4] = [
-    Picture { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE.name, "simulated")], measured: &[] },
-    Picture { title: "Velocity, m/s", channels: &[shown(column::VELOCITY.name, "simulated")], measured: &[] },
-    Picture {
+/// Charts in tabs.
+const MORE: [Pane; 4] = [
+    Pane { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE.name, "simulated")], measured: &[] },
+    Pane { title: "Velocity, m/s", channels: &[shown(column::VELOCITY.name, "simulated")], measured: &[] },
+    Pane {
         title: "Largest strain, %",
         channels: &[
             Shown { channel: column::MAX_STRAIN_MD.name, entity: "max_strain_md_percent", label: "MD", factor: 100.0 },
@@ -99,14 +95,14 @@ const MORE: [Picture; 4] = [
         ],
         measured: &[],
     },
-    Picture {
-        title: "Pull on the frame, N",
+    Pane {
+        title: "Force on the frame, N",
         channels: &[shown(column::FRAME_FORCE_X.name, "along x"), shown(column::FRAME_FORCE_Y.name, "along y")],
         measured: &[],
     },
 ];
 
-/// What a run is compared with, as far as it is shown.
+/// The reference of a run up to an end time.
 #[derive(Clone, Copy)]
 struct MeasuredChannel<'a> {
     comparison: &'a ReferenceComparison,
@@ -115,16 +111,16 @@ struct MeasuredChannel<'a> {
 }
 
 impl MeasuredChannel<'_> {
-    /// What was measured of a picture, beside what was simulated: one in grey, of several each in the colour of its own.
-    fn tracks(self, picture: &Picture, own: &[SignalTrack]) -> impl Iterator<Item = SignalTrack> {
+    /// The measured signals of a chart: a single one in grey, several in the colours of the simulated ones.
+    fn tracks(self, pane: &Pane, own: &[SignalTrack]) -> impl Iterator<Item = SignalTrack> {
         let MeasuredChannel { comparison, end } = self;
         let word = comparison.label();
-        picture.measured.iter().filter_map(move |(shown, series)| {
+        pane.measured.iter().filter_map(move |(shown, series)| {
             let series = series(comparison)?.window([0.0, end]);
             let label = format!("{}{word}", shown.label);
             let path = format!("measured/{}", shown.entity);
             let its_own = own.iter().find(|track| track.path.ends_with(&format!("/{}", shown.entity)));
-            let stroke = match its_own.filter(|_| picture.measured.len() > 1) {
+            let stroke = match its_own.filter(|_| pane.measured.len() > 1) {
                 Some(track) => track.stroke.target_of(),
                 None => Stroke::target(),
             };
@@ -134,7 +130,7 @@ impl MeasuredChannel<'_> {
     }
 }
 
-/// Pictures and their signals.
+/// Charts and their signals.
 #[derive(Default)]
 pub struct Signals {
     pub tracks: Vec<SignalTrack>,
@@ -142,20 +138,20 @@ pub struct Signals {
     pub more_charts: Vec<Chart>,
 }
 
-/// All signals of a run that has come to `signals` and `energies`, and beneath them what was measured until the time `end`, s.
+/// All signals of a run up to now, and beneath them the reference up to the time `end`, s.
 pub fn of(signals: &Recording, energies: &Recording, comparison: Option<&ReferenceComparison>, end: f64) -> Signals {
     let measured = comparison.map(|comparison| MeasuredChannel { comparison, end });
     let mut tracks = vec![];
-    let mut charts = |pictures: &[Picture]| -> Vec<Chart> {
-        pictures.iter().filter_map(|picture| picture.chart(signals, measured, &mut tracks)).collect()
+    let mut charts = |panes: &[Pane]| -> Vec<Chart> {
+        panes.iter().filter_map(|pane| pane.chart(signals, measured, &mut tracks)).collect()
     };
     let (charts, mut more_charts) = (charts(&FIRST), charts(&MORE));
     more_charts.extend(audit(energies, &mut tracks));
     Signals { tracks, charts, more_charts }
 }
 
-impl Picture {
-    /// The picture of the channels that there are, none where there are none.
+impl Pane {
+    /// The chart of those channels that the run has; `None` without any.
     fn chart(
         &self,
         signals: &Recording,
@@ -176,7 +172,7 @@ impl Picture {
     }
 }
 
-/// Every term of the energy audit that is not zero throughout; of its first sample, all.
+/// Every term of the energy audit that is not zero throughout; all terms of a single sample.
 fn audit(energies: &Recording, all: &mut Vec<SignalTrack>) -> Option<Chart> {
     let is_there = |values: &[f64]| values.len() < 2 || values.iter().any(|value| *value != 0.0);
     let terms = energies.channels.iter().filter(|channel| is_there(&channel.values));
@@ -238,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn a_measurement_lies_beneath_what_was_simulated_and_says_if_it_is_virtual() {
+    fn a_measurement_is_drawn_beneath_the_simulation_and_marked_if_virtual() {
         let series = Series::new(vec![-0.1, 0.0, 0.1, 0.2], vec![1.0, -0.1, -0.2, -0.3]);
         let comparison = ReferenceComparison {
             acceleration: None,
@@ -260,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn two_that_were_measured_have_two_colours() {
+    fn two_measured_signals_have_two_colours() {
         let series = || Some(Series::new(vec![0.0, 0.1], vec![0.0, 1.0]));
         let comparison = ReferenceComparison {
             acceleration: None,

@@ -1,4 +1,4 @@
-//! A study as a recording: curves closing in on their target along the iterations of a search, plots, tables and texts.
+//! The recording of a study: curves of a search along its iterations, plots, tables and texts.
 
 use std::path::Path;
 
@@ -10,16 +10,16 @@ use super::text::Text;
 use crate::finding::Finding;
 use crate::plot::{Curve, Look, Plot};
 
-/// What the recording of a study is made of.
+/// The content of the recording of a study.
 #[derive(Clone, Debug, Default)]
 pub struct StudyRecording {
     /// The study's name.
     pub name: String,
     /// Texts, the summary first.
     pub texts: Vec<Text>,
-    /// What each search did on its way.
+    /// The history of each search.
     pub searches: Vec<Approach>,
-    /// Plots that stay the same.
+    /// Plots that are not over time.
     pub plots: Vec<Plot>,
     /// Plots over the time of a test in ms, which also go on the timeline `time` of a study without a search.
     pub over_time: Vec<Plot>,
@@ -29,18 +29,18 @@ pub struct StudyRecording {
     pub log: Vec<String>,
 }
 
-/// How a search closed in on its target.
+/// How the simulations of a search converged to a target.
 #[derive(Clone, Debug)]
 pub struct Approach {
-    /// What is searched for, e.g. `drop/1008`.
+    /// Name of the target, e.g. `drop/1008`.
     pub name: String,
-    /// Axes, and the curves that stay: the target.
+    /// Axes, and the curves of the target.
     pub target: Plot,
     /// In the order of their numbers.
     pub iterations: Vec<Iteration>,
 }
 
-/// Where a search stood after an iteration.
+/// The state of a search after an iteration.
 #[derive(Clone, Debug)]
 pub struct Iteration {
     pub number: u32,
@@ -48,7 +48,7 @@ pub struct Iteration {
     pub objective: f64,
     /// Names and values of the parameters that gave it.
     pub parameters: Vec<(String, f64)>,
-    /// What they make of the test: as many curves in every iteration, none where the search kept none.
+    /// The simulation with them: equally many curves in every iteration, none where the search stored none.
     pub curves: Vec<Curve>,
 }
 
@@ -108,7 +108,7 @@ fn objectives(study: &StudyRecording) -> Vec<(Chart, Vec<SignalTrack>)> {
     charts.filter(|(_, signals)| !signals.is_empty()).collect()
 }
 
-/// A figure of every search along its iterations, at the entity `part` of each. Names may hold any letters; numbers are safe.
+/// A figure of every search along its iterations, at the entity `part` of each. Names may hold any characters, so entities are numbered.
 fn along_iterations(
     study: &StudyRecording,
     name: &str,
@@ -147,8 +147,8 @@ fn chart(title: &str, signals: &[SignalTrack]) -> Chart {
     Chart { title: title.to_owned(), signals: signals.iter().map(|signal| signal.path.clone()).collect() }
 }
 
-/// Every iteration of every search, and after the last what the script said, which has no iteration of its own; without a
-/// search, at the beginning.
+/// Every iteration of every search, then the log of the script, which has no iterations: at the last iteration, or at the
+/// beginning without a search.
 fn events(study: &StudyRecording) -> Vec<Event> {
     let event = |at, text| Event { at, severity: Severity::Info, text };
     let iterations = study.searches.iter().flat_map(|search| search.iterations.iter().map(move |at| (search, at)));
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_search_there_is_the_time_of_the_test() {
+    fn without_a_search_the_timeline_is_the_time_of_the_test() {
         let scene = scene(&StudyRecording { searches: vec![], ..study() });
         assert_eq!((scene.charts.len(), scene.charts[0].title.as_str()), (1, "acceleration: m/s²"));
         assert_eq!(scene.signals[0].places, Places::Times(vec![0.0, 0.05]));

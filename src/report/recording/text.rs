@@ -1,4 +1,4 @@
-//! Texts beside the pictures, in Markdown.
+//! Texts of a recording, in Markdown.
 
 use droptower_viz::Document;
 
@@ -7,7 +7,7 @@ use crate::report::{cell, columns};
 pub(super) use crate::report::figure::escaped;
 use crate::script::{File, Row, ScriptOutput};
 
-/// Most files that are shown, lines of each, and letters of each line.
+/// Most files that are shown, lines of each, and characters of each line.
 const MOST_FILES: usize = 20;
 const MOST_LINES: usize = 10;
 const MOST_LETTERS: usize = 160;
@@ -20,7 +20,7 @@ pub struct Text {
 }
 
 impl Text {
-    /// A file as it stands, such as a scenario or a script.
+    /// A file verbatim, such as a scenario or a script.
     pub fn verbatim(title: &str, content: &str) -> Text {
         // A fence is longer than any run of backticks within.
         let longest = content.split(|c| c != '`').map(str::len).max().unwrap_or(0);
@@ -28,13 +28,13 @@ impl Text {
         Text { title: title.to_owned(), markdown: format!("{fence}\n{}\n{fence}\n", content.trim_end()) }
     }
 
-    /// The tables that a script left; none where it left none.
+    /// The tables of a script; `None` without any.
     pub fn tables(output: &ScriptOutput) -> Option<Text> {
         let tables: Vec<String> = output.tables.iter().map(|(name, rows)| table(name, rows)).collect();
         (!tables.is_empty()).then(|| Text { title: "Tables".to_owned(), markdown: tables.join("\n") })
     }
 
-    /// The beginnings of the files that a script left; none where it left none.
+    /// The beginnings of the files of a script; `None` without any.
     pub fn files(output: &ScriptOutput) -> Option<Text> {
         let files: Vec<String> = output.files.iter().take(MOST_FILES).map(file).collect();
         let more = match output.files.iter().count().saturating_sub(MOST_FILES) {
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn of_long_files_the_first_lines_are_shown() {
+    fn the_first_lines_of_a_long_file_are_shown() {
         let content: String = (0..50).map(|i| format!("{i},1\n")).collect();
         let text = file(&File { name: "tests_a.csv".into(), content });
         assert!(text.starts_with("## tests\\_a.csv\n\n50 lines, 240 bytes\n\n```\n0,1\n1,1\n"), "{text}");
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_cannot_break_out_of_their_table() {
+    fn cells_are_escaped() {
         let row = |cell: &str| serde_json::json!({ "k1": 2.75, "note": cell }).as_object().cloned().unwrap();
         let expected = "## best of all\n\n| k1 | note |\n|---|---|\n| 2.750 | a \\| b \\<i\\> |\n";
         assert_eq!(table("best_of_all", &[row("a | b <i>")]), expected);

@@ -1,4 +1,4 @@
-//! The film in one state, with what its elements and nodes carry.
+//! The film in one snapshot, with the arrays of its elements and nodes.
 
 use vtkio::model::Attribute;
 
@@ -6,13 +6,13 @@ use super::{Grid, VtuError, numbers, scalars, vectors};
 use crate::model::{Face, Model};
 use crate::simulate::{Detail, Film, FilmState, Image, Outcome, Snapshot};
 
-/// One face in one state, or a mirror image of it.
+/// One face in a snapshot, or a mirror image of it.
 struct Sheet<'a> {
     number: u32,
     image: Image,
     face: &'a Face,
     film: &'a Film,
-    /// Where it was in the first state.
+    /// Positions in the first snapshot.
     rest: &'a [[f32; 3]],
     state: &'a FilmState,
     detail: &'a Detail,
@@ -20,14 +20,14 @@ struct Sheet<'a> {
     first: u64,
 }
 
-/// An element that holds.
+/// An intact element.
 #[derive(Clone, Copy)]
 struct Cell<'a> {
     sheet: &'a Sheet<'a>,
     element: usize,
 }
 
-/// The film of `outcome` in one of its states.
+/// The film of `outcome` in a snapshot.
 pub fn grid(model: &Model, outcome: &Outcome, snapshot: &Snapshot) -> Result<Grid, VtuError> {
     let sheets = sheets(model, outcome, snapshot)?;
     let held = |sheet: &Sheet<'_>, element: &usize| !sheet.state.failed[*element];
@@ -41,7 +41,7 @@ pub fn grid(model: &Model, outcome: &Outcome, snapshot: &Snapshot) -> Result<Gri
         points: points(&sheets, |sheet, node| sheet.image.of(sheet.state.positions[node])).collect(),
         cells: cells.iter().map(Cell::corners).collect(),
         on_points: on_points(&sheets),
-        on_cells: on_cells(&cells, says_thickness(outcome)),
+        on_cells: on_cells(&cells, has_thickness(outcome)),
     })
 }
 
@@ -60,8 +60,8 @@ fn sheets<'a>(model: &'a Model, outcome: &'a Outcome, snapshot: &'a Snapshot) ->
     Ok(sheets)
 }
 
-/// Whether a law of the run knows how thick its film is.
-fn says_thickness(outcome: &Outcome) -> bool {
+/// Whether a law of the run gives the thickness of its film.
+fn has_thickness(outcome: &Outcome) -> bool {
     let details =
         outcome.snapshots.iter().flat_map(|snapshot| &snapshot.films).filter_map(|state| state.detail.as_ref());
     details.flat_map(|detail| &detail.thickness_ratio).any(|thickness_ratio| thickness_ratio.is_finite())
@@ -116,7 +116,7 @@ fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
 }
 
 impl Cell<'_> {
-    /// Numbers of its points in the file, round it in the sense of the film itself.
+    /// Indices of its points in the file, in the orientation of the film itself.
     fn corners(&self) -> Vec<u64> {
         let Film { quads, tris, .. } = self.sheet.film;
         let mut corners: Vec<u64> = match quads.get(self.element) {
@@ -137,7 +137,7 @@ impl Cell<'_> {
         self.mirrored(self.sheet.detail.stresses[self.element])
     }
 
-    /// What is along MD and TD stays in an image; what is in shear may change its sense.
+    /// Values of a mirror image: those along MD and TD are kept, that in shear may change its sign.
     fn mirrored(&self, [md, td, shear]: [f32; 3]) -> [f32; 3] {
         [md, td, if self.sheet.image.is_reversed() { -shear } else { shear }]
     }

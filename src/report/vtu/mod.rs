@@ -1,20 +1,20 @@
-//! A run as ParaView reads it: the kept states as two series, `film.pvd` and `impactor.pvd`, one file a state.
+//! The snapshots of a run for ParaView: two series, `film.pvd` and `impactor.pvd`, one file a snapshot.
 //!
-//! The whole film is there, the mirror images of a part that was computed alone included; broken elements are not. Cells carry
+//! The film is complete with the mirror images of a part that was computed; failed elements are left out. Arrays on cells
 //!
 //! | array | what it is |
 //! |---|---|
-//! | `strain_md`, `strain_td`, `shear_angle_rad` | engineering strain of the fibres, angle by which they left their right angle |
-//! | `stress_md_Pa`, `stress_td_Pa`, `stress_shear_Pa` | engineering stresses: force on the stress-free cross-section of one layer, what does work on those strains; of fabric the values of its curves |
-//! | `resultant_md_N_m`, `resultant_td_N_m`, `resultant_shear_N_m` | the same of all layers, over stress-free width |
-//! | `largest_strain_md`, `largest_strain_td` | so far; a fibre below its own is unloading |
+//! | `strain_md`, `strain_td`, `shear_angle_rad` | engineering strain of the fibres, shear angle between them |
+//! | `stress_md_Pa`, `stress_td_Pa`, `stress_shear_Pa` | nominal stresses, referred to the stress-free cross-section of one layer and conjugate to those strains; of fabric the values of its curves |
+//! | `resultant_md_N_m`, `resultant_td_N_m`, `resultant_shear_N_m` | forces of all layers per stress-free width |
+//! | `largest_strain_md`, `largest_strain_td` | largest strains so far; a fibre below its own is unloading |
 //! | `reference_thickness_m` | of all layers, stress-free |
 //! | `thickness_m` | of all layers as they are; only where the law says it, in plane stress (a fabric's curves do not) |
 //! | `area_ratio` | area over that of stress-free film, without wrinkles; an incompressible film is `reference_thickness_m / area_ratio` thick |
 //! | `direction_md`, `direction_td` | unit vectors along the fibres |
 //! | `face`, `element`, `layers`, `image` | from 1; from 0 within the face; number; 0 what was computed, else its mirror images |
 //!
-//! and points `displacement_m` (from the first kept state), `velocity_m_s` and `touching` (1 where the impactor is).
+//! and on points `displacement_m` (from the first snapshot), `velocity_m_s` and `touching` (1 at nodes in contact).
 
 mod film;
 
@@ -31,10 +31,10 @@ use crate::model::Model;
 use crate::simulate::{Outcome, Snapshot};
 use crate::store::run_files::SNAPSHOTS;
 
-/// Sides of an impactor that is round.
+/// Sides of a round impactor.
 const SIDES: u32 = 64;
 
-/// From 0, which compresses nothing, to 9: beyond this one files hardly become smaller.
+/// Level of compression, 0 to 9: higher levels make files hardly smaller.
 const COMPRESSION: u32 = 5;
 
 /// Why a run cannot be written for ParaView.
@@ -46,14 +46,14 @@ pub enum VtuError {
     Xml(#[from] vtkio::xml::Error),
     #[error("PVD: {0}")]
     Collection(#[from] quick_xml::Error),
-    #[error("the kept states have no stresses: the run was not asked for them")]
+    #[error("the snapshots have no stresses: the run was made without detail")]
     NoDetail,
 }
 
 /// One file of a series.
 #[derive(Clone, Debug)]
 pub struct File {
-    /// With its folder, `/` between them.
+    /// Path in the run folder, with `/`.
     pub name: String,
     pub content: Vec<u8>,
 }
@@ -70,7 +70,7 @@ struct Grid {
 /// All files of a run, in their order, made by as many threads as there are.
 ///
 /// # Errors
-/// Of each file: states that were kept without their [`Detail`](crate::simulate::Detail), and what the formats refuse.
+/// Of each file: snapshots without their [`Detail`](crate::simulate::Detail), and what the formats refuse.
 pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     let film = series("film", &outcome.snapshots, move |snapshot| film::grid(model, outcome, snapshot));
     let body = outcome.impactor.as_ref().map(|surface| {
@@ -80,7 +80,7 @@ pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterato
     film.chain(body.into_par_iter().flatten())
 }
 
-/// A state in a file each, then the collection of them with their times.
+/// A file for each snapshot, then the collection with their times.
 fn series<'a>(
     name: &'static str,
     snapshots: &'a [Snapshot],
@@ -141,7 +141,7 @@ fn collection(states: impl Iterator<Item = (String, f64)>) -> Result<Vec<u8>, qu
     Ok(writer.into_inner())
 }
 
-/// The impactor where it is in a state; nothing where it is nowhere.
+/// The impactor in a snapshot; empty where it has no pose.
 fn posed(points: &[nalgebra::Point3<f64>], triangles: &[[u32; 3]], snapshot: &Snapshot) -> Grid {
     let pose = snapshot.impactor.map(|(position, [i, j, k, w])| {
         let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, i, j, k));
@@ -156,17 +156,17 @@ fn posed(points: &[nalgebra::Point3<f64>], triangles: &[[u32; 3]], snapshot: &Sn
     }
 }
 
-/// One number a point or cell.
+/// One number for each point or cell.
 fn scalars(name: &str, values: impl Iterator<Item = f32>) -> Attribute {
     array(name, ElementType::Scalars { num_comp: 1, lookup_table: None }, IOBuffer::F32(values.collect()))
 }
 
-/// One whole number a point or cell.
+/// One integer for each point or cell.
 fn numbers(name: &str, values: impl Iterator<Item = u32>) -> Attribute {
     array(name, ElementType::Scalars { num_comp: 1, lookup_table: None }, IOBuffer::U32(values.collect()))
 }
 
-/// One vector a point or cell.
+/// One vector for each point or cell.
 fn vectors(name: &str, values: impl Iterator<Item = [f32; 3]>) -> Attribute {
     array(name, ElementType::Vectors, IOBuffer::F32(values.flatten().collect()))
 }
