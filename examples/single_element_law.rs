@@ -16,7 +16,7 @@ struct NeoHookean(f64);
 
 /// C₁₁, C₂₂, C₁₂ and 1/det C; the stretch variance counts as stretch.
 fn right_cauchy_green<const L: usize>(d: &Deformation<L>) -> [Lane<L>; 4] {
-    let square = |i: usize| from_fn(|l| dot(&d.f[i], &d.f[i])[l] + d.spread[i][l]);
+    let square = |i: usize| from_fn(|l| dot(&d.f[i], &d.f[i])[l] + d.stretch_variance[i][l]);
     let (c11, c22, c12): (Lane<L>, Lane<L>, Lane<L>) = (square(0), square(1), dot(&d.f[0], &d.f[1]));
     [c11, c22, c12, from_fn(|l| 1.0 / (c11[l] * c22[l] - c12[l] * c12[l]))]
 }

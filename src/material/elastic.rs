@@ -47,8 +47,8 @@ impl Elastic {
         let (c11, c22, c12) = (dot(f1, f1), dot(f2, f2), dot(f1, f2));
         let mut strain = [splat(0.0); 3];
         for l in 0..L {
-            strain[0][l] = 0.5 * (c11[l] + d.spread[0][l] - 1.0);
-            strain[1][l] = 0.5 * (c22[l] + d.spread[1][l] - 1.0);
+            strain[0][l] = 0.5 * (c11[l] + d.stretch_variance[0][l] - 1.0);
+            strain[1][l] = 0.5 * (c22[l] + d.stretch_variance[1][l] - 1.0);
             strain[2][l] = 0.5 * c12[l];
         }
         strain
@@ -88,7 +88,7 @@ impl Elastic {
         let nothing = splat(0.0);
         let mut bound = Stiffness { along: [nothing; 2], across: [nothing; 2], shear: nothing, alignment: splat(1.0) };
         for l in 0..L {
-            let square = [c11[l] + d.spread[0][l], c22[l] + d.spread[1][l]];
+            let square = [c11[l] + d.stretch_variance[0][l], c22[l] + d.stretch_variance[1][l]];
             for fibre in 0..2 {
                 bound.along[fibre][l] = self.plane() * (1.0 + self.poisson.abs()) * square[fibre];
                 bound.across[fibre][l] = s[fibre][l].abs() + s[2][l].abs();

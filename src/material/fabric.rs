@@ -120,8 +120,8 @@ impl<const L: usize> Fibres<L> {
             angle: splat(0.0),
         };
         for l in 0..L {
-            out.stretch[0][l] = (c11[l] + d.spread[0][l]).sqrt();
-            out.stretch[1][l] = (c22[l] + d.spread[1][l]).sqrt();
+            out.stretch[0][l] = (c11[l] + d.stretch_variance[0][l]).sqrt();
+            out.stretch[1][l] = (c22[l] + d.stretch_variance[1][l]).sqrt();
             let (m1, m2) = (larger(out.stretch[0][l], 1.0), larger(out.stretch[1][l], 1.0));
             let both = 1.0 / (m1 * m2);
             out.inverse[0][l] = m2 * both;

@@ -38,13 +38,13 @@ pub struct Deformation<const L: usize = LANES> {
     pub f: Gradient<L>,
     /// Mean square by which f₁ and f₂ vary over the part of the element that the point stands for; the stretch that a
     /// law sees is the root mean square √(|f_I|² + s_I) (theory.md, equation 13).
-    pub spread: [Lane<L>; 2],
+    pub stretch_variance: [Lane<L>; 2],
 }
 
 impl<const L: usize> From<Gradient<L>> for Deformation<L> {
     /// The same gradient everywhere.
     fn from(f: Gradient<L>) -> Deformation<L> {
-        Deformation { f, spread: [splat(0.0); 2] }
+        Deformation { f, stretch_variance: [splat(0.0); 2] }
     }
 }
 
@@ -269,7 +269,8 @@ mod tests {
             ([[0.7, 0.1, 0.2], [0.2, 1.2, 0.1]], [0.05, 0.02]),
             ([[0.8, 0.1, 0.0], [0.05, 0.9, 0.1]], [0.01, 0.02]),
         ];
-        rows.map(|(f, spread)| Deformation { f: f.map(|v| v.map(splat)), spread: spread.map(splat) }).to_vec()
+        rows.map(|(f, variance)| Deformation { f: f.map(|v| v.map(splat)), stretch_variance: variance.map(splat) })
+            .to_vec()
     }
 
     /// Central differences of the energy against stress and tension, on the way up (peaks follow the strain) or on the
@@ -301,7 +302,7 @@ mod tests {
                 }
                 let at = |sign: f64| {
                     let mut moved = d;
-                    moved.spread[fibre] = splat(d.spread[fibre][0] + sign * step);
+                    moved.stretch_variance[fibre] = splat(d.stretch_variance[fibre][0] + sign * step);
                     energy(&moved)
                 };
                 let difference = (at(1.0) - at(-1.0)) / step;

@@ -1,7 +1,7 @@
 //! The four-node element with one integration point and the motion that this point does not see.
 //!
 //! The mode ξη has the amplitude q = Σ γ_a x_a (theory.md, equations 11–14). Across the element f_I varies by q times the
-//! mode's gradient, with mean square H_I |q|². The law sees it as [`Deformation::spread`], so tension resists the mode as
+//! mode's gradient, with mean square H_I |q|². The law sees it as [`Deformation::stretch_variance`], so tension resists the mode as
 //! full integration would, from the same energy. Along the fibres a small stiffness κ_I is added, ½ κ_I H_I (f_I·q)²,
 //! because strains that cancel in the mean leave no trace in it.
 //!
@@ -70,15 +70,15 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
         }
         let squared = dot(&q, &q);
         let mut mean_square = [splat(0.0); 2];
-        let mut spread = [splat(0.0); 2];
+        let mut stretch_variance = [splat(0.0); 2];
         for fibre in 0..2 {
             for l in 0..L {
                 let [first, second] = [self.gradient[0][fibre][l], self.gradient[1][fibre][l]];
                 mean_square[fibre][l] = (8.0 / 3.0) * (first * first + second * second);
-                spread[fibre][l] = mean_square[fibre][l] * squared[l];
+                stretch_variance[fibre][l] = mean_square[fibre][l] * squared[l];
             }
         }
-        Shape { deformation: Deformation { f, spread }, q, mean_square }
+        Shape { deformation: Deformation { f, stretch_variance }, q, mean_square }
     }
 
     /// [`Block::forces`], of parallelograms alone or of any quadrilaterals.
