@@ -163,7 +163,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         call: "profiles(best, options, |x| residuals)",
         gives: "the objective along each parameter, all others fitted again: #{ table, intervals, lower, upper, \
             warnings, findings }; `table` has parameter, value, f and all parameters, `intervals` the ends of 95 %, \
-            () where the objective does not rise enough. Two or three trials a index",
+            () where the objective does not rise enough. Two or three trials for each value",
         example: r#"let read = [3.0, 2.2, 1.5, 1.2, 0.8, 0.6, 0.4, 0.3];
                     let decay = |x| read.map(|y, i| x[0] * exp(-x[1] * i) - y);
                     let best = minimize("levenberg-marquardt", [2.0, 0.2], decay);
@@ -173,7 +173,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry {
         call: "#{ noise: \"coloured\" | \"white\", relative: false, points: 3, parts: [n1, n2, …] }",
         gives: "further options of `confidence` and `profiles`: whether neighbouring residuals may be correlated; \
-            intervals symmetric in the logarithm, for multipliers; places of a profile on each side; lengths of the \
+            intervals symmetric in the logarithm, for multipliers; points of a profile on each side; lengths of the \
             lists that the residuals are joined from, such as several signals (their sum is the number of residuals; \
             one list otherwise): each part then has noise of its own size and correlation",
         example: r#"let c = confidence([2.0], #{ noise: "white", relative: true }, |x| [x[0] - 1.9, x[0] - 2.1]);

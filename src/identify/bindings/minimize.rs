@@ -93,15 +93,15 @@ pub(super) const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "#{ tol_x, tol_f, max_iterations, max_evaluations }",
-        gives: "when a search ends: both tolerances 1e-4, both limits 200 for each unknown; absolute for \
-            \"nelder-mead\" and \"cma-es\", relative for \"levenberg-marquardt\"",
+        gives: "tolerances, 1e-4 each, absolute for \"nelder-mead\" and \"cma-es\" and relative for \
+            \"levenberg-marquardt\"; limits, 200 for each unknown",
         example: r#"let o = #{ max_iterations: 3 }; let best = minimize("nelder-mead", [1], o, |x| x[0] ** 2);
                     !best.converged && best.reason == "max_iterations was reached" && best.history.len() == 3"#,
     },
     Entry {
         call: "#{ lower: [..], upper: [..] }",
-        gives: "bounds, `()` for none: by projection and new simplices on a bound (\"nelder-mead\"), by transform \
-            (the others)",
+        gives: "bounds, `()` for none: by projection, with restarts on a bound (\"nelder-mead\"), or by transform (the \
+            others)",
         example: r#"let best = minimize("nelder-mead", [2.0], #{ lower: [1.5] }, |x| x[0] ** 2); best.x[0] == 1.5"#,
     },
     Entry {
@@ -121,17 +121,17 @@ pub(super) const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "#{ on_failure: \"worst\" | \"retry\" | \"stop\", on_rupture: \"fail\" | \"keep\" }",
-        gives: "what a trial counts as that throws or is not a number: worse than all others (noted in warnings), \
-            what is found a millionth aside, or the end; and whether a run in which film breaks is such a trial",
+        gives: "what a trial counts as that throws or is not a number: as worse than all others (noted in warnings), \
+            as the trial at x (1 + 1e-6), or as an error of the search; and whether a run with a ruptured film is such \
+            a trial",
         example: r#"let best = minimize("nelder-mead", [2.0], #{}, |x| if x[0] < 1 { throw "too small" } else { x[0] });
                     best.x[0] >= 1 && best.warnings[0].contains("too small")"#,
     },
     Entry {
         call: "#{ title: \"1008\", signals: [\"acceleration (m/s²)\", ..] }",
-        gives: "what the search is called in report and recording, where its iterations are shown without further \
-            work: the objective, the unknowns, and the signals that the objective compares (`relative_error`, \
-            `relative_residuals`, `rate`) closing in on their references; and what these signals are called, in the \
-            order in which they are compared",
+        gives: "title of the search in report and recording, which show the objective, the unknowns and the signals \
+            that the objective compares with references (`relative_error`, `relative_residuals`, `rate`) by iteration; \
+            and names of these signals, in the order in which they are compared",
         example: r#"let read = signal([0, 1, 2], [5, 7, 9]);
                     let o = #{ title: "line", signals: ["force (N)"], names: ["offset"] };
                     let line = |x| signal([0, 1, 2], [x[0], x[0] + 2, x[0] + 4]);
@@ -140,8 +140,8 @@ pub(super) const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "#{ names: [..], difference: 1e-3, spread: 0.25 }",
-        gives: "columns of the unknowns in the history; relative step of the Jacobian's differences; first standard \
-            deviation of \"cma-es\"",
+        gives: "names of the unknowns, which are columns of the history; relative step of the differences of the \
+            Jacobian; initial standard deviation of \"cma-es\"",
         example: r#"minimize("nelder-mead", [2.0], #{ names: ["k1"] }, |x| x[0] ** 2).history[0].k1 == 2.0"#,
     },
 ];
@@ -195,7 +195,10 @@ mod tests {
             (with("fallback: [[1]]"), "start 2 has 1 entries for 2 unknowns"),
             (with("fallback: [1]"), "`fallback` is a list of lists, with i64 in it"),
             ("minimize_all(\"cma-es\", [[1]], #{}, [])".into(), "minimize_all has 1 starts for 0 objectives"),
-            ("minimize_all(\"cma-es\", [[1]], [], [|x| 1])".into(), "minimize_all has 0 maps of options for 1 objectives"),
+            (
+                "minimize_all(\"cma-es\", [[1]], [], [|x| 1])".into(),
+                "minimize_all has 0 maps of options for 1 objectives",
+            ),
             ("minimize_all(\"cma-es\", [1], #{}, [|x| 1])".into(), "search 1: its start is a list of numbers"),
             ("minimize_all(\"cma-es\", [[1]], #{}, [1])".into(), "search 1: its objective is a function"),
             (
@@ -207,17 +210,25 @@ mod tests {
             (with("difference: 2"), "`difference` is 2, which must be between 0 and 1"),
             (with("names: [\"k1\"]"), "`names` has 1 entries for 2 unknowns"),
             ("minimize(\"levenberg-marquardt\", [1], |x| x[0])".into(), "levenberg-marquardt needs residuals"),
-            ("minimize(\"levenberg-marquardt\", [1, 2], |x| [x[0]])".into(), "the objective gave 1 residuals for 2 unknowns"),
+            (
+                "minimize(\"levenberg-marquardt\", [1, 2], |x| [x[0]])".into(),
+                "the objective gave 1 residuals for 2 unknowns",
+            ),
             (
                 "minimize(\"levenberg-marquardt\", [1], |x| if x[0] == 1 { [2, 3] } else { [1] })".into(),
                 "the objective gave 1 residuals at",
             ),
-            ("minimize(\"nelder-mead\", [1], |x| \"a\")".into(), "an objective gives a number, a signal or a list, not string"),
+            (
+                "minimize(\"nelder-mead\", [1], |x| \"a\")".into(),
+                "an objective gives a number, a signal or a list, not string",
+            ),
             ("minimize(\"nelder-mead\", [1], |x| x[1])".into(), "Array index 1 out of bounds"),
             ("minimize(\"nelder-mead\", [1], |x| 0.0 / 0.0)".into(), "the objective has no value at the start [1.0]"),
             ("minimize(\"nelder-mead\", [1], |x| { throw \"no\" })".into(), "no value at the start [1.0]: no"),
             (
-                "minimize(\"nelder-mead\", [2.0], #{ on_failure: \"stop\" }, |x| if x[0] < 1 { throw \"no\" } else { x[0] })".into(),
+                "let stop = #{ on_failure: \"stop\" };
+                 minimize(\"nelder-mead\", [2.0], stop, |x| if x[0] < 1 { throw \"no\" } else { x[0] })"
+                    .into(),
                 "a trial failed at [0.",
             ),
             ("minimize(\"nelder-mead\", [1], |x| { loop {} })".into(), "Too many operations"),
@@ -241,7 +252,9 @@ mod tests {
     #[test]
     fn a_mistake_in_an_unused_speculative_trial_is_not_reported() {
         let text = "minimize(\"nelder-mead\", [2.0], #{ on_failure: \"stop\" }, |x| {
-            if x[0] <= 1.2 { [0][9] } else if x[0] < 1.5 { let s = 0; for i in 0..20000 { s += 1; } throw \"too small\" } else { x[0] }
+            if x[0] <= 1.2 { return [0][9]; }
+            if x[0] < 1.5 { let s = 0; for i in 0..20000 { s += 1; } throw \"too small\" }
+            x[0]
         })";
         for threads in [1, 2, 4] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -21,5 +21,5 @@ pub fn register(engine: &mut Engine, host: &SearchHost) {
 /// The reference of the script functions.
 pub const REFERENCE: &[Chapter] = &[
     Chapter { title: "searches (droptower script)", entries: minimize::ENTRIES },
-    Chapter { title: "trust in what a search found (droptower script)", entries: confidence::ENTRIES },
+    Chapter { title: "confidence of estimated parameters (droptower script)", entries: confidence::ENTRIES },
 ];

@@ -35,7 +35,8 @@ pub enum CovarianceError {
     Singular,
     /// The fit absorbs all samples of a part.
     #[error(
-        "part {number} of the residuals has {samples}, of which the fit absorbs {absorbed:.1}: its noise is undetermined"
+        "part {number} of the residuals has {samples}, of which the fit absorbs {absorbed:.1}: its noise is \
+         undetermined"
     )]
     Absorbed {
         /// The part, from one.

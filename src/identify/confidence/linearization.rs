@@ -68,8 +68,8 @@ pub enum LinearizationError {
     },
     /// The lengths of the parts do not add up.
     #[error(
-        "`parts` {parts:?} are {sum} residuals together, and the objective gave {found}: expected the lengths of the lists \
-         that it joins, in their order"
+        "`parts` {parts:?} are {sum} residuals together, and the objective gave {found}: expected the lengths of the \
+         lists that it joins, in their order"
     )]
     Parts {
         /// The lengths.

@@ -32,7 +32,7 @@ pub(in crate::identify) fn search(
     }
     let patience = search.max_evaluations.div_ceil(start.len() + 1);
     let method = LevenbergMarquardt::new().with_ftol(search.tol_f).with_xtol(search.tol_x).with_patience(patience);
-    let problem = Problem {
+    let problem = LeastSquares {
         u: DVector::from_vec(search.bounds.u_of(&start)),
         worst: WORST * norm(&first),
         count: first.len(),
@@ -62,7 +62,7 @@ pub(in crate::identify) fn search(
 }
 
 /// Residuals as a function of u, the transform of a point within the bounds.
-struct Problem<'s, 'c, 'a> {
+struct LeastSquares<'s, 'c, 'a> {
     u: DVector<f64>,
     /// Norm of the residuals of a failed trial.
     worst: f64,
@@ -99,7 +99,7 @@ impl State<'_, '_, '_> {
     }
 }
 
-impl Problem<'_, '_, '_> {
+impl LeastSquares<'_, '_, '_> {
     fn x_of(&self, u: &DVector<f64>) -> Vec<f64> {
         self.state.borrow().context.search.bounds.x_of(u.as_slice())
     }
@@ -131,7 +131,7 @@ impl Problem<'_, '_, '_> {
         }
     }
 
-    fn try_residuals(&self) -> Result<DVector<f64>, SearchError> {
+    fn evaluate_residuals(&self) -> Result<DVector<f64>, SearchError> {
         let x = self.x_of(&self.u);
         let value = {
             let state = self.state.borrow();
@@ -154,7 +154,7 @@ impl Problem<'_, '_, '_> {
     }
 
     /// Differences from the present point, the last one that did not fail; to the other side where a trial fails.
-    fn try_jacobian(&self) -> Result<DMatrix<f64>, SearchError> {
+    fn evaluate_jacobian(&self) -> Result<DMatrix<f64>, SearchError> {
         let points = self.difference_points();
         let here = self.state.borrow().here.clone();
         let found = self.state.borrow().context.trials.values(&points)?;
@@ -202,7 +202,7 @@ impl Problem<'_, '_, '_> {
     }
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_, '_, '_> {
+impl LeastSquaresProblem<f64, Dyn, Dyn> for LeastSquares<'_, '_, '_> {
     type ResidualStorage = Owned<f64, Dyn>;
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
     type ParameterStorage = Owned<f64, Dyn>;
@@ -216,7 +216,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_, '_, '_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        self.unless_ended(self.try_residuals())
+        self.unless_ended(self.evaluate_residuals())
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
@@ -231,7 +231,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_, '_, '_> {
             self.state.borrow_mut().end = Some(End::Limit);
             return None;
         }
-        self.unless_ended(self.try_jacobian())
+        self.unless_ended(self.evaluate_jacobian())
     }
 }
 
