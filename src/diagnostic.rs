@@ -102,12 +102,23 @@ pub struct Diagnostic {
     pub span: Option<Span>,
     /// What to write instead, or why it is a mistake.
     pub hint: Option<String>,
+    /// Other places that have to do with it, such as the key that this one is in conflict with.
+    pub labels: Vec<Label>,
+}
+
+/// A place beside that of a mistake, and what is there.
+#[derive(Clone, Debug)]
+pub struct Label {
+    /// The place.
+    pub span: Span,
+    /// Lower case, no full stop.
+    pub text: String,
 }
 
 impl Diagnostic {
     /// A mistake that is not at a place in a text.
     pub fn new(message: impl Into<String>) -> Diagnostic {
-        Diagnostic { message: message.into(), span: None, hint: None }
+        Diagnostic { message: message.into(), span: None, hint: None, labels: vec![] }
     }
 
     /// The same mistake, shown at `span`.
@@ -120,7 +131,13 @@ impl Diagnostic {
         Diagnostic { hint: Some(hint.into()), ..self }
     }
 
-    /// The mistake as a report with the line it is on; `styled` adds colours for a terminal.
+    /// The same mistake, which also points at `span`.
+    pub fn label(mut self, span: &Span, text: impl Into<String>) -> Diagnostic {
+        self.labels.push(Label { span: span.clone(), text: text.into() });
+        self
+    }
+
+    /// The mistake as a report with the lines that it is on; `styled` adds colours for a terminal.
     pub fn render(&self, styled: bool) -> String {
         let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
         let message = printable(&self.message);
@@ -130,12 +147,25 @@ impl Diagnostic {
             let help = hint.iter().map(|hint| Level::HELP.message(hint.as_ref()));
             return renderer.render(&[title.elements(help)]);
         };
+        let labels: Vec<(&Span, Cow<'_, str>)> =
+            self.labels.iter().map(|label| (&label.span, printable(&label.text))).collect();
+        let context = |place: usize| {
+            let (span, text) = &labels[place];
+            AnnotationKind::Context.span(span.range.clone()).label(text.as_ref())
+        };
+        let is_beside = |place: &usize| Arc::ptr_eq(&labels[*place].0.source, &span.source);
         let mark = AnnotationKind::Primary.span(span.range.clone()).label(hint.as_deref());
-        let snippet = Snippet::source(&span.source.text).line_start(span.source.first_line);
-        let name = printable(&span.source.name);
-        let snippet = snippet.path(name.as_ref()).annotation(mark);
-        renderer.render(&[title.element(snippet)])
+        let own = snippet(&span.source).annotation(mark);
+        let own = own.annotations((0..labels.len()).filter(is_beside).map(context));
+        let others = (0..labels.len()).filter(|place| !is_beside(place));
+        let others = others.map(|place| snippet(&labels[place].0.source).annotation(context(place)));
+        renderer.render(&[title.element(own).elements(others)])
     }
+}
+
+/// The text of `source` under its name.
+fn snippet<'a>(source: &'a Source) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
+    Snippet::source(&source.text).line_start(source.first_line).path(printable(&source.name))
 }
 
 /// The text without what would steer a terminal: names and notes of files are written by strangers.
@@ -213,6 +243,32 @@ error: unknown key `thicknes`
   |
 3 | thicknes = \"12 um\"
   | ^^^^^^^^ did you mean `thickness`?";
+        assert_eq!(mistake.render(false), expected);
+    }
+
+    #[test]
+    fn points_at_other_places_too() {
+        let source = Source::unfiled("a.toml", "velocity = 1\ngravity = 0\ndrop_height = 2\n".to_owned());
+        let other = Source::unfiled("b.toml", "count = 8\n".to_owned());
+        let mistake = Diagnostic::new("`velocity` and `drop_height` exclude each other")
+            .at(&Span::new(&source, 25..36))
+            .hint("keep one")
+            .label(&Span::new(&source, 0..8), "`velocity` is given here")
+            .label(&Span::new(&other, 0..5), "there `count` is 8");
+        let expected = "\
+error: `velocity` and `drop_height` exclude each other
+ --> a.toml:3:1
+  |
+1 | velocity = 1
+  | -------- `velocity` is given here
+2 | gravity = 0
+3 | drop_height = 2
+  | ^^^^^^^^^^^ keep one
+  |
+ ::: b.toml:1:1
+  |
+1 | count = 8
+  | ----- there `count` is 8";
         assert_eq!(mistake.render(false), expected);
     }
 

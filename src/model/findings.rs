@@ -28,6 +28,17 @@ impl<'d> Findings<'d> {
         self.mistakes.push(Diagnostic::new(message).at(&span).hint(hint));
     }
 
+    /// Lets the last mistake also point at the key path, where it is written.
+    pub fn label(&mut self, path: &str, text: impl Into<String>) {
+        if !self.is_written(path) {
+            return;
+        }
+        let span = self.document.span(path);
+        if let Some(mistake) = self.mistakes.pop() {
+            self.mistakes.push(mistake.label(&span, text));
+        }
+    }
+
     /// A key that must stand at the key path and does not.
     pub fn missing(&mut self, path: &str, hint: impl Into<String>) {
         self.report_with(path, format!("missing key `{path}`"), hint);

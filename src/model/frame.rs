@@ -73,6 +73,9 @@ fn sides(written: &[scenario::Side], scenario: &Scenario, findings: &mut Finding
     for (place, side) in written.iter().map(side).enumerate() {
         if sides.contains(&side) {
             findings.report(&format!("{PATH}.{place}"), "this side is already held");
+            if let Some(first) = written.iter().position(|other| self::side(other) == side) {
+                findings.label(&format!("{PATH}.{first}"), "here");
+            }
         } else {
             sides.push(side);
         }

@@ -7,6 +7,10 @@ use crate::scenario::{self, Loading, Scenario};
 /// Shaft of a dart whose length is left out, in radii.
 const SHAFT: f64 = 4.0;
 
+/// What a mistake about mirror planes also points at.
+const SYMMETRY: &str = "specimen.symmetry";
+const MIRRORED: &str = "the mirror planes";
+
 /// The impactor, where the loading needs one.
 pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Impactor> {
     let why = match scenario.loading {
@@ -69,13 +73,16 @@ fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, findings: &mut Fin
     if off_centre {
         let message = "the impactor does not stand on the mirror plane";
         findings.report_with("impactor.position", message, hint);
+        findings.label(SYMMETRY, MIRRORED);
     }
     if written.guide == scenario::Guide::Free {
         let message = "a free impactor can tip out of the mirror plane";
         findings.report_with("impactor.guide", message, hint);
+        findings.label(SYMMETRY, MIRRORED);
     }
     if matches!(written.shape, scenario::ImpactorShape::Mesh(_)) {
         let message = "a meshed impactor is not known to be its own mirror image";
         findings.report_with("impactor.shape.mesh", message, hint);
+        findings.label(SYMMETRY, MIRRORED);
     }
 }

@@ -145,12 +145,14 @@ fn heights(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
         let path = height_path(scenario, place + 1);
         if pair[1].height == pair[0].height {
             findings.report(&path, "two faces lie at the same height");
+            findings.label(&height_path(scenario, place), "the other face");
         } else if pair[1].height > pair[0].height {
             findings.report_with(
                 &path,
                 "the faces do not stand from the highest to the lowest",
                 "the impactor comes from above and meets the first face first",
             );
+            findings.label(&height_path(scenario, place), "the face before it");
         }
     }
 }

@@ -62,6 +62,7 @@ fn impact(written: &scenario::Impact, findings: &mut Findings<'_>) -> Loading {
     let gravity = written.gravity.0;
     if written.drop_height.is_some() && gravity == 0.0 {
         findings.report("loading.impact.gravity", "nothing falls from `drop_height` without gravity");
+        findings.label("loading.impact.drop_height", "the height of fall");
     }
     let fall = |height: f64| (2.0 * gravity * height).sqrt();
     let velocity = match (written.velocity, written.drop_height) {
@@ -93,6 +94,7 @@ fn direction(written: Direction) -> f64 {
 fn stretched_specimen(scenario: &Scenario, findings: &mut Findings<'_>) {
     if !matches!(scenario.specimen.shape, scenario::Shape::Rectangle(_)) {
         findings.report_with("specimen.shape", "`loading.stretch` needs a rectangle", "jaws hold straight edges");
+        findings.label("loading.stretch", "the loading");
     }
     let turned = "`loading.stretch.direction` says how the film lies between the jaws";
     let pulled = "a stretch test pulls an unstrained film between two jaws";

@@ -171,6 +171,7 @@ fn general(
         } else if second >= last {
             let message = format!("the curve ends at {last}, before its second yield point");
             findings.report(&path, message);
+            findings.label(&place(points.len() - 1), "its last point");
         }
     }
     Some((curve, written.yield_strains))
@@ -219,13 +220,18 @@ fn curve(points: &[Point], path: &str, place: impl Fn(usize) -> String, findings
         Err(error) => error,
     };
     match error {
-        CurveError::StrainNotIncreasing { index, strain, previous } => findings.report_with(
-            &place(index),
-            "the curve is not increasing in strain",
-            format!("{strain} stands after {previous}"),
-        ),
+        CurveError::StrainNotIncreasing { index, strain, previous } => {
+            let hint = format!("{strain} stands after {previous}");
+            findings.report_with(&place(index), "the curve is not increasing in strain", hint);
+            if let Some(before) = index.checked_sub(1) {
+                findings.label(&place(before), "the point before it");
+            }
+        }
         CurveError::StressFalls { index, .. } => {
             findings.report(&place(index), "the stress of the curve falls");
+            if let Some(before) = index.checked_sub(1) {
+                findings.label(&place(before), "the point before it");
+            }
         }
         CurveError::NotFinite { index } => {
             findings.report(&place(index), "this point of the curve is not finite");

@@ -32,6 +32,7 @@ fn range([from, to]: [Time; 2], scenario: &Scenario, findings: &mut Findings<'_>
     {
         let message = format!("the window ends after the run, which takes {}", impact.duration);
         findings.report(&format!("{WINDOW}.1"), message);
+        findings.label("loading.impact.duration", "the run ends here");
     }
     [from.0, to.0]
 }

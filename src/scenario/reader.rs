@@ -23,8 +23,8 @@ pub struct Reader {
     pub mistakes: Vec<Diagnostic>,
     /// Every file that was read, in order.
     pub files: Vec<PathBuf>,
-    /// The files being read, each named by the one before it.
-    chain: Vec<PathBuf>,
+    /// The files being read, each with the place in the one before it that names it.
+    chain: Vec<(PathBuf, Option<Span>)>,
     /// Bytes read so far.
     bytes: u64,
 }
@@ -33,7 +33,7 @@ impl Reader {
     /// The tree of the file at `path`, which stands at `named` in the file that names it.
     pub fn read(&mut self, path: &Path, rule: Option<&Rule>, named: Option<&Span>) -> Option<Node> {
         let identity = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        if self.chain.contains(&identity) {
+        if self.chain.iter().any(|(file, _)| *file == identity) {
             self.report(self.circle(&identity), named);
             return None;
         }
@@ -43,7 +43,7 @@ impl Reader {
             return None;
         }
         let source = self.text(path, named)?;
-        self.chain.push(identity);
+        self.chain.push((identity, named.cloned()));
         let node = match tree::parse(&source) {
             Ok(node) => self.extended(node, rule),
             Err(mistakes) => {
@@ -139,10 +139,13 @@ impl Reader {
     }
 
     fn circle(&self, again: &Path) -> Diagnostic {
-        let start = self.chain.iter().position(|file| file == again);
-        let files = self.chain[start.unwrap_or(0)..].iter();
-        let names: Vec<String> = files.map(PathBuf::as_path).chain([again]).map(shown_path).collect();
-        Diagnostic::new(format!("files extend in a circle: {}", names.join(" → ")))
+        let start = self.chain.iter().position(|(file, _)| file == again).unwrap_or(0);
+        let circle = &self.chain[start..];
+        let files = circle.iter().map(|(file, _)| file.as_path());
+        let names: Vec<String> = files.chain([again]).map(shown_path).collect();
+        let mistake = Diagnostic::new(format!("files extend in a circle: {}", names.join(" → ")));
+        let links = circle.iter().skip(1).filter_map(|(_, named)| named.as_ref());
+        links.fold(mistake, |mistake, link| mistake.label(link, "this file extends the next"))
     }
 
     fn report(&mut self, mistake: Diagnostic, named: Option<&Span>) {

@@ -112,8 +112,11 @@ impl Walk {
                 for (_, other) in others {
                     let message = format!("`{}` and `{}` exclude each other", first.key, other.key);
                     let hint = format!("keep one of {}", list_groups(rule));
-                    let later = if other.key_span.range.start > first.key_span.range.start { other } else { first };
-                    self.report(Diagnostic::new(message).at(&later.key_span).hint(hint));
+                    let is_later = other.key_span.range.start > first.key_span.range.start;
+                    let (later, earlier) = if is_later { (other, first) } else { (first, other) };
+                    let label = format!("`{}` is given here", earlier.key);
+                    let mistake = Diagnostic::new(message).at(&later.key_span).hint(hint);
+                    self.report(mistake.label(&earlier.key_span, label));
                 }
             }
         }

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use droptower::diagnostic::{Diagnostic, render};
+use droptower::diagnostic::{Diagnostic, Label, render};
 use droptower::model::{self, Model};
 use droptower::scenario::{Assignment, Document};
 use proptest::prelude::*;
@@ -80,6 +80,19 @@ fn every_mistake_is_reported_at_its_place() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn a_conflict_points_at_both_places() {
+    for (file, labels) in [
+        ("exclusive.toml", &["is given here"][..]),
+        ("extends-circle.toml", &["this file extends the next", "this file extends the next"]),
+    ] {
+        let mistakes = check(&Path::new("tests/it/broken").join(file)).expect_err("a mistake");
+        let found = mistakes.iter().find(|mistake| !mistake.labels.is_empty()).expect("labels");
+        let fits = |(label, text): (&Label, &&str)| label.text.ends_with(text);
+        assert!(found.labels.len() == labels.len() && found.labels.iter().zip(labels).all(fits), "{found:?}");
+    }
 }
 
 #[test]
