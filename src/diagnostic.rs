@@ -8,11 +8,12 @@ use std::sync::Arc;
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
-/// A text that the user wrote: a file, a script, an argument of the command line.
+/// A text of the user: a file, a script, an argument of the command line.
 #[derive(Debug)]
 pub struct Source {
     /// As a diagnostic shows it: a path relative to the working directory, or e.g. "command line".
     pub name: String,
+    /// The text itself.
     pub text: String,
     /// What relative paths in the text are relative to.
     pub folder: PathBuf,
@@ -38,9 +39,10 @@ impl Source {
     }
 }
 
-/// A stretch of a source.
+/// A range of a source.
 #[derive(Clone)]
 pub struct Span {
+    /// The text.
     pub source: Arc<Source>,
     /// Bytes of the source's text.
     pub range: Range<usize>,
@@ -99,6 +101,7 @@ fn floor_boundary(text: &str, at: usize) -> usize {
 pub struct Diagnostic {
     /// Lower case, no full stop.
     pub message: String,
+    /// Where it is, if it is at a place in a text.
     pub span: Option<Span>,
     /// What to write instead, or why it is a mistake.
     pub hint: Option<String>,
@@ -168,7 +171,7 @@ fn snippet<'a>(source: &'a Source) -> Snippet<'a, annotate_snippets::Annotation<
     Snippet::source(&source.text).line_start(source.first_line).path(printable(&source.name))
 }
 
-/// The text without what would steer a terminal: names and notes of files are written by strangers.
+/// The text without control characters: names and notes of files are not trusted.
 pub fn printable(text: &str) -> Cow<'_, str> {
     let steers = |letter: char| letter.is_control() && letter != '\n' && letter != '\t';
     if text.contains(steers) { text.replace(steers, "\u{fffd}").into() } else { text.into() }

@@ -3,6 +3,7 @@
 //! A unit is written as factors with powers, `kg/m3`, `m/s^2`, `N/mm`; each factor is looked up by
 //! its abbreviation in `uom`, which knows the SI and its prefixes. A bare number is in the SI unit.
 
+mod table;
 mod unit;
 
 use std::borrow::Cow;
@@ -11,7 +12,6 @@ use std::fmt;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use thiserror::Error;
-use uom::si::f64 as si;
 
 pub use unit::{STANDARD_GRAVITY, Unit, UnknownUnit};
 
@@ -168,26 +168,7 @@ fn look_up(symbol: &str) -> Option<(f64, Powers)> {
         "Nmm" => return Some((1e-3, [2, 1, -2, -1])),
         _ => {}
     }
-    let symbol = spelled_as_uom(symbol);
-    let one = format!("1 {symbol}");
-    macro_rules! first_of {
-        ($($quantity:ident: $powers:expr),* $(,)?) => {
-            $(if let Ok(found) = one.parse::<si::$quantity>() {
-                return Some((found.value, $powers));
-            })*
-        };
-    }
-    first_of! {
-        Length: [1, 0, 0, 0],
-        Mass: [0, 1, 0, 0],
-        Time: [0, 0, 1, 0],
-        Angle: [0, 0, 0, 1],
-        Frequency: [0, 0, -1, 0],
-        Pressure: [-1, 1, -2, 0],
-        Force: [1, 1, -2, 0],
-        Energy: [2, 1, -2, 0],
-    }
-    None
+    table::find(&spelled_as_uom(symbol))
 }
 
 /// Keyboards have neither µ nor °.

@@ -1,19 +1,19 @@
-//! Runs that nobody waits for any more.
+//! Cancellation of runs.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether a run is still wanted: shared between who waits for it and who makes it. Cheap to clone.
+/// Whether a run is cancelled, shared between its caller and the run. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub struct Cancellation(Arc<AtomicBool>);
 
 impl Cancellation {
-    /// Says that the run is not wanted any more.
+    /// Cancels the run.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether that was said.
+    /// Whether the run was cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

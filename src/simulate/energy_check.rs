@@ -1,4 +1,4 @@
-//! Whether the energies of a run add up.
+//! The energy balance of a run.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,8 +32,8 @@ pub(super) struct EnergyCheck {
 }
 
 impl EnergyCheck {
-    /// `scale` is an energy (J) that the run will move about, such as the impactor's. Before the time `from` (s) nothing is
-    /// judged: a slow loading has no such scale, and hardly any energy has moved by then to divide by.
+    /// `scale` is an energy (J) that the run exchanges at least, such as the impactor's. Nothing is judged before the time
+    /// `from` (s): a slow loading has no such scale, and hardly any energy to divide by until then.
     pub(super) fn new(scale: f64, from: f64) -> EnergyCheck {
         EnergyCheck {
             scale,
@@ -48,7 +48,7 @@ impl EnergyCheck {
         }
     }
 
-    /// Takes in the energies at `time` (s).
+    /// Adds the energies at `time` (s).
     ///
     /// # Errors
     /// The energy balance is lost.
@@ -69,8 +69,8 @@ impl EnergyCheck {
         (error > STOP).then_some(Fault::EnergyBalance { time, error })
     }
 
-    /// What losses in contact and friction have fallen by since they were largest, J: energy that came from nowhere,
-    /// though the sum of all terms does not show it.
+    /// By how much the losses in contact and friction have fallen since they were largest, J: an error that the sum of all
+    /// terms does not show.
     fn given_back(&mut self, energies: &Energies) -> f64 {
         let now = [energies.contact, energies.friction];
         (0..2)
@@ -87,7 +87,7 @@ impl EnergyCheck {
         if exchanged > 0.0 { self.largest_gap / exchanged } else { 0.0 }
     }
 
-    /// Energy that the film took up since the start, J.
+    /// Energy that the film has taken up since the start, J.
     fn taken_up(&self, energies: &Energies) -> f64 {
         let inner = |e: &Energies| e.stored + e.absorbed + e.rupture;
         inner(energies) - self.start.as_ref().map_or(0.0, inner)

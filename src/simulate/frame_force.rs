@@ -1,4 +1,4 @@
-//! What the film pulls on the frame that holds it (theory.md, equation 160).
+//! Force of the film on the mounting frame (theory.md, equation 160).
 
 use crate::engine::Nodes;
 use crate::mesh::{Mesh, Outline, Side};
@@ -45,7 +45,7 @@ impl HeldSides {
         }
     }
 
-    /// Whether there is anything to be pulled at.
+    /// Whether any side is held.
     pub(super) fn are_there(&self) -> bool {
         !self.sides.is_empty()
     }

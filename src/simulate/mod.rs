@@ -39,7 +39,7 @@ pub use rates::RateHistogram;
 pub use snapshot::{Detail, FilmState, Snapshot};
 pub use warning::{CODES, Warning};
 
-/// Where a run stands.
+/// Progress of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     /// Simulated so far, s.
@@ -50,14 +50,17 @@ pub struct Progress {
     pub steps: u64,
     /// The present time step, s.
     pub time_step: f64,
-    /// Elements that every step works on.
+    /// Number of elements.
     pub elements: usize,
 }
 
 /// Element steps between two reports of progress: about a millisecond.
 const REPORT_AFTER: usize = 30_000;
 
-/// Simulates `model`; `progress` is told every few steps where the run stands.
+/// Simulates `model`; `progress` is called every few steps.
+///
+/// # Errors
+/// Film or impactor cannot be meshed or mounted, or the run fails numerically.
 pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, RunError> {
     run_with(model, RunOptions::default(), progress)
 }
@@ -76,7 +79,7 @@ pub struct RunOptions<'a> {
     pub cancellation: Cancellation,
     /// Called with every snapshot as soon as it is taken.
     pub on_snapshot: Option<&'a mut dyn FnMut(&SnapshotEvent<'_>)>,
-    /// Whether kept states have their [`Detail`]. Of a film so fine that its states do not all fit into memory, fewer are kept.
+    /// Whether snapshots have their [`Detail`]; of a very fine mesh fewer fit into memory.
     pub detailed: bool,
 }
 

@@ -21,7 +21,7 @@ pub(super) struct Figures {
     pub(super) unfinished: bool,
 }
 
-/// For each bound the first time at which it was exceeded, and the largest excess.
+/// For each bound, the first time at which it was exceeded, and the largest excess.
 #[derive(Default, Serialize, Deserialize)]
 pub(super) struct Monitor {
     edge: Option<(f64, f64)>,

@@ -23,10 +23,11 @@ pub struct Outcome {
     pub films: Vec<Film>,
     /// Surface of the impactor that moves in the snapshots.
     pub impactor: Option<Surface>,
+    /// Straining by strain rate.
     pub rates: RateHistogram,
     /// What puts figures in doubt.
     pub warnings: Vec<Warning>,
-    /// First time at which an element broke, s.
+    /// Time at which the first element failed, s.
     pub rupture_time: Option<f64>,
     /// Largest |ΣE − E₀| over the energy exchanged.
     pub energy_balance_error: f64,
@@ -40,29 +41,35 @@ pub struct Outcome {
     pub mass_scaling: Option<f64>,
     /// Largest penetration over the impactor's radius.
     pub penetration: Option<f64>,
+    /// Number of elements.
     pub elements: usize,
-    /// What the engine's own arrays take, bytes.
+    /// Memory of the engine's own arrays, bytes.
     pub bytes: usize,
-    /// Threads that worked on it.
+    /// Number of threads.
     pub threads: usize,
-    /// Vector instructions that its kernels were run with.
+    /// Vector instructions of its kernels.
     pub instructions: Width,
+    /// Number of steps.
     pub steps: u64,
     /// Mean time step, s.
     pub time_step: f64,
+    /// Wall time, of all parts where the run was interrupted.
     pub wall: Duration,
 }
 
 /// Topology of one face, as pictures need it.
 #[derive(Clone, Debug)]
 pub struct Film {
+    /// Number of nodes.
     pub nodes: usize,
+    /// Corners of the quadrilaterals, counted among the nodes of the face.
     pub quads: Vec<[u32; 4]>,
+    /// Corners of the triangles.
     pub tris: Vec<[u32; 3]>,
     /// Edges by which the frame or the jaws hold it, as pairs of nodes.
     pub held: Vec<[u32; 2]>,
     /// Mirror planes that complete the picture: x, y.
     pub mirrored: [bool; 2],
-    /// How well its elements are shaped.
+    /// Shape of its elements.
     pub quality: Quality,
 }

@@ -29,7 +29,7 @@ const RESTLESS: f64 = 2e-3;
 /// Part of a slow test after which its energies are judged while it runs; at its end they are judged as a whole.
 const JUDGED_FROM: f64 = 0.1;
 
-/// Gathers the outcome of a run while it goes.
+/// Records the outcome of a run while it steps.
 pub(super) struct Probe<'a> {
     model: &'a Model,
     loading: Box<dyn LoadCase + 'a>,
@@ -47,7 +47,7 @@ pub(super) struct Probe<'a> {
     record: Record,
 }
 
-/// What was gathered so far: all that a probe has to have back when a run goes on from a checkpoint.
+/// What a probe has recorded so far, and needs again when the run resumes from a checkpoint.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Record {
     audits: usize,
@@ -97,12 +97,12 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// What was gathered so far.
+    /// What was recorded so far.
     pub(super) fn record(&self) -> &Record {
         &self.record
     }
 
-    /// Goes on from what an earlier run gathered.
+    /// Resumes from the record of a checkpoint.
     pub(super) fn resume(&mut self, record: Record) {
         self.record = record;
     }
@@ -152,7 +152,7 @@ impl<'a> Probe<'a> {
         self.record.rupture_time.is_none().then(|| rise::settling(&self.record.tracks))?
     }
 
-    /// Elements broke in the step from `time` (s).
+    /// Elements failed in the step from `time` (s).
     pub(super) fn broke(&mut self, time: f64) {
         self.record.rupture_time.get_or_insert(time);
     }

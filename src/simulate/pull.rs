@@ -8,41 +8,41 @@ use crate::engine::{Film, Nodes, UndefinedFibreDirection, Vectors};
 use crate::mesh::{self, MeshError, Meshing, Outline, Side};
 use crate::model::{Face, Model};
 
-/// What jaws do to the width of the film between them.
+/// Boundary condition across the film between two jaws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Across {
-    /// It stays as it is, as under `[loading.stretch]`: all nodes of a single element stand in the jaws.
+    /// The width is held, as under `[loading.stretch]`, where all nodes of a single element are in the jaws.
     Held,
-    /// It narrows or widens until nothing pulls across: a strip that is long for its width.
+    /// The transverse force is zero: a strip that is long compared with its width.
     Free,
 }
 
-/// Why film cannot be pulled.
+/// Why the curve of a single element cannot be computed.
 #[derive(Debug, Error)]
 pub enum PullError {
-    /// There are no jaws.
+    /// The loading is not a stretch.
     #[error("only a scenario with `[loading.stretch]` can be pulled: it says in which direction")]
     NotAStretch,
-    /// The element cannot be made.
+    /// The element cannot be meshed.
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// A fibre has no direction in the element.
     #[error(transparent)]
     FibreDirection(#[from] UndefinedFibreDirection),
-    /// No film is shortened to nothing.
+    /// The strain is −1 or less.
     #[error("no film has the engineering strain {strain}")]
     Strain { strain: f64 },
-    /// No width is in equilibrium.
+    /// No width is in equilibrium at the strain.
     #[error("no width of the film is in equilibrium at the strain {strain}")]
     NoWidth { strain: f64 },
 }
 
-/// Engineering stress (Pa) of the film of `model` at `strains`, to which it is pulled one after the other: a single element of the
-/// whole specimen with its own element and law, which remembers its largest strains and feels the rate of the jaws. The stress
-/// of film that is past its break strain is zero.
+/// Engineering stress (Pa) of the film of `model` at `strains`, which it is stretched to one after the other: one element of
+/// the size of the specimen, with the history variables of its law and the strain rate of the jaws. Beyond the break strain
+/// the stress is zero.
 ///
 /// # Errors
-/// Another loading than a stretch, a strain of −1 or less, film that finds no equilibrium across.
+/// Another loading than a stretch, a strain of −1 or less, no transverse equilibrium.
 pub fn pull(model: &Model, strains: &[f64], across: Across) -> Result<Vec<f64>, PullError> {
     let mut element = SingleElement::of(model)?;
     let (mut width, mut before) = (1.0, 0.0);
@@ -61,10 +61,10 @@ pub fn pull(model: &Model, strains: &[f64], across: Across) -> Result<Vec<f64>, 
     strains.iter().map(stress).collect()
 }
 
-/// One cell of film as large as the specimen.
+/// One element of the size of the specimen.
 struct SingleElement {
     film: Film,
-    /// Where its nodes are undeformed, m.
+    /// Undeformed positions of its nodes, m.
     flat: Vectors,
     nodes: Nodes,
     /// Nodes on x+ and on y+.
@@ -75,16 +75,16 @@ struct SingleElement {
     rate: f64,
 }
 
-/// Unbalanced force across the film over the pull along it.
+/// Transverse force over the force along the film that counts as balanced.
 const BALANCED: f64 = 1e-9;
 
-/// Distance of two stretches across that are the same: where film is without stress, forces are rounding alone.
+/// Difference of two transverse stretches that count as equal: without stress, forces are round-off alone.
 const ALIKE: f64 = 1e-12;
 
-/// Factor on the width from one guess to the next until two enclose the one sought.
+/// Factor on the width from one guess to the next until two bracket the root.
 const STRIDE: f64 = 1.05;
 
-/// Most guesses, before and after.
+/// Most iterations, of bracketing and of the false position.
 const GUESSES: usize = 100;
 
 impl SingleElement {
@@ -103,14 +103,15 @@ impl SingleElement {
         Ok(SingleElement { film, flat, nodes, sides, section, rate })
     }
 
-    /// Pull (N) along the film that is stretched along and across within `dt` (s); it remembers, and breaks.
+    /// Force (N) along the film that is stretched along and across within `dt` (s); updates its history and deletes it past
+    /// its break strain.
     fn pulled(&mut self, stretch: [f64; 2], dt: f64) -> f64 {
         load(&mut self.film, &mut self.nodes, &self.flat, stretch, dt);
         let (failed, _) = self.film.delete_failed(self.nodes.position.axes());
         if failed > 0 { 0.0 } else { -self.nodes.pull(&self.sides[0], 0) }
     }
 
-    /// Stretch across at which nothing pulls across film that is stretched by `along` within `dt` (s), looked for from `guess`.
+    /// Transverse stretch in equilibrium where the film is stretched by `along` within `dt` (s), searched from `guess`.
     fn width(&self, along: f64, guess: f64, dt: f64) -> Option<f64> {
         let mut nodes = self.nodes.clone();
         let mut unbalanced = |across: f64| {
@@ -123,10 +124,10 @@ impl SingleElement {
     }
 }
 
-/// A stretch across and the force there, N.
+/// A transverse stretch and the transverse force there, N.
 type Guess = (f64, f64);
 
-/// Two guesses between which the force changes its sign. Film that pulls inward gets narrower.
+/// Two guesses between which the force changes its sign. A tensile transverse force makes the film narrower.
 fn enclose(guess: f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<[Guess; 2]> {
     let mut before = (guess, unbalanced(guess));
     let factor = if before.1 > 0.0 { 1.0 / STRIDE } else { STRIDE };
@@ -140,7 +141,7 @@ fn enclose(guess: f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<[Guess
     None
 }
 
-/// Where the force is balanced, by the false position that halves the force of an end which stays (Dowell and Jarratt, BIT 11, 1971).
+/// The root of the force, by the Illinois variant of the false position (Dowell and Jarratt, BIT 11, 1971).
 fn balance([mut other, mut last]: [Guess; 2], unbalanced: &mut impl FnMut(f64) -> f64) -> Option<f64> {
     for _ in 0..GUESSES {
         if last.1 == 0.0 || (other.0 - last.0).abs() <= ALIKE {
@@ -158,7 +159,7 @@ fn balance([mut other, mut last]: [Guess; 2], unbalanced: &mut impl FnMut(f64) -
     None
 }
 
-/// Puts the nodes within `dt` (s) where the film, `flat` before, is stretched along x and y; they have its forces then.
+/// Stretches the film, `flat` before, along x and y within `dt` (s), and sets the forces of its nodes.
 fn load(film: &mut Film, nodes: &mut Nodes, flat: &Vectors, stretch: [f64; 2], dt: f64) {
     for (n, [x, y, z]) in flat.iter().enumerate() {
         nodes.position.set(n, [stretch[0] * x, stretch[1] * y, z]);

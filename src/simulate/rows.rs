@@ -1,4 +1,4 @@
-//! Rows of `K` numbers as they are saved: serde knows arrays of a given length only.
+//! Serialisation of rows of `K` numbers: serde knows arrays of a given length only.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -22,18 +22,19 @@ pub struct Snapshot {
 /// State of one face at one time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FilmState {
+    /// m, one entry a node.
     pub positions: Vec<[f32; 3]>,
     /// Engineering strain of the MD and TD fibres and shear angle, one entry an element (quads, then triangles).
     pub strains: Vec<[f32; 3]>,
-    /// Broken elements.
+    /// Whether an element has failed, one entry an element.
     pub failed: Vec<bool>,
-    /// Nodes of the face that the impactor touches, ascending.
+    /// Nodes of the face in contact with the impactor, ascending.
     pub touching: Vec<u32>,
-    /// Stress and more, where the run was asked for it ([`RunOptions::detailed`]).
+    /// Stress and more, where the run was asked for it ([`RunOptions::detailed`](super::RunOptions::detailed)).
     pub detail: Option<Detail>,
 }
 
-/// What only some want to know of the state of a face.
+/// Velocities, stresses and more of the state of a face.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Detail {
     /// m/s, one entry a node.

@@ -1,4 +1,4 @@
-//! What is followed through every step of a run and read off at its samples.
+//! Quantities recorded at every step of a run and interpolated at its samples.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ pub(super) struct Tracks {
     pub(super) sample: f64,
     /// Samples wanted.
     pub(super) samples: usize,
-    /// Height of the impactor (m), its work on the film (J), pull on the jaws (N).
+    /// Height of the impactor (m), its work on the film (J), force on the jaws (N).
     pub(super) at_steps: Grid<3>,
     /// Velocity of the impactor (m/s) and its momentum from the film (N s), twice a sample.
     pub(super) at_half_steps: Grid<2>,
@@ -47,7 +47,7 @@ impl Tracks {
         }
     }
 
-    /// Takes in one step.
+    /// Records one step.
     pub(super) fn follow(&mut self, track: &Track) {
         if track.impulse != 0.0 {
             self.first_contact.get_or_insert(track.z);

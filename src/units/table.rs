@@ -1,0 +1,81 @@
+//! The units that quantities are written in, with the factors of `uom`.
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+use uom::Conversion;
+use uom::si::Unit;
+
+use super::Powers;
+
+/// Factor to SI and powers of the unit with this abbreviation or English name.
+pub(super) fn find(symbol: &str) -> Option<(f64, Powers)> {
+    UNITS.get(symbol).copied()
+}
+
+/// Every unit by its abbreviation and by its names in singular and plural; of two units with one name the first counts.
+static UNITS: LazyLock<HashMap<&'static str, (f64, Powers)>> = LazyLock::new(|| {
+    let mut units = HashMap::new();
+    // The coefficient alone: to parse a quantity of `uom` instantiates a conversion for each unit, which compiles slowly.
+    macro_rules! units {
+        ($($quantity:ident: $powers:tt { $($unit:ident),* $(,)? })*) => {
+            $($({
+                type This = uom::si::$quantity::$unit;
+                let meaning = (<This as Conversion<f64>>::coefficient(), $powers);
+                for name in [This::abbreviation(), This::singular(), This::plural()] {
+                    units.entry(name).or_insert(meaning);
+                }
+            })*)*
+        };
+    }
+    units! {
+        length: [1, 0, 0, 0] {
+            yottameter, zettameter, exameter, petameter, terameter, gigameter, megameter, kilometer, hectometer,
+            decameter, meter, decimeter, centimeter, millimeter, micrometer, nanometer, picometer, femtometer,
+            attometer, zeptometer, yoctometer, angstrom, bohr_radius, astronomical_unit, chain, data_mile, fathom,
+            fermi, foot, inch, microinch, micron, mil, mile, nautical_mile, parsec, rod, yard, leuga, stadium,
+            actus, decempeda, passus, gradus, cubitum, palmipes, pes, palmus, uncia, digitus,
+        }
+        mass: [0, 1, 0, 0] {
+            yottagram, zettagram, exagram, petagram, teragram, gigagram, megagram, kilogram, hectogram, decagram,
+            gram, decigram, centigram, milligram, microgram, nanogram, picogram, femtogram, attogram, zeptogram,
+            yoctogram, carat, dalton, grain, ounce, pennyweight, pound, slug, ton_assay, ton, libra, deunx, dextans,
+            dodrans, bes, septunx, semis, quincunx, triens, sextans, sescuncia, uncia, semuncia, duella, sicilicus,
+            sextula, semisextula, scrupulum, obolus, siliqua,
+        }
+        time: [0, 0, 1, 0] {
+            yottasecond, zettasecond, exasecond, petasecond, terasecond, gigasecond, megasecond, kilosecond,
+            hectosecond, decasecond, second, decisecond, centisecond, millisecond, microsecond, nanosecond,
+            picosecond, femtosecond, attosecond, zeptosecond, yoctosecond, day, hour, minute, shake, year,
+        }
+        angle: [0, 0, 0, 1] {
+            radian, revolution, degree, gon, mil, minute, second,
+        }
+        frequency: [0, 0, -1, 0] {
+            yottahertz, zettahertz, exahertz, petahertz, terahertz, gigahertz, megahertz, kilohertz, hectohertz,
+            decahertz, hertz, decihertz, centihertz, millihertz, microhertz, nanohertz, picohertz, femtohertz,
+            attohertz, zeptohertz, yoctohertz,
+        }
+        pressure: [-1, 1, -2, 0] {
+            yottapascal, zettapascal, exapascal, petapascal, terapascal, gigapascal, megapascal, kilopascal,
+            hectopascal, decapascal, pascal, decipascal, centipascal, millipascal, micropascal, nanopascal,
+            picopascal, femtopascal, attopascal, zeptopascal, yoctopascal, atmosphere, atmosphere_technical, bar,
+            millibar, millitorr, psi, torr,
+        }
+        force: [1, 1, -2, 0] {
+            yottanewton, zettanewton, exanewton, petanewton, teranewton, giganewton, meganewton, kilonewton,
+            hectonewton, decanewton, newton, decinewton, centinewton, millinewton, micronewton, nanonewton,
+            piconewton, femtonewton, attonewton, zeptonewton, yoctonewton, dyne, kilogram_force, gram_force, kip,
+            ounce_force, poundal, pound_force, ton_force,
+        }
+        energy: [2, 1, -2, 0] {
+            yottajoule, zettajoule, exajoule, petajoule, terajoule, gigajoule, megajoule, kilojoule, hectojoule,
+            decajoule, joule, decijoule, centijoule, millijoule, microjoule, nanojoule, picojoule, femtojoule,
+            attojoule, zeptojoule, yoctojoule, petaelectronvolt, teraelectronvolt, gigaelectronvolt,
+            megaelectronvolt, kiloelectronvolt, hectoelectronvolt, decaelectronvolt, electronvolt, hartree, btu,
+            btu_39, btu_59, btu_60, calorie, calorie_15, calorie_20, calorie_nutrition, erg, kilocalorie, quad,
+            therm_us,
+        }
+    }
+    units
+});
