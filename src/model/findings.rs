@@ -1,4 +1,4 @@
-//! What the checks find, each at the place of a key path.
+//! Mistakes found by the checks, each at the place of a key path.
 
 use std::path::PathBuf;
 

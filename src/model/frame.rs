@@ -1,4 +1,4 @@
-//! What holds the film.
+//! The mounting frame.
 
 use super::specimen::symmetry;
 use super::{Findings, Frame, Hold};
@@ -23,7 +23,7 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Frame {
     Frame { hold }
 }
 
-/// Slow loadings ask for film that can answer them.
+/// Slow loadings need film that is held.
 fn unheld(hold: &Hold, scenario: &Scenario, findings: &mut Findings<'_>) {
     match scenario.loading {
         Loading::Indent(_) if !is_spanned(hold) => {
@@ -90,7 +90,7 @@ fn sides(written: &[scenario::Side], scenario: &Scenario, findings: &mut Finding
             "hold both, or set `specimen.symmetry` to \"none\"",
         );
     }
-    // What else is wrong with the sides of a circle would be said of sides that it does not have.
+    // Further mistakes would name sides that a circle does not have.
     if round || is_rim(&sides, scenario) { Hold::All } else { Hold::Sides(sides) }
 }
 

@@ -1,4 +1,4 @@
-//! The rigid body that meets the film.
+//! The impactor.
 
 use super::specimen::symmetry;
 use super::{Findings, Guide, Impactor, ImpactorShape, Symmetry};

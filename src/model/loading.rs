@@ -1,4 +1,4 @@
-//! What is done to the specimen.
+//! The loading.
 
 use std::f64::consts::FRAC_PI_2;
 

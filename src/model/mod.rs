@@ -23,12 +23,12 @@ use crate::material::Material;
 use crate::mesh::{Meshing, Outline, Side};
 use crate::scenario::{Document, Scenario};
 use findings::Findings;
-pub use size::{MOST_IN_FRAMES, PER_DETAIL, PER_FRAME};
+pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
 
-/// Checks that what is written makes sense, and turns it into SI values.
+/// Checks a scenario and converts it to SI values.
 ///
 /// # Errors
-/// Everything that is wrong with how the scenario is written and with what it says, at once.
+/// All mistakes of the scenario, at once.
 pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
     let (scenario, mistakes) = document.scenario();
     let mut findings = Findings::new(document, mistakes);
@@ -88,16 +88,23 @@ fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
 pub struct Model {
     /// Path under `scenarios/` without extension, e.g. `drop/1008`.
     pub name: String,
+    /// What pages and plots call the run.
     pub title: String,
+    /// Outline, symmetry and damping of the film.
     pub specimen: Specimen,
-    /// The faces of film, from the first that the impactor meets to the last; at least one.
+    /// The faces of film, from the first that comes into contact to the last; at least one.
     pub faces: Vec<Face>,
+    /// The mounting frame.
     pub frame: Frame,
-    /// Present exactly where the loading needs one.
+    /// The impactor; present exactly where the loading needs one.
     pub impactor: Option<Impactor>,
+    /// The loading.
     pub loading: Loading,
+    /// Time stepping.
     pub solver: Solver,
+    /// Sampling and channel filter.
     pub output: Output,
+    /// The recording that the run is compared with.
     pub reference: Option<Reference>,
     /// The Rhai script that adds to the summary.
     pub post: Option<PathBuf>,
@@ -117,7 +124,7 @@ impl Model {
         [specimen, impactor].into_iter().flatten().map(PathBuf::as_path)
     }
 
-    /// What reports call the film: one word where all faces are of the same, else "film".
+    /// Name of the film in reports: that of all faces where they have one in common, else "film".
     pub fn film(&self) -> &str {
         let mut names = self.faces.iter().map(|face| face.film.as_deref());
         let first = names.next().flatten();
@@ -150,20 +157,24 @@ pub enum Symmetry {
 pub struct Face {
     /// z of the undeformed face, m.
     pub height: f64,
+    /// Number of layers.
     pub layers: u32,
-    /// What reports call the film, e.g. "LLDPE".
+    /// Name of the film in reports, e.g. "LLDPE".
     pub film: Option<String>,
+    /// Material of one layer.
     pub material: Material,
     /// Angle from the x axis to MD, rad; under a stretch turned so that the pull is along x.
     pub md_angle: f64,
     /// Engineering pre-strain along MD and TD: the film's own length is the span / (1 + pre-strain).
     pub prestrain: [f64; 2],
+    /// Kind and size of its elements.
     pub meshing: Meshing,
 }
 
-/// Which edges of the film are clamped.
+/// The mounting frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
+    /// Edges that it clamps.
     pub hold: Hold,
 }
 
@@ -175,12 +186,14 @@ pub enum Hold {
     None,
 }
 
-/// The rigid body that meets the film.
+/// The rigid body that comes into contact with the film.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Impactor {
+    /// Its surface.
     pub shape: ImpactorShape,
     /// kg; infinite where its motion is prescribed.
     pub mass: f64,
+    /// Its degrees of freedom.
     pub guide: Guide,
     /// Coulomb coefficient between impactor and film.
     pub friction: f64,
@@ -208,7 +221,7 @@ pub enum ImpactorShape {
     Mesh(PathBuf),
 }
 
-/// What the guide lets the impactor do.
+/// Degrees of freedom of the impactor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Guide {
     /// Only translation along z.
@@ -217,10 +230,10 @@ pub enum Guide {
     Free,
 }
 
-/// What is done to the specimen.
+/// The loading of the specimen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Loading {
-    /// The impactor starts in touch with the first face at `velocity` (m/s, downward positive).
+    /// The impactor starts in contact with the first face at `velocity` (m/s, downward positive).
     Impact { velocity: f64, gravity: f64, duration: f64 },
     /// The edges x- and x+ are jaws that part at `velocity` (m/s, both together) along x.
     Stretch {
@@ -232,7 +245,7 @@ pub enum Loading {
         /// Factor on the film's mass; `None` chooses it from the number of steps.
         mass_scaling: Option<f64>,
     },
-    /// The impactor starts in touch with the film and goes `depth` (m) down at `velocity` (m/s).
+    /// The impactor starts in contact with the film and goes `depth` (m) down at `velocity` (m/s).
     Indent { depth: f64, velocity: f64, mass_scaling: Option<f64> },
     /// `pressure` (Pa) on the lower side of the film rises over `ramp` (s) and stays for half as long.
     Pressure { pressure: f64, ramp: f64, mass_scaling: Option<f64> },
@@ -245,12 +258,12 @@ pub struct Solver {
     pub step_factor: f64,
 }
 
-/// What is kept of a run.
+/// What a run records.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Output {
     /// Samples per second, Hz.
     pub sample_rate: f64,
-    /// Mesh states kept for the recording.
+    /// Number of snapshots for the recording.
     pub frames: usize,
     /// SAE J211 channel frequency class; `None` leaves the filtered channel equal to the raw one.
     pub filter: Option<f64>,
@@ -267,6 +280,7 @@ pub struct Reference {
     pub displacement: Option<String>,
     /// Height of fall of a raw recording, m.
     pub drop_height: Option<f64>,
+    /// Part of the run that errors are taken over.
     pub window: Window,
 }
 

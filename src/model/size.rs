@@ -17,12 +17,13 @@ const PER_SAMPLE: f64 = 20.0 * 8.0 * 3.0;
 const FILE_PER_ELEMENT: f64 = 50.0;
 /// Longest mesh file that is read, bytes.
 const LONGEST_FILE: f64 = 1e9;
-/// One kept state: positions of a node, strains of an element, bytes an element.
-pub const PER_FRAME: f64 = 12.0 + 13.0;
-/// What a state kept in detail has besides: velocity of a node; stresses, largest strains, thickness and fibres of an element.
-pub const PER_DETAIL: f64 = 12.0 + 48.0;
-/// Memory that the kept states of a run may take, bytes: of a film so fine that they would take more, fewer are kept.
-pub const MOST_IN_FRAMES: f64 = 4e8;
+/// Memory of a snapshot, bytes an element: positions of a node, strains of an element.
+pub const SNAPSHOT_BYTES: f64 = 12.0 + 13.0;
+/// Further memory of a snapshot with its detail, bytes an element: velocity of a node; stresses, largest strains, thickness
+/// and fibres of an element.
+pub const DETAIL_BYTES: f64 = 12.0 + 48.0;
+/// Memory that the snapshots of a run may take, bytes; fewer are taken of a finer mesh.
+pub const SNAPSHOT_MEMORY: f64 = 4e8;
 
 /// Refuses runs that do not fit into memory and elements larger than the film.
 pub fn check(model: &Model, findings: &mut Findings<'_>) {
@@ -38,7 +39,7 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
         let elements = elements(model, face);
         total += elements;
         film += elements * per_element(face.meshing.element);
-        memory = film + (total * PER_FRAME * model.output.frames as f64).min(MOST_IN_FRAMES);
+        memory = film + (total * SNAPSHOT_BYTES * model.output.frames as f64).min(SNAPSHOT_MEMORY);
         if memory > MOST_MEMORY {
             let message =
                 format!("the mesh is too large for memory: {total:.2e} elements need about {:.0} GB", memory / 1e9);
@@ -90,7 +91,7 @@ fn mesh_path(model: &Model, place: usize, findings: &Findings<'_>) -> String {
     }
 }
 
-/// Bytes of a file; none of one that cannot be read, which reading it will tell.
+/// Bytes of a file; zero where it cannot be read, which is a mistake of its own.
 fn length(path: &Path) -> f64 {
     fs::metadata(path).map_or(0.0, |file| file.len() as f64)
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::outcome::Film;
 use super::warning::{Warning, bounds};
 use crate::engine::{self, ContactState, ElementStrain, View};
-use crate::model::MOST_IN_FRAMES;
+use crate::model::SNAPSHOT_MEMORY;
 
 /// Figures that are known only at the end of a run.
 pub(super) struct Figures {
@@ -96,7 +96,7 @@ impl Monitor {
         out.extend(self.frame_hit.map(|time| Warning::FrameHit { time }));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
         out.extend(unfinished.then_some(Warning::Unfinished));
-        out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: MOST_IN_FRAMES }));
+        out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));
         out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));
         out.extend((outside > bounds::RATES).then_some(Warning::StrainRateOutside { share: outside }));
         out.extend(kinetic.and_then(|share| match share {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::outcome::Film;
 use crate::engine::{self, ElementDetail, ElementStrain, View};
-use crate::model::{MOST_IN_FRAMES, PER_DETAIL, PER_FRAME};
+use crate::model::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
 
 /// State of the whole scene at one time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -50,12 +50,12 @@ pub struct Detail {
     pub fibres: Vec<[[f32; 3]; 2]>,
 }
 
-/// Number of snapshots of `films` where `wanted` are asked for: as many as fit into [`MOST_IN_FRAMES`], at least the first and
+/// Number of snapshots of `films` where `wanted` are asked for: as many as fit into [`SNAPSHOT_MEMORY`], at least the first and
 /// the last.
 pub(super) fn count(wanted: usize, films: &[Film], detailed: bool) -> usize {
     let elements: usize = films.iter().map(|film| film.quads.len() + film.tris.len()).sum();
-    let per_element = if detailed { PER_FRAME + PER_DETAIL } else { PER_FRAME };
-    wanted.min(((MOST_IN_FRAMES / (per_element * elements as f64)) as usize).max(2))
+    let per_element = if detailed { SNAPSHOT_BYTES + DETAIL_BYTES } else { SNAPSHOT_BYTES };
+    wanted.min(((SNAPSHOT_MEMORY / (per_element * elements as f64)) as usize).max(2))
 }
 
 /// The scene as `view` shows it, `detailed` or not; `strains` are those of its faces.
