@@ -39,25 +39,25 @@ pub enum ContactError {
     #[error(
         "laser: from the release at {release:.4} s to the end at {end:.4} s it nowhere measured at {FEWEST} times within {LASER_LENGTH} s"
     )]
-    LaserNeverOverlaps { release: f64, end: f64 },
+    LaserWithoutSamples { release: f64, end: f64 },
     #[error("laser: it rises while the impactor falls; its values must count upward from the film's upper face")]
-    LaserTurned,
+    LaserReversed,
     #[error("laser: the motion matched to it does not pass the film's upper face near {near:.4} s")]
     NoCrossing { near: f64 },
     #[error("acceleration: integrated from rest it does not fall through {height} m; is the height right?")]
-    NotSoDeep { height: f64 },
+    HeightNotCovered { height: f64 },
     #[error("acceleration: integrated from rest it does not reach {speed} m/s; is the speed right?")]
-    NotSoFast { speed: f64 },
+    SpeedNotReached { speed: f64 },
     #[error(
         "acceleration: no onset of the force is seen near {near:.4} s, where the fall {}; is the {} right?",
-        known.came(), known.what()
+        known.reached(), known.name()
     )]
-    NoOnset { near: f64, known: Known },
+    NoOnset { near: f64, known: FallCondition },
     #[error(
         "acceleration: a fall that {} would need the sensor's zero {offset:.3} m/s² off its mean at rest, which is known to {error:.4} m/s²; is the {} right?",
-        known.came(), known.what()
+        known.reached(), known.name()
     )]
-    NotClosed { known: Known, offset: f64, error: f64 },
+    NotClosed { known: FallCondition, offset: f64, error: f64 },
     #[error("the contact time did not settle within {MOST_ROUNDS} rounds")]
     NotSettled,
 }
@@ -116,7 +116,7 @@ fn first_pass(laser: &Series, release: f64, from: f64) -> Result<f64, ContactErr
     let end = laser.time().last().copied().unwrap_or(release);
     let measured = laser.samples().filter(|[t, place]| *t > from && place.is_finite()).map(|[t, _]| t);
     let found = std::iter::once(from).chain(measured).find(|place| pass(laser, *place).len() >= FEWEST);
-    found.ok_or(ContactError::LaserNeverOverlaps { release, end })
+    found.ok_or(ContactError::LaserWithoutSamples { release, end })
 }
 
 /// A motion that agrees with the laser.
@@ -147,7 +147,7 @@ impl Matched {
     fn crossing(&self, presumed: f64) -> Result<(f64, f64), ContactError> {
         let missing = || ContactError::NoCrossing { near: presumed };
         let time = crossing(&self.place, 0.0).ok_or_else(|| match self.velocity.values().first() {
-            Some(velocity) if *velocity > 0.0 => ContactError::LaserTurned,
+            Some(velocity) if *velocity > 0.0 => ContactError::LaserReversed,
             _ => missing(),
         })?;
         Ok((time, self.velocity.at(time).ok_or_else(missing)?))
@@ -170,69 +170,69 @@ const ONSET_SPAN: [f64; 2] = [-0.05, 0.006];
 
 /// What is known of a fall that no laser saw.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Known {
+pub enum FallCondition {
     /// Height that it covers, m.
     Height(f64),
     /// Speed that it reaches, m/s.
     Speed(f64),
 }
 
-impl Known {
-    /// The integral of an acceleration that reaches [`Known::level`] at contact.
+impl FallCondition {
+    /// The integral of an acceleration that reaches [`FallCondition::level`] at contact.
     fn integral(self, acceleration: &Series) -> Series {
         match self {
-            Known::Height(_) => integrate::twice(acceleration, 0.0, 0.0),
-            Known::Speed(_) => integrate::once(acceleration, 0.0),
+            FallCondition::Height(_) => integrate::twice(acceleration, 0.0, 0.0),
+            FallCondition::Speed(_) => integrate::once(acceleration, 0.0),
         }
     }
 
     fn level(self) -> f64 {
         match self {
-            Known::Height(value) | Known::Speed(value) => -value,
+            FallCondition::Height(value) | FallCondition::Speed(value) => -value,
         }
     }
 
     fn speed_from(self) -> SpeedSource {
         match self {
-            Known::Height(_) => SpeedSource::Fall,
-            Known::Speed(_) => SpeedSource::Given,
+            FallCondition::Height(_) => SpeedSource::Fall,
+            FallCondition::Speed(_) => SpeedSource::Given,
         }
     }
 
     /// What the fall has come to.
-    fn came(self) -> String {
+    fn reached(self) -> String {
         match self {
-            Known::Height(height) => format!("covers {height} m"),
-            Known::Speed(speed) => format!("reaches {speed:.3} m/s"),
+            FallCondition::Height(height) => format!("covers {height} m"),
+            FallCondition::Speed(speed) => format!("reaches {speed:.3} m/s"),
         }
     }
 
     /// Its name.
-    pub(super) fn what(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
-            Known::Height(_) => "height",
-            Known::Speed(_) => "speed",
+            FallCondition::Height(_) => "height",
+            FallCondition::Speed(_) => "speed",
         }
     }
 
     fn unreached(self) -> ContactError {
         match self {
-            Known::Height(height) => ContactError::NotSoDeep { height },
-            Known::Speed(speed) => ContactError::NotSoFast { speed },
+            FallCondition::Height(height) => ContactError::HeightNotCovered { height },
+            FallCondition::Speed(speed) => ContactError::SpeedNotReached { speed },
         }
     }
 }
 
 /// The sensor's zero as the rest before the release tells it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Zero {
+pub struct ZeroOffset {
     /// Samples that it is the mean of.
     pub samples: usize,
     /// Standard deviation of one sample, m/s².
     pub deviation: f64,
 }
 
-impl Zero {
+impl ZeroOffset {
     /// Standard error of the mean, m/s².
     pub fn error(&self) -> f64 {
         self.deviation / (self.samples.max(1) as f64).sqrt()
@@ -241,7 +241,7 @@ impl Zero {
 
 /// A fall that was closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closed {
+pub struct ClosedFall {
     pub contact: Contact,
     /// Offset beyond the mean of the rest that closes the fall, m/s².
     pub offset: f64,
@@ -260,10 +260,14 @@ const REFUSED: [f64; 2] = [10.0, 0.01];
 /// fall with the offset of the rest has come to what is known, and the offset becomes the one with which it comes there exactly
 /// then. A fall that no onset ends, or that only an offset far beyond the scatter of the rest would close, is another one than
 /// what is `known` of it.
-pub fn by_fall(acceleration: impl Fn(f64) -> Series, known: Known, zero: Zero) -> Result<Closed, ContactError> {
-    let reached = |offset: f64| known.integral(&acceleration(offset));
-    let reached_at = |offset: f64, time: f64| reached(offset).at(time).ok_or(known.unreached());
-    let fallen = crossing(&reached(0.0), known.level()).ok_or(known.unreached())?;
+pub fn by_fall(
+    acceleration: impl Fn(f64) -> Series,
+    known: FallCondition,
+    zero: ZeroOffset,
+) -> Result<ClosedFall, ContactError> {
+    let integral = |offset: f64| known.integral(&acceleration(offset));
+    let reached_at = |offset: f64, time: f64| integral(offset).at(time).ok_or(known.unreached());
+    let fallen = crossing(&integral(0.0), known.level()).ok_or(known.unreached())?;
     let rate = (reached_at(0.0, fallen)? - reached_at(0.0, fallen - RATE_OVER)?) / RATE_OVER;
     // What is reached depends on the offset in proportion.
     let sway = reached_at(1.0, fallen)? - reached_at(0.0, fallen)?;
@@ -287,7 +291,7 @@ pub fn by_fall(acceleration: impl Fn(f64) -> Series, known: Known, zero: Zero) -
             let velocity = integrate::once(&acceleration(offset), 0.0).at(time).ok_or(known.unreached())?;
             let speed_from = known.speed_from();
             let contact = Contact { time, velocity, iterations: round, laser_residual: None, speed_from };
-            return Ok(Closed { contact, offset, doubtful: beyond(DOUBTFUL) });
+            return Ok(ClosedFall { contact, offset, doubtful: beyond(DOUBTFUL) });
         }
         presumed = time;
     }
@@ -387,7 +391,7 @@ mod tests {
     const STEP: f64 = 1e-4;
     const CONTACT: f64 = 0.48317;
     const NET: f64 = 8.6;
-    const ZERO: Zero = Zero { samples: 1, deviation: 0.05 };
+    const ZERO: ZeroOffset = ZeroOffset { samples: 1, deviation: 0.05 };
 
     /// Falls with NET from t = 0; from CONTACT on −9.8 + 400 u + 3000 u² m/s².
     fn acceleration(t: f64) -> f64 {
@@ -429,17 +433,17 @@ mod tests {
     fn lasers_that_tell_nothing_are_refused() {
         let acceleration = sampled(acceleration);
         let found = |laser: Series| by_laser(|_| acceleration.clone(), &laser, 0.0, 0.45).unwrap_err();
-        assert!(matches!(found(sampled(|_| f64::NAN)), ContactError::LaserNeverOverlaps { .. }));
-        assert_eq!(found(sampled(|t| -laser(t))), ContactError::LaserTurned);
+        assert!(matches!(found(sampled(|_| f64::NAN)), ContactError::LaserWithoutSamples { .. }));
+        assert_eq!(found(sampled(|t| -laser(t))), ContactError::LaserReversed);
         assert!(matches!(found(sampled(|t| laser(t) + 0.7)), ContactError::NoCrossing { .. }));
     }
 
     #[test]
     fn a_fall_of_which_height_or_speed_is_known_gives_them_too() {
-        let known = [Known::Height(0.5 * NET * CONTACT * CONTACT), Known::Speed(NET * CONTACT)];
+        let known = [FallCondition::Height(0.5 * NET * CONTACT * CONTACT), FallCondition::Speed(NET * CONTACT)];
         for (known, wrong) in known.into_iter().flat_map(|known| [0.0, 0.02, -0.03].map(|wrong| (known, wrong))) {
             let fall = |offset: f64| sampled(|t| acceleration(t) + wrong - offset);
-            let Closed { contact, offset, .. } = by_fall(fall, known, ZERO).unwrap();
+            let ClosedFall { contact, offset, .. } = by_fall(fall, known, ZERO).unwrap();
             assert!((contact.time - CONTACT).abs() < STEP, "{contact:?}");
             assert!((contact.velocity / (-NET * CONTACT) - 1.0).abs() < 5e-4, "{contact:?}");
             assert!((offset - wrong).abs() < 5e-3, "{offset}");
@@ -449,14 +453,14 @@ mod tests {
     #[test]
     fn what_a_fall_never_comes_to_is_refused() {
         let fall = |known| by_fall(|offset| sampled(|t| acceleration(t) - offset), known, ZERO);
-        assert_eq!(fall(Known::Height(9.0)), Err(ContactError::NotSoDeep { height: 9.0 }));
-        assert_eq!(fall(Known::Speed(9.0)), Err(ContactError::NotSoFast { speed: 9.0 }));
+        assert_eq!(fall(FallCondition::Height(9.0)), Err(ContactError::HeightNotCovered { height: 9.0 }));
+        assert_eq!(fall(FallCondition::Speed(9.0)), Err(ContactError::SpeedNotReached { speed: 9.0 }));
     }
 
     /// The guide goes on rubbing less and less, without an impact; and one whose force falls off.
     #[test]
     fn what_does_not_rise_at_once_is_no_onset() {
-        let known = Known::Height(1.0);
+        let known = FallCondition::Height(1.0);
         for end in [0.0, -40.0] {
             let after = |t: f64| if t < CONTACT { 0.0 } else { end * (t - CONTACT) };
             let found = by_fall(|offset| sampled(|t| 0.5 * t - NET + after(t) - offset), known, ZERO);
@@ -469,10 +473,10 @@ mod tests {
     fn an_offset_that_the_rest_contradicts_closes_no_fall() {
         let time = 0.15;
         let height = 0.5 * NET * time * time;
-        let zero = Zero { samples: 100, deviation: 0.1 };
+        let zero = ZeroOffset { samples: 100, deviation: 0.1 };
         let close = |share: f64| {
             let fall = |offset: f64| sampled(|t| acceleration(t + CONTACT - time) - offset);
-            by_fall(fall, Known::Height(share * height), zero)
+            by_fall(fall, FallCondition::Height(share * height), zero)
         };
         assert!(!close(1.0).unwrap().doubtful);
         assert!(close(1.007).unwrap().doubtful);

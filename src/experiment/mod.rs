@@ -1,4 +1,4 @@
-//! What a laboratory does to its recordings.
+//! The reduction of laboratory recordings: coupons and drops; virtual sensors.
 
 pub mod absorption;
 pub mod contact;
@@ -10,3 +10,6 @@ mod fit;
 pub mod ramp;
 pub mod release;
 pub mod sensor;
+mod warning;
+
+pub use warning::{CODES, Warning};

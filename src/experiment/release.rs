@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::contact::Zero;
+use super::contact::ZeroOffset;
 use crate::signal::Series;
 use crate::signal::filter::{self, FilterError, Standard};
 
@@ -25,7 +25,7 @@ pub struct Release {
     /// Mean reading at rest, m/s²: the sensor's zero.
     pub offset: f64,
     /// The rest that it is the mean of.
-    pub zero: Zero,
+    pub zero: ZeroOffset,
     /// End of the rest, s.
     pub rest_end: f64,
     /// Where the reading falls: from a tenth to nearly all of the depth that it reaches, s.
@@ -40,7 +40,7 @@ pub enum ReleaseError {
     #[error("acceleration: {0}")]
     Filter(#[from] FilterError),
     #[error(
-        "acceleration: the blow goes down, by {lowest:.1} m/s²: braking must be positive, so the sign looks turned round"
+        "acceleration: the blow goes down, by {lowest:.1} m/s²: braking must be positive, so the sign looks reversed"
     )]
     UpsideDown { lowest: f64 },
     #[error("acceleration: no contact is seen: the largest reading is {largest:.2} m/s² over the first, less than 1 g")]
@@ -87,7 +87,7 @@ impl Release {
         }
         let offset = rest.values().iter().sum::<f64>() / rest.len() as f64;
         let squares = rest.values().iter().map(|r| (r - offset).powi(2)).sum::<f64>();
-        let zero = Zero { samples: rest.len(), deviation: (squares / (rest.len() - 1) as f64).sqrt() };
+        let zero = ZeroOffset { samples: rest.len(), deviation: (squares / (rest.len() - 1) as f64).sqrt() };
         Ok(Release { offset, zero, rest_end, flank: [time[top], time[bottom]], blow: time[blow] })
     }
 }

@@ -37,7 +37,7 @@ fn rate(context: NativeCallContext, reference: Series, comparison: Series) -> Ho
     let rating = rating::rate(&reference, &comparison).map_err(refuse)?;
     let all = [f64::NEG_INFINITY, f64::INFINITY];
     Session::of(&context).add_comparison(|| Compared::signals(&comparison, &reference, all));
-    let notes: Array = rating.notes.into_iter().map(Dynamic::from).collect();
+    let notes: Array = rating.warnings.iter().map(|warning| Dynamic::from(warning.to_string())).collect();
     let entries: [(&str, Dynamic); 9] = [
         ("corridor", rating.corridor.into()),
         ("phase", rating.phase.into()),

@@ -6,7 +6,7 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, Identifier, Map, NativeCallCon
 
 use crate::script::{Entry, HostResult, Session, refuse};
 use crate::signal::file::{self, ReadOptions};
-use crate::signal::{ChannelError, Measurement, Series, says_virtual};
+use crate::signal::{ChannelError, Measurement, Series};
 use crate::units::Unit;
 
 /// Offers the type `measurement` to scripts that may read files.
@@ -20,7 +20,7 @@ pub(super) fn register(engine: &mut Engine) {
             read(&context, path, &wanted(&more)?)
         })
         .register_fn("names", names)
-        .register_fn("notes", |m: &mut Measurement| texts(m.notes.iter()))
+        .register_fn("notes", |m: &mut Measurement| texts(m.annotations.notes().iter()))
         .register_fn("unit", unit)
         .register_fn("filter_class", filter_class)
         .register_fn("channel", |m: &mut Measurement, name: &str| channel(m, name))
@@ -32,7 +32,7 @@ fn read(context: &NativeCallContext, path: &str, wanted: &ReadOptions) -> HostRe
     let (session, path) = (Session::of(context), Path::new(path));
     session.add_recording_files(path);
     let measurement = file::read(path, wanted).map_err(|error| hinted(&error, error.hint()))?;
-    session.add_recording(path, says_virtual(&measurement.notes));
+    session.add_recording(path, measurement.annotations.is_virtual());
     Ok(measurement)
 }
 

@@ -5,10 +5,11 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
+use super::warning::VIRTUAL_REFERENCE;
 use super::{COST, HEADER};
 use crate::scenario;
 use crate::signal::norm::relative_error;
-use crate::signal::{Series, says_virtual};
+use crate::signal::{Series, virtual_mark};
 use crate::store::StoredRun;
 
 /// Several runs, compared with the first of them.
@@ -244,7 +245,7 @@ fn common_window(a: &Series, b: &Series) -> Option<[f64; 2]> {
 fn notes<'a>(runs: &'a [StoredRun], names: &'a [String]) -> impl Iterator<Item = String> + 'a {
     runs.iter().zip(names).flat_map(|(run, name)| {
         let failure = run.failure.as_ref().map(|cause| format!("{name} broke off: {cause}"));
-        let mark = run.says_virtual.then(|| format!("{name} is a VIRTUAL recording: nothing was measured"));
+        let mark = run.is_virtual.then(|| format!("{name} is a VIRTUAL recording: nothing was measured"));
         let against = is_against_virtual(run);
         let against =
             against.then(|| format!("{name}: its errors are against a VIRTUAL recording: nothing was measured"));
@@ -252,11 +253,15 @@ fn notes<'a>(runs: &'a [StoredRun], names: &'a [String]) -> impl Iterator<Item =
     })
 }
 
-/// Whether a run was compared with a recording that says it is virtual.
+/// Whether a run was compared with a virtual recording.
 fn is_against_virtual(run: &StoredRun) -> bool {
-    let notes = run.summary.get("reference_notes").and_then(Value::as_array);
-    let notes: Vec<String> = notes.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect();
-    says_virtual(&notes)
+    let entries = |key: &str| run.summary.get(key).and_then(Value::as_array);
+    if let Some(findings) = entries("findings") {
+        return findings.iter().any(|finding| finding["code"] == VIRTUAL_REFERENCE.name);
+    }
+    // A summary of an earlier version has no findings, but the header comments of the recording.
+    let comments = entries("reference_notes").into_iter().flatten().filter_map(Value::as_str).map(str::to_owned);
+    virtual_mark(&comments.collect::<Vec<_>>()).is_some()
 }
 
 #[cfg(test)]
@@ -323,13 +328,15 @@ mod tests {
     #[test]
     fn what_a_reader_must_know_is_said() {
         let broken = StoredRun { failure: Some("lost".into()), ..run("/r/a", json!({}), "", &[("force_N", [0.0; 3])]) };
-        let unreal = StoredRun { says_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
+        let unreal = StoredRun { is_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
         let notes = RunComparison::of(&[broken, unreal], &[]).notes;
         assert_eq!(notes[..2], ["a broke off: lost", "b is a VIRTUAL recording: nothing was measured"]);
         let compared = json!({ "acceleration_error": 0.1, "reference_notes": ["VIRTUAL drop test: nothing fell"] });
         let notes_of =
             |summary| RunComparison::of(&[run("/r/a", summary, "", &[]), run("/r/b", json!({}), "", &[])], &[]).notes;
         assert_eq!(notes_of(compared)[0], "a: its errors are against a VIRTUAL recording: nothing was measured");
+        let found = json!({ "findings": [{ "code": "virtual-reference" }], "reference_notes": [] });
+        assert_eq!(notes_of(found)[0], "a: its errors are against a VIRTUAL recording: nothing was measured");
         assert!(!notes_of(json!({ "reference_notes": ["a test"] }))[0].contains("VIRTUAL"));
         assert_eq!(notes[2..], ["a alone has `force_N`", "b alone has `strain`", "no signal is common to them"]);
         let only = RunComparison::of(&[run("/a", json!({}), "", &[]), run("/b", json!({}), "", &[])], &["none".into()]);

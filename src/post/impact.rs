@@ -79,7 +79,7 @@ impl Impact {
             break_strain_td,
             acceleration_error,
             displacement_error,
-            reference_notes: comparison.map(|c| c.said.iter().chain(&c.reduced).cloned().collect()),
+            reference_notes: comparison.map(ReferenceComparison::notes),
             audit: Audit::of(outcome),
             findings,
         }

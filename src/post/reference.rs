@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::Warning;
+use crate::experiment;
 use crate::experiment::absorption::Body;
 use crate::experiment::drop::{ChannelNames, DropChannels, DropChannelsError, DropError, Height, Reduction, Tower};
 use crate::model::{Impactor, Loading, Model, Reference, Window};
@@ -12,7 +13,7 @@ use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::norm::{NormError, relative_error};
 use crate::signal::resample::{self, ResampleError};
-use crate::signal::{Measurement, Series, column, integrate, says_virtual};
+use crate::signal::{Annotations, Measurement, Series, column, integrate};
 
 /// A recording ready for comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,10 +30,10 @@ pub struct ReferenceComparison {
     pub window: [f64; 2],
     /// Share of the energy that the film kept (paper, equation 11); of raw recordings in which the impactor rebounds.
     pub energy_absorption: Option<f64>,
-    /// What the recording says of itself, and what was noted while it was read.
-    pub said: Vec<String>,
-    /// What a reader of its reduction should know.
-    pub reduced: Vec<String>,
+    /// Comments of the recording, and what its reading reports.
+    pub annotations: Annotations,
+    /// What its reduction reports.
+    pub reduced: Vec<experiment::Warning>,
 }
 
 /// Why a recording cannot be compared with a run.
@@ -76,7 +77,7 @@ impl ReferenceComparison {
                 [0.0, turn.ok_or_else(|| ReferenceError::NoTurn { path: reference.signals.clone() })?]
             }
         };
-        let (acceleration, said) = (filtered, measurement.notes);
+        let (acceleration, annotations) = (filtered, measurement.annotations);
         Ok(Some(ReferenceComparison {
             acceleration,
             displacement,
@@ -84,22 +85,26 @@ impl ReferenceComparison {
             total_energy,
             window,
             energy_absorption,
-            said,
+            annotations,
             reduced,
         }))
     }
 
     /// What puts the errors in doubt: a virtual recording, and what was assumed or is implausible in its reduction.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
-        let mark = self.said.iter().find(|note| says_virtual(std::slice::from_ref(note)));
-        let mark = mark.map(|note| Warning::VirtualReference { note: note.clone() });
-        let reduced = self.reduced.iter().map(|note| Warning::ReferenceReduction { note: note.clone() });
-        mark.into_iter().chain(reduced)
+        let mark = self.annotations.virtual_mark().map(|note| Warning::VirtualReference { note: note.to_owned() });
+        mark.into_iter().chain(self.reduced.iter().cloned().map(Warning::ReferenceReduction))
     }
 
-    /// Whether the recording says that nothing was measured.
+    /// Comments of the recording, and what its reading and its reduction report, as texts.
+    pub fn notes(&self) -> Vec<String> {
+        let reduced = self.reduced.iter().map(experiment::Warning::to_string);
+        self.annotations.notes().into_iter().chain(reduced).collect()
+    }
+
+    /// Whether its file marks the recording as virtual: computed, not measured.
     pub fn is_virtual(&self) -> bool {
-        says_virtual(&self.said)
+        self.annotations.is_virtual()
     }
 
     /// What its curves are called.
@@ -131,8 +136,8 @@ struct Signals {
     total_energy: Option<Series>,
     /// Of a raw recording.
     energy_absorption: Option<f64>,
-    /// Notes of the reduction.
-    reduced: Vec<String>,
+    /// What the reduction reports.
+    reduced: Vec<experiment::Warning>,
 }
 
 impl Signals {
@@ -189,7 +194,7 @@ impl Signals {
         let (filtered, energy_absorption) = (channel(column::ACCELERATION_FILTERED.name), drop.energy_absorption);
         let (absorbed_energy, total_energy) =
             (channel(column::ABSORBED_ENERGY.name), channel(column::TOTAL_ENERGY.name));
-        let reduced = drop.notes;
+        let reduced = drop.warnings;
         Ok(Signals { raw, filtered, displacement, absorbed_energy, total_energy, energy_absorption, reduced })
     }
 }

@@ -7,6 +7,7 @@ use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
 use super::remedies::with_remedy;
+use crate::experiment;
 use crate::finding::{Code, Finding, Report, codes};
 use crate::model::Model;
 use crate::signal::norm::NormError;
@@ -19,9 +20,6 @@ codes! {
     VIRTUAL_REFERENCE = "virtual-reference", Warning,
         "the recording that the run is compared with was computed, not measured",
         "do not take an agreement with it for a validation";
-    REFERENCE_REDUCTION = "reference-reduction", Warning,
-        "something was assumed or is implausible in the reduction of the raw recording that the run is compared with",
-        "state what was assumed under `[reference]`, or reduce the recording by `droptower signal drop`";
 }
 
 /// What puts the comparison with a reference in doubt.
@@ -40,19 +38,15 @@ pub enum Warning {
         note: String,
     },
     /// The reduction of a raw recording is in doubt.
-    ReferenceReduction {
-        /// What was assumed or is implausible.
-        note: String,
-    },
+    ReferenceReduction(experiment::Warning),
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Warning::NoReferenceError { channel, reason } => write!(f, "no {channel} error: {reason}"),
-            Warning::VirtualReference { note } | Warning::ReferenceReduction { note } => {
-                write!(f, "reference: {note}")
-            }
+            Warning::VirtualReference { note } => write!(f, "reference: {note}"),
+            Warning::ReferenceReduction(warning) => write!(f, "reference: {warning}"),
         }
     }
 }
@@ -62,14 +56,15 @@ impl Report for Warning {
         match self {
             Warning::NoReferenceError { .. } => &NO_REFERENCE_ERROR,
             Warning::VirtualReference { .. } => &VIRTUAL_REFERENCE,
-            Warning::ReferenceReduction { .. } => &REFERENCE_REDUCTION,
+            Warning::ReferenceReduction(warning) => warning.code(),
         }
     }
 
     fn figures(&self) -> Map<String, Value> {
         match self {
             Warning::NoReferenceError { channel, .. } => Map::from_iter([("channel".into(), (*channel).into())]),
-            Warning::VirtualReference { .. } | Warning::ReferenceReduction { .. } => Map::new(),
+            Warning::VirtualReference { .. } => Map::new(),
+            Warning::ReferenceReduction(warning) => warning.figures(),
         }
     }
 }

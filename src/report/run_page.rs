@@ -134,7 +134,7 @@ fn reference(run: &RunPage) -> String {
         duration(from),
         duration(to)
     );
-    let notes: Vec<String> = comparison.said.iter().chain(&comparison.reduced).cloned().collect();
+    let notes = comparison.notes();
     format!("<p>{}</p>\n{}", escape(&over), html::list(&notes))
 }
 

@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::experiment::coupon::average::SampleStatistics;
 use crate::experiment::coupon::shear::Shear;
 use crate::experiment::coupon::{Coupon, CurveError, Direction, DirectionMeans, Reduction};
-use crate::signal::says_virtual;
+use crate::signal::virtual_mark;
 
 /// Density of LLDPE film, kg/m³, where the user gives none.
 const LLDPE_DENSITY: f64 = 915.0;
@@ -154,7 +154,8 @@ impl GivenShear<'_> {
     /// The shear curve's file, and the remark that belongs to it.
     fn copy(&self) -> (String, String) {
         let said = self.text.lines().filter_map(|line| line.trim().strip_prefix('#').map(str::to_owned));
-        let made_up = if says_virtual(&said.collect::<Vec<_>>()) { ", which says that it is VIRTUAL" } else { "" };
+        let made_up =
+            if virtual_mark(&said.collect::<Vec<_>>()).is_some() { ", which says that it is VIRTUAL" } else { "" };
         let source = self.source.replace(char::is_control, " ");
         let text = self.text.trim_start_matches('\u{feff}').trim_end();
         (

@@ -4,10 +4,10 @@ use std::collections::{HashMap, HashSet};
 
 use thiserror::Error;
 
-use super::csv::{ColumnName, TIME};
-use super::isomme::ChannelCode;
-use super::{Channel, Recording, Series};
-use crate::diagnostic::closest;
+use super::channel_code::ChannelCode;
+use super::column_name::{ColumnName, TIME};
+use super::{Annotations, Channel, Recording, Series};
+use crate::diagnostic::{closest, listed};
 use crate::units::{Dimension, Strain, Unit};
 
 /// One channel of a file.
@@ -96,17 +96,8 @@ fn column_unit(unit: &Unit) -> String {
 pub struct Measurement {
     /// In the order of the file.
     pub channels: Vec<MeasuredChannel>,
-    /// What was assumed or found odd while reading, and what the file says beside its numbers.
-    pub notes: Vec<String>,
-    /// Those of the notes that the file itself says: its comments and what stands before its numbers. They hold as long as
-    /// the numbers do; the others are about this reading.
-    pub comments: Vec<String>,
-}
-
-/// Whether notes say that nothing was measured: one of them holds the word `virtual`.
-pub fn says_virtual(notes: &[String]) -> bool {
-    let is_it = |word: &str| word.eq_ignore_ascii_case("virtual");
-    notes.iter().any(|note| note.split(|letter: char| !letter.is_alphanumeric()).any(is_it))
+    /// Comments of the file, and what its reading reports.
+    pub annotations: Annotations,
 }
 
 /// Why a file has no such channel.
@@ -203,11 +194,6 @@ pub(super) fn find<'a>(
     }
 }
 
-/// Names in a sentence.
-pub(crate) fn listed(names: &[String]) -> String {
-    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,12 +202,6 @@ mod tests {
         let series = Series::new(vec![0.0, 1.0], vec![1.0, 2.0]);
         let unit = symbol.map(|symbol| Unit::parse(symbol).unwrap());
         MeasuredChannel { name: name.into(), label: label.into(), unit, filtered: None, series }
-    }
-
-    #[test]
-    fn virtual_recordings_say_so() {
-        assert!(says_virtual(&["VIRTUAL recording: nothing was pulled".into()]));
-        assert!(!says_virtual(&["virtually nothing was pulled".into()]));
     }
 
     #[test]

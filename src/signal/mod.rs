@@ -1,8 +1,12 @@
-//! Time series as values: what a channel and a recording are, and what is done to them.
+//! Time series as values: channels and recordings, their files, and what is computed from them.
 
+mod annotations;
+mod channel_code;
 pub mod clip;
 pub mod column;
+mod column_name;
 pub mod csv;
+mod curve;
 pub mod file;
 pub mod filter;
 pub mod gap;
@@ -13,49 +17,17 @@ mod measurement;
 pub mod norm;
 mod options;
 pub mod rating;
+mod recording;
 pub mod resample;
 mod series;
 pub mod text;
+mod warning;
 
-pub(crate) use measurement::listed;
-pub use measurement::{ChannelError, MeasuredChannel, Measurement, QuantityError, says_virtual};
+pub use annotations::Annotations;
+pub(crate) use annotations::virtual_mark;
+pub use measurement::{ChannelError, MeasuredChannel, Measurement, QuantityError};
 pub use options::{ChannelSelection, ReadOptions};
+pub use recording::{Channel, Recording};
 pub use series::Series;
-
-/// One measured or computed quantity over the common time axis of its [`Recording`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Channel {
-    /// Name with its SI unit as suffix, e.g. `velocity_m_s`.
-    pub name: String,
-    /// One value a sample; `NaN` where nothing was measured.
-    pub values: Vec<f64>,
-}
-
-/// Channels that share one time axis.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Recording {
-    /// Sample times, s, strictly increasing.
-    pub time: Vec<f64>,
-    /// The channels, each as long as `time`.
-    pub channels: Vec<Channel>,
-}
-
-impl Recording {
-    /// The channel called `name`.
-    pub fn channel(&self, name: &str) -> Option<&[f64]> {
-        self.channels.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
-    }
-
-    /// The channel called `name` together with its time axis.
-    pub fn series(&self, name: &str) -> Option<Series> {
-        let values = self.channel(name)?;
-        Some(Series::new(self.time.as_slice(), values))
-    }
-
-    /// Puts `channel` behind the one called `before`, or last where there is none.
-    pub fn insert_after(&mut self, before: &str, channel: Channel) {
-        let place = self.channels.iter().position(|c| c.name == before);
-        let place = place.map_or(self.channels.len(), |index| index + 1);
-        self.channels.insert(place, channel);
-    }
-}
+pub(crate) use series::interpolated;
+pub use warning::{CODES, Warning};

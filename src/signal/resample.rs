@@ -18,20 +18,6 @@ pub enum ResampleError {
     StepNotPositive { step: f64 },
 }
 
-/// Value at time `t`, linear between samples; `None` outside them or beside an unmeasured one.
-pub fn at(time: &[f64], values: &[f64], t: f64) -> Option<f64> {
-    let after = time.partition_point(|sample| *sample < t);
-    if after == time.len() {
-        return None;
-    }
-    if time[after] == t {
-        return Some(values[after]).filter(|v| v.is_finite());
-    }
-    let before = after.checked_sub(1)?;
-    let share = (t - time[before]) / (time[after] - time[before]);
-    Some(values[before] + share * (values[after] - values[before])).filter(|v| v.is_finite())
-}
-
 /// The series at other `times`; `NaN` where it has no value.
 pub fn onto(series: &Series, times: &[f64]) -> Vec<f64> {
     times.iter().map(|t| series.at(*t).unwrap_or(f64::NAN)).collect()

@@ -1,6 +1,6 @@
-use std::sync::Arc;
+//! One quantity over its own time axis.
 
-use super::resample;
+use std::sync::Arc;
 
 /// One quantity over its own time axis; cheap to clone.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,6 +79,20 @@ impl Series {
 
     /// Value at `time`, linear between samples; `None` outside the samples or beside an unmeasured one.
     pub fn at(&self, time: f64) -> Option<f64> {
-        resample::at(&self.time, &self.values, time)
+        interpolated(&self.time, &self.values, time)
     }
+}
+
+/// Value at time `t`, linear between samples; `None` outside them or beside an unmeasured one.
+pub(crate) fn interpolated(time: &[f64], values: &[f64], t: f64) -> Option<f64> {
+    let after = time.partition_point(|sample| *sample < t);
+    if after == time.len() {
+        return None;
+    }
+    if time[after] == t {
+        return Some(values[after]).filter(|v| v.is_finite());
+    }
+    let before = after.checked_sub(1)?;
+    let share = (t - time[before]) / (time[after] - time[before]);
+    Some(values[before] + share * (values[after] - values[before])).filter(|v| v.is_finite())
 }

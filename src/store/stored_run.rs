@@ -8,8 +8,8 @@ use serde_json::{Map, Value};
 use thiserror::Error;
 
 use super::run_files;
+use crate::signal::Recording;
 use crate::signal::file::{self, ReadOptions};
-use crate::signal::{Recording, says_virtual};
 
 /// What a run has left, as far as it is there.
 #[derive(Clone, Debug, Default)]
@@ -24,8 +24,8 @@ pub struct StoredRun {
     pub scenario: String,
     /// Why the run broke off, where it did.
     pub failure: Option<String>,
-    /// Whether it is a recording that says it is virtual.
-    pub says_virtual: bool,
+    /// Whether it is a recording that its file marks as virtual.
+    pub is_virtual: bool,
 }
 
 /// Why there is nothing to be read back.
@@ -67,19 +67,19 @@ impl StoredRun {
         if place.is_dir() && !is_test() {
             return Err(StoredRunError::NotARun { path: place.into() });
         }
-        let (signals, says_virtual) = signals(place)?;
-        Ok(StoredRun { place: place.into(), signals, says_virtual, ..StoredRun::default() })
+        let (signals, is_virtual) = signals(place)?;
+        Ok(StoredRun { place: place.into(), signals, is_virtual, ..StoredRun::default() })
     }
 
     fn of_folder(place: &Path, table: &Path) -> Result<StoredRun, StoredRunError> {
-        let (signals, says_virtual) = signals(table)?;
+        let (signals, is_virtual) = signals(table)?;
         Ok(StoredRun {
             place: place.into(),
             signals,
             summary: summary(&place.join(run_files::SUMMARY))?,
             scenario: scenario(&place.join(run_files::SCENARIO))?,
             failure: text(&place.join(run_files::FAILURE))?.map(|cause| cause.trim().to_owned()),
-            says_virtual,
+            is_virtual,
         })
     }
 }
@@ -91,7 +91,7 @@ fn is_mme(path: &Path) -> bool {
 fn signals(path: &Path) -> Result<(Recording, bool), StoredRunError> {
     let measurement = file::read(path, &ReadOptions::default())?;
     let recording = measurement.recording().ok_or_else(|| StoredRunError::NoCommonTime { path: path.into() })?;
-    Ok((recording, says_virtual(&measurement.notes)))
+    Ok((recording, measurement.annotations.is_virtual()))
 }
 
 /// What stands in a file; none where there is no such file.
@@ -154,7 +154,7 @@ mod tests {
         let path = folder.path().join("test.csv");
         fs::write(&path, "# virtual: nothing fell\ntime [ms],force [kN]\n0,1\n1,2\n").unwrap();
         let run = StoredRun::read(&path).unwrap();
-        assert!(run.says_virtual);
+        assert!(run.is_virtual);
         assert_eq!(run.signals.channel("force_N"), Some([1e3, 2e3].as_slice()));
     }
 }

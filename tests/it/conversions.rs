@@ -81,7 +81,11 @@ fn a_channel_is_read_whatever_is_wrong_with_the_others() {
     assert_eq!(found.channels[0].series.values(), [1.0, 2.0]);
     assert_eq!(found.channels[0].filtered, Some(600.0));
     for expected in ["a channel beside it cannot be read", "the number of samples is not stated"] {
-        assert!(found.notes.iter().any(|note| note.contains(expected)), "{expected}: {:?}", found.notes);
+        assert!(
+            found.annotations.notes().iter().any(|note| note.contains(expected)),
+            "{expected}: {:?}",
+            found.annotations.notes()
+        );
     }
     assert!(file::read(&place("t.002"), &ReadOptions::default()).is_err());
     assert!(file::read(&place("t.chn"), &ReadOptions::default()).is_err());
@@ -89,7 +93,11 @@ fn a_channel_is_read_whatever_is_wrong_with_the_others() {
     let found = file::read(&place("t.chn"), &ReadOptions::default()).expect("readable");
     assert_eq!(found.channels[1].filtered, None);
     for expected in ["t.chn: lines without a colon are left out: 1", "class `odd` is not known"] {
-        assert!(found.notes.iter().any(|note| note.contains(expected)), "{expected}: {:?}", found.notes);
+        assert!(
+            found.annotations.notes().iter().any(|note| note.contains(expected)),
+            "{expected}: {:?}",
+            found.annotations.notes()
+        );
     }
     let error = file::read(&place("t.chn"), &ReadOptions::one(Some("11HEADCG0000ACXP"))).expect_err("two of one code");
     assert!(error.to_string().contains("2 channels are called `11HEADCG0000ACXP`"), "{error}");
@@ -299,7 +307,7 @@ fn what_a_test_says_is_said_again_after_conversion() {
     assert_eq!(odd, again);
     let [original, again] =
         [&fixture, &written].map(|path| file::read(path, &ReadOptions::default()).expect("readable"));
-    assert_eq!(original.comments, again.comments);
+    assert_eq!(original.annotations.comments(), again.annotations.comments());
     for (original, again) in original.channels.iter().zip(&again.channels) {
         assert_eq!((&original.name, &original.label, original.filtered), (&again.name, &again.label, again.filtered));
         assert_eq!(original.value_unit(), again.value_unit());
@@ -327,8 +335,12 @@ fn units_and_names_survive_conversion() {
             assert_eq!(found.value_unit().as_deref(), unit, "{name}: {channel}");
         }
         // That it is virtual holds still; that its time had no unit does not.
-        assert!(read.notes.contains(&"virtual".to_owned()), "{name}: {:?}", read.notes);
-        assert!(read.notes.iter().all(|note| !note.contains("assumed")), "{name}: {:?}", read.notes);
+        assert!(read.annotations.notes().contains(&"virtual".to_owned()), "{name}: {:?}", read.annotations.notes());
+        assert!(
+            read.annotations.notes().iter().all(|note| !note.contains("assumed")),
+            "{name}: {:?}",
+            read.annotations.notes()
+        );
     }
     convert(&["two.csv", "-o", "apart.csv"]);
     let apart = file::read(&bench.path().join("apart.csv"), &ReadOptions::default()).expect("readable");

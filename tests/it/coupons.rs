@@ -227,6 +227,8 @@ fn coupons_become_a_material_that_a_scenario_uses() {
     let figures: Json = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!((&figures["recordings"], &figures["virtual_recordings"]), (&66.into(), &66.into()));
     assert_eq!(figures["notes"], serde_json::json!(["D4 was not measured at 0.2 m/s"]));
+    assert_eq!(figures["findings"][0]["code"], "speed-not-measured");
+    assert_eq!(figures["findings"][0]["velocity_m_s"], 0.2);
     let elongation = figures["directions"][1]["break_elongation"]["mean"].as_f64().unwrap();
     assert!((elongation - 7.01).abs() < 0.005);
 

@@ -4,7 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use droptower::signal::filter::{self, Standard};
-use droptower::signal::{ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series, file, integrate, isomme};
+use droptower::signal::{
+    Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series, file, integrate, isomme,
+};
 use droptower::units::{Acceleration, Force, Length, Moment, Pressure, STANDARD_GRAVITY, Strain, Unit};
 use proptest::prelude::*;
 
@@ -32,8 +34,12 @@ fn curves_without_a_header_are_over_time() {
     assert_eq!(series.values()[0], cell(&text, 1, 2, |c| c == ','));
     close(series.time()[599], 0.0599, 1e-12);
     assert!(read.channels[0].unit.is_none());
-    assert!(read.notes.iter().any(|note| note.contains("no header")), "{:?}", read.notes);
-    assert!(read.notes.iter().any(|note| note.contains("seconds are assumed")), "{:?}", read.notes);
+    assert!(read.annotations.notes().iter().any(|note| note.contains("no header")), "{:?}", read.annotations.notes());
+    assert!(
+        read.annotations.notes().iter().any(|note| note.contains("seconds are assumed")),
+        "{:?}",
+        read.annotations.notes()
+    );
 }
 
 #[test]
@@ -60,7 +66,11 @@ fn steel_in_tension_is_read_in_customary_units() {
             close(load.values()[row] / stress.values()[row], area, 1e-9);
             close(travel.values()[row] / strain.values()[row], 0.25 * 0.0254, 1e-6);
         }
-        assert!(read.notes.iter().any(|note| note.contains("'engineering_strain_rate'")), "{:?}", read.notes);
+        assert!(
+            read.annotations.notes().iter().any(|note| note.contains("'engineering_strain_rate'")),
+            "{:?}",
+            read.annotations.notes()
+        );
     }
 }
 
@@ -79,7 +89,7 @@ fn aluminium_in_three_directions_has_no_time() {
         assert_eq!(strain.values[0], cell(&text, 3, 2, |c| c == ','));
         // One ksi is 1000 · 4.4482216152605 N / (25.4 mm)².
         close(stress.values[0], cell(&text, 3, 1, |c| c == ',') * 6.894_757_293_168_361e6, 1e-12);
-        assert!(table.notes[0].contains("'direction'"), "{:?}", table.notes);
+        assert!(table.annotations.notes()[0].contains("'direction'"), "{:?}", table.annotations.notes());
         let error = file::read(path, &wanted).expect_err("no time").to_string();
         assert!(error.contains("no column of time among `engineering_stress`, `engineering_strain`"), "{error}");
     }
@@ -123,7 +133,12 @@ fn a_container_is_read_with_both_kinds_of_time() {
         assert_eq!(chest.values().iter().filter(|value| value.is_nan()).count(), 1);
         close(chest.time()[19], 0.0014, 1e-12);
         let comment = "Time zero: first contact with the barrier face".to_owned();
-        assert_eq!(read.notes.contains(&comment), !path.ends_with("chn"), "{:?}", read.notes);
+        assert_eq!(
+            read.annotations.notes().contains(&comment),
+            !path.ends_with("chn"),
+            "{:?}",
+            read.annotations.notes()
+        );
     }
 }
 
@@ -142,7 +157,7 @@ fn the_measured_channel_has_the_extremes_of_its_header() {
         close(time, stated[0], 1e-9);
     }
     let absent = "78 of 79 listed channels are not there; the first is M0MBARLEMIUPACXP".to_owned();
-    assert_eq!(read.notes, ["there is no test (.mme)".to_owned(), absent]);
+    assert_eq!(read.annotations.notes(), ["there is no test (.mme)".to_owned(), absent]);
 }
 
 #[test]
@@ -163,7 +178,7 @@ fn what_a_header_states_is_checked_against_the_samples() {
     ] {
         assert!(text.contains(from), "{from}");
         fs::write(&path, text.replacen(from, to, 1)).expect("written");
-        let notes = file::read(&path, &ReadOptions::default()).expect("readable").notes.join("; ");
+        let notes = file::read(&path, &ReadOptions::default()).expect("readable").annotations.notes().join("; ");
         assert!(notes.contains(expected), "{to}: {notes}");
     }
     for (from, to, place, expected) in [
@@ -260,8 +275,7 @@ fn written_containers_read_back_to_the_same_bits() {
             // Written before by droptower, and in the way of the number of the second channel.
             channel("000000000200AC0B", Some("m/s2"), &even),
         ],
-        comments: vec!["virtual: no instrument made it".into()],
-        ..Measurement::default()
+        annotations: Annotations::new(vec!["virtual: no instrument made it".into()]),
     };
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("out/T.mme");
@@ -277,8 +291,8 @@ fn written_containers_read_back_to_the_same_bits() {
         assert_eq!(read.filtered, written.filtered);
     }
     assert_eq!(read.channels[0].name, "11HEADCG0000ACXP");
-    assert_eq!(read.notes[0], "virtual: no instrument made it");
-    assert!(read.notes.iter().all(|note| !note.contains("states")), "{:?}", read.notes);
+    assert_eq!(read.annotations.notes()[0], "virtual: no instrument made it");
+    assert!(read.annotations.notes().iter().all(|note| !note.contains("states")), "{:?}", read.annotations.notes());
     let text = fs::read_to_string(bench.path().join("out/Channel/T.001")).expect("the channel");
     assert!(text.starts_with("Channel code                :11HEADCG0000ACXP\r\n"), "{text}");
     assert!(isomme::write(&path, &measurement).is_err(), "nothing that exists is replaced");
@@ -425,7 +439,7 @@ fn what_is_not_known_is_noted() {
         "time (`time`) has no unit; seconds are assumed",
         "the unit `°C` of `T [°C]` is not known; its values are as written",
     ];
-    assert_eq!(read.notes, expected);
+    assert_eq!(read.annotations.notes(), expected);
     assert_eq!((read.channels[0].name.as_str(), read.channels[0].series.values()), ("T", &[20.0, 21.0][..]));
 }
 

@@ -92,8 +92,9 @@ fn without_a_laser_a_wrong_height_is_refused_or_doubted() {
         let refused = close(height).expect_err("another height").to_string();
         assert!(refused.ends_with("is the height right?"), "{height}: {refused}");
     }
-    let doubted =
-        |height: f64| close(height).expect("nearly the height").notes.iter().any(|note| note.ends_with("right?"));
+    let doubted = |height: f64| {
+        close(height).expect("nearly the height").figures().notes.iter().any(|note| note.ends_with("right?"))
+    };
     assert_eq!([1.49, 1.5, 1.51].map(doubted), [false, false, true]);
 }
 
@@ -106,14 +107,14 @@ fn with_a_laser_a_wrong_height_is_said() {
         drop::reduce(&acceleration, laser.as_ref(), &tower, &Reduction::default())
     };
     let right = reduce(1.0).expect("a drop");
-    assert_eq!(right.notes, [""; 0]);
+    assert_eq!(right.warnings, []);
     for height in [0.9, 1.5, 3.0] {
         let drop = reduce(height).expect("a drop");
         assert!((drop.contact.velocity / right.contact.velocity - 1.0).abs() < 1e-3, "{height}: {:?}", drop.contact);
         assert!(
-            drop.notes.iter().any(|note| note.contains("covers 1.00 m up to contact")),
+            drop.figures().notes.iter().any(|note| note.contains("covers 1.00 m up to contact")),
             "{height}: {:?}",
-            drop.notes
+            drop.warnings
         );
     }
     for height in [0.5, 0.8] {
@@ -270,6 +271,7 @@ fn the_command_prints_figures_and_writes_signals() {
     assert!((figure("laser_residual_m") / 5e-5 - 1.0).abs() < 0.3);
     assert_eq!(figures["speed_from"], "laser");
     assert!(figures["notes"][0].as_str().expect("a note").starts_with("VIRTUAL drop test"), "{figures}");
+    assert_eq!(figures["findings"][0]["code"], "virtual-recording", "{figures}");
     let text = fs::read_to_string(&out).expect("the reduced signals");
     assert!(text.lines().any(|line| line.starts_with("# VIRTUAL drop test: nothing fell")), "{}", &text[..500]);
     let shown = droptower(&call[..call.len() - 1]);

@@ -4,8 +4,8 @@ use clap::Args;
 
 use super::input::{self, Chosen, Input};
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::signal::Series;
 use crate::signal::filter::{self, Standard};
+use crate::signal::{Annotations, Series};
 use crate::units::Acceleration;
 
 #[derive(Clone, Debug, Args)]
@@ -20,22 +20,21 @@ pub struct AccelerationArgs {
 /// What was read, in m/s².
 pub struct Read {
     pub series: Series,
-    pub notes: Vec<String>,
+    /// Comments of its file, and what its reading reports.
+    pub annotations: Annotations,
 }
 
 impl AccelerationArgs {
     /// The acceleration asked for.
     pub fn read(&self) -> Result<Read, Diagnostic> {
-        let Chosen { channel, mut notes, .. } = self.input.read_as(Acceleration::DIMENSION)?;
+        let Chosen { channel, mut annotations } = self.input.read_as(Acceleration::DIMENSION)?;
         let Some(class) = self.class else {
-            return Ok(Read { series: channel.series, notes });
+            return Ok(Read { series: channel.series, annotations });
         };
-        if let Some(before) = channel.filtered {
-            notes.push(format!("`{}` went through CFC {before} already, as its file says", channel.name));
-        }
-        notes.extend(input::note_on_class(class));
+        annotations.warnings.extend(input::filtered_before(&channel));
+        annotations.warnings.extend(input::unusual_class(class));
         let series = filter::channel(&channel.series, class, Standard::Iso6487).map_err(|error| self.mistake(error))?;
-        Ok(Read { series, notes })
+        Ok(Read { series, annotations })
     }
 
     /// What is wrong with the channel.

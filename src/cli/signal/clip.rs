@@ -6,6 +6,8 @@ use serde::Serialize;
 use super::acceleration::AccelerationArgs;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
+use crate::finding::Finding;
+use crate::signal::Warning;
 use crate::signal::clip::{Counting, clip};
 use crate::signal::csv::clean_time;
 use crate::units::STANDARD_GRAVITY;
@@ -52,6 +54,7 @@ struct Figures {
     #[serde(skip_serializing_if = "Option::is_none")]
     filter_class: Option<f64>,
     notes: Vec<String>,
+    findings: Vec<Finding>,
 }
 
 pub fn run(args: &ClipArgs, shared: &Shared) -> Result<(), Failure> {
@@ -64,7 +67,7 @@ fn figures(args: &ClipArgs) -> Result<Figures, Diagnostic> {
     let found = clip(&read.series, 1e-3 * args.duration, args.counting.into());
     let found = found.map_err(|error| args.acceleration.mistake(error))?;
     if found.level <= 0.0 {
-        read.notes.push("no positive level is held that long; braking must be positive, or give the resultant".into());
+        read.annotations.warnings.push(Warning::NoPositiveLevel);
     }
     Ok(Figures {
         clip_g: found.level / STANDARD_GRAVITY,
@@ -74,7 +77,8 @@ fn figures(args: &ClipArgs) -> Result<Figures, Diagnostic> {
         start_s: clean_time(found.start),
         end_s: clean_time(found.end),
         filter_class: args.acceleration.class,
-        notes: read.notes,
+        notes: read.annotations.notes(),
+        findings: read.annotations.findings(),
     })
 }
 

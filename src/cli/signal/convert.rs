@@ -10,6 +10,7 @@ use super::output;
 use crate::cli::output::ends_in;
 use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::finding::Finding;
 use crate::signal::file::ChannelSelection;
 use crate::signal::isomme::{self, Headers, WriteError};
 use crate::signal::{MeasuredChannel, Measurement};
@@ -41,6 +42,7 @@ struct Converted {
     #[serde(skip)]
     called: Vec<String>,
     notes: Vec<String>,
+    findings: Vec<Finding>,
 }
 
 pub fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
@@ -85,8 +87,9 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
         path: shown_path(&args.path),
         out: shown_path(&args.out),
         called: found.channels.iter().map(called).collect(),
+        notes: found.annotations.notes(),
+        findings: found.annotations.findings(),
         channels: found.channels.into_iter().map(|channel| channel.name).collect(),
-        notes: found.notes,
     })
 }
 
@@ -95,7 +98,7 @@ fn comments(found: &Measurement) -> Vec<String> {
     let is_long = |channel: &&MeasuredChannel| !channel.label.starts_with(&channel.name);
     let names: Vec<String> = found.channels.iter().filter(is_long).map(called).collect();
     let names = (!names.is_empty()).then(|| format!("channels: {}", names.join(", ")));
-    found.comments.iter().cloned().chain(names).collect()
+    found.annotations.comments().iter().cloned().chain(names).collect()
 }
 
 /// A channel by its name, and by its long name where that is another.

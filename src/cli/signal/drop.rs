@@ -3,18 +3,21 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 
 use super::input::{self, TableArgs, quantity};
 use super::output;
 use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::experiment::Warning;
 use crate::experiment::absorption::Body;
 use crate::experiment::contact::SpeedSource;
 use crate::experiment::drop::{
     ChannelNames, Correction, Drop, DropChannels, DropChannelsError, Figures, Height, Reduction, Tower,
 };
-use crate::signal::QuantityError;
+use crate::finding::Finding;
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
+use crate::signal::{self, Annotations, QuantityError};
 use crate::units::{Acceleration, Length, Mass, STANDARD_GRAVITY, Time};
 
 #[derive(Debug, Args)]
@@ -72,12 +75,46 @@ pub enum Method {
 }
 
 pub fn run(args: &DropArgs, shared: &Shared) -> Result<(), Failure> {
-    let figures = reduced(args)?.figures();
-    print_figures(shared, &figures, || text(args, &figures))
+    let reduced = reduced(args)?;
+    let printed = Printed { figures: reduced.figures(), findings: reduced.findings() };
+    print_figures(shared, &printed, || text(args, &printed.figures))
+}
+
+/// A reduced drop with what its file states.
+struct Reduced {
+    drop: Drop,
+    annotations: Annotations,
+    unusual_class: Option<signal::Warning>,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Printed {
+    #[serde(flatten)]
+    figures: Figures,
+    findings: Vec<Finding>,
+}
+
+impl Reduced {
+    fn figures(&self) -> Figures {
+        Figures { notes: self.notes(), ..self.drop.figures() }
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let of_drop = self.drop.warnings.iter().map(Warning::to_string);
+        let of_class = self.unusual_class.iter().map(signal::Warning::to_string);
+        self.annotations.notes().into_iter().chain(of_drop).chain(of_class).collect()
+    }
+
+    fn findings(&self) -> Vec<Finding> {
+        let of_drop = self.drop.warnings.iter().map(Finding::new);
+        let of_class = self.unusual_class.iter().map(Finding::new);
+        self.annotations.findings().into_iter().chain(of_drop).chain(of_class).collect()
+    }
 }
 
 /// The drop, its signals written where that was asked for.
-fn reduced(args: &DropArgs) -> Result<Drop, Failure> {
+fn reduced(args: &DropArgs) -> Result<Reduced, Failure> {
     let (tower, correction) = conditions(args)?;
     if let Some(out) = &args.out {
         output::check_table(out, &args.path, args.force)?;
@@ -86,16 +123,16 @@ fn reduced(args: &DropArgs) -> Result<Drop, Failure> {
     sensed.laser = sensed.laser.filter(|_| !args.without_laser);
     let class = args.class.or_else(|| sensed.class_to_apply(Some(1000.0)));
     let drop = sensed.reduce(&tower, &Reduction { correction, class });
-    let mut drop = drop.map_err(|error| Diagnostic::new(format!("{}: {error}", shown_path(&args.path))))?;
-    drop.notes.splice(..0, sensed.notes);
-    drop.notes.extend(args.class.and_then(input::note_on_class));
+    let drop = drop.map_err(|error| Diagnostic::new(format!("{}: {error}", shown_path(&args.path))))?;
+    let unusual_class = args.class.and_then(input::unusual_class);
+    let reduced = Reduced { drop, annotations: sensed.annotations, unusual_class };
     if let Some(out) = &args.out {
         let origin =
             format!("reduced from {} by droptower signal drop; time from first contact", shown_path(&args.path));
-        let comments: Vec<String> = std::iter::once(origin).chain(drop.notes.iter().cloned()).collect();
-        output::write_csv(out, &comments, &drop.signals)?;
+        let comments: Vec<String> = std::iter::once(origin).chain(reduced.notes()).collect();
+        output::write_csv(out, &comments, &reduced.drop.signals)?;
     }
-    Ok(drop)
+    Ok(reduced)
 }
 
 fn conditions(args: &DropArgs) -> Result<(Tower, Correction), Diagnostic> {

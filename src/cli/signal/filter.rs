@@ -9,8 +9,9 @@ use super::input::{self, Chosen, Input};
 use super::output;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::finding::Finding;
 use crate::signal::filter::{self, FilterError, Standard};
-use crate::signal::{Channel, MeasuredChannel, Recording, Series, resample};
+use crate::signal::{Channel, MeasuredChannel, Recording, Series, Warning, resample};
 use crate::units::{Dimension, Frequency};
 
 #[derive(Debug, Args)]
@@ -58,6 +59,7 @@ struct Filtered {
     smallest_after: Option<f64>,
     out: String,
     notes: Vec<String>,
+    findings: Vec<Finding>,
 }
 
 pub fn run(args: &FilterArgs, shared: &Shared) -> Result<(), Failure> {
@@ -67,17 +69,16 @@ pub fn run(args: &FilterArgs, shared: &Shared) -> Result<(), Failure> {
 
 fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
     output::check_table(&args.out, &args.input.path, args.force)?;
-    let Chosen { channel, mut notes, comments: said } = args.input.read()?;
-    if let Some(class) = channel.filtered {
-        notes.push(format!("`{}` went through CFC {class} already, as its file says", channel.name));
-    }
-    notes.extend(input::note_on_class(args.class));
+    let Chosen { channel, mut annotations } = args.input.read()?;
+    annotations.warnings.extend(input::filtered_before(&channel));
+    annotations.warnings.extend(input::unusual_class(args.class));
     let even = even(args, &channel.series)?;
-    notes.extend(folded(&channel.series, &even));
+    annotations.warnings.extend(aliasing(&channel.series, &even));
     let series = filter::channel(&even, args.class, args.standard.into()).map_err(|error| mistake(args, &error))?;
     let values = Channel { name: "value".into(), values: series.values().to_vec() };
     let recording = Recording { time: series.time().to_vec(), channels: vec![values] };
-    let comments: Vec<String> = origin(args, &channel).into_iter().chain(said).collect();
+    let comments: Vec<String> =
+        origin(args, &channel).into_iter().chain(annotations.comments().iter().cloned()).collect();
     output::write_csv(&args.out, &comments, &recording)?;
     let value = |extreme: Option<[f64; 2]>| extreme.map(|[_, value]| value);
     Ok(Filtered {
@@ -92,7 +93,8 @@ fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
         smallest_before: value(channel.series.smallest()),
         smallest_after: value(series.smallest()),
         out: shown_path(&args.out),
-        notes,
+        notes: annotations.notes(),
+        findings: annotations.findings(),
     })
 }
 
@@ -118,12 +120,9 @@ fn even(args: &FilterArgs, series: &Series) -> Result<Series, Diagnostic> {
     resample::uniform(series, 1.0 / rate).map_err(|error| Diagnostic::new(format!("{name}: {error}")))
 }
 
-/// What is said where samples are left out: nothing keeps what is faster than the new ones can show from folding into them.
-fn folded(before: &Series, after: &Series) -> Option<String> {
-    (after.len() < before.len()).then(|| {
-        let counts = format!("{} samples from {}", after.len(), before.len());
-        format!("{counts}, interpolated without an anti-aliasing filter: faster vibrations fold into slower ones")
-    })
+/// The report of samples that are left out: frequencies above half the new rate fold into lower ones.
+fn aliasing(before: &Series, after: &Series) -> Option<Warning> {
+    (after.len() < before.len()).then_some(Warning::Aliasing { before: before.len(), after: after.len() })
 }
 
 fn mistake(args: &FilterArgs, error: &FilterError) -> Diagnostic {

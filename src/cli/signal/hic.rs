@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::acceleration::AccelerationArgs;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
+use crate::finding::Finding;
 use crate::signal::csv::clean_time;
 use crate::signal::hic::head_injury_criterion;
 use crate::units::STANDARD_GRAVITY;
@@ -30,6 +31,7 @@ struct Figures {
     #[serde(skip_serializing_if = "Option::is_none")]
     filter_class: Option<f64>,
     notes: Vec<String>,
+    findings: Vec<Finding>,
 }
 
 pub fn run(args: &HicArgs, shared: &Shared) -> Result<(), Failure> {
@@ -49,7 +51,8 @@ fn figures(args: &HicArgs) -> Result<Figures, Diagnostic> {
         duration_ms: clean_time(1e3 * (found.end - found.start)),
         mean_g: found.mean / STANDARD_GRAVITY,
         filter_class: args.acceleration.class,
-        notes: read.notes,
+        notes: read.annotations.notes(),
+        findings: read.annotations.findings(),
     })
 }
 

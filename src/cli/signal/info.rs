@@ -8,10 +8,11 @@ use serde::Serialize;
 use super::input::FileArgs;
 use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::finding::Finding;
 use crate::signal::csv::clean_time;
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::gap::{self, Gap};
-use crate::signal::{MeasuredChannel, csv, resample};
+use crate::signal::{MeasuredChannel, Warning, csv, resample};
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
@@ -28,6 +29,7 @@ struct Contents {
     path: String,
     channels: Vec<Contained>,
     notes: Vec<String>,
+    findings: Vec<Finding>,
 }
 
 /// One channel of a file; values in `unit`.
@@ -100,7 +102,8 @@ fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
         Ok(found) => Ok(Contents {
             path: shown_path(path),
             channels: found.channels.iter().map(contained).collect(),
-            notes: found.notes,
+            notes: found.annotations.notes(),
+            findings: found.annotations.findings(),
         }),
         Err(error) if error.lacks_time() => columns(path, &options),
         Err(error) => Err(faults::recording(&error)),
@@ -109,15 +112,21 @@ fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
 
 /// What a table without time holds, e.g. stress over strain.
 fn columns(path: &Path, options: &ReadOptions) -> Result<Contents, Diagnostic> {
-    let csv::Table { columns, mut notes } = file::columns(path, options).map_err(|error| faults::recording(&error))?;
-    notes.push("there is no column of time".into());
+    let csv::Table { columns, mut annotations } =
+        file::columns(path, options).map_err(|error| faults::recording(&error))?;
+    annotations.warnings.push(Warning::NoTimeColumn);
     let channels = columns.into_iter().map(|csv::Column { name, label, unit, values }| {
         let written_unit = unit.as_ref().map(|unit| unit.symbol().to_owned());
         let samples = Figures::of(&values);
         let si = unit.map(|unit| unit.si_symbol());
         Contained { name, label, written_unit, unit: si, filtered: None, samples, time: None }
     });
-    Ok(Contents { path: shown_path(path), channels: channels.collect(), notes })
+    Ok(Contents {
+        path: shown_path(path),
+        channels: channels.collect(),
+        notes: annotations.notes(),
+        findings: annotations.findings(),
+    })
 }
 
 fn contained(channel: &MeasuredChannel) -> Contained {

@@ -8,7 +8,7 @@ use crate::cli::faults;
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::filter::CLASSES;
-use crate::signal::{MeasuredChannel, Measurement};
+use crate::signal::{Annotations, MeasuredChannel, Measurement, Warning};
 use crate::units::{Dimension, Unit};
 
 #[derive(Clone, Debug, Args)]
@@ -46,13 +46,12 @@ pub struct FileArgs {
     pub unit: Vec<String>,
 }
 
-/// A channel that was read, and what was noted while reading.
+/// A channel that was read.
 #[derive(Clone, Debug)]
 pub struct Chosen {
     pub channel: MeasuredChannel,
-    pub notes: Vec<String>,
-    /// Those of the notes that the file itself says.
-    pub comments: Vec<String>,
+    /// Comments of its file, and what its reading reports.
+    pub annotations: Annotations,
 }
 
 impl TableArgs {
@@ -90,10 +89,10 @@ impl Input {
         let unit = self.unit.as_deref().map(unit).transpose()?;
         let options = ReadOptions { unit, ..ReadOptions::one(self.column.as_deref()) };
         let found = file::read(&self.path, &self.table.over(options)).map_err(|error| faults::recording(&error))?;
-        let Measurement { channels, notes, comments } = found;
+        let Measurement { channels, annotations } = found;
         let channel = channels.into_iter().next();
         let channel = channel.ok_or_else(|| Diagnostic::new(format!("{}: no channel", shown_path(&self.path))))?;
-        Ok(Chosen { channel, notes, comments })
+        Ok(Chosen { channel, annotations })
     }
 
     /// The channel asked for in the SI unit, once it is sure to be a `dimension`.
@@ -120,11 +119,14 @@ pub fn class(text: &str) -> Result<f64, String> {
     class.ok_or_else(|| "expected a channel frequency class such as 1000 or CFC1000".into())
 }
 
-/// What is said of a class that the standards do not define; it is a filter all the same.
-pub fn note_on_class(class: f64) -> Option<String> {
-    let note =
-        || format!("CFC {class} is none of the standards' classes ({})", CLASSES.map(|c| c.to_string()).join(", "));
-    (!CLASSES.contains(&class)).then(note)
+/// The report of a filter that the channel passed before.
+pub fn filtered_before(channel: &MeasuredChannel) -> Option<Warning> {
+    channel.filtered.map(|class| Warning::FilteredBefore { channel: channel.name.clone(), class })
+}
+
+/// The report of a class that the standards do not define; it is a filter all the same.
+pub fn unusual_class(class: f64) -> Option<Warning> {
+    (!CLASSES.contains(&class)).then_some(Warning::UnusualFilterClass { class })
 }
 
 /// The unit that the user wrote.
@@ -145,9 +147,9 @@ mod tests {
         for text in ["", "CFC", "CFC x", "-60", "CFC-", "NaN", "inf", "0", "ÄÖ1000"] {
             assert!(class(text).is_err(), "{text}");
         }
-        assert_eq!(note_on_class(180.0), None);
+        assert_eq!(unusual_class(180.0), None);
         assert_eq!(
-            note_on_class(999.0).as_deref(),
+            unusual_class(999.0).map(|warning| warning.to_string()).as_deref(),
             Some("CFC 999 is none of the standards' classes (1000, 600, 180, 60)")
         );
     }

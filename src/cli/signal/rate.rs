@@ -6,10 +6,11 @@ use clap::Args;
 use serde::Serialize;
 
 use super::input::{Chosen, Input, TableArgs};
-use crate::cli::{Failure, Shared, print, print_json};
+use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::signal::MeasuredChannel;
-use crate::signal::rating::{self, Rating};
+use crate::finding::Finding;
+use crate::signal::rating::{self, Curve, Rating};
+use crate::signal::{Annotations, MeasuredChannel, Warning};
 
 #[derive(Debug, Args)]
 pub struct RateArgs {
@@ -41,18 +42,42 @@ struct Figures {
     shift_s: f64,
     samples: usize,
     notes: Vec<String>,
+    findings: Vec<Finding>,
 }
 
 pub fn run(args: &RateArgs, shared: &Shared) -> Result<(), Failure> {
-    let rating = rating(args)?;
-    match (shared.json, shared.quiet) {
-        (true, _) => print_json(&figures(rating)),
-        (false, true) => Ok(()),
-        (false, false) => print(&text(args, &rating)),
+    let rated = rating(args)?;
+    print_figures(shared, &figures(&rated), || text(args, &rated))
+}
+
+/// A rating and what the files of its curves state.
+struct Rated {
+    rating: Rating,
+    files: [(Curve, Annotations); 2],
+}
+
+impl Rated {
+    fn notes(&self) -> Vec<String> {
+        let of_file = |(curve, file): &(Curve, Annotations)| {
+            let curve = *curve;
+            file.notes().into_iter().map(move |note| format!("{curve}: {note}"))
+        };
+        let of_rating = self.rating.warnings.iter().map(Warning::to_string);
+        self.files.iter().flat_map(of_file).chain(of_rating).collect()
+    }
+
+    fn findings(&self) -> Vec<Finding> {
+        let of_file = |(curve, file): &(Curve, Annotations)| {
+            let curve = *curve;
+            let of_curve =
+                move |finding: Finding| Finding { message: format!("{curve}: {}", finding.message), ..finding };
+            file.findings().into_iter().map(of_curve)
+        };
+        self.files.iter().flat_map(of_file).chain(self.rating.warnings.iter().map(Finding::new)).collect()
     }
 }
 
-fn rating(args: &RateArgs) -> Result<Rating, Vec<Diagnostic>> {
+fn rating(args: &RateArgs) -> Result<Rated, Vec<Diagnostic>> {
     let column = args.comparison_column.as_ref().or(args.column.as_ref());
     let (reference, comparison) =
         match (args.read(&args.reference, args.column.as_ref()), args.read(&args.comparison, column)) {
@@ -61,17 +86,15 @@ fn rating(args: &RateArgs) -> Result<Rating, Vec<Diagnostic>> {
         };
     check_units(args, &reference.channel, &comparison.channel).map_err(|mistake| vec![mistake])?;
     let found = rating::rate(&reference.channel.series, &comparison.channel.series);
-    let mut rating = found.map_err(|error| {
+    let found = found.map_err(|error| {
         let [reference, comparison] = [&args.reference, &args.comparison].map(|path| shown_path(path));
         vec![
             Diagnostic::new(error.to_string())
                 .hint(format!("the reference is {reference}, the comparison {comparison}")),
         ]
     })?;
-    let read = reference.notes.iter().map(|note| format!("reference: {note}"));
-    let read = read.chain(comparison.notes.iter().map(|note| format!("comparison: {note}")));
-    rating.notes = read.chain(rating.notes).collect();
-    Ok(rating)
+    let files = [(Curve::Reference, reference.annotations), (Curve::Comparison, comparison.annotations)];
+    Ok(Rated { rating: found, files })
 }
 
 impl RateArgs {
@@ -93,7 +116,8 @@ fn check_units(args: &RateArgs, reference: &MeasuredChannel, comparison: &Measur
     Err(mistake.hint("choose channels of one quantity with --column and --comparison-column, or give --unit"))
 }
 
-fn figures(rating: Rating) -> Figures {
+fn figures(rated: &Rated) -> Figures {
+    let rating = &rated.rating;
     Figures {
         corridor: rating.corridor,
         phase: rating.phase,
@@ -103,18 +127,20 @@ fn figures(rating: Rating) -> Figures {
         grade: rating.grade.to_string(),
         shift_s: rating.shift,
         samples: rating.samples,
-        notes: rating.notes,
+        notes: rated.notes(),
+        findings: rated.findings(),
     }
 }
 
-fn text(args: &RateArgs, rating: &Rating) -> String {
+fn text(args: &RateArgs, rated: &Rated) -> String {
+    let rating = &rated.rating;
     let Rating { corridor, phase, magnitude, slope, overall, grade, .. } = rating;
     let shift = match 1e3 * rating.shift {
         0.0 => "no shift".to_owned(),
         late if late > 0.0 => format!("comparison {late:.1} ms late"),
         early => format!("comparison {:.1} ms early", -early),
     };
-    let notes = rating.notes.iter().map(|note| format!("\n  note: {note}"));
+    let notes = rated.notes().into_iter().map(|note| format!("\n  note: {note}"));
     format!(
         "{} rated against {}, ISO/TS 18571, {} samples\n  \
          corridor   {corridor:.3}\n  phase      {phase:.3}  {shift}\n  magnitude  {magnitude:.3}\n  slope      {slope:.3}\n  \

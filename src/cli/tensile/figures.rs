@@ -4,10 +4,12 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::reduce::Reduced;
+use super::args::Reduced;
 use crate::diagnostic::shown_path;
+use crate::experiment::Warning;
 use crate::experiment::coupon::average::SampleStatistics;
 use crate::experiment::coupon::{CurveEnd, DirectionMeans, SpeedMeans};
+use crate::finding::Finding;
 
 /// All figures; SI.
 #[derive(Serialize)]
@@ -17,14 +19,15 @@ pub struct Figures {
     /// Mean of MD and TD.
     #[serde(rename = "young_modulus_Pa")]
     young_modulus_pa: Option<f64>,
-    directions: Vec<AlongFigures>,
+    directions: Vec<DirectionFigures>,
     notes: Vec<String>,
+    findings: Vec<Finding>,
     /// Files that were written.
     written: Vec<String>,
 }
 
 #[derive(Serialize)]
-struct AlongFigures {
+struct DirectionFigures {
     direction: &'static str,
     #[serde(rename = "young_modulus_Pa")]
     young_modulus_pa: Statistics,
@@ -66,16 +69,15 @@ impl From<SampleStatistics> for Statistics {
 impl Figures {
     /// The figures of what was `reduced`, and what is to be known about them.
     pub fn of(reduced: &Reduced, is_density_assumed: bool, written: &[PathBuf]) -> Figures {
-        let mut notes = notes(reduced);
-        if is_density_assumed && !written.is_empty() {
-            notes.push("the density in the material file is assumed (LLDPE); give --density".into());
-        }
+        let mut warnings = warnings(reduced);
+        warnings.extend((is_density_assumed && !written.is_empty()).then_some(Warning::DensityAssumed));
         Figures {
             recordings: reduced.reduction.recordings(),
             virtual_recordings: reduced.reduction.virtual_recordings(),
             young_modulus_pa: reduced.reduction.modulus,
             directions: reduced.reduction.directions.iter().map(along).collect(),
-            notes,
+            notes: warnings.iter().map(Warning::to_string).collect(),
+            findings: warnings.iter().map(Finding::new).collect(),
             written: written.iter().map(|path| shown_path(path)).collect(),
         }
     }
@@ -87,7 +89,7 @@ impl Figures {
             count => format!(", {count} of them VIRTUAL"),
         };
         let mut text = format!("{} recordings{virtual_ones}\n", self.recordings);
-        text.extend(self.directions.iter().map(AlongFigures::text));
+        text.extend(self.directions.iter().map(DirectionFigures::text));
         if let Some(modulus) = self.young_modulus_pa {
             text += &format!("MD and TD  E {:.1} MPa\n", modulus * 1e-6);
         }
@@ -97,7 +99,7 @@ impl Figures {
     }
 }
 
-impl AlongFigures {
+impl DirectionFigures {
     fn text(&self) -> String {
         let moduli = self.speeds.iter().map(|speed| {
             let single = speed.young_moduli_pa.iter().map(|modulus| format!("{:6.1}", modulus * 1e-6));
@@ -129,8 +131,8 @@ impl Statistics {
     }
 }
 
-fn along(along: &DirectionMeans) -> AlongFigures {
-    AlongFigures {
+fn along(along: &DirectionMeans) -> DirectionFigures {
+    DirectionFigures {
         direction: along.direction.name(),
         young_modulus_pa: along.modulus.into(),
         strength_pa: along.strength.into(),
@@ -151,35 +153,31 @@ fn speed(speed: &SpeedMeans) -> SpeedFigures {
     }
 }
 
-/// What a reader of the figures must know.
-fn notes(reduced: &Reduced) -> Vec<String> {
-    let recorded = &reduced.recorded;
-    let unbroken = recorded.iter().filter(|recorded| recorded.sample.rupture.ending == CurveEnd::RecordEnded);
-    let unbroken = unbroken.map(|recorded| {
-        format!("{}: the record ends under load; its end counts as the break", shown_path(&recorded.path))
-    });
-    let merged = recorded.iter().filter(|recorded| recorded.merged > 0).map(|recorded| {
-        let (path, merged) = (shown_path(&recorded.path), recorded.merged);
-        format!("{path}: {merged} samples are merged with others, for the displacement did not increase")
-    });
+/// What was assumed, and what puts the figures in doubt.
+fn warnings(reduced: &Reduced) -> Vec<Warning> {
+    let tests = &reduced.tests;
+    let under_load = tests.iter().filter(|test| test.sample.rupture.ending == CurveEnd::RecordEnded);
+    let under_load = under_load.map(|test| Warning::RecordEndsUnderLoad { path: test.path.clone() });
+    let merged = tests.iter().filter(|test| test.merged > 0);
+    let merged = merged.map(|test| Warning::MergedSamples { path: test.path.clone(), samples: test.merged });
     let no_yield = reduced.reduction.directions.iter().filter_map(|along| {
-        let error = along.yields.as_ref().err()?;
-        Some(format!("{}: {error}", along.direction))
+        let reason = along.yields.as_ref().err()?.clone();
+        Some(Warning::NoYieldPoints { direction: along.direction, reason })
     });
-    unbroken.chain(merged).chain(no_yield).chain(unmeasured(reduced)).collect()
+    under_load.chain(merged).chain(no_yield).chain(speeds_not_measured(reduced)).collect()
 }
 
 /// Speeds at which some directions were measured and others not.
-fn unmeasured(reduced: &Reduced) -> Vec<String> {
+fn speeds_not_measured(reduced: &Reduced) -> Vec<Warning> {
     let directions = &reduced.reduction.directions;
     let mut speeds: Vec<f64> = directions.iter().flat_map(|along| &along.speeds).map(|speed| speed.velocity).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
-    let missing = |along: &DirectionMeans, velocity: f64| !along.speeds.iter().any(|speed| speed.velocity == velocity);
-    let note =
-        |along: &DirectionMeans, velocity: f64| format!("{} was not measured at {velocity} m/s", along.direction);
-    directions
-        .iter()
-        .flat_map(|along| speeds.iter().filter(move |v| missing(along, **v)).map(move |v| note(along, *v)))
-        .collect()
+    let is_missing =
+        |along: &DirectionMeans, velocity: f64| !along.speeds.iter().any(|speed| speed.velocity == velocity);
+    let missing = directions.iter().flat_map(|along| {
+        let missing = speeds.iter().filter(move |velocity| is_missing(along, **velocity));
+        missing.map(|velocity| Warning::SpeedNotMeasured { direction: along.direction, velocity: *velocity })
+    });
+    missing.collect()
 }

@@ -4,8 +4,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::args::{ReduceArgs, Reduced};
 use super::output;
-use super::reduce::{ReduceArgs, Reduced};
 use crate::cli::Failure;
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::experiment::coupon::Direction;

@@ -1,5 +1,6 @@
 //! `droptower tensile`: what is done to coupon tests.
 
+mod args;
 mod figures;
 mod material;
 mod output;
@@ -12,7 +13,7 @@ use super::{Failure, Shared};
 #[derive(Debug, Subcommand)]
 pub enum TensileCommand {
     /// Reduce recordings of coupons to moduli, yield points, strength and break, and write them as a material
-    Reduce(reduce::ReduceArgs),
+    Reduce(args::ReduceArgs),
 }
 
 pub fn run(command: &TensileCommand, shared: &Shared) -> Result<(), Failure> {

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::signal::resample;
+use crate::signal::interpolated;
 
 /// How far strain may go back, as a share of its range: what jaws and extensometers do at rest.
 pub const JITTER: f64 = 0.01;
@@ -83,7 +83,7 @@ impl Curve {
 
     /// Stress (Pa) at `strain`, linear between samples; none outside of them.
     pub fn at(&self, strain: f64) -> Option<f64> {
-        resample::at(&self.strain, &self.stress, strain)
+        interpolated(&self.strain, &self.stress, strain)
     }
 
     /// Stress (Pa) at `strain`, linear between samples; beyond the last, on the line through the last two; none before the first.

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{Direction, DirectionError};
+use super::direction::{Direction, DirectionError};
 use crate::units::{UnitError, Velocity};
 
 /// What a file's name can say of the speed of jaws at most, m/s: tensile machines end at some 20 m/s, years begin beyond.

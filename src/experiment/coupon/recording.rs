@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::label::{self, Label, LabelError};
 use super::{Coupon, CouponError, Rules, Sample, SampleError};
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
-use crate::signal::{ChannelError, Measurement, QuantityError, says_virtual};
+use crate::signal::{ChannelError, Measurement, QuantityError};
 use crate::units::{Force, Length};
 
 /// How recordings of coupons are read.
@@ -101,12 +101,12 @@ impl CouponReader {
 
     fn reduce(&self, path: &Path, measurement: &Measurement) -> Result<CouponTest, RecordingFault> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        let (direction, velocity) = label::label(&name, &measurement.notes, self.given)?;
+        let (direction, velocity) = label::label(&name, measurement.annotations.comments(), self.given)?;
         let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION)?;
         let displacement = measurement.channel(&self.displacement)?.quantity(Length::DIMENSION)?;
         let curve = self.coupon.curve(force, displacement)?;
         let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
-        let sample = Sample { is_virtual: says_virtual(&measurement.notes), ..sample };
+        let sample = Sample { is_virtual: measurement.annotations.is_virtual(), ..sample };
         Ok(CouponTest { path: path.into(), sample, merged: curve.merged() })
     }
 }

@@ -2,8 +2,13 @@
 
 use thiserror::Error;
 
-use super::{Drop, DropError, Reduction, Tower};
-use crate::signal::{ChannelError, MeasuredChannel, Measurement, QuantityError, Series, listed};
+use super::error::DropError;
+use super::reduce::reduce;
+use super::result::Drop;
+use super::tower::{Reduction, Tower};
+use crate::diagnostic::listed;
+use crate::experiment::Warning;
+use crate::signal::{self, Annotations, ChannelError, MeasuredChannel, Measurement, QuantityError, Series};
 use crate::units::{Acceleration, Dimension, Length};
 
 /// Channels as the user names them.
@@ -24,8 +29,8 @@ pub struct DropChannels {
     pub class: Option<f64>,
     /// m; none where the recording has no laser.
     pub laser: Option<Series>,
-    /// What was noted while the recording was read, and what it says of itself.
-    pub notes: Vec<String>,
+    /// Comments of the file, and what its reading reports.
+    pub annotations: Annotations,
 }
 
 /// Why a recording has no such channels.
@@ -50,13 +55,13 @@ impl DropChannels {
             DropChannelsError::NoAcceleration { names }
         })?;
         let laser = sought(measurement, names.laser.as_deref(), Length::DIMENSION)?;
-        let mut notes = measurement.notes.clone();
-        notes.extend(laser.is_none().then(|| without_unit(measurement)).flatten());
+        let mut annotations = measurement.annotations.clone();
+        annotations.warnings.extend(laser.is_none().then(|| laser_unit_missing(measurement)).flatten());
         Ok(DropChannels {
             acceleration: acceleration.series.clone(),
             class: acceleration.filtered,
             laser: laser.map(|channel| channel.series.clone()),
-            notes,
+            annotations,
         })
     }
 
@@ -65,36 +70,24 @@ impl DropChannels {
         class.filter(|_| self.class.is_none())
     }
 
-    /// What is to be said where the file's own filter meets the `class` of the reduction.
-    fn filtered_before(&self, class: Option<f64>) -> Option<String> {
-        let before = self.class?;
-        let again =
-            class.map_or_else(|| "is not filtered again".into(), |class| format!("is filtered again with CFC {class}"));
-        Some(format!("the acceleration went through CFC {before} already, as its file says, and {again}"))
+    /// The report of the file's own filter beside the `class` of the reduction.
+    fn filtered_before(&self, class: Option<f64>) -> Option<Warning> {
+        self.class.map(|before| Warning::FilteredAlready { class: before, again: class })
     }
 
-    /// The drop that was recorded, as [`reduce`](super::reduce).
+    /// The drop that was recorded, as [`reduce`].
     pub fn reduce(&self, tower: &Tower, reduction: &Reduction) -> Result<Drop, DropError> {
-        let mut drop = super::reduce(&self.acceleration, self.laser.as_ref(), tower, reduction)?;
-        drop.notes.extend(self.filtered_before(reduction.class));
+        let mut drop = reduce(&self.acceleration, self.laser.as_ref(), tower, reduction)?;
+        drop.warnings.extend(self.filtered_before(reduction.class));
         Ok(drop)
     }
 }
 
-/// What a recording without a length may have in its place.
-fn without_unit(measurement: &Measurement) -> Option<String> {
-    let unknown: Vec<String> = measurement
-        .channels
-        .iter()
-        .filter(|channel| channel.unit.is_none())
-        .map(|channel| channel.name.clone())
-        .collect();
-    (!unknown.is_empty()).then(|| {
-        format!(
-            "the unit of {} is not known: a laser needs a length's, as in `laser [mm]`, to be taken for one",
-            listed(&unknown)
-        )
-    })
+/// Channels without unit in a recording without a length: one of them may be the laser.
+fn laser_unit_missing(measurement: &Measurement) -> Option<signal::Warning> {
+    let unknown = measurement.channels.iter().filter(|channel| channel.unit.is_none());
+    let channels: Vec<String> = unknown.map(|channel| channel.name.clone()).collect();
+    (!channels.is_empty()).then_some(signal::Warning::LaserUnitMissing { channels })
 }
 
 fn sought<'a>(

@@ -1,8 +1,9 @@
-//! What a reduced drop comes down to.
+//! The figures of a reduced drop.
 
 use serde::Serialize;
 
-use super::Drop;
+use super::result::Drop;
+use crate::experiment::Warning;
 use crate::experiment::contact::SpeedSource;
 use crate::signal::csv::clean_time;
 use crate::signal::{Series, column};
@@ -30,7 +31,7 @@ pub struct Figures {
     pub peak_absorbed_energy: Option<f64>,
     #[serde(rename = "final_absorbed_energy_J")]
     pub final_absorbed_energy: Option<f64>,
-    /// D of the paper's equation 11; none where the impactor did not turn round.
+    /// D of the paper's equation 11; none without rebound.
     pub energy_absorption: Option<f64>,
     /// Largest deviation of the total energy (equation 10) from its first value, over that.
     pub total_energy_drift: f64,
@@ -45,6 +46,7 @@ pub struct Figures {
     pub ramp_duration_s: Option<f64>,
     /// What the sensor reads at rest.
     pub offset_m_s2: f64,
+    /// The warnings as texts.
     pub notes: Vec<String>,
 }
 
@@ -73,7 +75,7 @@ impl Drop {
             time_constant_s: self.time_constant,
             ramp_duration_s: self.ramp.map(|ramp| ramp.duration),
             offset_m_s2: self.offset,
-            notes: self.notes.clone(),
+            notes: self.warnings.iter().map(Warning::to_string).collect(),
         }
     }
 }

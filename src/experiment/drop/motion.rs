@@ -1,6 +1,6 @@
 //! Motion and energies from contact on.
 
-use super::DropError;
+use super::error::DropError;
 use crate::experiment::absorption::Body;
 use crate::experiment::contact::Contact;
 use crate::signal::{Channel, Recording, Series, column, integrate, resample};

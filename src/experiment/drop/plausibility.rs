@@ -1,6 +1,7 @@
-//! What makes a reduced drop doubtful. Its figures stand; whoever reads them should look first.
+//! Checks of a reduced drop. They change no figure.
 
-use super::Drop;
+use super::result::Drop;
+use crate::experiment::Warning;
 use crate::experiment::fit::least_squares;
 use crate::signal::{Series, column};
 
@@ -14,48 +15,36 @@ const FLAT: f64 = 2e-3;
 const ZERO_MOVES: f64 = 0.1;
 const STANDARD_ERRORS: f64 = 5.0;
 
-/// Doubts about `drop`, from its figures and from the `reading` (m/s²) that it was reduced from, at rest until `rest_end` (s).
-pub(super) fn doubts(drop: &Drop, reading: &Series, rest_end: f64) -> Vec<String> {
+/// What puts `drop` in doubt, from its figures and from the `reading` (m/s²) that it was reduced from, at rest until `rest_end` (s).
+pub(super) fn warnings(drop: &Drop, reading: &Series, rest_end: f64) -> Vec<Warning> {
     [absorption(drop), laser(drop), slow(drop), late_peak(drop), saturated(reading), moving_zero(reading, rest_end)]
         .into_iter()
         .flatten()
         .collect()
 }
 
-fn absorption(drop: &Drop) -> Option<String> {
+fn absorption(drop: &Drop) -> Option<Warning> {
     let absorption = drop.energy_absorption.filter(|d| !(0.0..=1.0).contains(d))?;
-    Some(format!(
-        "an energy absorption of {:.1} % is impossible: laser, time constant and zero of the sensor do not fit together",
-        100.0 * absorption
-    ))
+    Some(Warning::ImpossibleAbsorption { absorption })
 }
 
-fn laser(drop: &Drop) -> Option<String> {
-    let apart = drop.contact.laser_residual.filter(|apart| *apart > LASER_APART)?;
-    Some(format!(
-        "laser and integrated acceleration are {:.2} mm apart: check the laser's unit, its zero and what it writes out of range",
-        1e3 * apart
-    ))
+fn laser(drop: &Drop) -> Option<Warning> {
+    let residual = drop.contact.laser_residual.filter(|residual| *residual > LASER_APART)?;
+    Some(Warning::LaserMismatch { residual })
 }
 
-fn slow(drop: &Drop) -> Option<String> {
+fn slow(drop: &Drop) -> Option<Warning> {
     let share = -drop.contact.velocity / drop.ideal_speed;
-    (share < SLOW).then(|| format!("the impact speed is {:.0} % of the ideal fall's", 100.0 * share))
+    (share < SLOW).then_some(Warning::SlowImpact { share })
 }
 
-fn late_peak(drop: &Drop) -> Option<String> {
-    let [turn, _] = drop.signals.series(column::DISPLACEMENT.name)?.smallest()?;
+fn late_peak(drop: &Drop) -> Option<Warning> {
+    let [lowest_point, _] = drop.signals.series(column::DISPLACEMENT.name)?.smallest()?;
     let [peak, _] = drop.signals.series(column::ACCELERATION_FILTERED.name)?.largest()?;
-    (peak > 1.2 * turn).then(|| {
-        format!(
-            "the largest acceleration, at {:.1} ms, is not that of the impact, which turned the impactor at {:.1} ms",
-            1e3 * peak,
-            1e3 * turn
-        )
-    })
+    (peak > 1.2 * lowest_point).then_some(Warning::LatePeak { peak, lowest_point })
 }
 
-fn saturated(reading: &Series) -> Option<String> {
+fn saturated(reading: &Series) -> Option<Warning> {
     let [_, largest] = reading.largest()?;
     let (time, values) = (reading.time(), reading.values());
     let runs = values.chunk_by(|a, b| a == b).scan(0, |first, run| {
@@ -64,13 +53,11 @@ fn saturated(reading: &Series) -> Option<String> {
     });
     let flat = runs.filter(|(_, run)| run[0] == largest);
     let longest = flat.map(|(first, run)| time[first + run.len() - 1] - time[first]).fold(0.0, f64::max);
-    (longest > FLAT).then(|| {
-        format!("the accelerometer reads {largest:.1} m/s2 for {:.1} ms: the end of its range?", 1e3 * longest)
-    })
+    (longest > FLAT).then_some(Warning::Saturated { reading: largest, duration: longest })
 }
 
 /// A zero that moves while the impactor rests will have moved on.
-fn moving_zero(reading: &Series, rest_end: f64) -> Option<String> {
+fn moving_zero(reading: &Series, rest_end: f64) -> Option<Warning> {
     let rest = reading.window([f64::NEG_INFINITY, rest_end]);
     let &[first, .., last] = rest.time() else {
         return None;
@@ -83,10 +70,5 @@ fn moving_zero(reading: &Series, rest_end: f64) -> Option<String> {
     let standard_error = (12.0 * left / count / count).sqrt();
     let over_record = rise / span * (reading.time().last()? - first);
     let moves = over_record.abs() > ZERO_MOVES && rise.abs() > STANDARD_ERRORS * standard_error;
-    moves.then(|| {
-        format!(
-            "the reading at rest drifts by {:.2} m/s2 per second, {over_record:.2} m/s2 over the record",
-            rise / span
-        )
-    })
+    moves.then_some(Warning::ZeroDrift { rate: rise / span, over_record })
 }

@@ -1,9 +1,12 @@
 //! Drops whose truth is known, and recordings that are none.
 
 use super::*;
+use crate::experiment::Warning;
+use crate::experiment::absorption::{AbsorptionError, Body, energy_absorption};
+use crate::experiment::contact::SpeedSource;
 use crate::experiment::fall::Fall;
 use crate::experiment::sensor::{Accelerometer, Sensors, virtual_drop};
-use crate::signal::integrate;
+use crate::signal::{Recording, Series, integrate};
 
 const GRAVITY: f64 = 9.81;
 const BODY: Body = Body { mass: 10.72, gravity: GRAVITY };
@@ -121,7 +124,8 @@ fn a_laser_that_stands_still_out_of_its_range_saw_nothing() {
     for laser in [held, zero] {
         let drop = reduce(&reading(&recording), Some(&laser), &TOWER, &Reduction::default()).unwrap();
         assert!((drop.contact.time - contact_time).abs() < 2e-4, "{:?}", drop.contact);
-        assert!(drop.notes.iter().any(|note| note.contains("stand still")), "{:?}", drop.notes);
+        let held = |warning: &Warning| matches!(warning, Warning::LaserOutOfRange { .. });
+        assert!(drop.warnings.iter().any(held), "{:?}", drop.warnings);
     }
 }
 
@@ -130,7 +134,7 @@ fn doubtful_figures_are_doubted() {
     let (recording, ..) = recorded(&Sensors::default(), 6);
     let (reading, laser) = (reading(&recording), recording.series("laser_m").unwrap());
     let noted = |reading: &Series, laser: &Series, reduction: Reduction| {
-        reduce(reading, Some(laser), &TOWER, &reduction).unwrap().notes.join("; ")
+        reduce(reading, Some(laser), &TOWER, &reduction).unwrap().figures().notes.join("; ")
     };
     assert_eq!(noted(&reading, &laser, Reduction::default()), "");
     let changed = |f: &dyn Fn([f64; 2]) -> f64| reading.with_values(reading.samples().map(f).collect());
@@ -147,13 +151,13 @@ fn doubtful_figures_are_doubted() {
     let filtered =
         hit.signals.channels.iter_mut().find(|channel| channel.name == "acceleration_filtered_m_s2").unwrap();
     *filtered.values.last_mut().unwrap() = 1e3;
-    let doubts = plausibility::doubts(&hit, &reading, 0.1);
-    assert!(doubts[0].contains("is not that of the impact"), "{doubts:?}");
+    let warnings = plausibility::warnings(&hit, &reading, 0.1);
+    assert!(matches!(warnings[0], Warning::LatePeak { .. }), "{warnings:?}");
     let wavy = laser.with_values(laser.samples().map(|[t, v]| v + 0.0025 * (3000.0 * t).sin()).collect());
     assert!(noted(&reading, &wavy, Reduction::default()).contains("apart: check the laser's unit"));
     let turned = changed(&|[_, v]| -v);
     let refused = reduce(&turned, Some(&laser), &TOWER, &Reduction::default()).unwrap_err().to_string();
-    assert!(refused.contains("the sign looks turned round"), "{refused}");
+    assert!(refused.contains("the sign looks reversed"), "{refused}");
 }
 
 #[test]
@@ -249,7 +253,8 @@ fn a_recording_that_ends_before_the_turn_has_no_absorption_and_says_so() {
     let short = |name: &str| recording.series(name).unwrap().window([0.0, contact_time + 0.04]);
     let drop = reduce(&short("accelerometer_m_s2"), Some(&short("laser_m")), &TOWER, &Reduction::default()).unwrap();
     assert_eq!(drop.energy_absorption, None);
-    assert_eq!(drop.notes, ["no energy absorption: the recording ends before the impactor turns round"]);
+    let reason = AbsorptionError::NoUnloading;
+    assert_eq!(drop.warnings, [Warning::NoEnergyAbsorption { reason }]);
 }
 
 #[test]

@@ -210,7 +210,7 @@ fn chart(title: &str, tracks: Vec<SignalTrack>, all: &mut Vec<SignalTrack>) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signal::Channel;
+    use crate::signal::{Annotations, Channel};
 
     fn recording(names: &[&str]) -> Recording {
         let channel = |name: &&str| Channel { name: (*name).to_owned(), values: vec![0.0, 0.5] };
@@ -243,7 +243,7 @@ mod tests {
             total_energy: None,
             window: [0.0, 0.1],
             energy_absorption: None,
-            said: vec!["VIRTUAL drop test".to_owned()],
+            annotations: Annotations::new(vec!["VIRTUAL drop test".to_owned()]),
             reduced: vec![],
         };
         let Signals { tracks, charts, .. } =
@@ -265,7 +265,7 @@ mod tests {
             total_energy: series(),
             window: [0.0, 0.1],
             energy_absorption: None,
-            said: vec![],
+            annotations: Annotations::default(),
             reduced: vec![],
         };
         let names = ["displacement_m", "kinetic_energy_J", "absorbed_energy_J", "total_energy_J"];

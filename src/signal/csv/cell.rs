@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::Fault;
+use super::fault::{Fault, Mistake};
+use crate::signal::text::Line;
 use crate::units::Unit;
 
 /// What stands between the cells of a line.
@@ -133,6 +134,12 @@ fn carries_unit(text: &str) -> bool {
 /// As much of a cell as an error shows.
 fn shown(text: &str) -> String {
     text.chars().take(40).collect()
+}
+
+/// A mistake in the cell at `place` of a line.
+pub(super) fn at_cell(line: &Line, separator: Separator, place: usize, fault: Fault) -> Mistake {
+    let offset = separator.cells(&line.text).nth(place).map_or(0, |cell| cell.offset);
+    Mistake { line: line.number, column: line.text[..offset].chars().count() + 1, fault }
 }
 
 #[cfg(test)]

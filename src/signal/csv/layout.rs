@@ -3,11 +3,11 @@
 use std::collections::{HashSet, VecDeque};
 use std::io::BufRead;
 
-use super::cell::{Cell, Mark, Separator};
-use super::name::{ColumnName, UnitCell, units_of_line};
-use super::{Fault, Mistake, at_cell};
+use super::cell::{Cell, Mark, Separator, at_cell};
+use super::fault::{Fault, Mistake};
+use crate::signal::column_name::{ColumnName, UnitCell, units_of_line};
 use crate::signal::text::{Line, Lines};
-use crate::signal::{ReadOptions, measurement};
+use crate::signal::{Annotations, ReadOptions, Warning, measurement};
 use crate::units::{Time, Unit};
 
 /// Most lines before the first number.
@@ -24,15 +24,13 @@ pub struct Layout {
     pub header: Option<Line<'static>>,
     /// Rows that were read to find all this out.
     pub rows: VecDeque<Line<'static>>,
-    pub notes: Vec<String>,
-    /// Those of the notes that the file itself says.
-    pub comments: Vec<String>,
+    pub annotations: Annotations,
 }
 
 impl Layout {
     /// Reads `lines` up to the first row of numbers.
     pub fn read(lines: &mut Lines<impl BufRead>, options: &ReadOptions) -> Result<Layout, Mistake> {
-        let Head { mut lines, first, mut notes } = Head::read(lines)?;
+        let Head { mut lines, first, mut comments } = Head::read(lines)?;
         let separator = separator(&first.text);
         let mut rows = VecDeque::from([first]);
         let has_names = lines.len() > 1 || !options.names.is_empty();
@@ -40,20 +38,20 @@ impl Layout {
             rows.push_front(row);
         }
         if !options.names.is_empty() {
-            notes.extend(lines.iter().map(|line| said(line, "not used, since names are given")));
+            comments.extend(lines.iter().map(|line| quoted(line, "not used, since names are given")));
             let columns = options.names.iter().map(|name| ColumnName::read(name)).collect();
-            let comments = notes.clone();
-            return Layout { separator, columns, header: None, rows, notes, comments }.checked(options);
+            let annotations = Annotations::new(comments);
+            return Layout { separator, columns, header: None, rows, annotations }.checked(options);
         }
         let units = take_units(&mut lines, separator);
         let header = lines.pop();
-        notes.extend(lines.iter().map(|line| said(line, "before the header")));
-        let comments = notes.clone();
+        comments.extend(lines.iter().map(|line| quoted(line, "before the header")));
+        let mut annotations = Annotations::new(comments);
         let columns = match &header {
             Some(header) => trimmed(separator.cells(&header.text)).map(|cell| ColumnName::read(cell.text)).collect(),
-            None => numbered(separator, &rows[0], &mut notes),
+            None => numbered(separator, &rows[0], &mut annotations),
         };
-        let mut layout = Layout { separator, columns, header, rows, notes, comments };
+        let mut layout = Layout { separator, columns, header, rows, annotations };
         if let Some((line, units)) = units {
             layout.add_units(&line, units)?;
         }
@@ -89,7 +87,8 @@ impl Layout {
             Some(unit) if unit.measures(Time::DIMENSION) => Ok(Some(unit)),
             Some(unit) => Err(self.at_column(place, Fault::TimeUnit { name: name(), unit: unit.symbol().to_owned() })),
             None => {
-                self.notes.push(format!("time (`{}`) has no unit; seconds are assumed", column.label));
+                let channel = column.label.clone();
+                self.annotations.warnings.push(Warning::TimeUnitAssumed { channel });
                 Ok(None)
             }
         }
@@ -100,7 +99,8 @@ impl Layout {
         let unit = self.given_unit(place, options, options.unit.as_ref())?;
         let ColumnName { label, unknown_unit, .. } = &self.columns[place];
         if let (None, Some(symbol)) = (&unit, unknown_unit) {
-            self.notes.push(format!("the unit `{symbol}` of `{label}` is not known; its values are as written"));
+            let warning = Warning::UnknownUnit { channel: label.clone(), unit: symbol.clone() };
+            self.annotations.warnings.push(warning);
         }
         Ok(unit)
     }
@@ -185,21 +185,21 @@ impl Layout {
 struct Head {
     lines: Vec<Line<'static>>,
     first: Line<'static>,
-    notes: Vec<String>,
+    comments: Vec<String>,
 }
 
 impl Head {
     fn read(source: &mut Lines<impl BufRead>) -> Result<Head, Mistake> {
-        let (mut lines, mut notes) = (Vec::new(), Vec::new());
+        let (mut lines, mut comments) = (Vec::new(), Vec::new());
         while let Some(line) = source.line()? {
             if let Some(comment) = line.text.trim_start().strip_prefix('#') {
-                notes.push(comment.trim().to_owned());
+                comments.push(comment.trim().to_owned());
             } else if starts_with_number(&line.text) {
-                return Ok(Head { lines, first: line.into_owned(), notes });
+                return Ok(Head { lines, first: line.into_owned(), comments });
             } else if !line.text.trim().is_empty() {
                 lines.push(line.into_owned());
             }
-            if lines.len() + notes.len() > LONGEST_HEAD {
+            if lines.len() + comments.len() > LONGEST_HEAD {
                 return Err(Mistake { line: 1, column: 1, fault: Fault::NoNumbers { lines: LONGEST_HEAD } });
             }
         }
@@ -252,17 +252,17 @@ fn take_units(lines: &mut Vec<Line<'static>>, separator: Separator) -> Option<(L
 }
 
 /// Names for the columns of a file that has none.
-fn numbered(separator: Separator, row: &Line, notes: &mut Vec<String>) -> Vec<ColumnName> {
+fn numbered(separator: Separator, row: &Line, annotations: &mut Annotations) -> Vec<ColumnName> {
     let columns = trimmed(separator.cells(&row.text)).count();
-    let names = (1..=columns).map(|place| format!("column {place}"));
-    notes.push(format!(
-        "the file has no header; its columns are called {}",
-        names.clone().collect::<Vec<_>>().join(", ")
-    ));
-    names.map(|name| ColumnName { label: name.clone(), name, unit: None, unknown_unit: None }).collect()
+    let columns: Vec<String> = (1..=columns).map(|place| format!("column {place}")).collect();
+    let name = |name: &String| ColumnName { label: name.clone(), name: name.clone(), unit: None, unknown_unit: None };
+    let names = columns.iter().map(name).collect();
+    annotations.warnings.push(Warning::NoHeader { columns });
+    names
 }
 
-fn said(line: &Line, what: &str) -> String {
+/// A line that is no header, as a comment.
+fn quoted(line: &Line, what: &str) -> String {
     format!("line {} ({what}): {}", line.number, line.text.trim())
 }
 

@@ -5,11 +5,13 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::sync::Arc;
 
-use super::cell::Mark;
+use super::cell::{Mark, at_cell};
+use super::fault::{Fault, MOST_CELLS, Mistake, ReadError};
 use super::layout::{Layout, trimmed_to};
-use super::{Fault, MOST_CELLS, Mistake, ReadError, at_cell};
 use crate::signal::text::{self, Line, Lines};
-use crate::signal::{ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series};
+use crate::signal::{
+    Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Recording, Series, Warning,
+};
 use crate::units::Unit;
 
 /// A column of a table, which need not have a time axis.
@@ -29,8 +31,8 @@ pub struct Column {
 pub struct Table {
     /// In the order of the file, or in the order in which they were asked for.
     pub columns: Vec<Column>,
-    /// What was assumed or found odd while reading, and what the file says beside its numbers.
-    pub notes: Vec<String>,
+    /// Comments of the file, and what its reading reports.
+    pub annotations: Annotations,
 }
 
 impl Table {
@@ -43,7 +45,7 @@ impl Table {
             MeasuredChannel { name, label, unit, filtered: None, series }
         };
         let channels = self.columns.into_iter().map(channel).collect();
-        Measurement { channels, notes: self.notes, ..Measurement::default() }
+        Measurement { channels, annotations: self.annotations }
     }
 }
 
@@ -64,7 +66,7 @@ pub fn columns(path: &Path, options: &ReadOptions) -> Result<Table, ReadError> {
             let values = in_si(values, unit.as_ref());
             Column { name: column.name.clone(), label: column.label.clone(), unit, values }
         });
-        Ok(Table { columns: columns.collect(), notes: layout.notes })
+        Ok(Table { columns: columns.collect(), annotations: layout.annotations })
     })
 }
 
@@ -86,8 +88,14 @@ pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadEr
             let series = Series::new(Arc::clone(&time), in_si(values, unit.as_ref()));
             MeasuredChannel { name: column.name.clone(), label: column.label.clone(), unit, filtered: None, series }
         });
-        Ok(Measurement { channels: channels.collect(), notes: layout.notes, comments: layout.comments })
+        Ok(Measurement { channels: channels.collect(), annotations: layout.annotations })
     })
+}
+
+/// Reads the table at `path` as a recording: all its channels, called by the names of the file where they are in the SI
+/// unit, and by their name with the SI unit where they were not.
+pub fn read(path: &Path) -> Result<Recording, ReadError> {
+    measure(path, &ReadOptions::default()).map(|measurement| measurement.recording().unwrap_or_default())
 }
 
 /// Opens the file and says in every mistake where it is.
@@ -158,8 +166,9 @@ impl Rows {
                 self.push(&line, layout)?;
             }
         }
-        layout.notes.extend(comments.note("start with `#`"));
-        layout.notes.extend(blanks.note("are blank"));
+        let warnings = &mut layout.annotations.warnings;
+        warnings.extend(comments.any().map(|[count, first]| Warning::SkippedComments { count, first }));
+        warnings.extend(blanks.any().map(|[count, first]| Warning::SkippedBlanks { count, first }));
         Ok(self.values)
     }
 
@@ -221,10 +230,9 @@ impl Passed {
         self.count += later.count;
     }
 
-    fn note(&self, what: &str) -> Option<String> {
-        let Passed { first, count } = self;
-        (*count > 0)
-            .then(|| format!("lines below the first row that {what} are left out: {count}, the first is line {first}"))
+    /// Their number and the first, where there is one.
+    fn any(self) -> Option<[usize; 2]> {
+        (self.count > 0).then_some([self.count, self.first])
     }
 }
 
@@ -250,7 +258,7 @@ mod tests {
             ("time_s,a\n0,1\n#1,2\n2,3\n# end\n", &["start with `#` are left out: 2, the first is line 3"]),
         ] {
             std::fs::write(&path, text).unwrap();
-            let notes = measure(&path, &ReadOptions::default()).unwrap().notes;
+            let notes = measure(&path, &ReadOptions::default()).unwrap().annotations.notes();
             assert_eq!(notes.len(), expected.len(), "{notes:?}");
             assert!(notes.iter().zip(expected).all(|(note, expected)| note.ends_with(expected)), "{notes:?}");
         }

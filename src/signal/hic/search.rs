@@ -1,6 +1,6 @@
 //! The pair of samples with the largest criterion, by branch and bound.
 
-use super::{Pulse, severity};
+use super::pulse::{Pulse, severity};
 
 /// Samples of a block that is searched pair by pair.
 const LEAF: usize = 16;

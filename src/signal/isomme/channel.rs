@@ -4,8 +4,10 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
+use super::fault::{Fault, Mistake, ReadError};
 use super::header::{Header, stated};
-use super::{ChannelCode, Fault, Mistake, ReadError};
+use crate::signal::Warning;
+use crate::signal::channel_code::ChannelCode;
 use crate::signal::csv::MOST_CELLS;
 use crate::signal::text::{self, Line, Lines};
 use crate::units::{Time, Unit};
@@ -39,11 +41,12 @@ impl ChannelHead {
 
     /// The channel frequency class that it went through: as the header says, or else as the code's letter says; a note
     /// where the header says what is not understood.
-    pub fn class(&self, notes: &mut Vec<String>) -> Option<f64> {
+    pub fn class(&self, warnings: &mut Vec<Warning>) -> Option<f64> {
         let stated = self.header.text("Channel frequency class");
         let class = stated.and_then(class_of);
         if let (Some(stated), None) = (stated, class) {
-            notes.push(format!("{}: the channel frequency class `{stated}` is not known", self.name));
+            let (channel, stated) = (self.name.clone(), stated.to_owned());
+            warnings.push(Warning::UnknownFilterClass { channel, stated });
         }
         class.or_else(|| ChannelCode::parse(&self.name)?.class())
     }
@@ -54,7 +57,7 @@ impl ChannelHead {
     }
 
     /// The values as times in s; a note where the header does not say their unit.
-    pub fn times(&self, notes: &mut Vec<String>) -> Result<Vec<f64>, ReadError> {
+    pub fn times(&self, warnings: &mut Vec<Warning>) -> Result<Vec<f64>, ReadError> {
         let mut previous = f64::NEG_INFINITY;
         let mut times = self.read_values(|time| {
             if time.is_nan() {
@@ -67,7 +70,7 @@ impl ChannelHead {
             Ok(())
         })?;
         let Some(symbol) = self.header.text("Unit") else {
-            notes.push(format!("{}: no unit of time; seconds are assumed", self.name));
+            warnings.push(Warning::TimeUnitAssumed { channel: self.name.clone() });
             return Ok(times);
         };
         let unit = Unit::parse(symbol).ok().filter(|unit| unit.measures(Time::DIMENSION));
@@ -159,7 +162,7 @@ fn head(path: &Path) -> Result<Head, Mistake> {
 }
 
 /// All lines of a file that has a header only; other lines are noted.
-pub fn read_header(path: &Path, notes: &mut Vec<String>) -> Result<Header, ReadError> {
+pub fn read_header(path: &Path, warnings: &mut Vec<Warning>) -> Result<Header, ReadError> {
     let (mut others, mut first) = (0, 0);
     let mut read = || {
         let (mut header, mut lines) = (Header::default(), text::open(path)?);
@@ -173,8 +176,8 @@ pub fn read_header(path: &Path, notes: &mut Vec<String>) -> Result<Header, ReadE
     };
     let header = read().map_err(|mistake: Mistake| mistake.of(path))?;
     if others > 0 {
-        let file = path.file_name().unwrap_or_default().to_string_lossy();
-        notes.push(format!("{file}: lines without a colon are left out: {others}, the first is line {first}"));
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        warnings.push(Warning::SkippedHeaderLines { file, count: others, first });
     }
     Ok(header)
 }

@@ -1,6 +1,6 @@
 //! The header of an ISO-MME file: a key and a value a line.
 
-use super::Fault;
+use super::fault::Fault;
 
 /// Most lines of a header: a list of as many channels as can be counted, and more.
 const MOST_LINES: usize = 20_000;

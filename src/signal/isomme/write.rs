@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{ChannelCode, Entry, Header, Headers};
+use super::container::Headers;
+use super::header::{Entry, Header};
 use crate::diagnostic::folder_of;
+use crate::signal::channel_code::ChannelCode;
 use crate::signal::csv::clean_time;
 use crate::signal::{MeasuredChannel, Measurement, Series, resample};
 use crate::units::Time;
@@ -65,7 +67,7 @@ pub fn rewrite(path: &Path, measurement: &Measurement, headers: &Headers) -> Res
             return Err(WriteError::Exists { path: place.into() });
         }
     }
-    let test = test_lines(&headers.test, &stem, &measurement.comments);
+    let test = test_lines(&headers.test, &stem, measurement.annotations.comments());
     lay_down(path, folder, &channels, &stem, &sheets(measurement, headers), [&test, &list_head(&headers.list)])
         .map_err(|source| WriteError::Write { path: path.into(), source })
 }

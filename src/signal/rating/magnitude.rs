@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::relative;
+use super::relative::relative;
 use crate::lane::{LANES, Lane, Width, at_width, splat};
 
 /// What the warped curves differ by, over the reference; 1 for nothing, 0 for a half.

@@ -1,11 +1,12 @@
 //! How well one signal follows another: the objective rating of ISO/TS 18571 for signals without ambiguity.
 //!
 //! Four ratings between 0 and 1 and their weighted sum, equations 64 to 69. The curves are compared at 10 kHz and equal length,
-//! as the specification asks; whatever was done to bring them there is said in the rating's notes.
+//! as the specification asks; how they were brought there is in the warnings of the rating.
 
 mod corridor;
 mod magnitude;
 mod phase;
+mod relative;
 mod slope;
 
 use std::fmt;
@@ -14,7 +15,10 @@ use thiserror::Error;
 
 use super::csv::clean_time;
 use super::gap::{self, Gap};
+use super::warning::Warning;
 use super::{Series, resample};
+
+pub use super::curve::Curve;
 
 /// Samples a second at which curves are rated.
 pub const RATE: f64 = 10_000.0;
@@ -44,8 +48,8 @@ pub struct Rating {
     pub shift: f64,
     /// Samples of each curve at [`RATE`].
     pub samples: usize,
-    /// What was done to the curves before, a sentence each.
-    pub notes: Vec<String>,
+    /// How the curves were brought to one time axis, and what puts the rating in doubt.
+    pub warnings: Vec<Warning>,
 }
 
 /// Grades of ISO/TS 18571.
@@ -80,24 +84,6 @@ impl fmt::Display for Grade {
             Grade::Good => "good",
             Grade::Fair => "fair",
             Grade::Poor => "poor",
-        })
-    }
-}
-
-/// One of the two curves of a rating.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Curve {
-    /// What was measured, or counts as the truth.
-    Reference,
-    /// What is rated.
-    Comparison,
-}
-
-impl fmt::Display for Curve {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            Curve::Reference => "reference",
-            Curve::Comparison => "comparison",
         })
     }
 }
@@ -138,9 +124,9 @@ pub fn rate(reference: &Series, comparison: &Series) -> Result<Rating, RatingErr
         return Err(RatingError::ZeroReference { from: span[0], to: span[1] });
     }
     let mut rating = rate_curves(&r, &c);
-    rating.notes = curves.into_iter().filter_map(|(curve, series)| change(curve, series, span, samples)).collect();
+    rating.warnings = curves.into_iter().filter_map(|(curve, series)| change(curve, series, span, samples)).collect();
     if phase::is_flat(&c) {
-        rating.notes.push("comparison: constant, so no shift correlates better than none".into());
+        rating.warnings.push(Warning::ConstantCurve);
     }
     Ok(rating)
 }
@@ -161,13 +147,8 @@ fn rate_curves(reference: &[f64], comparison: &[f64]) -> Rating {
         grade: Grade::of(overall),
         shift: shift.samples() as f64 / RATE,
         samples: reference.len(),
-        notes: Vec::new(),
+        warnings: Vec::new(),
     }
-}
-
-/// |off|₁/|size|₁; what is off of nothing is off without limit.
-fn relative(off: f64, size: f64) -> f64 {
-    if off == 0.0 { 0.0 } else { off / size }
 }
 
 fn common_span(reference: &Series, comparison: &Series) -> Result<[f64; 2], RatingError> {
@@ -216,16 +197,13 @@ fn first_of_rate(series: &Series, start: f64) -> Option<usize> {
 }
 
 /// What was done to a curve, if anything.
-fn change(curve: Curve, series: &Series, [from, to]: [f64; 2], samples: usize) -> Option<String> {
+fn change(curve: Curve, series: &Series, [from, to]: [f64; 2], samples: usize) -> Option<Warning> {
     let on_samples = first_of_rate(series, from).is_some();
     let (from, to) = (clean_time(from), clean_time(to));
     if !on_samples {
-        let count = series.len();
-        return Some(format!(
-            "{curve}: {count} samples, read linearly between them at 10 kHz from {from} s to {to} s, without a filter"
-        ));
+        return Some(Warning::CurveResampled { curve, samples: series.len(), from, to });
     }
-    (series.len() != samples).then(|| format!("{curve}: cut to the common {from} s to {to} s"))
+    (series.len() != samples).then_some(Warning::CurveCut { curve, from, to })
 }
 
 #[cfg(test)]

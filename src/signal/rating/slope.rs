@@ -1,6 +1,6 @@
 //! The slope rating E_S of ISO/TS 18571, equation 68.
 
-use super::relative;
+use super::relative::relative;
 
 /// Samples on each side of a moving average.
 const REACH: usize = 4;

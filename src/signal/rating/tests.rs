@@ -23,7 +23,7 @@ fn a_curve_follows_itself() {
         let rating = rate(&curve, &curve).unwrap();
         assert_eq!([rating.corridor, rating.phase, rating.magnitude, rating.slope], [1.0; 4]);
         assert!((rating.overall - 1.0).abs() < 1e-15 && rating.grade == Grade::Excellent && rating.shift == 0.0);
-        assert!(rating.notes.is_empty() && rating.samples == 1000, "{rating:?}");
+        assert!(rating.warnings.is_empty() && rating.samples == 1000, "{rating:?}");
     }
 }
 
@@ -87,10 +87,10 @@ fn other_rates_and_spans_are_brought_together_and_said() {
     let rating = rate(&fine, &late).unwrap();
     assert_eq!(rating.samples, 901);
     assert!(rating.overall > 1.0 - 1e-6, "{rating:?}");
-    assert_eq!(rating.notes.len(), 1);
-    assert!(rating.notes[0].starts_with("reference: 100001 samples, read linearly"), "{:?}", rating.notes);
+    let curve = Curve::Reference;
+    assert_eq!(rating.warnings, [Warning::CurveResampled { curve, samples: 100_001, from: 0.005, to: 0.095 }]);
     let cut = rate(&at_10_khz(pulse), &late).unwrap();
-    assert_eq!(cut.notes, ["reference: cut to the common 0.005 s to 0.095 s"]);
+    assert_eq!(cut.warnings, [Warning::CurveCut { curve, from: 0.005, to: 0.095 }]);
 }
 
 #[test]
@@ -115,5 +115,5 @@ fn what_cannot_be_rated_is_said() {
 #[test]
 fn a_constant_comparison_is_noted() {
     let rating = rate(&at_10_khz(pulse), &at_10_khz(|_| 3.0)).unwrap();
-    assert_eq!(rating.notes, ["comparison: constant, so no shift correlates better than none"]);
+    assert_eq!(rating.warnings, [Warning::ConstantCurve]);
 }

@@ -1,11 +1,13 @@
 //! The lines of a text of unknown length and encoding, one at a time.
 
 use std::borrow::Cow;
-use std::io::{BufRead, Read};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
 
 use encoding_rs::WINDOWS_1252;
 
-use super::{Mistake, TextError};
+use super::error::{Mistake, TextError};
 
 /// Longest line that is read, bytes; a longer one is no table.
 const LONGEST: u64 = 1 << 20;
@@ -61,6 +63,12 @@ impl<R: BufRead> Lines<R> {
         }
         Ok(Some(Line { number: self.number, text: decoded(without_end(bytes)), ended }))
     }
+}
+
+/// The lines of the file at `path`.
+pub fn open<F: From<TextError>>(path: &Path) -> Result<Lines<BufReader<File>>, Mistake<F>> {
+    let file = File::open(path).map_err(|error| Mistake::whole(F::from(TextError::Open(error))))?;
+    Ok(Lines::new(BufReader::with_capacity(1 << 16, file)))
 }
 
 /// Byte order marks of an encoding that is not read.

@@ -2,6 +2,9 @@
 
 use crate::units::Unit;
 
+/// Name of the time axis in tables that droptower writes.
+pub const TIME: &str = "time_s";
+
 /// The name of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnName {

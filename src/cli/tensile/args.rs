@@ -1,0 +1,65 @@
+//! What `droptower tensile reduce` is given, and what it reduces it to.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::signal::input::{FileArgs, quantity};
+use crate::experiment::coupon::{BREAK_SHARE, Coupon, CouponTest, Direction, Reduction, WINDOW};
+use crate::units::{Density, Length, Velocity};
+
+#[derive(Debug, Args)]
+pub struct ReduceArgs {
+    /// Recordings of coupons, files or globs: channels `force` and `displacement`
+    #[arg(required = true, value_name = "RECORDING")]
+    pub recordings: Vec<String>,
+    /// Length between the jaws: "5 mm"
+    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    pub gauge: f64,
+    /// Width of the coupons: "10 mm"
+    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    pub width: f64,
+    /// Thickness of the coupons: "12 um"
+    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    pub thickness: f64,
+    /// The material file to write; the shear curve goes beside it
+    #[arg(long, short, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// A shear curve for the material file, in place of one from D3: CSV with strain (shear angle, rad) and stress
+    #[arg(long, value_name = "FILE", requires = "out")]
+    pub shear: Option<PathBuf>,
+    /// Density of the film, for the material file: "915 kg/m3"
+    #[arg(long, value_parser = |text: &str| quantity(Density::DIMENSION, text))]
+    pub density: Option<f64>,
+    /// Direction of all coupons, before what files say: MD, TD, D3 or D4
+    #[arg(long)]
+    pub direction: Option<Direction>,
+    /// Speed of the jaws apart, before what files say: "0.02 m/s"
+    #[arg(long, value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
+    pub velocity: Option<f64>,
+    /// Strains between which the modulus is fitted
+    #[arg(long, num_args = 2, value_names = ["FROM", "TO"], default_values_t = WINDOW)]
+    pub window: Vec<f64>,
+    /// Share of the largest force below which a coupon is broken
+    #[arg(long, value_name = "SHARE", default_value_t = BREAK_SHARE)]
+    pub break_share: f64,
+    /// Count strain from where the elastic line meets zero stress (ASTM D882), not from the recording's zero
+    #[arg(long)]
+    pub toe: bool,
+    /// Name of the channel of force
+    #[arg(long, value_name = "NAME", default_value = "force")]
+    pub force: String,
+    /// Name of the channel of displacement
+    #[arg(long, value_name = "NAME", default_value = "displacement")]
+    pub displacement: String,
+    #[command(flatten)]
+    pub file: FileArgs,
+}
+
+/// What the recordings gave.
+pub struct Reduced {
+    pub coupon: Coupon,
+    /// In the order of the arguments.
+    pub tests: Vec<CouponTest>,
+    pub reduction: Reduction,
+}

@@ -1,0 +1,220 @@
+//! From what the sensors read to contact, speed, travel and energies.
+
+use super::error::DropError;
+use super::laser::Cleaned;
+use super::result::Drop;
+use super::tower::{Correction, Reduction, Tower};
+use super::{motion, plausibility};
+use crate::experiment::Warning;
+use crate::experiment::absorption::energy_absorption;
+use crate::experiment::contact::{self, Contact, SpeedSource};
+use crate::experiment::coupling;
+use crate::experiment::ramp::GravityRamp;
+use crate::experiment::release::Release;
+use crate::signal::filter::{self, ChannelFilter, Standard};
+use crate::signal::resample::{self, ResampleError};
+use crate::signal::{Series, gap, integrate};
+
+/// Reduces the `acceleration` that was read (m/s², upward) and, where there is one, the `laser`'s distance from the film's upper
+/// face (m, upward; `NaN` out of range). Both have one clock and start with the impactor at rest.
+pub fn reduce(
+    acceleration: &Series,
+    laser: Option<&Series>,
+    tower: &Tower,
+    reduction: &Reduction,
+) -> Result<Drop, DropError> {
+    check(tower, reduction)?;
+    let reading = even(acceleration)?;
+    if let (Some(class), Some(step)) = (reduction.class, resample::common_step(reading.time())) {
+        ChannelFilter::new(class, step, Standard::Iso6487)?;
+    }
+    let release = Release::find(&reading, tower.body.gravity)?;
+    let rest_end = release.rest_end;
+    let cleaned = laser.map(Cleaned::of);
+    let laser = cleaned.as_ref().map(|cleaned| &cleaned.series);
+    let fall = Fall { zeroed: zeroed(&reading, &release), release, laser, tower, reduction };
+    let mut drop = match reduction.correction {
+        Correction::Coupling { time_constant } => fall.by_coupling(time_constant),
+        Correction::Ramp => fall.by_ramp(),
+    }?;
+    drop.warnings.extend(cleaned.as_ref().and_then(Cleaned::warning));
+    let implausible = plausibility::warnings(&drop, &reading, rest_end);
+    drop.warnings.extend(implausible);
+    Ok(drop)
+}
+
+/// A fall that covers a height which differs by a larger share is another one: a time constant that is 1 % off makes 1 %.
+const OTHER_HEIGHT: f64 = 0.05;
+/// Speeds above that of the ideal fall by a larger share are refused; a laser tells them to half of it.
+const FASTER: f64 = 0.01;
+
+/// A recording whose rest and release are known.
+struct Fall<'a> {
+    /// The reading from the end of the rest on, without the sensor's offset.
+    zeroed: Series,
+    release: Release,
+    laser: Option<&'a Series>,
+    tower: &'a Tower,
+    reduction: &'a Reduction,
+}
+
+impl Fall<'_> {
+    fn by_coupling(&self, time_constant: Option<f64>) -> Result<Drop, DropError> {
+        let time_constant = match time_constant {
+            Some(given) => given,
+            None => coupling::time_constant(&self.zeroed, self.undisturbed())?,
+        };
+        let restored = |offset: f64| restored(&self.zeroed, offset, time_constant);
+        let Some(laser) = self.laser else {
+            let closed = contact::by_fall(restored, self.tower.known(), self.release.zero)?;
+            let mut drop = Drop::of(&restored(closed.offset), closed.contact, self.tower, self.reduction)?;
+            drop.warnings.extend(closed.doubtful.then(|| self.doubtful_offset(closed.offset)));
+            return Ok(Drop {
+                time_constant: Some(time_constant),
+                offset: self.release.offset + closed.offset,
+                ..drop
+            });
+        };
+        let restored = restored(0.0);
+        let contact = contact::by_laser(|_| restored.clone(), laser, self.start(), self.ideal_contact())?;
+        let mut drop = Drop::of(&restored, contact, self.tower, self.reduction)?;
+        drop.warnings.extend(self.other_height(&restored, contact.time));
+        Ok(Drop { time_constant: Some(time_constant), offset: self.release.offset, ..drop })
+    }
+
+    /// An offset that closes the fall without a laser but lies beyond the scatter of the rest.
+    fn doubtful_offset(&self, offset: f64) -> Warning {
+        Warning::ZeroOffsetDoubtful { offset, error: self.release.zero.error(), known: self.tower.known() }
+    }
+
+    /// A restored acceleration that, integrated from rest, covers another height than the stated one.
+    fn other_height(&self, restored: &Series, contact: f64) -> Option<Warning> {
+        let height = self.tower.height.metres();
+        let covered = -integrate::twice(restored, 0.0, 0.0).at(contact)?;
+        let differs = (covered / height - 1.0).abs() > OTHER_HEIGHT;
+        differs.then_some(Warning::DropHeightDiffers { covered, height })
+    }
+
+    fn by_ramp(&self) -> Result<Drop, DropError> {
+        let laser = self.laser.ok_or(DropError::LaserNeeded)?;
+        let ramp = GravityRamp::fit(&self.zeroed, self.release.flank)?;
+        let ramped = |contact: f64| ramped(&self.zeroed, &ramp, contact);
+        let contact = contact::by_laser(ramped, laser, self.start(), self.ideal_contact())?;
+        let drop = Drop::of(&ramped(contact.time), contact, self.tower, self.reduction)?;
+        Ok(Drop { ramp: Some(ramp), offset: self.release.offset, ..drop })
+    }
+
+    /// When the impactor begins to fall, s.
+    fn start(&self) -> f64 {
+        self.release.flank[0]
+    }
+
+    /// Contact of the ideal fall, s.
+    fn ideal_contact(&self) -> f64 {
+        self.start() + (2.0 * self.tower.height.metres() / self.tower.body.gravity).sqrt()
+    }
+
+    /// The part that tells the time constant, s: after the magnet let go, before the earliest possible contact.
+    fn undisturbed(&self) -> [f64; 2] {
+        let [top, bottom] = self.release.flank;
+        [2.0 * bottom - top, self.ideal_contact().min(self.release.blow - 0.02)]
+    }
+}
+
+fn check(tower: &Tower, reduction: &Reduction) -> Result<(), DropError> {
+    let mut values =
+        vec![("mass", tower.body.mass), ("gravity", tower.body.gravity), ("height", tower.height.metres())];
+    if let Correction::Coupling { time_constant: Some(given) } = reduction.correction {
+        values.push(("time constant", given));
+    }
+    let wrong = values.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0 || value.is_infinite());
+    wrong.map_or(Ok(()), |(what, value)| Err(DropError::NotPositive { what, value }))
+}
+
+/// The reading on equal steps.
+fn even(acceleration: &Series) -> Result<Series, DropError> {
+    if let Some(gap) = gap::first(acceleration) {
+        return Err(DropError::NotMeasured(gap));
+    }
+    let count = acceleration.len();
+    if count < 2 {
+        return Err(ResampleError::TooShort { count }.into());
+    }
+    if resample::common_step(acceleration.time()).is_some() {
+        return Ok(acceleration.clone());
+    }
+    Ok(resample::uniform(acceleration, median_step(acceleration.time()))?)
+}
+
+/// s; few times that are written twice or left out do not move it.
+fn median_step(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The reading from the end of the rest on, without the sensor's offset.
+fn zeroed(reading: &Series, release: &Release) -> Series {
+    let moving = reading.window([release.rest_end, f64::INFINITY]);
+    moving.with_values(moving.values().iter().map(|r| r - release.offset).collect())
+}
+
+fn restored(zeroed: &Series, offset: f64, time_constant: f64) -> Series {
+    let reading = zeroed.with_values(zeroed.values().iter().map(|r| r - offset).collect());
+    coupling::restored(&reading, time_constant)
+}
+
+fn ramped(zeroed: &Series, ramp: &GravityRamp, contact: f64) -> Series {
+    zeroed.with_values(zeroed.samples().map(|[t, r]| r + ramp.mirrored(t, contact)).collect())
+}
+
+impl Drop {
+    /// Motion and energies of a corrected acceleration (m/s²) after `contact`.
+    fn of(corrected: &Series, contact: Contact, tower: &Tower, reduction: &Reduction) -> Result<Drop, DropError> {
+        let filtered = match reduction.class {
+            Some(class) => filter::channel(corrected, class, Standard::Iso6487)?,
+            None => corrected.clone(),
+        };
+        let signals = motion::signals(corrected, &filtered, &contact, tower.body)?;
+        let mut warnings = Vec::new();
+        warnings.extend(faster_than_fall(-contact.velocity, tower)?);
+        warnings.extend(without_laser(contact.speed_from));
+        let channel = |name| signals.channel(name).unwrap_or_default();
+        let absorption = energy_absorption(tower.body, channel("velocity_m_s"), channel("displacement_m"));
+        let missing = |reason| warnings.push(Warning::NoEnergyAbsorption { reason });
+        let energy_absorption = absorption.map_err(missing).ok();
+        let total_energy_drift = motion::drift(channel("total_energy_J"));
+        Ok(Drop {
+            contact,
+            ideal_speed: tower.ideal_speed(),
+            time_constant: None,
+            ramp: None,
+            offset: 0.0,
+            energy_absorption,
+            total_energy_drift,
+            signals,
+            warnings,
+        })
+    }
+}
+
+/// Friction only lowers the speed: one above that of the free fall is reported, or refused where no error of measurement
+/// explains it.
+fn faster_than_fall(speed: f64, tower: &Tower) -> Result<Option<Warning>, DropError> {
+    let (ideal, height) = (tower.ideal_speed(), tower.height.metres());
+    let excess = speed / ideal - 1.0;
+    if excess > FASTER {
+        return Err(DropError::FasterThanFall { speed, ideal, height });
+    }
+    // Beyond rounding: a speed that is known stands for both.
+    Ok((excess > 1e-9).then_some(Warning::FasterThanFreeFall { excess, height }))
+}
+
+/// What replaces a laser.
+fn without_laser(speed_from: SpeedSource) -> Option<Warning> {
+    match speed_from {
+        SpeedSource::Laser => None,
+        SpeedSource::Fall => Some(Warning::NoLaser),
+        SpeedSource::Given => Some(Warning::NoLaserNoHeight),
+    }
+}

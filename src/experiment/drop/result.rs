@@ -1,0 +1,29 @@
+//! A reduced drop.
+
+use crate::experiment::Warning;
+use crate::experiment::contact::Contact;
+use crate::experiment::ramp::GravityRamp;
+use crate::signal::Recording;
+
+/// A reduced drop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drop {
+    pub contact: Contact,
+    /// Speed of the ideal fall √(2gH), m/s.
+    pub ideal_speed: f64,
+    /// Of the correction by coupling, s.
+    pub time_constant: Option<f64>,
+    /// Of the correction by the gravity ramp.
+    pub ramp: Option<GravityRamp>,
+    /// What the sensor reads at rest, m/s².
+    pub offset: f64,
+    /// Time from contact on (s): `displacement_m`, `velocity_m_s`, `acceleration_m_s2`, `acceleration_filtered_m_s2`,
+    /// `kinetic_energy_J`, `potential_energy_J`, `absorbed_energy_J`, `total_energy_J`.
+    pub signals: Recording,
+    /// D of the paper's equation 11; none where the recording ends before the rebound.
+    pub energy_absorption: Option<f64>,
+    /// Largest deviation of the total energy (equation 10) from its first value, over that.
+    pub total_energy_drift: f64,
+    /// What was assumed, and what puts the figures in doubt.
+    pub warnings: Vec<Warning>,
+}

@@ -1,0 +1,68 @@
+//! What is known of a drop test, and how its recording is reduced.
+
+use crate::experiment::absorption::Body;
+use crate::experiment::contact::FallCondition;
+
+/// What is known of a drop before its recording is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tower {
+    pub body: Body,
+    /// Height of fall, m.
+    pub height: Height,
+}
+
+/// Where the fall begins above the film's upper face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Height {
+    /// As set on the tower, m.
+    Known(f64),
+    /// That of the ideal fall to the impact speed that is known in its place, m.
+    OfSpeed(f64),
+}
+
+impl Height {
+    pub(super) fn metres(self) -> f64 {
+        match self {
+            Height::Known(height) | Height::OfSpeed(height) => height,
+        }
+    }
+}
+
+impl Tower {
+    /// Speed of the ideal fall √(2gH), m/s.
+    pub(super) fn ideal_speed(&self) -> f64 {
+        (2.0 * self.body.gravity * self.height.metres()).sqrt()
+    }
+
+    /// What closes a fall that no laser saw.
+    pub(super) fn known(&self) -> FallCondition {
+        match self.height {
+            Height::Known(height) => FallCondition::Height(height),
+            Height::OfSpeed(_) => FallCondition::Speed(self.ideal_speed()),
+        }
+    }
+}
+
+/// How what the accelerometer does not show is put back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Correction {
+    /// The exact inverse of AC coupling with the time constant in s, or with the one that the fall tells.
+    Coupling { time_constant: Option<f64> },
+    /// The release, mirrored and added after contact.
+    Ramp,
+}
+
+/// How a recording is reduced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reduction {
+    pub correction: Correction,
+    /// Channel frequency class of the filtered acceleration; none leaves it as corrected.
+    pub class: Option<f64>,
+}
+
+impl Default for Reduction {
+    /// Coupling with the fall's own time constant, CFC 1000.
+    fn default() -> Reduction {
+        Reduction { correction: Correction::Coupling { time_constant: None }, class: Some(1000.0) }
+    }
+}

@@ -1,0 +1,292 @@
+//! What the reduction of drops and coupons reports, by code.
+
+use std::path::PathBuf;
+
+use serde_json::{Map, Value};
+use thiserror::Error;
+
+use super::absorption::AbsorptionError;
+use super::contact::FallCondition;
+use super::coupon::{Direction, YieldError};
+use crate::diagnostic::shown_path;
+use crate::finding::{Code, Report, codes};
+
+codes! {
+    NO_LASER = "no-laser", Note,
+        "contact and impact speed come from the fall and the onset of the force, since there is no laser",
+        "nothing, if the height of fall, or the impact speed, is well known";
+    LASER_OUT_OF_RANGE = "laser-out-of-range", Note,
+        "the laser repeats one value over a moving impactor; these samples count as not measured",
+        "nothing, if the laser holds its last value out of range; or else check its wiring";
+    LASER_MISMATCH = "laser-mismatch", Warning,
+        "the motion integrated from the acceleration does not follow the laser",
+        "check the unit of the laser, its zero, and what it writes out of range";
+    NO_ENERGY_ABSORPTION = "no-energy-absorption", Note,
+        "the energy absorption cannot be computed from this recording",
+        "record until the impactor has left the film";
+    IMPOSSIBLE_ABSORPTION = "impossible-energy-absorption", Warning,
+        "the energy absorption lies outside 0 to 100 %, so speed or acceleration is wrong",
+        "check the laser, the time constant and the zero of the accelerometer";
+    FASTER_THAN_FREE_FALL = "faster-than-free-fall", Warning,
+        "the impact speed exceeds that of a free fall over the drop height, which friction cannot explain",
+        "check the drop height and the sensitivity of the sensors";
+    SLOW_IMPACT = "slow-impact", Warning,
+        "the impact speed is less than half of that of a free fall over the drop height",
+        "check the guide, the drop height and the laser";
+    DROP_HEIGHT_DIFFERS = "drop-height-differs", Warning,
+        "the acceleration integrated from rest to contact covers another height than the stated one",
+        "check the drop height, or give the time constant of the accelerometer";
+    ZERO_OFFSET_DOUBTFUL = "zero-offset-doubtful", Warning,
+        "a fall over the stated height, or to the stated speed, needs a zero offset that the rest before it does not show",
+        "check the height or the speed";
+    ZERO_DRIFT = "zero-drift", Warning,
+        "the reading of the accelerometer drifts while the impactor is at rest",
+        "let the sensor warm up; integrated speed and displacement drift with it";
+    LATE_PEAK = "late-peak", Warning,
+        "the largest acceleration comes well after the lowest point, so it is not that of the impact",
+        "shorten the recording to the impact";
+    SATURATED = "saturated-accelerometer", Warning,
+        "the accelerometer stays at its largest reading, which may be the end of its range",
+        "use a larger range; peak and integrals are too small";
+    FILTERED_ALREADY = "acceleration-filtered-before", Note,
+        "the acceleration passed a channel filter before it was recorded, as its file states",
+        "nothing, if it is not filtered again";
+    RECORD_ENDS_UNDER_LOAD = "record-ends-under-load", Warning,
+        "a coupon was still under load at the end of its recording, which counts as its break",
+        "record until the coupon breaks; strength and elongation may be too small";
+    MERGED_SAMPLES = "merged-samples", Note,
+        "samples between which the displacement of the jaws did not increase were merged",
+        "nothing, if they are few";
+    NO_YIELD_POINTS = "no-yield-points", Note,
+        "the mean curve of a direction has no double yield point, so the material takes the curve itself",
+        "nothing, or choose another window for the modulus";
+    SPEED_NOT_MEASURED = "speed-not-measured", Note,
+        "a direction was not measured at a speed at which others were, so their means are over other speeds",
+        "measure it, or leave out the speed for all directions";
+    DENSITY_ASSUMED = "density-assumed", Warning,
+        "no density was given, so the material file states that of LLDPE",
+        "give --density";
+}
+
+/// What a reduction reports although it went on.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Warning {
+    /// No laser; the drop height is known.
+    #[error("no laser: contact and speed from the fall over the known height and the onset of the force")]
+    NoLaser,
+    /// Neither laser nor drop height; the impact speed is known.
+    #[error("no laser and no height: contact from the fall to the known speed and the onset of the force")]
+    NoLaserNoHeight,
+    /// Constant laser samples.
+    #[error("laser: {samples} samples that stand still, {run} or more in a row, count as out of its range")]
+    LaserOutOfRange {
+        /// Number of constant samples.
+        samples: usize,
+        /// Fewest equal samples in a row that count.
+        run: usize,
+    },
+    /// Laser and integrated acceleration disagree.
+    #[error(
+        "laser and integrated acceleration are {:.2} mm apart: check the laser's unit, its zero and what it writes out of range",
+        1e3 * residual
+    )]
+    LaserMismatch {
+        /// Root mean square distance, m.
+        residual: f64,
+    },
+    /// The recording has no energy absorption.
+    #[error("no energy absorption: {}", without_absorption(*reason))]
+    NoEnergyAbsorption {
+        /// Why.
+        reason: AbsorptionError,
+    },
+    /// An energy absorption outside 0 to 1.
+    #[error(
+        "an energy absorption of {:.1} % is impossible: laser, time constant and zero of the sensor do not fit together",
+        100.0 * absorption
+    )]
+    ImpossibleAbsorption {
+        /// As a share.
+        absorption: f64,
+    },
+    /// A speed above that of a free fall.
+    #[error("the impact speed is {:.2} % above that of an ideal fall over {height} m: is the height right?", 100.0 * excess)]
+    FasterThanFreeFall {
+        /// Share of the free fall's speed.
+        excess: f64,
+        /// Drop height, m.
+        height: f64,
+    },
+    /// A speed far below that of a free fall.
+    #[error("the impact speed is {:.0} % of the ideal fall's", 100.0 * share)]
+    SlowImpact {
+        /// Share of the free fall's speed.
+        share: f64,
+    },
+    /// An integrated fall over another height.
+    #[error("integrated from rest the fall covers {covered:.2} m up to contact, not {height} m: is the height right?")]
+    DropHeightDiffers {
+        /// m.
+        covered: f64,
+        /// As stated, m.
+        height: f64,
+    },
+    /// An offset that the rest does not show.
+    #[error(
+        "closing the fall moves the sensor's zero by {offset:.3} m/s², though the rest tells it to {error:.4} m/s²: is the {} right?",
+        known.name()
+    )]
+    ZeroOffsetDoubtful {
+        /// m/s².
+        offset: f64,
+        /// Standard error of the mean at rest, m/s².
+        error: f64,
+        /// What the fall was closed with.
+        known: FallCondition,
+    },
+    /// A drift at rest.
+    #[error("the reading at rest drifts by {rate:.2} m/s2 per second, {over_record:.2} m/s2 over the record")]
+    ZeroDrift {
+        /// m/s³.
+        rate: f64,
+        /// m/s².
+        over_record: f64,
+    },
+    /// A peak after the rebound.
+    #[error(
+        "the largest acceleration, at {:.1} ms, is not that of the impact, whose lowest point is at {:.1} ms",
+        1e3 * peak, 1e3 * lowest_point
+    )]
+    LatePeak {
+        /// Time of the largest acceleration, s from contact.
+        peak: f64,
+        /// Time of the lowest point, s from contact.
+        lowest_point: f64,
+    },
+    /// A constant largest reading.
+    #[error("the accelerometer reads {reading:.1} m/s2 for {:.1} ms: the end of its range?", 1e3 * duration)]
+    Saturated {
+        /// m/s².
+        reading: f64,
+        /// s.
+        duration: f64,
+    },
+    /// An acceleration that was filtered before.
+    #[error(
+        "the acceleration went through CFC {class} already, as its file says, and {}",
+        again.map_or_else(|| "is not filtered again".into(), |class| format!("is filtered again with CFC {class}"))
+    )]
+    FilteredAlready {
+        /// The class that the file states.
+        class: f64,
+        /// The class of the reduction, where it filters.
+        again: Option<f64>,
+    },
+    /// A coupon that did not break.
+    #[error("{}: the record ends under load; its end counts as the break", shown_path(path))]
+    RecordEndsUnderLoad {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// Samples without an increase of displacement.
+    #[error("{}: {samples} samples are merged with others, for the displacement did not increase", shown_path(path))]
+    MergedSamples {
+        /// The recording.
+        path: PathBuf,
+        /// Number of samples.
+        samples: usize,
+    },
+    /// A direction without a double yield point.
+    #[error("{direction}: {reason}")]
+    NoYieldPoints {
+        /// Of the film.
+        direction: Direction,
+        /// Why.
+        reason: YieldError,
+    },
+    /// A speed without coupons of a direction.
+    #[error("{direction} was not measured at {velocity} m/s")]
+    SpeedNotMeasured {
+        /// Of the film.
+        direction: Direction,
+        /// Of the jaws, m/s.
+        velocity: f64,
+    },
+    /// A material file with an assumed density.
+    #[error("the density in the material file is assumed (LLDPE); give --density")]
+    DensityAssumed,
+}
+
+fn without_absorption(reason: AbsorptionError) -> String {
+    match reason {
+        AbsorptionError::NoUnloading => "the recording ends before the rebound".into(),
+        AbsorptionError::NoLoading => reason.to_string(),
+    }
+}
+
+impl Report for Warning {
+    fn code(&self) -> &'static Code {
+        match self {
+            Warning::NoLaser | Warning::NoLaserNoHeight => &NO_LASER,
+            Warning::LaserOutOfRange { .. } => &LASER_OUT_OF_RANGE,
+            Warning::LaserMismatch { .. } => &LASER_MISMATCH,
+            Warning::NoEnergyAbsorption { .. } => &NO_ENERGY_ABSORPTION,
+            Warning::ImpossibleAbsorption { .. } => &IMPOSSIBLE_ABSORPTION,
+            Warning::FasterThanFreeFall { .. } => &FASTER_THAN_FREE_FALL,
+            Warning::SlowImpact { .. } => &SLOW_IMPACT,
+            Warning::DropHeightDiffers { .. } => &DROP_HEIGHT_DIFFERS,
+            Warning::ZeroOffsetDoubtful { .. } => &ZERO_OFFSET_DOUBTFUL,
+            Warning::ZeroDrift { .. } => &ZERO_DRIFT,
+            Warning::LatePeak { .. } => &LATE_PEAK,
+            Warning::Saturated { .. } => &SATURATED,
+            Warning::FilteredAlready { .. } => &FILTERED_ALREADY,
+            Warning::RecordEndsUnderLoad { .. } => &RECORD_ENDS_UNDER_LOAD,
+            Warning::MergedSamples { .. } => &MERGED_SAMPLES,
+            Warning::NoYieldPoints { .. } => &NO_YIELD_POINTS,
+            Warning::SpeedNotMeasured { .. } => &SPEED_NOT_MEASURED,
+            Warning::DensityAssumed => &DENSITY_ASSUMED,
+        }
+    }
+
+    fn figures(&self) -> Map<String, Value> {
+        let named =
+            |figures: &[(&str, Value)]| figures.iter().map(|(name, v)| ((*name).to_owned(), v.clone())).collect();
+        match self {
+            Warning::LaserOutOfRange { samples, .. } => named(&[("samples", (*samples).into())]),
+            Warning::LaserMismatch { residual } => named(&[("residual_m", (*residual).into())]),
+            Warning::ImpossibleAbsorption { absorption } => named(&[("energy_absorption", (*absorption).into())]),
+            Warning::FasterThanFreeFall { excess, height } => {
+                named(&[("excess", (*excess).into()), ("height_m", (*height).into())])
+            }
+            Warning::SlowImpact { share } => named(&[("share", (*share).into())]),
+            Warning::DropHeightDiffers { covered, height } => {
+                named(&[("covered_m", (*covered).into()), ("height_m", (*height).into())])
+            }
+            Warning::ZeroOffsetDoubtful { offset, error, .. } => {
+                named(&[("offset_m_s2", (*offset).into()), ("standard_error_m_s2", (*error).into())])
+            }
+            Warning::ZeroDrift { rate, over_record } => {
+                named(&[("rate_m_s3", (*rate).into()), ("over_record_m_s2", (*over_record).into())])
+            }
+            Warning::LatePeak { peak, lowest_point } => {
+                named(&[("peak_s", (*peak).into()), ("lowest_point_s", (*lowest_point).into())])
+            }
+            Warning::Saturated { reading, duration } => {
+                named(&[("reading_m_s2", (*reading).into()), ("duration_s", (*duration).into())])
+            }
+            Warning::FilteredAlready { class, .. } => named(&[("class", (*class).into())]),
+            Warning::RecordEndsUnderLoad { path } => named(&[("file", shown_path(path).into())]),
+            Warning::MergedSamples { path, samples } => {
+                named(&[("file", shown_path(path).into()), ("samples", (*samples).into())])
+            }
+            Warning::NoYieldPoints { direction, .. } => named(&[("direction", direction.name().into())]),
+            Warning::SpeedNotMeasured { direction, velocity } => {
+                named(&[("direction", direction.name().into()), ("velocity_m_s", (*velocity).into())])
+            }
+            Warning::NoLaser
+            | Warning::NoLaserNoHeight
+            | Warning::NoEnergyAbsorption { .. }
+            | Warning::DensityAssumed => Map::new(),
+        }
+    }
+}

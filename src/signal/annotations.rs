@@ -1,0 +1,75 @@
+//! What a file states beside its numbers, and what its reading reports.
+
+use super::Warning;
+use crate::finding::Finding;
+
+/// The comments of a file and the warnings of its reading.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Annotations {
+    comments: Vec<String>,
+    virtual_mark: Option<String>,
+    /// What was assumed or found odd while the file was read.
+    pub warnings: Vec<Warning>,
+}
+
+impl Annotations {
+    /// Of a file with these comments in its header.
+    pub fn new(comments: Vec<String>) -> Annotations {
+        let virtual_mark = virtual_mark(&comments).cloned();
+        Annotations { comments, virtual_mark, warnings: Vec::new() }
+    }
+
+    /// What the file itself states: its comments, and lines before its numbers. They hold as long as the numbers do.
+    pub fn comments(&self) -> &[String] {
+        &self.comments
+    }
+
+    /// The comment that marks the recording as virtual: computed, not measured.
+    pub fn virtual_mark(&self) -> Option<&str> {
+        self.virtual_mark.as_deref()
+    }
+
+    /// Whether the file marks its recording as virtual.
+    pub fn is_virtual(&self) -> bool {
+        self.virtual_mark.is_some()
+    }
+
+    /// Comments and warnings as texts.
+    pub fn notes(&self) -> Vec<String> {
+        self.comments.iter().cloned().chain(self.warnings.iter().map(Warning::to_string)).collect()
+    }
+
+    /// The warnings as findings, the mark of a virtual recording first.
+    pub fn findings(&self) -> Vec<Finding> {
+        let mark = self.virtual_mark.clone().map(|comment| Warning::VirtualRecording { comment });
+        mark.iter().chain(&self.warnings).map(Finding::new).collect()
+    }
+}
+
+/// The first of a file's header comments that holds the word `virtual`, which marks what it describes as not measured.
+pub(crate) fn virtual_mark(comments: &[String]) -> Option<&String> {
+    let is_mark = |word: &str| word.eq_ignore_ascii_case("virtual");
+    let has_mark = |comment: &&String| comment.split(|letter: char| !letter.is_alphanumeric()).any(is_mark);
+    comments.iter().find(has_mark)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comment_marks_a_virtual_recording() {
+        let marked = Annotations::new(vec!["a".into(), "VIRTUAL recording: nothing was pulled".into()]);
+        assert_eq!(marked.virtual_mark(), Some("VIRTUAL recording: nothing was pulled"));
+        assert!(!Annotations::new(vec!["virtually nothing was pulled".into()]).is_virtual());
+    }
+
+    #[test]
+    fn findings_are_the_mark_and_the_warnings() {
+        let mut annotations = Annotations::new(vec!["virtual".into()]);
+        annotations.warnings.push(Warning::TimeUnitAssumed { channel: "t".into() });
+        assert_eq!(annotations.notes(), ["virtual", "time (`t`) has no unit; seconds are assumed"]);
+        let codes: Vec<String> = annotations.findings().into_iter().map(|finding| finding.code).collect();
+        assert_eq!(codes, ["virtual-recording", "time-unit-assumed"]);
+    }
+}
