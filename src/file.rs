@@ -54,7 +54,7 @@ pub(crate) fn open(path: &Path) -> Result<File, FileError> {
 /// The bytes of the regular file at `path`, at most `limit`.
 pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
-    // One byte more than allowed tells a file that grows while it is read.
+    // One byte more than allowed: a file may grow while it is read.
     open(path)?.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit { Err(FileError::TooLarge { limit }) } else { Ok(bytes) }
 }

@@ -1,4 +1,4 @@
-//! Diagrams as values: axes, curves, and what is marked on them. Has never heard of pages, recordings or scripts.
+//! Diagrams as values: axes, curves, and what is marked on them.
 
 /// Words of an axis along which the time of a test runs.
 pub const TIME: &str = "time (ms)";
@@ -46,7 +46,7 @@ pub struct Curve {
 pub enum Look {
     #[default]
     Line,
-    /// What others are held against, such as a measured curve.
+    /// What others are compared with, such as a measured curve.
     Dashed,
     /// Points without a line.
     Points,

@@ -5,9 +5,9 @@ use thiserror::Error;
 /// Why a motion has no energy absorption.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum AbsorptionError {
-    #[error("the impactor did not turn round, so there is no unloading")]
+    #[error("no rebound, so there is no unloading")]
     NoUnloading,
-    #[error("the impactor gave no energy to the film")]
+    #[error("the film absorbs no energy during loading")]
     NoLoading,
 }
 

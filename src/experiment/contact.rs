@@ -37,24 +37,24 @@ pub struct Contact {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ContactError {
     #[error(
-        "laser: from the release at {release:.4} s to the end at {end:.4} s it nowhere measured at {FEWEST} times within {LASER_LENGTH} s"
+        "laser: fewer than {FEWEST} samples within any {LASER_LENGTH} s between the release at {release:.4} s and the end at {end:.4} s"
     )]
     LaserWithoutSamples { release: f64, end: f64 },
     #[error("laser: it rises while the impactor falls; its values must count upward from the film's upper face")]
     LaserReversed,
     #[error("laser: the motion matched to it does not pass the film's upper face near {near:.4} s")]
     NoCrossing { near: f64 },
-    #[error("acceleration: integrated from rest it does not fall through {height} m; is the height right?")]
+    #[error("acceleration: integrated from rest it does not fall through {height} m; check the height")]
     HeightNotCovered { height: f64 },
-    #[error("acceleration: integrated from rest it does not reach {speed} m/s; is the speed right?")]
+    #[error("acceleration: integrated from rest it does not reach {speed} m/s; check the speed")]
     SpeedNotReached { speed: f64 },
     #[error(
-        "acceleration: no onset of the force is seen near {near:.4} s, where the fall {}; is the {} right?",
+        "acceleration: no onset of the force is seen near {near:.4} s, where the fall {}; check the {}",
         known.reached(), known.name()
     )]
     NoOnset { near: f64, known: FallCondition },
     #[error(
-        "acceleration: a fall that {} would need the sensor's zero {offset:.3} m/s² off its mean at rest, which is known to {error:.4} m/s²; is the {} right?",
+        "acceleration: a fall that {} would need the sensor's zero {offset:.3} m/s² off its mean at rest, which is known to {error:.4} m/s²; check the {}",
         known.reached(), known.name()
     )]
     NotClosed { known: FallCondition, offset: f64, error: f64 },
@@ -163,7 +163,7 @@ fn crossing(signal: &Series, level: f64) -> Option<f64> {
 
 /// How far the onset of the force may lie from where the integrated fall has come to what is known of it, s.
 const ONSET_SEARCH: f64 = 0.003;
-/// Last part of the fall that tells how fast what is known is reached, s.
+/// Last part of the fall, over which the rate at the known height or speed is taken, s.
 const RATE_OVER: f64 = 0.01;
 /// Stretch around it that is described by fall and onset, s.
 const ONSET_SPAN: [f64; 2] = [-0.05, 0.006];
@@ -223,7 +223,7 @@ impl FallCondition {
     }
 }
 
-/// The sensor's zero as the rest before the release tells it.
+/// The zero of the sensor, from the rest before the release.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZeroOffset {
     /// Samples that it is the mean of.
@@ -430,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn lasers_that_tell_nothing_are_refused() {
+    fn lasers_without_usable_samples_are_refused() {
         let acceleration = sampled(acceleration);
         let found = |laser: Series| by_laser(|_| acceleration.clone(), &laser, 0.0, 0.45).unwrap_err();
         assert!(matches!(found(sampled(|_| f64::NAN)), ContactError::LaserWithoutSamples { .. }));
@@ -451,7 +451,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_fall_never_comes_to_is_refused() {
+    fn a_height_or_speed_that_the_fall_does_not_reach_is_refused() {
         let fall = |known| by_fall(|offset| sampled(|t| acceleration(t) - offset), known, ZERO);
         assert_eq!(fall(FallCondition::Height(9.0)), Err(ContactError::HeightNotCovered { height: 9.0 }));
         assert_eq!(fall(FallCondition::Speed(9.0)), Err(ContactError::SpeedNotReached { speed: 9.0 }));

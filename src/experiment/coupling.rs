@@ -20,16 +20,18 @@ use thiserror::Error;
 use super::fit::least_squares;
 use crate::signal::{Series, integrate};
 
-/// Why a recording does not tell its own time constant.
+/// Why the time constant of a recording cannot be determined.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum CouplingError {
     #[error("the fall between {from:.4} s and {to:.4} s has too few samples for a time constant")]
     TooShort { from: f64, to: f64 },
-    #[error("the reading does not recover between {from:.4} s and {to:.4} s, so it tells no time constant")]
+    #[error(
+        "the reading does not recover between {from:.4} s and {to:.4} s, so its time constant cannot be determined"
+    )]
     NoRecovery { from: f64, to: f64 },
 }
 
-/// Fewest samples of a fall that tell a time constant.
+/// Fewest samples of a fall to fit a time constant to.
 const FEWEST: usize = 20;
 
 /// The reading (m/s²) behind a high pass of `time_constant` (s) that has settled at the first value of `input`.

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::signal::Series;
 
-/// The fall before a simulated impact: rest, the magnet letting go, then a constant net acceleration.
+/// The fall before a simulated impact: rest, the release by the magnet, then a constant net acceleration.
 ///
 /// The net acceleration is what covers the height and reaches the speed; the guide's friction has the rest of gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,14 +93,14 @@ impl Motion<'_> {
 impl Fall {
     /// Time from the magnet's last force to contact (s) and net acceleration (m/s²).
     ///
-    /// With T the time of letting go, t the rest and A the acceleration: H = A(T²/4 + ⅔Tt + ½t²), v = A(⅔T + t).
+    /// With T the duration of the release, t the rest and A the acceleration: H = A(T²/4 + ⅔Tt + ½t²), v = A(⅔T + t).
     fn solve(&self) -> Result<(f64, f64), FallError> {
         let Fall { height, speed, gravity, release_duration } = *self;
         let given = [
             ("the height", height),
             ("the speed", speed),
             ("gravity", gravity),
-            ("the time of letting go", release_duration),
+            ("the duration of the release", release_duration),
         ];
         for (what, value) in given {
             if value.is_nan() || value <= 0.0 || value.is_infinite() {
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn falls_that_cannot_be_are_refused() {
+    fn impossible_falls_are_refused() {
         let impact = impact();
         let made = |fall: Fall| Motion::new(&fall, &impact, &impact).map(|_| ());
         assert!(matches!(made(Fall { speed: 4.6, ..FALL }), Err(FallError::TooFast { .. })));

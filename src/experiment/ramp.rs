@@ -1,7 +1,7 @@
 //! The gravity ramp: the parabolic decrease of the reading as the magnet lets go, mirrored and added after contact
 //! (Polymers 2021, 13, 1537, section 3.2).
 //!
-//! It stands for what an accelerometer that reads zero in free fall does not show of gravity. It repeats the shape of
+//! It replaces the share of gravity that an accelerometer that reads zero in free fall does not show. It repeats the shape of
 //! the release and takes no account of what the blow itself does to the sensor's zero, −(1/τ)∫p dt over the impact.
 
 use thiserror::Error;

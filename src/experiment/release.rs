@@ -1,4 +1,4 @@
-//! The rest before a drop, the moment of letting go, and the blow that ends the fall.
+//! The rest before a drop, the release, and the impact that ends the fall.
 
 use thiserror::Error;
 
@@ -40,7 +40,7 @@ pub enum ReleaseError {
     #[error("acceleration: {0}")]
     Filter(#[from] FilterError),
     #[error(
-        "acceleration: the blow goes down, by {lowest:.1} m/s²: braking must be positive, so the sign looks reversed"
+        "acceleration: the impact reads {lowest:.1} m/s² downward; deceleration must be positive, so the sign looks reversed"
     )]
     UpsideDown { lowest: f64 },
     #[error("acceleration: no contact is seen: the largest reading is {largest:.2} m/s² over the first, less than 1 g")]

@@ -72,7 +72,7 @@ pub struct Sensors {
     pub laser: Option<Laser>,
     /// 1/s.
     pub sample_rate: f64,
-    /// Shortest and longest rest on the recording, s; the seed chooses between them, so that nobody knows the time of release.
+    /// Shortest and longest rest on the recording, s; the seed chooses between them, so that the time of release is not known.
     pub rest: [f64; 2],
 }
 
@@ -94,7 +94,7 @@ pub struct VirtualDrop {
 
 /// Steps of the true motion per sample of the recording.
 const OVERSAMPLING: usize = 10;
-/// Most samples of a recording: more is a mistake before it is a wish.
+/// Most samples of a recording: more are taken for a mistake.
 pub const MOST_SAMPLES: usize = 1_000_000;
 
 /// What the `sensors` read in a drop whose impact was simulated: `acceleration` (m/s², coordinate acceleration, upward) and
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn without_noise_the_truth_can_be_had_back() {
+    fn without_noise_the_motion_is_recovered() {
         let [acceleration, displacement] = impact();
         let drop = virtual_drop(&acceleration, &displacement, &FALL, &ideal(), 8).unwrap();
         let reading = drop.recording.series("accelerometer_m_s2").unwrap();
@@ -278,9 +278,9 @@ mod tests {
     }
 
     #[test]
-    fn recordings_that_no_memory_holds_are_refused() {
+    fn too_long_recordings_are_refused() {
         let [acceleration, displacement] = impact();
-        let told = |sensors: Sensors| {
+        let refusal = |sensors: Sensors| {
             virtual_drop(&acceleration, &displacement, &FALL, &sensors, 8).map(|_| ()).unwrap_err().to_string()
         };
         let sensors = Sensors::default();
@@ -293,8 +293,8 @@ mod tests {
             (Sensors { rest: [0.0, f64::NAN], ..sensors }, "the rest is NaN, but must be a range of times"),
             (Sensors { sample_rate: f64::INFINITY, ..sensors }, "the sample rate is inf, but must be positive"),
         ] {
-            let told = told(sensors);
-            assert!(told.ends_with(expected), "{told}");
+            let refusal = refusal(sensors);
+            assert!(refusal.ends_with(expected), "{refusal}");
         }
     }
 }

@@ -102,7 +102,7 @@ pub enum Warning {
     },
     /// An energy absorption outside 0 to 1.
     #[error(
-        "an energy absorption of {:.1} % is impossible: laser, time constant and zero of the sensor do not fit together",
+        "an energy absorption of {:.1} % is impossible: laser, time constant and zero of the sensor do not agree",
         100.0 * absorption
     )]
     ImpossibleAbsorption {
@@ -110,7 +110,7 @@ pub enum Warning {
         absorption: f64,
     },
     /// A speed above that of a free fall.
-    #[error("the impact speed is {:.2} % above that of an ideal fall over {height} m: is the height right?", 100.0 * excess)]
+    #[error("the impact speed is {:.2} % above that of a free fall over {height} m; check the height", 100.0 * excess)]
     FasterThanFreeFall {
         /// Share of the free fall's speed.
         excess: f64,
@@ -118,13 +118,13 @@ pub enum Warning {
         height: f64,
     },
     /// A speed far below that of a free fall.
-    #[error("the impact speed is {:.0} % of the ideal fall's", 100.0 * share)]
+    #[error("the impact speed is {:.0} % of that of a free fall", 100.0 * share)]
     SlowImpact {
         /// Share of the free fall's speed.
         share: f64,
     },
     /// An integrated fall over another height.
-    #[error("integrated from rest the fall covers {covered:.2} m up to contact, not {height} m: is the height right?")]
+    #[error("integrated from rest the fall covers {covered:.2} m up to contact, not {height} m; check the height")]
     DropHeightDiffers {
         /// m.
         covered: f64,
@@ -133,7 +133,7 @@ pub enum Warning {
     },
     /// An offset that the rest does not show.
     #[error(
-        "closing the fall moves the sensor's zero by {offset:.3} m/s², though the rest tells it to {error:.4} m/s²: is the {} right?",
+        "closing the fall moves the sensor's zero by {offset:.3} m/s², known from the rest to {error:.4} m/s²; check the {}",
         known.name()
     )]
     ZeroOffsetDoubtful {
@@ -164,7 +164,7 @@ pub enum Warning {
         lowest_point: f64,
     },
     /// A constant largest reading.
-    #[error("the accelerometer reads {reading:.1} m/s2 for {:.1} ms: the end of its range?", 1e3 * duration)]
+    #[error("the accelerometer reads {reading:.1} m/s2 for {:.1} ms, which may be the end of its range", 1e3 * duration)]
     Saturated {
         /// m/s².
         reading: f64,
@@ -173,7 +173,7 @@ pub enum Warning {
     },
     /// An acceleration that was filtered before.
     #[error(
-        "the acceleration went through CFC {class} already, as its file says, and {}",
+        "the acceleration went through CFC {class} before, as its file states, and {}",
         again.map_or_else(|| "is not filtered again".into(), |class| format!("is filtered again with CFC {class}"))
     )]
     FilteredAlready {
@@ -189,7 +189,7 @@ pub enum Warning {
         path: PathBuf,
     },
     /// Samples without an increase of displacement.
-    #[error("{}: {samples} samples are merged with others, for the displacement did not increase", shown_path(path))]
+    #[error("{}: {samples} samples are merged with others, since the displacement did not increase", shown_path(path))]
     MergedSamples {
         /// The recording.
         path: PathBuf,

@@ -1,4 +1,4 @@
-//! What a header says of a column: its name and its unit.
+//! The name and the unit of a column, as its header states them.
 
 use crate::units::Unit;
 

@@ -38,7 +38,7 @@ impl ReadError {
         }
     }
 
-    /// What to write instead, where that can be said.
+    /// The remedy, where there is one.
     pub fn hint(&self) -> Option<String> {
         match self {
             ReadError::Csv(error) => error.fault.hint(),

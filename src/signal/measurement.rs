@@ -19,7 +19,7 @@ pub struct MeasuredChannel {
     pub label: String,
     /// The unit that the file gives or the caller stated; none where neither is known.
     pub unit: Option<Unit>,
-    /// The channel frequency class that the file says it went through; filtering it again would be once too often.
+    /// The channel frequency class that it was filtered with before, as the file states.
     pub filtered: Option<f64>,
     /// Values in the SI unit where the unit is known, as written where it is not; `NaN` where nothing was measured.
     /// Time in s.
@@ -107,7 +107,7 @@ pub enum ChannelError {
     Missing { name: String, known: Vec<String> },
     #[error("several channels are called `{name}`: {}", listed(labels))]
     Ambiguous { name: String, labels: Vec<String> },
-    #[error("{count} channels are called `{name}`, and nothing tells them apart")]
+    #[error("{count} channels are called `{name}`, with equal labels")]
     Alike { name: String, count: usize },
 }
 
@@ -119,7 +119,7 @@ impl ChannelError {
                 closest(name, known.iter().map(String::as_str)).map(|name| format!("did you mean `{name}`?"))
             }
             ChannelError::Ambiguous { .. } => Some("ask for one of these".into()),
-            ChannelError::Alike { .. } => Some("read the file of that channel alone, or mend the names".into()),
+            ChannelError::Alike { .. } => Some("read the file of that channel alone, or correct the names".into()),
         }
     }
 }

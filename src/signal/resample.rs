@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::Series;
 
-/// Most samples a resampled series may have; a tiny step is a mistake before it is a wish.
+/// Most samples a resampled series may have; a smaller step is taken for a mistake.
 pub const MOST_SAMPLES: usize = 20_000_000;
 
 /// Why a series has no equivalent on equal steps.

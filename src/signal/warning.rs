@@ -256,7 +256,7 @@ pub enum Warning {
         class: f64,
     },
     /// A channel that was filtered before.
-    #[error("`{channel}` went through CFC {class} already, as its file says")]
+    #[error("`{channel}` went through CFC {class} before, as its file states")]
     FilteredBefore {
         /// The channel.
         channel: String,
@@ -274,7 +274,7 @@ pub enum Warning {
         after: usize,
     },
     /// A clip of a series that stays at or below zero.
-    #[error("no positive level is held that long; braking must be positive, or give the resultant")]
+    #[error("no positive level is held that long; deceleration must be positive, or give the resultant")]
     NoPositiveLevel,
     /// A curve that was interpolated before it was rated.
     #[error(

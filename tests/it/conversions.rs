@@ -34,13 +34,13 @@ fn a_filtered_channel_is_written_in_si() {
     let raw = shaken(bench.path());
     let measured = fs::read_to_string(&raw).expect("the file");
     fs::write(&raw, format!("# a virtual recording\n{measured}")).expect("written");
-    let told = |more: &[&str]| {
+    let printed_json = |more: &[&str]| {
         let arguments = ["filter", "data.csv", "--column", "accel", "--class", "180", "-o", "f.csv", "--json"];
         figures(&droptower(bench.path(), &[&arguments, more].concat()))
     };
     // An empty file, as `mktemp` leaves one, is no loss.
     fs::write(bench.path().join("f.csv"), "").expect("written");
-    let figures = told(&[]);
+    let figures = printed_json(&[]);
     let text = fs::read_to_string(bench.path().join("f.csv")).expect("the output");
     let (said, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with('#'));
     let expected = [
@@ -59,11 +59,11 @@ fn a_filtered_channel_is_written_in_si() {
     assert_eq!(written.series.values(), expected.values());
     assert_eq!(figures["largest_after"], Json::from(expected.largest().expect("samples")[1]));
     assert_eq!(figures["unit"], "m/s2");
-    let sae = told(&["--standard", "sae", "--force"]);
+    let sae = printed_json(&["--standard", "sae", "--force"]);
     assert_ne!(sae["largest_after"], figures["largest_after"]);
-    let finer = told(&["--resample", "20 kHz", "--force"]);
+    let finer = printed_json(&["--resample", "20 kHz", "--force"]);
     assert_eq!(finer["samples"], 1999);
-    let coarser = told(&["--resample", "4 kHz", "--force"]);
+    let coarser = printed_json(&["--resample", "4 kHz", "--force"]);
     let warned = |told: &Json| told["notes"].to_string().contains("without an anti-aliasing filter");
     assert!(warned(&coarser) && !warned(&finer), "{coarser}");
 }
@@ -183,7 +183,7 @@ fn what_cannot_be_filtered_leaves_nothing_behind() {
         (&["convert", "data.csv", "--unit", "count", "-o", "o.csv"], "expected a channel and its unit, found `count`"),
         (&["convert", "data.csv", "--unit", "count=furlong", "-o", "o.csv"], "unknown unit `furlong`"),
         (&["info", "data.csv", "wrong.csv"], "wrong.csv:3:8"),
-        (&["info", "data.csv", "wrong.csv"], "nothing is printed of data.csv, which can be read"),
+        (&["info", "data.csv", "wrong.csv"], "nothing is printed of data.csv, though readable"),
     ] {
         let output = droptower(bench.path(), arguments);
         let said = String::from_utf8_lossy(&output.stderr);
@@ -265,7 +265,7 @@ fn formats_are_converted_there_and_back() {
     let fixture = data("isomme_fixture/Channel/test.002");
     let fixture = fixture.to_str().expect("UTF-8");
     let told = figures(&droptower(bench.path(), &["filter", fixture, "--class", "1000", "-o", "f.csv", "--json"]));
-    assert!(told["notes"][0].as_str().is_some_and(|note| note.contains("went through CFC 1000 already")), "{told}");
+    assert!(told["notes"][0].as_str().is_some_and(|note| note.contains("went through CFC 1000 before")), "{told}");
 }
 
 /// The lines of a file without those that start so.

@@ -156,7 +156,7 @@ fn the_measured_channel_has_the_extremes_of_its_header() {
         assert_eq!(value, stated[1]);
         close(time, stated[0], 1e-9);
     }
-    let absent = "78 of 79 listed channels are not there; the first is M0MBARLEMIUPACXP".to_owned();
+    let absent = "78 of 79 listed channels are missing; the first is M0MBARLEMIUPACXP".to_owned();
     assert_eq!(read.annotations.notes(), ["there is no test (.mme)".to_owned(), absent]);
 }
 
@@ -249,7 +249,7 @@ fn a_container_with_mistakes_is_refused_by_name() {
     fs::write(path("CHANNEL/A.002"), format!("{value}11TIRS000000TIRP\n1\n2\n")).expect("written");
     refused(bench.path(), "`11HEAD000000ACXP` has 2 samples over 3 times of `11TIRS000000TIRP`");
     fs::write(path("CHANNEL/A.002"), format!("{value}11TIRS000000TIXX\n1\n2\n")).expect("written");
-    refused(bench.path(), "the time of `11HEAD000000ACXP` is in `11TIRS000000TIXX`, which is not there");
+    refused(bench.path(), "the time of `11HEAD000000ACXP` is in `11TIRS000000TIXX`, which is missing");
     fs::write(path("b.mme"), "").expect("written");
     refused(bench.path(), "several tests in the folder: `a.mme`, `b.mme`");
 }
@@ -374,9 +374,9 @@ fn tables_with_mistakes_are_refused_in_place() {
         (
             "time,a [g]\ns,m/s2\n0,1\n",
             ReadOptions::default(),
-            "r.csv:2:3: mixed units: the header says `g` of `a`, the line of units `m/s2`",
+            "r.csv:2:3: mixed units: the header states `g` of `a`, the line of units `m/s2`",
         ),
-        ("time,a [m/s2]\n0,1\n", g.clone(), "r.csv:1:6: mixed units: the file says `m/s2` of `a`, but `g` is given"),
+        ("time,a [m/s2]\n0,1\n", g.clone(), "r.csv:1:6: mixed units: the file states `m/s2` of `a`, but `g` is given"),
         ("time,b\n0,1\n", g, "r.csv:1:1: no channel `a` among `time`, `b`"),
         (
             "time,a\n0,5.2 g\n",

@@ -90,10 +90,10 @@ fn without_a_laser_a_wrong_height_is_refused_or_doubted() {
     };
     for height in [0.3, 0.5, 1.0, 1.3, 1.4, 1.45, 1.47, 1.48, 1.52, 1.55, 1.6, 1.7, 2.5] {
         let refused = close(height).expect_err("another height").to_string();
-        assert!(refused.ends_with("is the height right?"), "{height}: {refused}");
+        assert!(refused.ends_with("check the height"), "{height}: {refused}");
     }
     let doubted = |height: f64| {
-        close(height).expect("nearly the height").figures().notes.iter().any(|note| note.ends_with("right?"))
+        close(height).expect("nearly the height").figures().notes.iter().any(|note| note.ends_with("check the height"))
     };
     assert_eq!([1.49, 1.5, 1.51].map(doubted), [false, false, true]);
 }
@@ -233,7 +233,7 @@ fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
     assert!(warnings[1].starts_with("reference: no laser and no height"), "{warnings:?}");
     for share in [0.9, 0.97, 1.03, 1.1] {
         let refused = with_speed(share * truth.speed).expect_err("another speed");
-        assert!(refused.contains("is the speed right?"), "{share}: {refused}");
+        assert!(refused.contains("check the speed"), "{share}: {refused}");
     }
 }
 

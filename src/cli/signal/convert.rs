@@ -93,7 +93,7 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
     })
 }
 
-/// What the file says, and the long names of codes: what reading it assumed is settled, since the table says it.
+/// The comments of the file, and the long names of codes. What reading it assumed is explicit in the table.
 fn comments(found: &Measurement) -> Vec<String> {
     let is_long = |channel: &&MeasuredChannel| !channel.label.starts_with(&channel.name);
     let names: Vec<String> = found.channels.iter().filter(is_long).map(called).collect();

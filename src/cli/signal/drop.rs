@@ -36,25 +36,25 @@ pub struct DropArgs {
     /// The channel of the laser, where there are several lengths: upward from the film's upper face
     #[arg(long, value_name = "NAME")]
     pub laser: Option<String>,
-    /// Leave the laser aside: speed and contact from the fall
+    /// Ignore the laser: speed and contact from the fall
     #[arg(long, conflicts_with = "laser")]
     pub without_laser: bool,
     #[command(flatten)]
     pub table: TableArgs,
-    /// The accelerometer's unit where the file does not say; g is standard gravity
+    /// The accelerometer's unit where the file states none; g is standard gravity
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
     /// Gravity
     #[arg(long, value_name = "ACCELERATION", default_value = "9.81 m/s2", value_parser = |text: &str| quantity(Acceleration::DIMENSION, text))]
     pub gravity: f64,
-    /// Channel frequency class of the filtered acceleration (ISO 6487); 1000, where the file does not say that it was
+    /// Channel frequency class of the filtered acceleration (ISO 6487); 1000, unless the file states that it was
     /// filtered before
     #[arg(long, value_name = "CFC", value_parser = input::class)]
     pub class: Option<f64>,
-    /// How what an AC-coupled accelerometer does not show is put back
+    /// How the low frequencies that an AC-coupled accelerometer does not show are restored
     #[arg(long, value_enum, default_value_t = Method::Coupling)]
     pub correction: Method,
-    /// Time constant of the accelerometer's coupling, in place of the one that the fall tells, e.g. "150 ms"
+    /// Time constant of the accelerometer's coupling, in place of the one fitted to the fall, e.g. "150 ms"
     #[arg(long, value_name = "TIME", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
     pub time_constant: Option<f64>,
     /// File for the reduced signals, from contact on
@@ -174,9 +174,7 @@ fn mistake(args: &DropArgs, error: &DropChannelsError) -> Diagnostic {
             mistake.hint("--laser NAME, or --without-laser")
         }
         DropChannelsError::Several { .. } => mistake.hint("--column NAME"),
-        DropChannelsError::NoAcceleration { .. } => {
-            mistake.hint("--unit says what a channel without unit is measured in")
-        }
+        DropChannelsError::NoAcceleration { .. } => mistake.hint("--unit gives the unit of channels without one"),
         DropChannelsError::Quantity(_) => mistake,
     }
 }

@@ -1,4 +1,4 @@
-//! `droptower signal info`: what recordings hold.
+//! `droptower signal info`: the content of recordings.
 
 use std::path::{Path, PathBuf};
 
@@ -42,7 +42,7 @@ struct Contained {
     written_unit: Option<String>,
     /// Of the figures below.
     unit: Option<String>,
-    /// The channel frequency class that it went through, as the file says.
+    /// The channel frequency class that it was filtered with before, as the file states.
     filtered: Option<f64>,
     #[serde(flatten)]
     samples: Figures,
@@ -92,8 +92,8 @@ pub fn run(args: &InfoArgs, shared: &Shared) -> Result<(), Failure> {
 /// That nothing is printed of the files that can be read, where others cannot: figures are complete or missing.
 fn silence(found: &[Contents]) -> Vec<Diagnostic> {
     let paths: Vec<&str> = found.iter().map(|contents| contents.path.as_str()).collect();
-    let said = || Diagnostic::new(format!("nothing is printed of {}, which can be read", paths.join(", ")));
-    if found.is_empty() { Vec::new() } else { vec![said().hint("leave out what cannot be read")] }
+    let silent = || Diagnostic::new(format!("nothing is printed of {}, though readable", paths.join(", ")));
+    if found.is_empty() { Vec::new() } else { vec![silent().hint("leave out what cannot be read")] }
 }
 
 fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
@@ -205,7 +205,7 @@ fn text(contents: &Contents) -> String {
     format!("{}\n{lines}", contents.path)
 }
 
-/// Most holes that are told one by one; all of them are in the JSON.
+/// Most holes that are printed one by one; all of them are in the JSON.
 const MOST_HOLES: usize = 5;
 
 /// Where samples are missing, once for the channels that share it.

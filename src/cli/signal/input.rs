@@ -20,7 +20,7 @@ pub struct Input {
     pub column: Option<String>,
     #[command(flatten)]
     pub table: TableArgs,
-    /// The channel's unit where the file does not say; g is standard gravity
+    /// The channel's unit where the file states none; g is standard gravity
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
 }
@@ -28,7 +28,7 @@ pub struct Input {
 /// What a table may leave open.
 #[derive(Clone, Debug, Default, Args)]
 pub struct TableArgs {
-    /// The column of time, where it is not called so
+    /// The column of time, where its name does not show it
     #[arg(long, value_name = "NAME")]
     pub time: Option<String>,
     /// Names of all columns in place of the file's, with their units: "time [ms],accel [g]"
@@ -36,12 +36,12 @@ pub struct TableArgs {
     pub columns: Vec<String>,
 }
 
-/// What is said of a file of which several channels are read.
+/// How a file is read of which several channels are used.
 #[derive(Clone, Debug, Default, Args)]
 pub struct FileArgs {
     #[command(flatten)]
     pub table: TableArgs,
-    /// The unit of a channel where the file does not say: NAME=UNIT, several times
+    /// The unit of a channel where the file states none: NAME=UNIT, several times
     #[arg(long, value_name = "NAME=UNIT")]
     pub unit: Vec<String>,
 }
@@ -55,7 +55,7 @@ pub struct Chosen {
 }
 
 impl TableArgs {
-    /// `wanted` with what the user says of the table.
+    /// `options` with what the user states about the table.
     pub fn over(&self, options: ReadOptions) -> ReadOptions {
         ReadOptions { time: self.time.clone(), names: self.columns.clone(), ..options }
     }
@@ -67,7 +67,7 @@ impl FileArgs {
         file::read(path, &self.options(channels)?).map_err(|error| faults::recording(&error))
     }
 
-    /// What is wanted of the file besides its `channels`.
+    /// The options to read the `channels` of a file with.
     pub fn options(&self, channels: ChannelSelection) -> Result<ReadOptions, Diagnostic> {
         Ok(self.table.over(ReadOptions { channels, units: self.units()?, ..ReadOptions::default() }))
     }

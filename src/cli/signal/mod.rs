@@ -1,4 +1,4 @@
-//! `droptower signal`: what is done to recordings without a simulation.
+//! `droptower signal`: recordings without a simulation.
 
 pub mod input;
 
@@ -18,7 +18,7 @@ use super::{Failure, Shared};
 
 #[derive(Debug, Subcommand)]
 pub enum SignalCommand {
-    /// Say what recordings hold: channels, units, sampling, gaps
+    /// Show the content of recordings: channels, units, sampling, gaps
     Info(info::InfoArgs),
     /// Filter a channel by its frequency class
     Filter(filter::FilterArgs),

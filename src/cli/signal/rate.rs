@@ -14,19 +14,19 @@ use crate::signal::{Annotations, MeasuredChannel, Warning};
 
 #[derive(Debug, Args)]
 pub struct RateArgs {
-    /// What counts as the truth: CSV or ISO-MME
+    /// The reference: CSV or ISO-MME
     pub reference: PathBuf,
-    /// What is rated
+    /// The rated recording
     pub comparison: PathBuf,
     /// The channel, where there are several
     #[arg(long, value_name = "NAME")]
     pub column: Option<String>,
-    /// The channel of the comparison, where it is called otherwise
+    /// The channel of the comparison, where its name differs
     #[arg(long, value_name = "NAME")]
     pub comparison_column: Option<String>,
     #[command(flatten)]
     pub table: TableArgs,
-    /// The channels' unit where a file does not say; g is standard gravity
+    /// The channels' unit where a file states none; g is standard gravity
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
 }
@@ -104,7 +104,7 @@ impl RateArgs {
     }
 }
 
-/// Curves are only rated in the same quantity; two that do not say what they are count as the same.
+/// Curves are only rated in the same quantity; two without units count as the same.
 fn check_units(args: &RateArgs, reference: &MeasuredChannel, comparison: &MeasuredChannel) -> Result<(), Diagnostic> {
     let unit = |measured: &MeasuredChannel| measured.value_unit().unwrap_or_else(|| "a unit that is not known".into());
     let (r, c) = (unit(reference), unit(comparison));

@@ -31,10 +31,10 @@ pub struct ReduceArgs {
     /// Density of the film, for the material file: "915 kg/m3"
     #[arg(long, value_parser = |text: &str| quantity(Density::DIMENSION, text))]
     pub density: Option<f64>,
-    /// Direction of all coupons, before what files say: MD, TD, D3 or D4
+    /// Direction of all coupons, before what the files state: MD, TD, D3 or D4
     #[arg(long)]
     pub direction: Option<Direction>,
-    /// Speed of the jaws apart, before what files say: "0.02 m/s"
+    /// Speed of the jaws apart, before what the files state: "0.02 m/s"
     #[arg(long, value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
     pub velocity: Option<f64>,
     /// Strains between which the modulus is fitted
@@ -56,7 +56,7 @@ pub struct ReduceArgs {
     pub file: FileArgs,
 }
 
-/// What the recordings gave.
+/// The reduced recordings.
 pub struct Reduced {
     pub coupon: Coupon,
     /// In the order of the arguments.

@@ -1,4 +1,4 @@
-//! What coupons gave, as the terminal and other programs read it.
+//! The figures of reduced coupons, as text and as JSON.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! `droptower tensile`: what is done to coupon tests.
+//! `droptower tensile`: coupon tests.
 
 mod args;
 mod figures;

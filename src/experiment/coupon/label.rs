@@ -1,4 +1,4 @@
-//! What a recording says about the coupon that was pulled: direction, speed, and whether anything was pulled at all.
+//! Direction and speed of a coupon test, from the name and the header of its file.
 
 use thiserror::Error;
 
@@ -16,16 +16,16 @@ pub struct Label {
     pub velocity: Option<f64>,
 }
 
-/// Why it stays open how a coupon was pulled.
+/// Why direction or speed of a test is not known.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LabelError {
     #[error("the direction of the coupon is not known")]
     NoDirection,
     #[error("the speed of the jaws is not known")]
     NoVelocity,
-    #[error("its name says {name}, its header {header}")]
+    #[error("its name states {name}, its header {header}")]
     Directions { name: Direction, header: Direction },
-    #[error("its name says {name} m/s, its header {header} m/s")]
+    #[error("its name states {name} m/s, its header {header} m/s")]
     Velocities { name: f64, header: f64 },
     #[error("its header: {0}")]
     Direction(#[from] DirectionError),
@@ -52,7 +52,7 @@ impl LabelError {
     }
 }
 
-/// Direction and speed (m/s) of a test: what is `given` counts before what the file says, in the lines of its header
+/// Direction and speed (m/s) of a test: what is `given` counts before what the file states, in the lines of its header
 /// (`direction: MD`, `velocity: 0.02 m/s`) or in its name without the ending, which must agree. A name counts where it is
 /// direction, speed in m/s up to [`FASTEST`] and, perhaps, a number: `md-0.02-3`.
 pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, f64), LabelError> {
@@ -77,7 +77,7 @@ pub fn is_same_speed(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
 
-/// What a name says that is `<direction>-<speed>` or `<direction>-<speed>-<number>` and nothing else; a date is no speed.
+/// Direction and speed of a name of the form `<direction>-<speed>` or `<direction>-<speed>-<number>`; a date is no speed.
 fn named(name: &str) -> Label {
     let parts: Vec<&str> = name.split('-').collect();
     let (direction, velocity) = match parts[..] {
@@ -104,12 +104,12 @@ fn is_digits(text: &str) -> bool {
 
 /// A line that is overruled is not read.
 fn headed(header: &[String], given: Label) -> Result<Label, LabelError> {
-    let said = |key: &str| {
+    let stated = |key: &str| {
         let pairs = header.iter().filter_map(|line| line.trim_start_matches(['#', ' ']).split_once(':'));
         pairs.filter(|(name, _)| name.trim().eq_ignore_ascii_case(key)).map(|(_, value)| value.trim()).next()
     };
-    let direction = said("direction").filter(|_| given.direction.is_none()).map(str::parse).transpose()?;
-    let velocity = said("velocity").filter(|_| given.velocity.is_none());
+    let direction = stated("direction").filter(|_| given.direction.is_none()).map(str::parse).transpose()?;
+    let velocity = stated("velocity").filter(|_| given.velocity.is_none());
     let velocity = velocity.map(|text| Velocity::DIMENSION.parse(text)).transpose()?;
     Ok(Label { direction, velocity })
 }
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn name_and_header_say_the_same_in_their_own_ways() {
+    fn name_and_header_give_direction_and_speed() {
         for (name, header) in [
             ("md-0.0002-3", &[][..]),
             ("sample 7", &["VIRTUAL recording", "direction: md", "velocity: 0.2 mm/s"]),
@@ -142,8 +142,8 @@ mod tests {
             ("sample", &[][..], "the direction of the coupon is not known"),
             ("md", &[], "the direction of the coupon is not known"),
             ("md", &["direction: MD"], "the speed of the jaws is not known"),
-            ("md-0.02-1", &["direction: TD"], "its name says MD, its header TD"),
-            ("md-0.02-1", &["velocity: 0.2 m/s"], "its name says 0.02 m/s, its header 0.2 m/s"),
+            ("md-0.02-1", &["direction: TD"], "its name states MD, its header TD"),
+            ("md-0.02-1", &["velocity: 0.2 m/s"], "its name states 0.02 m/s, its header 0.2 m/s"),
             ("x", &["direction: north"], "its header: `north` is no direction of the film: MD, TD, D3 or D4"),
             ("md", &["velocity: 3 kg"], "its header: expected a velocity, found \"3 kg\""),
         ] {
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_given_counts_first() {
+    fn given_values_take_precedence() {
         let given = Label { direction: Some(Direction::D3), velocity: Some(1.0) };
         let header = ["direction: north".to_owned(), "velocity: 3 kg".to_owned()];
         assert_eq!(label("md-0.02", &header, given), Ok((Direction::D3, 1.0)));

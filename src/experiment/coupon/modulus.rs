@@ -3,7 +3,7 @@ use thiserror::Error;
 use super::Curve;
 use crate::experiment::fit::least_squares;
 
-/// Strains between which the modulus is fitted where nothing else is said: the elastic part of a polyethylene film.
+/// Strains between which the modulus is fitted by default: the elastic part of a polyethylene film.
 pub const WINDOW: [f64; 2] = [0.0, 0.04];
 
 /// Fewest samples that a slope is fitted to.

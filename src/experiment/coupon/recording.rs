@@ -57,7 +57,7 @@ pub enum RecordingFault {
 }
 
 impl RecordingError {
-    /// What to do about it, where that can be said.
+    /// The remedy, where there is one.
     pub fn hint(&self) -> Option<String> {
         match self {
             RecordingError::Read(error) => error.hint(),
@@ -80,7 +80,7 @@ impl RecordingFault {
 }
 
 impl CouponReader {
-    /// With the channels `force` and `displacement`, and nothing else said.
+    /// With the channels `force` and `displacement`, and defaults for the rest.
     pub fn new(coupon: Coupon, rules: Rules) -> CouponReader {
         let (force, displacement) = ("force".into(), "displacement".into());
         CouponReader { coupon, rules, given: Label::default(), force, displacement, table: ReadOptions::default() }
@@ -127,7 +127,7 @@ mod tests {
     const ROWS: &str = "0,0,0\n1,0.4,0.5\n2,0.8,1\n3,4,2\n4,4.1,0\n";
 
     #[test]
-    fn a_table_without_time_will_do() {
+    fn a_table_needs_no_time() {
         let with_time = read("td-0.02-1.csv", &format!("time [s],displacement [mm],force [N]\n{ROWS}")).unwrap();
         let rows: String = ROWS.lines().map(|row| format!("{}\n", &row[2..])).collect();
         let without = read("td-0.02-1.csv", &format!("displacement [mm],force [N]\n{rows}")).unwrap();
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_the_file() {
+    fn mistakes_name_the_file() {
         for (name, text, expected) in [
             (
                 "x.csv",

@@ -25,7 +25,7 @@ impl Default for Rules {
     }
 }
 
-/// One coupon that was pulled.
+/// One tested coupon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     pub direction: Direction,
@@ -35,7 +35,7 @@ pub struct Sample {
     pub rupture: Rupture,
     /// Up to the break.
     pub curve: Curve,
-    /// Whether its recording says that nothing was pulled.
+    /// Whether its file marks the recording as virtual.
     pub is_virtual: bool,
 }
 
@@ -53,7 +53,7 @@ pub enum SampleError {
 }
 
 impl Sample {
-    /// Reads modulus and break of `curve` by the `rules`, and keeps the curve up to the break. It counts as pulled.
+    /// Reads modulus and break of `curve` by the `rules`, and stores the curve up to the break. It counts as measured.
     pub fn new(direction: Direction, velocity: f64, curve: &Curve, rules: &Rules) -> Result<Sample, SampleError> {
         if !(velocity.is_finite() && velocity > 0.0) {
             return Err(SampleError::Velocity(velocity));
@@ -70,7 +70,7 @@ impl Sample {
     }
 }
 
-/// The coupons of one direction that were pulled at one speed.
+/// The coupons of one direction tested at one speed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpeedMeans {
     /// Speed of the jaws apart, m/s.
@@ -105,7 +105,7 @@ pub struct DirectionMeans {
     pub curve: Curve,
     /// Yield points of that mean curve.
     pub yields: Result<YieldPoints, YieldError>,
-    /// How many of the coupons are virtual: nothing was pulled.
+    /// How many of the coupons are virtual: computed, not measured.
     pub virtual_recordings: usize,
 }
 
@@ -153,7 +153,7 @@ impl Reduction {
         self.directions.iter().map(DirectionMeans::recordings).sum()
     }
 
-    /// How many of them are virtual: nothing was pulled.
+    /// How many of them are virtual: computed, not measured.
     pub fn virtual_recordings(&self) -> usize {
         self.directions.iter().map(|along| along.virtual_recordings).sum()
     }
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_virtual_stays_so() {
+    fn virtual_coupons_are_counted() {
         let pulled = sample(Direction::Md, 0.02, 40e6, 1.0);
         let made_up = |direction| Sample { is_virtual: true, ..sample(direction, 0.2, 60e6, 1.0) };
         let samples = [pulled, made_up(Direction::Md), made_up(Direction::Td)];

@@ -2,7 +2,7 @@ use thiserror::Error;
 
 use super::Curve;
 
-/// Share of the largest force below which a coupon counts as broken, where nothing else is said.
+/// Share of the largest force below which a coupon counts as broken, by default.
 pub const BREAK_SHARE: f64 = 0.5;
 
 /// How and where a coupon's curve ends.

@@ -1,6 +1,6 @@
-//! Shear of a square of film that is pulled along its diagonal (equations 4 to 8).
+//! Shear of a square of film that is stretched along its diagonal (equations 4 to 8).
 //!
-//! The four sides keep their length while the square becomes a rhombus with the angle ψ at the pulled corners.
+//! The four sides keep their length while the square becomes a rhombus with the angle ψ at the stretched corners.
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
@@ -15,7 +15,7 @@ pub struct Square {
     pub thickness: f64,
 }
 
-/// Shear of the square while it is pulled.
+/// Shear of the stretched square.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shear {
     /// Shear stress τ (Pa) over the shear angle γ (rad).

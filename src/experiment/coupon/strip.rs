@@ -76,7 +76,7 @@ impl Coupon {
 
     /// Shear of the film from a `curve` recorded at 45° (D3), by equations 4 to 8.
     ///
-    /// The paper supposes a square that is pulled along its diagonal and does not say how much of the coupon it is. Stress
+    /// The paper supposes a square that is stretched along its diagonal and does not say how much of the coupon it is. Stress
     /// and strain are **assumed** the same everywhere, so that a square with the diagonal √2 L carries √2 L/w of the force
     /// and has √2 L/l₀ of the displacement: then L cancels, τ = σ/(1 + ε). Here it is the largest that fits the coupon.
     ///
@@ -114,7 +114,7 @@ mod tests {
             let sheared = Coupon::new(gauge, width, 12e-6).unwrap().shear(&curve).unwrap();
             assert_eq!(sheared.cut, 0);
             for ([strain, stress], [angle, shear]) in curve.samples().zip(sheared.curve.samples()) {
-                // ψ = π/2 − γ is the angle at the pulled corners: the diagonal √2 L (1 + ε) is 2 L cos ψ/2.
+                // ψ = π/2 − γ is the angle at the stretched corners: the diagonal √2 L (1 + ε) is 2 L cos ψ/2.
                 let diagonal = 2.0 * (0.5 * (std::f64::consts::FRAC_PI_2 - angle)).cos();
                 assert!((diagonal / std::f64::consts::SQRT_2 - (1.0 + strain)).abs() < 1e-12, "{gauge}: {angle}");
                 assert!((shear - stress / (1.0 + strain)).abs() < 1e-6, "{gauge}: {shear}");

@@ -25,7 +25,7 @@ pub struct ChannelNames {
 pub struct DropChannels {
     /// m/s².
     pub acceleration: Series,
-    /// The channel frequency class that the acceleration went through before, as its file says.
+    /// The channel frequency class that the acceleration was filtered with before, as its file states.
     pub class: Option<f64>,
     /// m; none where the recording has no laser.
     pub laser: Option<Series>,
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn names_decide_and_mistakes_are_said() {
+    fn names_decide_and_mistakes_are_reported() {
         let two = measurement(&[("a1", "g"), ("head", "m/s2"), ("force", "N"), ("volts", "")]);
         let named = |name: &str| ChannelNames { acceleration: Some(name.into()), laser: None };
         assert_eq!(DropChannels::find(&two, &named("head")).unwrap().acceleration.values(), [4.0]);

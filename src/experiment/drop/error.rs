@@ -30,10 +30,10 @@ pub enum DropError {
     #[error(transparent)]
     Contact(#[from] ContactError),
     #[error(
-        "the impact speed of {speed:.3} m/s is above the {ideal:.3} m/s of an ideal fall over {height} m; is the height right?"
+        "the impact speed of {speed:.3} m/s is above the {ideal:.3} m/s of a free fall over {height} m; check the height"
     )]
     FasterThanFall { speed: f64, ideal: f64, height: f64 },
-    #[error("without a laser the gravity ramp tells no speed: use the correction by coupling")]
+    #[error("the gravity ramp needs a laser for the impact speed: use the correction by coupling")]
     LaserNeeded,
     #[error("acceleration: the recording ends with first contact at {contact:.4} s")]
     EndsAtContact { contact: f64 },

@@ -9,9 +9,9 @@ use crate::signal::{Series, column};
 const LASER_APART: f64 = 1e-3;
 /// Share of the ideal fall's speed below which the guide would have taken more than it left.
 const SLOW: f64 = 0.5;
-/// A reading that stands still at its largest value for longer (s) has met the end of its range.
+/// A reading that stands still at its largest value for longer (s) has reached the end of its range.
 const FLAT: f64 = 2e-3;
-/// Change of the zero over the record (m/s²) that is worth a word, and how many of its standard errors it must be.
+/// Change of the zero over the record (m/s²) that is reported, and how many of its standard errors it must be.
 const ZERO_MOVES: f64 = 0.1;
 const STANDARD_ERRORS: f64 = 5.0;
 

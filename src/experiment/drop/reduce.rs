@@ -13,7 +13,7 @@ use crate::experiment::ramp::GravityRamp;
 use crate::experiment::release::Release;
 use crate::signal::filter::{self, ChannelFilter, Standard};
 use crate::signal::resample::{self, ResampleError};
-use crate::signal::{Series, gap, integrate};
+use crate::signal::{Series, column, gap, integrate};
 
 /// Reduces the `acceleration` that was read (m/s², upward) and, where there is one, the `laser`'s distance from the film's upper
 /// face (m, upward; `NaN` out of range). Both have one clock and start with the impactor at rest.
@@ -45,7 +45,7 @@ pub fn reduce(
 
 /// A fall that covers a height which differs by a larger share is another one: a time constant that is 1 % off makes 1 %.
 const OTHER_HEIGHT: f64 = 0.05;
-/// Speeds above that of the ideal fall by a larger share are refused; a laser tells them to half of it.
+/// Speeds above that of the ideal fall by a larger share are refused; a laser determines them to half of it.
 const FASTER: f64 = 0.01;
 
 /// A recording whose rest and release are known.
@@ -114,7 +114,7 @@ impl Fall<'_> {
         self.start() + (2.0 * self.tower.height.metres() / self.tower.body.gravity).sqrt()
     }
 
-    /// The part that tells the time constant, s: after the magnet let go, before the earliest possible contact.
+    /// The part from which the time constant is fitted, s: after the release, before the earliest possible contact.
     fn undisturbed(&self) -> [f64; 2] {
         let [top, bottom] = self.release.flank;
         [2.0 * bottom - top, self.ideal_contact().min(self.release.blow - 0.02)]
@@ -180,10 +180,11 @@ impl Drop {
         warnings.extend(faster_than_fall(-contact.velocity, tower)?);
         warnings.extend(without_laser(contact.speed_from));
         let channel = |name| signals.channel(name).unwrap_or_default();
-        let absorption = energy_absorption(tower.body, channel("velocity_m_s"), channel("displacement_m"));
+        let [velocity, displacement] = [column::VELOCITY, column::DISPLACEMENT].map(|column| channel(column.name));
+        let absorption = energy_absorption(tower.body, velocity, displacement);
         let missing = |reason| warnings.push(Warning::NoEnergyAbsorption { reason });
         let energy_absorption = absorption.map_err(missing).ok();
-        let total_energy_drift = motion::drift(channel("total_energy_J"));
+        let total_energy_drift = motion::drift(channel(column::TOTAL_ENERGY.name));
         Ok(Drop {
             contact,
             ideal_speed: tower.ideal_speed(),

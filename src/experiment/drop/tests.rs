@@ -141,7 +141,7 @@ fn doubtful_figures_are_doubted() {
     let short = Correction::Coupling { time_constant: Some(0.03) };
     for (reading, reduction, expected) in [
         (reading.clone(), Reduction { correction: short, ..Reduction::default() }, "is impossible"),
-        (changed(&|[_, v]| v.min(80.0)), Reduction::default(), "the end of its range?"),
+        (changed(&|[_, v]| v.min(80.0)), Reduction::default(), "which may be the end of its range"),
         (changed(&|[t, v]| v + 3.0 * t), Reduction::default(), "the reading at rest drifts by 3.0"),
     ] {
         let notes = noted(&reading, &laser, reduction);
@@ -262,7 +262,7 @@ fn what_cannot_be_reduced_is_refused_by_channel() {
     let (recording, contact_time, _) = recorded(&Sensors { laser: None, ..Sensors::default() }, 5);
     let reading = reading(&recording);
     let default = Reduction::default();
-    let told = |series: &Series, tower: &Tower, reduction: &Reduction| {
+    let refusal = |series: &Series, tower: &Tower, reduction: &Reduction| {
         reduce(series, None, tower, reduction).unwrap_err().to_string()
     };
     let ramp = Reduction { correction: Correction::Ramp, ..default };
@@ -274,14 +274,17 @@ fn what_cannot_be_reduced_is_refused_by_channel() {
         reading.values().iter().step_by(10).copied().collect::<Vec<_>>(),
     );
     for (found, expected) in [
-        (told(&reading, &weightless, &default), "the mass is 0, but must be positive"),
-        (told(&gap, &TOWER, &default), "acceleration: nothing was measured at 0.3 s"),
-        (told(&reading, &TOWER, &ramp), "without a laser the gravity ramp tells no speed"),
-        (told(&reading, &too_fast, &default), "acceleration: integrated from rest it does not reach 5.05"),
-        (told(&slow, &TOWER, &default), "acceleration: CFC 1000 needs at least 10000 samples a second, found 1000.0"),
-        (told(&reading.window([0.0, contact_time]), &TOWER, &default), "acceleration: no contact is seen"),
-        (told(&reading.window([0.0, 0.0]), &TOWER, &default), "acceleration: a series of 1 samples"),
-        (told(&reading.window([0.3, 1.0]), &TOWER, &default), "acceleration: no release is seen"),
+        (refusal(&reading, &weightless, &default), "the mass is 0, but must be positive"),
+        (refusal(&gap, &TOWER, &default), "acceleration: nothing was measured at 0.3 s"),
+        (refusal(&reading, &TOWER, &ramp), "the gravity ramp needs a laser"),
+        (refusal(&reading, &too_fast, &default), "acceleration: integrated from rest it does not reach 5.05"),
+        (
+            refusal(&slow, &TOWER, &default),
+            "acceleration: CFC 1000 needs at least 10000 samples a second, found 1000.0",
+        ),
+        (refusal(&reading.window([0.0, contact_time]), &TOWER, &default), "acceleration: no contact is seen"),
+        (refusal(&reading.window([0.0, 0.0]), &TOWER, &default), "acceleration: a series of 1 samples"),
+        (refusal(&reading.window([0.3, 1.0]), &TOWER, &default), "acceleration: no release is seen"),
     ] {
         assert!(found.starts_with(expected), "{found}");
     }

@@ -43,10 +43,10 @@ impl Tower {
     }
 }
 
-/// How what the accelerometer does not show is put back.
+/// How the low frequencies that the accelerometer does not show are restored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Correction {
-    /// The exact inverse of AC coupling with the time constant in s, or with the one that the fall tells.
+    /// The exact inverse of AC coupling with the time constant in s, or with the one fitted to the fall.
     Coupling { time_constant: Option<f64> },
     /// The release, mirrored and added after contact.
     Ramp,

@@ -84,7 +84,7 @@ fn unquoted(text: &str) -> &str {
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).map_or(text, str::trim)
 }
 
-/// How the numbers of a file are written; found out from the first that tells.
+/// How the numbers of a file are written; decided by the first number that is unambiguous.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     Unknown,
@@ -93,7 +93,7 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// What can be said before any number was seen: a comma that separates cells is no decimal mark.
+    /// Before any number was read: a comma that separates cells is no decimal mark.
     pub fn between(separator: Separator) -> Mark {
         if separator == Separator::Comma { Mark::Point } else { Mark::Unknown }
     }

@@ -57,9 +57,9 @@ pub enum Fault {
     RowLength { expected: usize, found: usize },
     #[error("the file is truncated: its last line has {found} of {expected} cells")]
     Truncated { expected: usize, found: usize },
-    #[error("mixed units: the header says `{header}` of `{name}`, the line of units `{row}`")]
+    #[error("mixed units: the header states `{header}` of `{name}`, the line of units `{row}`")]
     MixedUnits { name: String, header: String, row: String },
-    #[error("mixed units: the file says `{file}` of `{name}`, but `{given}` is given")]
+    #[error("mixed units: the file states `{file}` of `{name}`, but `{given}` is given")]
     GivenUnit { name: String, file: String, given: String },
     #[error("time (`{name}`) cannot be in `{unit}`")]
     TimeUnit { name: String, unit: String },
@@ -68,7 +68,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// What to write instead, where that can be said.
+    /// The remedy, where there is one.
     pub fn hint(&self) -> Option<String> {
         let hint = match self {
             Fault::Channel(error) => return error.hint(),

@@ -129,7 +129,7 @@ impl Layout {
         Mistake { line: self.header.as_ref().map_or(0, |line| line.number), column: 1, fault }
     }
 
-    /// A mistake in what the header says of a column.
+    /// A mistake in the header of a column.
     fn at_column(&self, place: usize, fault: Fault) -> Mistake {
         match &self.header {
             Some(line) => at_cell(line, self.separator, place, fault),
@@ -137,7 +137,7 @@ impl Layout {
         }
     }
 
-    /// Lays a line of units over the names.
+    /// Adds the units of a line below the names.
     fn add_units(&mut self, line: &Line, units: Vec<UnitCell>) -> Result<(), Mistake> {
         for (place, unit) in units.into_iter().enumerate() {
             let column = &mut self.columns[place];

@@ -2,8 +2,8 @@
 //!
 //! Separator (comma, semicolon, tab, blanks), decimal mark, encoding, header, units and the column of time are found out
 //! from the file. Lines that start with `#` are comments; those before the numbers are kept as notes. An empty cell means
-//! that nothing was measured. Lines are read one by one with their place, which is why this is no work for the crate
-//! `csv`: it wants the separator beforehand and does not know blanks or the columns of a line.
+//! that nothing was measured. Lines are read one by one with their place, for which the crate `csv` is not
+//! suited: it needs the separator beforehand and supports neither blanks nor positions within a line.
 
 mod cell;
 mod fault;

@@ -36,7 +36,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The columns as channels over the number of the sample, which stands in for a time that nobody wrote down.
+    /// The columns as channels over the sample number, in place of a time.
     pub fn over_samples(self) -> Measurement {
         let rows = self.columns.first().map_or(0, |column| column.values.len());
         let number: Arc<[f64]> = (0..rows).map(|row| row as f64).collect();
@@ -98,7 +98,7 @@ pub fn read(path: &Path) -> Result<Recording, ReadError> {
     measure(path, &ReadOptions::default()).map(|measurement| measurement.recording().unwrap_or_default())
 }
 
-/// Opens the file and says in every mistake where it is.
+/// Opens the file and adds its path to every mistake.
 fn with_lines<T>(
     path: &Path,
     read: impl FnOnce(&mut Lines<BufReader<File>>) -> Result<T, Mistake>,

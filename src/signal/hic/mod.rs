@@ -37,11 +37,11 @@ pub enum HicError {
     NotMeasured(Gap),
     #[error("no two samples lie within a window of {window} s")]
     TooCoarse { window: f64 },
-    #[error("the mean acceleration is positive between no two samples (braking must be, or give the resultant)")]
+    #[error("the mean acceleration is positive between no two samples (deceleration must be, or give the resultant)")]
     NeverPositive,
 }
 
-/// The head injury criterion of an acceleration (m/s², braking positive, or the resultant) over intervals of at most `window` s.
+/// The head injury criterion of an acceleration (m/s², deceleration positive, or the resultant) over intervals of at most `window` s.
 ///
 /// The acceleration is taken as linear between samples. All pairs of samples are compared, and the ends of the best pair are
 /// then moved between samples, so a window need not be a multiple of the step, which need not be even.

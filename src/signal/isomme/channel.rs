@@ -39,8 +39,8 @@ impl ChannelHead {
         by_code || self.header.text("Dimension") == Some("TI")
     }
 
-    /// The channel frequency class that it went through: as the header says, or else as the code's letter says; a note
-    /// where the header says what is not understood.
+    /// The channel frequency class that it went through: as the header states, or else by the letter of the
+    /// code; a warning where the header states something unknown.
     pub fn class(&self, warnings: &mut Vec<Warning>) -> Option<f64> {
         let stated = self.header.text("Channel frequency class");
         let class = stated.and_then(class_of);

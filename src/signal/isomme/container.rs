@@ -17,7 +17,7 @@ use crate::units::Unit;
 ///
 /// Holds all headers and the wanted channels: 8 bytes a value, and as much again for one channel while it is finished.
 ///
-/// Where a header does not say how its time is given, an implicit time axis is assumed, and a note says so.
+/// Where a header does not state how its time is given, an implicit time axis is assumed, with a warning.
 pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadError> {
     let failed = |fault| Mistake::whole(fault).of(path);
     if options.time.is_some() || !options.names.is_empty() {
@@ -35,7 +35,7 @@ pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadEr
     Ok(Measurement { channels, annotations })
 }
 
-/// What the files of a container say in their headers, to be said again when it is written anew.
+/// The headers of a container, which are written again with it.
 #[derive(Clone, Debug, Default)]
 pub struct Headers {
     /// Of the test; empty where there is none.
@@ -87,7 +87,7 @@ impl Container {
                     container.single = container.single.or(is_named.then_some(container.heads.len()));
                     container.heads.push(head);
                 }
-                // Who asks for one channel gets it whatever is wrong with the others.
+                // A single channel is read even if others are not readable.
                 Err(error) if named.is_some() && !is_named => {
                     container.warnings.push(Warning::UnreadableChannel { error: error.to_string() });
                 }
@@ -112,7 +112,7 @@ impl Container {
         Ok(container)
     }
 
-    /// Lays the list of channels beside the files that are there; they are the same where their codes are.
+    /// Compares the list of channels with the channel files, by their codes.
     fn compare(&mut self, list: &Path) -> Result<(), ReadError> {
         let header = read_header(list, &mut self.warnings)?;
         let names = header.entries().iter().filter(|entry| entry.key.to_lowercase().starts_with("name of channel"));
@@ -288,7 +288,7 @@ fn implicit(head: &ChannelHead, samples: usize, warnings: &mut Vec<Warning>) -> 
     }
 }
 
-/// Lays the extremes that the header states beside those of the samples; what differs is noted.
+/// Compares the extremes that the header states with those of the samples.
 fn check_extremes(
     head: &ChannelHead,
     time: &Arc<[f64]>,

@@ -37,7 +37,7 @@ pub enum Fault {
     NoSamples { channel: String },
     #[error("`{channel}` is truncated: {found} of {stated} samples")]
     Truncated { channel: String, stated: f64, found: usize },
-    #[error("`{channel}` has {found} samples, but its header says {stated}")]
+    #[error("`{channel}` has {found} samples, but its header states {stated}")]
     TooMany { channel: String, stated: f64, found: usize },
     #[error("`{channel}` has more than {} samples", MOST_CELLS)]
     TooLarge { channel: String },
@@ -45,7 +45,7 @@ pub enum Fault {
     NoTimeAxis { channel: String },
     #[error("the sampling interval of `{channel}` is {interval} s")]
     Interval { channel: String, interval: f64 },
-    #[error("the time of `{channel}` is in `{reference}`, which is not there")]
+    #[error("the time of `{channel}` is in `{reference}`, which is missing")]
     NoReference { channel: String, reference: String },
     #[error("`{channel}` has {found} samples over {times} times of `{reference}`")]
     TimeLength { channel: String, reference: String, found: usize, times: usize },
@@ -55,7 +55,7 @@ pub enum Fault {
     TimeGap { channel: String },
     #[error("the time axis `{channel}` cannot be in `{unit}`")]
     TimeUnit { channel: String, unit: String },
-    #[error("mixed units: the file says `{file}` of `{channel}`, but `{given}` is given")]
+    #[error("mixed units: the file states `{file}` of `{channel}`, but `{given}` is given")]
     GivenUnit { channel: String, file: String, given: String },
     #[error(transparent)]
     Channel(ChannelError),
@@ -68,7 +68,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// What to write instead, where that can be said.
+    /// The remedy, where there is one.
     pub fn hint(&self) -> Option<String> {
         match self {
             Fault::Channel(error) => error.hint(),

@@ -70,7 +70,7 @@ impl Header {
     }
 }
 
-/// What a value says; none for the words that say nothing.
+/// A stated value; none for the words that stand for no value.
 pub fn stated(value: &str) -> Option<String> {
     let value = value.trim();
     let nothing = value.is_empty() || ["NOVALUE", "NONE"].iter().any(|word| value.eq_ignore_ascii_case(word));

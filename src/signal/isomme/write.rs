@@ -48,8 +48,8 @@ pub fn write(path: &Path, measurement: &Measurement) -> Result<(), WriteError> {
     rewrite(path, measurement, &Headers::default())
 }
 
-/// Writes `measurement` as [`write()`] does, and says again what the `headers` of the container that it comes from say, in
-/// their order: all but what the SI units and the samples decide.
+/// Writes `measurement` as [`write()`] does, with the `headers` of the container that it was read from, in
+/// their order, except for the entries that the SI units and the samples determine.
 pub fn rewrite(path: &Path, measurement: &Measurement, headers: &Headers) -> Result<(), WriteError> {
     let stem = path.file_stem().filter(|stem| !stem.is_empty());
     let stem = stem.ok_or_else(|| WriteError::NoName { path: path.into() })?.to_string_lossy();
@@ -152,7 +152,7 @@ fn sheets<'a>(measurement: &'a Measurement, headers: &'a Headers) -> Vec<Sheet<'
     sheets
 }
 
-/// What a channel is called: without the unit that a table writes behind the name, where that tells it from the others.
+/// What a channel is called: without the unit that a table writes behind the name, where no other channel has that name.
 fn long_name(channel: &MeasuredChannel, all: &[MeasuredChannel]) -> String {
     let MeasuredChannel { name, label, .. } = channel;
     let alone = all.iter().filter(|other| other.name == *name).count() == 1;
@@ -199,7 +199,7 @@ fn even(time: &[f64]) -> Option<[f64; 2]> {
 /// A line of a header.
 type Pair = (String, String);
 
-/// What is said of a value in the unit that it was recorded in, and is wrong in another.
+/// Entries in the unit of the recording, which are wrong after a conversion.
 const IN_THE_UNIT: [&str; 3] = ["channel amplitude class", "offset pre test", "offset post test"];
 
 impl Sheet<'_> {
@@ -257,7 +257,7 @@ impl Sheet<'_> {
         lines
     }
 
-    /// What is said where the header does not.
+    /// Entries for what the header does not state.
     fn otherwise(&self) -> Vec<Pair> {
         let class = self.class.map_or(NOTHING.to_owned(), |class| class.to_string());
         vec![
@@ -287,7 +287,7 @@ const NOTHING: &str = "NOVALUE";
 
 const UNIT: &str = "Unit";
 
-/// What is written anew whatever a header said.
+/// Entries that are written from the data, whatever the header stated.
 const DECIDED: [&str; 12] = [
     "Channel code",
     "Name of the channel",
@@ -312,7 +312,7 @@ fn again(entry: &Entry) -> Pair {
     pair(&entry.key, entry.value.as_deref().unwrap_or(NOTHING))
 }
 
-/// What the test says already, or else that nothing is known of it; then the comments that it does not contain yet.
+/// The entries of the test, or else that nothing is known of it; then the comments that it does not contain yet.
 fn test_lines(test: &Header, stem: &str, comments: &[String]) -> Vec<Pair> {
     let mut lines: Vec<Pair> = test.entries().iter().map(again).collect();
     if lines.is_empty() {
@@ -329,7 +329,7 @@ fn test_lines(test: &Header, stem: &str, comments: &[String]) -> Vec<Pair> {
     lines
 }
 
-/// What the list of channels says before them.
+/// The head of the list of channels.
 fn list_head(list: &Header) -> Vec<Pair> {
     let counts = |key: &str| key == "number of channels" || key.starts_with("name of channel");
     let kept = list.entries().iter().filter(|entry| !counts(&entry.key.to_lowercase()));

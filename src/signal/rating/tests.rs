@@ -82,7 +82,7 @@ fn grades_are_those_of_the_specification() {
 }
 
 #[test]
-fn other_rates_and_spans_are_brought_together_and_said() {
+fn other_rates_and_spans_are_brought_together_and_reported() {
     let (fine, late) = (sampled_at(1e-6, [0.0, 0.1], pulse), sampled_at(1e-4, [0.005, 0.095], pulse));
     let rating = rate(&fine, &late).unwrap();
     assert_eq!(rating.samples, 901);
@@ -94,7 +94,7 @@ fn other_rates_and_spans_are_brought_together_and_said() {
 }
 
 #[test]
-fn what_cannot_be_rated_is_said() {
+fn curves_that_cannot_be_rated_are_refused() {
     let curve = at_10_khz(pulse);
     let empty = Series::new(vec![], vec![]);
     assert_eq!(rate(&empty, &curve), Err(RatingError::Empty { curve: Curve::Reference }));
