@@ -8,10 +8,10 @@ use crate::identify;
 use crate::post;
 use crate::script::{Chapter, Entry};
 
-/// The word in place of a key.
+/// The word that stands in place of a key.
 pub const WORD: &str = "functions";
 
-/// One line of the reference.
+/// One entry of the reference.
 #[derive(Serialize)]
 struct Function {
     chapter: &'static str,
@@ -20,7 +20,7 @@ struct Function {
     example: &'static str,
 }
 
-/// Prints the reference of scripts: all of it, or what the function `name` has in it.
+/// Prints the reference of scripts: all of it, or the entries of the function `name`.
 pub fn run(name: Option<&str>, shared: &Shared) -> Result<(), Failure> {
     let chapters = chapters().map(|chapter| (chapter.title, entries(chapter, name))).filter(|(_, e)| !e.is_empty());
     if !shared.json {
@@ -36,7 +36,7 @@ pub fn run(name: Option<&str>, shared: &Shared) -> Result<(), Failure> {
     print_json(&functions.collect::<Vec<_>>())
 }
 
-/// Whether scripts can call something of this name.
+/// Whether scripts can call a function of this name.
 pub fn are_called(name: &str) -> bool {
     chapters().any(|chapter| !entries(chapter, Some(name)).is_empty())
 }

@@ -42,13 +42,13 @@ pub struct ScriptArgs {
 /// Names that belong to a study's summary.
 const RESERVED: [&str; 8] = ["script", "droptower", "study", "warning", "findings", "tables", "plots", "files"];
 
-/// A script that was run, and what it found.
+/// A script that was run, and its output.
 struct Studied {
     /// The script's name.
     name: String,
-    /// What runs the study again.
+    /// Script, scenario, changes and arguments, which run the study again.
     call: Map<String, Value>,
-    /// The text that was run.
+    /// The text of the script.
     text: String,
     output: ScriptOutput,
     /// The finding that recordings behind it are virtual, which its output begins with.
@@ -70,7 +70,7 @@ pub fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     })
 }
 
-/// Runs the script, whose results go to `place`; log lines are printed at once.
+/// Runs the script, whose results go to `place`; its messages are printed at once.
 fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result<Studied, Failure> {
     let changes = scenarios::assignments(&args.set)?;
     let say = move |line: &str| {
@@ -121,12 +121,13 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     Ok(Studied { name, call, text: program.text().into(), output, virtual_recordings })
 }
 
-/// Every argument has its place in the script: one that is misspelt would change nothing.
+/// Refuses arguments that the script does not read: one that is misspelt would have no effect.
 fn check_read(script: &Script, given: &rhai::Map) -> Result<(), Vec<Diagnostic>> {
     let unread = given.keys().filter(|name| !script.mentions_argument(name));
     let mistake = |name: &rhai::Identifier| {
         let how = if name == "scenario" { "--scenario".into() } else { format!("--arg {name}") };
-        Diagnostic::new(format!("the script reads no `args.{name}`")).hint(format!("leave {how} out, or correct it"))
+        Diagnostic::new(format!("the script does not read `args.{name}`"))
+            .hint(format!("leave {how} out, or correct it"))
     };
     let mistakes: Vec<Diagnostic> = unread.map(mistake).collect();
     if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
@@ -148,7 +149,7 @@ fn call(args: &ScriptArgs, given: &rhai::Map) -> Result<Map<String, Value>, Vec<
     Ok(call.map(|(name, value)| (name.into(), value)).into_iter().collect())
 }
 
-/// What of the call decides the values of a search's trials: all but the place of the script.
+/// What the values of a search's trials depend on: all of the call but the path of the script.
 fn decisive(call: &Map<String, Value>) -> Map<String, Value> {
     call.iter().filter(|(name, _)| *name != "script").map(|(name, value)| (name.clone(), value.clone())).collect()
 }
@@ -162,7 +163,7 @@ fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
     Ok(place)
 }
 
-/// What the script finds as `args`; numbers and truths are such, the rest is text.
+/// The constant `args` of the script: numbers, truth values and text.
 fn arguments(args: &ScriptArgs) -> Result<rhai::Map, Vec<Diagnostic>> {
     let mut map = rhai::Map::new();
     let mut mistakes = Vec::new();

@@ -1,4 +1,4 @@
-//! Coupon tests in scripts: from force over displacement to what a material is described by.
+//! Coupon tests in scripts: from force and displacement to the figures of a material.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::script::{Entry, HostResult, Options, Session, refuse};
 use crate::signal::Series;
 use crate::units::{Length, Velocity};
 
-/// Coupons that were reduced together, in a script. Cheap to clone.
+/// A reduction of coupons in a script. Cheap to clone.
 #[derive(Clone)]
 pub struct Reduced(pub Arc<Reduction>);
 
@@ -74,7 +74,7 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> Ho
     })
 }
 
-/// How curves are read, as a script gives it: `window`, `break_share`, `toe_compensation`.
+/// The rules of a reduction from its options: `window`, `break_share`, `toe_compensation`.
 fn rules(given: &Options<'_>) -> HostResult<Rules> {
     given.check(&["window", "break_share", "toe_compensation"])?;
     let usual = Rules::default();
@@ -212,12 +212,12 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "coupon.pulled(curve, strains, noise, #{ velocity, force_decimals, displacement_decimals })",
-        gives: "a map of lists time (s), displacement (m) and force (N): what a machine would record at these strains of a film that follows the curve, plus noise (N); for virtual tests",
+        gives: "a map of lists time (s), displacement (m) and force (N): the virtual recording of a machine at these strains of a film that follows the curve, plus noise (N)",
         example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let p = c.pulled(curve([0, 1], [0, 1e7]), [0, 0.5, 2], [0, 0, 0.001], #{ velocity: "0.02 m/s", force_decimals: 4, displacement_decimals: 7 }); p.force == [0.0, 0.6, 0.001] && p.time[1] == 0.125"#,
     },
     Entry {
         call: "reduce_coupons([#{ direction, velocity, curve, is_virtual }, …]), reduce_coupons(tests, #{ window, break_share, toe_compensation })",
-        gives: "a reduction: means per direction and speed, then over the speeds of each direction; is_virtual (false) may be left out and stays with the reduction",
+        gives: "a reduction: means per direction and speed, then over the speeds of each direction; is_virtual is false unless given, and the reduction counts it",
         example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let r = reduce_coupons([#{ direction: "MD", velocity: "0.02 m/s", curve: c }], #{ window: [0, 0.02] }); r.directions[0].elongation.mean == 1.0"#,
     },
     Entry {
@@ -237,7 +237,7 @@ mod tests {
     use crate::functions::check::{assert_refused, engine};
 
     #[test]
-    fn mistakes_are_said() {
+    fn mistakes_are_reported() {
         let cases = [
             (r#"coupon(#{ gauge: "5 kg", width: 1, thickness: 1 })"#, "gauge: expected a length, found \"5 kg\""),
             (
@@ -247,11 +247,11 @@ mod tests {
             ("coupon(#{ gauge: 1, width: 1 })", "coupon needs `thickness`"),
             (
                 "coupon(#{ gauge: 1, width: 1, length: 1 })",
-                "coupon knows no `length`; it takes gauge, width, thickness",
+                "coupon has no option `length`; it takes gauge, width, thickness",
             ),
             ("reduce_coupons([])", "there is no coupon to reduce"),
             ("reduce_coupons([1])", "a coupon's test is a map of direction, velocity and curve, not i64"),
-            ("reduce_coupons([], #{ windov: 1 })", "reduce_coupons knows no `windov`; it takes window"),
+            ("reduce_coupons([], #{ windov: 1 })", "reduce_coupons has no option `windov`; it takes window"),
         ];
         assert_refused(&engine(), &cases);
     }

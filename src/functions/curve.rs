@@ -1,4 +1,4 @@
-//! Stress–strain curves in scripts: whole curves as one value.
+//! Stress–strain curves in scripts.
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 
@@ -185,24 +185,24 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "curve.rupture(), curve.rupture(share)",
-        gives: "a map: strain and stress at the break, strength, and whether it broke: fell below a share (0.5) of the largest stress",
+        gives: "a map: strain and stress at the break, strength, and whether it broke: the stress fell below a share (0.5) of its maximum",
         example: "let r = curve([0, 1, 2, 3], [0, 5, 9, 1]).rupture(); r.strain == 2.0 && r.strength == 9.0 && r.broke",
     },
     Entry {
         call: "curve.yield_points(), curve.yield_points([from, to])",
-        gives: "a map: first and second [strain, stress], slopes, residual, of three straight pieces beyond the elastic window",
+        gives: "a map: first and second [strain, stress], slopes, residual, of three straight segments beyond the elastic window",
         example: "let e = []; let s = []; for i in 0..141 { let x = i * 0.01; e.push(x); s.push(32 * min(x, 0.26) + 20 * min(max(x - 0.26, 0.0), 0.58) + 10 * max(x - 0.84, 0.0)); } let y = curve(e, s).yield_points(); (y.first[0] - 0.26).abs() < 1e-6 && (y.second[0] - 0.84).abs() < 1e-6",
     },
     Entry {
         call: "relative_residuals(curve, reference)",
-        gives: "a list, for `minimize`: the differences at the samples of the reference curve, weighted by the strain that each stands for; \
+        gives: "a list, for `minimize`: the differences at the samples of the reference curve, each weighted by its interval of strain; \
                 their norm is the relative error over strain",
         example: "let r = curve([0, 1], [0, 5e6]); let d = relative_residuals(curve([0, 2], [0, 11e6]), r); d.len() == 2 && (d[1] - 0.1).abs() < 1e-12",
     },
     Entry {
         call: "mean_law([curve, …])",
-        gives: "the exact mean of curves of straight pieces, from the latest beginning to the mean of their ends; one that \
-                has ended goes on along its last piece",
+        gives: "the exact mean of piecewise linear curves, from the latest start to the mean of their ends; a curve that \
+                has ended is extrapolated along its last segment",
         example: "let m = mean_law([curve([0, 1], [0, 10]), curve([0, 0.5, 2], [0, 10, 10])]); m.strains() == [0.0, 0.5, 1.0, 1.5] && m.at(1.5) == 12.5",
     },
     Entry {
@@ -212,12 +212,12 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "mean_of_means([[figure, …], …])",
-        gives: "the mean of the lists' means: every list counts the same",
+        gives: "the mean of the means of the lists, all with the same weight",
         example: "mean_of_means([[1, 2, 3], [4]]) == 3.0",
     },
     Entry {
         call: "relative_difference(figure, reference)",
-        gives: "how far a figure is from a reference, as a share of the reference",
+        gives: "the difference of a figure from a reference over the reference",
         example: "(relative_difference(139, 245) + 106.0 / 245).abs() < 1e-12",
     },
     Entry {
@@ -232,7 +232,7 @@ mod tests {
     use crate::functions::check::{assert_refused, engine};
 
     #[test]
-    fn mistakes_are_said() {
+    fn mistakes_are_reported() {
         let cases = [
             ("curve([0, 1], [1])", "2 strains for 1 stresses"),
             ("curve([0, 1, 0.5], [0, 1, 2])", "strain goes back at sample 3: 0.5 after 1"),

@@ -10,7 +10,7 @@ use crate::script::{Entry, HostResult, Options, from_json, refuse, window};
 use crate::signal::column::{self, Column};
 use crate::signal::{Recording, Series};
 
-/// Gravity where a script gives none, m/s²: equation 9 of the paper.
+/// Default gravity, m/s²: equation 9 of the paper.
 const GRAVITY: f64 = 9.81;
 
 /// Channels of a reduced drop.
@@ -176,10 +176,13 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_said() {
+    fn mistakes_are_reported() {
         let cases = [
             ("reduce_drop(s, (), #{ mass: 1 })", "reduce_drop needs `height`"),
-            ("reduce_drop(s, (), #{ mass: 1, height: 1, colour: 2 })", "reduce_drop knows no `colour`; it takes mass"),
+            (
+                "reduce_drop(s, (), #{ mass: 1, height: 1, colour: 2 })",
+                "reduce_drop has no option `colour`; it takes mass",
+            ),
             ("reduce_drop(s, (), #{ mass: 1, height: 1, correction: \"x\" })", "expected \"coupling\" or \"ramp\""),
             ("reduce_drop(s, (), #{ mass: -1, height: 1 })", "the mass is -1, but must be positive"),
             ("virtual_drop(s, s, #{ height: 1, velocity: 4 })", "virtual_drop needs `seed`"),

@@ -5,7 +5,7 @@ use rhai::{Array, Dynamic, Engine};
 use crate::script::{Entry, File, FileError, HostResult, MOST_BYTES, OutputCollector, number, refuse};
 use crate::signal::Series;
 
-/// Offers `write_csv` and `write_text` to scripts; what they give is written with the other results, or not at all.
+/// Offers `write_csv` and `write_text` to scripts; their files are written with the other results, or not at all.
 pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
     let keep = |collector: &OutputCollector, name: &str, content: String| {
         collector.file(File { name: name.into(), content }).map_err(refuse)
@@ -22,7 +22,7 @@ pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
     });
 }
 
-/// Comments, a header and a row a value; a number that is not finite leaves its cell empty.
+/// The text of a table: comments, a header, one row per value; a number that is not finite leaves its cell empty.
 fn csv(names: &Array, columns: &Array, comments: &Array) -> HostResult<String> {
     if names.len() != columns.len() {
         return Err(refuse(format!("{} names for {} columns", names.len(), columns.len())));
@@ -34,7 +34,7 @@ fn csv(names: &Array, columns: &Array, comments: &Array) -> HostResult<String> {
         let message = format!("column `{}` has {} rows, the first has {rows}", names[place], columns[place].len());
         return Err(refuse(message));
     }
-    // Every cell takes a byte at least, for what stands before the next.
+    // Every cell takes at least the byte of its separator.
     if rows.saturating_mul(columns.len()) > MOST_BYTES {
         return Err(refuse(FileError::TooMuch));
     }
@@ -46,7 +46,10 @@ fn comment_lines(comment: &str) -> Vec<String> {
     comment.lines().map(|line| format!("# {line}\n")).collect()
 }
 
-/// The `comments` with the table behind them; given up as soon as that is longer than `most` bytes.
+/// The `comments` followed by the table.
+///
+/// # Errors
+/// The text exceeds `most` bytes; the rest is not formatted then.
 fn table(comments: String, names: &Array, columns: &[&[f64]], most: usize) -> HostResult<String> {
     let mut out = csv::Writer::from_writer(comments.into_bytes());
     out.write_record(names.iter().map(Dynamic::to_string)).map_err(refuse)?;
@@ -65,14 +68,14 @@ fn cell(value: f64) -> String {
     if value.is_finite() { value.to_string() } else { String::new() }
 }
 
-/// What a script gives for a column; a signal shares its values with it.
+/// A column from a script; a signal is not copied.
 pub(super) enum Column {
     Signal(Series),
     List(Vec<f64>),
 }
 
 impl Column {
-    /// The values of a signal, or the numbers of a list; `()` is a value that was not measured.
+    /// The values of a signal or the numbers of a list, where `()` is NaN.
     pub(super) fn of(column: &Dynamic) -> HostResult<Column> {
         if let Some(series) = column.read_lock::<Series>() {
             return Ok(Column::Signal(series.clone()));
@@ -96,17 +99,17 @@ impl Column {
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "write_csv(name, [column name, …], [signal or list, …])",
-        gives: "a file beside the results, a row a value; times of a signal are `signal.times()`",
+        gives: "a file among the results with one row per value; the times of a signal are `signal.times()`",
         example: r#"write_csv("curves/md.csv", ["strain", "stress_Pa"], [[0, 0.26], [0, 8.4e6]]); true"#,
     },
     Entry {
         call: "write_csv(name, names, columns, [comment, …])",
-        gives: "the same with `#` lines on top",
+        gives: "the same below lines of comments, which begin with `#`",
         example: r#"write_csv("md.csv", ["force_N"], [signal([0, 1], [0, 2.5])], ["virtual"]); true"#,
     },
     Entry {
         call: "write_text(name, text)",
-        gives: "a text file beside the results: .csv, .json, .md, .toml or .txt",
+        gives: "a text file among the results: .csv, .json, .md, .toml or .txt",
         example: r#"write_text("material.toml", "density = 915"); true"#,
     },
 ];
@@ -115,7 +118,7 @@ pub const ENTRIES: &[Entry] = &[
 mod tests {
     use super::*;
 
-    /// As text or as copies of the columns it would take gigabytes.
+    /// Its text, or copies of its columns, would take gigabytes.
     #[test]
     fn a_table_that_is_too_large_is_refused_before_it_is_written() {
         let long = Dynamic::from(Series::new(vec![0.0; 1_000_000], vec![0.0; 1_000_000]));

@@ -1,4 +1,4 @@
-//! Ratings and measures of signals, and signals on other times.
+//! Measures and ratings of signals, and resampling.
 
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
@@ -6,7 +6,7 @@ use crate::script::{Compared, Entry, HostResult, Session, number, refuse};
 use crate::signal::clip::{self, Counting};
 use crate::signal::{Series, hic, rating, resample};
 
-/// Most samples of a signal that a script makes by resampling.
+/// Most samples of a resampled signal.
 const MOST_SAMPLES: f64 = 1e6;
 
 pub(super) fn register(engine: &mut Engine) {
@@ -70,7 +70,7 @@ fn shifted(s: &mut Series, by: Dynamic) -> HostResult<Series> {
     if apart { Ok(Series::new(times, s.values())) } else { Err(refuse(format!("times cannot be shifted by {by} s"))) }
 }
 
-/// The numbers as a list, which is only as long as lists of scripts may be.
+/// The numbers as a list within the limit of lists.
 fn list(context: &NativeCallContext, numbers: &[f64]) -> HostResult<Array> {
     let (count, most) = (numbers.len(), context.engine().max_array_size());
     if count > most {
@@ -90,18 +90,18 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "signal.clip(ms)",
-        gives: "the highest level that is held for that many ms in all, usually 3",
+        gives: "the highest level that is exceeded for that many ms in total, usually 3",
         example: "let s = signal([0, 0.005, 0.01], [0, 100, 0]); (s.clip(3) - 70).abs() < 0.001",
     },
     Entry {
         call: "signal.clip_contiguous(ms)",
-        gives: "the highest level that is held for that many ms without a break",
+        gives: "the highest level that is exceeded for that many ms without interruption",
         example: "let s = signal([0, 0.002, 0.004, 0.006, 0.008], [0, 8, 0, 8, 0]); s.clip_contiguous(2) < s.clip(2)",
     },
     Entry {
         call: "rate(reference, comparison)",
-        gives: "the rating of ISO/TS 18571: a map of corridor, phase, magnitude, slope, overall (0 to 1), grade, shift (s by which \
-                the comparison is late), samples and notes",
+        gives: "the rating of ISO/TS 18571: a map of corridor, phase, magnitude, slope, overall (0 to 1), grade, shift (delay of \
+                the comparison, s), samples and notes",
         example: "let s = signal([0, 0.05, 0.1], [0, 1, 0]); let r = rate(s, s); r.overall > 0.999 && r.grade == \"excellent\"",
     },
     Entry {
@@ -126,7 +126,7 @@ mod tests {
     use crate::functions::check::{assert_refused, engine};
 
     #[test]
-    fn mistakes_are_said() {
+    fn mistakes_are_reported() {
         let cases = [
             ("signal([0, 1], [-1, -2]).hic(1500)", "the mean acceleration is positive between no two samples"),
             ("signal([0, 1], [1, 2]).hic(-1)", "a window of -0.001 s is not positive"),

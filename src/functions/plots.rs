@@ -8,10 +8,10 @@ use crate::plot::{Axis, Curve, Look, Plot, Scale, TIME, Window};
 use crate::script::{Entry, HostResult, Options, OutputCollector, refuse, window};
 use crate::signal::Series;
 
-/// Points that are kept of one curve, at least and at most; a longer one is thinned out, with its extremes.
+/// Least and most points of one curve; a longer one is thinned, with its extremes preserved.
 const CURVE_POINTS: [usize; 2] = [200, 2_000];
 
-/// Points that the curves of one plot share, as far as that leaves each its least.
+/// Points of all curves of one plot, unless the least of each is more.
 const PLOT_POINTS: usize = 12_000;
 
 const LOOKS: [(&str, Look); 3] = [("line", Look::Line), ("dashed", Look::Dashed), ("points", Look::Points)];
@@ -28,7 +28,7 @@ pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
     });
 }
 
-/// One curve as a script gives it.
+/// One curve from a script.
 struct Given {
     name: String,
     look: Look,
@@ -44,7 +44,7 @@ enum Shape {
     Pair([Column; 2]),
 }
 
-/// Axes and what the values of curves are multiplied by to stand on them.
+/// Axes, and the factors from the values of curves to the units of the axes.
 struct Axes {
     x: Axis,
     y: Axis,
@@ -63,7 +63,7 @@ fn written(title: &str, options: &Map, curves: &Dynamic) -> HostResult<Plot> {
     Ok(Plot { title: title.into(), x, y, curves, window })
 }
 
-/// The curves with their names; one alone may go without.
+/// The curves with their names; a single curve takes the title.
 fn given(title: &str, curves: &Dynamic) -> HostResult<Vec<Given>> {
     if let Some(map) = curves.read_lock::<Map>() {
         return map.iter().map(|(name, curve)| Given::of(name, curve)).collect();
@@ -83,7 +83,7 @@ impl Given {
         Given::of(&name.to_string(), map)
     }
 
-    /// A curve, or a map that says how it looks besides.
+    /// A curve, or a map of a curve and its look.
     fn of(name: &str, curve: &Dynamic) -> HostResult<Given> {
         let Some(map) = curve.read_lock::<Map>() else {
             return Ok(Given { name: name.into(), look: Look::Line, shape: Shape::of(curve)? });
@@ -129,7 +129,7 @@ impl Shape {
     }
 }
 
-/// Words and units: those of the script, or those of what is shown.
+/// Labels and units: those of the script, or else those of the curves.
 fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> HostResult<Axes> {
     let has = |kind: fn(&Shape) -> bool| given.iter().any(|given| kind(&given.shape));
     let over_time = has(|shape| matches!(shape, Shape::Signal(_)));
@@ -148,7 +148,8 @@ fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> HostResult<Axes>
             (x, y, factors)
         }
         (false, false) => {
-            let x = x.ok_or_else(|| refuse("plot needs `x`, what stands along x: #{ x: \"displacement (mm)\" }"))?;
+            let x =
+                x.ok_or_else(|| refuse("plot needs `x`, the label of the x axis: #{ x: \"displacement (mm)\" }"))?;
             (x, y.unwrap_or_else(|| title.into()), [1.0, 1.0])
         }
     };
@@ -171,16 +172,16 @@ fn in_unit(words: &str, units: &[(&str, f64)]) -> HostResult<f64> {
     let found = units.iter().find(|(unit, _)| words.ends_with(unit));
     found.map(|(_, factor)| *factor).ok_or_else(|| {
         let known: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
-        refuse(format!("`{words}` does not say its unit: end it with {}", known.join(" or ")))
+        refuse(format!("`{words}` has no unit at its end: add {}", known.join(" or ")))
     })
 }
 
-/// The stretch to be marked: in s where signals are shown, else in the unit of the axis.
+/// The window to mark: in s where signals are shown, else in the unit of the axis.
 fn marked(options: &Options<'_>, factor: f64) -> HostResult<Option<Window>> {
     let Some(bounds) = options.map.get("window") else { return Ok(None) };
     let [from, to] = window(bounds)?;
     if !(from.is_finite() && to.is_finite() && from < to) {
-        return Err(refuse(format!("a window goes from a place to a later one, not from {from} to {to}")));
+        return Err(refuse(format!("the end of a window exceeds its start, which {from} to {to} does not")));
     }
     let words = words(options, "window_name")?.unwrap_or_else(|| "window".into());
     Ok(Some(Window { words, range: [from * factor, to * factor] }))
@@ -190,26 +191,26 @@ fn marked(options: &Options<'_>, factor: f64) -> HostResult<Option<Window>> {
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "plot(title, #{ name: signal, … })",
-        gives: "a plot for report and recording, signals over time in ms; y is called as the plot is",
+        gives: "a plot in report and recording: signals over time in ms; the title labels the y axis",
         example: r#"plot("acceleration (m/s²)", #{ measured: signal([0, 0.1], [0, 150]), raw: signal([0, 0.1], [3, 149]) }); true"#,
     },
     Entry {
         call: "plot(title, #{ x, y, log_x, log_y, window: [from, to], window_name }, curves)",
-        gives: "the same with words for the axes, axes by decades, and a marked stretch of x (s where signals are shown)",
+        gives: "the same with labels of the axes, logarithmic axes, and a marked window of x (s where signals are shown)",
         example: r#"let read = signal([0, 0.1], [0, 150]);
                     plot("Braking", #{ y: "acceleration (m/s²)", window: [0, 0.05], window_name: "loading" }, read); true"#,
     },
     Entry {
         call: "#{ name: signal | curve | [xs, ys] }",
-        gives: "what a plot shows: signals over time, stress–strain curves in MPa, or two lists or signals of the same length in the \
-                units of the axes, which `x` and `y` name",
+        gives: "the curves of a plot: signals over time, stress–strain curves in MPa, or two lists or signals of the same length in the \
+                units of the axes in `x` and `y`",
         example: r#"plot("MD", #{ film: curve([0, 0.26], [0, 8.4e6]) });
                     let travel = signal([0, 0.1], [0, -0.17]); let force = signal([0, 0.1], [0, 1500]);
                     plot("Loop", #{ x: "travel (mm)", y: "force (N)" }, [travel * -1000, force]); true"#,
     },
     Entry {
         call: "[#{ name, curve, look: \"line\" | \"dashed\" | \"points\" }, …]",
-        gives: "curves in this order, the second look for what others are held against",
+        gives: "curves in this order; dashed is meant for references",
         example: r#"let law = curve([0, 0.26, 0.84], [0, 8.4e6, 20e6]);
                     plot("Yield points of MD", [#{ name: "mean", curve: law },
                         #{ name: "yield points", curve: [[0.26, 0.84], [8.4, 20]], look: "points" }]); true"#,
@@ -232,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn signals_stand_over_milliseconds_and_laws_in_megapascals() {
+    fn signals_are_plotted_over_milliseconds_and_curves_in_megapascals() {
         let found = plots(
             "let s = signal([0, 0.05, 0.1], [0, 150, 20]);
              plot(\"a\", #{ y: \"acceleration (m/s²)\", window: [0, 0.05] }, [#{ name: \"s\", curve: s }, #{ name: \"e\", curve: s, look: \"dashed\" }]);
@@ -257,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_strangers_leave_has_bounds() {
+    fn the_size_of_plots_is_limited() {
         let long = "let s = signal([0, 1e-4], [0, 1]).resampled(1e-9);";
         let thin = plots(&format!("{long} plot(\"a\", s); plot(\"a\", s);"));
         assert!(thin.len() == 1 && (1300..=2000).contains(&thin[0].curves[0].points.len()));
@@ -272,24 +273,24 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_said() {
+    fn mistakes_are_reported() {
         let cases = [
             ("plot(\"a\", 1)", "a plot shows signals, curves or pairs [xs, ys], not i64"),
             ("plot(\"a\", #{ x: \"mm\" }, #{})", "the plot `a` has 0 curves"),
-            ("plot(\" \", signal([0], [1]))", "a plot needs a title"),
+            ("plot(\" \", signal([0], [1]))", "a title, an axis label or a name of a plot has 1 to 200"),
             ("plot(\"a\", #{ x: \"mm\" }, [[0, 1], [1]])", "2 values along x for 1 along y"),
             ("plot(\"a\", #{ x: \"mm\" }, [[0, 1], [1, 2], [3, 4]])", "a pair of a plot is [xs, ys], not a list of 3"),
             ("plot(\"a\", [[0, 1], [1, 2]])", "plot needs `x`"),
             ("plot(\"a\", #{ x: \"mm\" }, [[\"b\"], [1]])", "expected a number for a cell"),
             ("plot(\"a\", #{ x: 1 }, signal([0], [1]))", "`x` is a text, not i64"),
-            (
-                "plot(\"a\", #{ x: \"time\" }, signal([0], [1]))",
-                "`time` does not say its unit: end it with (ms) or (s)",
-            ),
-            ("plot(\"a\", #{ z: \"time\" }, signal([0], [1]))", "plot knows no `z`; it takes x, y, log_x"),
+            ("plot(\"a\", #{ x: \"time\" }, signal([0], [1]))", "`time` has no unit at its end: add (ms) or (s)"),
+            ("plot(\"a\", #{ z: \"time\" }, signal([0], [1]))", "plot has no option `z`; it takes x, y, log_x"),
             ("plot(\"a\", #{ log_y: 1 }, signal([0], [1]))", "log_y is true or false"),
             ("plot(\"a\", #{ window: 3 }, signal([0], [1]))", "expected a window [from, to]"),
-            ("plot(\"a\", #{ window: [2, 1] }, signal([0], [1]))", "not from 2 to 1"),
+            (
+                "plot(\"a\", #{ window: [2, 1] }, signal([0], [1]))",
+                "the end of a window exceeds its start, which 2 to 1 does not",
+            ),
             (
                 "plot(\"a\", #{ s: signal([0], [1]), c: curve([0, 1], [0, 1]) })",
                 "signals over time or curves over strain, not both",

@@ -7,7 +7,7 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, INT};
 
 use crate::script::{Entry, refuse};
 
-/// Most numbers that are drawn at once: as many as a list of a script holds.
+/// Most numbers that are drawn at once, the limit of lists.
 const MOST: INT = 10_000;
 
 /// A stream of random numbers.
@@ -25,7 +25,7 @@ pub(super) fn register(engine: &mut Engine) {
 
 fn normals(stream: &mut Stream, count: INT) -> Result<Array, Box<EvalAltResult>> {
     if !(0..=MOST).contains(&count) {
-        return Err(refuse(format!("{count} random numbers at once, where 0 to {MOST} can be had")));
+        return Err(refuse(format!("expected a count of 0 to {MOST} random numbers, found {count}")));
     }
     let draw = |_| -> f64 { StandardNormal.sample(stream) };
     Ok((0..count).map(draw).map(Dynamic::from).collect())
@@ -54,9 +54,9 @@ pub const ENTRIES: &[Entry] = &[
 mod tests {
     use crate::functions::check::engine;
 
-    /// The numbers that virtual recordings were made with: another version of the generator must not change them unseen.
+    /// The shipped virtual recordings were made with these numbers, which another version of the generator must not change.
     #[test]
-    fn a_seed_gives_the_same_numbers_for_good() {
+    fn a_seed_gives_the_same_numbers_in_every_version() {
         let engine = engine();
         let drawn = engine.eval::<rhai::Array>("let r = random(1008); [r.uniform(), r.normal()]").unwrap();
         let drawn: Vec<f64> = drawn.iter().map(|number| number.as_float().unwrap()).collect();

@@ -36,7 +36,7 @@ fn read(context: &NativeCallContext, path: &str, wanted: &ReadOptions) -> HostRe
     Ok(measurement)
 }
 
-/// What a script says of a file: `#{ time: name, columns: [name, …], units: #{ name: unit } }`, each as on the command line.
+/// The read options from a script: `#{ time: name, columns: [name, …], units: #{ name: unit } }`, each as on the command line.
 pub(super) fn wanted(more: &Map) -> HostResult<ReadOptions> {
     let mut wanted = ReadOptions::default();
     for (key, value) in more {
@@ -115,7 +115,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "read_recording(path, #{ time, columns, units })",
-        gives: "the same where the file does not say all: the column of time, names for all columns, units of channels",
+        gives: "the same with what the file lacks: the column of time, names of all columns, units of channels",
         example: r#"read_recording(args.recording, #{ time: "time", units: #{ acceleration: "g" } }).unit("acceleration") == "m/s2""#,
     },
     Entry {
@@ -130,17 +130,17 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "recording.unit(name)",
-        gives: "the SI unit of the channel's values; empty where the file does not tell the unit",
+        gives: "the SI unit of the channel's values; empty where the file has none",
         example: "read_recording(args.recording).unit(\"acceleration\") == \"m/s2\"",
     },
     Entry {
         call: "recording.filter_class(name)",
-        gives: "the channel frequency class that the file says the channel went through already, or ()",
+        gives: "the channel frequency class that the file states for the channel, or ()",
         example: "read_recording(args.recording).filter_class(\"acceleration\") == ()",
     },
     Entry {
         call: "recording.notes()",
-        gives: "what was assumed or found odd while reading",
+        gives: "notes on what was assumed or is irregular in the file",
         example: "read_recording(args.recording).notes().len() == 0",
     },
 ];
@@ -150,7 +150,7 @@ mod tests {
     use crate::functions::check::{assert_refused, engine};
 
     #[test]
-    fn what_a_file_leaves_open_is_given() {
+    fn options_complete_what_a_file_lacks() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("r.csv");
         std::fs::write(&path, "clock,a\n0,1\n1,2\n").unwrap();
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_said() {
+    fn mistakes_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("r.csv");
         std::fs::write(&path, "time [ms],acceleration [g]\n0,1\n1,2\n").unwrap();

@@ -51,16 +51,16 @@ fn row_of(map: &Map, columns: Option<&Array>) -> HostResult<Row> {
     columns.iter().map(column).collect()
 }
 
-/// The reference of what a script writes down.
+/// The reference of these functions.
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "measure(name, value)",
-        gives: "adds a figure to the summary; names are letters, digits and _",
+        gives: "adds a figure to the summary; its name has letters, digits and _",
         example: r#"measure("stopping_distance_m", 0.17); true"#,
     },
     Entry {
         call: "table(name, rows)",
-        gives: "adds a table to the summary; rows are a map or a list of maps, columns in alphabetical order",
+        gives: "adds a table to the summary; rows are a map or a list of maps; columns in alphabetical order",
         example: r#"table("coefficients", #{ k1: 2.75, ke: 3.41 }); true"#,
     },
     Entry {
@@ -70,7 +70,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "log(text)",
-        gives: "a line for the terminal and the report; `print` does the same",
+        gives: "a line for terminal and report; `print` does the same",
         example: r#"log("loading took " + 57 + " ms"); print("done"); true"#,
     },
     Entry {

@@ -1,4 +1,4 @@
-//! Signals in scripts: whole series as one value, so that loops stay in the host.
+//! Signals in scripts: a series is one value, so that loops run in the host.
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, NativeCallContext};
 
@@ -109,7 +109,7 @@ fn map(s: &Series, f: impl Fn(f64) -> f64) -> Series {
     s.with_values(s.values().iter().map(|v| f(*v)).collect())
 }
 
-/// `b` is read between its samples at the times of `a`.
+/// `f` of `a` and of `b`, interpolated at the times of `a`.
 fn pointwise(a: &Series, b: &Series, f: Operator) -> Series {
     let values = a.samples().map(|[time, value]| f(value, b.at(time).unwrap_or(f64::NAN)));
     a.with_values(values.collect())
@@ -149,7 +149,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "signal.time_of_max(), signal.time_of_min()",
-        gives: "when it is reached first, s",
+        gives: "the time of its first occurrence, s",
         example: "let s = signal([0, 1, 2], [5, 9, 7]); s.time_of_max() == 1.0 && s.time_of_min() == 0.0",
     },
     Entry {
@@ -179,12 +179,12 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "signal.integrated(start)",
-        gives: "the running integral as a signal that begins at start",
+        gives: "the cumulative integral as a signal that begins at start",
         example: "signal([0, 1, 3], [0, 2, 2]).integrated(-1).at(3) == 4.0",
     },
     Entry {
         call: "signal.filtered(class)",
-        gives: "the signal through the channel filter of that class (ISO 6487); equal steps needed",
+        gives: "the signal through the channel filter of that class (ISO 6487); its steps must be equal",
         example: "let s = signal([0, 0.0001, 0.0002], [2, 2, 2]).filtered(1000); (s.at(0.0001) - 2).abs() < 1e-9",
     },
     Entry {
@@ -195,7 +195,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry { call: "signal.abs()", gives: "the magnitudes", example: "signal([0, 1], [-5, 3]).abs().max() == 5.0" },
     Entry {
         call: "signal + signal, signal * number, -signal, …",
-        gives: "+ − * / of signals and numbers; a second signal is read at the times of the first",
+        gives: "+ − * / of signals and numbers; a second signal is interpolated at the times of the first",
         example: "let s = signal([0, 1], [5, 6]); (2 * s - s / 0.5 + 1).max() == 1.0 && (-(s - s)).min() == 0.0",
     },
     Entry {
@@ -215,7 +215,7 @@ mod tests {
     use crate::functions::check::{assert_refused, engine};
 
     #[test]
-    fn mistakes_are_said() {
+    fn mistakes_are_reported() {
         let cases = [
             ("signal([0, 0], [1, 2])", "time does not increase"),
             ("signal([0], [1, 2])", "1 times for 2 values"),

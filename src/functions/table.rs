@@ -12,10 +12,10 @@ use crate::script::{Entry, Session, refuse};
 /// Longest table that is read, bytes.
 const LONGEST: u64 = 1 << 20;
 
-/// Most cells that are read: as many as a list of a script holds.
+/// Most cells that are read, the limit of lists.
 const MOST_CELLS: usize = 10_000;
 
-/// Why a file is no table.
+/// Why a table cannot be read.
 #[derive(Debug, Error)]
 enum TableError {
     #[error("cannot read {}: {source}", path.display())]
@@ -40,7 +40,7 @@ pub(super) fn register(engine: &mut Engine) {
     });
 }
 
-/// A map a row, by the names of the first line; `#` lines are comments, an empty cell is `()`.
+/// One map per row, by the names in the header; `#` lines are comments, an empty cell is `()`.
 fn read(path: &Path) -> Result<Array, TableError> {
     let malformed = |source| TableError::Malformed { path: path.into(), source };
     let text = text(path)?;
@@ -74,7 +74,7 @@ fn text(path: &Path) -> Result<String, TableError> {
     })
 }
 
-/// Numbers are such, the rest is text; none for a number that is not finite.
+/// A number or a text; none for a number that is not finite.
 fn cell(text: &str) -> Option<Dynamic> {
     if text.is_empty() {
         return Some(Dynamic::UNIT);
@@ -91,7 +91,7 @@ fn cell(text: &str) -> Option<Dynamic> {
 /// The reference of tables.
 pub const ENTRIES: &[Entry] = &[Entry {
     call: "read_table(path)",
-    gives: "the rows of a small CSV file as a list of maps; numbers where a cell is one, () where it is empty",
+    gives: "the rows of a small CSV file as a list of maps; numeric cells are numbers, empty ones ()",
     example: r#"let rows = read_table("data/paper/table-5.csv"); rows.len() == 4 && rows[0].direction == "MD" && rows[0].strain == 0.26"#,
 }];
 
@@ -123,7 +123,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_has_no_end_is_no_table() {
+    fn devices_and_long_files_are_refused() {
         let error = engine().run("read_table(\"/dev/zero\")").unwrap_err().to_string();
         assert!(error.contains("/dev/zero is not a file"), "{error}");
         let folder = tempfile::tempdir().unwrap();

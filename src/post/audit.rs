@@ -1,4 +1,4 @@
-//! Figures that every run has: its size, its cost, and how far it can be trusted.
+//! Figures of every run: its size, its cost and its errors.
 
 use serde::Serialize;
 
@@ -7,7 +7,7 @@ use crate::mesh::Quality;
 use crate::signal::csv::clean_time;
 use crate::simulate::{Outcome, RateHistogram};
 
-/// Figures of the machine and of the mesh, which differ from one run of a scenario to the next, or say what its keys do.
+/// Figures of machine and mesh, which differ between runs of a scenario or follow from its keys.
 pub const COST: [&str; 8] = [
     "elements",
     "steps",
@@ -19,19 +19,28 @@ pub const COST: [&str; 8] = [
     "instructions",
 ];
 
-/// Size, cost and trust of a run; fields of `summary.json`.
+/// Size, cost and errors of a run; fields of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Audit {
+    /// Largest error of the energy balance over the largest energy.
     pub energy_balance_error: f64,
+    /// Whether the film ruptured.
     pub ruptured: bool,
+    /// Time of the first rupture.
     pub rupture_time_s: Option<f64>,
+    /// Elements of all faces.
     pub elements: usize,
     /// Memory of the engine's own arrays over the number of elements.
     pub bytes_per_element: f64,
+    /// Time steps.
     pub steps: u64,
+    /// Largest time step.
     pub time_step_s: f64,
+    /// Wall time.
     pub wall_s: f64,
+    /// Wall time over elements and steps.
     pub ns_per_element_step: f64,
+    /// Threads of the engine.
     pub threads: usize,
     /// Vector instructions of the kernels.
     pub instructions: Width,
@@ -69,7 +78,7 @@ impl MeshFigures {
     }
 }
 
-/// Share of the film's straining by strain rate.
+/// Shares of the strain increments of the film by strain rate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Histogram {
     /// Edges of the bins, 1/s.
@@ -81,7 +90,7 @@ pub struct Histogram {
 }
 
 impl Audit {
-    /// The figures of a finished or broken-off run.
+    /// The figures of a finished or failed run.
     pub fn of(outcome: &Outcome) -> Audit {
         let wall_s = outcome.wall.as_secs_f64();
         let element_steps = outcome.elements as f64 * outcome.steps as f64;

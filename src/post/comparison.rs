@@ -1,4 +1,4 @@
-//! Runs compared: their figures, the keys of their scenarios, and their signals, each against the first run's.
+//! Comparison of runs: their figures, the keys of their scenarios and their signals, each with those of the first run.
 
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::store::StoredRun;
 /// Several runs, compared with the first of them.
 #[derive(Clone, Debug)]
 pub struct RunComparison {
-    /// One entry a run, as in all lists that follow.
+    /// The runs; the lists that follow have one entry per run.
     pub runs: Vec<ComparedRun>,
     /// Figures that a run has, in the order of the summaries.
     pub figures: Vec<ComparedFigure>,
@@ -23,15 +23,16 @@ pub struct RunComparison {
     pub keys: Vec<ComparedKey>,
     /// Signals that several runs have, in the order of the first that has them.
     pub signals: Vec<ComparedSignal>,
-    /// What a reader must know: runs that broke off, virtual recordings, signals that one run has alone.
+    /// Notes: failed runs, virtual recordings, signals of one run only.
     pub notes: Vec<String>,
 }
 
 /// One of the runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ComparedRun {
-    /// The end of its path, as much of it as tells it from the others.
+    /// The shortest end of its path that no other run has.
     pub name: String,
+    /// Its folder or file.
     pub place: PathBuf,
     /// Its title, where it has one.
     pub title: Option<String>,
@@ -42,7 +43,7 @@ pub struct ComparedRun {
 pub struct ComparedFigure {
     /// As `summary.json` calls it.
     pub name: String,
-    /// Number, text or truth; none where a run has none.
+    /// Number, text or truth value; none where a run has none.
     pub values: Vec<Option<Value>>,
 }
 
@@ -51,7 +52,7 @@ pub struct ComparedFigure {
 pub struct ComparedKey {
     /// `layers.count`.
     pub path: String,
-    /// As TOML; none where a scenario does not say it.
+    /// As TOML; none where a scenario lacks it.
     pub values: Vec<Option<String>>,
 }
 
@@ -62,12 +63,12 @@ pub struct ComparedSignal {
     pub column: String,
     /// None where a run has no such channel.
     pub series: Vec<Option<Series>>,
-    /// ‖s − s₁‖/‖s₁‖ against the first run while both go on (paper, equations 14 and 15); none of the first run itself, and
+    /// ‖s − s₁‖/‖s₁‖ against the first run over their common time (paper, equations 14 and 15); none of the first run itself, and
     /// where there is nothing to compare.
     pub errors: Vec<Option<f64>>,
 }
 
-/// Figures that say what came out: shown even where all runs agree.
+/// Figures that are shown even where all runs agree.
 const KEY: [&str; 12] = [
     "peak_acceleration_m_s2",
     "peak_displacement_m",
@@ -84,7 +85,7 @@ const KEY: [&str; 12] = [
 ];
 
 impl RunComparison {
-    /// The runs compared; of the signals only those that `wanted` names, or all where it names none.
+    /// Compares `runs`; of the signals only those that `wanted` names, or all where it is empty.
     pub fn of(runs: &[StoredRun], wanted: &[String]) -> RunComparison {
         let names = names(&runs.iter().map(|run| run.place.as_path()).collect::<Vec<_>>());
         let title = |run: &StoredRun| run.summary.get("title").and_then(Value::as_str).map(str::to_owned);
@@ -108,7 +109,7 @@ impl RunComparison {
         self.runs.iter().map(|run| run.name.as_str()).collect::<Vec<_>>().join(" | ")
     }
 
-    /// The figures worth showing: those that differ and those that say what came out.
+    /// The figures that differ, and the key figures.
     pub fn key_figures(&self) -> impl Iterator<Item = &ComparedFigure> {
         self.figures.iter().filter(|figure| figure.is_key())
     }
@@ -138,8 +139,8 @@ impl RunComparison {
 }
 
 impl ComparedFigure {
-    /// Growth of a run's number over the first one's, as a share of that: of negative numbers, that of their magnitude. None of
-    /// the first run, of what is no number, and where the first one is zero.
+    /// Relative difference of a run's number from that of the first run, `value / first - 1`. None for the first run,
+    /// for what is not a number, and where the first number is zero.
     pub fn difference(&self, run: usize) -> Option<f64> {
         let number = |run: usize| self.values.get(run)?.as_ref()?.as_f64();
         let first = number(0).filter(|first| *first != 0.0)?;
@@ -153,7 +154,7 @@ impl ComparedFigure {
     }
 }
 
-/// The shortest ends of the paths that tell them from each other.
+/// The shortest ends of the paths that differ.
 fn names(places: &[&Path]) -> Vec<String> {
     let parts = |place: &Path| -> Vec<String> {
         let whole = place.canonicalize().unwrap_or_else(|_| place.into());
@@ -186,10 +187,10 @@ fn figures(runs: &[StoredRun]) -> Vec<ComparedFigure> {
 
 fn keys(runs: &[StoredRun]) -> Vec<ComparedKey> {
     let scenarios: Vec<_> = runs.iter().map(|run| scenario::leaves(&run.scenario)).collect();
-    // A recording has no scenario, and differs from none.
-    let said: Vec<_> = scenarios.iter().filter(|scenario| !scenario.is_empty()).collect();
+    // A recording has no scenario, so it does not count as different.
+    let given: Vec<_> = scenarios.iter().filter(|scenario| !scenario.is_empty()).collect();
     let paths: BTreeSet<&String> = scenarios.iter().flat_map(|scenario| scenario.keys()).collect();
-    let differs = |path: &&String| said.iter().any(|scenario| scenario.get(*path) != said[0].get(*path));
+    let differs = |path: &&String| given.iter().any(|scenario| scenario.get(*path) != given[0].get(*path));
     let of = |path: &String| ComparedKey {
         path: path.clone(),
         values: scenarios.iter().map(|scenario| scenario.get(path).cloned()).collect(),
@@ -197,7 +198,7 @@ fn keys(runs: &[StoredRun]) -> Vec<ComparedKey> {
     paths.into_iter().filter(|path| !HEADER.contains(&path.as_str())).filter(differs).map(of).collect()
 }
 
-/// The common signals, and what is to be said of the others.
+/// The common signals, and notes on the others.
 fn signals(runs: &[StoredRun], names: &[String], wanted: &[String]) -> (Vec<ComparedSignal>, Vec<String>) {
     let mut columns: Vec<&String> = vec![];
     for channel in runs.iter().flat_map(|run| &run.signals.channels) {
@@ -215,7 +216,7 @@ fn signals(runs: &[StoredRun], names: &[String], wanted: &[String]) -> (Vec<Comp
     }
     let alone = names.iter().zip(alone).filter(|(_, columns)| !columns.is_empty());
     let mut notes: Vec<String> =
-        alone.map(|(name, columns)| format!("{name} alone has {}", columns.join(", "))).collect();
+        alone.map(|(name, columns)| format!("only {name} has {}", columns.join(", "))).collect();
     if common.is_empty() {
         notes.push("no signal is common to them".into());
     }
@@ -236,7 +237,7 @@ fn errors(series: &[Option<Series>]) -> Vec<Option<f64>> {
     series.iter().enumerate().map(error).collect()
 }
 
-/// Times (s) at which both go on.
+/// The interval of time (s) that both cover.
 fn common_window(a: &Series, b: &Series) -> Option<[f64; 2]> {
     let (from, to) = (a.time().first()?.max(*b.time().first()?), a.time().last()?.min(*b.time().last()?));
     (from < to).then_some([from, to])
@@ -277,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_is_the_shortest_end_that_tells_paths_apart() {
+    fn a_name_is_the_shortest_end_that_differs() {
         for (places, expected) in [
             (vec!["/r/drop/1008", "/r/drop/1509"], vec!["1008", "1509"]),
             (vec!["/a/1008", "/b/1008", "/b/1509"], vec!["a/1008", "b/1008", "1509"]),
@@ -289,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_are_held_against_the_first() {
+    fn runs_are_compared_with_the_first() {
         let first = json!({ "title": "a", "peak_force_N": 200.0, "ruptured": false, "wall_s": 1.0, "warnings": ["w"] });
         let second = json!({ "title": "b", "peak_force_N": 150.0, "ruptured": false, "wall_s": 2.0, "more": "text" });
         let comparison = RunComparison::of(
@@ -318,7 +319,7 @@ mod tests {
         );
         let [signals] = &comparison.signals[..] else { panic!("{:?}", comparison.signals) };
         assert_eq!(signals.errors, [None, Some(1.0), Some(1.0)]);
-        assert_eq!(comparison.notes, ["a alone has `depth_m`"]);
+        assert_eq!(comparison.notes, ["only a has `depth_m`"]);
         let summary = comparison.summary();
         assert_eq!(summary["figures"]["peak_force_N"]["differences"][1], -0.25);
         assert_eq!(summary["errors"]["force_N"], json!([null, 1.0, 1.0]));
@@ -326,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_reader_must_know_is_said() {
+    fn failed_runs_and_virtual_recordings_are_noted() {
         let broken = StoredRun { failure: Some("lost".into()), ..run("/r/a", json!({}), "", &[("force_N", [0.0; 3])]) };
         let unreal = StoredRun { is_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
         let notes = RunComparison::of(&[broken, unreal], &[]).notes;
@@ -338,7 +339,7 @@ mod tests {
         let found = json!({ "findings": [{ "code": "virtual-reference" }], "reference_notes": [] });
         assert_eq!(notes_of(found)[0], "a: its errors are against a VIRTUAL recording: nothing was measured");
         assert!(!notes_of(json!({ "reference_notes": ["a test"] }))[0].contains("VIRTUAL"));
-        assert_eq!(notes[2..], ["a alone has `force_N`", "b alone has `strain`", "no signal is common to them"]);
+        assert_eq!(notes[2..], ["only a has `force_N`", "only b has `strain`", "no signal is common to them"]);
         let only = RunComparison::of(&[run("/a", json!({}), "", &[]), run("/b", json!({}), "", &[])], &["none".into()]);
         assert!(only.signals.is_empty());
     }

@@ -1,4 +1,4 @@
-//! Materials of coupon tests in scripts.
+//! Materials from coupon tests in scripts.
 
 use rhai::{Dynamic, Engine, Map};
 
@@ -8,7 +8,7 @@ use crate::scenario::coupon_material::CouponMaterial;
 use crate::script::{Entry, HostResult, Options, refuse};
 use crate::units::Density;
 
-/// Name of the shear curve's file where a script gives none.
+/// Default name of the file of the shear curve.
 const SHEAR_FILE: &str = "material-shear.csv";
 
 /// Offers `coupon_material` to scripts.
@@ -32,7 +32,7 @@ fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> HostResult<Map> {
 /// The reference of materials of coupon tests.
 pub const ENTRIES: &[Entry] = &[Entry {
     call: "coupon_material(reduction, coupon), coupon_material(reduction, coupon, #{ density, shear_file })",
-    gives: "a map of two texts: the material file of coupons of MD, TD and D3, and the shear curve's file that it names (material-shear.csv); both say how many coupons were virtual",
+    gives: "a map of two texts: the material file of coupons of MD, TD and D3, and the shear curve's file that it names (material-shear.csv); both state how many coupons were virtual",
     example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let t = read_coupons("data/virtual/coupons/*-0.2-*.csv", c); let m = coupon_material(reduce_coupons(t), c, #{ density: "0.915 g/cm3" }); m.material.contains("thickness = \"12 um\"") && m.shear.contains("VIRTUAL") && m.shear.contains("strain,stress_MPa")"#,
 }];
 
@@ -43,7 +43,7 @@ mod tests {
     use crate::script::Limits;
 
     #[test]
-    fn mistakes_are_said() {
+    fn mistakes_are_reported() {
         let mut engine = engine(Limits::STUDY);
         register_reading(&mut engine);
         register(&mut engine);
@@ -52,7 +52,7 @@ mod tests {
             let r = reduce_coupons([#{ direction: \"MD\", velocity: 1, curve: u }]); coupon_material(r, c";
         for (end, expected) in [
             (")", "there is none of TD"),
-            (", #{ depth: 1 })", "coupon_material knows no `depth`; it takes density, shear_file"),
+            (", #{ depth: 1 })", "coupon_material has no option `depth`; it takes density, shear_file"),
             (", #{ density: \"5 m\" })", "density: expected a density"),
         ] {
             let error = engine.run(&format!("{unknown}{end}")).unwrap_err().to_string();

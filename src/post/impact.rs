@@ -10,18 +10,18 @@ use crate::signal::norm::NormError;
 use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
-/// What an impact comes down to; fields of `summary.json`.
+/// Figures of an impact; fields of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Impact {
     /// Largest filtered acceleration.
     pub peak_acceleration_m_s2: Option<f64>,
     pub time_of_peak_acceleration_s: Option<f64>,
-    /// Largest travel below first contact; negative.
+    /// Lowest displacement from first contact; negative.
     pub peak_displacement_m: Option<f64>,
     pub time_of_peak_displacement_s: Option<f64>,
-    /// Largest upward velocity after the turn; none where the impactor did not turn round.
+    /// Largest upward velocity after the lowest point; none without a rebound.
     pub rebound_velocity_m_s: Option<f64>,
-    /// D of the paper's equation 11; none where the impactor did not turn round.
+    /// D of the paper's equation 11; none without a rebound.
     pub energy_absorption: Option<f64>,
     /// Engineering strains at which the MD and TD fibres break, of the face that breaks first; none where nothing breaks.
     pub break_strain_md: Option<f64>,
@@ -30,7 +30,7 @@ pub struct Impact {
     pub acceleration_error: Option<f64>,
     /// E_d of the paper's equation 15; none without a reference.
     pub displacement_error: Option<f64>,
-    /// What the recording says of itself, what was noted while it was read, and how it was reduced; none without a reference.
+    /// Notes of the recording, of its reading and of its reduction; none without a reference.
     pub reference_notes: Option<Vec<String>>,
     #[serde(flatten)]
     pub audit: Audit,
@@ -87,8 +87,8 @@ impl Impact {
 }
 
 impl Impact {
-    /// The same of a run that was ended on its way: without what only its end tells, and without the peaks where the impactor had
-    /// not turned round yet.
+    /// The same of a run that was ended early: without the figures of its end, and without the peaks where there was no
+    /// rebound yet.
     pub(super) fn ended_early(self) -> Impact {
         let early = Impact { rebound_velocity_m_s: None, energy_absorption: None, ..self };
         if self.rebound_velocity_m_s.is_some() {
@@ -104,7 +104,7 @@ impl Impact {
     }
 }
 
-/// Where the impactor turned round: time (s) and displacement (m). None where it was still going down at the end.
+/// Time (s) and displacement (m) of the lowest point of the impactor; none where it still moves down at the end.
 pub fn lowest_point(signals: &Recording) -> Option<[f64; 2]> {
     let displacement = signals.series(column::DISPLACEMENT.name)?;
     displacement.smallest().filter(|[time, _]| displacement.time().last() > Some(time))
@@ -134,7 +134,7 @@ mod tests {
     use crate::signal::Channel;
 
     #[test]
-    fn an_impactor_that_still_goes_down_has_no_lowest_point() {
+    fn an_impactor_that_still_moves_down_has_no_lowest_point() {
         let falls = |values: &[f64]| {
             let displacement = Channel { name: "displacement_m".into(), values: values.to_vec() };
             lowest_point(&Recording {

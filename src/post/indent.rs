@@ -6,7 +6,7 @@ use super::{Audit, RunFindings};
 use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
-/// What an indentation comes down to; fields of `summary.json`.
+/// Figures of an indentation; fields of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Indent {
     /// Largest force on the impactor, N.
@@ -17,7 +17,7 @@ pub struct Indent {
     /// Work of the impactor: the force over the depth, J.
     #[serde(rename = "work_J")]
     pub work: f64,
-    /// Depth at which the film broke; none where it held.
+    /// Depth at rupture; none without one.
     #[serde(rename = "depth_at_break_m")]
     pub depth_at_break: Option<f64>,
     /// Depth at the end of the test.

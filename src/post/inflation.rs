@@ -6,21 +6,21 @@ use super::{Audit, RunFindings};
 use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
-/// What an inflation comes down to; fields of `summary.json`.
+/// Figures of an inflation; fields of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inflation {
-    /// Largest pressure that acted.
+    /// Largest pressure on the film.
     #[serde(rename = "peak_pressure_Pa")]
     pub peak_pressure: Option<f64>,
-    /// Rise of the highest point over its place before the test, largest of all samples.
+    /// Largest deflection of the highest point.
     #[serde(rename = "peak_deflection_m")]
     pub peak_deflection: Option<f64>,
-    /// The same at the end of the test, where the pressure was held.
+    /// Deflection at the end of the test, where the pressure is constant.
     #[serde(rename = "final_deflection_m")]
     pub final_deflection: Option<f64>,
-    /// Change of the deflection over the last tenth of the test, over the deflection: how far it is at rest.
+    /// Change of the deflection over the last tenth of the test, over the deflection; small at rest.
     pub settling: Option<f64>,
-    /// Pressure at the last sample before the film broke; none where it held.
+    /// Pressure at the last sample before the rupture; none without one.
     #[serde(rename = "burst_pressure_Pa")]
     pub burst_pressure: Option<f64>,
     #[serde(flatten)]

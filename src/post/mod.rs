@@ -1,4 +1,4 @@
-//! From an outcome to what a user asks of it: filtered channel, measures, comparison, post script.
+//! From an outcome to its results: filtered channel, measures, comparison, post script.
 
 mod audit;
 pub mod comparison;
@@ -34,7 +34,7 @@ pub use stretch::Stretch;
 pub use study::{Study, register as register_studies};
 pub use warning::{CODES, RunFindings, Warning};
 
-/// The reference of what runs and scenarios offer to scripts.
+/// The reference of runs and scenarios in scripts.
 pub const REFERENCE: &[Chapter] = &[
     Chapter { title: "the run ([post] script)", entries: run::ENTRIES },
     Chapter { title: "scenarios (droptower script)", entries: study::ENTRIES },

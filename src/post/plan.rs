@@ -1,4 +1,4 @@
-//! What will be done with a run, proved before the run: the reference is read and the script compiled first.
+//! The evaluation of a run, prepared before it: the reference is read and the script compiled first.
 
 use rhai::Engine;
 use thiserror::Error;
@@ -10,14 +10,14 @@ use crate::script::{self, Limits, OutputCollector, Script};
 use crate::signal::filter::{ChannelFilter, FilterError, Standard};
 use crate::simulate::Outcome;
 
-/// Reference and post script of a model, ready.
+/// The reference and the post script of a model, read and checked.
 #[derive(Clone, Debug)]
 pub struct Plan {
     comparison: Option<ReferenceComparison>,
     script: Option<Script>,
 }
 
-/// Why a run's results could not be evaluated, found before the run.
+/// Why the evaluation of a run cannot be prepared.
 #[derive(Debug, Error)]
 pub enum PrepareError {
     #[error("output.filter: {0}")]
@@ -29,7 +29,10 @@ pub enum PrepareError {
 }
 
 impl Plan {
-    /// Reads and checks everything that is needed after the run.
+    /// Reads and checks the reference, the filter and the post script of `model`.
+    ///
+    /// # Errors
+    /// The filter does not suit the sample rate, the reference cannot be read, or the script does not compile.
     pub fn prepare(model: &Model) -> Result<Plan, PrepareError> {
         if let Some(class) = model.output.filter {
             ChannelFilter::new(class, 1.0 / model.output.sample_rate, Standard::Iso6487)?;
@@ -43,10 +46,13 @@ impl Plan {
         Ok(Plan { comparison, script })
     }
 
-    /// Whether what is prepared for one model serves for another: nothing that it is made of differs.
+    /// Whether the plan of one model is also that of the other.
     pub(super) fn is_common(one: &Model, other: &Model) -> bool {
-        let of = |model: &Model| format!("{:?} {:?}", model.impactor, model.loading);
-        one.reference == other.reference && one.post == other.post && one.output == other.output && of(one) == of(other)
+        one.reference == other.reference
+            && one.post == other.post
+            && one.output == other.output
+            && one.impactor == other.impactor
+            && one.loading == other.loading
     }
 
     /// Measures the run and adds what its post script leaves.
@@ -67,7 +73,7 @@ impl Plan {
         Results::measure(model, outcome, self.comparison.clone())
     }
 
-    /// The text of the post script, as it is run.
+    /// The text of the post script.
     pub fn script(&self) -> Option<&str> {
         self.script.as_ref().map(Script::text)
     }

@@ -1,4 +1,4 @@
-//! What is known about a run once it is measured.
+//! The results of a measured run.
 
 use serde_json::{Map, Value, json};
 

@@ -1,4 +1,4 @@
-//! A finished run as a script sees it.
+//! A finished run in scripts.
 
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ struct Columns {
     of: fn(&Parts) -> &Recording,
 }
 
-/// A reference recording as a script sees it.
+/// A reference recording in scripts.
 #[derive(Clone, Debug)]
 pub(super) struct ReferenceSignals(pub ReferenceComparison);
 
@@ -46,7 +46,7 @@ impl Run {
         }))
     }
 
-    /// A run without anything, for compiling scripts before there is one.
+    /// An empty run, for compiling scripts before the run.
     pub(super) fn empty() -> Run {
         Run(Arc::default())
     }
@@ -112,7 +112,7 @@ fn unknown<'a>(owner: &str, name: &str, known: impl IntoIterator<Item = &'a str>
     refuse(format!("a {owner} has no `{name}`; it has {}", known.join(", ")))
 }
 
-/// What was run, as far as scripts reckon with it.
+/// The quantities of a model that scripts read.
 pub(super) fn facts(model: &Model) -> serde_json::Map<String, Value> {
     let mut facts = serde_json::Map::new();
     facts.insert("name".into(), json!(model.name));
@@ -159,19 +159,19 @@ pub(super) fn register(engine: &mut Engine) {
         .register_indexer_get(ReferenceSignals::get);
 }
 
-/// What a post script finds: the constant `run`.
+/// The scope of a post script: the constant `run`.
 pub(super) fn scope(run: Run) -> Scope<'static> {
     let mut scope = Scope::new();
     scope.push_constant("run", run);
     scope
 }
 
-/// The reference of what a post script finds.
+/// The reference of runs in scripts.
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "run.time, run.displacement, run.velocity, run.acceleration, …",
-        gives: "the channels as signals, SI; `acceleration` is the filtered one, `acceleration_raw` the one before; \
-                of a rectangle `frame_force_x` and `frame_force_y`, the mean pull on its held sides across an axis",
+        gives: "the channels as signals, SI; `acceleration` is the filtered one, `acceleration_raw` the one before the filter; \
+                of a rectangle `frame_force_x` and `frame_force_y`, the mean force on its held sides across an axis",
         example: "run.acceleration.len() == run.acceleration_raw.len() && run.displacement.min() < 0",
     },
     Entry {
@@ -191,7 +191,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "run.model.<fact>",
-        gives: "what was run: name, title, layers and prestrain ([md, td]; lists, one a face), and of its loading mass (kg), velocity (m/s), gravity (m/s²), duration (s), \
+        gives: "what was run: name, title, layers and prestrain ([md, td]; lists with one entry per face), and of its loading mass (kg), velocity (m/s), gravity (m/s²), duration (s), \
                 angle (rad), until, depth (m), pressure (Pa), ramp (s)",
         example: "run.model.layers[0] == 8 && run.model.mass > 10",
     },

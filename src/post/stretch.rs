@@ -6,7 +6,7 @@ use super::{Audit, RunFindings};
 use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
-/// What a tensile test comes down to; fields of `summary.json`.
+/// Figures of a tensile test; fields of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stretch {
     /// Largest force between the jaws, N.
@@ -16,9 +16,9 @@ pub struct Stretch {
     #[serde(rename = "peak_stress_Pa")]
     pub peak_stress: Option<f64>,
     pub strain_at_peak_stress: Option<f64>,
-    /// Engineering strain at the rupture; none where the film held.
+    /// Engineering strain at the rupture; none without one.
     pub strain_at_break: Option<f64>,
-    /// Engineering stress at the last sample before the rupture, Pa; none where the film held.
+    /// Engineering stress at the last sample before the rupture, Pa; none without one.
     #[serde(rename = "stress_at_break_Pa")]
     pub stress_at_break: Option<f64>,
     /// Engineering strain at the end of the test.

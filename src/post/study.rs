@@ -29,14 +29,14 @@ struct Parts {
 }
 
 impl Study {
-    /// Reads the scenario at `path`, relative to the working directory, lays `changes` over it and checks it.
+    /// Reads the scenario at `path`, relative to the working directory, applies `changes` and checks it.
     ///
-    /// The session learns which files that takes.
+    /// The session records the files that this reads.
     pub fn read(path: &Path, changes: &[Assignment], session: &Session) -> HostResult<Study> {
         Study::check(Document::read(path).map_err(mistakes)?.with(changes), None, session)
     }
 
-    /// Proves `document`, which may be a variant of another study.
+    /// Checks `document`, which may be a variant of another study.
     fn check(document: Document, other: Option<&Parts>, session: &Session) -> HostResult<Study> {
         let model = model::check(&document).map_err(mistakes)?;
         for path in document.files().iter().map(PathBuf::as_path).chain(model.meshes()) {
@@ -55,7 +55,7 @@ impl Study {
         Ok(Study(Arc::new(Parts { document, model, plan })))
     }
 
-    /// The same scenario with values laid over its keys.
+    /// The same scenario with changed values of its keys.
     fn with(&self, changes: Map, session: &Session) -> HostResult<Study> {
         let changes = changes.iter().map(|(key, value)| assignment(key, value));
         let changes = changes.collect::<HostResult<Vec<_>>>()?;
@@ -103,19 +103,23 @@ impl Study {
             None => Some(&faces[..]),
         };
         let Some([first, others @ ..]) = chosen else {
-            return Err(refuse(format!("there is no such face; {} has {}", self.0.model.name, faces.len())));
+            return Err(refuse(format!(
+                "the number of the face is out of range; {} has {}",
+                self.0.model.name,
+                faces.len()
+            )));
         };
         let found = points(&first.material.law, name)?;
         for other in others {
             if points(&other.material.law, name)? != found {
-                return Err(refuse(format!("the faces differ in their curves: say which, `curve({name:?}, 0)`")));
+                return Err(refuse(format!("the curves of the faces differ: choose one, `curve({name:?}, 0)`")));
             }
         }
         let (strains, stresses) = found.into_iter().map(|[strain, stress]| (strain, stress)).unzip();
         Curve::new(strains, stresses).map_err(refuse)
     }
 
-    /// The film pulled to `strains` as a single element.
+    /// The curve of a single element of the film at `strains`.
     fn pull(&self, strains: Vec<f64>, options: &Map) -> HostResult<Curve> {
         let options = Options { of: "pull", map: options };
         options.check(&["across"])?;
@@ -135,11 +139,11 @@ impl Study {
     }
 }
 
-/// Corners of a curve of fabric, with the origin: strain, stress (Pa).
+/// Points of a curve of a fabric, with the origin: strain, stress (Pa).
 fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
     let curve = match (law, name) {
         (Law::Elastic(_) | Law::TensionField(_), _) => {
-            return Err(refuse("an elastic film has no curves; those of md, td and shear are a fabric's"));
+            return Err(refuse("an elastic film has no curves; only a fabric has md, td and shear"));
         }
         (Law::Fabric(fabric), "md") => Some(fabric.md()),
         (Law::Fabric(fabric), "td") => Some(fabric.td()),
@@ -150,12 +154,12 @@ fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
         _ => return Err(refuse(format!("there is no curve `{name}`; a fabric has md, td and shear"))),
     };
     let Some(curve) = curve else {
-        return Err(refuse(format!("there is no one curve `{name}`: its curves differ by strain rate (`rates`)")));
+        return Err(refuse(format!("`{name}` is not a single curve: its curves depend on the strain rate (`rates`)")));
     };
     Ok(std::iter::once([0.0, 0.0]).chain(curve.points().iter().copied()).collect())
 }
 
-/// All at once on all cores; the runs in the order of the scenarios.
+/// Simulates all in parallel; the runs are in the order of the scenarios.
 fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Array> {
     let session = Session::of(&context);
     let study = |item: Dynamic| {
@@ -190,7 +194,7 @@ fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
     refuse(mistakes.iter().map(line).collect::<Vec<_>>().join("; "))
 }
 
-/// Offers scenarios to scripts; `changes` are laid over each that a script reads.
+/// Offers scenarios to scripts; `changes` apply to each that a script reads.
 pub fn register(engine: &mut Engine, changes: Vec<Assignment>) {
     run::register(engine);
     coupon_material::register(engine);
@@ -217,11 +221,11 @@ pub fn register(engine: &mut Engine, changes: Vec<Assignment>) {
         .register_get("title", |study: &mut Study| study.0.model.title.clone());
 }
 
-/// The reference of what a study script finds.
+/// The reference of scenarios in scripts.
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "args.<name>",
-        gives: "what was given with --scenario and --arg: numbers as numbers, the rest as text",
+        gives: "the arguments of --scenario and --arg: numbers, truth values and text",
         example: r#""scenario" in args"#,
     },
     Entry {
@@ -231,7 +235,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "scenario.with(#{ \"key.path\": value })",
-        gives: "the same scenario with values laid over it, checked again",
+        gives: "the same scenario with changed values, checked again",
         example: "scenario(args.scenario).with(#{ \"output.frames\": 10, title: \"other\" }).title == \"other\"",
     },
     Entry {
@@ -242,12 +246,12 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "scenario.curve(\"md\" | \"td\" | \"shear\"), scenario.curve(name, face)",
-        gives: "a curve of its fabric with the multipliers in it, from the origin to the break: of all faces, which must agree, or of one",
+        gives: "a curve of its fabric with the multipliers applied, from the origin to the break: of all faces, which must agree, or of one",
         example: r#"let t = scenario(args.scenario); t.curve("md").len() == 4 && t.curve("md", 0).end() < t.curve("td").end()"#,
     },
     Entry {
         call: "scenario.model.<fact>",
-        gives: "what would be run, as in `run.model`",
+        gives: "the model of the scenario, as in `run.model`",
         example: "scenario(args.scenario).model.layers == [8, 8]",
     },
     Entry {
@@ -290,7 +294,7 @@ mod tests {
         assert_eq!(points(&law, "shear").unwrap(), [[0.0, 0.0], [1.0, 4e6]]);
         let elastic = Elastic { young: 5e7, poisson: 0.44 };
         for (law, name, expected) in [
-            (&law, "md", "there is no one curve `md`: its curves differ by strain rate (`rates`)"),
+            (&law, "md", "`md` is not a single curve: its curves depend on the strain rate (`rates`)"),
             (&law, "bias", "there is no curve `bias`; a fabric has md, td and shear"),
             (&Law::Elastic(elastic.clone()), "md", "an elastic film has no curves"),
             (&Law::TensionField(TensionField(elastic)), "td", "an elastic film has no curves"),

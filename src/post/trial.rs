@@ -1,20 +1,20 @@
-//! Runs within an objective: no longer than the comparison asks for.
+//! Runs within an objective, which end with the window of the comparison.
 
 use super::ReferenceComparison;
 use crate::model::{Loading, Model};
 
-/// Time behind the window that the channel filter looks at, times its class.
+/// Time after the window that the channel filter needs, times its class.
 ///
-/// The backward pass of the filter (both poles at ω_d e^{±3πi/4}, ω_d = 2π · 2.08333 · class) forgets what it began with as
+/// The backward pass of the filter (both poles at ω_d e^{±3πi/4}, ω_d = 2π · 2.08333 · class) forgets its initial state as
 /// e^{−ω_d t/√2} = e^{−9.26 class t}: after 2/class to a hundred-millionth. For CFC 1000 that is 2 ms.
 const FORGETS: f64 = 2.0;
 
-/// Samples behind the window: the reference may be read between two samples of the run, and the last ones wait for their
-/// half steps.
+/// Samples after the window: the reference is interpolated between two samples of the run, and the last samples need
+/// their half steps.
 const SAMPLES: f64 = 3.0;
 
-/// `model` as far as a comparison needs it: an impact that is compared with a reference ends with the window of the
-/// comparison and what the filter needs behind it; whatever else is run to its end. No states are kept for pictures.
+/// `model` cut to what a comparison needs: an impact that is compared with a reference ends with the window of the
+/// comparison and what the filter needs behind it; any other run is complete. No snapshots are stored.
 ///
 /// Up to there, its signals are those of the whole run bit for bit, but for the filtered channel close to the end.
 pub(super) fn cut(model: &Model, comparison: Option<&ReferenceComparison>) -> Model {

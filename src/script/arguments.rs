@@ -2,12 +2,12 @@ use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
 
 use super::{HostResult, refuse};
 
-/// What a script was given on the command line, as it finds it under `args`.
+/// The arguments of a script on the command line, which it reads as `args`.
 #[derive(Clone, Debug, Default)]
 pub struct Arguments(Map);
 
 impl Arguments {
-    /// Names and values.
+    /// The arguments by name.
     pub fn new(values: Map) -> Arguments {
         Arguments(values)
     }

@@ -1,4 +1,4 @@
-//! Calls of functions that nobody defined, found before a long run and not in the middle of it.
+//! Calls of undefined functions, found before the script runs.
 
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
@@ -8,14 +8,14 @@ use rhai::{AST, ASTNode, Engine, Expr, FnCallExpr, Position, Stmt};
 use super::Fault;
 use crate::diagnostic::closest;
 
-/// Calls that the interpreter answers itself.
+/// Functions of the interpreter itself, which its list of functions lacks.
 const BUILT_IN: [&str; 9] =
     ["print", "debug", "type_of", "Fn", "call", "curry", "is_shared", "is_def_var", "is_def_fn"];
 
 /// Every call in `program` whose name neither the engine nor the script defines, in the order of the text.
 ///
-/// A method may also be a closure that a map holds under its name, so a method is left alone where
-/// the script mentions its name as a key, a property or a text.
+/// A method may also be a closure in a map, so a method is accepted where the script has its name as a key, a
+/// property or a text.
 pub(super) fn undefined(engine: &Engine, program: &AST, file: &Path) -> Vec<Fault> {
     let words = Words::of(program);
     let mut known: BTreeSet<String> = engine
@@ -31,7 +31,7 @@ pub(super) fn undefined(engine: &Engine, program: &AST, file: &Path) -> Vec<Faul
     let mut calls: Vec<&Call> = words.calls.iter().filter(undefined).collect();
     calls.sort_by_key(|call| (call.position.line(), call.position.position()));
     let fault = |call: &Call| {
-        let message = format!("no function is called `{}`", call.name);
+        let message = format!("undefined function `{}`", call.name);
         Fault::at(file, call.position, message).with_hint(hint(call, &words, &known))
     };
     calls.into_iter().map(fault).collect()
@@ -40,7 +40,7 @@ pub(super) fn undefined(engine: &Engine, program: &AST, file: &Path) -> Vec<Faul
 fn hint(call: &Call, words: &Words, known: &BTreeSet<String>) -> Option<String> {
     let name = &call.name;
     if words.variables.contains(name) {
-        return Some(format!("what the variable holds is called as `{name}.call(…)`"));
+        return Some(format!("call the function in the variable as `{name}.call(…)`"));
     }
     let functions =
         known.iter().map(String::as_str).filter(|name| name.chars().all(|c| c.is_alphanumeric() || c == '_'));
@@ -53,7 +53,7 @@ struct Call {
     is_method: bool,
 }
 
-/// What a script calls, and what it names otherwise.
+/// The calls of a script, and other names in it.
 #[derive(Default)]
 struct Words {
     calls: Vec<Call>,
@@ -117,18 +117,15 @@ mod tests {
     }
 
     #[test]
-    fn undefined_functions_are_found_at_their_places() {
+    fn undefined_functions_are_reported_with_their_positions() {
         for (text, expected) in [
-            ("let a = 1;\n  nosuch(a)", "s.rhai:2:3: no function is called `nosuch`"),
-            ("nosuch(1);", "s.rhai:1:1: no function is called `nosuch`"),
-            ("fn f(x) {\n x.nosuch()\n}\nf(1)", "s.rhai:2:4: no function is called `nosuch`"),
-            ("let f = |x| nosuch(x);", "s.rhai:1:13: no function is called `nosuch`"),
-            ("let m = #{};\nm.nosuch(1)", "s.rhai:2:3: no function is called `nosuch`"),
-            (
-                "if false { for i in 0..3 { [1].map(|x| `${nosuch(x)}`) } }",
-                "s.rhai:1:43: no function is called `nosuch`",
-            ),
-            ("switch 1 { 2 => nosuch(), _ => 1 }", "s.rhai:1:17: no function is called `nosuch`"),
+            ("let a = 1;\n  nosuch(a)", "s.rhai:2:3: undefined function `nosuch`"),
+            ("nosuch(1);", "s.rhai:1:1: undefined function `nosuch`"),
+            ("fn f(x) {\n x.nosuch()\n}\nf(1)", "s.rhai:2:4: undefined function `nosuch`"),
+            ("let f = |x| nosuch(x);", "s.rhai:1:13: undefined function `nosuch`"),
+            ("let m = #{};\nm.nosuch(1)", "s.rhai:2:3: undefined function `nosuch`"),
+            ("if false { for i in 0..3 { [1].map(|x| `${nosuch(x)}`) } }", "s.rhai:1:43: undefined function `nosuch`"),
+            ("switch 1 { 2 => nosuch(), _ => 1 }", "s.rhai:1:17: undefined function `nosuch`"),
         ] {
             let found = faults(text);
             let found: Vec<String> = found.iter().map(Fault::to_string).collect();
@@ -137,19 +134,19 @@ mod tests {
     }
 
     #[test]
-    fn all_of_them_are_found_at_once_with_hints() {
+    fn all_undefined_functions_are_reported_at_once_with_hints() {
         let found = faults("mesure(\"a\", 1);\nlet f = |x| x;\nf(2);\n1.0.time_of_mxa();");
         let hints: Vec<_> = found.iter().map(|fault| (fault.line, fault.hint.as_deref().unwrap_or_default())).collect();
         let expected = [
             (1, "did you mean `measure`?"),
-            (3, "what the variable holds is called as `f.call(…)`"),
+            (3, "call the function in the variable as `f.call(…)`"),
             (4, "did you mean `time_of_max`?"),
         ];
         assert_eq!(hints, expected);
     }
 
     #[test]
-    fn what_may_be_defined_is_left_alone() {
+    fn functions_that_may_be_defined_are_accepted() {
         let sound = [
             "fn later(x) { x + 1 } later(1)",
             "twice(1); fn twice(x) { x * 2 }",

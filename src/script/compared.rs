@@ -1,4 +1,4 @@
-//! What an objective holds its simulations against, thinned out for pictures.
+//! Comparisons of an objective with its references, thinned for plots.
 
 use std::sync::Arc;
 
@@ -8,33 +8,36 @@ use crate::experiment::coupon::Curve;
 use crate::plot::outline;
 use crate::signal::Series;
 
-/// Most samples of a picture.
+/// Most samples of a comparison.
 const MOST_SAMPLES: usize = 200;
 
-/// What stands along the x axis of a comparison.
+/// The abscissa of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Over {
-    /// s
+    /// Time, s.
     Time,
-    /// Of a coupon; the values are stresses, Pa.
+    /// Engineering strain of a coupon; the values are stresses, Pa.
     Strain,
 }
 
-/// A reference, as far as simulations are held against it; equal to another to the bit.
+/// The part of a reference that simulations are compared with; compared bit by bit.
 #[derive(Clone, Debug)]
 pub struct Target {
+    /// The abscissa.
     pub over: Over,
     /// Times or strains, increasing.
     pub places: Vec<f32>,
-    /// The reference at these places; one that was not measured is not a number.
+    /// The reference at these abscissae; NaN where it was not measured.
     pub values: Vec<f32>,
 }
 
-/// What was simulated, at the places of what it was held against.
+/// Simulated values at the abscissae of a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compared {
+    /// The reference.
     pub target: Arc<Target>,
+    /// Simulated values; NaN where there is none.
     pub values: Vec<f32>,
 }
 
@@ -72,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_short_peak_stays_in_the_picture() {
+    fn a_short_peak_is_not_thinned_out() {
         let values: Vec<f64> = (0..5000).map(|i| if i == 1234 { -90.0 } else { 0.0 }).collect();
         let reference = Series::new((0..5000).map(|i| i as f64 * 1e-4).collect::<Vec<_>>(), values);
         let Compared { target, .. } = Compared::signals(&reference, &reference, [0.0, 1.0]);
@@ -80,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_thin_and_hold_the_signals_own_samples() {
+    fn comparisons_are_thinned_to_samples_of_the_signal() {
         for count in [1, 2, 199, 200, 201, 5000] {
             let time: Vec<f64> = (0..count).map(|i| i as f64 * 1e-4).collect();
             let reference = Series::new(time.clone(), time.iter().map(|t| t.sin()).collect::<Vec<_>>());

@@ -9,15 +9,17 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{}:{line}:{column}: {message}", file.display())]
 pub struct Fault {
+    /// The script.
     pub file: PathBuf,
     /// Counted from one.
     pub line: usize,
     /// In characters, counted from one.
     pub column: usize,
+    /// What is wrong.
     pub message: String,
-    /// What to write instead, where that can be guessed.
+    /// What to write instead, if there is a close match.
     pub hint: Option<String>,
-    /// Whether it is not the script's: a simulation went wrong numerically.
+    /// Whether a simulation failed numerically, which is no mistake of the script.
     pub numerical: bool,
 }
 
@@ -26,7 +28,7 @@ impl Fault {
         Fault::at(file, error.position(), error.err_type().to_string())
     }
 
-    /// The innermost culprit of a nested error.
+    /// The innermost cause of a nested error.
     pub(super) fn running(file: &Path, error: &EvalAltResult) -> Fault {
         let culprit = error.unwrap_inner();
         let position = culprit.position();
@@ -63,24 +65,24 @@ fn without_position(message: &str, position: Position) -> String {
     message.strip_suffix(&suffix).unwrap_or(message).to_owned()
 }
 
-/// Sentences of the interpreter begin like ours do.
+/// Messages of the interpreter begin with a capital letter.
 fn lower_first(message: &str) -> String {
     let mut letters = message.chars();
     let first = letters.next().map(|c| c.to_lowercase().to_string());
     first.unwrap_or_default() + letters.as_str()
 }
 
-/// What a script catches where a simulation went wrong numerically: a text that remembers that it is no mistake.
+/// What a script catches where a simulation failed numerically: a text that is told from a mistake by its type.
 #[derive(Clone, Debug)]
 struct WentWrong(ImmutableString);
 
-/// An answer of a host function whose simulation went wrong numerically.
+/// The error of a host function whose simulation failed numerically.
 pub fn went_wrong(message: impl Display) -> Box<EvalAltResult> {
     let thrown = WentWrong(message.to_string().into());
     Box::new(EvalAltResult::ErrorRuntime(Dynamic::from(thrown), Position::NONE))
 }
 
-/// Whether nobody caught that a simulation went wrong numerically.
+/// Whether the error is an uncaught numerical failure of a simulation.
 pub fn is_numerical(error: &EvalAltResult) -> bool {
     matches!(error.unwrap_inner(), EvalAltResult::ErrorRuntime(value, _) if value.is::<WentWrong>())
 }
@@ -90,7 +92,7 @@ pub fn thrown(value: &Dynamic) -> String {
     value.read_lock::<WentWrong>().map_or_else(|| value.to_string(), |wrong| wrong.0.to_string())
 }
 
-/// Lets scripts treat what they catch as text.
+/// Registers the text operations on what a script catches.
 pub(super) fn register(engine: &mut Engine) {
     engine
         .register_type_with_name::<WentWrong>("numerical failure")
@@ -101,10 +103,10 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("contains", |wrong: &mut WentWrong, text: &str| wrong.0.contains(text));
 }
 
-/// What a host function gives back to the script.
+/// The result of a host function.
 pub type HostResult<T> = Result<T, Box<EvalAltResult>>;
 
-/// An error that a host function answers with; the engine adds the place of the call.
+/// The error of a host function; the engine adds the position of the call.
 pub fn refuse(message: impl Display) -> Box<EvalAltResult> {
     message.to_string().into()
 }

@@ -4,32 +4,33 @@ use std::collections::BTreeMap;
 
 use thiserror::Error;
 
-/// Endings that a file may have: what people and programs read as text.
+/// Extensions that a file may have, all of text files.
 const ENDINGS: [&str; 5] = ["csv", "json", "md", "toml", "txt"];
 
 /// Most files that one script leaves.
 const MOST_FILES: usize = 10_000;
 
-/// Most that they hold together, bytes.
+/// Most bytes of all files together.
 pub(crate) const MOST_BYTES: usize = 256 << 20;
 
 /// Longest name of a file, bytes.
 const LONGEST_NAME: usize = 200;
 
-/// A file as a script gave it.
+/// A file that a script writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct File {
-    /// Its place in the folder of the results, `/` between the parts.
+    /// Its path in the folder of the results, separated by `/`.
     pub name: String,
+    /// Its text.
     pub content: String,
 }
 
-/// Why a file is not kept.
+/// Why a file is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum FileError {
     #[error("`{name}` cannot name a file: folders and names of letters, digits, `-`, `_` and `.`, ending in .{}", ENDINGS.join(", ."))]
     Name { name: String },
-    #[error("`{name}` belongs to droptower's own results")]
+    #[error("`{name}` is a file of droptower's own results")]
     Reserved { name: String },
     #[error("`{name}` would be a file and a folder at once, because of `{other}`")]
     Folder { name: String, other: String },
@@ -37,18 +38,18 @@ pub enum FileError {
     TooMuch,
 }
 
-/// The files of one script, no two of which share a name on any file system.
+/// The files of one script; their names differ on every file system.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Files {
     files: Vec<File>,
-    /// Where the file of a name, in lower case, is among them.
+    /// Index of the file by its name in lower case.
     places: BTreeMap<String, usize>,
-    /// What they hold together, bytes.
+    /// Bytes of all files together.
     bytes: usize,
 }
 
 impl Files {
-    /// The files in the order in which they were first given.
+    /// The files in the order in which they were first written.
     pub fn iter(&self) -> impl Iterator<Item = &File> {
         self.files.iter()
     }
@@ -58,12 +59,12 @@ impl Files {
         self.files.is_empty()
     }
 
-    /// Their places in the folder of the results.
+    /// Their paths in the folder of the results.
     pub fn names(&self) -> Vec<String> {
         self.files.iter().map(|file| file.name.clone()).collect()
     }
 
-    /// Adds the file, or replaces the one of this name; `reserved` names, and what lies in folders of such a name, are refused.
+    /// Adds the file, or replaces the one of this name; `reserved` names, and files in folders of such a name, are refused.
     pub(super) fn put(&mut self, file: File, reserved: &[&str]) -> Result<(), FileError> {
         check_name(&file.name, reserved)?;
         let lower = file.name.to_ascii_lowercase();
@@ -87,7 +88,7 @@ impl Files {
         Ok(())
     }
 
-    /// The file that would be a folder of the one called `lower`, or would lie in it.
+    /// Index of a file that is a folder of the path `lower`, or lies below it.
     fn clash(&self, lower: &str) -> Option<usize> {
         let above = lower.match_indices('/').find_map(|(end, _)| self.places.get(&lower[..end]));
         let within = format!("{lower}/");
@@ -120,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn names_stay_in_the_folder_and_clear_of_the_results() {
+    fn names_outside_the_folder_and_names_of_results_are_refused() {
         for name in ["../x.csv", "/x.csv", "a/../x.csv", "a//x.csv", ".x.csv", "x", "x.exe", "a b.csv", "C:\\x.csv", ""]
         {
             assert!(matches!(put(&mut Files::default(), name), Err(FileError::Name { .. })), "{name}");
@@ -131,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn no_two_files_share_a_place() {
+    fn a_name_is_not_a_file_and_a_folder_at_once() {
         let mut files = Files::default();
         for name in ["a.csv", "A.csv", "b/c.csv", "b/d.csv"] {
             put(&mut files, name).unwrap();
@@ -143,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_replaced_no_longer_counts() {
+    fn a_replaced_file_does_not_count_towards_the_limit() {
         let half = "x".repeat(MOST_BYTES / 2 + 1);
         let mut files = Files::default();
         let mut put = |name: &str| files.put(File { name: name.into(), content: half.clone() }, &[]);

@@ -1,4 +1,4 @@
-//! The interpreter with its limits: a script from a stranger may be wrong or hostile, not harmful.
+//! The interpreter with its limits, within which untrusted scripts are safe to run.
 
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
@@ -18,10 +18,10 @@ use crate::file::{self, FileError};
 /// Longest script that is read, bytes.
 const LONGEST: u64 = 1 << 20;
 
-/// Stack of a thread that interprets scripts, bytes; only what is used takes memory.
+/// Stack of a thread that interprets scripts, bytes; the system commits only the used part.
 pub const STACK: usize = 256 << 20;
 
-/// How much a script may do.
+/// Limits of a script.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Steps of the interpreter; bounds memory too, since every step stores at most one value.
@@ -31,37 +31,38 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// For a script that looks at one finished run.
+    /// For a post script, which reads one finished run.
     pub const POST: Limits = Limits { operations: 1_000_000, time: Duration::from_secs(60) };
     /// For a script that simulates; its host functions may take hours.
     pub const STUDY: Limits = Limits { operations: 2_000_000, time: Duration::from_secs(7 * 24 * 3600) };
 }
 
-/// Why a script cannot start.
+/// Why a script cannot be read or compiled.
 #[derive(Debug, Error)]
 pub enum ReadError {
     #[error("cannot read {}: {source}", path.display())]
     Open { path: PathBuf, source: FileError },
     #[error("{} is longer than {LONGEST} bytes", path.display())]
+    /// It is too long.
     TooLong { path: PathBuf },
-    /// It does not compile, or calls what nobody defined.
+    /// It does not compile, or calls undefined functions.
     #[error("{}", .0.iter().map(Fault::to_string).collect::<Vec<_>>().join("; "))]
     Faults(Vec<Fault>),
 }
 
-/// An interpreter with the plain packages, the limits, and nothing else: no `eval`, no `import`, no files, no clock, no sleep.
+/// An interpreter with the basic packages within `limits`: no `eval`, no `import`, no files, no clock, no sleep.
 pub fn engine(limits: Limits) -> Engine {
     let mut engine = Engine::new_raw();
     register_packages(&mut engine);
     free_reserved_words(&mut engine);
     engine
         .disable_symbol("eval")
-        // What is curried does not count as data: it could double at every step.
+        // Curried arguments do not count towards the limits of data and could double with every step.
         .disable_symbol("curry")
         .disable_symbol("import")
         .disable_symbol("export")
         .set_strict_variables(true)
-        // Folding constants would read what a constant map does not have as ().
+        // Constant folding would turn a missing key of a constant map into ().
         .set_optimization_level(OptimizationLevel::None)
         .set_fail_on_invalid_map_property(true)
         .set_max_modules(0)
@@ -83,13 +84,13 @@ pub fn engine(limits: Limits) -> Engine {
     engine
 }
 
-/// The language reserves `with` for later; scripts say `scenario.with(…)`.
+/// Frees `with`, which the language reserves, for `scenario.with(…)`.
 fn free_reserved_words(engine: &mut Engine) {
     let free = |token, _, _: &TokenizeState| match token {
         Token::Reserved(word) if *word == "with" => Token::Identifier(word),
         other => other,
     };
-    // Marked as deprecated by its authors only to say that it may change; the tests would notice.
+    // Deprecated only because it may change; the tests cover it.
     #[allow(deprecated)]
     engine.on_parse_token(free);
 }
@@ -116,7 +117,10 @@ pub struct Script {
 }
 
 impl Script {
-    /// Reads and compiles the script at `path`; `scope` holds the constants that it will find.
+    /// Reads and compiles the script at `path`, which may use the constants in `scope`.
+    ///
+    /// # Errors
+    /// The file cannot be read, is too long, or does not compile.
     pub fn read(engine: &Engine, scope: &Scope, path: &Path) -> Result<Script, ReadError> {
         let text = file::read_text(path, LONGEST).map_err(|error| match error {
             FileError::TooLarge { .. } => ReadError::TooLong { path: path.into() },
@@ -125,31 +129,34 @@ impl Script {
         Script::compile(engine, scope, path, &text).map_err(ReadError::Faults)
     }
 
-    /// Compiles `text`, which stands for the file at `path` in faults.
+    /// Compiles `text`; faults name `path` as its file.
     ///
     /// # Errors
-    /// The first mistake of the grammar, or else every call of a function that nobody defined.
+    /// The first syntax error, or else every call of an undefined function.
     pub fn compile(engine: &Engine, scope: &Scope, path: &Path, text: &str) -> Result<Script, Vec<Fault>> {
         let program = engine.compile_with_scope(scope, text).map_err(|error| vec![Fault::parsing(path, &error)])?;
         let undefined = calls::undefined(engine, &program, path);
         if undefined.is_empty() { Ok(Script { path: path.into(), text: text.into(), program }) } else { Err(undefined) }
     }
 
-    /// The text that was compiled.
+    /// The source text.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Whether the script could read what it finds as `args.<name>`: the name stands in it, or it takes all there are.
+    /// Whether the script may read `args.<name>`: it has the name as a word, or reads all keys.
     pub fn mentions_argument(&self, name: &str) -> bool {
         let mut words = self.text.split(|letter: char| !letter.is_alphanumeric() && letter != '_');
         words.any(|word| word == name) || self.text.contains("args.keys(")
     }
 
-    /// Runs the script with the constants in `scope`; its last value is dropped.
+    /// Runs the script with the constants in `scope` and drops its last value.
     ///
-    /// The interpreter walks nested values by recursion, so it gets a stack that outlasts the deepest
-    /// nesting that the limits allow.
+    /// # Errors
+    /// The script throws, exceeds a limit, or a host function fails.
+    ///
+    /// The interpreter recurses into nested values, so its stack is large enough for the deepest nesting within the
+    /// limits.
     pub fn run(&self, engine: &Engine, mut scope: Scope<'static>) -> Result<(), Fault> {
         let work = move || {
             let result = engine.run_ast_with_scope(&mut scope, &self.program);
@@ -207,17 +214,17 @@ mod tests {
             "let f = || 1; loop { let g = f; f = || g.call(); }",
             "fn f(x) { x.map(|y| f([y])) } f([1])",
         ] {
-            assert!(run(text).is_err(), "{text:?} went through");
+            assert!(run(text).is_err(), "{text:?} was not stopped");
         }
     }
 
     #[test]
-    fn closures_still_capture() {
+    fn closures_capture_variables() {
         run("let k = 2; let f = |x| x * k; if f.call(3) != 6 { throw f.call(3) }").unwrap();
     }
 
     #[test]
-    fn time_runs_out() {
+    fn a_script_is_stopped_at_its_time_limit() {
         let (engine, scope) = (engine(Limits { operations: 0, time: Duration::from_millis(30) }), Scope::new());
         let script = Script::compile(&engine, &scope, Path::new("s.rhai"), "loop {}").unwrap();
         let fault = script.run(&engine, scope).unwrap_err();

@@ -3,37 +3,44 @@ use rhai::{Dynamic, ImmutableString, Map};
 use super::{HostResult, number, refuse};
 use crate::units::Dimension;
 
-/// What a script gives a function by name.
+/// The options of a host function: a map from a script.
 pub struct Options<'a> {
-    /// The function, as its refusals name it.
+    /// The function, as its messages name it.
     pub of: &'static str,
+    /// The options by name.
     pub map: &'a Map,
 }
 
 impl Options<'_> {
-    /// Refuses a name that nobody reads.
+    /// Refuses names other than the `known` ones.
     pub fn check(&self, known: &[&str]) -> HostResult<()> {
         let unknown = self.map.keys().find(|key| !known.contains(&key.as_str()));
-        let message = |key| format!("{} knows no `{key}`; it takes {}", self.of, known.join(", "));
+        let message = |key| format!("{} has no option `{key}`; it takes {}", self.of, known.join(", "));
         unknown.map_or(Ok(()), |key| Err(refuse(message(key))))
     }
 
-    /// The value called `name`.
+    /// The option `name`.
+    ///
+    /// # Errors
+    /// It is missing.
     pub fn value(&self, name: &str) -> HostResult<&Dynamic> {
         self.map.get(name).ok_or_else(|| refuse(format!("{} needs `{name}`", self.of)))
     }
 
-    /// The number called `name`.
+    /// The number `name`.
+    ///
+    /// # Errors
+    /// It is missing or not a number.
     pub fn needed_number(&self, name: &str) -> HostResult<f64> {
         number(self.value(name)?, name)
     }
 
-    /// The number called `name`, or else another.
+    /// The number `name`, or else `otherwise`.
     pub fn number(&self, name: &str, otherwise: f64) -> HostResult<f64> {
         self.map.get(name).map_or(Ok(otherwise), |value| number(value, name))
     }
 
-    /// A number in the SI unit, or a text with its unit.
+    /// The quantity `name`: a number in the SI unit, or a text with its unit.
     pub fn quantity(&self, name: &str, dimension: Dimension) -> HostResult<f64> {
         let value = self.value(name)?;
         match value.read_lock::<ImmutableString>() {
@@ -42,10 +49,10 @@ impl Options<'_> {
         }
     }
 
-    /// True or false, or else another.
+    /// The truth value `name`, or else `otherwise`.
     pub fn truth(&self, name: &str, otherwise: bool) -> HostResult<bool> {
         let truth = |value: &Dynamic| value.as_bool();
-        let said = self.map.get(name).map_or(Ok(otherwise), truth);
-        said.map_err(|found| refuse(format!("{name} is true or false, not {found}")))
+        let value = self.map.get(name).map_or(Ok(otherwise), truth);
+        value.map_err(|found| refuse(format!("{name} is true or false, not {found}")))
     }
 }

@@ -25,14 +25,19 @@ const MOST_SEARCHES: usize = 100;
 /// Figures, tables, plots, files, findings and lines of the log, in the order in which the script gave them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScriptOutput {
+    /// Figures by name.
     pub measures: Row,
+    /// Tables: name and rows.
     pub tables: Vec<(String, Vec<Row>)>,
+    /// Plots.
     pub plots: Vec<Plot>,
     /// The convergence histories of its searches.
     pub searches: Vec<ConvergenceHistory>,
     /// The correlations of what its searches found.
     pub correlations: Vec<Correlation>,
+    /// Files.
     pub files: Files,
+    /// Lines of the log.
     pub log: Vec<String>,
     /// What it reported with `warn`, and what puts its output in doubt otherwise.
     pub findings: Vec<Finding>,
@@ -43,7 +48,7 @@ pub struct ScriptOutput {
 pub enum OutputError {
     #[error("`{name}` is not a name for a figure or a table: use letters, digits and _")]
     Letters { name: String },
-    #[error("`{name}` is a figure of every run and cannot be replaced")]
+    #[error("`{name}` is a field of the summary and cannot be replaced")]
     Reserved { name: String },
     #[error("`{code}` is not the code of a warning: use lower-case words joined by hyphens, such as `coarse-mesh`")]
     Code { code: String },

@@ -11,13 +11,13 @@ const MOST_CURVES: usize = 60;
 /// Most points that the plots of one script hold together.
 const MOST_POINTS: usize = 80_000;
 
-/// Longest title, name or words of an axis, characters.
+/// Longest title, name or axis label, characters.
 const LONGEST: usize = 200;
 
-/// Why a plot is not kept.
+/// Why a plot is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum PlotError {
-    #[error("a plot needs a title, words and names of 1 to {LONGEST} characters, not `{}`", text.chars().take(40).collect::<String>())]
+    #[error("a title, an axis label or a name of a plot has 1 to {LONGEST} characters, not `{}`", text.chars().take(40).collect::<String>())]
     Text { text: String },
     #[error("the plot `{title}` has {count} curves; a plot has 1 to {MOST_CURVES}")]
     Curves { title: String, count: usize },
@@ -49,7 +49,7 @@ pub(super) fn put(plots: &mut Vec<Plot>, plot: Plot) -> Result<(), PlotError> {
     Ok(())
 }
 
-/// Everything in it that people read.
+/// All its texts.
 fn texts(plot: &Plot) -> impl Iterator<Item = &String> {
     let names = plot.curves.iter().map(|curve| &curve.name);
     let own = [&plot.title, &plot.x.words, &plot.y.words].into_iter();

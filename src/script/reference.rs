@@ -1,17 +1,19 @@
-/// One line of the scripting reference.
+/// One entry of the reference of script functions.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// How it is written, e.g. `signal.at(t)`.
+    /// The call, such as `signal.at(t)`.
     pub call: &'static str,
-    /// What it gives, with units.
+    /// The result, with its units.
     pub gives: &'static str,
     /// A script that ends in `true`; the tests run it.
     pub example: &'static str,
 }
 
-/// The lines of the reference that belong together.
+/// A chapter of the reference.
 #[derive(Clone, Copy, Debug)]
 pub struct Chapter {
+    /// Its title.
     pub title: &'static str,
+    /// Its entries.
     pub entries: &'static [Entry],
 }

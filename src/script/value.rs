@@ -1,14 +1,17 @@
-//! Values on their way between scripts and files.
+//! Conversion of values between scripts and JSON.
 
 use rhai::{Array, Dynamic, Map};
 use serde_json::{Number, Value};
 
 use super::{HostResult, refuse};
 
-/// Deepest nesting of lists and maps that leaves a script.
+/// Deepest nesting of lists and maps that is converted.
 const DEEPEST: usize = 8;
 
-/// The number in `value`, whether written `1` or `1.0`; `what` names it in the error.
+/// The number in `value`, an integer or a float; `what` names it in the error.
+///
+/// # Errors
+/// It is not a number.
 pub fn number(value: &Dynamic, what: &str) -> HostResult<f64> {
     if let Ok(float) = value.as_float() {
         return Ok(float);
@@ -18,6 +21,9 @@ pub fn number(value: &Dynamic, what: &str) -> HostResult<f64> {
 }
 
 /// A window of time `[from, to]` in s.
+///
+/// # Errors
+/// It is not a list of two numbers.
 pub fn window(value: &Dynamic) -> HostResult<[f64; 2]> {
     let bounds = value.read_lock::<Array>();
     let bounds = bounds.as_deref().map(Vec::as_slice);
@@ -27,7 +33,10 @@ pub fn window(value: &Dynamic) -> HostResult<[f64; 2]> {
     Ok([number(from, "the window's start")?, number(to, "the window's end")?])
 }
 
-/// The value as JSON; numbers that are not finite become null, host values are refused.
+/// The value as JSON; numbers that are not finite become null.
+///
+/// # Errors
+/// It is a value of the host, such as a signal, or nested too deeply.
 pub fn to_json(value: &Dynamic) -> HostResult<Value> {
     nested_to_json(value, DEEPEST)
 }
@@ -63,10 +72,10 @@ fn plain_to_json(value: &Dynamic) -> HostResult<Value> {
     if value.is_string() || value.is_char() {
         return Ok(Value::String(value.to_string()));
     }
-    Err(refuse(format!("a {} is not a figure; take one of it, e.g. its max()", value.type_name())))
+    Err(refuse(format!("a {} is not a figure: reduce it to a number, such as its max()", value.type_name())))
 }
 
-/// The script value of JSON; null is `()`.
+/// The script value of JSON; null becomes `()`.
 pub fn from_json(value: &Value) -> Dynamic {
     match value {
         Value::Null => Dynamic::UNIT,

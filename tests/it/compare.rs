@@ -75,8 +75,8 @@ fn signals_and_figures_that_runs_do_not_share_are_noted() {
     let notes: Vec<&str> = found["notes"].as_array().expect("notes").iter().filter_map(Json::as_str).collect();
     assert_eq!(notes[0], "eight: its errors are against a VIRTUAL recording: nothing was measured");
     assert_eq!(notes[1], "recording.csv is a VIRTUAL recording: nothing was measured");
-    assert!(notes[2].starts_with("eight alone has `velocity_m_s`"), "{notes:?}");
-    assert_eq!(notes[3], "coupon alone has `force_N`, `strain`, `stress_Pa`");
+    assert!(notes[2].starts_with("only eight has `velocity_m_s`"), "{notes:?}");
+    assert_eq!(notes[3], "only coupon has `force_N`, `strain`, `stress_Pa`");
     assert_eq!(found["figures"]["peak_force_N"]["values"][0], Json::Null);
     // A raw recording has no channel of ours, but it can be looked at.
     let raw = data("virtual/1008.csv").display().to_string();

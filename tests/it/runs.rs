@@ -277,7 +277,7 @@ fn an_argument_that_no_script_reads_is_a_mistake() {
     let arguments = ["script", "study.rhai", "--scenario", "drop.toml", "--arg", "layers=16", "--arg", "layer=9"];
     let output = droptower(bench.path(), &arguments);
     assert_eq!(code(&output), Some(2));
-    assert!(error(&output).contains("the script reads no `args.layer`"), "{}", error(&output));
+    assert!(error(&output).contains("the script does not read `args.layer`"), "{}", error(&output));
     assert!(!bench.path().join("runs").exists());
 }
 
