@@ -6,11 +6,12 @@
 use std::ops::Range;
 
 use super::colouring::first_fit;
+use super::disjoint::Disjoint;
 use super::element::{ElementDetail, ElementEnergy, ElementStrain, Forces};
 use super::element_group::ElementGroup;
 use super::film_history::FilmHistory;
 use super::nodes::{Nodes, Vectors};
-use super::thread_pool::{Disjoint, ThreadPool};
+use super::thread_pool::ThreadPool;
 use crate::lane::Width;
 
 /// A face of film ready to be stepped.

@@ -6,6 +6,7 @@
 
 mod colouring;
 mod contact;
+mod disjoint;
 mod element;
 mod element_group;
 mod energy;
@@ -21,7 +22,10 @@ mod pressure;
 mod rigid_body;
 mod section;
 mod state;
+mod sync;
 mod thread_pool;
+#[cfg(test)]
+mod thread_pool_tests;
 mod time_step;
 
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
@@ -42,12 +46,12 @@ use time_step::TimeStep;
 use std::ops::Range;
 
 use colouring::Colouring;
+use disjoint::Disjoint;
 use film::SharedFilm;
 use nodes::Moved;
 use pressure::Inflated;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
-use thread_pool::Disjoint;
 
 /// Everything that moves, and how it is driven.
 pub struct Engine {

@@ -5,8 +5,8 @@ use std::ops::Range;
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::disjoint::Disjoint;
 use super::footprint::bytes;
-use super::thread_pool::Disjoint;
 use crate::lane::{LANES, Lane, Lane3, Width, at_width, larger, splat};
 
 /// A vector at every node, one array an axis.

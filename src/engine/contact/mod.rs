@@ -25,10 +25,11 @@ pub use search::{Surface, SurfaceError};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::disjoint::Disjoint;
 use super::film::Film;
 use super::nodes::{Nodes, Remembered, Vectors};
 use super::rigid_body::RigidBody;
-use super::thread_pool::{Disjoint, ThreadPool};
+use super::thread_pool::ThreadPool;
 use near::NearList;
 use tally::Tally;
 use touching::{Giving, Looking, Piece};

@@ -5,10 +5,10 @@ use nalgebra::Vector3;
 use super::Impulse;
 use super::search::Surface;
 use super::tally::{LaneTally, Tally};
+use crate::engine::disjoint::Disjoint;
 use crate::engine::footprint::bytes;
 use crate::engine::nodes::{Met, Nodes, Vectors, gather};
 use crate::engine::rigid_body::{Gathered, RigidBody};
-use crate::engine::thread_pool::Disjoint;
 use crate::lane::{LANES, Lane, Lane3, at_width, cross, dot, larger, splat};
 
 /// Nodes that would be inside at the end of the step.

@@ -1,7 +1,7 @@
 //! Passes over the blocks of a film, for the vector instructions that the processor has: gather → kernel → scatter.
 
 use super::block::{Block, BlockDetails, BlockStrains, Blocks, Corners};
-use crate::engine::thread_pool::Disjoint;
+use crate::engine::disjoint::Disjoint;
 use crate::lane::{LANES, Lane3, at_width, splat};
 use crate::material::MembraneLaw;
 
