@@ -3,14 +3,14 @@
 use super::{Failure, Shared, print, print_json};
 use crate::diagnostic::closest;
 use crate::finding::Code;
-use crate::{identify, post, simulate};
+use crate::{experiment, identify, post, signal, simulate};
 
 /// The word in place of a key that lists all codes.
 pub const WORD: &str = "findings";
 
 /// All codes, room by room.
 fn all() -> impl Iterator<Item = &'static Code> {
-    [simulate::CODES, post::CODES, identify::CODES].into_iter().flatten().copied()
+    [signal::CODES, experiment::CODES, simulate::CODES, post::CODES, identify::CODES].into_iter().flatten().copied()
 }
 
 /// The code `name`.

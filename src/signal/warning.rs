@@ -53,7 +53,7 @@ codes! {
         "the extremes that the header of a channel states are not those of its samples",
         "check whether the file was changed after its header was written";
     UNUSUAL_FILTER_CLASS = "unusual-filter-class", Note,
-        "ISO 6487 and SAE J211-1 do not define this channel frequency class",
+        "this channel frequency class is not one of ISO 6487 and SAE J211-1",
         "use 60, 180, 600 or 1000 where figures are to be compared with others";
     FILTERED_BEFORE = "filtered-before", Warning,
         "the channel passed a channel filter before it was recorded, as its file states",
