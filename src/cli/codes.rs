@@ -3,14 +3,17 @@
 use super::{Failure, Shared, print, print_json};
 use crate::diagnostic::closest;
 use crate::finding::Code;
-use crate::{experiment, identify, post, signal, simulate};
+use crate::{experiment, identify, post, script, signal, simulate};
 
 /// The word in place of a key that lists all codes.
 pub const WORD: &str = "findings";
 
 /// All codes, room by room.
 fn all() -> impl Iterator<Item = &'static Code> {
-    [signal::CODES, experiment::CODES, simulate::CODES, post::CODES, identify::CODES].into_iter().flatten().copied()
+    [signal::CODES, experiment::CODES, simulate::CODES, script::CODES, post::CODES, identify::CODES]
+        .into_iter()
+        .flatten()
+        .copied()
 }
 
 /// The code `name`.

@@ -1,7 +1,7 @@
-//! The folder in which an unfinished run keeps its checkpoints.
+//! The folder of the checkpoints of an unfinished run.
 //!
-//! Each is a file of its own that ends in a checksum, written under another name and renamed when whole, and the one
-//! before stays until then and beyond: whenever the machine stops, there is one to go on from.
+//! Each is a file that ends in a checksum, written under a temporary name and renamed when complete. The one before stays as
+//! well, so that there is a checkpoint to resume from whenever the machine stops.
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
@@ -10,17 +10,17 @@ use std::path::{Path, PathBuf};
 use super::{StoreError, sibling_name};
 use crate::file::Crc32;
 
-/// What the folder's name has behind that of the run's.
+/// Appended to the name of the run folder.
 const SUFFIX: &str = ".checkpoint";
 
-/// What the name of a checkpoint ends in.
+/// Extension of checkpoints.
 const EXTENSION: &str = "state";
 
-/// Name of one that is not whole yet.
+/// Name of a checkpoint that is being written.
 const UNFINISHED: &str = "unfinished";
 
-/// How many of the newest are kept.
-const KEPT: usize = 2;
+/// How many of the newest are stored.
+const STORED: usize = 2;
 
 /// Buffers of files, bytes.
 const BUFFER: usize = 1 << 20;
@@ -31,12 +31,12 @@ pub struct CheckpointStore {
     folder: PathBuf,
 }
 
-/// The newest whole checkpoint, its checksum proved.
+/// The newest whole checkpoint.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct NewestCheckpoint {
     /// Its file.
     pub path: PathBuf,
-    /// Newer ones that are damaged.
+    /// Newer checkpoints that are damaged.
     pub damaged: Vec<PathBuf>,
 }
 
@@ -46,12 +46,12 @@ impl CheckpointStore {
         CheckpointStore { folder: sibling_name(target, SUFFIX) }
     }
 
-    /// Where it is.
+    /// The folder.
     pub fn path(&self) -> &Path {
         &self.folder
     }
 
-    /// Its checkpoints, whole or not, the newest first.
+    /// Its checkpoints, whole or damaged, the newest first.
     pub fn checkpoints(&self) -> Vec<PathBuf> {
         let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
         let numbered = entries.filter_map(|entry| {
@@ -65,12 +65,12 @@ impl CheckpointStore {
         numbered.into_iter().map(|(_, path)| path).collect()
     }
 
-    /// The newest checkpoint that is whole; none where all are damaged, or where there is none.
-    pub fn newest(&self) -> Option<Found> {
+    /// The newest checkpoint whose checksum is right, if there is one.
+    pub fn newest(&self) -> Option<NewestCheckpoint> {
         let mut damaged = Vec::new();
         for path in self.checkpoints() {
             match is_whole(&path) {
-                Ok(true) => return Some(Found { path, damaged }),
+                Ok(true) => return Some(NewestCheckpoint { path, damaged }),
                 _ => damaged.push(path),
             }
         }
@@ -82,12 +82,12 @@ impl CheckpointStore {
         fs::create_dir_all(&self.folder).map_err(|error| StoreError::write(&self.folder, error))
     }
 
-    /// Writes the checkpoint number `number`, larger than all before, with `content`; older ones go once it is whole.
+    /// Writes the checkpoint `number`, larger than all before, with `content`; then removes all but the newest.
     pub fn put(&self, number: u64, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), StoreError> {
         let path = self.folder.join(format!("{number:012}.{EXTENSION}"));
         self.write(&path, content).map_err(|error| StoreError::write(&path, error))?;
-        for old in self.checkpoints().into_iter().skip(KEPT) {
-            // One that cannot be removed costs room and nothing else.
+        for old in self.checkpoints().into_iter().skip(STORED) {
+            // A file that cannot be removed takes space only.
             let _ = fs::remove_file(old);
         }
         Ok(())
@@ -102,14 +102,14 @@ impl CheckpointStore {
         file.write_all(&sum.finalize().to_le_bytes())?;
         file.sync_all()?;
         fs::rename(&unfinished, path)?;
-        // The name has to reach the disk as well; systems that cannot open a folder see to that themselves.
+        // The name has to reach the disk as well; systems that cannot open a folder write it themselves.
         if let Ok(folder) = File::open(&self.folder) {
             let _ = folder.sync_all();
         }
         Ok(())
     }
 
-    /// Removes all checkpoints, as after the run has ended; what else lies in the folder stays.
+    /// Removes all checkpoints; other files in the folder stay.
     pub fn clear(&self) {
         for path in self.checkpoints() {
             let _ = fs::remove_file(path);
@@ -131,7 +131,7 @@ fn content_length(file: &File) -> io::Result<u64> {
     length.ok_or_else(|| io::Error::new(io::ErrorKind::UnexpectedEof, "too short for a checkpoint"))
 }
 
-/// Whether the checksum at the end of the file is that of what stands before it.
+/// Whether the checksum at the end of the file is that of its content.
 fn is_whole(path: &Path) -> io::Result<bool> {
     let mut file = File::open(path)?;
     let length = content_length(&file)?;
@@ -150,7 +150,7 @@ fn is_whole(path: &Path) -> io::Result<bool> {
     Ok(sum.finalize().to_le_bytes() == expected)
 }
 
-/// Sums up what is written.
+/// A writer that computes the checksum of what is written.
 struct Summed<W> {
     inner: W,
     sum: Crc32,
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn the_two_newest_are_kept() {
+    fn the_two_newest_are_stored() {
         let (root, store) = empty();
         for number in [7_u64, 12, 130] {
             store.put(number, |out| out.write_all(&number.to_le_bytes())).unwrap();
@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_one_gives_way_to_the_one_before() {
+    fn the_one_before_a_damaged_one_is_found() {
         for damage in [0, 3, 4, 12, 99] {
             let (_root, store) = empty();
             store.put(1, |out| out.write_all(b"the first")).unwrap();
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn one_that_fails_on_the_way_leaves_the_one_before() {
+    fn a_failed_write_leaves_the_one_before() {
         let (_root, store) = empty();
         store.put(1, |out| out.write_all(b"the first")).unwrap();
         let full = |out: &mut dyn Write| {
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_ours_stays() {
+    fn files_of_the_user_stay() {
         let (_root, store) = empty();
         fs::write(store.path().join("notes.txt"), "mine").unwrap();
         store.put(1, |out| out.write_all(b"the first")).unwrap();

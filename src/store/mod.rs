@@ -1,4 +1,4 @@
-//! The run folder: written under a temporary name beside its place and renamed when whole.
+//! The run folder: written under a temporary name beside its target and renamed when complete.
 
 mod stored_run;
 pub mod checkpoints;
@@ -19,12 +19,12 @@ use crate::diagnostic::folder_of;
 pub use checkpoints::CheckpointStore;
 pub use stored_run::{StoredRun, StoredRunError};
 
-/// Why results cannot be stored; nothing that stood there before is lost.
+/// Why results cannot be stored; nothing that was there before is lost.
 #[derive(Debug, Error)]
 pub enum StoreError {
-    #[error("`{name}` cannot name a run folder: only plain folder names below the output folder")]
+    #[error("`{name}` cannot name a run folder: expected plain folder names below the output folder")]
     Name { name: String },
-    #[error("`{}` does not name a run folder; give --out a folder of its own, such as {}", path.display(), path.join("results").display())]
+    #[error("`{}` does not name a run folder; give --out a new folder, such as {}", path.display(), path.join("results").display())]
     NoName { path: PathBuf },
     #[error("{} is not a folder", path.display())]
     NotAFolder { path: PathBuf },
@@ -36,7 +36,7 @@ pub enum StoreError {
     Twice { path: PathBuf },
     #[error("cannot write {}: {source}", path.display())]
     Write { path: PathBuf, source: io::Error },
-    #[error("cannot write {}: {source}; the run that stood there is in {}", path.display(), former.display())]
+    #[error("cannot write {}: {source}; the run that was there is in {}", path.display(), former.display())]
     Stranded { path: PathBuf, former: PathBuf, source: io::Error },
 }
 
@@ -47,12 +47,12 @@ impl StoreError {
     }
 }
 
-/// Where a script whose results go to `target` keeps the histories of its searches.
+/// Folder of the search histories of a script whose results go to `target`.
 pub fn history_of(target: &Path) -> PathBuf {
     sibling_name(target, ".history")
 }
 
-/// Where the run called `name` (`/` between its parts) is stored below `root`.
+/// Path below `root` of the run called `name` (`/` between its parts).
 pub fn place(root: &Path, name: &str) -> Result<PathBuf, StoreError> {
     let parts = Path::new(name);
     let plain = |part: Component| matches!(part, Component::Normal(_));
@@ -62,7 +62,7 @@ pub fn place(root: &Path, name: &str) -> Result<PathBuf, StoreError> {
     Ok(root.join(parts))
 }
 
-/// Whether every one of `places` may be written: free, or a run folder of ours, and none given twice.
+/// Checks that each of `places` is free or a run folder of droptower, and none is given twice.
 pub fn check_places(places: &[PathBuf]) -> Result<(), StoreError> {
     let mut seen = HashSet::new();
     for path in places {
@@ -74,7 +74,7 @@ pub fn check_places(places: &[PathBuf]) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// Results on their way to the folder `target`; dropped unpublished, they leave nothing.
+/// Results to be stored in the folder `target`; a draft that is dropped unpublished leaves nothing.
 #[derive(Debug)]
 pub struct Draft {
     folder: TempDir,
@@ -82,19 +82,19 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// An empty draft beside `target`, which must be free or a run folder of ours.
+    /// An empty draft beside `target`, which must be free or a run folder of droptower.
     pub fn begin(target: &Path) -> Result<Draft, StoreError> {
         check_replaceable(target)?;
         let folder = sibling(target)?;
         Ok(Draft { folder, target: target.into() })
     }
 
-    /// Where the files are put meanwhile.
+    /// The temporary folder.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    /// Writes one file of the draft; `name` may stand in a folder of the draft.
+    /// Writes one file of the draft; `name` may contain folders.
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), StoreError> {
         let path = place(self.path(), name)?;
         let folder = path.parent().unwrap_or(self.path());
@@ -102,7 +102,7 @@ impl Draft {
         fs::write(&path, content).map_err(|error| StoreError::write(&path, error))
     }
 
-    /// Puts the whole draft in its place, in one step, and removes what it replaces.
+    /// Renames the draft to its target and removes what it replaces.
     pub fn publish(self) -> Result<PathBuf, StoreError> {
         let target = self.target.clone();
         self.publish_at(&target, fs::rename)?;
@@ -110,17 +110,17 @@ impl Draft {
         Ok(target)
     }
 
-    /// Puts what a failed run left beside its place, under the name `<target>.failed`, or `<target>.failed-2`
-    /// and so on where something of the user's has that name.
+    /// Renames the draft of a failed run to `<target>.failed`, or `<target>.failed-2` and so on where a file or folder of the
+    /// user has that name.
     ///
-    /// A whole run that stands at `target` stays.
+    /// A complete run at `target` stays.
     pub fn publish_failed(self) -> Result<PathBuf, StoreError> {
         let target = failed(&self.target);
         self.publish_at(&target, fs::rename)?;
         Ok(target)
     }
 
-    /// Moves the draft to `target` and what stood there out of the way, by `rename`.
+    /// Moves the draft to `target`, and what was there away before, by `rename`.
     fn publish_at(self, target: &Path, rename: impl Fn(PathBuf, PathBuf) -> io::Result<()>) -> Result<(), StoreError> {
         let write = |error| StoreError::write(target, error);
         let former = sibling(target)?;
@@ -131,19 +131,19 @@ impl Draft {
         }
         if let Err(source) = rename(self.path().into(), target.into()) {
             if replaced && rename(former_run, target.into()).is_err() {
-                // Dropped, the folder would take the former run with it.
+                // Dropping the temporary folder would delete the former run.
                 let former = former.keep().join("former");
                 return Err(StoreError::Stranded { path: target.into(), former, source });
             }
             return Err(write(source));
         }
-        // The draft's folder has moved: there is nothing left to remove under its old name.
+        // The temporary folder was renamed: there is nothing left to remove.
         let _ = self.folder.keep();
         Ok(())
     }
 }
 
-/// Where a failed run is stored: the first of the names that is free or a run folder of ours.
+/// Path of a failed run: the first of the names that is free or a run folder of droptower.
 fn failed(target: &Path) -> PathBuf {
     let numbered = |number: usize| {
         let suffix = if number == 1 { ".failed".to_owned() } else { format!(".failed-{number}") };
@@ -156,14 +156,14 @@ fn failed(target: &Path) -> PathBuf {
     numbered(number)
 }
 
-/// `target` with `suffix` behind its name.
+/// `target` with `suffix` appended to its name.
 fn sibling_name(target: &Path, suffix: &str) -> PathBuf {
     let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
     name.push(suffix);
     target.with_file_name(name)
 }
 
-/// What an earlier failure left is out of date once a run went through.
+/// Removes the folder of an earlier failure, which a complete run makes obsolete.
 fn discard(folder: &Path) {
     if folder.is_dir() {
         let _ = fs::remove_dir_all(folder);
@@ -186,7 +186,7 @@ fn sibling(target: &Path) -> Result<TempDir, StoreError> {
 
 fn check_replaceable(target: &Path) -> Result<(), StoreError> {
     let path = || target.to_path_buf();
-    // A folder is put in place by its name, which `.`, `..` and `/` do not have.
+    // A folder is renamed by its name, which `.`, `..` and `/` do not have.
     if target.file_name().is_none() {
         return Err(StoreError::NoName { path: path() });
     }
@@ -208,7 +208,7 @@ fn check_replaceable(target: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// The tables and the files that a script left in `folder`, as the summary there lists them.
+/// The tables and files of a script in `folder`, as its summary lists them.
 fn listed(folder: &Path) -> HashSet<String> {
     let text = fs::read(folder.join(run_files::SUMMARY)).unwrap_or_default();
     let summary: Value = serde_json::from_slice(&text).unwrap_or_default();
@@ -221,7 +221,7 @@ fn listed(folder: &Path) -> HashSet<String> {
     tables.chain(files).collect()
 }
 
-/// Every file below `folder`, and every empty folder, by its place in it with `/` between the parts.
+/// Every file and every empty folder below `folder`, by its path in it with `/` between the parts.
 fn files(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_appears_whole_and_replaces_its_former_self() {
+    fn a_published_run_replaces_the_one_before() {
         let root = tempfile::tempdir().unwrap();
         let target = root.path().join("drop/1008");
         stored(&target, "1").unwrap();
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_run_stands_beside_and_goes_when_one_succeeds() {
+    fn a_failed_run_is_stored_beside_and_removed_by_a_complete_one() {
         let root = tempfile::tempdir().unwrap();
         let target = root.path().join("1008");
         let draft = Draft::begin(&target).unwrap();
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_run_gives_way_to_what_is_not_ours() {
+    fn a_failed_run_replaces_nothing_of_the_user() {
         let root = tempfile::tempdir().unwrap();
         let target = root.path().join("1008");
         fs::write(root.path().join("1008.failed"), "mine").unwrap();
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn a_former_run_outlives_renames_that_fail() {
+    fn a_former_run_survives_renames_that_fail() {
         for (renames_that_work, stays) in [(1, false), (0, true)] {
             let root = tempfile::tempdir().unwrap();
             let target = root.path().join("1008");
@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_ours_stays() {
+    fn files_of_the_user_are_not_replaced() {
         let root = tempfile::tempdir().unwrap();
         let theirs = root.path().join("theirs");
         fs::create_dir(&theirs).unwrap();
@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_script_left_is_ours_and_what_lies_beside_it_is_not() {
+    fn files_that_the_summary_lists_are_replaced_and_others_are_not() {
         let root = tempfile::tempdir().unwrap();
         let target = root.path().join("virtual");
         let summary = r#"{"tables":{"drops":[]},"files":["1008.csv","coupons/md.csv"]}"#;
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_has_a_name() {
+    fn a_target_has_a_name() {
         for nameless in [".", "..", "/", "runs/.."] {
             let refused = check_places(&[nameless.into()]);
             assert!(matches!(refused, Err(StoreError::NoName { .. })), "{nameless}: {refused:?}");
@@ -379,7 +379,7 @@ mod tests {
     }
 
     #[test]
-    fn two_runs_do_not_share_a_place() {
+    fn two_runs_do_not_share_a_target() {
         let places = [PathBuf::from("no/such"), PathBuf::from("no/such")];
         assert!(matches!(check_places(&places), Err(StoreError::Twice { .. })));
     }

@@ -1,4 +1,4 @@
-//! A run read back from its folder, or a recording from its file.
+//! A run read from its folder, or a recording from its file.
 
 use std::fs;
 use std::io;
@@ -11,27 +11,27 @@ use super::run_files;
 use crate::signal::Recording;
 use crate::signal::file::{self, ReadOptions};
 
-/// What a run has left, as far as it is there.
+/// The stored results of a run; those without a file are empty.
 #[derive(Clone, Debug, Default)]
 pub struct StoredRun {
     /// Folder or file, as it was given.
     pub place: PathBuf,
     /// The channels of `signals.csv`, or of the recording.
     pub signals: Recording,
-    /// `summary.json`; nothing of a recording or of a run that broke off before it could be measured.
+    /// `summary.json`; empty of a recording and of a run that failed before it could be measured.
     pub summary: Map<String, Value>,
     /// The resolved scenario; empty of a recording.
     pub scenario: String,
-    /// Why the run broke off, where it did.
+    /// Why the run failed; `None` of a complete one.
     pub failure: Option<String>,
     /// Whether it is a recording that its file marks as virtual.
     pub is_virtual: bool,
 }
 
-/// Why there is nothing to be read back.
+/// Why a stored run cannot be read.
 #[derive(Debug, Error)]
 pub enum StoredRunError {
-    #[error("{} is not there", path.display())]
+    #[error("there is no {}", path.display())]
     Missing { path: PathBuf },
     #[error("{} is not a run folder of droptower: it has no signals.csv", path.display())]
     NotARun { path: PathBuf },
@@ -41,7 +41,7 @@ pub enum StoredRunError {
     Scenario { path: PathBuf, source: Box<toml::de::Error> },
     #[error("{}: {source}", path.display())]
     Summary { path: PathBuf, source: serde_json::Error },
-    #[error("{} holds no figures: it is no table of names and values", path.display())]
+    #[error("{} holds no figures: expected an object of names and values", path.display())]
     NoFigures { path: PathBuf },
     #[error(transparent)]
     Signals(#[from] file::ReadError),
@@ -94,7 +94,7 @@ fn signals(path: &Path) -> Result<(Recording, bool), StoredRunError> {
     Ok((recording, measurement.annotations.is_virtual()))
 }
 
-/// What stands in a file; none where there is no such file.
+/// The text of a file; `None` where there is no such file.
 fn text(path: &Path) -> Result<Option<String>, StoredRunError> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(Some(text)),
@@ -125,11 +125,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_is_a_run_where_it_has_signals() {
+    fn a_folder_with_signals_is_a_run() {
         let folder = tempfile::tempdir().unwrap();
         let place = folder.path();
         let refusal = |place: &Path| StoredRun::read(place).unwrap_err().to_string();
-        assert!(refusal(&place.join("nowhere")).ends_with("is not there"));
+        assert!(refusal(&place.join("nowhere")).starts_with("there is no "));
         assert!(refusal(place).ends_with("it has no signals.csv"));
         fs::write(place.join("signals.csv"), "time_s,force_N\n0,1\n1,2\n").unwrap();
         let run = StoredRun::read(place).unwrap();

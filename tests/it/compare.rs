@@ -102,7 +102,7 @@ fn all_mistakes_are_reported_and_nothing_is_written() {
         "runs/coupon is given twice",
         "empty is not a run folder of droptower: it has no signals.csv",
         "summary.json: EOF while parsing",
-        "nowhere is not there",
+        "there is no nowhere",
     ] {
         assert!(all.contains(expected), "{all}");
     }

@@ -1,4 +1,4 @@
-//! What the viewer shall show and how, sent ahead of the data.
+//! The blueprint: what the viewer shows and how, sent ahead of the data.
 //!
 //! The blueprint interface of the SDK cannot set properties of its views (camera, background, legends of plots), though the
 //! format has them: they are logged by hand to the paths of the views, and sent together with the rest.

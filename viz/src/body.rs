@@ -1,4 +1,4 @@
-//! The rigid body: its shape once, its pose at every time.
+//! The rigid body: its shape logged once, its pose at every time.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use crate::normals;
 use crate::scene::{BodyTrack, Pose};
 use crate::series::Moment;
 
-/// Steel that lets the film behind it show through.
+/// Translucent steel, so that the film behind it is visible.
 const STEEL: [u8; 4] = [170, 178, 190, 100];
 
 /// Logs the shape.
@@ -23,7 +23,7 @@ pub(crate) fn log_shape(stream: &RecordingStream, body: &BodyTrack) -> Recording
     stream.log_static(entity(body), &surface)
 }
 
-/// Logs where the body is.
+/// Logs the pose of the body.
 pub(crate) fn log_pose(stream: &RecordingStream, body: &BodyTrack, pose: &Pose) -> RecordingStreamResult<()> {
     Moment::Time(pose.time).set(stream);
     let moved = Transform3D::update_fields()
@@ -36,7 +36,7 @@ fn entity(body: &BodyTrack) -> String {
     format!("scene/{}", body.name)
 }
 
-/// A surface whose points stand there once for each normal that they have: several of them at edges.
+/// A surface with a vertex for each normal of a point: several at edges.
 struct Corners {
     points: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,

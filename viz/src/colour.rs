@@ -1,9 +1,9 @@
 //! Viridis (van der Walt and Smith, 2015): equal steps of the value look like equal steps.
 
-/// Text and lines for orientation.
+/// Colour of text and guide lines.
 pub(crate) const GREY: [u8; 3] = [128, 128, 132];
 
-/// Colours are taken at so many equal distances: neighbours that are alike compress.
+/// Number of distinct colours: equal neighbours compress.
 const STEPS: f32 = 64.0;
 
 /// The map at equal distances from the lowest to the highest value, sRGB.

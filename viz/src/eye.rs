@@ -1,4 +1,4 @@
-//! From where a scene is looked at.
+//! The position and target of the eye.
 
 use crate::film::mirrored;
 use crate::scene::{FilmSnapshot, FilmTrack, Scene};
@@ -9,7 +9,7 @@ const DIRECTION: [f32; 3] = [0.56, -0.79, 0.24];
 /// The same of films alone, which are flat.
 const ABOVE: [f32; 3] = [0.45, -0.63, 0.63];
 
-/// Size below which a scene is shown enlarged to it, m: the viewer cuts away what is within a centimetre of the eye.
+/// Least size of a scene, m; a smaller one is scaled up: the viewer clips what is within a centimetre of the eye.
 const LEAST_SIZE: f32 = 0.5;
 
 /// Distance of the eye over the size of what it looks at; the viewer's field of view is 55°.
@@ -18,7 +18,7 @@ const DISTANCE: f32 = 0.8;
 /// The same of films alone.
 const ABOVE_DISTANCE: f32 = 1.1;
 
-/// Depth over the width of a film to which it is looked at: before a run nobody knows how deep it will go.
+/// Depth in view over the width of a film: the depth that a run reaches is not known before it.
 const DEPTH: f32 = 0.4;
 
 /// A box around films with their mirror images, m.

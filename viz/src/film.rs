@@ -1,4 +1,4 @@
-//! A film as one mesh: what does not change is logged once.
+//! A film as one mesh; what does not change is logged once.
 
 use re_sdk::{RecordingStream, RecordingStreamResult};
 use re_sdk_types::AsComponents;
@@ -19,21 +19,21 @@ pub(crate) const COLOURS: &str = "Colours";
 /// Positions are rounded to about so many steps along the longest side of the films: random last digits do not compress.
 const STEPS: f32 = 16_384.0;
 
-/// Marks at the nodes in touch are rounded to so many steps of positions.
+/// Marks at the nodes in contact are rounded to so many steps of positions.
 const STEPS_PER_MARK: f32 = 8.0;
 
-/// Normals follow every so many states: light changes more slowly than shape.
+/// Snapshots between two updates of the normals: shading changes more slowly than shape.
 const STATES_PER_NORMALS: usize = 4;
 
 const FRAME: [u8; 3] = [120, 124, 134];
 const TOUCH: [u8; 3] = [240, 90, 40];
 
-/// The states of a film as they go into a recording.
+/// Logs the snapshots of a film.
 pub(crate) struct Film {
     /// Steps that positions are rounded to, a power of two, m.
     step: f32,
     states: usize,
-    /// What the recording shows at present.
+    /// What was logged last.
     shown: Shown,
 }
 
@@ -45,14 +45,14 @@ struct Shown {
 }
 
 impl Film {
-    /// Logs what stays of a film in a scene of this extent.
+    /// Logs what does not change of a film, in a scene of this extent.
     pub(crate) fn begin(stream: &RecordingStream, track: &FilmTrack, extent: &Extent) -> RecordingStreamResult<Film> {
         let poses = InstancePoses3D::new().with_scales(images(track));
         stream.log_static(entity(track), &poses)?;
         Ok(Film { step: step(extent.size()), states: 0, shown: Shown::default() })
     }
 
-    /// Logs a state, which has passed the track's check.
+    /// Logs a snapshot that has passed the check of its track.
     pub(crate) fn log(
         &mut self,
         stream: &RecordingStream,
@@ -102,7 +102,7 @@ impl Film {
         Ok(())
     }
 
-    /// The nodes in touch, until there are none.
+    /// The nodes in contact, until there are none.
     fn log_contact(
         &mut self,
         stream: &RecordingStream,
@@ -147,7 +147,7 @@ fn rounded(point: &[f32; 3], step: f32) -> [f32; 3] {
     point.map(|coordinate| (coordinate / step).round() * step)
 }
 
-/// The triangles that are left.
+/// The intact triangles.
 fn visible(film: &FilmTrack, snapshot: &FilmSnapshot) -> Vec<[u32; 3]> {
     let both = film.triangles.iter().zip(&snapshot.visible);
     let mut left: Vec<_> = both.filter(|(_, v)| **v).map(|(t, _)| *t).collect();

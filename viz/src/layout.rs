@@ -1,4 +1,4 @@
-//! How the viewer opens: pictures and charts above, texts and events below, on the timeline that the scene has.
+//! The layout of the viewer: 3-D views and charts above, texts and events below, on the timeline of the scene.
 
 use re_sdk::blueprint::{
     Blueprint, BlueprintPanel, ContainerLike, Horizontal, SelectionPanel, Spatial2DView, Spatial3DView, Tabs,
@@ -26,13 +26,13 @@ use crate::quantity::Quantity;
 use crate::scene::{Document, Scene};
 use crate::series::{Chart, ITERATION, Places, TIME};
 
-/// Time of watching for one run, s.
+/// Playback time of a run, s.
 const PLAYBACK: f64 = 6.0;
 
-/// Iterations a second of watching.
+/// Iterations played per second.
 const ITERATIONS_PER_SECOND: f64 = 4.0;
 
-/// Charts that have room in one column; further ones stand behind each other.
+/// Most charts in a column; further ones are in tabs.
 const MOST_CHARTS: usize = 4;
 
 /// The arrangement for `scene`, and the properties of its views.
@@ -69,7 +69,7 @@ fn time_panel(scene: &Scene) -> TimePanel {
     }
 }
 
-/// The films in one tab a quantity, each beside its colours, and behind them the diagrams.
+/// A tab with the films for each quantity, beside its colour bar, and a tab for each diagram.
 fn pictures(scene: &Scene, properties: &mut Properties) -> Option<ContainerLike> {
     let eye = Eye::on(scene);
     let quantities: &[Quantity] = if scene.films.is_empty() { &[] } else { &scene.quantities };
@@ -102,7 +102,7 @@ fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Prop
     Horizontal::new([view, legend]).with_column_shares(vec![7.0, 1.0]).with_name(quantity.title.as_str()).into()
 }
 
-/// Dark in every theme: bright strains stand out from it, and so does steel.
+/// Dark background in every theme, which contrasts with bright strains and steel.
 fn ground() -> Background {
     Background::new(BackgroundKind::SolidColor).with_color([27, 30, 36])
 }
@@ -145,7 +145,7 @@ fn texts(scene: &Scene, properties: &mut Properties) -> ContainerLike {
     Tabs::new(events.into_iter().chain(documents)).into()
 }
 
-/// The log with level and text; all of it comes from one entity.
+/// The log with level and text, which one entity holds.
 fn events(properties: &mut Properties) -> ContainerLike {
     let view = TextLogView::new("Events").with_origin("events").into();
     let column = |kind, visible: bool| TextLogColumn(Column { kind, visible: visible.into() });

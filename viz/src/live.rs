@@ -1,4 +1,4 @@
-//! Where a running viewer listens.
+//! The address at which a viewer listens.
 
 use std::fmt::{self, Display};
 use std::io;
@@ -13,7 +13,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Address(ProxyUri);
 
-/// Why a text is no address of a viewer.
+/// Why a text is not the address of a viewer.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{cause}")]
 pub struct AddressError {
@@ -21,13 +21,13 @@ pub struct AddressError {
 }
 
 impl Address {
-    /// Where a viewer listens unless it was told otherwise.
+    /// The default address of a viewer.
     pub const DEFAULT: &str = "rerun+http://127.0.0.1:9876/proxy";
 
-    /// Whether anybody listens there.
+    /// Checks that a viewer listens there.
     ///
     /// # Errors
-    /// Nobody does, or not within `patience`.
+    /// No connection within `patience`.
     pub fn answers(&self, patience: Duration) -> io::Result<()> {
         let origin = &self.0.origin;
         let places = (origin.host.to_string(), origin.port).to_socket_addrs()?;

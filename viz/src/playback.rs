@@ -1,4 +1,4 @@
-//! Recordings read back, as plain values.
+//! Recordings read as plain values.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -17,7 +17,7 @@ use thiserror::Error;
 use crate::film::COLOURS;
 
 /// Rows of one component in the order of their places on a timeline: ns on [`crate::TIME`], numbers on [`crate::ITERATION`].
-/// Rows that stay come first, at `i64::MIN`.
+/// Static rows come first, at `i64::MIN`.
 pub type Rows<T> = Vec<(i64, Vec<T>)>;
 
 /// A recording and its blueprint.
@@ -32,7 +32,7 @@ pub struct Playback {
 pub enum PlaybackError {
     #[error(transparent)]
     File(#[from] io::Error),
-    #[error("no recording, or a damaged one: {cause}")]
+    #[error("not a recording, or a damaged one: {cause}")]
     Damaged { cause: String },
 }
 
@@ -40,7 +40,7 @@ impl Playback {
     /// Reads the file at `path` whole.
     ///
     /// # Errors
-    /// It cannot be read, or is no recording.
+    /// The file cannot be read, or is not a recording.
     pub fn read(path: &Path) -> Result<Playback, PlaybackError> {
         let mut playback = Playback::default();
         for message in DecoderApp::decode_lazy(BufReader::new(File::open(path)?)) {
@@ -67,7 +67,7 @@ impl Playback {
         self.points(entity, &Mesh3D::descriptor_vertex_positions())
     }
 
-    /// Points by themselves, m, on [`crate::TIME`].
+    /// Points, m, on [`crate::TIME`].
     pub fn marks(&self, entity: &str) -> Rows<[f32; 3]> {
         self.points(entity, &Points3D::descriptor_positions())
     }
@@ -89,13 +89,13 @@ impl Playback {
         rows.into_iter().map(|(at, colours)| (at, colours.into_iter().map(plain).collect())).collect()
     }
 
-    /// Where a body is, m, on [`crate::TIME`].
+    /// Position of a body, m, on [`crate::TIME`].
     pub fn places(&self, entity: &str) -> Rows<[f32; 3]> {
         let rows = self.rows::<Translation3D>(crate::TIME, entity, Transform3D::descriptor_translation().component);
         rows.into_iter().map(|(at, places)| (at, places.into_iter().map(|place| place.0.0).collect())).collect()
     }
 
-    /// How a body is turned, unit quaternions i, j, k, w, on [`crate::TIME`].
+    /// Orientation of a body, unit quaternions i, j, k, w, on [`crate::TIME`].
     pub fn rotations(&self, entity: &str) -> Rows<[f32; 4]> {
         let rows = self.rows::<RotationQuat>(crate::TIME, entity, Transform3D::descriptor_quaternion().component);
         rows.into_iter().map(|(at, turns)| (at, turns.into_iter().map(|turn| turn.0.0).collect())).collect()

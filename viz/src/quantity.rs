@@ -1,4 +1,4 @@
-//! What films are coloured by, and the bar that tells the colours.
+//! The quantities that colour films, and their colour bar.
 
 use re_sdk::{RecordingStream, RecordingStreamResult};
 use re_sdk_types::archetypes::{LineStrips2D, Points2D};
@@ -8,12 +8,12 @@ use crate::colour;
 use crate::diagram::Scale;
 use crate::series::Moment;
 
-/// A value of every node that films are coloured by.
+/// A nodal value that colours films.
 #[derive(Clone, Debug)]
 pub struct Quantity {
     /// One word of letters, e.g. `md`.
     pub key: &'static str,
-    /// What a tab calls it.
+    /// Title of its tab.
     pub title: String,
     /// The same with its unit, over the bar of colours.
     pub words: String,
@@ -45,7 +45,7 @@ impl Quantity {
         stream.log_static(format!("{}/bar", self.legend()), &bar)
     }
 
-    /// Logs the numbers beside the bar, from a moment on: what was coloured before keeps the numbers of its own range.
+    /// Logs the numbers beside the bar from a moment on; earlier snapshots keep the numbers of their range.
     pub(crate) fn log_numbers(&self, stream: &RecordingStream, from: Moment) -> RecordingStreamResult<()> {
         from.set(stream);
         let scale = Scale::over(self.range.iter().map(|end| f64::from(*end)), false);

@@ -11,28 +11,28 @@ use crate::series::{Chart, Moment, SignalTrack};
 pub struct Scene {
     /// Name of the recording in the viewer.
     pub name: String,
-    /// Time that is simulated, s: playback takes a few seconds for it.
+    /// Simulated time, s; playback takes a few seconds.
     pub duration: f64,
-    /// Whether it is shown while it goes: then the viewer follows it.
+    /// Whether it is shown while it is computed: the viewer then follows its end.
     pub is_live: bool,
     /// What of the films is in view, and as how large as they are coordinates are rounded.
     pub extent: Extent,
-    /// Texts, the one that is open first.
+    /// Texts, the open one first.
     pub documents: Vec<Document>,
-    /// What the films can be coloured by, the one that is shown first.
+    /// Quantities that colour the films, the default first.
     pub quantities: Vec<Quantity>,
     pub films: Vec<FilmTrack>,
     pub body: Option<BodyTrack>,
     pub signals: Vec<SignalTrack>,
-    /// Pictures of signals beside the films, from top to bottom as far as there is room.
+    /// Charts beside the films, from top to bottom.
     pub charts: Vec<Chart>,
-    /// Further pictures of signals, one behind the other.
+    /// Further charts, in tabs.
     pub more_charts: Vec<Chart>,
     pub diagrams: Vec<Diagram>,
     pub events: Vec<Event>,
 }
 
-/// A film that moves, stretches and breaks; its states are logged one by one.
+/// A film; its snapshots are logged one by one.
 #[derive(Clone, Debug, Default)]
 pub struct FilmTrack {
     pub name: String,
@@ -53,9 +53,9 @@ pub struct FilmSnapshot {
     pub positions: Vec<[f32; 3]>,
     /// Values of each of the scene's quantities, one entry a node.
     pub values: Vec<Vec<f32>>,
-    /// Whether a triangle is there still, one entry a triangle.
+    /// Whether a triangle is intact, one entry a triangle.
     pub visible: Vec<bool>,
-    /// Nodes that the body touches.
+    /// Nodes in contact with the body.
     pub in_contact: Vec<u32>,
 }
 
@@ -70,7 +70,7 @@ pub struct BodyTrack {
     pub poses: Vec<Pose>,
 }
 
-/// Where a body is at one time.
+/// The pose of a body at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     pub time: f64,
@@ -79,7 +79,7 @@ pub struct Pose {
     pub rotation: [f32; 4],
 }
 
-/// A text beside the pictures.
+/// A text of the recording.
 #[derive(Clone, Debug)]
 pub struct Document {
     /// Entity path, e.g. `texts/summary`.
@@ -89,7 +89,7 @@ pub struct Document {
     pub text: String,
 }
 
-/// Something that happened, for the log.
+/// An event for the log.
 #[derive(Clone, Debug)]
 pub struct Event {
     pub at: Moment,
@@ -105,7 +105,7 @@ pub enum Severity {
 }
 
 impl Scene {
-    /// Refuses lists whose lengths do not fit each other.
+    /// Refuses lists of inconsistent lengths.
     pub(crate) fn check(&self) -> Result<(), VizError> {
         self.signals.iter().try_for_each(SignalTrack::check)?;
         self.diagrams.iter().try_for_each(Diagram::check)
@@ -113,7 +113,7 @@ impl Scene {
 }
 
 impl FilmTrack {
-    /// Refuses a state that is not one of this film with so many quantities.
+    /// Refuses a snapshot that is not of this film with so many quantities.
     pub(crate) fn check(&self, snapshot: &FilmSnapshot, quantities: usize) -> Result<(), VizError> {
         let named = self.triangles.iter().flatten().chain(self.held.iter().flatten()).chain(&snapshot.in_contact).max();
         let nodes = named.map_or(0, |node| *node as usize + 1).max(self.nodes);

@@ -1,4 +1,4 @@
-//! Curves over a timeline, and where on it something happens.
+//! Signals and moments on a timeline.
 
 use re_sdk::RecordingStream;
 use re_sdk::log::TimeColumn;
@@ -21,7 +21,7 @@ pub enum Moment {
     Iteration(u32),
 }
 
-/// Where the values of a signal stand.
+/// The places of the values of a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Places {
     /// On [`TIME`], s.
@@ -35,7 +35,7 @@ pub enum Places {
 pub struct SignalTrack {
     /// Entity path, e.g. `signals/velocity_m_s`.
     pub path: String,
-    /// What a legend calls it.
+    /// Label in the legend.
     pub label: String,
     pub places: Places,
     /// One value a place; `NaN` leaves a gap.
@@ -43,7 +43,7 @@ pub struct SignalTrack {
     pub stroke: Stroke,
 }
 
-/// Signals in one picture, over the timeline that the viewer shows.
+/// A chart of signals over the timeline that the viewer shows.
 #[derive(Clone, Debug)]
 pub struct Chart {
     /// Quantity and unit.
@@ -53,7 +53,7 @@ pub struct Chart {
 }
 
 impl Moment {
-    /// Puts what is logged next at this place, and nowhere else.
+    /// Sets the place of what is logged next.
     pub(crate) fn set(self, stream: &RecordingStream) {
         stream.reset_time();
         match self {

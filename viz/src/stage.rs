@@ -1,4 +1,4 @@
-//! A recording while it is made: a file, or what a running viewer shows. Both are logged by the same functions.
+//! A recording while it is written, to a file or to an open viewer; both are logged by the same functions.
 
 use std::path::Path;
 use std::time::Duration;
@@ -16,13 +16,13 @@ use crate::scene::{Document, Event, FilmSnapshot, Pose, Scene, Severity};
 use crate::series::{Moment, Places, SignalTrack};
 use crate::{VizError, blueprint, body, diagram};
 
-/// Name of the application in the viewer, which keeps one arrangement for all its recordings.
+/// Name of the application in the viewer, which stores one layout for all its recordings.
 const APPLICATION: &str = "droptower";
 
-/// A scene on its way into a recording.
+/// Logs a scene into a recording.
 pub struct Stage {
     stream: RecordingStream,
-    /// With the ranges of colours that are in force.
+    /// The scene with its present colour ranges.
     scene: Scene,
     films: Vec<Film>,
 }
@@ -62,7 +62,7 @@ impl Stage {
         Ok(film.log(&self.stream, track, snapshot, &self.scene.quantities)?)
     }
 
-    /// Spreads the colours of each quantity over another range, for the states from `from` on.
+    /// Sets the colour range of each quantity for the snapshots from `from` on.
     ///
     /// # Errors
     /// It cannot be written.
@@ -74,8 +74,8 @@ impl Stage {
         Ok(())
     }
 
-    /// Takes up the texts, signals, charts, diagrams and events of `rest` in place of those before, and arranges the viewer
-    /// for them. Of signals that are there already, `rest` holds the values that are new.
+    /// Replaces the texts, signals, charts, diagrams and events by those of `rest` and sends the layout for them. Of signals
+    /// that were logged before, `rest` holds the new values.
     ///
     /// # Errors
     /// Lists of `rest` do not fit each other.
@@ -88,7 +88,7 @@ impl Stage {
         self.log_lists()
     }
 
-    /// Logs where the body is, if the scene has one.
+    /// Logs the pose of the body, if the scene has one.
     pub fn pose(&self, pose: &Pose) -> Result<(), VizError> {
         let Some(body) = &self.scene.body else { return Ok(()) };
         Ok(body::log_pose(&self.stream, body, pose)?)
@@ -104,7 +104,7 @@ impl Stage {
         Ok(self.stream.send_columns(path, [places.column()], columns)?)
     }
 
-    /// Waits until all is written or sent.
+    /// Waits until everything is written or sent.
     ///
     /// # Errors
     /// It is not within `patience`, or cannot be at all.
@@ -169,7 +169,7 @@ impl Stage {
     }
 }
 
-/// Chunks of a file end where they are large enough, not when time has passed: then its size is always the same.
+/// Chunks of a file end at a size, not after a time, so that the size of the file is reproducible.
 fn by_size() -> ChunkBatcherConfig {
     ChunkBatcherConfig { flush_tick: Duration::MAX, ..ChunkBatcherConfig::DEFAULT }
 }

@@ -124,7 +124,7 @@ impl Page {
     }
 }
 
-/// The outline of a stretch of the axis across, full height.
+/// The outline of an interval of the axis across, at full height.
 fn outline([from, to]: [f64; 2]) -> Boxes2D {
     let half_width = (0.5 * (to - from) * WIDTH) as f32;
     Boxes2D::from_centers_and_half_sizes([place(0.5 * (from + to), 0.5)], [[half_width, 0.5]])
@@ -132,7 +132,7 @@ fn outline([from, to]: [f64; 2]) -> Boxes2D {
         .with_radii([Radius::new_ui_points(0.5)])
 }
 
-/// Where shares of both axes are in the viewer's plane.
+/// The point of the viewer's plane at shares of both axes.
 fn place(x: f64, y: f64) -> Point {
     [(x * WIDTH) as f32, (1.0 - y) as f32]
 }
@@ -155,7 +155,7 @@ fn legend(diagram: &Diagram) -> Points2D {
     texts(all.iter().enumerate().map(entry), colours)
 }
 
-/// Words at points that do not show.
+/// Labels at invisible points.
 fn texts(labels: impl Iterator<Item = (Point, String)>, colours: impl IntoIterator<Item = [u8; 3]>) -> Points2D {
     let (points, words): (Vec<Point>, Vec<String>) = labels.unzip();
     Points2D::new(points)
@@ -165,7 +165,7 @@ fn texts(labels: impl Iterator<Item = (Point, String)>, colours: impl IntoIterat
         .with_radii([Radius::new_ui_points(0.0)])
 }
 
-/// Stretches of points without a gap.
+/// Runs of points without a gap.
 fn strips(points: impl Iterator<Item = Option<Point>>) -> Vec<Vec<Point>> {
     let mut strips = vec![vec![]];
     for point in points {

@@ -14,10 +14,10 @@ use crate::series::Moment;
 /// Width of the box that curves are drawn in over its height.
 pub(crate) const WIDTH: f64 = 1.6;
 
-/// What of the plane is to be seen, across and down: the box with its labels and legend.
+/// Visible part of the plane, across and down: the box with its labels and legend.
 pub(crate) const BOUNDS: [[f64; 2]; 2] = [[-0.2, WIDTH + 0.6], [-0.12, 1.2]];
 
-/// A picture of curves.
+/// A diagram of curves.
 #[derive(Clone, Debug)]
 pub struct Diagram {
     /// Entity path, e.g. `diagrams/force`; no part of it is the path of another diagram.
@@ -25,9 +25,9 @@ pub struct Diagram {
     pub title: String,
     /// Across and up.
     pub axes: [Axis; 2],
-    /// What is there all the time.
+    /// Curves that are always shown.
     pub curves: Vec<Curve>,
-    /// What takes the place of the state before, from its moment on.
+    /// States, each of which replaces the one before from its moment on.
     pub states: Vec<State>,
     pub window: Option<Window>,
 }
@@ -35,17 +35,17 @@ pub struct Diagram {
 /// A stretch of the axis across to be marked.
 #[derive(Clone, Debug)]
 pub struct Window {
-    /// What it is.
+    /// Its label.
     pub words: String,
     pub ends: [f64; 2],
 }
 
-/// What an axis of a diagram shows.
+/// An axis of a diagram.
 #[derive(Clone, Debug)]
 pub struct Axis {
     /// Quantity and unit.
     pub words: String,
-    /// By decades; values that are not positive have no place.
+    /// Logarithmic; values that are not positive are not drawn.
     pub logarithmic: bool,
 }
 
@@ -61,7 +61,7 @@ pub struct Curve {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Look {
     Line,
-    /// What others are held against.
+    /// A reference.
     Dashed,
     /// Points without a line.
     Points,

@@ -1,9 +1,9 @@
 //! Round values along an axis.
 
-/// Spaces between ticks that an axis aims at.
+/// Intended number of intervals between ticks.
 const SPACES: f64 = 5.0;
 
-/// Spans below this are none: their ticks cannot be told apart.
+/// Least span of an axis: the ticks of a smaller one have equal labels.
 const LEAST_SPAN: f64 = 1e-300;
 
 /// An axis with its ends and ticks, all as numbers on the page: logarithms where it is by decades.
@@ -15,7 +15,7 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// An axis that has room for all of `values`.
+    /// An axis that covers all of `values`.
     pub(crate) fn over(values: impl Iterator<Item = f64>, logarithmic: bool) -> Scale {
         let placed = values.filter_map(|value| laid(value, logarithmic));
         let (low, high) = placed.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
@@ -35,7 +35,7 @@ impl Scale {
         Scale { low: -out(-self.low), high: out(self.high), ..self }
     }
 
-    /// Share of the axis at which a value stands; none where it has no place.
+    /// Share of the axis at a value; `None` where it is not drawn.
     pub(crate) fn share(&self, value: f64) -> Option<f64> {
         laid(value, self.logarithmic).map(|value| (value - self.low) / (self.high - self.low))
     }
