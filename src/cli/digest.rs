@@ -74,7 +74,7 @@ fn impact(measures: &Impact) -> String {
     let Impact { peak_acceleration_m_s2: peak, peak_displacement_m: travel, .. } = measures;
     let peak = at(peak.map(|a| format!("{:.1} g", a / G)), measures.time_of_peak_acceleration_s);
     let travel = at(travel.map(|d| format!("{:.1} mm", d * 1e3)), measures.time_of_peak_displacement_s);
-    let absorbed = measures.energy_absorption.map_or("-, did not turn round".into(), percent);
+    let absorbed = measures.energy_absorption.map_or("-, no rebound".into(), percent);
     let balance = balance(&measures.audit);
     format!(
         "  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} energy balance error {balance}\n"

@@ -1,34 +1,34 @@
 //! The mounting frame.
 
 use super::specimen::symmetry;
-use super::{Findings, Frame, Hold};
+use super::{Frame, Hold, Mistakes};
 use crate::mesh::Side;
 use crate::scenario::{self, EdgeChoice, Loading, Scenario, Shape};
 
 const PATH: &str = "frame.hold";
 
 /// The clamped edges; under a stretch the jaws.
-pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Frame {
+pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Frame {
     let hold = match &scenario.frame.hold {
         Some(scenario::Hold::Word(EdgeChoice::All)) => Hold::All,
         Some(scenario::Hold::Word(EdgeChoice::None)) => Hold::None,
-        Some(scenario::Hold::Sides(sides)) => self::sides(sides, scenario, findings),
+        Some(scenario::Hold::Sides(sides)) => self::sides(sides, scenario, mistakes),
         None if is_stretch(scenario) => Hold::Sides(vec![Side::XMinus, Side::XPlus]),
         None => Hold::All,
     };
     if is_stretch(scenario) && !is_jaws(&hold) {
-        findings.report_with(PATH, "a stretch test holds the sides x- and x+, its jaws", "leave the key out");
+        mistakes.report_with(PATH, "a stretch test holds the sides x- and x+, its jaws", "leave the key out");
     }
-    unheld(&hold, scenario, findings);
+    unheld(&hold, scenario, mistakes);
     Frame { hold }
 }
 
 /// Slow loadings need film that is held.
-fn unheld(hold: &Hold, scenario: &Scenario, findings: &mut Findings<'_>) {
+fn unheld(hold: &Hold, scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     match scenario.loading {
         Loading::Indent(_) if !is_spanned(hold) => {
             let hint = "hold \"all\", or at least two opposite sides";
-            findings.report_with(
+            mistakes.report_with(
                 PATH,
                 "the film is not held on both sides of the impactor, which pushes it away",
                 hint,
@@ -36,7 +36,7 @@ fn unheld(hold: &Hold, scenario: &Scenario, findings: &mut Findings<'_>) {
         }
         Loading::Pressure(_) if *hold != Hold::All => {
             let hint = "leave the key out, or hold \"all\"";
-            findings.report_with(PATH, "pressure escapes past an edge that is not held", hint);
+            mistakes.report_with(PATH, "pressure escapes past an edge that is not held", hint);
         }
         _ => {}
     }
@@ -63,18 +63,18 @@ fn is_jaws(hold: &Hold) -> bool {
     sides.len() == 2 && sides.contains(&Side::XMinus) && sides.contains(&Side::XPlus)
 }
 
-fn sides(written: &[scenario::Side], scenario: &Scenario, findings: &mut Findings<'_>) -> Hold {
+fn sides(written: &[scenario::Side], scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Hold {
     let round = matches!(scenario.specimen.shape, Shape::Circle(_));
     if round {
         let hint = if may_be_free(scenario) { "hold \"all\" or \"none\"" } else { "hold \"all\"" };
-        findings.report_with(PATH, "a circle has no sides", hint);
+        mistakes.report_with(PATH, "a circle has no sides", hint);
     }
     let mut sides = Vec::new();
     for (place, side) in written.iter().map(side).enumerate() {
         if sides.contains(&side) {
-            findings.report(&format!("{PATH}.{place}"), "this side is already held");
+            mistakes.report(&format!("{PATH}.{place}"), "this side is already held");
             if let Some(first) = written.iter().position(|other| self::side(other) == side) {
-                findings.label(&format!("{PATH}.{first}"), "here");
+                mistakes.label(&format!("{PATH}.{first}"), "here");
             }
         } else {
             sides.push(side);
@@ -84,7 +84,7 @@ fn sides(written: &[scenario::Side], scenario: &Scenario, findings: &mut Finding
     let alike = |a, b| sides.contains(&a) == sides.contains(&b);
     let broken = (x && !alike(Side::XMinus, Side::XPlus)) || (y && !alike(Side::YMinus, Side::YPlus));
     if broken {
-        findings.report_with(
+        mistakes.report_with(
             PATH,
             "opposite sides across a mirror plane are not held alike",
             "hold both, or set `specimen.symmetry` to \"none\"",

@@ -1,7 +1,7 @@
 //! The impactor.
 
 use super::specimen::symmetry;
-use super::{Findings, Guide, Impactor, ImpactorShape, Symmetry};
+use super::{Guide, Impactor, ImpactorShape, Mistakes, Symmetry};
 use crate::scenario::{self, Loading, Scenario};
 
 /// Shaft of a dart whose length is left out, in radii.
@@ -12,18 +12,18 @@ const SYMMETRY: &str = "specimen.symmetry";
 const MIRRORED: &str = "the mirror planes";
 
 /// The impactor, where the loading needs one.
-pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Impactor> {
+pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Impactor> {
     let why = match scenario.loading {
         Loading::Impact(_) => "`loading.impact` needs a body that falls",
         Loading::Indent(_) => "`loading.indent` needs a body that goes down",
         Loading::Stretch(_) | Loading::Pressure(_) => return None,
     };
     let Some(written) = &scenario.impactor else {
-        findings.missing("impactor", why);
+        mistakes.missing("impactor", why);
         return None;
     };
-    mirrored(written, symmetry(&scenario.specimen), findings);
-    let (shape, mass) = (shape(&written.shape, findings), mass(written, &scenario.loading, findings));
+    mirrored(written, symmetry(&scenario.specimen), mistakes);
+    let (shape, mass) = (shape(&written.shape, mistakes), mass(written, &scenario.loading, mistakes));
     Some(Impactor {
         shape: shape?,
         mass: mass?,
@@ -37,20 +37,20 @@ pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Impacto
 }
 
 /// Mass of a body that falls; one that is driven takes none, and cannot be free either.
-fn mass(written: &scenario::Impactor, loading: &Loading, findings: &mut Findings<'_>) -> Option<f64> {
+fn mass(written: &scenario::Impactor, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<f64> {
     if matches!(loading, Loading::Indent(_)) {
         if written.guide == scenario::Guide::Free {
-            findings.report_with("impactor.guide", "an indentation drives the impactor along z", "leave the key out");
+            mistakes.report_with("impactor.guide", "an indentation drives the impactor along z", "leave the key out");
         }
         return Some(f64::INFINITY);
     }
     if written.mass.is_none() {
-        findings.missing("impactor.mass", "`loading.impact` needs the mass of what falls");
+        mistakes.missing("impactor.mass", "`loading.impact` needs the mass of what falls");
     }
     written.mass.map(|mass| mass.0)
 }
 
-fn shape(written: &scenario::ImpactorShape, findings: &mut Findings<'_>) -> Option<ImpactorShape> {
+fn shape(written: &scenario::ImpactorShape, mistakes: &mut Mistakes<'_>) -> Option<ImpactorShape> {
     Some(match written {
         scenario::ImpactorShape::Sphere { radius } => ImpactorShape::Sphere { radius: radius.0 },
         scenario::ImpactorShape::Hemisphere { radius, length } => {
@@ -59,12 +59,12 @@ fn shape(written: &scenario::ImpactorShape, findings: &mut Findings<'_>) -> Opti
         scenario::ImpactorShape::Cylinder { radius, length } => {
             ImpactorShape::Cylinder { radius: radius.0, length: length.0 }
         }
-        scenario::ImpactorShape::Mesh(_) => ImpactorShape::Mesh(findings.file("impactor.shape.mesh")?),
+        scenario::ImpactorShape::Mesh(_) => ImpactorShape::Mesh(mistakes.file("impactor.shape.mesh")?),
     })
 }
 
 /// Mirror planes ask for a body that stands on them, cannot tip and is its own mirror image.
-fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, findings: &mut Findings<'_>) {
+fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, mistakes: &mut Mistakes<'_>) {
     if symmetry == Symmetry::None {
         return;
     }
@@ -72,17 +72,17 @@ fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, findings: &mut Fin
     let off_centre = symmetry.mirrors().iter().zip(written.position).any(|(mirror, offset)| *mirror && offset.0 != 0.0);
     if off_centre {
         let message = "the impactor does not stand on the mirror plane";
-        findings.report_with("impactor.position", message, hint);
-        findings.label(SYMMETRY, MIRRORED);
+        mistakes.report_with("impactor.position", message, hint);
+        mistakes.label(SYMMETRY, MIRRORED);
     }
     if written.guide == scenario::Guide::Free {
         let message = "a free impactor can tip out of the mirror plane";
-        findings.report_with("impactor.guide", message, hint);
-        findings.label(SYMMETRY, MIRRORED);
+        mistakes.report_with("impactor.guide", message, hint);
+        mistakes.label(SYMMETRY, MIRRORED);
     }
     if matches!(written.shape, scenario::ImpactorShape::Mesh(_)) {
         let message = "a meshed impactor is not known to be its own mirror image";
-        findings.report_with("impactor.shape.mesh", message, hint);
-        findings.label(SYMMETRY, MIRRORED);
+        mistakes.report_with("impactor.shape.mesh", message, hint);
+        mistakes.label(SYMMETRY, MIRRORED);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Face, Findings, Hold, Impactor, ImpactorShape, Loading, Model};
+use super::{Face, Hold, Impactor, ImpactorShape, Loading, Mistakes, Model};
 use crate::mesh::{Outline, Side};
 
 const DEPTH: &str = "loading.indent.depth";
@@ -12,17 +12,17 @@ const SPANS: f64 = 3.0;
 
 /// Refuses a depth that no film of its kind can follow: where it would have to break though all of it were strained
 /// alike, and where the impactor would have come down on the frame.
-pub fn check(model: &Model, findings: &mut Findings<'_>) {
+pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
     let (Loading::Indent { depth, .. }, Some(impactor)) = (&model.loading, &model.impactor) else { return };
     let spans = Spans { shape: &model.specimen.shape, hold: &model.frame.hold, from: impactor.position };
     if spans.is_beside() {
         let hint = "the position of its axis is measured from the centre of the specimen";
-        findings.report_with("impactor.position", "the impactor goes down beside the film", hint);
+        mistakes.report_with("impactor.position", "the impactor goes down beside the film", hint);
         return;
     }
     if let Some(limit) = frame_depth(impactor, &spans).filter(|limit| depth > limit) {
         let hint = format!("it does at {}", millimetres(limit));
-        findings.report_with(DEPTH, "the impactor comes down on the frame before it is as deep", hint);
+        mistakes.report_with(DEPTH, "the impactor comes down on the frame before it is as deep", hint);
     }
     for face in &model.faces {
         // The first face is met first; the others lie deeper by then.
@@ -32,13 +32,13 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
                 continue;
             };
             let hint = format!("strained evenly from edge to edge, {name} breaks at {}", millimetres(before + limit));
-            findings.report_with(DEPTH, "deeper than the film can follow", hint);
+            mistakes.report_with(DEPTH, "deeper than the film can follow", hint);
             return;
         }
     }
     if let Some(span) = spans.narrowest().filter(|span| *depth > SPANS * span) {
         let hint = format!("the film spans {}; a bare number is in m", millimetres(span));
-        findings.report_with(DEPTH, format!("deeper than {SPANS} times the span of the film"), hint);
+        mistakes.report_with(DEPTH, format!("deeper than {SPANS} times the span of the film"), hint);
     }
 }
 

@@ -1,32 +1,32 @@
 //! The faces of film, in the order in which the impactor meets them.
 
 use super::specimen::{is_along_axes, symmetry};
-use super::{Face, Findings, Loading, Symmetry, material};
+use super::{Face, Loading, Mistakes, Symmetry, material};
 use crate::material::Material;
 use crate::mesh::{Element, Meshing};
 use crate::scenario::{self, Layer, Layers, Scenario};
 
 /// The faces; none where a material is missing or no material.
-pub fn check(scenario: &Scenario, loading: &Loading, findings: &mut Findings<'_>) -> Option<Vec<Face>> {
+pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<Vec<Face>> {
     let own = scenario.specimen.material.as_ref();
-    let shared = own.map(|written| film(written, "specimen.material", findings));
+    let shared = own.map(|written| film(written, "specimen.material", mistakes));
     let mut faces = if scenario.layer.is_empty() {
-        stacked(scenario, shared, findings)?
+        stacked(scenario, shared, mistakes)?
     } else {
         let layers = scenario.layer.iter().enumerate();
         let faces: Vec<_> =
-            layers.map(|(place, layer)| single(scenario, layer, place, shared.as_ref(), findings)).collect();
+            layers.map(|(place, layer)| single(scenario, layer, place, shared.as_ref(), mistakes)).collect();
         faces.into_iter().collect::<Option<Vec<Face>>>()?
     };
-    heights(&faces, scenario, findings);
+    heights(&faces, scenario, mistakes);
     for face in &mut faces {
         if let Loading::Stretch { angle, .. } = loading {
             face.md_angle = -angle;
         }
     }
-    mirrored(&faces, scenario, findings);
-    prestrained(&faces, scenario, findings);
-    taut(&faces, scenario, findings);
+    mirrored(&faces, scenario, mistakes);
+    prestrained(&faces, scenario, mistakes);
+    taut(&faces, scenario, mistakes);
     Some(faces)
 }
 
@@ -37,17 +37,17 @@ struct Film {
     material: Material,
 }
 
-fn film(written: &scenario::Material, path: &str, findings: &mut Findings<'_>) -> Option<Film> {
-    let material = material::check(written, path, findings)?;
+fn film(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Film> {
+    let material = material::check(written, path, mistakes)?;
     Some(Film { name: written.name.clone(), material })
 }
 
 /// The faces of `[layers]`, alike but for their height.
-fn stacked(scenario: &Scenario, film: Option<Option<Film>>, findings: &mut Findings<'_>) -> Option<Vec<Face>> {
+fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut Mistakes<'_>) -> Option<Vec<Face>> {
     if film.is_none() {
-        findings.missing("specimen.material", "what one layer is made of");
+        mistakes.missing("specimen.material", "what one layer is made of");
     }
-    let meshing = meshing(scenario, None, "specimen.mesh.size", findings);
+    let meshing = meshing(scenario, None, "specimen.mesh.size", mistakes);
     let (film, meshing) = (film??, meshing?);
     let fallback = Layers::default();
     let layers = scenario.layers.as_ref().unwrap_or(&fallback);
@@ -69,18 +69,18 @@ fn single(
     layer: &Layer,
     place: usize,
     shared: Option<&Option<Film>>,
-    findings: &mut Findings<'_>,
+    mistakes: &mut Mistakes<'_>,
 ) -> Option<Face> {
     let path = |key: &str| format!("layer.{place}.{key}");
     let film = match (&layer.material, shared) {
-        (Some(written), _) => film(written, &path("material"), findings),
+        (Some(written), _) => film(written, &path("material"), mistakes),
         (None, Some(shared)) => shared.clone(),
         (None, None) => {
-            findings.missing(&path("material"), "or give `specimen.material` for all layers");
+            mistakes.missing(&path("material"), "or give `specimen.material` for all layers");
             None
         }
     };
-    let meshing = meshing(scenario, Some(layer), &path("mesh.size"), findings);
+    let meshing = meshing(scenario, Some(layer), &path("mesh.size"), mistakes);
     let film = film?;
     Some(Face {
         height: layer.height.0,
@@ -94,7 +94,7 @@ fn single(
 }
 
 /// The division of a face; a layer's own first, then the specimen's.
-fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, findings: &mut Findings<'_>) -> Option<Meshing> {
+fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Meshing> {
     let shared = &scenario.specimen.mesh;
     let own = layer.map_or(shared, |layer| &layer.mesh);
     let element = own.element.or(shared.element);
@@ -104,11 +104,11 @@ fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, findings: &mu
         (Some(size), false) => size.0,
         (None, true) => 0.0,
         (Some(_), true) => {
-            findings.out_of_place(path, "an imported mesh brings its own element size");
+            mistakes.out_of_place(path, "an imported mesh brings its own element size");
             return None;
         }
         (None, false) => {
-            findings.missing(path, "the edge length of an element, like \"10 mm\"");
+            mistakes.missing(path, "the edge length of an element, like \"10 mm\"");
             return None;
         }
     };
@@ -132,33 +132,33 @@ fn face_path(scenario: &Scenario, place: usize) -> String {
     if scenario.layer.is_empty() { "layers".to_owned() } else { format!("layer.{place}") }
 }
 
-fn heights(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
+fn heights(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     let single = match scenario.loading {
         scenario::Loading::Stretch(_) => Some("a stretch test has one face"),
         scenario::Loading::Pressure(_) => Some("pressure acts on one face"),
         scenario::Loading::Impact(_) | scenario::Loading::Indent(_) => None,
     };
     if let Some(message) = single.filter(|_| faces.len() > 1) {
-        findings.report(&height_path(scenario, 1), message);
+        mistakes.report(&height_path(scenario, 1), message);
     }
     for (place, pair) in faces.windows(2).enumerate() {
         let path = height_path(scenario, place + 1);
         if pair[1].height == pair[0].height {
-            findings.report(&path, "two faces lie at the same height");
-            findings.label(&height_path(scenario, place), "the other face");
+            mistakes.report(&path, "two faces lie at the same height");
+            mistakes.label(&height_path(scenario, place), "the other face");
         } else if pair[1].height > pair[0].height {
-            findings.report_with(
+            mistakes.report_with(
                 &path,
                 "the faces do not stand from the highest to the lowest",
                 "the impactor comes from above and meets the first face first",
             );
-            findings.label(&height_path(scenario, place), "the face before it");
+            mistakes.label(&height_path(scenario, place), "the face before it");
         }
     }
 }
 
 /// Film that hangs slack or is pressed together has no shape that a little pressure would give it.
-fn taut(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
+fn taut(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     if !matches!(scenario.loading, scenario::Loading::Pressure(_)) {
         return;
     }
@@ -167,14 +167,14 @@ fn taut(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
             if prestrain < 0.0 {
                 let path = format!("{}.prestrain.{key}", face_path(scenario, place));
                 let hint = "nothing resists the pressure until the film is taut; use a pre-strain of at least 0";
-                findings.report_with(&path, "pressure on film that is wrinkled at the start", hint);
+                mistakes.report_with(&path, "pressure on film that is wrinkled at the start", hint);
             }
         }
     }
 }
 
 /// A film must outlast its own mounting.
-fn prestrained(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
+fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     for (place, face) in faces.iter().enumerate() {
         let path = face_path(scenario, place);
         let fibres = [("md", "MD"), ("td", "TD")].into_iter().zip(face.material.law.break_strains());
@@ -184,27 +184,27 @@ fn prestrained(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>)
             }
             let end = (1e3 * end).round() / 1e3;
             let message = format!("pre-strain {prestrain} breaks the film: {name} breaks at {end}");
-            findings.report(&format!("{path}.prestrain.{key}"), message);
+            mistakes.report(&format!("{path}.prestrain.{key}"), message);
         }
     }
 }
 
 /// A mirror plane asks for fibres along the axes.
-fn mirrored(faces: &[Face], scenario: &Scenario, findings: &mut Findings<'_>) {
+fn mirrored(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     if symmetry(&scenario.specimen) == Symmetry::None {
         return;
     }
     let oblique = faces.iter().position(|face| !is_along_axes(face.md_angle));
     let Some(place) = oblique else { return };
     let own = format!("layer.{place}.md_angle");
-    let path = if findings.is_written(&own) {
+    let path = if mistakes.is_written(&own) {
         own
-    } else if findings.is_written("specimen.md_angle") {
+    } else if mistakes.is_written("specimen.md_angle") {
         "specimen.md_angle".to_owned()
     } else {
         "loading.stretch.direction".to_owned()
     };
-    findings.report_with(
+    mistakes.report_with(
         &path,
         "oblique fibres have no mirror planes",
         "set `specimen.symmetry` to \"none\", or turn MD by a multiple of 90 deg",

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Findings, Loading, Model};
+use super::{Loading, Mistakes, Model};
 use crate::mesh::Outline;
 use crate::scenario::{self, Axis, Direction, Scenario};
 
@@ -40,29 +40,29 @@ const PRESSURE: [(&str, &str); 4] =
     [("impactor", "`loading.pressure` has no impactor"), NOT_COMPARED, NOT_FILTERED, DAMPED];
 
 /// The loading in SI values.
-pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Loading {
+pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Loading {
     match &scenario.loading {
-        scenario::Loading::Impact(impact) => self::impact(impact, findings),
+        scenario::Loading::Impact(impact) => self::impact(impact, mistakes),
         scenario::Loading::Stretch(written) => {
-            stretched_specimen(scenario, findings);
+            stretched_specimen(scenario, mistakes);
             stretch(written)
         }
         scenario::Loading::Indent(written) => {
-            out_of_place(&INDENT, findings);
+            out_of_place(&INDENT, mistakes);
             Loading::Indent { depth: written.depth.0, velocity: written.velocity.0, mass_scaling: written.mass_scaling }
         }
         scenario::Loading::Pressure(written) => {
-            out_of_place(&PRESSURE, findings);
+            out_of_place(&PRESSURE, mistakes);
             Loading::Pressure { pressure: written.pressure.0, ramp: written.ramp.0, mass_scaling: written.mass_scaling }
         }
     }
 }
 
-fn impact(written: &scenario::Impact, findings: &mut Findings<'_>) -> Loading {
+fn impact(written: &scenario::Impact, mistakes: &mut Mistakes<'_>) -> Loading {
     let gravity = written.gravity.0;
     if written.drop_height.is_some() && gravity == 0.0 {
-        findings.report("loading.impact.gravity", "nothing falls from `drop_height` without gravity");
-        findings.label("loading.impact.drop_height", "the height of fall");
+        mistakes.report("loading.impact.gravity", "nothing falls from `drop_height` without gravity");
+        mistakes.label("loading.impact.drop_height", "the height of fall");
     }
     let fall = |height: f64| (2.0 * gravity * height).sqrt();
     let velocity = match (written.velocity, written.drop_height) {
@@ -91,10 +91,10 @@ fn direction(written: Direction) -> f64 {
 }
 
 /// Jaws pull one flat, unstrained, straight-edged film in a direction that the loading alone names.
-fn stretched_specimen(scenario: &Scenario, findings: &mut Findings<'_>) {
+fn stretched_specimen(scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     if !matches!(scenario.specimen.shape, scenario::Shape::Rectangle(_)) {
-        findings.report_with("specimen.shape", "`loading.stretch` needs a rectangle", "jaws hold straight edges");
-        findings.label("loading.stretch", "the loading");
+        mistakes.report_with("specimen.shape", "`loading.stretch` needs a rectangle", "jaws hold straight edges");
+        mistakes.label("loading.stretch", "the loading");
     }
     let turned = "`loading.stretch.direction` says how the film lies between the jaws";
     let pulled = "a stretch test pulls an unstrained film between two jaws";
@@ -105,18 +105,18 @@ fn stretched_specimen(scenario: &Scenario, findings: &mut Findings<'_>) {
         NOT_FILTERED,
         ("layers.prestrain", pulled),
     ];
-    out_of_place(&keys, findings);
+    out_of_place(&keys, mistakes);
     for place in 0..scenario.layer.len() {
         for (key, why) in [("md_angle", turned), ("prestrain", pulled)] {
-            out_of_place(&[(&format!("layer.{place}.{key}"), why)], findings);
+            out_of_place(&[(&format!("layer.{place}.{key}"), why)], mistakes);
         }
     }
 }
 
-fn out_of_place(keys: &[(&str, &str)], findings: &mut Findings<'_>) {
+fn out_of_place(keys: &[(&str, &str)], mistakes: &mut Mistakes<'_>) {
     for (path, why) in keys {
-        if findings.is_written(path) {
-            findings.out_of_place(path, *why);
+        if mistakes.is_written(path) {
+            mistakes.out_of_place(path, *why);
         }
     }
 }

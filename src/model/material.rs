@@ -1,6 +1,6 @@
 //! What a layer is made of: curves that are curves, moved by their multipliers.
 
-use super::Findings;
+use super::Mistakes;
 use crate::material::{
     Curve, CurveError, Elastic, Fabric, Law, Material, Multipliers, RateCurves, RateCurvesError, TensionField,
 };
@@ -8,12 +8,12 @@ use crate::scenario::{self, Fibre, Point, RateCurve, Scale};
 use crate::units::Rate;
 
 /// The material written at `path`, which is empty for that of a material file; none where it is no material.
-pub fn check(written: &scenario::Material, path: &str, findings: &mut Findings<'_>) -> Option<Material> {
+pub fn check(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Material> {
     let of = |table: &str| if path.is_empty() { table.to_owned() } else { format!("{path}.{table}") };
     let (law, rates, place) = match (&written.fabric, &written.elastic) {
         (Some(fabric), _) => {
             let place = of("fabric");
-            (self::fabric(fabric, &place, findings)?, fabric.measured_rates, place)
+            (self::fabric(fabric, &place, mistakes)?, fabric.measured_rates, place)
         }
         (None, Some(written)) => (elastic(written), written.measured_rates, of("elastic")),
         (None, None) => return None,
@@ -21,7 +21,7 @@ pub fn check(written: &scenario::Material, path: &str, findings: &mut Findings<'
     let written_rates = rates.map(|[from, to]| [from.0, to.0]);
     if written_rates.is_some_and(|[from, to]| to < from) {
         let path = format!("{place}.measured_rates");
-        findings.report_with(&path, "the highest rate is below the lowest", "the lowest first");
+        mistakes.report_with(&path, "the highest rate is below the lowest", "the lowest first");
     }
     let measured_rates = written_rates.or_else(|| law.rates());
     Some(Material { density: written.density.0, thickness: written.thickness.0, law, measured_rates })
@@ -32,14 +32,14 @@ fn elastic(written: &scenario::Elastic) -> Law {
     if written.wrinkling { Law::TensionField(TensionField(elastic)) } else { Law::Elastic(elastic) }
 }
 
-fn fabric(written: &scenario::Fabric, path: &str, findings: &mut Findings<'_>) -> Option<Law> {
-    let md = fibre(&written.md, written, &format!("{path}.md"), findings);
-    let td = fibre(&written.td, written, &format!("{path}.td"), findings);
+fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Law> {
+    let md = fibre(&written.md, written, &format!("{path}.md"), mistakes);
+    let td = fibre(&written.td, written, &format!("{path}.td"), mistakes);
     let shear_path = format!("{path}.shear.curve");
     let place = |index: usize| format!("{shear_path}.{index}");
-    let shear = curve(&written.shear.curve, &shear_path, place, findings);
+    let shear = curve(&written.shear.curve, &shear_path, place, mistakes);
     if written.rate_memory.is_some() && written.md.rates.is_none() && written.td.rates.is_none() {
-        findings.out_of_place(&format!("{path}.rate_memory"), "neither fibre set has `rates`");
+        mistakes.out_of_place(&format!("{path}.rate_memory"), "neither fibre set has `rates`");
     }
     // Outside, there is no law; the mistake was named when the range was checked.
     let absorption = Some(written.absorption).filter(|share| (0.0..1.0).contains(share));
@@ -75,19 +75,19 @@ struct Written<'a> {
 }
 
 /// The curves of one fibre set, moved by their own multipliers, by those of the set or else by those of the fabric.
-fn fibre(written: &Fibre, fabric: &scenario::Fabric, path: &str, findings: &mut Findings<'_>) -> Option<Curves> {
+fn fibre(written: &Fibre, fabric: &scenario::Fabric, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Curves> {
     let of_fabric = path.rsplit_once('.').map_or(String::new(), |(fabric, _)| format!("{fabric}.scale"));
     let scale = written.scale.map_or((fabric.scale, of_fabric), |scale| (scale, format!("{path}.scale")));
     let Some(rates) = &written.rates else {
         let Fibre { yield_points, break_point, curve, yield_strains, .. } = written;
         let (yield_points, break_point, yield_strains) = (*yield_points, *break_point, *yield_strains);
         let written = Written { yield_points, break_point, curve: curve.as_deref(), yield_strains, scale };
-        return self::written(&written, path, findings).map(Curves::One);
+        return self::written(&written, path, mistakes).map(Curves::One);
     };
     if written.yield_strains.is_some() {
-        findings.out_of_place(&format!("{path}.yield_strains"), "each of `rates` has its own");
+        mistakes.out_of_place(&format!("{path}.yield_strains"), "each of `rates` has its own");
     }
-    by_rate(rates, fabric.rate_memory.unwrap_or(RATE_MEMORY), &scale, path, findings).map(Curves::ByRate)
+    by_rate(rates, fabric.rate_memory.unwrap_or(RATE_MEMORY), &scale, path, mistakes).map(Curves::ByRate)
 }
 
 /// Growth of the largest strain over which the rate is averaged; assumed. At the 5 to 25 1/s of a drop test that is 0.4 to 2 ms.
@@ -99,7 +99,7 @@ fn by_rate(
     memory: f64,
     scale: &(Scale, String),
     path: &str,
-    findings: &mut Findings<'_>,
+    mistakes: &mut Mistakes<'_>,
 ) -> Option<RateCurves> {
     let mut curves = Vec::with_capacity(written.len());
     for (index, written) in written.iter().enumerate() {
@@ -108,19 +108,19 @@ fn by_rate(
         let (yield_points, break_point, yield_strains) = (*yield_points, *break_point, *yield_strains);
         let scale = own.map_or(scale.clone(), |own| (own, format!("{path}.scale")));
         let written = Written { yield_points, break_point, curve: curve.as_deref(), yield_strains, scale };
-        curves.push(self::written(&written, &path, findings).map(|curve| (rate.0, curve)));
+        curves.push(self::written(&written, &path, mistakes).map(|curve| (rate.0, curve)));
     }
     let error = match RateCurves::new(curves.into_iter().collect::<Option<_>>()?, memory) {
         Ok(curves) => return Some(curves),
         Err(error) => error,
     };
     match error {
-        RateCurvesError::RateNotIncreasing { index, rate, previous } => findings.report_with(
+        RateCurvesError::RateNotIncreasing { index, rate, previous } => mistakes.report_with(
             &format!("{path}.rates.{index}.rate"),
             "the rates do not increase",
             format!("{} stands after {}; the slowest first", Rate(rate), Rate(previous)),
         ),
-        RateCurvesError::Slack { index } => findings.report_with(
+        RateCurvesError::Slack { index } => mistakes.report_with(
             &format!("{path}.rates.{index}"),
             "this curve has no stress at first",
             "curves by strain rate rise from the origin, or what other rates put in could not come back along them",
@@ -132,25 +132,25 @@ fn by_rate(
 }
 
 /// One curve, moved by its multipliers.
-fn written(written: &Written<'_>, path: &str, findings: &mut Findings<'_>) -> Option<Curve> {
+fn written(written: &Written<'_>, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Curve> {
     let (curve, yields) = match (written.curve, written.yield_points, written.break_point) {
-        (Some(points), _, _) => general(written, points, path, findings)?,
+        (Some(points), _, _) => general(written, points, path, mistakes)?,
         (None, Some([first, second]), Some(end)) => {
             if written.yield_strains.is_some() {
                 let why = "`yield` gives the yield points already";
-                findings.out_of_place(&format!("{path}.yield_strains"), why);
+                mistakes.out_of_place(&format!("{path}.yield_strains"), why);
             }
             let place = |index: usize| match index {
                 0 | 1 => format!("{path}.yield.{index}"),
                 _ => format!("{path}.break"),
             };
-            let curve = curve(&[first, second, end], path, place, findings)?;
+            let curve = curve(&[first, second, end], path, place, mistakes)?;
             (curve, Some([first.0, second.0]))
         }
         _ => return None,
     };
     let (scale, scale_path) = &written.scale;
-    moved(curve, yields, *scale, [path, scale_path], findings)
+    moved(curve, yields, *scale, [path, scale_path], mistakes)
 }
 
 /// A curve of any points; its yield strains must lie on it, in order.
@@ -158,20 +158,20 @@ fn general(
     written: &Written<'_>,
     points: &[Point],
     path: &str,
-    findings: &mut Findings<'_>,
+    mistakes: &mut Mistakes<'_>,
 ) -> Option<(Curve, Option<[f64; 2]>)> {
     let curve_path = format!("{path}.curve");
     let place = |index: usize| format!("{curve_path}.{index}");
-    let curve = curve(points, &curve_path, place, findings)?;
+    let curve = curve(points, &curve_path, place, mistakes)?;
     if let Some([first, second]) = written.yield_strains {
         let last = curve.points().last().map_or(0.0, |point| point[0]);
         let path = format!("{path}.yield_strains");
         if second <= first {
-            findings.report(&path, "the second yield strain is not above the first");
+            mistakes.report(&path, "the second yield strain is not above the first");
         } else if second >= last {
             let message = format!("the curve ends at {last}, before its second yield point");
-            findings.report(&path, message);
-            findings.label(&place(points.len() - 1), "its last point");
+            mistakes.report(&path, message);
+            mistakes.label(&place(points.len() - 1), "its last point");
         }
     }
     Some((curve, written.yield_strains))
@@ -182,13 +182,13 @@ fn moved(
     yields: Option<[f64; 2]>,
     scale: Scale,
     [path, scale_path]: [&str; 2],
-    findings: &mut Findings<'_>,
+    mistakes: &mut Mistakes<'_>,
 ) -> Option<Curve> {
     if scale == Scale::default() {
         return Some(curve);
     }
     let Some(yields) = yields else {
-        findings.report_with(
+        mistakes.report_with(
             &format!("{path}.curve"),
             "`scale` moves a curve by its yield points, and this one names none",
             format!("give their strains beside it: yield_strains = [{}, {}]", 0.3, 0.8),
@@ -203,14 +203,14 @@ fn moved(
         Ok(curve) => Some(curve),
         Err(error) => {
             let message = format!("the multipliers leave no curve: {error}");
-            findings.report(scale_path, message);
+            mistakes.report(scale_path, message);
             None
         }
     }
 }
 
 /// The curve through `points`; a mistake is shown at the `place` of its point.
-fn curve(points: &[Point], path: &str, place: impl Fn(usize) -> String, findings: &mut Findings<'_>) -> Option<Curve> {
+fn curve(points: &[Point], path: &str, place: impl Fn(usize) -> String, mistakes: &mut Mistakes<'_>) -> Option<Curve> {
     let pairs = points.iter().map(|Point(strain, stress)| [*strain, stress.0]);
     if points.is_empty() {
         return None; // too short a list, and said so already
@@ -222,21 +222,21 @@ fn curve(points: &[Point], path: &str, place: impl Fn(usize) -> String, findings
     match error {
         CurveError::StrainNotIncreasing { index, strain, previous } => {
             let hint = format!("{strain} stands after {previous}");
-            findings.report_with(&place(index), "the curve is not increasing in strain", hint);
+            mistakes.report_with(&place(index), "the curve is not increasing in strain", hint);
             if let Some(before) = index.checked_sub(1) {
-                findings.label(&place(before), "the point before it");
+                mistakes.label(&place(before), "the point before it");
             }
         }
         CurveError::StressFalls { index, .. } => {
-            findings.report(&place(index), "the stress of the curve falls");
+            mistakes.report(&place(index), "the stress of the curve falls");
             if let Some(before) = index.checked_sub(1) {
-                findings.label(&place(before), "the point before it");
+                mistakes.label(&place(before), "the point before it");
             }
         }
         CurveError::NotFinite { index } => {
-            findings.report(&place(index), "this point of the curve is not finite");
+            mistakes.report(&place(index), "this point of the curve is not finite");
         }
-        CurveError::TooShort => findings.report(path, error.to_string()),
+        CurveError::TooShort => mistakes.report(path, error.to_string()),
     }
     None
 }

@@ -1,6 +1,6 @@
 //! The checked scenario: SI values, complete, immutable; what is here can be run.
 
-mod findings;
+mod mistakes;
 mod frame;
 mod impactor;
 mod indent;
@@ -22,7 +22,7 @@ use crate::diagnostic::Diagnostic;
 use crate::material::Material;
 use crate::mesh::{Meshing, Outline, Side};
 use crate::scenario::{Document, Scenario};
-use findings::Findings;
+use mistakes::Mistakes;
 pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
 
 /// Checks a scenario and converts it to SI values.
@@ -31,11 +31,11 @@ pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
 /// All mistakes of the scenario, at once.
 pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
     let (scenario, mistakes) = document.scenario();
-    let mut findings = Findings::new(document, mistakes);
-    let model = scenario.and_then(|scenario| model(&scenario, &mut findings));
+    let mut mistakes = Mistakes::new(document, mistakes);
+    let model = scenario.and_then(|scenario| model(&scenario, &mut mistakes));
     match model {
-        Some(model) if findings.mistakes.is_empty() => Ok(model),
-        _ => Err(findings.into_mistakes()),
+        Some(model) if mistakes.mistakes.is_empty() => Ok(model),
+        _ => Err(mistakes.into_mistakes()),
     }
 }
 
@@ -45,26 +45,26 @@ pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
 /// Everything that is wrong with it, at once.
 pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> {
     let (written, mistakes) = document.material();
-    let mut findings = Findings::new(document, mistakes);
-    let material = written.and_then(|written| material::check(&written, "", &mut findings));
+    let mut mistakes = Mistakes::new(document, mistakes);
+    let material = written.and_then(|written| material::check(&written, "", &mut mistakes));
     match material {
-        Some(material) if findings.mistakes.is_empty() => Ok(material),
-        _ => Err(findings.into_mistakes()),
+        Some(material) if mistakes.mistakes.is_empty() => Ok(material),
+        _ => Err(mistakes.into_mistakes()),
     }
 }
 
 /// Every part is checked before the first missing one ends it.
-fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
-    let name = findings.document.name();
-    let specimen = specimen::check(&scenario.specimen, findings);
-    let loading = loading::check(scenario, findings);
-    let faces = layers::check(scenario, &loading, findings);
-    let frame = frame::check(scenario, findings);
-    let impactor = impactor::check(scenario, findings);
+fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
+    let name = mistakes.document.name();
+    let specimen = specimen::check(&scenario.specimen, mistakes);
+    let loading = loading::check(scenario, mistakes);
+    let faces = layers::check(scenario, &loading, mistakes);
+    let frame = frame::check(scenario, mistakes);
+    let impactor = impactor::check(scenario, mistakes);
     let solver = solver::check(scenario);
-    let output = output::check(scenario, &loading, specimen.as_ref(), findings);
-    let reference = reference::check(scenario, findings);
-    let post = post::check(scenario, findings);
+    let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
+    let reference = reference::check(scenario, mistakes);
+    let post = post::check(scenario, mistakes);
     let model = Model {
         title: scenario.title.clone().unwrap_or_else(|| name.clone()),
         name,
@@ -78,8 +78,8 @@ fn model(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Model> {
         reference,
         post,
     };
-    size::check(&model, findings);
-    indent::check(&model, findings);
+    size::check(&model, mistakes);
+    indent::check(&model, mistakes);
     Some(model)
 }
 

@@ -1,6 +1,6 @@
 //! What is kept of a run.
 
-use super::{Findings, Loading, Output, Specimen};
+use super::{Loading, Mistakes, Output, Specimen};
 use crate::scenario::{Filter, Scenario};
 use crate::units::Time;
 
@@ -21,7 +21,7 @@ pub fn check(
     scenario: &Scenario,
     loading: &Loading,
     specimen: Option<&Specimen>,
-    findings: &mut Findings<'_>,
+    mistakes: &mut Mistakes<'_>,
 ) -> Output {
     let written = &scenario.output;
     let filter = match loading {
@@ -35,25 +35,25 @@ pub fn check(
         let least = SAMPLES_PER_CLASS_HERTZ * class / 1e3;
         let message = format!("too few samples for the class CFC{class}");
         let hint = format!("at least {least} kHz (ISO 6487), better {} kHz (SAE J211-1)", class / 100.0);
-        findings.report_with(PATH, message, hint);
+        mistakes.report_with(PATH, message, hint);
     }
     if let Some(specimen) = specimen {
-        samples(loading, loading.run_time(&specimen.shape), sample_rate, findings);
+        samples(loading, loading.run_time(&specimen.shape), sample_rate, mistakes);
     }
     Output { sample_rate, frames: usize::try_from(written.frames).unwrap_or(usize::MAX), filter }
 }
 
 /// A run is neither shorter than a few samples nor longer than memory.
-fn samples(loading: &Loading, time: f64, sample_rate: f64, findings: &mut Findings<'_>) {
+fn samples(loading: &Loading, time: f64, sample_rate: f64, mistakes: &mut Mistakes<'_>) {
     let samples = time * sample_rate;
-    let path = if findings.is_written(PATH) { PATH } else { pace(loading) };
+    let path = if mistakes.is_written(PATH) { PATH } else { pace(loading) };
     let hint = format!("the run takes {}", Time(time));
     if samples > MOST_SAMPLES {
         let message = format!("{samples:.1e} samples are more than can be kept");
-        findings.report_with(path, message, hint);
+        mistakes.report_with(path, message, hint);
     } else if (0.0..FEWEST_SAMPLES).contains(&samples) {
         let message = format!("the run ends before {FEWEST_SAMPLES} samples are taken");
-        findings.report_with(path, message, hint);
+        mistakes.report_with(path, message, hint);
     }
 }
 

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::Findings;
+use super::Mistakes;
 use crate::scenario::Scenario;
 
 /// The script that adds to the summary.
-pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<PathBuf> {
+pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<PathBuf> {
     scenario.post.as_ref()?;
-    findings.file("post.script")
+    mistakes.file("post.script")
 }

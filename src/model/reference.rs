@@ -1,38 +1,38 @@
 //! The recording that a run is compared with.
 
-use super::{Findings, Reference, Window};
+use super::{Mistakes, Reference, Window};
 use crate::scenario::{self, Loading, Phase, Scenario};
 use crate::units::Time;
 
 const WINDOW: &str = "reference.window";
 
 /// The recording and the part of it that errors are taken over.
-pub fn check(scenario: &Scenario, findings: &mut Findings<'_>) -> Option<Reference> {
+pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Reference> {
     let written = scenario.reference.as_ref()?;
     let window = match written.window {
         scenario::Window::Phase(Phase::Loading) => Window::Loading,
         scenario::Window::Phase(Phase::All) => Window::All,
-        scenario::Window::Range(range) => Window::Range(self::range(range, scenario, findings)),
+        scenario::Window::Range(range) => Window::Range(self::range(range, scenario, mistakes)),
     };
-    let signals = findings.file("reference.signals")?;
+    let signals = mistakes.file("reference.signals")?;
     let (acceleration, displacement) = (written.acceleration.clone(), written.displacement.clone());
     let drop_height = written.drop_height.map(|height| height.0);
     Some(Reference { signals, acceleration, displacement, drop_height, window })
 }
 
-fn range([from, to]: [Time; 2], scenario: &Scenario, findings: &mut Findings<'_>) -> [f64; 2] {
+fn range([from, to]: [Time; 2], scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> [f64; 2] {
     if from.0 < 0.0 {
-        findings.report(&format!("{WINDOW}.0"), "the window starts before first contact");
+        mistakes.report(&format!("{WINDOW}.0"), "the window starts before first contact");
     }
     if to.0 <= from.0 {
-        findings.report(&format!("{WINDOW}.1"), "the window ends before it starts");
+        mistakes.report(&format!("{WINDOW}.1"), "the window ends before it starts");
     }
     if let Loading::Impact(impact) = &scenario.loading
         && to.0 > impact.duration.0
     {
         let message = format!("the window ends after the run, which takes {}", impact.duration);
-        findings.report(&format!("{WINDOW}.1"), message);
-        findings.label("loading.impact.duration", "the run ends here");
+        mistakes.report(&format!("{WINDOW}.1"), message);
+        mistakes.label("loading.impact.duration", "the run ends here");
     }
     [from.0, to.0]
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use super::{Face, Findings, ImpactorShape, Model};
+use super::{Face, ImpactorShape, Mistakes, Model};
 use crate::mesh::{Element, Outline};
 
 /// Memory that one run may take for its film, bytes. A bound that is the same on every machine: a film
@@ -26,14 +26,14 @@ pub const DETAIL_BYTES: f64 = 12.0 + 48.0;
 pub const SNAPSHOT_MEMORY: f64 = 4e8;
 
 /// Refuses runs that do not fit into memory and elements larger than the film.
-pub fn check(model: &Model, findings: &mut Findings<'_>) {
-    files(model, findings);
+pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
+    files(model, mistakes);
     let (mut total, mut film, mut memory) = (0.0, 0.0, 0.0);
     for (place, face) in model.faces.iter().enumerate() {
-        let path = mesh_path(model, place, findings);
+        let path = mesh_path(model, place, mistakes);
         if face.meshing.size > largest_side(&model.specimen.shape) {
             let message = "an element is larger than the film";
-            findings.report_with(&path, message, "a bare number is in m");
+            mistakes.report_with(&path, message, "a bare number is in m");
             return;
         }
         let elements = elements(model, face);
@@ -43,17 +43,17 @@ pub fn check(model: &Model, findings: &mut Findings<'_>) {
         if memory > MOST_MEMORY {
             let message =
                 format!("the mesh is too large for memory: {total:.2e} elements need about {:.0} GB", memory / 1e9);
-            findings.report_with(&path, message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
+            mistakes.report_with(&path, message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
             return;
         }
     }
-    if findings.mistakes.is_empty() {
-        samples(model, memory, findings);
+    if mistakes.mistakes.is_empty() {
+        samples(model, memory, mistakes);
     }
 }
 
 /// Refuses files of meshes that are too long to be read at all.
-fn files(model: &Model, findings: &mut Findings<'_>) {
+fn files(model: &Model, mistakes: &mut Mistakes<'_>) {
     let film = match &model.specimen.shape {
         Outline::Mesh(path) => Some(("specimen.shape.mesh", path)),
         _ => None,
@@ -66,27 +66,27 @@ fn files(model: &Model, findings: &mut Findings<'_>) {
         let length = length(path);
         if length > LONGEST_FILE {
             let message = format!("the mesh file is too long: {:.1} GB", length / 1e9);
-            findings.report_with(key, message, format!("at most {} GB are read", LONGEST_FILE / 1e9));
+            mistakes.report_with(key, message, format!("at most {} GB are read", LONGEST_FILE / 1e9));
         }
     }
 }
 
 /// Refuses recordings that do not fit into memory beside the `film`, bytes.
-fn samples(model: &Model, film: f64, findings: &mut Findings<'_>) {
+fn samples(model: &Model, film: f64, mistakes: &mut Mistakes<'_>) {
     let samples = model.run_time() * model.output.sample_rate;
     let memory = film + samples * PER_SAMPLE;
     if memory > MOST_MEMORY {
         let message = format!("{samples:.2e} samples and the film need about {:.1} GB of memory", memory / 1e9);
-        findings.report_with("output.sample_rate", message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
+        mistakes.report_with("output.sample_rate", message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
     }
 }
 
 /// Key path of what makes the mesh of a face fine.
-fn mesh_path(model: &Model, place: usize, findings: &Findings<'_>) -> String {
+fn mesh_path(model: &Model, place: usize, mistakes: &Mistakes<'_>) -> String {
     let own = format!("layer.{place}.mesh.size");
     match model.specimen.shape {
         Outline::Mesh(_) => "specimen.shape.mesh".to_owned(),
-        _ if findings.is_written(&own) => own,
+        _ if mistakes.is_written(&own) => own,
         _ => "specimen.mesh.size".to_owned(),
     }
 }

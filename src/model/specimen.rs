@@ -2,16 +2,16 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Findings, Specimen, Symmetry};
+use super::{Mistakes, Specimen, Symmetry};
 use crate::mesh::Outline;
 use crate::scenario;
 
 /// The specimen in SI values; none where the file of its mesh is missing.
-pub fn check(written: &scenario::Specimen, findings: &mut Findings<'_>) -> Option<Specimen> {
+pub fn check(written: &scenario::Specimen, mistakes: &mut Mistakes<'_>) -> Option<Specimen> {
     let shape = match &written.shape {
         scenario::Shape::Rectangle([x, y]) => Outline::Rectangle { x: x.0, y: y.0 },
         scenario::Shape::Circle(circle) => Outline::Circle { radius: circle.radius.0 },
-        scenario::Shape::Mesh(_) => Outline::Mesh(findings.file("specimen.shape.mesh")?),
+        scenario::Shape::Mesh(_) => Outline::Mesh(mistakes.file("specimen.shape.mesh")?),
     };
     Some(Specimen { shape, symmetry: symmetry(written), damping: written.damping.0 })
 }

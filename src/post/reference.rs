@@ -52,7 +52,7 @@ pub enum ReferenceError {
     #[error("{}: acceleration: {source}", path.display())]
     Resample { path: PathBuf, source: ResampleError },
     #[error("{}: the end of loading cannot be found: displacement has gaps and acceleration does not bring the impactor to rest", path.display())]
-    NoTurn { path: PathBuf },
+    NoLowestPoint { path: PathBuf },
 }
 
 impl ReferenceComparison {
@@ -73,8 +73,8 @@ impl ReferenceComparison {
             Window::All => [0.0, model.run_time()],
             Window::Loading => {
                 let motion = raw.as_ref().or(filtered.as_ref());
-                let turn = turn(motion, displacement.as_ref(), model);
-                [0.0, turn.ok_or_else(|| ReferenceError::NoTurn { path: reference.signals.clone() })?]
+                let lowest = time_of_lowest_point(motion, displacement.as_ref(), model);
+                [0.0, lowest.ok_or_else(|| ReferenceError::NoLowestPoint { path: reference.signals.clone() })?]
             }
         };
         let (acceleration, annotations) = (filtered, measurement.annotations);
@@ -223,9 +223,9 @@ fn filtered(raw: &Series, model: &Model, reference: &Reference) -> Result<Series
     filter::channel(&even, class, Standard::Iso6487).map_err(|source| ReferenceError::Filter { path: path(), source })
 }
 
-/// When the impactor of the recording turns round: the largest travel where it was measured throughout,
+/// Time of the lowest point of the recording: that of the largest travel where it was measured throughout,
 /// else where the integral of the acceleration has used up the impact velocity.
-fn turn(acceleration: Option<&Series>, displacement: Option<&Series>, model: &Model) -> Option<f64> {
+fn time_of_lowest_point(acceleration: Option<&Series>, displacement: Option<&Series>, model: &Model) -> Option<f64> {
     if let Some(complete) = displacement.filter(|d| d.is_complete()) {
         return complete.smallest().map(|[time, _]| time);
     }

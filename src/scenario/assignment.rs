@@ -3,7 +3,7 @@
 use super::tree::{self, Node, Value};
 use crate::diagnostic::{Diagnostic, Source, Span};
 
-/// A value for a key path, laid over a scenario by [`Document::with`](super::Document::with).
+/// A value for a key path, merged into a scenario by [`Document::with`](super::Document::with).
 #[derive(Clone, Debug)]
 pub struct Assignment {
     tree: Node,

@@ -58,7 +58,7 @@ impl Document {
         !has("specimen") && ["density", "thickness", "fabric", "elastic"].into_iter().any(has)
     }
 
-    /// The same text with changes laid over it.
+    /// The same scenario with `assignments` merged into it.
     pub fn with(&self, assignments: &[Assignment]) -> Document {
         let rule = Some(self.rule);
         let mut reader = Reader::default();

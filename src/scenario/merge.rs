@@ -3,8 +3,8 @@
 use super::grammar::{Rule, TableRule};
 use super::tree::{Entry, Node, Table, Value};
 
-/// `over` laid over `base`: tables key by key, anything else replaces. A key that excludes others
-/// (`drop_height` and `velocity`) takes their place, so that a file can change its mind about them.
+/// `over` merged over `base`: tables key by key; anything else replaces. A key that excludes others
+/// (`drop_height` and `velocity`) replaces them too.
 /// A table whose keys are numbers changes the items of a list.
 pub fn merge(base: Node, over: Node, rule: Option<&Rule>) -> Node {
     if over.included {

@@ -55,7 +55,7 @@ impl Reader {
         node
     }
 
-    /// The tree laid over what it extends; none where that cannot be read.
+    /// The tree merged over what it extends; none where that cannot be read.
     fn extended(&mut self, mut node: Node, rule: Option<&Rule>) -> Option<Node> {
         let extends = match &mut node.value {
             Value::Table(table) => take_path(table, rule),

@@ -1,4 +1,4 @@
-//! Virtual drops: made, reduced, and held against the truth that was simulated; the command, the reference and the scripts.
+//! Virtual drops: made, reduced, and compared with the simulation they were made from; the command, the reference and the scripts.
 
 use std::fs;
 use std::path::Path;

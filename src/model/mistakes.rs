@@ -6,14 +6,14 @@ use crate::diagnostic::{Diagnostic, Span, shown_path};
 use crate::scenario::Document;
 
 /// The mistakes found so far, and the document that says where they are.
-pub struct Findings<'d> {
+pub struct Mistakes<'d> {
     pub document: &'d Document,
     pub mistakes: Vec<Diagnostic>,
 }
 
-impl<'d> Findings<'d> {
-    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> Findings<'d> {
-        Findings { document, mistakes }
+impl<'d> Mistakes<'d> {
+    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> Mistakes<'d> {
+        Mistakes { document, mistakes }
     }
 
     /// A mistake in the value at the key path.
