@@ -1,4 +1,4 @@
-//! Every interleaving of small tasks on the engine's thread pool, by the model checker loom: `cargo test -p droptower-loom`.
+//! Every interleaving of small tasks on the engine's thread pool, by the model checker loom: `cargo test --release -p droptower-loom`.
 //!
 //! The pool is compiled from the engine's own file, with loom's primitives in place of those of `engine/sync.rs`.
 
@@ -6,7 +6,7 @@
 #![cfg(test)]
 #![allow(dead_code)]
 
-#[path = "../../src/engine/thread_pool.rs"]
+#[path = "../../../src/engine/thread_pool.rs"]
 mod thread_pool;
 
 /// What the pool needs of the vector instructions: that they have a type.
