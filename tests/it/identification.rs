@@ -131,7 +131,7 @@ fn a_killed_search_resumes_with_the_same_bits_and_repeats_no_trial() {
     let begin = Instant::now();
     while bench.trials("killed").len() < 5 {
         assert!(child.try_wait().expect("a state").is_none(), "the search ended before it could be killed");
-        assert!(begin.elapsed() < Duration::from_secs(120), "no five trials within two minutes");
+        assert!(begin.elapsed() < Duration::from_secs(900), "no five trials within a quarter of an hour");
         std::thread::sleep(Duration::from_millis(1));
     }
     child.kill().expect("killed");

@@ -49,7 +49,7 @@ fn killed_after_a_checkpoint(bench: &Path, arguments: &[&str]) {
     let start = Instant::now();
     while checkpoints(bench).pop() <= before {
         assert!(child.try_wait().expect("a state").is_none(), "the run ended before it could be killed");
-        assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint within a minute");
+        assert!(start.elapsed() < Duration::from_secs(900), "no checkpoint within a quarter of an hour");
         std::thread::sleep(Duration::from_millis(1));
     }
     child.kill().expect("killed");

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::process::Output;
-use std::time::Instant;
 
 use droptower::signal::clip::{Counting, clip};
 use droptower::signal::file::{self, ReadOptions};
@@ -215,24 +214,17 @@ fn mistakes_name_file_and_channel() {
     }
 }
 
-/// `cargo bench --bench signal` measures it: it takes less than a tenth of a second. Here it may take ten times as much,
-/// or more where the machine or the build is so slow that a plain pass over the samples takes more than half a millisecond.
+/// `cargo bench --bench signal` measures how long this takes.
 #[test]
-fn a_million_samples_are_filtered_integrated_and_rated_in_no_time() {
+fn a_million_samples_are_filtered_integrated_and_rated() {
     let time: Vec<f64> = (0..1_000_000).map(|i| 1e-6 * f64::from(i)).collect();
     let shock = |late: f64| {
         let value = |t: &f64| 500.0 * (-((t - 0.4 - late) / 0.02).powi(2)).exp() * (1.0 + 0.1 * (6e4 * t).sin());
         Series::new(time.clone(), time.iter().map(value).collect::<Vec<_>>())
     };
     let (reference, comparison) = (shock(0.0), shock(0.003));
-    let plain = Instant::now();
-    let power: f64 = comparison.values().iter().map(|value| value * value).sum();
-    let plain = plain.elapsed().as_secs_f64();
-    let begin = Instant::now();
     let filtered = filter::channel(&comparison, 1000.0, Standard::Iso6487).expect("even");
     let speed = integrate::once(&filtered, 0.0);
     let rating = rating::rate(&reference, &filtered).expect("rated");
-    let spent = begin.elapsed().as_secs_f64();
     assert!((rating.shift - 0.003).abs() < 1.5e-4 && speed.len() == 1_000_000, "{rating:?}");
-    assert!(spent < f64::max(1.0, 2000.0 * plain) && power > 0.0, "{spent} s, one pass takes {plain} s");
 }

@@ -15,7 +15,7 @@ use crate::workbench::{droptower, error};
 
 /// Longer than any run here takes.
 #[cfg(feature = "rerun")]
-const LONG: Duration = Duration::from_secs(120);
+const LONG: Duration = Duration::from_secs(900);
 
 #[test]
 fn a_run_without_a_recording_is_refused_with_a_hint() {

@@ -29,7 +29,7 @@ PICTURE = (0.0, 0.10, 0.52, 0.74)
 CHARTS = (0.62, 0.06, 1.0, 0.95)
 # Pixels of 1400 x 900 that have to be there.
 STRAINED, CHANGED, DRAWN = 20_000, 10_000, 800
-PATIENCE = 40.0
+PATIENCE = 400.0
 LAVAPIPE = "/usr/share/vulkan/icd.d/lvp_icd.x86_64.json"
 
 
