@@ -47,7 +47,7 @@ impl MembraneLaw for NeoHookean {
     /// 1/√det C, from the stress alone.
     fn thickness_ratio<const L: usize>(&self, s: &Stress<L>) -> Lane<L> {
         let ratio = |l: usize| [s.tension[0][l], s.tension[1][l], s.cross[l]].map(|stress| stress / self.0);
-        from_fn(|l| ratio(l)).map(|[t1, t2, cross]| ((1.0 - t1) * (1.0 - t2) - cross * cross).powf(1.0 / 6.0))
+        from_fn(ratio).map(|[t1, t2, cross]| ((1.0 - t1) * (1.0 - t2) - cross * cross).powf(1.0 / 6.0))
     }
 
     fn moduli(&self) -> [f64; 2] {

@@ -5,7 +5,7 @@
 //! stay in its cache; then it takes parts of the other shares. The caller does not wait for workers that have not joined the
 //! task: on a busy processor the threads that run do the work.
 //!
-//! `cargo test -p droptower-loom` runs this file under the model checker loom.
+//! `cargo test --release -p droptower-loom` runs this file under the model checker loom.
 
 use std::ops::Range;
 
@@ -162,7 +162,7 @@ impl Drop for Close<'_> {
 /// Spins for a while, then yields the processor.
 fn wait(looks: &mut u32) {
     *looks += 1;
-    if *looks < SPINS { spin_loop() } else { yield_now() }
+    if *looks <= SPINS { spin_loop() } else { yield_now() }
 }
 
 impl Shared {
@@ -219,7 +219,7 @@ impl Shared {
             if let Some(epoch) = open() {
                 return Some(epoch);
             }
-            if looks < LOOKS {
+            if looks != LOOKS {
                 wait(&mut looks);
                 continue;
             }

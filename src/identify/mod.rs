@@ -34,8 +34,8 @@ mod warning;
 
 pub use bindings::{REFERENCE, SearchEvent, SearchHost, register};
 pub use bounds::{Bounds, BoundsError};
-pub use confidence::confidence::{Confidence, ConfidenceError, ConfidenceOptions};
 pub use confidence::covariance::CovarianceError;
+pub use confidence::estimate::{Confidence, ConfidenceError, ConfidenceOptions};
 pub use confidence::identifiability::Direction;
 pub use confidence::linearization::{Linearization, LinearizationError};
 pub use confidence::noise::{Colour, Noise};

@@ -49,7 +49,7 @@ pub(super) fn disagreement(search: &Search, best: &StartResult, results: &[Start
     };
     let starts = results.len();
     let values: Vec<f64> = results.iter().filter(is_higher).map(|other| other.f).collect();
-    let higher = (!values.is_empty()).then(|| Warning::StartsDisagree { starts, best: best.f, values });
+    let higher = (!values.is_empty()).then_some(Warning::StartsDisagree { starts, best: best.f, values });
     let count = results.iter().filter(is_elsewhere).count();
     let elsewhere = (count > 0).then_some(Warning::NotUnique { count, starts });
     higher.into_iter().chain(elsewhere).collect()

@@ -5,7 +5,7 @@ use rhai::{Array, Dynamic, Engine, FnPtr, INT, Map, NativeCallContext};
 use super::host::SearchHost;
 use super::options::{self, ScriptSearch, count, unknown, word};
 use super::result;
-use crate::identify::confidence::confidence::{Confidence, ConfidenceOptions};
+use crate::identify::confidence::estimate::{Confidence, ConfidenceOptions};
 use crate::identify::confidence::linearization::{Linearization, LinearizationError};
 use crate::identify::confidence::noise::Colour;
 use crate::identify::confidence::profile::{self, ProfileError};

@@ -3,7 +3,7 @@
 use rhai::{Array, Dynamic, INT, Map};
 
 use crate::finding::Finding;
-use crate::identify::confidence::confidence::Confidence;
+use crate::identify::confidence::estimate::Confidence;
 use crate::identify::confidence::profile::Profile;
 use crate::identify::convergence::thinned;
 use crate::identify::iteration::Iteration;

@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::confidence::Confidence;
+use super::estimate::Confidence;
 use super::linearization::Linearization;
 use crate::identify::options::Search;
 

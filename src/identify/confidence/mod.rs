@@ -1,8 +1,8 @@
 //! How well estimated parameters are known: linearization, covariance, identifiability, and profiles of the objective.
 
-pub(super) mod confidence;
 mod constrained_fit;
 pub(super) mod covariance;
+pub(super) mod estimate;
 pub(super) mod identifiability;
 mod interval;
 pub(super) mod linearization;

@@ -9,8 +9,8 @@
 use nalgebra::DVector;
 use thiserror::Error;
 
-use super::confidence::{Confidence, ConfidenceError};
 use super::constrained_fit::{ConstrainedFit, NEGLIGIBLE, rise};
+use super::estimate::{Confidence, ConfidenceError};
 use super::interval::Interval;
 use super::linearization::{Failed, Linearization, LinearizationError, residuals};
 use crate::identify::error::SearchFailure;
@@ -245,7 +245,7 @@ fn warnings(
 mod tests {
     use nalgebra::DMatrix;
 
-    use super::super::confidence::ConfidenceOptions;
+    use super::super::estimate::ConfidenceOptions;
     use super::super::noise::Colour;
     use super::super::noise::tests::normals;
     use super::*;
