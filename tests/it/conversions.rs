@@ -138,7 +138,7 @@ fn only_its_own_kind_of_file_is_written_and_none_is_replaced_unasked() {
         ([&filter[..], &["notes.csv"]].concat(), "notes.csv already exists"),
         ([&filter[..], &["data.csv", "--force"]].concat(), "data.csv is the input"),
         ([&filter[..], &["/dev/null"]].concat(), "does not end in .csv"),
-        (vec!["convert", "data.csv", "-o", "notes.csv"], "say --force"),
+        (vec!["convert", "data.csv", "-o", "notes.csv"], "give --force"),
     ] {
         let refused = droptower(bench.path(), &call);
         assert_eq!(refused.status.code(), Some(2), "{call:?}");

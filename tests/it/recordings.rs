@@ -174,7 +174,11 @@ fn what_a_header_states_is_checked_against_the_samples() {
         ),
         ("Reference channel           :implicit\n", "", "implicit is assumed"),
         ("Time of first sample        :-0.1\n", "", "0 is assumed"),
-        ("Unit                        :Nm", "Unit                        :furlong", "the unit `furlong` is not known"),
+        (
+            "Unit                        :Nm",
+            "Unit                        :furlong",
+            "the unit `furlong` of `24NECKUP00P2MOZP` is not known",
+        ),
     ] {
         assert!(text.contains(from), "{from}");
         fs::write(&path, text.replacen(from, to, 1)).expect("written");
@@ -188,7 +192,7 @@ fn what_a_header_states_is_checked_against_the_samples() {
             Some(6033),
             "`24NECKUP00P2MOZP` is truncated: 6000 of 6001 samples",
         ),
-        ("samples           :6000", "samples           :10", Some(6033), "has 6000 samples, but its header says 10"),
+        ("samples           :6000", "samples           :10", Some(6033), "has 6000 samples, but its header states 10"),
         ("samples           :6000", "samples           :x", Some(24), "`Number of samples` is not a number: `x`"),
         (
             "interval           :0.0001",

@@ -139,7 +139,7 @@ fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
         "note: drop resumes at ",
         "note: later starts from its beginning: there is no checkpoint in runs/later.checkpoint\n",
         "note: done starts from its beginning: there is no checkpoint in runs/done.checkpoint; \
-         its results in runs/done will be replaced: leave it out to keep them\n",
+         its results in runs/done will be replaced: leave the scenario out to keep them\n",
     ] {
         assert!(error(&output).contains(expected), "{expected}: {}", error(&output));
     }
@@ -177,7 +177,7 @@ fn wrong_intervals_and_missing_checkpoints_are_reported_before_the_run() {
     let bench = bench();
     for (arguments, expected) in [
         (&["--resume"][..], "there is no checkpoint in runs/drop.checkpoint"),
-        (&["--out", "."], "`.` does not name a run folder; give --out a folder of its own, such as ./results"),
+        (&["--out", "."], "`.` does not name a run folder; give --out a new folder, such as ./results"),
         (&["--checkpoint-every", "5 mm"], "expected a time, found \"5 mm\""),
         (&["--checkpoint-every", "0 s"], "no time passes between checkpoints"),
         (&["--checkpoint-every", "-1 ms"], "no time passes between checkpoints"),

@@ -55,7 +55,7 @@ fn check(case: &Path) -> Result<(), String> {
     let picture = picture::draw(&name, &expected, &actual).map_err(failed)?;
     let strays = strays.join("\n  ");
     Err(failed(format!(
-        "\n  {strays}\n  old against new: {}\n  if the new is right: DROPTOWER_BLESS=1 cargo test golden",
+        "\n  {strays}\n  old against new: {}\n  if the new is right: DROPTOWER_BLESS=1 cargo test --release golden",
         picture.display()
     )))
 }

@@ -1,5 +1,5 @@
-//! What the simulation claims, held against closed forms, against itself by another road, and against the published
-//! outcomes. `docs/verification.md` has the table; `cargo test verification -- --nocapture` prints its figures.
+//! The claims of the simulation, compared with closed forms, with other ways of computing the same, and with the
+//! published outcomes. `docs/verification.md` has the table; `cargo test --release verification -- --nocapture` prints its figures.
 
 mod axisymmetric;
 mod claims;
