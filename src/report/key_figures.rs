@@ -2,10 +2,10 @@
 
 use serde_json::{Map, Value};
 
+use super::duration;
 use super::figure::{G, rounded, significant};
 use super::html::escape;
-use super::{RunPage, duration};
-use crate::post::{Measures, lowest_point};
+use crate::post::{Measures, Results, lowest_point};
 
 /// A figure of the summary as its card shows it.
 struct Key {
@@ -89,17 +89,17 @@ const INFLATION: [Key; 5] = [
     BALANCE,
 ];
 
-/// Cards of the key figures that the summary has, and whether the film held.
-pub(super) fn cards(run: &RunPage, summary: &Map<String, Value>) -> String {
-    let keys: &[Key] = match run.results.measures {
-        Measures::Impact(_) if lowest_point(&run.results.signals).is_none() => &DESCENT,
+/// Cards of the key figures in `summary`, that of `results`, and whether the film held; `failed` tells whether the run did.
+pub(super) fn cards(results: &Results, summary: &Map<String, Value>, failed: bool) -> String {
+    let keys: &[Key] = match results.measures {
+        Measures::Impact(_) if lowest_point(&results.signals).is_none() => &DESCENT,
         Measures::Impact(_) => &IMPACT,
         Measures::Stretch(_) => &STRETCH,
         Measures::Indent(_) => &INDENT,
         Measures::Inflation(_) => &INFLATION,
     };
     let cards: String = keys.iter().filter_map(|key| card(key, summary)).collect();
-    format!("<ul class=\"cards\">\n{cards}{}</ul>\n", film(summary, run.failure.is_some()))
+    format!("<ul class=\"cards\">\n{cards}{}</ul>\n", film(summary, failed))
 }
 
 /// Share in % below which a card shows no digits.

@@ -40,9 +40,9 @@ pub fn run_page(run: &RunPage) -> String {
     let body = [
         format!("<h1>{}</h1>\n{}", escape(&model.title), lead(run)),
         warnings(run),
-        key_figures::cards(run, &summary),
+        key_figures::cards(results, &summary, run.failure.is_some()),
         html::section("Film", &film::figure(model, outcome, &results.signals)),
-        html::section("Signals", &plot::figures(&thinned(run_plots::signals(run), MOST_POINTS[0]))),
+        html::section("Signals", &plot::figures(&thinned(run_plots::signals(results), MOST_POINTS[0]))),
         script_output::sections(&results.script_output, MOST_POINTS[2]),
         html::section("Figures", &figures(&summary)),
         html::section("Assumed", &html::list(&assumed(run.scenario))),

@@ -1,16 +1,15 @@
 //! The plots of one run.
 
-use super::RunPage;
 use crate::plot::{Curve, Plot, TIME, Window};
-use crate::post::{Measures, ReferenceComparison};
+use crate::post::{Measures, ReferenceComparison, Results};
 use crate::signal::column::{self, Column};
 use crate::signal::{Channel, Recording, Series};
 
 /// Signals over time and against each other, by kind of loading.
-pub(super) fn signals(run: &RunPage) -> Vec<Plot> {
-    let signals = &run.results.signals;
-    let own = match &run.results.measures {
-        Measures::Impact(_) => impact(signals, run.results.comparison.as_ref()),
+pub(super) fn signals(results: &Results) -> Vec<Plot> {
+    let signals = &results.signals;
+    let own = match &results.measures {
+        Measures::Impact(_) => impact(signals, results.comparison.as_ref()),
         Measures::Stretch(_) => stretch(signals),
         Measures::Indent(_) => indent(signals),
         Measures::Inflation(_) => inflation(signals),

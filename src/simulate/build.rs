@@ -1,10 +1,10 @@
 //! From a checked model to an engine that is ready to step.
 
 use super::fault::RunError;
+use super::film::Film as FilmTopology;
 use super::frame_force::HeldSides;
 use super::loading::{self, Inertia, LoadCase, MassScaling};
 use super::mount::{self, Mounting};
-use super::outcome::Film as FilmTopology;
 use crate::engine::{Engine, Film, Loads, Nodes, ThreadPool};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Model};

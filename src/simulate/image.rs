@@ -1,6 +1,6 @@
 //! Mirror images that complete a film of which only a part was computed.
 
-use super::outcome::Film;
+use super::film::Film;
 
 /// A film itself or one of its mirror images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::outcome::Film;
+use super::film::Film;
 use super::warning::{Warning, bounds};
 use crate::engine::{self, ContactState, ElementStrain, View};
 use crate::model::SNAPSHOT_MEMORY;

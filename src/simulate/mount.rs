@@ -3,8 +3,8 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::fault::RunError;
+use super::film::Film as FilmTopology;
 use super::frame_force::HeldSides;
-use super::outcome::Film as FilmTopology;
 use crate::engine::{Contact, Film, Nodes, RigidBody, Section, Surface};
 use crate::mesh::{self, Element, Mesh};
 use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model};

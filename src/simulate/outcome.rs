@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
+use super::film::Film;
 use super::rates::RateHistogram;
 use super::snapshot::Snapshot;
 use super::warning::Warning;
 use crate::engine::Surface;
 use crate::lane::Width;
-use crate::mesh::Quality;
 use crate::signal::Recording;
 
 /// The outcome of a run.
@@ -55,21 +55,4 @@ pub struct Outcome {
     pub time_step: f64,
     /// Wall time, of all parts where the run was interrupted.
     pub wall: Duration,
-}
-
-/// Topology of one face, as pictures need it.
-#[derive(Clone, Debug)]
-pub struct Film {
-    /// Number of nodes.
-    pub nodes: usize,
-    /// Corners of the quadrilaterals, counted among the nodes of the face.
-    pub quads: Vec<[u32; 4]>,
-    /// Corners of the triangles.
-    pub tris: Vec<[u32; 3]>,
-    /// Edges by which the frame or the jaws hold it, as pairs of nodes.
-    pub held: Vec<[u32; 2]>,
-    /// Mirror planes that complete the picture: x, y.
-    pub mirrored: [bool; 2],
-    /// Shape of its elements.
-    pub quality: Quality,
 }

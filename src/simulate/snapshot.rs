@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::outcome::Film;
+use super::film::Film;
 use crate::engine::{self, ElementDetail, ElementStrain, View};
 use crate::model::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
 
