@@ -232,6 +232,14 @@ impl Engine {
         self.impact.as_ref().map(|impact| impact.contact.surface())
     }
 
+    /// Bytes of all arrays that grow with the mesh: nodes, elements, contact, and the previous step stored for observers.
+    /// Spare capacity does not count.
+    pub fn bytes(&self) -> usize {
+        let films: usize = self.films.iter().map(Film::bytes).sum();
+        let contact = self.impact.as_ref().map_or(0, |impact| impact.contact.bytes());
+        self.nodes.bytes() + self.previous.bytes() + films + contact
+    }
+
     /// The present time step, s.
     pub fn time_step(&self) -> f64 {
         self.time_step.now()
@@ -402,6 +410,11 @@ impl Engine {
 }
 
 impl PreviousStep {
+    /// Bytes of its arrays.
+    fn bytes(&self) -> usize {
+        self.position.bytes() + self.force.bytes() + self.velocity.bytes()
+    }
+
     fn keep(&mut self, nodes: &Nodes, impact: Option<&Impact>) {
         self.position.clone_from(&nodes.position);
         self.force.clone_from(&nodes.force);

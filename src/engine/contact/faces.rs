@@ -4,13 +4,9 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::near::NearElement;
 use super::tally::Tally;
-use super::{Contact, Impulse};
+use super::{Contact, FACE_BOUND, Impulse, WATCHED_FROM};
 use crate::engine::nodes::Nodes;
 use crate::engine::rigid_body::RigidBody;
-
-/// Penetration of a face between its nodes that is left alone, over the impactor's size: a little less than what is
-/// warned of.
-pub(super) const FACE_BOUND: f64 = 0.008;
 
 /// Share of a penetration beyond the bound that is taken back in one step: a face that comes to be listed while it is
 /// too deep is eased out instead of thrown out.
@@ -21,9 +17,6 @@ const SWEEPS: usize = 10;
 
 /// Change in a sweep over the largest impulse below which the contacts have settled.
 const SETTLED: f64 = 1e-3;
-
-/// Share of [`FACE_BOUND`] from which the sagitta of an element is watched.
-pub(super) const WATCHED_FROM: f64 = 0.7;
 
 /// A point of film that must not go deeper: a node, or the deepest point of an element.
 struct Footing {

@@ -54,6 +54,13 @@ pub struct Contact {
     pub work: Work,
 }
 
+/// Penetration of a face between its nodes that is left alone, over the impactor's size: a little less than what is
+/// warned of.
+const FACE_BOUND: f64 = 0.008;
+
+/// Share of [`FACE_BOUND`] from which the sagitta of an element is watched.
+const WATCHED_FROM: f64 = 0.7;
+
 /// Nodes near the impactor that one thread looks at together.
 const PIECE: usize = 256;
 

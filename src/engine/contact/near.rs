@@ -5,8 +5,7 @@ use std::ops::Range;
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::faces::{FACE_BOUND, WATCHED_FROM};
-use super::{Contact, PIECE};
+use super::{Contact, FACE_BOUND, PIECE, WATCHED_FROM};
 use crate::engine::film::Film;
 use crate::engine::nodes::Nodes;
 

@@ -1,6 +1,6 @@
-use thiserror::Error;
+//! What is wrong with a mesh file.
 
-use super::vtu::VtuFault;
+use thiserror::Error;
 
 /// What is wrong with a mesh file. Elements are counted from 0, quadrilaterals before triangles
 /// where a file holds both; positions in m.
@@ -42,4 +42,31 @@ pub enum Fault {
     BeyondMirror { axis: char, at: [f64; 3] },
     #[error("no edge lies on the mirror plane {axis} = 0")]
     NotOnMirror { axis: char },
+}
+
+/// What is wrong with a VTU file.
+#[derive(Debug, Error)]
+pub enum VtuFault {
+    #[error("{0}")]
+    Xml(#[from] roxmltree::Error),
+    #[error("`{element}` is missing")]
+    Missing { element: &'static str },
+    #[error("its arrays are compressed; save it without compression")]
+    Compressed,
+    #[error("array format `{format}` is not read; save it as ASCII or as inline binary")]
+    Format { format: String },
+    #[error("array type `{kind}` is unknown")]
+    Type { kind: String },
+    #[error("`{text}` is not a number")]
+    Number { text: String },
+    #[error("{0}")]
+    Base64(#[from] base64::DecodeError),
+    #[error("an array of `{kind}` ends within a number")]
+    Truncated { kind: String },
+    #[error("cell {cell} is of VTK type {kind}; a film has triangles (5) and quadrilaterals (9)")]
+    Cell { cell: usize, kind: f64 },
+    #[error("cell {cell}: its corners do not fit its type or the connectivity")]
+    Corners { cell: usize },
+    #[error("`{value}` is not the number of a node")]
+    Node { value: f64 },
 }

@@ -14,8 +14,7 @@ use nalgebra::Point3;
 use super::grid::split;
 use super::{Element, Mesh, MeshError, topology};
 
-pub use fault::Fault;
-pub use vtu::VtuFault;
+pub use fault::{Fault, VtuFault};
 
 /// Reads a film: every element is turned counter-clockwise seen from +z, nodes within a millionth of
 /// the extent from a mirror plane are put onto it, and nodes without an element are left out.

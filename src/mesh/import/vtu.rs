@@ -6,41 +6,13 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use nalgebra::Point3;
 use roxmltree::{Document, Node};
-use thiserror::Error;
 
-use super::Fault;
+use super::fault::{Fault, VtuFault};
 use crate::mesh::Mesh;
 
 /// VTK's numbers of the cell types that a film is made of.
 const TRIANGLE: f64 = 5.0;
 const QUAD: f64 = 9.0;
-
-/// What is wrong with a VTU file.
-#[derive(Debug, Error)]
-pub enum VtuFault {
-    #[error("{0}")]
-    Xml(#[from] roxmltree::Error),
-    #[error("`{element}` is missing")]
-    Missing { element: &'static str },
-    #[error("its arrays are compressed; save it without compression")]
-    Compressed,
-    #[error("array format `{format}` is not read; save it as ASCII or as inline binary")]
-    Format { format: String },
-    #[error("array type `{kind}` is unknown")]
-    Type { kind: String },
-    #[error("`{text}` is not a number")]
-    Number { text: String },
-    #[error("{0}")]
-    Base64(#[from] base64::DecodeError),
-    #[error("an array of `{kind}` ends within a number")]
-    Truncated { kind: String },
-    #[error("cell {cell} is of VTK type {kind}; a film has triangles (5) and quadrilaterals (9)")]
-    Cell { cell: usize, kind: f64 },
-    #[error("cell {cell}: its corners do not fit its type or the connectivity")]
-    Corners { cell: usize },
-    #[error("`{value}` is not the number of a node")]
-    Node { value: f64 },
-}
 
 /// The triangles and quadrilaterals of all pieces of the file.
 pub fn read(path: &Path) -> Result<Mesh, Fault> {
