@@ -38,6 +38,7 @@
 //! `docs/glossary.md` the terms.
 
 pub mod units;
+pub mod number;
 pub mod diagnostic;
 pub mod file;
 pub mod finding;

@@ -6,9 +6,13 @@ use std::path::Path;
 
 use crate::diagnostic::shown_path;
 use crate::model::Model;
+use crate::number::{self, duration, grouped};
 use crate::post::{Audit, Impact, Indent, Inflation, Measures, Results, Stretch};
-use crate::report::{G, duration, subject};
+use crate::report::{G, subject};
 use crate::simulate::Outcome;
+
+/// Significant digits of a figure.
+pub(super) const DIGITS: usize = 3;
 
 /// Title, cost, figures and warnings of a run; ends with a line break.
 pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
@@ -64,7 +68,7 @@ fn cost(audit: &Audit) -> String {
         grouped(audit.elements as u64),
         if audit.elements == 1 { "" } else { "s" },
         grouped(audit.steps),
-        short(audit.time_step_s * 1e6),
+        number::figure(audit.time_step_s * 1e6, DIGITS),
         audit.wall_s,
         audit.ns_per_element_step,
     )
@@ -91,9 +95,10 @@ fn errors(model: &Model, measures: &Impact) -> String {
 }
 
 fn stretch(measures: &Stretch) -> String {
-    let stress = |pascal: Option<f64>| pascal.map_or("-".into(), |p| format!("{} MPa", short(p * 1e-6)));
+    let stress =
+        |pascal: Option<f64>| pascal.map_or("-".into(), |p| format!("{} MPa", number::figure(p * 1e-6, DIGITS)));
     let strain = |strain: Option<f64>| strain.map_or("-".into(), percent);
-    let force = measures.peak_force.map_or("-".into(), |force| format!("{} N", short(force)));
+    let force = measures.peak_force.map_or("-".into(), |force| format!("{} N", number::figure(force, DIGITS)));
     let peak = format!("{} at {}", stress(measures.peak_stress), strain(measures.strain_at_peak_stress));
     let broke = match measures.strain_at_break {
         Some(at) => format!("at {}, {}", percent(at), stress(measures.stress_at_break)),
@@ -137,7 +142,7 @@ fn inflation(measures: &Inflation) -> String {
 fn steadiness(audit: &Audit) -> String {
     match (audit.mass_scaling, audit.kinetic_share) {
         (Some(scaling), Some(share)) => {
-            format!("  mass scaled by {}, kinetic share {}\n", short(scaling), percent(share))
+            format!("  mass scaled by {}, kinetic share {}\n", number::figure(scaling, DIGITS), percent(share))
         }
         _ => String::new(),
     }
@@ -145,7 +150,7 @@ fn steadiness(audit: &Audit) -> String {
 
 /// The value times a factor, with its unit.
 fn shown(value: Option<f64>, factor: f64, unit: &str) -> String {
-    value.map_or("-".into(), |value| format!("{} {unit}", short(value * factor)))
+    value.map_or("-".into(), |value| format!("{} {unit}", number::figure(value * factor, DIGITS)))
 }
 
 fn at(value: Option<String>, time: Option<f64>) -> String {
@@ -164,37 +169,9 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
 }
 
-/// Three significant digits.
-pub fn short(value: f64) -> String {
-    let magnitude = value.abs().max(1e-300).log10().floor();
-    if !(-3.0..6.0).contains(&magnitude) {
-        return format!("{value:.2e}");
-    }
-    let decimals = (2.0 - magnitude).max(0.0) as usize;
-    format!("{value:.decimals$}")
-}
-
-/// Digits in groups of three.
-pub fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let groups = digits.as_bytes().rchunks(3).rev();
-    let groups: Vec<&str> = groups.filter_map(|group| std::str::from_utf8(group).ok()).collect();
-    groups.join(" ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_are_short_and_grouped() {
-        assert_eq!(grouped(11_240), "11 240");
-        assert_eq!(grouped(200), "200");
-        assert_eq!(grouped(1_000_000), "1 000 000");
-        assert_eq!(short(10.7123), "10.7");
-        assert_eq!(short(0.0), "0.00e0");
-        assert_eq!(short(2.5e8), "2.50e8");
-    }
 
     #[test]
     fn a_folder_of_many_files_is_named_once() {

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use super::digest::{grouped, short};
+use super::digest::DIGITS;
 use crate::mesh::Outline;
 use crate::model::{Model, Symmetry};
-use crate::report::significant;
+use crate::number::{self, grouped, rounded};
 use crate::simulate::Progress;
 use crate::units::Time;
 
@@ -66,7 +66,7 @@ impl Left {
             cheaper.push("specimen.symmetry, where the scene is symmetric, takes a half or a quarter".to_owned());
         }
         if !has_checkpoints {
-            let every = rounded(progress.duration * BETWEEN_CHECKPOINTS / wall);
+            let every = rounded(progress.duration * BETWEEN_CHECKPOINTS / wall, 1);
             cheaper.push(format!("--checkpoint-every \"{}\" allows it to resume after an interruption", Time(every)));
         }
         let hint: String = cheaper.iter().map(|way| format!("\n  {way}")).collect();
@@ -75,15 +75,10 @@ impl Left {
             model.name,
             in_words(*wall),
             grouped(progress.elements as u64),
-            grouped(significant(*steps, 2).parse::<f64>().unwrap_or(*steps) as u64),
-            short(1e6 * progress.time_step),
+            grouped(rounded(*steps, 2) as u64),
+            number::figure(1e6 * progress.time_step, DIGITS),
         )
     }
-}
-
-/// The number with one significant digit.
-fn rounded(value: f64) -> f64 {
-    significant(value, 1).parse().unwrap_or(value)
 }
 
 /// A long time in hours and minutes, or days and hours.

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::diagnostic::{self, Diagnostic};
-use crate::report::duration;
+use crate::number::duration;
 use crate::simulate::Progress;
 
 /// Steps of the bar for one run.

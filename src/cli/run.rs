@@ -15,8 +15,9 @@ use super::progress::Bar;
 use super::scenarios::{Checked, Selection, both};
 use super::{Failure, Shared, digest, print, print_json};
 use crate::diagnostic::{Diagnostic, printable};
+use crate::number::duration;
 use crate::post;
-use crate::report::{RunPage, duration};
+use crate::report::RunPage;
 use crate::simulate::{self, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent};
 use crate::store::{self, Draft, run_files};
 

@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::coupling::high_pass;
 use super::fall::{Fall, FallError, Motion};
-use crate::signal::csv::clean_time;
+use crate::number::clean_time;
 use crate::signal::{Channel, Recording, Series};
 use crate::units::STANDARD_GRAVITY;
 

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::iteration::StopReason;
 use crate::finding::{Code, Report, codes};
+use crate::number;
 
 /// A warning about a search, a confidence interval or a profile. `index` counts unknowns and `start` starts, both from
 /// zero.
@@ -91,7 +92,7 @@ pub enum Warning {
     #[error(
         "{combination} is not practically identifiable: a change by a factor {} has less effect on the residuals \
          than noise",
-        rounded(*.factor)
+        number::figure(*.factor, 2)
     )]
     NotIdentifiable {
         /// The combination.
@@ -235,10 +236,6 @@ impl std::fmt::Display for Side {
 
 fn listed(values: &[f64], decimals: usize) -> String {
     values.iter().map(|value| format!("{value:.decimals$}")).collect::<Vec<_>>().join(", ")
-}
-
-fn rounded(factor: f64) -> String {
-    if factor < 1e3 { format!("{factor:.1}") } else { format!("{factor:.0e}") }
 }
 
 codes! {

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::lane::Width;
 use crate::mesh::Quality;
-use crate::signal::csv::clean_time;
+use crate::number::clean_time;
 use crate::simulate::{Outcome, RateHistogram};
 
 /// Figures of machine and mesh, which differ between runs of a scenario or follow from its keys.

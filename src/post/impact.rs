@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{Audit, ReferenceComparison, RunFindings, Warning};
 use crate::experiment::absorption::{Body, energy_absorption};
 use crate::model::{Impactor, Loading, Model};
-use crate::signal::csv::clean_time;
+use crate::number::clean_time;
 use crate::signal::norm::NormError;
 use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;

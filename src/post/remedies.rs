@@ -1,6 +1,7 @@
 //! What a user can change in a scenario about a warning or a failure of its run, in the scenario's keys.
 
 use crate::model::{Loading, Model};
+use crate::number::significant;
 use crate::simulate::{Failure, Fault, Warning};
 
 /// The warning of a run of `model` with its remedy, if there is one; `mass_scaling` is the factor that the run used.
@@ -39,8 +40,7 @@ fn slower(model: &Model, used: Option<f64>) -> String {
         Loading::Indent { mass_scaling, .. } => ("loading.indent.mass_scaling", mass_scaling),
         Loading::Pressure { mass_scaling, .. } => ("loading.pressure.mass_scaling", mass_scaling),
     };
-    let digits = |used: f64| if used < 100.0 { format!("{used:.3}") } else { format!("{used:.0}") };
-    match used.filter(|used| *used > 1.0).map(digits) {
+    match used.filter(|used| *used > 1.0).map(|used| significant(used, 4)) {
         None => slower.into(),
         Some(used) if written.is_some() => format!("set `{key}` lower than {used}, or {slower}"),
         Some(used) => format!("set `{key}` lower than {used}, which was chosen"),
@@ -62,7 +62,7 @@ mod tests {
         let key = "set `loading.indent.mass_scaling` lower than";
         for (written, used, expected) in [
             (None, Some(1.0), "load it more slowly".to_owned()),
-            (Some(7.0), Some(7.0), format!("{key} 7.000, or load it more slowly")),
+            (Some(7.0), Some(7.0), format!("{key} 7, or load it more slowly")),
             (None, Some(250.0), format!("{key} 250, which was chosen")),
         ] {
             assert_eq!(remedy(written, used), format!("{fact}{expected}"));

@@ -3,8 +3,9 @@
 use serde_json::Value;
 
 use super::html::{self, escape};
-use super::{Figure, figure, plot, significant};
+use super::{Figure, figure, plot};
 use crate::diagnostic::shown_path;
+use crate::number::significant;
 use crate::plot::{self as diagrams, Curve, Plot, TIME};
 use crate::post::RunComparison;
 use crate::post::comparison::{ComparedFigure, ComparedRun, ComparedSignal};

@@ -3,10 +3,14 @@
 use serde_json::{Map, Value};
 
 use super::html::escape;
+use crate::number;
 use crate::units::{STANDARD_GRAVITY, Unit};
 
 /// Standard gravity, m/s²: decelerations are shown in multiples of it.
 pub const G: f64 = STANDARD_GRAVITY;
+
+/// Significant digits of a figure or of a cell of a table.
+pub(super) const DIGITS: usize = 4;
 
 /// Suffixes that mean a force per length in a summary; in a recording they may mean a moment.
 const LINE_FORCES: [(&str, &str); 2] = [("_N_mm", "N/mm"), ("_N_m", "N/m")];
@@ -27,11 +31,11 @@ impl Figure {
     pub fn of(name: &str, value: &Value) -> Option<Figure> {
         let (words, unit) = named(name);
         let unit = match (unit.as_str(), value.as_f64()) {
-            ("m/s²", Some(acceleration)) => format!("m/s² ({} g)", rounded(acceleration / G)),
+            ("m/s²", Some(acceleration)) => format!("m/s² ({} g)", number::figure(acceleration / G, DIGITS)),
             _ => unit,
         };
         let value = match value {
-            Value::Number(number) if number.is_f64() => rounded(number.as_f64()?),
+            Value::Number(number) if number.is_f64() => number::figure(number.as_f64()?, DIGITS),
             Value::Number(number) => number.to_string(),
             Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
             Value::String(text) => text.clone(),
@@ -113,30 +117,6 @@ pub fn escaped(text: &str) -> String {
     out
 }
 
-/// The number with four significant digits.
-pub fn rounded(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let magnitude = value.abs().log10().floor() as i32;
-    if !(-4..7).contains(&magnitude) {
-        return format!("{value:.3e}");
-    }
-    let decimals = (3 - magnitude).max(0) as usize;
-    format!("{value:.decimals$}")
-}
-
-/// The number with at most so many significant digits, none of them a zero at the end.
-pub fn significant(value: f64, digits: usize) -> String {
-    let text = format!("{value:.*e}", digits.saturating_sub(1));
-    text.parse::<f64>().map_or(text, |rounded| rounded.to_string())
-}
-
-/// A time in ms, from 10 s on in s.
-pub fn duration(seconds: f64) -> String {
-    if seconds < 10.0 { format!("{:.1} ms", seconds * 1e3) } else { format!("{seconds:.1} s") }
-}
-
 #[cfg(test)]
 mod tests {
     use std::fs;
@@ -196,15 +176,5 @@ mod tests {
             "{}",
             markdown(summary.as_object().unwrap())
         );
-    }
-
-    #[test]
-    fn digits_and_times_are_short() {
-        for (value, expected) in [(3.598_499_687, "3.6"), (4.16, "4.16"), (0.0002, "0.0002"), (60.0, "60"), (0.0, "0")]
-        {
-            assert_eq!(significant(value, 3), expected);
-        }
-        assert_eq!(duration(0.0573), "57.3 ms");
-        assert_eq!(duration(2000.04), "2000.0 s");
     }
 }

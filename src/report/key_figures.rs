@@ -2,9 +2,9 @@
 
 use serde_json::{Map, Value};
 
-use super::duration;
-use super::figure::{G, rounded, significant};
+use super::figure::{DIGITS, G};
 use super::html::escape;
+use crate::number::{self, duration, significant};
 use crate::post::{Measures, Results, lowest_point};
 
 /// A figure of the summary as its card shows it.
@@ -111,8 +111,8 @@ fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, V
     let beside = match beside {
         Beside::Nothing => None,
         Beside::Time(name) => number(name).map(|time| format!("at {}", duration(time))),
-        Beside::Strain(name) => number(name).map(|strain| format!("at {} %", significant(strain * 100.0, 4))),
-        Beside::Depth(name) => number(name).map(|depth| format!("at {} mm", significant(depth * 1e3, 4))),
+        Beside::Strain(name) => number(name).map(|strain| format!("at {} %", significant(strain * 100.0, DIGITS))),
+        Beside::Depth(name) => number(name).map(|depth| format!("at {} mm", significant(depth * 1e3, DIGITS))),
     };
     let shown = if *unit == "%" && (value * factor).abs() < LEAST_SHARE {
         format!("&lt; {LEAST_SHARE}")
@@ -129,7 +129,7 @@ fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, V
 /// Four significant digits, as short as they can be written.
 fn number_of(value: f64) -> String {
     let small = value != 0.0 && value.abs() < 1e-3;
-    let text = if small { rounded(value) } else { significant(value, 4) };
+    let text = if small { number::figure(value, DIGITS) } else { significant(value, DIGITS) };
     text.replace('-', "\u{2212}")
 }
 

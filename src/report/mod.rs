@@ -17,7 +17,7 @@ mod study_page;
 pub mod vtu;
 mod subject;
 
-pub use figure::{Figure, G, duration, markdown, rounded, significant};
+pub use figure::{Figure, G, markdown};
 pub use html::{matrix, page};
 pub use plot::figures;
 pub use run_page::{RunPage, run_page};

@@ -3,10 +3,11 @@
 use serde_json::{Map, Value};
 
 use super::html::{self, escape};
-use super::{duration, figure, film, key_figures, plot, run_plots, script_output, subject};
+use super::{figure, film, key_figures, plot, run_plots, script_output, subject};
 use crate::diagnostic::shown_path;
 use crate::finding::Finding;
 use crate::model::{Model, Window};
+use crate::number::{duration, significant};
 use crate::plot::thinned;
 use crate::post::{COST, HEADER, ReferenceComparison, Results};
 use crate::scenario::{Assumption, assumptions};
@@ -109,7 +110,7 @@ fn audit(run: &RunPage) -> String {
     let row = |(face, mesh): (usize, &crate::post::MeshFigures)| {
         let sizes = [mesh.shortest_edge_m * 1e3, mesh.longest_edge_m * 1e3];
         let shape = [mesh.aspect_ratio, mesh.scaled_jacobian, mesh.skew];
-        let numbers = sizes.into_iter().chain(shape).map(|number| figure::significant(number, 4));
+        let numbers = sizes.into_iter().chain(shape).map(|number| significant(number, figure::DIGITS));
         [(face + 1).to_string(), mesh.elements.to_string()].into_iter().chain(numbers).collect()
     };
     let meshes: Vec<Vec<String>> = audit.meshes.iter().enumerate().map(row).collect();

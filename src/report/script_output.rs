@@ -2,9 +2,10 @@
 
 use serde_json::Value;
 
-use super::figure::heading;
+use super::figure::{DIGITS, heading};
 use super::html::{self, escape};
-use super::{convergence, plot, rounded};
+use super::{convergence, plot};
+use crate::number;
 use crate::plot::{Plot, thinned};
 use crate::script::{File, Row, ScriptOutput};
 
@@ -53,7 +54,7 @@ pub fn cell(value: &Value) -> String {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),
         Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
-        Value::Number(number) if number.is_f64() => rounded(number.as_f64().unwrap_or(f64::NAN)),
+        Value::Number(number) if number.is_f64() => number::figure(value.as_f64().unwrap_or(f64::NAN), DIGITS),
         other => other.to_string(),
     }
 }

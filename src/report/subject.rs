@@ -1,7 +1,7 @@
 //! What was run, in one phrase.
 
-use super::figure::significant;
 use crate::model::{Impactor, ImpactorShape, Loading, Model};
+use crate::number::significant;
 
 /// What hits or pulls what, and how fast: `sphere 10.72 kg at 4.16 m/s on 2 x 8 layers of LLDPE`.
 pub fn subject(model: &Model) -> String {

@@ -7,6 +7,7 @@ use thiserror::Error;
 use crate::experiment::coupon::average::SampleStatistics;
 use crate::experiment::coupon::shear::Shear;
 use crate::experiment::coupon::{Coupon, CurveError, Direction, DirectionMeans, Reduction};
+use crate::number::{rounded, significant};
 use crate::signal::virtual_mark;
 
 /// Density of LLDPE film, kg/m³, where the user gives none.
@@ -17,6 +18,9 @@ const CURVE_POINTS: usize = 24;
 
 /// Points of the shear curve that is written.
 const SHEAR_POINTS: usize = 16;
+
+/// Significant digits of the numbers that are written.
+const DIGITS: usize = 4;
 
 /// The first words of the material, and of a shear curve from D3.
 const MARK: &str = "# Written by droptower from coupon tests";
@@ -66,7 +70,9 @@ pub enum CouponMaterialError {
 }
 
 fn shown(points: &[[f64; 2]; 2]) -> String {
-    let point = |[strain, stress]: [f64; 2]| format!("({}, {} MPa)", digits(strain), digits(stress * 1e-6));
+    let point = |[strain, stress]: [f64; 2]| {
+        format!("({}, {} MPa)", significant(strain, DIGITS), significant(stress * 1e-6, DIGITS))
+    };
     format!("{} and {}", point(points[0]), point(points[1]))
 }
 
@@ -84,7 +90,7 @@ impl CouponMaterial<'_> {
         };
         let (md_fibre, td_fibre) = (fibre(md)?, fibre(td)?);
         let mut material = self.head();
-        let rates = self.reduction.velocities().map(|velocity| digits(velocity / self.coupon.gauge()));
+        let rates = self.reduction.velocities().map(|velocity| significant(velocity / self.coupon.gauge(), DIGITS));
         let _ = write!(
             material,
             "\n{density}\nthickness = \"{thickness} um\"   # as given; one layer\n\n[fabric]\n\
@@ -96,7 +102,7 @@ impl CouponMaterial<'_> {
             rates[0],
             rates[1],
             density = self.density_line()?,
-            thickness = digits(self.coupon.thickness() * 1e6),
+            thickness = significant(self.coupon.thickness() * 1e6, DIGITS),
             file = toml::Value::from(self.shear_file),
         );
         Ok(Texts { material, shear })
@@ -116,7 +122,7 @@ impl CouponMaterial<'_> {
     fn density_line(&self) -> Result<String, CouponMaterialError> {
         match self.density {
             Some(density) if density.is_finite() && density > 0.0 => {
-                Ok(format!("density   = \"{} kg/m3\"", digits(density)))
+                Ok(format!("density   = \"{} kg/m3\"", significant(density, DIGITS)))
             }
             Some(density) => Err(CouponMaterialError::Density(density)),
             None => Ok(format!("density   = \"{LLDPE_DENSITY} kg/m3\" # assumed: that of LLDPE, since none was given")),
@@ -138,13 +144,13 @@ impl CouponMaterial<'_> {
             let Some(stress) = sheared.curve.at(angle).filter(|stress| *stress >= before) else {
                 return Err(CouponMaterialError::ShearFalls { angle });
             };
-            let _ = writeln!(file, "{},{}", digits(angle), digits(stress * 1e-6));
+            let _ = writeln!(file, "{},{}", significant(angle, DIGITS), significant(stress * 1e-6, DIGITS));
             before = stress;
         }
         let remark = format!(
             "# From D3 by equations 4 to 8 of Polymers 2021, 13, 1537, up to the angle {}{why}.\n\
              # Assumed: the same stress and strain all over the coupon, so that any square in it shears alike.\n",
-            digits(end)
+            significant(end, DIGITS)
         );
         Ok((file, remark))
     }
@@ -190,7 +196,7 @@ fn shear_end(sheared: &Shear) -> (f64, &'static str) {
 /// What was measured along one direction, as a comment.
 fn summary(along: &DirectionMeans) -> String {
     let DirectionMeans { direction, elongation, .. } = along;
-    let speeds: Vec<String> = along.speeds.iter().map(|speed| digits(speed.velocity)).collect();
+    let speeds: Vec<String> = along.speeds.iter().map(|speed| significant(speed.velocity, DIGITS)).collect();
     let (modulus, strength) = (shown_spread(&along.modulus, 1e-6), shown_spread(&along.strength, 1e-6));
     format!(
         "# {direction}: {} coupons at {} m/s; E {modulus} MPa, strength {strength} MPa, break elongation {} %.\n",
@@ -213,7 +219,9 @@ fn shown_spread(spread: &SampleStatistics, factor: f64) -> String {
 fn fibre(along: &DirectionMeans) -> Result<String, CouponMaterialError> {
     let points = points(along);
     check_rising(along.direction, &points)?;
-    let point = |[strain, stress]: &[f64; 2]| format!("[{}, \"{} MPa\"]", digits(*strain), digits(stress * 1e-6));
+    let point = |[strain, stress]: &[f64; 2]| {
+        format!("[{}, \"{} MPa\"]", significant(*strain, DIGITS), significant(stress * 1e-6, DIGITS))
+    };
     let shown: Vec<String> = points.iter().map(point).collect();
     let key = along.direction.name().to_lowercase();
     Ok(match &along.yields {
@@ -242,7 +250,7 @@ fn points(along: &DirectionMeans) -> Vec<[f64; 2]> {
 
 fn check_rising(direction: Direction, points: &[[f64; 2]]) -> Result<(), CouponMaterialError> {
     let mut before = [0.0, 0.0];
-    for point in points.iter().map(|point| point.map(rounded)) {
+    for point in points.iter().map(|point| point.map(|value| rounded(value, DIGITS))) {
         if point[0] <= before[0] || point[1] < before[1] {
             return Err(CouponMaterialError::Falls { direction, points: [before, point] });
         }
@@ -258,15 +266,6 @@ fn thinned(along: &DirectionMeans) -> Vec<[f64; 2]> {
         if i == CURVE_POINTS { end } else { start + (end - start) * (i as f64 / CURVE_POINTS as f64).powi(2) }
     };
     (1..=CURVE_POINTS).filter_map(|i| Some([place(i), along.curve.at(place(i))?])).collect()
-}
-
-/// Four significant digits.
-fn digits(value: f64) -> String {
-    rounded(value).to_string()
-}
-
-fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-use super::csv::clean_time;
 use super::{Series, resample};
+use crate::number::clean_time;
 
 /// A step that is longer than this many usual ones is a hole.
 const HOLE: f64 = 2.5;

@@ -7,9 +7,9 @@ use super::acceleration::AccelerationArgs;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
 use crate::finding::Finding;
+use crate::number::clean_time;
 use crate::signal::Warning;
 use crate::signal::clip::{Counting, clip};
-use crate::signal::csv::clean_time;
 use crate::units::STANDARD_GRAVITY;
 
 #[derive(Debug, Args)]

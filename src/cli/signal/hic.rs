@@ -7,7 +7,7 @@ use super::acceleration::AccelerationArgs;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
 use crate::finding::Finding;
-use crate::signal::csv::clean_time;
+use crate::number::clean_time;
 use crate::signal::hic::head_injury_criterion;
 use crate::units::STANDARD_GRAVITY;
 

@@ -9,7 +9,7 @@ use super::input::FileArgs;
 use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::finding::Finding;
-use crate::signal::csv::clean_time;
+use crate::number::{clean_time, significant};
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::gap::{self, Gap};
 use crate::signal::{MeasuredChannel, Warning, csv, resample};
@@ -223,20 +223,19 @@ fn holes(contents: &Contents) -> Vec<String> {
     for (holes, names) in told {
         let whose =
             if names.len() == contents.channels.len() { String::new() } else { format!(" in {}", names.join(", ")) };
-        let one =
-            |hole: &Hole| format!("hole of {} ms after {} s{whose}", short(1e3 * hole.duration_s), short(hole.after_s));
+        let one = |hole: &Hole| {
+            format!(
+                "hole of {} ms after {} s{whose}",
+                significant(1e3 * hole.duration_s, 6),
+                significant(hole.after_s, 6)
+            )
+        };
         lines.extend(holes.iter().take(MOST_HOLES).map(one));
         if holes.len() > MOST_HOLES {
             lines.push(format!("and {} more holes{whose}", holes.len() - MOST_HOLES));
         }
     }
     lines
-}
-
-/// Six decimals without the zeros behind them.
-fn short(value: f64) -> String {
-    let text = format!("{value:.6}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn row(channel: &Contained) -> Vec<String> {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::result::Drop;
 use crate::experiment::Warning;
 use crate::experiment::contact::SpeedSource;
-use crate::signal::csv::clean_time;
+use crate::number::clean_time;
 use crate::signal::{Series, column};
 
 /// Figures of a drop, units in their names; times of peaks count from contact.

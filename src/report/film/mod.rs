@@ -11,8 +11,9 @@ use serde_json::{Value, json};
 use self::coarse::{CoarseSurface, bounds};
 use super::body::Body;
 use super::html::{data, escape};
-use super::plot::short;
+use super::plot::DIGITS;
 use crate::model::{Loading, Model};
+use crate::number::rounded;
 use crate::post::lowest_point;
 use crate::signal::{Recording, column};
 use crate::simulate::{Film, FilmState, Outcome, Snapshot};
@@ -141,10 +142,11 @@ impl Scene<'_> {
         let state = |(state, places): (&&Snapshot, &Vec<[f32; 3]>)| {
             let strains: Vec<u8> =
                 self.faces.iter().flat_map(|face| strains(face, state, [fibre, fibre, shear])).collect();
-            let pose =
-                state.impactor.map(|(place, turn)| place.iter().chain(&turn).map(|c| short(*c)).collect::<Vec<_>>());
+            let pose = state
+                .impactor
+                .map(|(place, turn)| place.iter().chain(&turn).map(|c| rounded(*c, DIGITS)).collect::<Vec<_>>());
             json!({
-                "time": short(state.time * 1e3),
+                "time": rounded(state.time * 1e3, DIGITS),
                 "places": text(quantised(places, ends).flat_map(u16::to_le_bytes)),
                 "strains": text(strains),
                 "pose": pose,
@@ -163,7 +165,7 @@ impl Scene<'_> {
             "shear": shear,
             "faces": self.faces.iter().map(face).collect::<Vec<_>>(),
             "states": self.states.iter().zip(&places).map(state).collect::<Vec<_>>(),
-            "moments": self.moments.iter().map(|(words, time)| json!([words, short(time * 1e3)])).collect::<Vec<_>>(),
+            "moments": self.moments.iter().map(|(words, time)| json!([words, rounded(time * 1e3, DIGITS)])).collect::<Vec<_>>(),
             "body": self.body.as_ref().map(body),
         })
     }
@@ -245,7 +247,7 @@ fn text(bytes: impl IntoIterator<Item = u8>) -> String {
 }
 
 fn body(body: &Body) -> Value {
-    let near = |c: f32| short(f64::from(c));
+    let near = |c: f32| rounded(f64::from(c), DIGITS);
     let Body { points, triangles } = body;
     let outlines: Vec<[u32; 4]> = triangles.iter().map(|&[a, b, c]| [a, b, c, c]).collect();
     let coarse = CoarseSurface::of(points, &outlines, MOST_OF_BODY);

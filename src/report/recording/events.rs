@@ -2,8 +2,9 @@
 
 use droptower_viz::{Event, Moment, Severity};
 
+use crate::number::duration;
 use crate::post::lowest_point;
-use crate::report::{RunPage, duration};
+use crate::report::RunPage;
 use crate::signal::{Recording, column};
 
 /// First contact, extremes, rupture, rebound and findings in the order of time, and the log of the post script.

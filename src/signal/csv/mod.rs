@@ -16,4 +16,4 @@ mod write;
 pub use super::column_name::TIME;
 pub use fault::{Fault, MOST_CELLS, ReadError};
 pub use table::{Column, Table, columns, measure, read};
-pub use write::{clean_time, write};
+pub use write::write;

@@ -27,13 +27,6 @@ fn what_is_written_reads_back_to_the_same_bits() {
 }
 
 #[test]
-fn times_have_no_noise() {
-    for (time, expected) in [(0.057_300_000_000_000_004, 0.0573), (-0.0, 0.0), (1.0 / 3.0, 0.333_333_333_333)] {
-        assert_eq!(clean_time(time), expected);
-    }
-}
-
-#[test]
 fn an_empty_cell_means_not_measured() {
     let laser = read_text("# virtual\ntime_s, displacement_m\n0, \n1, 2.5\n").unwrap();
     let values = laser.channel("displacement_m").unwrap();

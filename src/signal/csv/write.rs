@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use csv::WriterBuilder;
 
+use crate::number::clean_time;
 use crate::signal::Recording;
 use crate::signal::column_name::TIME;
 
@@ -18,11 +19,6 @@ pub fn write(recording: &Recording, out: impl Write) -> io::Result<()> {
         rows.write_record(std::iter::once(clean_time(*time)).chain(values).map(cell))?;
     }
     rows.flush()
-}
-
-/// The time with twelve significant digits: 0.0573 where sums of steps give 0.057300000000000004.
-pub fn clean_time(time: f64) -> f64 {
-    format!("{time:.11e}").parse().unwrap_or(time)
 }
 
 fn cell(value: f64) -> String {

@@ -10,8 +10,8 @@ use thiserror::Error;
 use super::container::Headers;
 use super::header::{Entry, Header};
 use crate::diagnostic::folder_of;
+use crate::number::clean_time;
 use crate::signal::channel_code::ChannelCode;
-use crate::signal::csv::clean_time;
 use crate::signal::{MeasuredChannel, Measurement, Series, resample};
 use crate::units::Time;
 

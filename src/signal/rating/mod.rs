@@ -13,10 +13,10 @@ use std::fmt;
 
 use thiserror::Error;
 
-use super::csv::clean_time;
 use super::gap::{self, Gap};
 use super::warning::Warning;
 use super::{Series, resample};
+use crate::number::clean_time;
 
 pub use super::curve::Curve;
 

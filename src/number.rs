@@ -1,0 +1,117 @@
+//! Numbers rounded to significant digits, as values and as text.
+
+/// The double nearest to `value` with so many significant digits.
+pub fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
+/// A time with twelve significant digits: 0.0573 where sums of steps give 0.057300000000000004.
+pub fn clean_time(time: f64) -> f64 {
+    rounded(time, 12)
+}
+
+/// The number with at most so many significant digits, none of them a zero at the end, and without an exponent.
+pub fn significant(value: f64, digits: usize) -> String {
+    rounded(value, digits).to_string()
+}
+
+/// The number with exactly so many significant digits; with an exponent where it has more zeros than digits in front, or
+/// three digits more than those.
+pub fn figure(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let (magnitude, count) = (value.abs().log10().floor() as i32, digits as i32);
+    if !(-count..count + 3).contains(&magnitude) {
+        return format!("{value:.*e}", digits.saturating_sub(1));
+    }
+    let decimals = (count - 1 - magnitude).max(0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// A count with its digits in groups of three: `11 240`.
+pub fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let groups = digits.as_bytes().rchunks(3).rev();
+    let groups: Vec<&str> = groups.filter_map(|group| std::str::from_utf8(group).ok()).collect();
+    groups.join(" ")
+}
+
+/// A time in ms, from 10 s on in s.
+pub fn duration(seconds: f64) -> String {
+    if seconds < 10.0 { format!("{:.1} ms", seconds * 1e3) } else { format!("{seconds:.1} s") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_rounded_to_significant_digits() {
+        for (value, expected) in [
+            (1.0 / 3.0, 0.333_333),
+            (-169.854_473_137, -169.854),
+            (0.1 + 0.2, 0.3),
+            (12_345_678.9, 12_345_700.0),
+            (4.96e-6, 4.96e-6),
+            (0.0, 0.0),
+        ] {
+            assert_eq!(rounded(value, 6), expected);
+        }
+        assert!(rounded(f64::NAN, 6).is_nan() && rounded(f64::INFINITY, 6) == f64::INFINITY);
+    }
+
+    #[test]
+    fn times_have_no_noise() {
+        for (time, expected) in [(0.057_300_000_000_000_004, 0.0573), (-0.0, 0.0), (1.0 / 3.0, 0.333_333_333_333)] {
+            assert_eq!(clean_time(time), expected);
+        }
+    }
+
+    #[test]
+    fn text_has_at_most_the_digits_that_matter() {
+        for (value, expected) in [
+            (3.598_499_687, "3.6"),
+            (4.16, "4.16"),
+            (0.0002, "0.0002"),
+            (60.0, "60"),
+            (0.0, "0"),
+            (-0.25, "-0.25"),
+            (1_234_567.0, "1230000"),
+        ] {
+            assert_eq!(significant(value, 3), expected);
+        }
+    }
+
+    #[test]
+    fn figures_have_exactly_their_digits() {
+        for (value, digits, expected) in [
+            (153.043_21, 4, "153.0"),
+            (0.031_234_5, 4, "0.03123"),
+            (0.2, 4, "0.2000"),
+            (4.0e-6, 4, "4.000e-6"),
+            (-1.37e-9, 4, "-1.370e-9"),
+            (2.5e6, 4, "2500000"),
+            (2.5e7, 4, "2.500e7"),
+            (10.712_3, 3, "10.7"),
+            (2.5e8, 3, "2.50e8"),
+            (0.0, 3, "0"),
+            (f64::NAN, 3, "NaN"),
+        ] {
+            assert_eq!(figure(value, digits), expected);
+        }
+    }
+
+    #[test]
+    fn counts_are_grouped() {
+        for (count, expected) in [(200, "200"), (11_240, "11 240"), (1_000_000, "1 000 000")] {
+            assert_eq!(grouped(count), expected);
+        }
+    }
+
+    #[test]
+    fn times_are_in_milliseconds_or_seconds() {
+        assert_eq!(duration(0.0573), "57.3 ms");
+        assert_eq!(duration(2000.04), "2000.0 s");
+    }
+}
