@@ -40,7 +40,8 @@ pub struct ScriptArgs {
 }
 
 /// Names that belong to a study's summary.
-const RESERVED: [&str; 8] = ["script", "droptower", "study", "warning", "findings", "tables", "plots", "files"];
+const RESERVED: [&str; 9] =
+    ["script", "droptower", "study", "warning", "warnings", "findings", "tables", "plots", "files"];
 
 /// A script that was run, and its output.
 struct Studied {
@@ -194,7 +195,6 @@ fn summary(studied: &Studied) -> Map<String, Value> {
     summary.insert("study".into(), Value::Object(call.clone()));
     summary.extend(virtual_recordings.iter().map(|finding| ("warning".into(), json!(finding.message))));
     let warnings = output.findings.iter().filter(|finding| finding.is_warning());
-    // A script's own figure `warnings` takes the place of the messages.
     summary.insert("warnings".into(), warnings.map(|warning| json!(warning.message)).collect());
     summary.insert("findings".into(), json!(output.findings));
     summary.extend(output.measures.clone());
@@ -212,4 +212,28 @@ fn keep(studied: &Studied, place: &Path) -> Result<Vec<String>, StoreError> {
     let files = folder::fill_study(&draft, &page, &summary(studied))?;
     draft.publish()?;
     Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn every_field_of_the_summary_is_reserved() {
+        let studied = Studied {
+            name: "study".into(),
+            call: Map::new(),
+            text: String::new(),
+            output: ScriptOutput::default(),
+            virtual_recordings: Some(Finding::of_script("virtual-recordings", "a recording is virtual")),
+        };
+        let fields: BTreeSet<String> = summary(&studied).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(fields, RESERVED.map(String::from).into());
+        let refused = OutputCollector::new(RESERVED.map(String::from).into()).measure("warnings", json!(["none"]));
+        let message = refused.unwrap_err().to_string();
+        let expected = "`warnings` is a field of the summary and cannot be replaced: report a warning with";
+        assert!(message.starts_with(expected), "{message}");
+    }
 }

@@ -240,6 +240,8 @@ fn a_post_script_cannot_replace_a_figure_or_reach_for_what_is_not_there() {
     for (text, expected) in [
         ("measure(\"elements\", 1)", "`elements` is a field of the summary"),
         ("measure(\"tables\", 1)", "`tables` is a field of the summary"),
+        ("measure(\"warnings\", 1)", "cannot be replaced: report a warning with `warn(code, text)`"),
+        ("table(\"findings\", #{ n: 1 })", "`findings` is a field of the summary"),
         ("run.nosuch", "a run has no `nosuch`; it has displacement, velocity, acceleration"),
         ("run.signals.nosuch", "a recording has no `nosuch`; it has displacement_m"),
         ("run.summary.nosuch", "property not found: nosuch"),

@@ -48,12 +48,19 @@ pub struct ScriptOutput {
 pub enum OutputError {
     #[error("`{name}` is not a name for a figure or a table: use letters, digits and _")]
     Letters { name: String },
-    #[error("`{name}` is a field of the summary and cannot be replaced")]
+    #[error("`{name}` is a field of the summary and cannot be replaced: {}", remedy(name))]
     Reserved { name: String },
     #[error("`{code}` is not the code of a warning: use lower-case words joined by hyphens, such as `coarse-mesh`")]
     Code { code: String },
     #[error("a script leaves at most {MOST_ENTRIES} figures, tables, rows, lines or warnings")]
     TooMany,
+}
+
+fn remedy(reserved: &str) -> &'static str {
+    match reserved {
+        "warning" | "warnings" | "findings" => "report a warning with `warn(code, text)`",
+        _ => "choose another name",
+    }
 }
 
 /// There are too many searches to store the plots of one more.
