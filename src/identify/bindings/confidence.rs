@@ -186,16 +186,9 @@ pub(super) const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use super::super::register;
+    use super::super::test_engine;
     use super::*;
-    use crate::functions::engine;
     use crate::script::Limits;
-
-    fn host() -> Engine {
-        let mut engine = engine(Limits::STUDY);
-        register(&mut engine, &SearchHost::new(None, |_| {}));
-        engine
-    }
 
     /// The model is linear: the ends of the profiles are those of the covariance, each with the noise of its own part.
     #[test]
@@ -211,7 +204,7 @@ mod tests {
             };
             ends.call(#{ noise: "white", parts: [8, 8] }) + ends.call(#{ noise: "white" })
         "#;
-        let found = host().eval::<Array>(script).unwrap();
+        let found = test_engine(Limits::STUDY).eval::<Array>(script).unwrap();
         let found: Vec<f64> = found.iter().map(|end| end.as_float().unwrap()).collect();
         let [along, along_loud, apart, apart_loud, joined, ..] = found[..] else { panic!("{found:?}") };
         assert!((along / apart - 1.0).abs() < 1e-6 && (along_loud / apart_loud - 1.0).abs() < 1e-6, "{found:?}");
@@ -224,7 +217,7 @@ mod tests {
 
     #[test]
     fn mistakes_are_reported() {
-        let engine = host();
+        let engine = test_engine(Limits::STUDY);
         for (text, expected) in [
             ("confidence([1.0], |x| x[0])", "the objective gave a number, and a confidence needs residuals"),
             ("profiles([1.0], |x| x[0])", "the objective gave a number, and a confidence needs residuals"),

@@ -150,20 +150,13 @@ pub(super) const ENTRIES: &[Entry] = &[
 mod tests {
     use rhai::INT;
 
-    use super::super::{confidence, register};
+    use super::super::{confidence, test_engine};
     use super::*;
-    use crate::functions::engine;
     use crate::script::Limits;
-
-    fn host() -> Engine {
-        let mut engine = engine(Limits::STUDY);
-        register(&mut engine, &SearchHost::new(None, |_| {}));
-        engine
-    }
 
     #[test]
     fn the_examples_of_the_reference_are_true() {
-        let engine = host();
+        let engine = test_engine(Limits::STUDY);
         for entry in ENTRIES.iter().chain(confidence::ENTRIES) {
             let result = engine.eval::<bool>(entry.example);
             assert!(matches!(result, Ok(true)), "{}: {result:?}", entry.call);
@@ -172,7 +165,7 @@ mod tests {
 
     #[test]
     fn mistakes_are_reported() {
-        let engine = host();
+        let engine = test_engine(Limits::STUDY);
         let with = |options: &str| format!("minimize(\"nelder-mead\", [1.0, 2], #{{ {options} }}, |x| x[0] + x[1])");
         for (text, expected) in [
             ("minimize(\"nelder\", [1], |x| x[0])".into(), "unknown method `nelder` (did you mean `nelder-mead`?)"),
@@ -244,7 +237,8 @@ mod tests {
 
     #[test]
     fn a_mistake_in_an_objective_is_reported_at_its_position() {
-        let error = host().run("let a = 1;\nminimize(\"nelder-mead\", [1], |x| {\n  x[7]\n})").unwrap_err();
+        let error =
+            test_engine(Limits::STUDY).run("let a = 1;\nminimize(\"nelder-mead\", [1], |x| {\n  x[7]\n})").unwrap_err();
         assert_eq!(error.unwrap_inner().position().line(), Some(3));
     }
 
@@ -258,7 +252,7 @@ mod tests {
         })";
         for threads in [1, 2, 4] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let error = pool.install(|| host().run(text)).unwrap_err().to_string();
+            let error = pool.install(|| test_engine(Limits::STUDY).run(text)).unwrap_err().to_string();
             assert!(error.contains("a trial failed at [1.39999") && error.contains("too small"), "{threads}: {error}");
         }
     }
@@ -276,14 +270,13 @@ mod tests {
                         || found.history.len() != alone.history.len() { throw method + place }
                 }
             }";
-        host().run(text).unwrap();
+        test_engine(Limits::STUDY).run(text).unwrap();
     }
 
     #[test]
     fn a_script_that_searches_without_end_reaches_its_time_limit() {
         let limits = Limits { time: std::time::Duration::from_millis(300), ..Limits::STUDY };
-        let mut engine = engine(limits);
-        register(&mut engine, &SearchHost::new(None, |_| {}));
+        let engine = test_engine(limits);
         let error = engine
             .run("loop { minimize(\"nelder-mead\", [1.0], |x| { let s = 0; for i in 0..1000 { s += 1; } x[0] }) }");
         let error = error.unwrap_err();
@@ -295,7 +288,7 @@ mod tests {
         let text = "let n = 0; let l = [0];
             let best = minimize(\"nelder-mead\", [1.0], |x| { n += 1; l.push(n); x[0] ** 2 + l.len() + n });
             best.f - 3.0 < 1e-6 && n == 0 && l.len() == 1";
-        assert!(host().eval::<bool>(text).unwrap());
+        assert!(test_engine(Limits::STUDY).eval::<bool>(text).unwrap());
     }
 
     #[test]
@@ -304,7 +297,7 @@ mod tests {
             let found = best.findings[0];
             found.code == \"on-bound\" && found.severity == \"warning\" && found.message == best.warnings[0]
                 && found.index == 0 && found.value == 1.5";
-        assert!(host().eval::<bool>(text).unwrap());
+        assert!(test_engine(Limits::STUDY).eval::<bool>(text).unwrap());
     }
 
     #[test]
@@ -312,7 +305,8 @@ mod tests {
         let text = "let o = #{ max_iterations: 1000, max_evaluations: 3000, tol_x: 0, tol_f: 0 };
             let best = minimize(\"nelder-mead\", [3.0, 4, 5, 6], o, |x| x.reduce(|s, x| s + x ** 2, 0.0));
             [best.history.len(), best.history[0].iteration, best.history[-1].iteration, best.iterations]";
-        let found: Vec<INT> = host().eval::<Array>(text).unwrap().iter().map(|n| n.as_int().unwrap()).collect();
+        let found: Vec<INT> =
+            test_engine(Limits::STUDY).eval::<Array>(text).unwrap().iter().map(|n| n.as_int().unwrap()).collect();
         assert!(found[0] > 300 && found[0] <= 600 && found[1] == 1 && found[2] == found[3], "{found:?}");
     }
 }

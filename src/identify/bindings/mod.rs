@@ -23,3 +23,11 @@ pub const REFERENCE: &[Chapter] = &[
     Chapter { title: "searches (droptower script)", entries: minimize::ENTRIES },
     Chapter { title: "confidence of estimated parameters (droptower script)", entries: confidence::ENTRIES },
 ];
+
+/// An engine with these functions and a host that shows nothing.
+#[cfg(test)]
+fn test_engine(limits: crate::script::Limits) -> Engine {
+    let mut engine = crate::functions::engine(limits);
+    register(&mut engine, &SearchHost::new(None, |_| {}));
+    engine
+}
