@@ -14,6 +14,11 @@ use crate::number::clean_time;
 use crate::signal::{Channel, Recording, Series};
 use crate::units::STANDARD_GRAVITY;
 
+/// Channel of the accelerometer.
+pub const ACCELEROMETER: &str = "accelerometer_m_s2";
+/// Channel of the laser.
+pub const LASER: &str = "laser_m";
+
 /// Why there is no such recording.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SensorError {
@@ -121,14 +126,12 @@ pub fn virtual_drop(
     let proper = proper.ok_or(FallError::NoImpact { channel: "acceleration", time: motion.last })?;
     let coupled = high_pass(&Series::new(fine, proper), sensors.accelerometer.time_constant);
     let sampled = coupled.values().iter().step_by(OVERSAMPLING).copied();
-    let mut channels = vec![Channel {
-        name: "accelerometer_m_s2".into(),
-        values: sensors.accelerometer.read(sampled, &mut noise(seed, 1)),
-    }];
+    let mut channels =
+        vec![Channel { name: ACCELEROMETER.into(), values: sensors.accelerometer.read(sampled, &mut noise(seed, 1)) }];
     if let Some(laser) = &sensors.laser {
         let places = time.iter().map(|t| motion.place(t - release)).collect::<Option<Vec<f64>>>();
         let places = places.ok_or(FallError::NoImpact { channel: "displacement", time: motion.last })?;
-        channels.push(Channel { name: "laser_m".into(), values: laser.read(&places, &mut noise(seed, 2)) });
+        channels.push(Channel { name: LASER.into(), values: laser.read(&places, &mut noise(seed, 2)) });
     }
     Ok(VirtualDrop { recording: Recording { time, channels }, contact_time })
 }
@@ -234,12 +237,12 @@ mod tests {
     fn without_noise_the_motion_is_recovered() {
         let [acceleration, displacement] = impact();
         let drop = virtual_drop(&acceleration, &displacement, &FALL, &ideal(), 8).unwrap();
-        let reading = drop.recording.series("accelerometer_m_s2").unwrap();
+        let reading = drop.recording.series(ACCELEROMETER).unwrap();
         let back = restored(&reading, 0.15);
         let place = integrate::twice(&back, 0.0, FALL.height);
         let velocity = integrate::once(&back, 0.0).at(drop.contact_time).unwrap();
         assert!((velocity + FALL.speed).abs() < 1e-3, "{velocity}");
-        let laser = drop.recording.channel("laser_m").unwrap();
+        let laser = drop.recording.channel(LASER).unwrap();
         let gap = place.values().iter().zip(laser).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(gap < 2e-4, "{gap}");
         assert!(place.at(drop.contact_time).unwrap().abs() < 1e-4);
@@ -264,7 +267,7 @@ mod tests {
         let [acceleration, displacement] = impact();
         let drop = virtual_drop(&acceleration, &displacement, &FALL, &Sensors::default(), 8).unwrap();
         let step = 100.0 * STANDARD_GRAVITY / 4096.0;
-        let reading = drop.recording.series("accelerometer_m_s2").unwrap();
+        let reading = drop.recording.series(ACCELEROMETER).unwrap();
         assert!(reading.values().iter().all(|r| ((r / step).round() * step - r).abs() < 1e-4));
         let rest = reading.window([0.0, 0.1]);
         let mean = rest.values().iter().sum::<f64>() / rest.len() as f64;
@@ -272,7 +275,7 @@ mod tests {
         let expected = 0.15_f64.powi(2) + step * step / 12.0;
         assert!((mean - 0.2).abs() < 4.0 * (expected / rest.len() as f64).sqrt(), "{mean}");
         assert!((scatter / expected - 1.0).abs() < 0.2, "{scatter} for {expected}");
-        let laser = drop.recording.series("laser_m").unwrap();
+        let laser = drop.recording.series(LASER).unwrap();
         let seen: Vec<f64> = laser.values().iter().copied().filter(|place| place.is_finite()).collect();
         assert!(seen.len() > 100 && seen.iter().all(|place| (-0.035..=0.015).contains(place)));
     }

@@ -102,8 +102,8 @@ fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> 
     let recording = &virtual_drop.recording;
     let mut map = Map::new();
     map.insert("time".into(), Dynamic::from(Series::new(recording.time.as_slice(), recording.time.as_slice())));
-    map.insert("accelerometer".into(), signal(recording, "accelerometer_m_s2"));
-    map.insert("laser".into(), signal(recording, "laser_m"));
+    map.insert("accelerometer".into(), signal(recording, sensor::ACCELEROMETER));
+    map.insert("laser".into(), signal(recording, sensor::LASER));
     map.insert("contact_time".into(), virtual_drop.contact_time.into());
     Ok(map)
 }
