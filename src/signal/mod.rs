@@ -2,6 +2,7 @@
 
 mod annotations;
 mod channel_code;
+mod channel_fault;
 pub mod clip;
 pub mod column;
 mod column_name;
@@ -25,6 +26,7 @@ mod warning;
 
 pub use annotations::Annotations;
 pub(crate) use annotations::virtual_mark;
+pub use channel_fault::{ChannelFault, MOST_VALUES};
 pub use measurement::{ChannelError, MeasuredChannel, Measurement, QuantityError};
 pub use options::{ChannelSelection, ReadOptions};
 pub use recording::{Channel, Recording};

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::fault::{Fault, Mistake};
+use crate::signal::channel_fault::ChannelFault;
 use crate::signal::text::Line;
 use crate::units::Unit;
 
@@ -104,9 +105,9 @@ impl Mark {
         let written = self.with_point(text).ok_or_else(|| Fault::MixedMarks { name: name(), found: shown(text) })?;
         match written.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(Fault::NotFinite { name: name() }),
+            Ok(_) => Err(ChannelFault::NotFinite { name: name() }.into()),
             Err(_) if carries_unit(text) => Err(Fault::UnitInCell { name: name(), found: shown(text) }),
-            Err(_) => Err(Fault::NotANumber { name: name(), found: shown(text) }),
+            Err(_) => Err(ChannelFault::NotANumber { name: name(), found: shown(text) }.into()),
         }
     }
 
@@ -169,14 +170,14 @@ mod tests {
         assert_eq!(mark.number("-1,5e3", "a").unwrap(), -1500.0);
         assert!(matches!(mark.number("1.5", "a"), Err(Fault::MixedMarks { .. })));
         assert!(matches!(Mark::Point.number("1,5", "a"), Err(Fault::MixedMarks { .. })));
-        assert!(matches!(Mark::Unknown.number("1.234,5", "a"), Err(Fault::NotANumber { .. })));
+        assert!(matches!(Mark::Unknown.number("1.234,5", "a"), Err(Fault::Channel(ChannelFault::NotANumber { .. }))));
     }
 
     #[test]
     fn what_is_no_number_is_told_apart() {
         assert!(matches!(Mark::Unknown.number("5.2 g", "a"), Err(Fault::UnitInCell { .. })));
         assert!(matches!(Mark::Unknown.number("3mm", "a"), Err(Fault::UnitInCell { .. })));
-        assert!(matches!(Mark::Unknown.number("x7", "a"), Err(Fault::NotANumber { .. })));
-        assert!(matches!(Mark::Unknown.number("-inf", "a"), Err(Fault::NotFinite { .. })));
+        assert!(matches!(Mark::Unknown.number("x7", "a"), Err(Fault::Channel(ChannelFault::NotANumber { .. }))));
+        assert!(matches!(Mark::Unknown.number("-inf", "a"), Err(Fault::Channel(ChannelFault::NotFinite { .. }))));
     }
 }

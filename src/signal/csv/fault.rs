@@ -3,11 +3,8 @@
 use thiserror::Error;
 
 use crate::diagnostic::listed;
-use crate::signal::measurement::ChannelError;
+use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
 use crate::signal::text::{self, TextError};
-
-/// Most cells that are kept; more is a mistake or an attack.
-pub const MOST_CELLS: usize = 50_000_000;
 
 /// Why a file is no table of channels, and where.
 pub type ReadError = text::ReadError<Fault>;
@@ -17,53 +14,106 @@ pub(super) type Mistake = text::Mistake<Fault>;
 /// What is wrong with a table.
 #[derive(Debug, Error)]
 pub enum Fault {
+    /// The file cannot be read as text.
     #[error(transparent)]
     Text(#[from] TextError),
+    /// A fault of a channel that files of every format can have.
+    #[error(transparent)]
+    Channel(#[from] ChannelFault),
+    /// The file is empty.
     #[error("no samples: the file is empty")]
     Empty,
+    /// There is a header and no row of numbers.
     #[error("no samples: no line below the header starts with a number")]
     NoRows,
+    /// The header is longer than any that is read.
     #[error("no samples: none of the first {lines} lines starts with a number")]
-    NoNumbers { lines: usize },
+    NoNumbers {
+        /// Lines that were read.
+        lines: usize,
+    },
+    /// The header does not have a name for each column.
     #[error("{} ({}) over {}", counted(names.len(), "name"), listed(names), counted(*columns, "column"))]
-    NamesAndColumns { names: Vec<String>, columns: usize },
+    NamesAndColumns {
+        /// Names in the header.
+        names: Vec<String>,
+        /// Columns of the first row.
+        columns: usize,
+    },
+    /// No column is named like a time.
     #[error("no column of time among {}", listed(found))]
-    NoTime { found: Vec<String> },
+    NoTime {
+        /// The columns.
+        found: Vec<String>,
+    },
+    /// Several columns are named like a time.
     #[error("several columns of time among {}", listed(found))]
-    SeveralTimes { found: Vec<String> },
+    SeveralTimes {
+        /// The columns.
+        found: Vec<String>,
+    },
+    /// The header leaves a name empty.
     #[error("column {column} has no name")]
-    Unnamed { column: usize },
+    Unnamed {
+        /// Counted from one.
+        column: usize,
+    },
+    /// Two columns have the same name and unit.
     #[error("two columns are called `{name}`")]
-    Duplicate { name: String },
-    #[error(transparent)]
-    Channel(ChannelError),
+    Duplicate {
+        /// Their name.
+        name: String,
+    },
+    /// Time is the only column.
     #[error("no channel beside the time")]
     NoChannel,
-    #[error("one channel is wanted, found {}: {}", found.len(), listed(found))]
-    NotOne { found: Vec<String> },
-    #[error("expected a number for `{name}`, found `{found}`")]
-    NotANumber { name: String, found: String },
+    /// A unit stands in the cell of a number.
     #[error("expected a number for `{name}`, found `{found}`, which carries a unit of its own")]
-    UnitInCell { name: String, found: String },
+    UnitInCell {
+        /// The column.
+        name: String,
+        /// The cell.
+        found: String,
+    },
+    /// Some numbers have a decimal point, others a decimal comma.
     #[error("decimal point and decimal comma in one file: `{found}` for `{name}`")]
-    MixedMarks { name: String, found: String },
-    #[error("`{name}` is not finite")]
-    NotFinite { name: String },
+    MixedMarks {
+        /// The column.
+        name: String,
+        /// The cell.
+        found: String,
+    },
+    /// The cell of the time is empty.
     #[error("the sample has no time")]
     NoTimeValue,
-    #[error("time does not increase: {time} after {previous}")]
-    TimeNotIncreasing { time: f64, previous: f64 },
+    /// A row has fewer or more cells than the header.
     #[error("expected {expected} cells, found {found}")]
-    RowLength { expected: usize, found: usize },
+    RowLength {
+        /// Cells of the header.
+        expected: usize,
+        /// Cells of the row.
+        found: usize,
+    },
+    /// The last line has no end and too few cells.
     #[error("the file is truncated: its last line has {found} of {expected} cells")]
-    Truncated { expected: usize, found: usize },
+    Truncated {
+        /// Cells of the header.
+        expected: usize,
+        /// Cells of the last line.
+        found: usize,
+    },
+    /// Header and line of units disagree.
     #[error("mixed units: the header states `{header}` of `{name}`, the line of units `{row}`")]
-    MixedUnits { name: String, header: String, row: String },
-    #[error("mixed units: the file states `{file}` of `{name}`, but `{given}` is given")]
-    GivenUnit { name: String, file: String, given: String },
-    #[error("time (`{name}`) cannot be in `{unit}`")]
-    TimeUnit { name: String, unit: String },
-    #[error("more than {MOST_CELLS} cells")]
+    MixedUnits {
+        /// The column.
+        name: String,
+        /// Its unit in the header.
+        header: String,
+        /// Its unit in the line below.
+        row: String,
+    },
+    /// The wanted columns have more than [`MOST_VALUES`] cells.
+    #[error("more than {MOST_VALUES} cells")]
     TooLarge,
 }
 
@@ -71,11 +121,11 @@ impl Fault {
     /// The remedy, where there is one.
     pub fn hint(&self) -> Option<String> {
         let hint = match self {
-            Fault::Channel(error) => return error.hint(),
+            Fault::Channel(ChannelFault::Name(error)) => return error.hint(),
+            Fault::Channel(ChannelFault::NotOne { .. }) => "name the channel: --column NAME",
+            Fault::Channel(ChannelFault::NotFinite { .. }) => "leave the cell empty where nothing was measured",
             Fault::NamesAndColumns { .. } => "give the names of the columns: --columns time,a,b",
             Fault::NoTime { .. } | Fault::SeveralTimes { .. } => "name the column of time: --time NAME",
-            Fault::NotOne { .. } => "name the channel: --column NAME",
-            Fault::NotFinite { .. } => "leave the cell empty where nothing was measured",
             Fault::UnitInCell { .. } => "units belong into the header: `accel [g]`",
             Fault::Text(TextError::NotText) => "save it as UTF-8",
             Fault::TooLarge => "name the channels that are needed",

@@ -5,6 +5,7 @@ use std::io::BufRead;
 
 use super::cell::{Cell, Mark, Separator, at_cell};
 use super::fault::{Fault, Mistake};
+use crate::signal::channel_fault::ChannelFault;
 use crate::signal::column_name::{ColumnName, UnitCell, units_of_line};
 use crate::signal::text::{Line, Lines};
 use crate::signal::{Annotations, ReadOptions, Warning, measurement};
@@ -79,19 +80,22 @@ impl Layout {
     /// The unit of the time column; seconds where the file does not say.
     pub fn time_unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Mistake> {
         let column = &self.columns[place];
-        let name = || column.name.clone();
         if let Some(symbol) = &column.unknown_unit {
-            return Err(self.at_column(place, Fault::TimeUnit { name: name(), unit: symbol.clone() }));
+            return Err(self.wrong_time_unit(place, symbol));
         }
         match self.given_unit(place, options, None)? {
             Some(unit) if unit.measures(Time::DIMENSION) => Ok(Some(unit)),
-            Some(unit) => Err(self.at_column(place, Fault::TimeUnit { name: name(), unit: unit.symbol().to_owned() })),
+            Some(unit) => Err(self.wrong_time_unit(place, unit.symbol())),
             None => {
                 let channel = column.label.clone();
                 self.annotations.warnings.push(Warning::TimeUnitAssumed { channel });
                 Ok(None)
             }
         }
+    }
+
+    fn wrong_time_unit(&self, place: usize, unit: &str) -> Mistake {
+        self.at_column(place, ChannelFault::TimeUnit { name: self.columns[place].name.clone(), unit: unit.to_owned() })
     }
 
     /// The unit of a column from the file or the caller; both where they agree. What is not known is noted.
@@ -111,7 +115,7 @@ impl Layout {
         match (&column.unit, named.map(|(_, unit)| unit).or(other)) {
             (Some(file), Some(given)) if file != given => {
                 let [file, given] = [file, given].map(|unit| unit.symbol().to_owned());
-                Err(self.at_column(place, Fault::GivenUnit { name: column.name.clone(), file, given }))
+                Err(self.at_column(place, ChannelFault::GivenUnit { name: column.name.clone(), file, given }))
             }
             (file, given) => Ok(file.as_ref().or(given).cloned()),
         }
@@ -121,18 +125,18 @@ impl Layout {
     pub fn find(&self, name: &str) -> Result<usize, Mistake> {
         let names = self.columns.iter().map(|column| (column.name.as_str(), column.label.as_str()));
         let found = measurement::find(name, names);
-        found.map_err(|error| self.at_header(Fault::Channel(error)))
+        found.map_err(|error| self.at_header(ChannelFault::Name(error)))
     }
 
     /// A mistake in the header.
-    pub fn at_header(&self, fault: Fault) -> Mistake {
-        Mistake { line: self.header.as_ref().map_or(0, |line| line.number), column: 1, fault }
+    pub fn at_header(&self, fault: impl Into<Fault>) -> Mistake {
+        Mistake { line: self.header.as_ref().map_or(0, |line| line.number), column: 1, fault: fault.into() }
     }
 
     /// A mistake in the header of a column.
-    fn at_column(&self, place: usize, fault: Fault) -> Mistake {
+    fn at_column(&self, place: usize, fault: impl Into<Fault>) -> Mistake {
         match &self.header {
-            Some(line) => at_cell(line, self.separator, place, fault),
+            Some(line) => at_cell(line, self.separator, place, fault.into()),
             None => self.at_header(fault),
         }
     }

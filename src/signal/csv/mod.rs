@@ -14,6 +14,6 @@ mod tests;
 mod write;
 
 pub use super::column_name::TIME;
-pub use fault::{Fault, MOST_CELLS, ReadError};
+pub use fault::{Fault, ReadError};
 pub use table::{Column, Table, columns, measure, read};
 pub use write::write;

@@ -6,8 +6,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::cell::{Mark, at_cell};
-use super::fault::{Fault, MOST_CELLS, Mistake, ReadError};
+use super::fault::{Fault, Mistake, ReadError};
 use super::layout::{Layout, trimmed_to};
+use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
 use crate::signal::text::{self, Line, Lines};
 use crate::signal::{
     Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Recording, Series, Warning,
@@ -115,7 +116,7 @@ fn selected(layout: &Layout, options: &ReadOptions, time: Option<usize>) -> Resu
         ChannelSelection::All => Ok(all),
         ChannelSelection::Named(names) => names.iter().map(|name| layout.find(name)).collect(),
         ChannelSelection::Only if all.len() == 1 => Ok(all),
-        ChannelSelection::Only => Err(layout.at_header(Fault::NotOne { found: names() })),
+        ChannelSelection::Only => Err(layout.at_header(ChannelFault::NotOne { found: names() })),
     }
 }
 
@@ -196,7 +197,7 @@ impl Rows {
             return Err(Mistake { line: line.number, column: 1, fault: Fault::RowLength { expected, found } });
         }
         let rows = self.values.first().map_or(0, Vec::len);
-        if rows * self.values.len() > MOST_CELLS {
+        if rows * self.values.len() > MOST_VALUES {
             return Err(Mistake { line: line.number, column: 1, fault: Fault::TooLarge });
         }
         Ok(())
@@ -241,7 +242,7 @@ fn later(time: f64, previous: f64) -> Result<f64, Fault> {
     if time.is_nan() {
         return Err(Fault::NoTimeValue);
     }
-    if time > previous { Ok(time) } else { Err(Fault::TimeNotIncreasing { time, previous }) }
+    if time > previous { Ok(time) } else { Err(ChannelFault::TimeNotIncreasing { time, previous }.into()) }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use super::fault::{Fault, Mistake, ReadError};
 use super::header::{Header, stated};
 use crate::signal::Warning;
 use crate::signal::channel_code::ChannelCode;
-use crate::signal::csv::MOST_CELLS;
+use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
 use crate::signal::text::{self, Line, Lines};
 use crate::units::{Time, Unit};
 
@@ -64,7 +64,7 @@ impl ChannelHead {
                 return Err(Fault::TimeGap { channel: self.name.clone() });
             }
             if time <= previous {
-                return Err(Fault::TimeNotIncreasing { time, previous });
+                return Err(ChannelFault::TimeNotIncreasing { time, previous }.into());
             }
             previous = time;
             Ok(())
@@ -75,8 +75,8 @@ impl ChannelHead {
         };
         let unit = Unit::parse(symbol).ok().filter(|unit| unit.measures(Time::DIMENSION));
         let unit = unit.ok_or_else(|| {
-            let fault = Fault::TimeUnit { channel: self.name.clone(), unit: symbol.to_owned() };
-            self.at("Unit", fault)
+            let fault = ChannelFault::TimeUnit { name: self.name.clone(), unit: symbol.to_owned() };
+            self.at("Unit", fault.into())
         })?;
         times.iter_mut().for_each(|time| *time = unit.to_si(*time));
         Ok(times)
@@ -110,11 +110,11 @@ impl ChannelHead {
         let (mut values, mut last) = (Vec::new(), 0);
         let mut push = |line: &Line| {
             let at = |fault| Mistake { line: line.number, column: 1, fault };
-            let value = self.value(line.text.trim()).map_err(at)?;
+            let value = self.value(line.text.trim()).map_err(|fault| at(fault.into()))?;
             check(value).map_err(at)?;
             values.push(value);
             last = line.number;
-            let full = values.len() > MOST_CELLS;
+            let full = values.len() > MOST_VALUES;
             if full { Err(at(Fault::TooLarge { channel: self.name.clone() })) } else { Ok(()) }
         };
         first.as_ref().map(&mut push).transpose()?;
@@ -124,8 +124,8 @@ impl ChannelHead {
             if line.text.trim().is_empty() {
                 gap.get_or_insert(line.number);
             } else if let Some(line) = gap {
-                let fault = Fault::NotANumber { channel: self.name.clone(), found: String::new() };
-                return Err(Mistake { line, column: 1, fault });
+                let fault = ChannelFault::NotANumber { name: self.name.clone(), found: String::new() };
+                return Err(Mistake { line, column: 1, fault: fault.into() });
             } else {
                 push(&line)?;
             }
@@ -133,15 +133,15 @@ impl ChannelHead {
         Ok((values, last))
     }
 
-    fn value(&self, text: &str) -> Result<f64, Fault> {
-        let channel = || self.name.clone();
+    fn value(&self, text: &str) -> Result<f64, ChannelFault> {
+        let name = || self.name.clone();
         if stated(text).is_none() {
             return Ok(f64::NAN);
         }
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(Fault::NotFinite { channel: channel() }),
-            Err(_) => Err(Fault::NotANumber { channel: channel(), found: text.chars().take(40).collect() }),
+            Ok(_) => Err(ChannelFault::NotFinite { name: name() }),
+            Err(_) => Err(ChannelFault::NotANumber { name: name(), found: text.chars().take(40).collect() }),
         }
     }
 }

@@ -8,6 +8,7 @@ use super::channel::{ChannelHead, read_header};
 use super::fault::{Fault, Mistake, ReadError};
 use super::files::{Files, number};
 use super::header::Header;
+use crate::signal::channel_fault::ChannelFault;
 use crate::signal::measurement::find;
 use crate::signal::warning::Extreme;
 use crate::signal::{Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series, Warning};
@@ -155,17 +156,17 @@ fn selected(heads: &[ChannelHead], single: Option<usize>, options: &ReadOptions)
     };
     let known = heads.iter().map(|head| (head.name.as_str(), head.label.as_str()));
     for (name, _) in &options.units {
-        find(name, known.clone()).map_err(Fault::Channel)?;
+        find(name, known.clone()).map_err(ChannelFault::Name)?;
     }
     match &options.channels {
         _ if all.is_empty() => Err(Fault::OnlyTime),
         ChannelSelection::All => Ok(all),
         ChannelSelection::Named(names) => {
-            names.iter().map(|name| find(name, known.clone()).map_err(Fault::Channel)).collect()
+            names.iter().map(|name| Ok(find(name, known.clone()).map_err(ChannelFault::Name)?)).collect()
         }
         ChannelSelection::Only if all.len() == 1 => Ok(all),
         ChannelSelection::Only => {
-            Err(Fault::NotOne { found: all.iter().map(|place| heads[*place].name.clone()).collect() })
+            Err(ChannelFault::NotOne { found: all.iter().map(|place| heads[*place].name.clone()).collect() }.into())
         }
     }
 }
@@ -200,7 +201,7 @@ fn unit(head: &ChannelHead, options: &ReadOptions, warnings: &mut Vec<Warning>) 
     match (file, given) {
         (Some(file), Some(given)) if file != *given => {
             let [file, given] = [&file, given].map(|unit| unit.symbol().to_owned());
-            Err(head.at("Unit", Fault::GivenUnit { channel: head.name.clone(), file, given }))
+            Err(head.at("Unit", ChannelFault::GivenUnit { name: head.name.clone(), file, given }.into()))
         }
         (Some(file), _) => Ok(Some(file)),
         (None, Some(given)) => Ok(Some(given.clone())),

@@ -3,8 +3,7 @@
 use thiserror::Error;
 
 use crate::diagnostic::listed;
-use crate::signal::csv::MOST_CELLS;
-use crate::signal::measurement::ChannelError;
+use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
 use crate::signal::text::{self, TextError};
 
 /// Why files are no container, and where.
@@ -15,54 +14,117 @@ pub(super) type Mistake = text::Mistake<Fault>;
 /// What is wrong with a container; channels are named by their codes.
 #[derive(Debug, Error)]
 pub enum Fault {
+    /// A file cannot be read as text.
     #[error(transparent)]
     Text(#[from] TextError),
+    /// A fault of a channel that files of every format can have.
+    #[error(transparent)]
+    Channel(#[from] ChannelFault),
+    /// The folder holds no container.
     #[error("neither a test (.mme) nor a list of channels (.chn) in the folder")]
     NoTest,
+    /// The folder holds several containers.
     #[error("several tests in the folder: {}", listed(found))]
-    SeveralTests { found: Vec<String> },
+    SeveralTests {
+        /// Their files.
+        found: Vec<String>,
+    },
+    /// The test has no channels.
     #[error("no folder `Channel` beside the test")]
     NoChannelFolder,
+    /// The folder `Channel` has no file of this test.
     #[error("no channel files (`{stem}.001`, …)")]
-    NoChannelFiles { stem: String },
+    NoChannelFiles {
+        /// Name of the test.
+        stem: String,
+    },
+    /// A header has more lines than any that is read.
     #[error("the header is too long")]
     HeaderTooLong,
+    /// A header has text where a number is expected.
     #[error("`{key}` is not a number: `{found}`")]
-    HeaderNumber { key: String, found: String },
-    #[error("expected a number for `{channel}`, found `{found}`")]
-    NotANumber { channel: String, found: String },
-    #[error("`{channel}` is not finite")]
-    NotFinite { channel: String },
+    HeaderNumber {
+        /// What the number is of.
+        key: String,
+        /// What stands in its place.
+        found: String,
+    },
+    /// A channel has a header and no values.
     #[error("`{channel}` has no samples")]
-    NoSamples { channel: String },
+    NoSamples {
+        /// The channel.
+        channel: String,
+    },
+    /// A channel has fewer values than its header states.
     #[error("`{channel}` is truncated: {found} of {stated} samples")]
-    Truncated { channel: String, stated: f64, found: usize },
+    Truncated {
+        /// The channel.
+        channel: String,
+        /// Samples in the header.
+        stated: f64,
+        /// Values in the file.
+        found: usize,
+    },
+    /// A channel has more values than its header states.
     #[error("`{channel}` has {found} samples, but its header states {stated}")]
-    TooMany { channel: String, stated: f64, found: usize },
-    #[error("`{channel}` has more than {} samples", MOST_CELLS)]
-    TooLarge { channel: String },
+    TooMany {
+        /// The channel.
+        channel: String,
+        /// Samples in the header.
+        stated: f64,
+        /// Values in the file.
+        found: usize,
+    },
+    /// A channel has more than [`MOST_VALUES`] values.
+    #[error("`{channel}` has more than {MOST_VALUES} samples")]
+    TooLarge {
+        /// The channel.
+        channel: String,
+    },
+    /// The header does not state the times of the values.
     #[error("`{channel}` has neither a sampling interval nor a reference channel for its time")]
-    NoTimeAxis { channel: String },
+    NoTimeAxis {
+        /// The channel.
+        channel: String,
+    },
+    /// The sampling interval is not positive, or too small for its number of samples.
     #[error("the sampling interval of `{channel}` is {interval} s")]
-    Interval { channel: String, interval: f64 },
+    Interval {
+        /// The channel.
+        channel: String,
+        /// As the header states it.
+        interval: f64,
+    },
+    /// The channel of times that a header names is missing.
     #[error("the time of `{channel}` is in `{reference}`, which is missing")]
-    NoReference { channel: String, reference: String },
+    NoReference {
+        /// The channel.
+        channel: String,
+        /// The channel of its times.
+        reference: String,
+    },
+    /// A channel and its times have different lengths.
     #[error("`{channel}` has {found} samples over {times} times of `{reference}`")]
-    TimeLength { channel: String, reference: String, found: usize, times: usize },
-    #[error("time does not increase: {time} after {previous}")]
-    TimeNotIncreasing { time: f64, previous: f64 },
+    TimeLength {
+        /// The channel.
+        channel: String,
+        /// The channel of its times.
+        reference: String,
+        /// Values of the channel.
+        found: usize,
+        /// Values of its times.
+        times: usize,
+    },
+    /// A time was not measured.
     #[error("a sample of the time axis `{channel}` was not measured")]
-    TimeGap { channel: String },
-    #[error("the time axis `{channel}` cannot be in `{unit}`")]
-    TimeUnit { channel: String, unit: String },
-    #[error("mixed units: the file states `{file}` of `{channel}`, but `{given}` is given")]
-    GivenUnit { channel: String, file: String, given: String },
-    #[error(transparent)]
-    Channel(ChannelError),
-    #[error("one channel is wanted, found {}: {}", found.len(), listed(found))]
-    NotOne { found: Vec<String> },
+    TimeGap {
+        /// The channel of times.
+        channel: String,
+    },
+    /// All channels are times.
     #[error("no channel but time axes")]
     OnlyTime,
+    /// Options of a table are given.
     #[error("a column of time or names of columns are given for what is no table")]
     NoTable,
 }
@@ -70,13 +132,14 @@ pub enum Fault {
 impl Fault {
     /// The remedy, where there is one.
     pub fn hint(&self) -> Option<String> {
-        match self {
-            Fault::Channel(error) => error.hint(),
-            Fault::NotOne { .. } => Some("name the channel: --column CODE".into()),
-            Fault::SeveralTests { .. } => Some("name the .mme file".into()),
-            Fault::NoTable => Some("ISO-MME channels have their own time and names; leave them out".into()),
-            Fault::NotFinite { .. } => Some("write NOVALUE where nothing was measured".into()),
-            _ => None,
-        }
+        let hint = match self {
+            Fault::Channel(ChannelFault::Name(error)) => return error.hint(),
+            Fault::Channel(ChannelFault::NotOne { .. }) => "name the channel: --column CODE",
+            Fault::Channel(ChannelFault::NotFinite { .. }) => "write NOVALUE where nothing was measured",
+            Fault::SeveralTests { .. } => "name the .mme file",
+            Fault::NoTable => "ISO-MME channels have their own time and names; leave them out",
+            _ => return None,
+        };
+        Some(hint.into())
     }
 }
