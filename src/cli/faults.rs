@@ -1,18 +1,18 @@
 //! Errors of the modules as diagnostics.
 
-use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
+use crate::file;
 use crate::post::{EvaluateError, PrepareError, ReferenceError};
-use crate::script::{Fault, ReadError};
-use crate::signal::{QuantityError, file};
+use crate::script::{Fault, LONGEST_SCRIPT, ReadError};
+use crate::signal::{self, QuantityError};
 use crate::store::StoreError;
 
 /// A script fault at its place in the script.
 pub fn script(fault: &Fault) -> Diagnostic {
-    let Ok(text) = fs::read_to_string(&fault.file) else {
+    let Ok(text) = file::read_text(&fault.file, LONGEST_SCRIPT) else {
         return Diagnostic::new(fault.to_string());
     };
     let source = Source::file(&fault.file, text);
@@ -51,7 +51,7 @@ pub fn storing(error: &StoreError) -> Diagnostic {
 }
 
 /// A recording that cannot be read, with the line at fault.
-pub fn recording(error: &file::ReadError) -> Diagnostic {
+pub fn recording(error: &signal::file::ReadError) -> Diagnostic {
     let mistake = match error.place() {
         Some((path, line, column)) => match line_of(&path, line) {
             Some(text) => {
@@ -79,7 +79,7 @@ const LONGEST_SHOWN: u64 = 4096;
 
 /// The line `number` of a file that may be large; the lines before it are not held in memory.
 fn line_of(path: &Path, number: usize) -> Option<String> {
-    let mut file = BufReader::new(File::open(path).ok()?);
+    let mut file = BufReader::new(file::open(path).ok()?);
     for _ in 1..number {
         file.skip_until(b'\n').ok()?;
     }

@@ -16,7 +16,7 @@ use super::{Fault, Session, calls};
 use crate::file::{self, FileError};
 
 /// Longest script that is read, bytes.
-const LONGEST: u64 = 1 << 20;
+pub(crate) const LONGEST_SCRIPT: u64 = 1 << 20;
 
 /// Stack of a thread that interprets scripts, bytes; the system commits only the used part.
 pub const STACK: usize = 256 << 20;
@@ -42,7 +42,7 @@ impl Limits {
 pub enum ReadError {
     #[error("cannot read {}: {source}", path.display())]
     Open { path: PathBuf, source: FileError },
-    #[error("{} is longer than {LONGEST} bytes", path.display())]
+    #[error("{} is longer than {LONGEST_SCRIPT} bytes", path.display())]
     /// It is too long.
     TooLong { path: PathBuf },
     /// It does not compile, or calls undefined functions.
@@ -122,7 +122,7 @@ impl Script {
     /// # Errors
     /// The file cannot be read, is too long, or does not compile.
     pub fn read(engine: &Engine, scope: &Scope, path: &Path) -> Result<Script, ReadError> {
-        let text = file::read_text(path, LONGEST).map_err(|error| match error {
+        let text = file::read_text(path, LONGEST_SCRIPT).map_err(|error| match error {
             FileError::TooLarge { .. } => ReadError::TooLong { path: path.into() },
             source => ReadError::Open { path: path.into(), source },
         })?;

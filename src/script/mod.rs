@@ -24,6 +24,7 @@ pub use convergence::{ConvergenceHistory, FitHistory, Improvement, Iterate};
 pub use fault::{Fault, HostResult, is_numerical, refuse, thrown, went_wrong};
 pub(crate) use files::MOST_BYTES;
 pub use files::{File, FileError, Files};
+pub(crate) use host::LONGEST_SCRIPT;
 pub use host::{Limits, ReadError, STACK, Script, engine};
 pub use options::Options;
 pub use output::{Message, OutputCollector, OutputError, Row, ScriptOutput, TooManySearches};

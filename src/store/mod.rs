@@ -15,6 +15,7 @@ use tempfile::TempDir;
 use thiserror::Error;
 
 use crate::diagnostic::folder_of;
+use crate::file;
 
 pub use checkpoints::CheckpointStore;
 pub use stored_run::{StoredRun, StoredRunError};
@@ -210,7 +211,7 @@ fn check_replaceable(target: &Path) -> Result<(), StoreError> {
 
 /// The tables and files of a script in `folder`, as its summary lists them.
 fn listed(folder: &Path) -> HashSet<String> {
-    let text = fs::read(folder.join(run_files::SUMMARY)).unwrap_or_default();
+    let text = file::read(&folder.join(run_files::SUMMARY), run_files::MOST_BYTES).unwrap_or_default();
     let summary: Value = serde_json::from_slice(&text).unwrap_or_default();
     let tables = summary["tables"]
         .as_object()

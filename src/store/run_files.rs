@@ -1,5 +1,8 @@
 //! The files of a run folder: what droptower writes there, and what each holds.
 
+/// Longest text file of a run folder that is read back, bytes.
+pub(super) const MOST_BYTES: u64 = 1 << 30;
+
 /// All channels over time.
 pub const SIGNALS: &str = "signals.csv";
 /// The energy audit over time.

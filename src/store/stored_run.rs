@@ -1,15 +1,15 @@
 //! A run read from its folder, or a recording from its file.
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
 use thiserror::Error;
 
-use super::run_files;
-use crate::signal::Recording;
-use crate::signal::file::{self, ReadOptions};
+use super::run_files::{self, MOST_BYTES};
+use crate::file::{self, FileError};
+use crate::signal::file::ReadOptions;
+use crate::signal::{self, Recording};
 
 /// The stored results of a run; those without a file are empty.
 #[derive(Clone, Debug, Default)]
@@ -36,7 +36,7 @@ pub enum StoredRunError {
     #[error("{} is not a run folder of droptower: it has no signals.csv", path.display())]
     NotARun { path: PathBuf },
     #[error("{}: {source}", path.display())]
-    Unreadable { path: PathBuf, source: io::Error },
+    Unreadable { path: PathBuf, source: FileError },
     #[error("{}: {source}", path.display())]
     Scenario { path: PathBuf, source: Box<toml::de::Error> },
     #[error("{}: {source}", path.display())]
@@ -44,7 +44,7 @@ pub enum StoredRunError {
     #[error("{} holds no figures: expected an object of names and values", path.display())]
     NoFigures { path: PathBuf },
     #[error(transparent)]
-    Signals(#[from] file::ReadError),
+    Signals(#[from] signal::file::ReadError),
     #[error("{}: its channels do not share one time axis", path.display())]
     NoCommonTime { path: PathBuf },
 }
@@ -89,16 +89,16 @@ fn is_mme(path: &Path) -> bool {
 }
 
 fn signals(path: &Path) -> Result<(Recording, bool), StoredRunError> {
-    let measurement = file::read(path, &ReadOptions::default())?;
+    let measurement = signal::file::read(path, &ReadOptions::default())?;
     let recording = measurement.recording().ok_or_else(|| StoredRunError::NoCommonTime { path: path.into() })?;
     Ok((recording, measurement.annotations.is_virtual()))
 }
 
 /// The text of a file; `None` where there is no such file.
 fn text(path: &Path) -> Result<Option<String>, StoredRunError> {
-    match fs::read_to_string(path) {
+    match file::read_text(path, MOST_BYTES) {
         Ok(text) => Ok(Some(text)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(FileError::NotFound) => Ok(None),
         Err(source) => Err(StoredRunError::Unreadable { path: path.into(), source }),
     }
 }

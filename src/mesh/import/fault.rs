@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::file::FileError;
+
 /// What is wrong with a mesh file. Elements are counted from 0, quadrilaterals before triangles
 /// where a file holds both; positions in m.
 #[derive(Debug, Error)]
@@ -9,7 +11,7 @@ pub enum Fault {
     #[error("meshes are read from .stl, .obj and .vtu files")]
     Format,
     #[error("{0}")]
-    Read(#[from] std::io::Error),
+    Read(#[from] FileError),
     #[error("{0}")]
     Obj(#[from] tobj::LoadError),
     #[error("{0}")]

@@ -1,18 +1,18 @@
 //! OBJ as tobj reads it: faces of all its objects and groups; materials are not opened.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use nalgebra::Point3;
 
 use super::Fault;
+use crate::file;
 use crate::mesh::Mesh;
 
 /// The triangles and quadrilaterals of the file; objects do not share nodes yet.
 pub fn read(path: &Path) -> Result<Mesh, Fault> {
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..tobj::LoadOptions::default() };
-    let mut file = BufReader::new(File::open(path)?);
+    let mut file = BufReader::new(file::open(path)?);
     let no_materials = |_: &Path| Ok(Default::default());
     let (models, _) = tobj::load_obj_buf(&mut file, &options, no_materials)?;
     let mut mesh = Mesh::default();

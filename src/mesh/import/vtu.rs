@@ -8,15 +8,18 @@ use nalgebra::Point3;
 use roxmltree::{Document, Node};
 
 use super::fault::{Fault, VtuFault};
+use crate::file;
 use crate::mesh::Mesh;
 
+/// Longest file that is read, bytes.
+const MOST_BYTES: u64 = 1 << 30;
 /// VTK's numbers of the cell types that a film is made of.
 const TRIANGLE: f64 = 5.0;
 const QUAD: f64 = 9.0;
 
 /// The triangles and quadrilaterals of all pieces of the file.
 pub fn read(path: &Path) -> Result<Mesh, Fault> {
-    let text = std::fs::read_to_string(path)?;
+    let text = file::read_text(path, MOST_BYTES)?;
     Ok(parse(&text)?)
 }
 

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::fault::{Fault, Mistake, ReadError};
 use crate::diagnostic::folder_of;
+use crate::file::FileError;
 use crate::signal::text::TextError;
 
 /// Whether the file at `path` is part of a container, by its name: a folder, `.mme`, `.chn` or `.001`, ….
@@ -33,7 +34,7 @@ impl Files {
         }
         if !path.is_file() {
             let missing = io::Error::new(ErrorKind::NotFound, "no such file or folder");
-            return Err(fail(Fault::Text(TextError::Open(missing))));
+            return Err(fail(Fault::Text(TextError::Open(FileError::Io(missing)))));
         }
         let is_test = has_extension(path, "mme");
         let folder = if is_test { channel_folder(path)? } else { folder_of(path).to_owned() };
@@ -75,7 +76,7 @@ fn channel_folder(test: &Path) -> Result<PathBuf, ReadError> {
 
 /// What a folder holds, in the order of the names.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
-    let failed = |error| Mistake::whole(Fault::Text(TextError::Open(error))).of(folder);
+    let failed = |error| Mistake::whole(Fault::Text(TextError::Open(FileError::from(error)))).of(folder);
     let entries = fs::read_dir(folder).map_err(failed)?;
     let mut paths =
         entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>().map_err(failed)?;

@@ -6,15 +6,21 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::file::FileError;
+
 /// Why a file cannot be read as text.
 #[derive(Debug, Error)]
 pub enum TextError {
+    /// The file cannot be opened.
     #[error("cannot be read: {0}")]
-    Open(io::Error),
-    #[error("cannot be read on: {0}")]
+    Open(FileError),
+    /// Reading failed within the file.
+    #[error("cannot be read further: {0}")]
     Read(io::Error),
+    /// A line is longer than any that is read.
     #[error("the line is longer than a mebibyte")]
     LineTooLong,
+    /// The bytes are not text.
     #[error("neither UTF-8 nor Windows-1252 text")]
     NotText,
 }
@@ -22,11 +28,13 @@ pub enum TextError {
 /// What is wrong with a file, and where.
 #[derive(Debug, Error)]
 pub struct ReadError<F> {
+    /// The file.
     pub path: PathBuf,
     /// Counted from one; zero where the mistake is at no line.
     pub line: usize,
     /// In characters, counted from one.
     pub column: usize,
+    /// What is wrong.
     pub fault: F,
 }
 
@@ -52,7 +60,9 @@ impl<F> ReadError<F> {
 pub struct Mistake<F> {
     /// Zero where it is at no line.
     pub line: usize,
+    /// In characters, counted from one.
     pub column: usize,
+    /// What is wrong.
     pub fault: F,
 }
 

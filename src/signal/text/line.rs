@@ -8,6 +8,7 @@ use std::path::Path;
 use encoding_rs::WINDOWS_1252;
 
 use super::error::{Mistake, TextError};
+use crate::file;
 
 /// Longest line that is read, bytes; a longer one is no table.
 const LONGEST: u64 = 1 << 20;
@@ -17,6 +18,7 @@ const LONGEST: u64 = 1 << 20;
 pub struct Line<'a> {
     /// Counted from one.
     pub number: usize,
+    /// Decoded, without its end.
     pub text: Cow<'a, str>,
     /// Whether the line has an end; the last one of a truncated file has none.
     pub ended: bool,
@@ -67,7 +69,7 @@ impl<R: BufRead> Lines<R> {
 
 /// The lines of the file at `path`.
 pub fn open<F: From<TextError>>(path: &Path) -> Result<Lines<BufReader<File>>, Mistake<F>> {
-    let file = File::open(path).map_err(|error| Mistake::whole(F::from(TextError::Open(error))))?;
+    let file = file::open(path).map_err(|error| Mistake::whole(F::from(TextError::Open(error))))?;
     Ok(Lines::new(BufReader::with_capacity(1 << 16, file)))
 }
 
