@@ -126,7 +126,7 @@ fn text(comparison: &RunComparison, all: bool) -> String {
         true => compare_page::figures(comparison.figures.iter()),
         false => compare_page::figures(comparison.key_figures()),
     };
-    let notes: String = comparison.notes.iter().map(|note| format!("  note: {note}\n")).collect();
+    let notes: String = comparison.findings.iter().map(|finding| format!("  note: {finding}\n")).collect();
     [
         part(
             "scenario",

@@ -6,10 +6,11 @@ use std::path::{Component, Path, PathBuf};
 use serde_json::{Map, Value, json};
 
 use super::warning::VIRTUAL_REFERENCE;
-use super::{COST, HEADER};
+use super::{COST, HEADER, Warning};
+use crate::finding::Finding;
 use crate::scenario;
 use crate::signal::norm::relative_error;
-use crate::signal::{Series, virtual_mark};
+use crate::signal::{Annotations, Series};
 use crate::store::StoredRun;
 
 /// Several runs, compared with the first of them.
@@ -23,8 +24,8 @@ pub struct RunComparison {
     pub keys: Vec<ComparedKey>,
     /// Signals that several runs have, in the order of the first that has them.
     pub signals: Vec<ComparedSignal>,
-    /// Notes: failed runs, virtual recordings, signals of one run only.
-    pub notes: Vec<String>,
+    /// Failed runs, virtual recordings, signals of one run only.
+    pub findings: Vec<Finding>,
 }
 
 /// One of the runs.
@@ -99,7 +100,7 @@ impl RunComparison {
             runs: runs.iter().zip(&names).map(subject).collect(),
             figures: figures(runs),
             keys: keys(runs),
-            notes: notes(runs, &names).chain(alone).collect(),
+            findings: warnings(runs, &names).chain(alone).map(|warning| Finding::new(&warning)).collect(),
             signals,
         }
     }
@@ -132,7 +133,8 @@ impl RunComparison {
             ("keys", Value::Object(self.keys.iter().map(|key| (key.path.clone(), json!(key.values))).collect())),
             ("figures", Value::Object(self.figures.iter().map(figure).collect())),
             ("errors", Value::Object(self.signals.iter().map(|s| (s.column.clone(), json!(s.errors))).collect())),
-            ("notes", json!(self.notes)),
+            ("notes", self.findings.iter().map(|finding| finding.message.as_str()).collect()),
+            ("findings", json!(self.findings)),
         ];
         fields.map(|(name, value)| (name.into(), value)).into_iter().collect()
     }
@@ -198,8 +200,8 @@ fn keys(runs: &[StoredRun]) -> Vec<ComparedKey> {
     paths.into_iter().filter(|path| !HEADER.contains(&path.as_str())).filter(differs).map(of).collect()
 }
 
-/// The common signals, and notes on the others.
-fn signals(runs: &[StoredRun], names: &[String], wanted: &[String]) -> (Vec<ComparedSignal>, Vec<String>) {
+/// The common signals, and warnings of the others.
+fn signals(runs: &[StoredRun], names: &[String], wanted: &[String]) -> (Vec<ComparedSignal>, Vec<Warning>) {
     let mut columns: Vec<&String> = vec![];
     for channel in runs.iter().flat_map(|run| &run.signals.channels) {
         if !columns.contains(&&channel.name) && (wanted.is_empty() || wanted.contains(&channel.name)) {
@@ -210,17 +212,14 @@ fn signals(runs: &[StoredRun], names: &[String], wanted: &[String]) -> (Vec<Comp
     for column in columns {
         let series: Vec<Option<Series>> = runs.iter().map(|run| run.signals.series(column)).collect();
         match having(&series)[..] {
-            [run] => alone[run].push(format!("`{column}`")),
+            [run] => alone[run].push(column.clone()),
             _ => common.push(ComparedSignal { column: column.clone(), errors: errors(&series), series }),
         }
     }
     let alone = names.iter().zip(alone).filter(|(_, columns)| !columns.is_empty());
-    let mut notes: Vec<String> =
-        alone.map(|(name, columns)| format!("only {name} has {}", columns.join(", "))).collect();
-    if common.is_empty() {
-        notes.push("no signal is common to them".into());
-    }
-    (common, notes)
+    let alone = alone.map(|(name, signals)| Warning::SignalsOfOneRun { run: name.clone(), signals });
+    let none = common.is_empty().then_some(Warning::NoCommonSignal);
+    (common, alone.chain(none).collect())
 }
 
 /// The runs that have a signal.
@@ -243,14 +242,14 @@ fn common_window(a: &Series, b: &Series) -> Option<[f64; 2]> {
     (from < to).then_some([from, to])
 }
 
-fn notes<'a>(runs: &'a [StoredRun], names: &'a [String]) -> impl Iterator<Item = String> + 'a {
+/// Runs that failed, virtual recordings, and runs whose errors are against one.
+fn warnings<'a>(runs: &'a [StoredRun], names: &'a [String]) -> impl Iterator<Item = Warning> + 'a {
     runs.iter().zip(names).flat_map(|(run, name)| {
-        let failure = run.failure.as_ref().map(|cause| format!("{name} broke off: {cause}"));
-        let mark = run.is_virtual.then(|| format!("{name} is a VIRTUAL recording: nothing was measured"));
-        let against = is_against_virtual(run);
-        let against =
-            against.then(|| format!("{name}: its errors are against a VIRTUAL recording: nothing was measured"));
-        failure.into_iter().chain(mark).chain(against)
+        let name = || name.clone();
+        let failure = run.failure.as_ref().map(|cause| Warning::FailedRun { run: name(), cause: cause.clone() });
+        let recording = run.is_virtual.then(|| Warning::VirtualRecording { run: name() });
+        let errors = is_against_virtual(run).then(|| Warning::ErrorsAgainstVirtual { run: name() });
+        failure.into_iter().chain(recording).chain(errors)
     })
 }
 
@@ -260,9 +259,9 @@ fn is_against_virtual(run: &StoredRun) -> bool {
     if let Some(findings) = entries("findings") {
         return findings.iter().any(|finding| finding["code"] == VIRTUAL_REFERENCE.name);
     }
-    // A summary of an earlier version has no findings, but the header comments of the recording.
+    // A summary of an earlier version has no findings, but the header comments of the recording, one of which is its mark.
     let comments = entries("reference_notes").into_iter().flatten().filter_map(Value::as_str).map(str::to_owned);
-    virtual_mark(&comments.collect::<Vec<_>>()).is_some()
+    Annotations::new(comments.collect()).is_virtual()
 }
 
 #[cfg(test)]
@@ -275,6 +274,10 @@ mod tests {
         let signals = Recording { time: vec![0.0, 0.1, 0.2], channels: channels.iter().map(channel).collect() };
         let Value::Object(summary) = summary else { panic!("no figures") };
         StoredRun { place: place.into(), signals, summary, scenario: scenario.into(), ..StoredRun::default() }
+    }
+
+    fn messages(comparison: &RunComparison) -> Vec<String> {
+        comparison.findings.iter().map(Finding::to_string).collect()
     }
 
     #[test]
@@ -319,7 +322,7 @@ mod tests {
         );
         let [signals] = &comparison.signals[..] else { panic!("{:?}", comparison.signals) };
         assert_eq!(signals.errors, [None, Some(1.0), Some(1.0)]);
-        assert_eq!(comparison.notes, ["only a has `depth_m`"]);
+        assert_eq!(messages(&comparison), ["only a has `depth_m`"]);
         let summary = comparison.summary();
         assert_eq!(summary["figures"]["peak_force_N"]["differences"][1], -0.25);
         assert_eq!(summary["errors"]["force_N"], json!([null, 1.0, 1.0]));
@@ -327,19 +330,24 @@ mod tests {
     }
 
     #[test]
-    fn failed_runs_and_virtual_recordings_are_noted() {
-        let broken = StoredRun { failure: Some("lost".into()), ..run("/r/a", json!({}), "", &[("force_N", [0.0; 3])]) };
-        let unreal = StoredRun { is_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
-        let notes = RunComparison::of(&[broken, unreal], &[]).notes;
-        assert_eq!(notes[..2], ["a broke off: lost", "b is a VIRTUAL recording: nothing was measured"]);
+    fn failed_runs_and_virtual_recordings_are_findings() {
+        let failed = StoredRun { failure: Some("lost".into()), ..run("/r/a", json!({}), "", &[("force_N", [0.0; 3])]) };
+        let computed = StoredRun { is_virtual: true, ..run("/r/b", json!({}), "", &[("strain", [0.0; 3])]) };
+        let comparison = RunComparison::of(&[failed, computed], &[]);
+        let codes: Vec<&str> = comparison.findings.iter().map(|finding| finding.code.as_str()).collect();
+        let one = "signals-of-one-run";
+        assert_eq!(codes, ["failed-run", "virtual-recording", one, one, "no-common-signal"]);
+        let notes = messages(&comparison);
+        assert_eq!(notes[..2], ["a failed: lost", "b is a VIRTUAL recording: nothing was measured"]);
         let compared = json!({ "acceleration_error": 0.1, "reference_notes": ["VIRTUAL drop test: nothing fell"] });
-        let notes_of =
-            |summary| RunComparison::of(&[run("/r/a", summary, "", &[]), run("/r/b", json!({}), "", &[])], &[]).notes;
+        let notes_of = |summary| {
+            messages(&RunComparison::of(&[run("/r/a", summary, "", &[]), run("/r/b", json!({}), "", &[])], &[]))
+        };
         assert_eq!(notes_of(compared)[0], "a: its errors are against a VIRTUAL recording: nothing was measured");
         let found = json!({ "findings": [{ "code": "virtual-reference" }], "reference_notes": [] });
         assert_eq!(notes_of(found)[0], "a: its errors are against a VIRTUAL recording: nothing was measured");
         assert!(!notes_of(json!({ "reference_notes": ["a test"] }))[0].contains("VIRTUAL"));
-        assert_eq!(notes[2..], ["only a has `force_N`", "only b has `strain`", "no signal is common to them"]);
+        assert_eq!(notes[2..], ["only a has `force_N`", "only b has `strain`", "the runs have no signal in common"]);
         let only = RunComparison::of(&[run("/a", json!({}), "", &[]), run("/b", json!({}), "", &[])], &["none".into()]);
         assert!(only.signals.is_empty());
     }

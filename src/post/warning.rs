@@ -1,4 +1,4 @@
-//! Warnings of the comparison with a reference, and the findings of a run.
+//! Warnings of the comparison with a reference and of the comparison of runs, and the findings of a run.
 
 use std::fmt;
 
@@ -10,6 +10,7 @@ use super::remedies::with_remedy;
 use crate::experiment;
 use crate::finding::{Code, Finding, Report, codes};
 use crate::model::Model;
+use crate::signal::VIRTUAL_RECORDING;
 use crate::signal::norm::NormError;
 use crate::simulate::Outcome;
 
@@ -20,9 +21,18 @@ codes! {
     VIRTUAL_REFERENCE = "virtual-reference", Warning,
         "the recording that the run is compared with was computed, not measured",
         "do not take an agreement with it for a validation";
+    FAILED_RUN = "failed-run", Warning,
+        "a run that is compared failed: its signals end where it did, and figures of its end are missing",
+        "run its scenario again once the cause of the failure is removed";
+    SIGNALS_OF_ONE_RUN = "signals-of-one-run", Note,
+        "only one of the runs that are compared has these signals, so that there is nothing to compare them with",
+        "none is needed; runs of one loading have the same signals";
+    NO_COMMON_SIGNAL = "no-common-signal", Warning,
+        "no two of the runs that are compared have a signal in common, of those that were asked for",
+        "compare runs of one loading, and recordings whose columns have the names of `signals.csv`";
 }
 
-/// What puts the comparison with a reference in doubt.
+/// What puts a comparison in doubt: that of a run with its reference, or that of several runs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
     /// A channel has no error.
@@ -39,6 +49,32 @@ pub enum Warning {
     },
     /// The reduction of a raw recording is in doubt.
     ReferenceReduction(experiment::Warning),
+    /// A compared run failed.
+    FailedRun {
+        /// Its name.
+        run: String,
+        /// Why it failed.
+        cause: String,
+    },
+    /// A compared run is a recording that was computed.
+    VirtualRecording {
+        /// Its name.
+        run: String,
+    },
+    /// The errors of a compared run were taken against a recording that was computed.
+    ErrorsAgainstVirtual {
+        /// Its name.
+        run: String,
+    },
+    /// Only one of the compared runs has these signals.
+    SignalsOfOneRun {
+        /// Its name.
+        run: String,
+        /// Columns of `signals.csv`.
+        signals: Vec<String>,
+    },
+    /// The compared runs have no signal in common.
+    NoCommonSignal,
 }
 
 impl fmt::Display for Warning {
@@ -47,6 +83,16 @@ impl fmt::Display for Warning {
             Warning::NoReferenceError { channel, reason } => write!(f, "no {channel} error: {reason}"),
             Warning::VirtualReference { note } => write!(f, "reference: {note}"),
             Warning::ReferenceReduction(warning) => write!(f, "reference: {warning}"),
+            Warning::FailedRun { run, cause } => write!(f, "{run} failed: {cause}"),
+            Warning::VirtualRecording { run } => write!(f, "{run} is a VIRTUAL recording: nothing was measured"),
+            Warning::ErrorsAgainstVirtual { run } => {
+                write!(f, "{run}: its errors are against a VIRTUAL recording: nothing was measured")
+            }
+            Warning::SignalsOfOneRun { run, signals } => {
+                let names: Vec<String> = signals.iter().map(|name| format!("`{name}`")).collect();
+                write!(f, "only {run} has {}", names.join(", "))
+            }
+            Warning::NoCommonSignal => f.write_str("the runs have no signal in common"),
         }
     }
 }
@@ -55,16 +101,26 @@ impl Report for Warning {
     fn code(&self) -> &'static Code {
         match self {
             Warning::NoReferenceError { .. } => &NO_REFERENCE_ERROR,
-            Warning::VirtualReference { .. } => &VIRTUAL_REFERENCE,
+            Warning::VirtualReference { .. } | Warning::ErrorsAgainstVirtual { .. } => &VIRTUAL_REFERENCE,
             Warning::ReferenceReduction(warning) => warning.code(),
+            Warning::FailedRun { .. } => &FAILED_RUN,
+            Warning::VirtualRecording { .. } => &VIRTUAL_RECORDING,
+            Warning::SignalsOfOneRun { .. } => &SIGNALS_OF_ONE_RUN,
+            Warning::NoCommonSignal => &NO_COMMON_SIGNAL,
         }
     }
 
     fn figures(&self) -> Map<String, Value> {
         match self {
             Warning::NoReferenceError { channel, .. } => Map::from_iter([("channel".into(), (*channel).into())]),
-            Warning::VirtualReference { .. } => Map::new(),
+            Warning::VirtualReference { .. } | Warning::NoCommonSignal => Map::new(),
             Warning::ReferenceReduction(warning) => warning.figures(),
+            Warning::FailedRun { run, .. }
+            | Warning::VirtualRecording { run }
+            | Warning::ErrorsAgainstVirtual { run } => Map::from_iter([("run".into(), run.as_str().into())]),
+            Warning::SignalsOfOneRun { run, signals } => {
+                Map::from_iter([("run".into(), run.as_str().into()), ("signals".into(), signals.clone().into())])
+            }
         }
     }
 }

@@ -8,6 +8,8 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
+use crate::finding::Finding;
+
 const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
 
 /// What every page runs, in this order: the plotting library, the page's own parts, the plots, the raster, the film.
@@ -64,6 +66,11 @@ pub fn warnings(heading: &str, lines: &[String]) -> String {
         return String::new();
     }
     format!("<div class=\"warnings\">\n<h2>{}</h2>\n{}</div>\n", escape(heading), list(lines))
+}
+
+/// A finding with its code, which `droptower explain` takes.
+pub fn with_code(finding: &Finding) -> String {
+    format!("{finding} [{}]", finding.code)
 }
 
 /// Data for the page's scripts; no text in it can end the block.

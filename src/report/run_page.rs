@@ -5,7 +5,6 @@ use serde_json::{Map, Value};
 use super::html::{self, escape};
 use super::{figure, film, key_figures, plot, run_plots, script_output, subject};
 use crate::diagnostic::shown_path;
-use crate::finding::Finding;
 use crate::model::{Model, Window};
 use crate::number::{duration, significant};
 use crate::plot::thinned;
@@ -71,14 +70,9 @@ fn lead(run: &RunPage) -> String {
 fn warnings(run: &RunPage) -> String {
     let failure = run.failure.map(|cause| format!("The run failed: {cause}"));
     let rupture = run.outcome.rupture_time.map(|time| format!("The film ruptured at {}", duration(time)));
-    let findings = run.results.measures.findings().iter().map(with_code);
+    let findings = run.results.measures.findings().iter().map(html::with_code);
     let lines: Vec<String> = failure.into_iter().chain(rupture).chain(findings).collect();
     html::warnings("Warnings", &lines)
-}
-
-/// A finding with its code, which `droptower explain` takes.
-fn with_code(finding: &Finding) -> String {
-    format!("{} [{}]", finding.message, finding.code)
 }
 
 /// All figures of the summary, those of the machine after the others.

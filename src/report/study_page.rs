@@ -26,7 +26,7 @@ const MOST_POINTS: usize = 120_000;
 pub fn study_page(study: &StudyPage) -> String {
     let (warnings, notes): (Vec<&Finding>, Vec<&Finding>) =
         study.output.findings.iter().partition(|finding| finding.is_warning());
-    let messages = |findings: Vec<&Finding>| findings.into_iter().map(Finding::to_string).collect::<Vec<_>>();
+    let messages = |findings: Vec<&Finding>| findings.into_iter().map(html::with_code).collect::<Vec<_>>();
     let body = [
         format!("<h1>{}</h1>\n", escape(study.name)),
         html::warnings("Warnings", &messages(warnings)),

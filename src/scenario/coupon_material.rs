@@ -8,7 +8,7 @@ use crate::experiment::coupon::average::SampleStatistics;
 use crate::experiment::coupon::shear::Shear;
 use crate::experiment::coupon::{Coupon, CurveError, Direction, DirectionMeans, Reduction};
 use crate::number::{rounded, significant};
-use crate::signal::virtual_mark;
+use crate::signal::Annotations;
 
 /// Density of LLDPE film, kg/m³, where the user gives none.
 const LLDPE_DENSITY: f64 = 915.0;
@@ -159,14 +159,15 @@ impl CouponMaterial<'_> {
 impl GivenShear<'_> {
     /// The shear curve's file, and the remark that belongs to it.
     fn copy(&self) -> (String, String) {
-        let said = self.text.lines().filter_map(|line| line.trim().strip_prefix('#').map(str::to_owned));
-        let made_up =
-            if virtual_mark(&said.collect::<Vec<_>>()).is_some() { ", which says that it is VIRTUAL" } else { "" };
+        // A table of a curve states that it is virtual as recordings do, in a comment.
+        let comments = self.text.lines().filter_map(|line| line.trim().strip_prefix('#').map(str::to_owned));
+        let is_virtual = Annotations::new(comments.collect()).is_virtual();
+        let mark = if is_virtual { ", which is marked as VIRTUAL" } else { "" };
         let source = self.source.replace(char::is_control, " ");
         let text = self.text.trim_start_matches('\u{feff}').trim_end();
         (
-            format!("# Written by droptower: a copy of {source}{made_up}.\n{text}\n"),
-            format!("# Given, not measured with these coupons: a copy of {source}{made_up}.\n"),
+            format!("# Written by droptower: a copy of {source}{mark}.\n{text}\n"),
+            format!("# Given, not measured with these coupons: a copy of {source}{mark}.\n"),
         )
     }
 }
@@ -334,11 +335,9 @@ mod tests {
         assert_eq!(mistakes(&texts), [""; 0]);
         let made_up = given("# Virtual: guessed\nstrain,stress_MPa\n0.5,4\n");
         assert!(
-            made_up
-                .shear
-                .starts_with("# Written by droptower: a copy of lab/shear.csv, which says that it is VIRTUAL.\n")
+            made_up.shear.starts_with("# Written by droptower: a copy of lab/shear.csv, which is marked as VIRTUAL.\n")
         );
-        assert!(made_up.material.contains("which says that it is VIRTUAL"));
+        assert!(made_up.material.contains("which is marked as VIRTUAL"));
     }
 
     #[test]

@@ -47,7 +47,7 @@ impl Annotations {
 }
 
 /// The first of a file's header comments that holds the word `virtual`, which marks what it describes as not measured.
-pub(crate) fn virtual_mark(comments: &[String]) -> Option<&String> {
+fn virtual_mark(comments: &[String]) -> Option<&String> {
     let is_mark = |word: &str| word.eq_ignore_ascii_case("virtual");
     let has_mark = |comment: &&String| comment.split(|letter: char| !letter.is_alphanumeric()).any(is_mark);
     comments.iter().find(has_mark)

@@ -25,11 +25,11 @@ pub mod text;
 mod warning;
 
 pub use annotations::Annotations;
-pub(crate) use annotations::virtual_mark;
 pub use channel_fault::{ChannelFault, MOST_VALUES};
 pub use measurement::{ChannelError, MeasuredChannel, Measurement, QuantityError};
 pub use options::{ChannelSelection, ReadOptions};
 pub use recording::{Channel, Recording};
 pub use series::Series;
 pub(crate) use series::interpolated;
+pub(crate) use warning::VIRTUAL_RECORDING;
 pub use warning::{CODES, Warning};

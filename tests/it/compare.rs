@@ -81,7 +81,7 @@ fn signals_and_figures_that_runs_do_not_share_are_noted() {
     // A raw recording has no channel of ours, but it can be looked at.
     let raw = data("virtual/1008.csv").display().to_string();
     let found = figures(&droptower(bench.path(), &["compare", "runs/drop/eight", &raw, "--json", "--out", "mixed"]));
-    assert!(found["notes"].to_string().contains("no signal is common to them"));
+    assert!(found["notes"].to_string().contains("the runs have no signal in common"));
 }
 
 #[test]

@@ -36,7 +36,8 @@ fn scene(comparison: &RunComparison) -> Scene {
 
 /// The tables that the terminal prints.
 fn text(comparison: &RunComparison) -> Text {
-    let notes = comparison.notes.iter().map(|note| format!("- {}\n", text::escaped(note)));
+    let notes =
+        comparison.findings.iter().map(|found| format!("- {} \\[{}\\]\n", text::escaped(&found.message), found.code));
     let row = |head: &str, cells: Vec<String>| -> Row {
         let heads = std::iter::once(head).chain(comparison.runs.iter().map(|run| run.name.as_str()));
         heads.map(str::to_owned).zip(cells.into_iter().map(Value::from)).collect()
