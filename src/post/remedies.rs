@@ -51,6 +51,31 @@ fn slower(model: &Model, used: Option<f64>) -> String {
 mod tests {
     use super::*;
     use crate::post::tests::model;
+    use crate::scenario::grammar;
+
+    /// The paths of keys in `text`: words of a key's letters joined by points.
+    fn paths(text: &str) -> impl Iterator<Item = &str> {
+        let words = text.split(|c: char| !(c.is_ascii_lowercase() || c == '_' || c == '.'));
+        words.map(|word| word.trim_matches('.')).filter(|word| word.contains('.'))
+    }
+
+    fn is_key(path: &str) -> bool {
+        path.split('.').try_fold(grammar::scenario(), |rule, key| rule.under(key)).is_some()
+    }
+
+    #[test]
+    fn every_key_that_a_remedy_names_is_one_of_a_scenario() {
+        let (source, _) = include_str!("remedies.rs").split_once("#[cfg(test)]").unwrap();
+        // Every second part between quotes is a text.
+        let named: Vec<&str> = source.split('"').skip(1).step_by(2).flat_map(paths).collect();
+        assert!(named.len() > 5, "{named:?}");
+        let codes = [crate::simulate::CODES, crate::post::CODES].concat();
+        let remedies = codes.iter().flat_map(|code| paths(code.remedy)).filter(|path| !path.ends_with(".csv"));
+        for path in named.into_iter().chain(remedies) {
+            assert!(is_key(path), "a scenario has no `{path}`");
+        }
+        assert!(!is_key("specimen.mesh.length"));
+    }
 
     #[test]
     fn the_remedy_of_a_fast_test_names_the_key_of_its_mass() {
@@ -58,7 +83,7 @@ mod tests {
             let loading = Loading::Indent { depth: 0.01, velocity: 1.0, mass_scaling };
             with_remedy(&Warning::NotQuasiStatic { share: 0.02 }, &Model { loading, ..model() }, used)
         };
-        let fact = "not quasi-static: kinetic energy is up to 2.0 % of the film's; ";
+        let fact = "not quasi-static: kinetic energy is up to 2.0 % of the energy that the film took up; ";
         let key = "set `loading.indent.mass_scaling` lower than";
         for (written, used, expected) in [
             (None, Some(1.0), "load it more slowly".to_owned()),

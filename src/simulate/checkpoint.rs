@@ -1,6 +1,6 @@
 //! Checkpoints of a run, from which it resumes with the bits of one that was not interrupted.
 //!
-//! What follows from the model (meshes, laws, masses, the impactor's shape) is built anew when a run resumes; a checkpoint
+//! What follows from the model (meshes, laws, masses, the impactor's shape) is regenerated when a run resumes; a checkpoint
 //! holds only what the steps change: the state of the engine and the record of the probe.
 
 use std::time::Duration;
@@ -23,7 +23,7 @@ pub struct Checkpoint<'a> {
 pub struct Restart {
     engine: State,
     record: Record,
-    /// Wall time of the run until then.
+    /// Wall time of the run up to the checkpoint.
     pub(super) wall: Duration,
 }
 

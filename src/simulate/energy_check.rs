@@ -9,7 +9,7 @@ use crate::signal::{Channel, Recording};
 /// Balance error, over the energy exchanged, that stops a run.
 const STOP: f64 = 0.1;
 
-/// Share of the run's own scale of energy below which the running check does not divide.
+/// Least divisor of the balance error over the run's own scale of energy.
 const FLOOR: f64 = 0.02;
 
 /// Share of the largest term below which a gap is round-off: pre-strain alone may store far more than a run moves.
@@ -19,7 +19,7 @@ const ROUND_OFF: f64 = 1e-12;
 #[derive(Serialize, Deserialize)]
 pub(super) struct EnergyCheck {
     scale: f64,
-    /// Time from which on the running check stops a run, s.
+    /// Time from which a lost balance stops the run, s.
     from: f64,
     start: Option<Energies>,
     time: Vec<f64>,
@@ -32,8 +32,8 @@ pub(super) struct EnergyCheck {
 }
 
 impl EnergyCheck {
-    /// `scale` is an energy (J) that the run exchanges at least, such as the impactor's. Nothing is judged before the time
-    /// `from` (s): a slow loading has no such scale, and hardly any energy to divide by until then.
+    /// `scale` is an energy (J) that the run exchanges at least, such as the impactor's. The run is not
+    /// stopped before the time `from` (s): a slow loading has no such scale, and little energy to divide by until then.
     pub(super) fn new(scale: f64, from: f64) -> EnergyCheck {
         EnergyCheck {
             scale,
@@ -56,7 +56,7 @@ impl EnergyCheck {
         let start = *self.start.get_or_insert(energies);
         self.time.push(time);
         self.rows.push(energies);
-        let gap = energies.total() - start.total() + self.given_back(&energies);
+        let gap = energies.total() - start.total() + self.recovered(&energies);
         self.largest_gap = self.largest_gap.max(gap.abs());
         self.most_exchanged = self.most_exchanged.max(energies.exchanged(&start));
         self.largest_term = energies.terms().iter().fold(self.largest_term, |most, term| most.max(term.abs()));
@@ -69,9 +69,9 @@ impl EnergyCheck {
         (error > STOP).then_some(Fault::EnergyBalance { time, error })
     }
 
-    /// By how much the losses in contact and friction have fallen since they were largest, J: an error that the sum of all
-    /// terms does not show.
-    fn given_back(&mut self, energies: &Energies) -> f64 {
+    /// Decrease of the losses in contact and friction from their largest values, J: an error that the sum of all terms does
+    /// not show.
+    fn recovered(&mut self, energies: &Energies) -> f64 {
         let now = [energies.contact, energies.friction];
         (0..2)
             .map(|k| {
@@ -81,7 +81,7 @@ impl EnergyCheck {
             .sum()
     }
 
-    /// Largest |ΣE − E₀|, with the losses given back, over the largest energy exchanged.
+    /// Largest |ΣE − E₀|, plus the decrease of losses, over the largest energy exchanged.
     pub(super) fn balance_error(&self) -> f64 {
         let exchanged = self.most_exchanged.max(FLOOR * self.scale).max(ROUND_OFF * self.largest_term);
         if exchanged > 0.0 { self.largest_gap / exchanged } else { 0.0 }
@@ -97,8 +97,8 @@ impl EnergyCheck {
         self.rows.iter().map(|e| self.taken_up(e)).fold(0.0, f64::max)
     }
 
-    /// Time (s) and size of the largest share of kinetic energy in what the film took up, from a tenth of the most on:
-    /// before, there is nothing to be a share of.
+    /// Time (s) and size of the largest ratio of kinetic energy to the energy that the film has taken up, where that is more
+    /// than a tenth of its maximum.
     pub(super) fn kinetic_share(&self) -> (f64, f64) {
         let least = 0.1 * self.most_taken_up();
         let rows = self.time.iter().zip(&self.rows).filter(|(_, e)| self.taken_up(e) > least);
@@ -106,7 +106,7 @@ impl EnergyCheck {
         shares.fold((0.0, 0.0), |most, now| if now.1 > most.1 { now } else { most })
     }
 
-    /// What damping took over the most that the film took up.
+    /// Energy lost to damping over the largest energy that the film took up.
     pub(super) fn damping_share(&self) -> f64 {
         let most = self.most_taken_up();
         self.rows.last().map_or(0.0, |e| if most > 0.0 { e.damping / most } else { 0.0 })
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn round_off_of_prestrain_is_no_gap() {
+    fn round_off_of_a_large_prestrain_energy_is_no_error() {
         let mut check = EnergyCheck::new(0.0, 0.0);
         let stored = |stored: f64| Energies { stored, ..Energies::default() };
         assert_eq!(check.sample(0.0, stored(1.0)), Ok(()));
@@ -138,12 +138,12 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_start_is_judged_later() {
+    fn the_balance_of_a_slow_start_is_not_checked() {
         let mut check = EnergyCheck::new(0.0, 1.0);
         let moved = |given: f64| Energies { stored: given - 1e-3, external: -given, ..Energies::default() };
         assert_eq!(check.sample(0.0, Energies::default()), Ok(()));
         assert_eq!(check.sample(0.5, moved(2e-3)), Ok(()));
-        assert!(check.fault().is_some(), "a run that ends here does not add up");
+        assert!(check.fault().is_some(), "the balance of a run that ends here is lost");
         assert_eq!(check.sample(1.0, moved(1.0)), Ok(()));
         assert!(check.sample(2.0, Energies { stored: 2.0, ..Energies::default() }).is_err());
     }

@@ -21,8 +21,8 @@ pub enum RunError {
     /// The checkpoint belongs to another scene.
     #[error("the checkpoint does not fit: {0}")]
     StateMismatch(#[from] StateMismatch),
-    /// There is no film under the impactor.
-    #[error("the impactor goes down beside the film and never touches it")]
+    /// The impactor passes beside the film.
+    #[error("there is no film below the impactor")]
     Missed,
     /// The run was cancelled.
     #[error("the run was cancelled")]
@@ -45,12 +45,12 @@ pub struct Failure {
 /// Why a run failed numerically.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
-    /// The engine cannot step on.
+    /// The engine stopped.
     #[error(transparent)]
     Engine(#[from] engine::Fault),
     /// Inertia matters in a test that must be quasi-static.
     #[error(
-        "not quasi-static: at {time:.6} s the film's kinetic energy is {:.1} % of the energy it took up",
+        "not quasi-static: at {time:.6} s the film's kinetic energy is {:.1} % of the energy that it took up",
         100.0 * .share
     )]
     NotQuasiStatic {

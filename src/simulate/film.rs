@@ -2,7 +2,7 @@
 
 use crate::mesh::Quality;
 
-/// Topology of one face, as pictures need it.
+/// Topology of one face, for pictures of it.
 #[derive(Clone, Debug)]
 pub struct Film {
     /// Number of nodes.
@@ -13,7 +13,7 @@ pub struct Film {
     pub tris: Vec<[u32; 3]>,
     /// Edges by which the frame or the jaws hold it, as pairs of nodes.
     pub held: Vec<[u32; 2]>,
-    /// Mirror planes that complete the picture: x, y.
+    /// Whether x = 0 and y = 0 are mirror planes.
     pub mirrored: [bool; 2],
     /// Shape of its elements.
     pub quality: Quality,

@@ -5,11 +5,11 @@ use crate::mesh::{Mesh, Outline, Side};
 use crate::model::{Hold, Model};
 use crate::signal::{Channel, Recording, column};
 
-/// Columns of the pull along x and y.
+/// Columns of the force along x and y.
 const NAMES: [&str; 2] = [column::FRAME_FORCE_X.name, column::FRAME_FORCE_Y.name];
 
-/// The sides of a rectangle that its frame holds, with their nodes on all faces. Other outlines have no sides, and between
-/// jaws the pull is a signal of its own.
+/// The sides of a rectangle that its frame holds, with their nodes on all faces. Other outlines have no sides, and the
+/// force of jaws is a signal of its own.
 #[derive(Clone, Debug, Default)]
 pub(super) struct HeldSides {
     sides: Vec<HeldSide>,
@@ -45,14 +45,14 @@ impl HeldSides {
         }
     }
 
-    /// Whether any side is held.
-    pub(super) fn are_there(&self) -> bool {
-        !self.sides.is_empty()
+    /// Whether no side is held.
+    pub(super) fn is_empty(&self) -> bool {
+        self.sides.is_empty()
     }
 
-    /// Mean inward pull of the whole film on the held sides across x and on those across y, N; not a number along an axis
-    /// across which none is held.
-    pub(super) fn pull(&self, nodes: &Nodes) -> [f64; 2] {
+    /// Mean inward force of the whole film on the held sides across x and on those across y, N; NaN along an axis across
+    /// which none is held.
+    pub(super) fn force(&self, nodes: &Nodes) -> [f64; 2] {
         [0, 1].map(|axis| {
             let sides = || self.across(axis).filter(|held| !held.nodes.is_empty());
             let copies = if self.mirrored[1 - axis] { 2.0 } else { 1.0 };
@@ -61,7 +61,8 @@ impl HeldSides {
         })
     }
 
-    /// Adds the columns of the axes that have held sides; `rows` are what [`HeldSides::pull`] gave at the samples.
+    /// Adds the columns of the axes that have held sides; `rows` are the values of [`HeldSides::force`] at
+    /// the samples.
     pub(super) fn add_columns(&self, rows: &[[f64; 2]], signals: &mut Recording) {
         for axis in [0, 1].into_iter().filter(|axis| self.across(*axis).next().is_some()) {
             let values = rows.iter().take(signals.time.len()).map(|row| row[axis]).collect();
@@ -74,7 +75,7 @@ impl HeldSides {
     }
 }
 
-/// The sense of the normal of a side that points out of the film.
+/// Sign of the outward normal of a side.
 fn outward(side: Side) -> f64 {
     match side {
         Side::XMinus | Side::YMinus => -1.0,

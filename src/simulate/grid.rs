@@ -1,10 +1,10 @@
-//! Values at uneven times, read off on an even grid.
+//! Values at uneven times, interpolated onto an even grid.
 
 use serde::{Deserialize, Serialize};
 
 use super::rows;
 
-/// Linear interpolation of `K` values onto times `start + k·step` as they come in.
+/// Linear interpolation of `K` values onto the times `start + k·step`, while they are added.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Grid<const K: usize> {
     start: f64,
@@ -14,7 +14,7 @@ pub(super) struct Grid<const K: usize> {
     pub(super) rows: Vec<[f64; K]>,
 }
 
-/// Values as they came in.
+/// Values and their time, as they were added.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 struct Pushed<const K: usize> {
     time: f64,
@@ -28,12 +28,12 @@ impl<const K: usize> Grid<K> {
         Grid { start, step, last: None, rows: vec![] }
     }
 
-    /// Whether the next row is wanted by `time`.
+    /// Whether `time` (s) has reached that of the next row.
     pub(super) fn is_due(&self, time: f64) -> bool {
         self.start + self.rows.len() as f64 * self.step <= time
     }
 
-    /// Takes in the values at `time`, later than all before.
+    /// Adds the values at `time` (s), later than all before.
     pub(super) fn push(&mut self, time: f64, values: [f64; K]) {
         let now = Pushed { time, values };
         let Pushed { time: before, values: from } = self.last.unwrap_or(now);
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_straight_line_is_read_off_exactly() {
+    fn a_straight_line_is_interpolated_exactly() {
         let mut grid = Grid::new(-0.5, 0.25);
         for time in [-0.7, -0.1, 0.0, 0.9, 1.05] {
             grid.push(time, [2.0 * time + 1.0]);

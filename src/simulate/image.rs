@@ -28,19 +28,19 @@ impl Image {
         [sign(self.mirrored[0]), sign(self.mirrored[1]), 1.0]
     }
 
-    /// Whether it turns right into left, and with it the sense of corners and of shear.
+    /// Whether it reverses orientation: the order of an element's corners and the sign of shear.
     pub fn is_reversed(self) -> bool {
         self.mirrored[0] != self.mirrored[1]
     }
 
-    /// Where a point or a vector goes.
+    /// The image of a point or a vector.
     pub fn of(self, place: [f32; 3]) -> [f32; 3] {
         let signs = self.signs();
         [0, 1, 2].map(|axis| signs[axis] * place[axis])
     }
 
-    /// Direction of fibres that lie along `axis` (0 x, 1 y) in stress-free film: a fibre has no sense, but those of the images
-    /// are drawn with that of the film itself.
+    /// The image of the direction of fibres that lie along `axis` (0 x, 1 y) in stress-free film. The sign of a fibre's direction
+    /// is arbitrary; it is the one of the film itself.
     pub fn of_fibre(self, direction: [f32; 3], axis: usize) -> [f32; 3] {
         let sign = self.signs()[axis];
         self.of(direction).map(|c| sign * c)
@@ -67,7 +67,7 @@ mod tests {
             for image in film.images() {
                 assert_eq!(image.of([1.0, 2.0, 3.0])[2], 3.0);
                 assert_eq!(image.is_reversed(), image.signs().iter().product::<f32>() < 0.0);
-                assert_eq!(image.of_fibre([1.0, 0.0, 0.0], 0), [1.0, 0.0, 0.0], "with the sense of the film itself");
+                assert_eq!(image.of_fibre([1.0, 0.0, 0.0], 0), [1.0, 0.0, 0.0], "with the sign of the film itself");
             }
         }
     }

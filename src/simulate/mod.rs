@@ -46,7 +46,7 @@ pub use warning::{CODES, Warning};
 pub struct Progress {
     /// Simulated so far, s.
     pub time: f64,
-    /// To be simulated in all, s.
+    /// Simulated time of the whole run, s.
     pub duration: f64,
     /// Steps so far.
     pub steps: u64,
@@ -90,11 +90,13 @@ pub struct RunOptions<'a> {
 pub struct SnapshotEvent<'a> {
     /// Topology of the films, one entry a face.
     pub films: &'a [Film],
+    /// Surface of the impactor, where there is one.
     pub impactor: Option<&'a Surface>,
+    /// The snapshot.
     pub snapshot: &'a Snapshot,
-    /// Channels of `signals.csv` until then, without the filtered one.
+    /// Channels of `signals.csv` so far, without the filtered one.
     pub signals: &'a Recording,
-    /// The energy audit until then.
+    /// The energy audit so far.
     pub energies: &'a Recording,
 }
 
@@ -185,7 +187,7 @@ fn advance(
         }
         let time = engine.time();
         if engine.step(probe)? > 0 {
-            probe.broke(time);
+            probe.record_rupture(time);
         }
         events.report(probe, engine.impactor());
         if engine.steps().is_multiple_of(stride) {

@@ -1,4 +1,4 @@
-//! The bounds that a run is watched for while it steps.
+//! The bounds that a run is checked against while it steps.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,11 +11,11 @@ use crate::model::SNAPSHOT_MEMORY;
 pub(super) struct Figures {
     /// Error of the energy balance.
     pub(super) balance: f64,
-    /// Share of the straining outside the measured rates.
+    /// Share of the strain increments outside the measured rates.
     pub(super) outside: f64,
     /// Kinetic share of a slow test.
     pub(super) kinetic: Option<f64>,
-    /// Snapshots asked for and taken.
+    /// Snapshots requested and taken.
     pub(super) snapshots: [usize; 2],
     /// Whether the impactor is still in contact at the end.
     pub(super) unfinished: bool,
@@ -51,15 +51,15 @@ fn neighbours(film: &engine::Film, element: usize) -> Vec<usize> {
 
 impl Monitor {
     /// Records the state of contact at `time` (s) on an impactor of `size` (m).
-    pub(super) fn contact(&mut self, time: f64, size: f64, seen: &ContactState) {
-        let (edge, depth) = (seen.longest_edge / size, seen.penetration / size);
+    pub(super) fn contact(&mut self, time: f64, size: f64, state: &ContactState) {
+        let (edge, depth) = (state.longest_edge / size, state.penetration / size);
         if edge > bounds::EDGE && self.edge.is_none_or(|(_, worst)| edge > worst) {
             self.edge = Some((self.edge.map_or(time, |c| c.0), edge));
         }
         if depth > bounds::PENETRATION && self.penetration.is_none_or(|(_, worst)| depth > worst) {
             self.penetration = Some((self.penetration.map_or(time, |c| c.0), depth));
         }
-        if seen.frame_hit && self.frame_hit.is_none() {
+        if state.frame_hit && self.frame_hit.is_none() {
             self.frame_hit = Some(time);
         }
     }

@@ -57,7 +57,7 @@ pub fn falling(impactor: &Impactor, surface: &Surface, pose: Isometry3<f64>, vel
     }
 }
 
-/// Keeps the nodes on mirror planes on them. `first` is the first of all nodes that belongs to `mesh`.
+/// Constrains the nodes on mirror planes to stay on them. `first` is the first of all nodes that belongs to `mesh`.
 pub(super) fn mirror(nodes: &mut Nodes, mesh: &Mesh, first: usize) {
     for (plane, axes) in mesh.mirrors.iter().zip([[true, false, false], [false, true, false]]) {
         nodes.hold(plane.iter().map(|n| first + *n as usize), axes);
@@ -74,7 +74,7 @@ pub(super) fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
     }
 }
 
-/// The impactor with its lowest point on the highest of the first face.
+/// Contact and pose of the impactor, whose lowest point lies on the highest point of the first face.
 pub(super) fn over_film(
     impactor: &Impactor,
     model: &Model,

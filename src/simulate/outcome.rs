@@ -23,7 +23,7 @@ pub struct Outcome {
     pub films: Vec<Film>,
     /// Surface of the impactor that moves in the snapshots.
     pub impactor: Option<Surface>,
-    /// Straining by strain rate.
+    /// Strain increments by strain rate.
     pub rates: RateHistogram,
     /// What puts figures in doubt.
     pub warnings: Vec<Warning>,
@@ -31,11 +31,12 @@ pub struct Outcome {
     pub rupture_time: Option<f64>,
     /// Largest |ΣE − E₀| over the energy exchanged.
     pub energy_balance_error: f64,
-    /// Largest share of kinetic energy in the film's energy, once a tenth of it is there (only quasi-static loadings).
+    /// Largest ratio of the film's kinetic energy to the energy that it took up, from a tenth of its maximum on (only
+    /// quasi-static loadings).
     pub kinetic_share: Option<f64>,
-    /// Energy lost to damping over the film's (only quasi-static loadings).
+    /// Energy lost to damping over the energy that the film took up (only quasi-static loadings).
     pub damping_share: Option<f64>,
-    /// Change of an inflated film's deflection over the last tenth of the test, over the deflection; none where it broke.
+    /// Change of an inflated film's deflection over the last tenth of the test, over the deflection; none after a rupture.
     pub settling: Option<f64>,
     /// Factor on the film's mass that the run used (only quasi-static loadings).
     pub mass_scaling: Option<f64>,

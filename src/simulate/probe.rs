@@ -20,14 +20,15 @@ use crate::engine::{self, ElementStrain, Engine, Observer, Track, View};
 use crate::model::Model;
 use crate::signal::{Recording, column};
 
-/// Looks at the energies, the contact and the strain around it in a run, unless there are fewer samples.
+/// Audits of energies, contact and strains in a run, unless there are fewer samples.
 const AUDITS: f64 = 400.0;
 
-/// Change of an inflated film in the last tenth of its run, over its deflection, above which it is not at rest.
-const RESTLESS: f64 = 2e-3;
+/// Change of the deflection of an inflated film in the last tenth of its run, over the deflection, above which it is not at
+/// rest.
+const UNSETTLED: f64 = 2e-3;
 
-/// Part of a slow test after which its energies are judged while it runs; at its end they are judged as a whole.
-const JUDGED_FROM: f64 = 0.1;
+/// Part of a slow test after which a lost energy balance stops it; at its end the balance is checked as a whole.
+const CHECKED_FROM: f64 = 0.1;
 
 /// Records the outcome of a run while it steps.
 pub(super) struct Probe<'a> {
@@ -42,12 +43,12 @@ pub(super) struct Probe<'a> {
     detailed: bool,
     audit: f64,
     held: HeldSides,
-    /// Strains of all elements, as last looked at.
+    /// Strains of all elements, as last computed.
     faces: Vec<Vec<ElementStrain>>,
     record: Record,
 }
 
-/// What a probe has recorded so far, and needs again when the run resumes from a checkpoint.
+/// What a probe has recorded so far: its part of a checkpoint.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Record {
     audits: usize,
@@ -68,7 +69,7 @@ impl<'a> Probe<'a> {
         let duration = model.run_time();
         let loading = loading::of(model);
         let [speed, gravity] = loading.approach();
-        let judged_from = if loading.inertia() == Inertia::Dynamic { 0.0 } else { JUDGED_FROM * duration };
+        let checked_from = if loading.inertia() == Inertia::Dynamic { 0.0 } else { CHECKED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
         let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
         let record = Record {
@@ -76,7 +77,7 @@ impl<'a> Probe<'a> {
             tracks: Tracks::new(duration, sample, speed, gravity),
             rise: Rise::default(),
             snapshots: vec![],
-            energy: EnergyCheck::new(loading.energy_scale(), judged_from),
+            energy: EnergyCheck::new(loading.energy_scale(), checked_from),
             rates: RateAudit::new(measured),
             monitor: Monitor::default(),
             rupture_time: None,
@@ -122,10 +123,10 @@ impl<'a> Probe<'a> {
         self.duration
     }
 
-    /// Whether everything that was asked for has been seen by `time` (s).
+    /// Whether everything has been recorded by `time` (s).
     pub(super) fn is_done(&self, time: f64) -> bool {
-        let broke = self.record.rupture_time.is_some() && self.is_quasi_static();
-        broke || (time > self.duration && self.record.tracks.are_complete())
+        let failed = self.record.rupture_time.is_some() && self.is_quasi_static();
+        failed || (time > self.duration && self.record.tracks.are_complete())
     }
 
     /// Whether inertia must not matter; then the failure of the film ends the test.
@@ -133,27 +134,27 @@ impl<'a> Probe<'a> {
         self.loading.inertia() == Inertia::Negligible
     }
 
-    /// The fault of a run as a whole: energies that do not add up, or a test that was not quasi-static as it should be.
+    /// The fault of a run as a whole: a lost energy balance, or inertia in a test that must be quasi-static.
     pub(super) fn fault(&self) -> Option<Fault> {
-        self.record.energy.fault().or_else(|| self.unsteady())
+        self.record.energy.fault().or_else(|| self.not_in_equilibrium())
     }
 
-    fn unsteady(&self) -> Option<Fault> {
+    fn not_in_equilibrium(&self) -> Option<Fault> {
         let (time, share) = self.record.energy.kinetic_share();
         if self.is_quasi_static() && share > KINETIC {
             return Some(Fault::NotQuasiStatic { time, share });
         }
-        let restless = self.settling().filter(|change| *change > RESTLESS);
-        restless.map(|change| Fault::NotAtRest { time: self.duration, change })
+        let unsettled = self.settling().filter(|change| *change > UNSETTLED);
+        unsettled.map(|change| Fault::NotAtRest { time: self.duration, change })
     }
 
-    /// How far an inflated film that held is at rest.
+    /// Change of an inflated film's deflection at the end (see [`rise::settling`]); none after a rupture.
     fn settling(&self) -> Option<f64> {
         self.record.rupture_time.is_none().then(|| rise::settling(&self.record.tracks))?
     }
 
-    /// Elements failed in the step from `time` (s).
-    pub(super) fn broke(&mut self, time: f64) {
+    /// Records that elements failed in the step from `time` (s).
+    pub(super) fn record_rupture(&mut self, time: f64) {
         self.record.rupture_time.get_or_insert(time);
     }
 
@@ -166,7 +167,7 @@ impl<'a> Probe<'a> {
         self.record.audits as f64 * self.audit <= time
     }
 
-    fn look(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), engine::Fault> {
+    fn record_due(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), engine::Fault> {
         if self.snapshot_due(view.time) {
             self.record.snapshots.push(snapshot::snapshot(view, faces, self.detailed));
         }
@@ -180,8 +181,8 @@ impl<'a> Probe<'a> {
         let intact = || faces.iter().flatten().filter(|s| s.volume > 0.0);
         let largest = |fibre: usize| intact().map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
         self.record.tracks.strains.push(view.time, [largest(0), largest(1)]);
-        if self.held.are_there() {
-            self.record.tracks.frame.push(view.time, self.held.pull(view.nodes));
+        if !self.held.is_empty() {
+            self.record.tracks.frame.push(view.time, self.held.force(view.nodes));
         }
         if self.loading.has_rise() {
             self.record.tracks.rise.push(view.time, [self.record.rise.largest(view)]);
@@ -201,9 +202,9 @@ impl<'a> Probe<'a> {
             return Err(not_a_number(view.time, faces));
         }
         self.record.monitor.strain(view, faces);
-        if let (Some(seen), Some(size)) = (view.contact_state(), view.impactor_size()) {
-            self.record.monitor.contact(view.time, size, &seen);
-            self.record.penetration = Some(self.record.penetration.unwrap_or(0.0).max(seen.penetration / size));
+        if let (Some(state), Some(size)) = (view.contact_state(), view.impactor_size()) {
+            self.record.monitor.contact(view.time, size, &state);
+            self.record.penetration = Some(self.record.penetration.unwrap_or(0.0).max(state.penetration / size));
         }
         self.record.energy.sample(view.time, energies).map_err(|_| engine::Fault::Stopped)
     }
@@ -256,8 +257,9 @@ impl<'a> Probe<'a> {
 }
 
 fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> engine::Fault {
-    let lost = |s: &ElementStrain| !s.strain.iter().all(|e| e.is_finite());
-    let found = faces.iter().enumerate().find_map(|(face, s)| s.iter().position(lost).map(|element| (face, element)));
+    let is_lost = |s: &ElementStrain| !s.strain.iter().all(|e| e.is_finite());
+    let found =
+        faces.iter().enumerate().find_map(|(face, s)| s.iter().position(is_lost).map(|element| (face, element)));
     match found {
         Some((face, element)) => engine::Fault::NotANumber { time, face: face + 1, element },
         None => engine::Fault::ImpactorLost { time },
@@ -272,9 +274,9 @@ impl Observer for Probe<'_> {
     fn see(&mut self, view: &View<'_>) -> Result<(), engine::Fault> {
         let mut faces = std::mem::take(&mut self.faces);
         view.strains(&mut faces);
-        let seen = self.look(view, &faces);
+        let result = self.record_due(view, &faces);
         self.faces = faces;
-        seen
+        result
     }
 
     fn follow(&mut self, track: &Track) {

@@ -21,7 +21,7 @@ pub enum Across {
 #[derive(Debug, Error)]
 pub enum PullError {
     /// The loading is not a stretch.
-    #[error("only a scenario with `[loading.stretch]` can be pulled: it says in which direction")]
+    #[error("only a scenario with `[loading.stretch]` can be pulled: there is no direction without it")]
     NotAStretch,
     /// The element cannot be meshed.
     #[error(transparent)]
@@ -30,11 +30,17 @@ pub enum PullError {
     #[error(transparent)]
     FibreDirection(#[from] UndefinedFibreDirection),
     /// The strain is −1 or less.
-    #[error("no film has the engineering strain {strain}")]
-    Strain { strain: f64 },
+    #[error("expected an engineering strain above -1, found {strain}")]
+    Strain {
+        /// The engineering strain.
+        strain: f64,
+    },
     /// No width is in equilibrium at the strain.
     #[error("no width of the film is in equilibrium at the strain {strain}")]
-    NoWidth { strain: f64 },
+    NoWidth {
+        /// The engineering strain.
+        strain: f64,
+    },
 }
 
 /// Engineering stress (Pa) of the film of `model` at `strains`, which it is stretched to one after the other: one element of
@@ -76,16 +82,16 @@ struct SingleElement {
 }
 
 /// Transverse force over the force along the film that counts as balanced.
-const BALANCED: f64 = 1e-9;
+const FORCE_TOLERANCE: f64 = 1e-9;
 
 /// Difference of two transverse stretches that count as equal: without stress, forces are round-off alone.
-const ALIKE: f64 = 1e-12;
+const STRETCH_TOLERANCE: f64 = 1e-12;
 
 /// Factor on the width from one guess to the next until two bracket the root.
-const STRIDE: f64 = 1.05;
+const BRACKETING_FACTOR: f64 = 1.05;
 
 /// Most iterations, of bracketing and of the false position.
-const GUESSES: usize = 100;
+const MOST_ITERATIONS: usize = 100;
 
 impl SingleElement {
     fn of(model: &Model) -> Result<SingleElement, PullError> {
@@ -117,10 +123,10 @@ impl SingleElement {
         let mut unbalanced = |across: f64| {
             load(&mut self.film.clone(), &mut nodes, &self.flat, [along, across], dt);
             let [pull, across] = [0, 1].map(|axis| -nodes.pull(&self.sides[axis], axis));
-            if across.abs() <= BALANCED * pull.abs() { 0.0 } else { across }
+            if across.abs() <= FORCE_TOLERANCE * pull.abs() { 0.0 } else { across }
         };
-        let enclosed = enclose(guess, &mut unbalanced)?;
-        balance(enclosed, &mut unbalanced)
+        let bracket = bracket(guess, &mut unbalanced)?;
+        root(bracket, &mut unbalanced)
     }
 }
 
@@ -128,10 +134,10 @@ impl SingleElement {
 type Guess = (f64, f64);
 
 /// Two guesses between which the force changes its sign. A tensile transverse force makes the film narrower.
-fn enclose(guess: f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<[Guess; 2]> {
+fn bracket(guess: f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<[Guess; 2]> {
     let mut before = (guess, unbalanced(guess));
-    let factor = if before.1 > 0.0 { 1.0 / STRIDE } else { STRIDE };
-    for _ in 0..GUESSES {
+    let factor = if before.1 > 0.0 { 1.0 / BRACKETING_FACTOR } else { BRACKETING_FACTOR };
+    for _ in 0..MOST_ITERATIONS {
         let now = (before.0 * factor, unbalanced(before.0 * factor));
         if before.1 * now.1 <= 0.0 {
             return Some([now, before]);
@@ -142,9 +148,9 @@ fn enclose(guess: f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<[Guess
 }
 
 /// The root of the force, by the Illinois variant of the false position (Dowell and Jarratt, BIT 11, 1971).
-fn balance([mut other, mut last]: [Guess; 2], unbalanced: &mut impl FnMut(f64) -> f64) -> Option<f64> {
-    for _ in 0..GUESSES {
-        if last.1 == 0.0 || (other.0 - last.0).abs() <= ALIKE {
+fn root([mut other, mut last]: [Guess; 2], unbalanced: &mut impl FnMut(f64) -> f64) -> Option<f64> {
+    for _ in 0..MOST_ITERATIONS {
+        if last.1 == 0.0 || (other.0 - last.0).abs() <= STRETCH_TOLERANCE {
             return Some(last.0);
         }
         let place = (other.0 * last.1 - last.0 * other.1) / (last.1 - other.1);

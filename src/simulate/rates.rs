@@ -1,4 +1,4 @@
-//! The strain-rate audit: how fast the film was strained against how fast its curves were measured.
+//! The strain-rate audit: strain rates of the film beside those at which its curves were measured.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,15 +9,16 @@ const PER_DECADE: usize = 4;
 /// Decades covered, as powers of ten, 1/s.
 const DECADES: (i32, i32) = (-5, 5);
 
-/// By how much a rate may miss an end of the measured range and still count as inside.
-const EDGE: f64 = 0.01;
+/// Relative tolerance at the ends of the measured range.
+const TOLERANCE: f64 = 0.01;
 
-/// Share of the film's straining (volume × strain beyond the largest so far, loading only) by strain rate.
+/// Shares of the strain increments of the film by strain rate. An increment is the growth of the largest strain of an element
+/// and counts with the element's volume; only the loading phase is counted.
 #[derive(Clone, Debug, Default)]
 pub struct RateHistogram {
     /// Edges of the bins, 1/s, logarithmic.
     pub edges: Vec<f64>,
-    /// Share in each bin; sums to one when anything was strained.
+    /// Share in each bin; they sum to one unless no element was strained.
     pub shares: Vec<f64>,
     /// Range in which the curves were measured, 1/s.
     pub measured: Option<[f64; 2]>,
@@ -25,7 +26,7 @@ pub struct RateHistogram {
     pub outside: f64,
 }
 
-/// Straining of virgin film by rate, weighted with volume and strain.
+/// Collects strain increments by strain rate, weighted with volume.
 #[derive(Serialize, Deserialize)]
 pub(super) struct RateAudit {
     /// Range in which the curves of each face were measured.
@@ -33,7 +34,7 @@ pub(super) struct RateAudit {
     /// Of the bins, 1/s.
     edges: Vec<f64>,
     loading: Weights,
-    /// What was seen since the last commit.
+    /// Increments since the last commit.
     pending: Weights,
     /// Time of the last sample and the largest strains of each face's elements until then.
     last: Option<(f64, Vec<Vec<[f64; 2]>>)>,
@@ -51,7 +52,7 @@ fn edges() -> Vec<f64> {
     (0..=bins).map(|k| 10.0_f64.powf(f64::from(DECADES.0) + k as f64 / PER_DECADE as f64)).collect()
 }
 
-/// The bin of `rate` (1/s); neighbours are strained alike, so the one of the last is tried first.
+/// The bin of `rate` (1/s). Rates of neighbouring elements are similar, so the bin of the last is tried first.
 fn bin(edges: &[f64], rate: f64, last: usize) -> usize {
     match edges[last..] {
         [low, high, ..] if low <= rate && rate < high => last,
@@ -66,7 +67,7 @@ impl RateAudit {
         RateAudit { measured, edges, loading: none.clone(), pending: none, last: None }
     }
 
-    /// Takes in the strains of all faces at `time` (s); only strain beyond the largest so far counts.
+    /// Adds the increments up to the strains of all faces at `time` (s).
     pub(super) fn sample(&mut self, time: f64, faces: &[Vec<ElementStrain>]) {
         let now = |s: &ElementStrain| [s.strain[0].max(0.0), s.strain[1].max(0.0)];
         let Some((before, largest)) = &mut self.last else {
@@ -91,7 +92,7 @@ impl RateAudit {
         }
     }
 
-    /// What was seen until now belongs to the loading.
+    /// Counts the increments so far as part of the loading phase.
     pub(super) fn commit(&mut self) {
         for (bin, pending) in self.loading.bins.iter_mut().zip(&mut self.pending.bins) {
             *bin += std::mem::take(pending);
@@ -99,7 +100,7 @@ impl RateAudit {
         self.loading.outside += std::mem::take(&mut self.pending.outside);
     }
 
-    /// The histogram of the loading; its range is what the ranges of all faces share, if anything.
+    /// The histogram of the loading phase; its measured range is the intersection of those of all faces, if there is one.
     pub(super) fn finish(self) -> RateHistogram {
         let total: f64 = self.loading.bins.iter().sum();
         let share = |w: f64| if total > 0.0 { w / total } else { 0.0 };
@@ -118,7 +119,7 @@ impl Weights {
     fn count(&mut self, measured: Option<[f64; 2]>, bin: usize, rate: f64, weight: f64) {
         let last = self.bins.len() - 1;
         self.bins[bin.min(last)] += weight;
-        if measured.is_some_and(|[low, high]| rate < (1.0 - EDGE) * low || rate > (1.0 + EDGE) * high) {
+        if measured.is_some_and(|[low, high]| rate < (1.0 - TOLERANCE) * low || rate > (1.0 + TOLERANCE) * high) {
             self.outside += weight;
         }
     }
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_virgin_strain_by_rate() {
+    fn increments_of_the_largest_strain_are_counted_by_rate() {
         let mut audit = RateAudit::new(vec![Some([1.0, 40.0])]);
         for (time, peak) in [(0.0, 0.0), (0.1, 0.5), (0.2, 0.5), (0.201, 1.0)] {
             audit.sample(time, &strained(peak));
@@ -147,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_measured_apart_share_no_range() {
+    fn the_measured_range_is_the_intersection_of_those_of_the_faces() {
         let shared = |faces: [[f64; 2]; 2]| RateAudit::new(faces.map(Some).to_vec()).finish().measured;
         assert_eq!(shared([[0.04, 4.0], [1.0, 100.0]]), Some([1.0, 4.0]));
         assert_eq!(shared([[0.04, 4.0], [10.0, 100.0]]), None);

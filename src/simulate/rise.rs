@@ -1,11 +1,11 @@
-//! How far film under pressure rises, and whether it is at rest.
+//! Rise of a film under pressure, and whether it is at rest.
 
 use serde::{Deserialize, Serialize};
 
 use super::tracks::Tracks;
 use crate::engine::View;
 
-/// How far the film rose.
+/// Rise of the film from its initial heights.
 #[derive(Default, Serialize, Deserialize)]
 pub(super) struct Rise {
     /// Heights of all nodes at the start, m.
@@ -13,7 +13,7 @@ pub(super) struct Rise {
 }
 
 impl Rise {
-    /// Rise of the node that rose most, m.
+    /// Largest rise of a node, m.
     pub(super) fn largest(&mut self, view: &View<'_>) -> f64 {
         let heights = || view.nodes.position.iter().map(|x| x[2]);
         if self.before.is_empty() {
@@ -23,7 +23,7 @@ impl Rise {
     }
 }
 
-/// By how much the rise changed over the last tenth of the samples, over the last one; none without samples of a rise.
+/// Largest change of the rise over the last tenth of the samples, relative to the last rise; none without samples.
 pub(super) fn settling(tracks: &Tracks) -> Option<f64> {
     let rows = &tracks.rise.rows;
     let [last] = *rows.last()?;

@@ -11,9 +11,9 @@ use crate::model::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
 /// State of the whole scene at one time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// One entry a face.
+    /// The faces of film.
     pub films: Vec<FilmState>,
     /// Position (m) and rotation (unit quaternion i, j, k, w) of the impactor.
     pub impactor: Option<([f64; 3], [f64; 4])>,
@@ -29,8 +29,8 @@ pub struct FilmState {
     /// Whether an element has failed, one entry an element.
     pub failed: Vec<bool>,
     /// Nodes of the face in contact with the impactor, ascending.
-    pub touching: Vec<u32>,
-    /// Stress and more, where the run was asked for it ([`RunOptions::detailed`](super::RunOptions::detailed)).
+    pub in_contact: Vec<u32>,
+    /// Stresses and more, where the run takes detailed snapshots ([`RunOptions::detailed`](super::RunOptions::detailed)).
     pub detail: Option<Detail>,
 }
 
@@ -44,13 +44,14 @@ pub struct Detail {
     pub stresses: Vec<[f32; 3]>,
     /// Largest MD and TD strain so far.
     pub peaks: Vec<[f32; 2]>,
-    /// Thickness over that of stress-free film; NaN where the law says nothing of it.
+    /// Thickness over that of stress-free film; NaN where the law does not give it.
     pub thickness_ratio: Vec<f32>,
-    /// Images of unit vectors along MD and TD of the stress-free film: directions of the fibres, as long as they are stretched.
+    /// Images of unit vectors along MD and TD of the stress-free film: their directions are those of the fibres, their lengths the
+    /// stretches.
     pub fibres: Vec<[[f32; 3]; 2]>,
 }
 
-/// Number of snapshots of `films` where `wanted` are asked for: as many as fit into [`SNAPSHOT_MEMORY`], at least the first and
+/// Number of snapshots of `films` where `wanted` are requested: as many as fit into [`SNAPSHOT_MEMORY`], at least the first and
 /// the last.
 pub(super) fn count(wanted: usize, films: &[Film], detailed: bool) -> usize {
     let elements: usize = films.iter().map(|film| film.quads.len() + film.tris.len()).sum();
@@ -60,17 +61,17 @@ pub(super) fn count(wanted: usize, films: &[Film], detailed: bool) -> usize {
 
 /// The scene as `view` shows it, `detailed` or not; `strains` are those of its faces.
 pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed: bool) -> Snapshot {
-    let touched = view.nodes_in_contact();
+    let in_contact = view.nodes_in_contact();
     let film = |(film, strains): (&engine::Film, &Vec<ElementStrain>)| FilmState {
         positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
         strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),
         failed: strains.iter().map(|s| s.volume == 0.0).collect(),
-        touching: touching(&touched, &film.nodes),
+        in_contact: of_face(&in_contact, &film.nodes),
         detail: detailed.then(|| detail(view, film, strains)),
     };
     let pose = view.body.map(|body| {
-        let (place, turn) = (body.pose.translation.vector, body.pose.rotation.coords);
-        ([place.x, place.y, place.z], [turn.x, turn.y, turn.z, turn.w])
+        let (position, rotation) = (body.pose.translation.vector, body.pose.rotation.coords);
+        ([position.x, position.y, position.z], [rotation.x, rotation.y, rotation.z, rotation.w])
     });
     Snapshot { time: view.time, films: view.films.iter().zip(strains).map(film).collect(), impactor: pose }
 }
@@ -89,10 +90,10 @@ fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain]) -> De
     out
 }
 
-/// Of the `touched` nodes those of one face, counted from its first.
-fn touching(touched: &[usize], nodes: &Range<usize>) -> Vec<u32> {
+/// The nodes in contact that belong to one face, counted from its first, ascending.
+fn of_face(in_contact: &[usize], nodes: &Range<usize>) -> Vec<u32> {
     let mut own: Vec<u32> =
-        touched.iter().filter(|node| nodes.contains(*node)).map(|node| (node - nodes.start) as u32).collect();
+        in_contact.iter().filter(|node| nodes.contains(*node)).map(|node| (node - nodes.start) as u32).collect();
     own.sort_unstable();
     own
 }

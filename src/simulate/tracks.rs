@@ -11,25 +11,25 @@ use crate::signal::{Channel, Recording};
 pub(super) struct Tracks {
     /// Between two samples, s.
     pub(super) sample: f64,
-    /// Samples wanted.
+    /// Number of samples.
     pub(super) samples: usize,
     /// Height of the impactor (m), its work on the film (J), force on the jaws (N).
     pub(super) at_steps: Grid<3>,
-    /// Velocity of the impactor (m/s) and its momentum from the film (N s), twice a sample.
+    /// Velocity of the impactor (m/s) and the impulse of the film on it so far (N s), twice a sample.
     pub(super) at_half_steps: Grid<2>,
     /// Largest MD and TD strain.
     pub(super) strains: Grid<2>,
-    /// Pull on the frame along x and y, N; only where a frame holds sides.
+    /// Force of the film on the frame along x and y, N; only where a frame holds sides.
     pub(super) frame: Grid<2>,
-    /// Rise of the node that rose most, m; only under pressure.
+    /// Largest rise of a node, m; only under pressure.
     pub(super) rise: Grid<1>,
-    /// Height of the impactor when it first got momentum, m.
+    /// Height of the impactor at its first impulse, m.
     pub(super) first_contact: Option<f64>,
 }
 
 impl Tracks {
-    /// Tracks of a run of `duration` (s) with `sample` (s) between samples; an impactor comes down at `speed` (m/s) in free
-    /// fall under `gravity` (m/s²).
+    /// Tracks of a run of `duration` (s) with `sample` (s) between samples; an impactor moves down at `speed` (m/s) in
+    /// free fall under `gravity` (m/s²).
     pub(super) fn new(duration: f64, sample: f64, speed: f64, gravity: f64) -> Tracks {
         let mut at_half_steps = Grid::new(-0.5 * sample, 0.5 * sample);
         // Free fall before first contact, so that the first sample is a mean like every other.
@@ -56,12 +56,12 @@ impl Tracks {
         self.at_half_steps.push(track.time + 0.5 * track.dt, [track.velocity, track.impulse]);
     }
 
-    /// Whether the strains of the next sample are wanted by `time` (s).
+    /// Whether `time` (s) has reached the next sample of the strains.
     pub(super) fn is_due(&self, time: f64) -> bool {
         self.strains.rows.len() < self.samples && self.strains.is_due(time)
     }
 
-    /// Whether every sample has been followed.
+    /// Whether every sample has been recorded.
     pub(super) fn are_complete(&self) -> bool {
         self.at_steps.rows.len() >= self.samples && self.at_half_steps.rows.len() > 2 * self.samples
     }
@@ -72,7 +72,7 @@ impl Tracks {
         self.samples.min(self.at_steps.rows.len()).min(halves)
     }
 
-    /// Momentum that the impactor got from the film around sample `k`, over the time between samples, N.
+    /// Impulse of the film on the impactor around sample `k`, over the time between samples, N.
     pub(super) fn contact_force(&self, k: usize) -> f64 {
         let half = &self.at_half_steps.rows;
         (half[2 * k + 2][1] - half[2 * k][1]) / self.sample

@@ -13,10 +13,10 @@ codes! {
          strains and its stable time step are poor",
         "mesh the outline again with better shaped elements; `droptower check` names the worst of them";
     COARSE_CONTACT = "coarse-contact", Warning,
-        "elements in contact are large compared with the impactor, so that the film follows its shape only roughly",
+        "elements in contact are large compared with the impactor, so that the film takes its shape only approximately",
         "use a smaller `specimen.mesh.size`";
     PENETRATION = "penetration", Warning,
-        "faces of elements between nodes in contact reach into the impactor",
+        "elements penetrate the impactor between nodes in contact",
         "use a smaller `specimen.mesh.size`";
     FRAME_HIT = "frame-hit", Warning,
         "the impactor reached nodes that the frame clamps; the frame itself is not modelled, so that the motion from then on \
@@ -37,7 +37,7 @@ codes! {
         "the sum of all energies changed by more than 1 % of the energy exchanged; above 10 % the run stops",
         "use a smaller `solver.step_factor` or a finer mesh";
     STRAIN_RATE_OUTSIDE = "strain-rate-outside", Warning,
-        "more than 5 % of the film's straining lies outside the strain rates at which its curves were measured",
+        "more than 5 % of the film's strain increments lie outside the strain rates at which its curves were measured",
         "use curves that were measured at the rates of the test (`strain_rates` in the summary)";
     NOT_QUASI_STATIC = "not-quasi-static", Warning,
         "the kinetic energy of the film exceeds 1 % of the energy that it took up: inertia affects the force",
@@ -64,7 +64,7 @@ pub enum Warning {
         /// Longest edge in contact over the radius of the impactor.
         edge: f64,
     },
-    /// Faces reach into the impactor.
+    /// Elements penetrate the impactor.
     Penetration {
         /// When the bound was exceeded first.
         time: f64,
@@ -78,7 +78,7 @@ pub enum Warning {
     },
     /// One element is strained much more than its neighbours.
     StrainLocalisation {
-        /// When it was seen first.
+        /// When it was found first.
         time: f64,
         /// Largest engineering strain of the element.
         strain: f64,
@@ -87,9 +87,9 @@ pub enum Warning {
     },
     /// The impactor is still in contact at the end.
     Unfinished,
-    /// Fewer snapshots than asked for.
+    /// Fewer snapshots than requested.
     FewerSnapshots {
-        /// Asked for.
+        /// Requested.
         wanted: usize,
         /// Taken.
         taken: usize,
@@ -101,9 +101,9 @@ pub enum Warning {
         /// Largest error over the energy exchanged.
         error: f64,
     },
-    /// Straining outside the measured strain rates.
+    /// Strain increments outside the measured strain rates.
     StrainRateOutside {
-        /// Share of the straining.
+        /// Share of the strain increments.
         share: f64,
     },
     /// A slow test whose inertia matters.
@@ -118,7 +118,7 @@ pub enum Warning {
     },
 }
 
-/// Bounds above which a run is warned of.
+/// Bounds above which a run has a warning.
 pub(super) mod bounds {
     /// Scaled Jacobian of an element, a lower bound.
     pub(in crate::simulate) const JACOBIAN: f64 = 0.3;
@@ -132,11 +132,11 @@ pub(super) mod bounds {
     pub(in crate::simulate) const LOCALISED_STRAIN: f64 = 0.5;
     /// Error of the energy balance.
     pub(in crate::simulate) const BALANCE: f64 = 0.01;
-    /// Share of straining outside the measured rates.
+    /// Share of the strain increments outside the measured rates.
     pub(in crate::simulate) const RATES: f64 = 0.05;
     /// Kinetic share of a quasi-static test.
     pub(in crate::simulate) const KINETIC: f64 = 0.01;
-    /// Kinetic share of a test that is nearly not quasi-static.
+    /// Kinetic share of a test that is barely quasi-static.
     pub(in crate::simulate) const NEARLY: f64 = 0.2 * KINETIC;
 }
 
@@ -153,7 +153,7 @@ impl fmt::Display for Warning {
             ),
             Warning::Penetration { time, depth } => write!(
                 f,
-                "penetration: from {:.1} ms faces reach up to {:.1} % of the radius into the impactor (bound {:.0} %)",
+                "penetration: from {:.1} ms elements penetrate the impactor by up to {:.1} % of its radius (bound {:.0} %)",
                 ms(time),
                 percent(depth),
                 percent(&bounds::PENETRATION)
@@ -184,15 +184,19 @@ impl fmt::Display for Warning {
             }
             Warning::StrainRateOutside { share } => write!(
                 f,
-                "strain rate: {:.0} % of the straining lies outside the rates at which the curves were measured",
+                "strain rate: {:.0} % of the strain increments lie outside the rates at which the curves were measured",
                 percent(share)
             ),
             Warning::NotQuasiStatic { share } => {
-                write!(f, "not quasi-static: kinetic energy is up to {:.1} % of the film's", percent(share))
+                write!(
+                    f,
+                    "not quasi-static: kinetic energy is up to {:.1} % of the energy that the film took up",
+                    percent(share)
+                )
             }
             Warning::NearlyQuasiStatic { share } => write!(
                 f,
-                "barely quasi-static: kinetic energy is up to {:.1} % of the film's (bound {:.0} %)",
+                "barely quasi-static: kinetic energy is up to {:.1} % of the energy that the film took up (bound {:.0} %)",
                 percent(share),
                 percent(&bounds::KINETIC)
             ),

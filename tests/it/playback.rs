@@ -77,7 +77,7 @@ fn film_is_the_engines(played: &Playback, outcome: &Outcome, face: usize) {
 
     let touching = played.marks(&format!("/scene/contact/face-{}", face + 1));
     let most = |counts: &mut dyn Iterator<Item = usize>| counts.max();
-    let computed = most(&mut states.iter().map(|state| 4 * state.touching.len()));
+    let computed = most(&mut states.iter().map(|state| 4 * state.in_contact.len()));
     assert_eq!(most(&mut touching.iter().map(|(_, points)| points.len())), computed, "a quarter is shown whole");
 }
 

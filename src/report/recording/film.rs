@@ -77,7 +77,7 @@ pub fn state(film: &Film, snapshot: &Snapshot, face: usize) -> FilmSnapshot {
         positions: state.positions.clone(),
         values: STRAINS.iter().map(|strain| nodal(strain, film, state)).collect(),
         visible: per_triangle(film, |element| !state.failed[element]),
-        in_contact: state.touching.clone(),
+        in_contact: state.in_contact.clone(),
     }
 }
 
@@ -146,7 +146,7 @@ mod tests {
             positions: vec![[0.0; 3]; 6],
             strains: vec![[0.1, 0.4, 0.3], [0.2, 0.0, -0.5], [7.0, 0.0, 0.0]],
             failed: vec![false, false, true],
-            touching: vec![],
+            in_contact: vec![],
             detail: None,
         };
         let strains = nodal(&STRAINS[0], &film, &state);

@@ -300,7 +300,7 @@ mod tests {
             positions: vec![[0.0; 3]; 3],
             strains: vec![[strain; 3]],
             failed: vec![false],
-            touching: vec![],
+            in_contact: vec![],
             detail: None,
         };
         Snapshot { time: f64::from(strain), films: vec![state], impactor: None }

@@ -122,7 +122,7 @@ mod tests {
                 positions: vec![[place; 3]],
                 strains: vec![],
                 failed: vec![],
-                touching: vec![],
+                in_contact: vec![],
                 detail: None,
             };
             Snapshot { time: 0.0, films: vec![state], impactor: None }

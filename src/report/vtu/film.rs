@@ -77,7 +77,7 @@ fn on_points(sheets: &[Sheet<'_>]) -> Vec<Attribute> {
         sheet.image.of([0, 1, 2].map(|axis| now[axis] - then[axis]))
     };
     let touching =
-        |sheet: &Sheet<'_>, node: usize| u32::from(sheet.state.touching.binary_search(&(node as u32)).is_ok());
+        |sheet: &Sheet<'_>, node: usize| u32::from(sheet.state.in_contact.binary_search(&(node as u32)).is_ok());
     vec![
         vectors("displacement_m", points(sheets, displacement)),
         vectors("velocity_m_s", points(sheets, |sheet, node| sheet.image.of(sheet.detail.velocities[node]))),

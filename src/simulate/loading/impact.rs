@@ -78,7 +78,7 @@ impl LoadCase for Impact<'_> {
     }
 }
 
-/// Whether a force is still more than a hundredth of its peak over the last hundredth of its samples.
+/// Whether the mean of the last hundredth of the samples of a force exceeds a hundredth of its peak.
 pub(in crate::simulate) fn ends_loaded(force: &[f64]) -> bool {
     let peak = force.iter().copied().fold(0.0, f64::max);
     let last = &force[force.len() - force.len().div_ceil(100)..];

@@ -10,16 +10,15 @@ use crate::simulate::fault::RunError;
 use crate::simulate::mount::{self, Mounting};
 use crate::simulate::tracks::Tracks;
 
-/// Times in which damping takes a free oscillation to 1/e, over the time of the indentation: the force is read throughout,
-/// so that damping must not add to it.
+/// Decay times of a free oscillation in the duration of the indentation. The force is recorded throughout, so damping must not
+/// add to it.
 const DECAYS: f64 = 10.0;
 
-/// Gap over the impactor's size at which it is in touch.
-const TOUCH: f64 = 1e-9;
+/// Gap over the impactor's size that counts as closed.
+const CLOSED: f64 = 1e-9;
 
-/// Least way down at once over the impactor's size: past nodes that it nearly touches, but never will, the gap alone would
-/// take for ever.
-const STRIDE: f64 = 1e-3;
+/// Least step down over the impactor's size: beside nodes that it passes closely, steps of the gap alone would be too many.
+const LEAST_STEP: f64 = 1e-3;
 
 /// An impactor that goes `depth` (m) down at `velocity` (m/s).
 pub(super) struct Indent<'a> {
@@ -50,7 +49,7 @@ impl LoadCase for Indent<'_> {
     fn apply(&self, films: &[Film], nodes: &Nodes, _: &mut Loads) -> Result<Option<engine::Impact>, RunError> {
         let Some(impactor) = &self.model.impactor else { return Ok(None) };
         let (contact, mut pose) = mount::over_film(impactor, self.model, films, nodes)?;
-        pose.translation.vector.z -= way_to_contact(&contact, &pose, nodes).ok_or(RunError::Missed)?;
+        pose.translation.vector.z -= travel_to_contact(&contact, &pose, nodes).ok_or(RunError::Missed)?;
         Ok(Some(engine::Impact { body: RigidBody::driven(pose, -self.velocity), contact }))
     }
 
@@ -58,8 +57,7 @@ impl LoadCase for Indent<'_> {
         [self.velocity, 0.0]
     }
 
-    /// Depth below first contact and the force on the impactor: the momentum that it got from the film between two samples,
-    /// over that time.
+    /// Depth below first contact and the force on the impactor: the impulse of the film between two samples over that time.
     fn signals(&self, tracks: &Tracks, _: &Mounting) -> Recording {
         let row = |k: usize| [self.velocity * k as f64 * tracks.sample, tracks.contact_force(k)];
         let rows: Vec<_> = (0..tracks.whole().min(tracks.strains.rows.len())).map(row).collect();
@@ -67,36 +65,36 @@ impl LoadCase for Indent<'_> {
     }
 }
 
-/// How far the impactor at `pose` has to go down until a node touches, m; none where it passes all of them. No gap
-/// closes faster than the impactor goes down, so it can always go down by the smallest; where that is less than a stride it
-/// goes down by one, and back by halving if a node is then inside.
-fn way_to_contact(contact: &Contact, pose: &Isometry3<f64>, nodes: &Nodes) -> Option<f64> {
+/// Travel (m) of the impactor at `pose` down to first contact; none where it passes all nodes. No gap closes faster than the
+/// impactor goes down, so each step is the smallest gap, but at least the least step; if a node is then inside, contact is
+/// found by bisection.
+fn travel_to_contact(contact: &Contact, pose: &Isometry3<f64>, nodes: &Nodes) -> Option<f64> {
     let surface = contact.surface();
-    let mut way = 0.0;
+    let mut travel = 0.0;
     let lowest = nodes.position.iter().fold(f64::INFINITY, |low, x| low.min(x[2]));
-    let gap_at = |way: f64| {
+    let gap_at = |travel: f64| {
         let mut at = *pose;
-        at.translation.vector.z -= way;
+        at.translation.vector.z -= travel;
         contact.smallest_gap(nodes, &at)
     };
-    let (touch, stride) = (TOUCH * surface.size(), STRIDE * surface.size());
-    let mut gap = gap_at(way);
-    while gap >= touch {
-        let before = way;
-        way += gap.max(stride);
-        if pose.translation.vector.z - way + surface.bounding_radius() <= lowest {
+    let (closed, least_step) = (CLOSED * surface.size(), LEAST_STEP * surface.size());
+    let mut gap = gap_at(travel);
+    while gap >= closed {
+        let before = travel;
+        travel += gap.max(least_step);
+        if pose.translation.vector.z - travel + surface.bounding_radius() <= lowest {
             return None;
         }
-        gap = gap_at(way);
+        gap = gap_at(travel);
         if gap < 0.0 {
-            return Some(halved(before, way, touch, gap_at));
+            return Some(bisected(before, travel, closed, gap_at));
         }
     }
-    Some(way)
+    Some(travel)
 }
 
-/// Way (m) between one without touch and one with a node inside at which the gap is closed but for `touch`.
-fn halved(mut clear: f64, mut inside: f64, touch: f64, gap_at: impl Fn(f64) -> f64) -> f64 {
+/// Travel (m) between one without contact and one with a node inside at which the gap is below `closed`.
+fn bisected(mut clear: f64, mut inside: f64, closed: f64, gap_at: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (clear + inside);
         let gap = gap_at(middle);
@@ -105,7 +103,7 @@ fn halved(mut clear: f64, mut inside: f64, touch: f64, gap_at: impl Fn(f64) -> f
         } else {
             clear = middle;
         }
-        if (0.0..touch).contains(&gap) {
+        if (0.0..closed).contains(&gap) {
             break;
         }
     }

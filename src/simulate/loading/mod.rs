@@ -25,8 +25,8 @@ pub(super) trait LoadCase {
     /// Where the factor on the film's mass comes from.
     fn mass_scaling(&self) -> MassScaling;
 
-    /// How many times shorter the test may be than with the film's own mass, which takes `steps` steps; where it is more than
-    /// once, its square is the factor that is chosen. Not a number where there is nothing to estimate it from.
+    /// Estimate of how many times longer than necessary the test is with the film's own mass, with which it takes `steps`
+    /// steps. Above one, its square is the factor on the mass that is chosen; NaN where it cannot be estimated.
     fn excess(&self, _steps: f64) -> f64 {
         1.0
     }

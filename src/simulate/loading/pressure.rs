@@ -8,8 +8,8 @@ use crate::simulate::fault::RunError;
 use crate::simulate::mount::Mounting;
 use crate::simulate::tracks::Tracks;
 
-/// Times in which damping takes a free oscillation to 1/e, over the rise of the pressure, which is held afterwards: the film
-/// must not swing beyond its equilibrium, since its law may depend on its largest strain.
+/// Decay times of a free oscillation in the rise of the pressure, which is held afterwards. The film must not overshoot its
+/// equilibrium, since its law may depend on its largest strain.
 const DECAYS: f64 = 40.0;
 
 /// A `pressure` (Pa) that rises over `ramp` (s) and is held.
@@ -53,7 +53,7 @@ impl LoadCase for Pressure<'_> {
         true
     }
 
-    /// Pressure and the rise of the node that rose most.
+    /// Pressure and the largest rise of a node.
     fn signals(&self, tracks: &Tracks, _: &Mounting) -> Recording {
         let inflation = self.inflation();
         let row = |(k, [rise]): (usize, &[f64; 1])| [inflation.at(k as f64 * tracks.sample), *rise];
@@ -62,7 +62,7 @@ impl LoadCase for Pressure<'_> {
     }
 }
 
-/// Stretch of a spherical cap over a disc of `radius` (m) that carries `pressure` (Pa), by halving its height.
+/// Stretch of a spherical cap over a disc of `radius` (m) that carries `pressure` (Pa), by bisection of its height.
 fn cap(face: &Face, radius: f64, pressure: f64) -> f64 {
     let thickness = face.material.thickness * f64::from(face.layers);
     // Arc over chord of a cap with this height over the disc's radius.
@@ -88,9 +88,9 @@ mod tests {
     use crate::material::{Elastic, Law, Material};
     use crate::mesh::{Element, Meshing};
 
-    /// Against Hencky's centre: the cap is within a tenth of its strain ⅔ (w/a)².
+    /// Compared with the strain ⅔ (w/a)² of Hencky's solution.
     #[test]
-    fn a_cap_is_a_fair_guess_of_an_inflated_disc() {
+    fn a_cap_estimates_the_stretch_of_an_inflated_disc() {
         let (young, thickness, radius, pressure) = (1e9, 50e-6, 0.1, 500.0);
         let law = Law::Elastic(Elastic { young, poisson: 0.3 });
         let material = Material { density: 1e3, thickness, law, measured_rates: None };

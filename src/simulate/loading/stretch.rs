@@ -9,7 +9,7 @@ use crate::simulate::fault::RunError;
 use crate::simulate::mount::Mounting;
 use crate::simulate::tracks::Tracks;
 
-/// Steps above which the film is made heavier.
+/// Steps above which the film's mass is scaled.
 const STEPS: f64 = 200_000.0;
 
 /// Film between two jaws that part along x.
@@ -25,7 +25,7 @@ pub(in crate::simulate) struct Stretch {
 }
 
 impl Stretch {
-    /// The film between the jaws of `model`; none but a rectangle can be held.
+    /// The film between the jaws of `model`, whose outline is a rectangle.
     pub(super) fn new(model: &Model, velocity: f64, mass_scaling: Option<f64>) -> Stretch {
         let section = |width: f64, face: &Face| {
             width * face.material.thickness * f64::from(face.layers) / (1.0 + face.prestrain[1])
@@ -56,7 +56,7 @@ impl LoadCase for Stretch {
     }
 
     /// Clamps the nodes on x- and x+ and gives the film between them the velocity of a uniform stretch, so that no wave
-    /// runs. There is no jaw on a mirror plane.
+    /// is excited. There is no jaw on a mirror plane.
     fn hold(&self, nodes: &mut Nodes, mesh: &Mesh, first: usize, _: &Hold) -> Vec<Jaw> {
         for n in first..nodes.position.len() {
             nodes.velocity.set(n, [self.velocity * nodes.position.at(n)[0] / self.gauge, 0.0, 0.0]);
