@@ -32,3 +32,14 @@ fn links_point_to_files() {
         }
     }
 }
+
+#[test]
+fn the_readme_links_every_document() {
+    let readme = fs::read_to_string(root().join("README.md")).expect("a text");
+    let linked = targets(&readme);
+    for document in fs::read_dir(root().join("docs")).expect("a folder").flatten() {
+        let name = document.file_name().into_string().expect("UTF-8");
+        let path = format!("docs/{name}");
+        assert!(!name.ends_with(".md") || linked.contains(&path.as_str()), "{path} is not linked");
+    }
+}
