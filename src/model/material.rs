@@ -120,13 +120,15 @@ fn by_rate(
             "the rates do not increase",
             format!("{} stands after {}; the slowest first", Rate(rate), Rate(previous)),
         ),
-        RateCurvesError::Slack { index } => mistakes.report_with(
+        RateCurvesError::NoInitialSlope { index } => mistakes.report_with(
             &format!("{path}.rates.{index}"),
             "this curve has no stress at first",
             "curves by strain rate rise from the origin, or what other rates put in could not come back along them",
         ),
         // Out of range or too short a list, and said so already.
-        RateCurvesError::Empty | RateCurvesError::NoRate { .. } | RateCurvesError::NoMemory { .. } => {}
+        RateCurvesError::Empty
+        | RateCurvesError::InvalidRate { .. }
+        | RateCurvesError::InvalidAveragingStrain { .. } => {}
     }
     None
 }

@@ -1,0 +1,109 @@
+//! Two curves of neighbouring rates and the interpolation between them.
+
+use serde::{Deserialize, Serialize};
+
+use super::super::Curve;
+use crate::lane::{Lane, larger, ln, smaller, splat};
+
+/// The interval from the curve of one rate to that of the next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct RateInterval {
+    /// Logarithm of the lower rate (1/s).
+    pub(super) log: f64,
+    /// 1/ln(r_{i+1}/r_i).
+    per_log: f64,
+    /// The curve of the higher rate.
+    pub(super) curve: Curve,
+    /// Corners of the difference of both curves, from the origin on: strain, σ_{i+1} − σ_i (Pa).
+    difference: Vec<[f64; 2]>,
+    /// Largest |σ_{i+1} − σ_i|/ε up to the strain ℓ, Pa.
+    secant: f64,
+    /// Largest ratio of the stress on this or a slower curve to that on any curve at the same strain: bounds W(ε_m, r)/w.
+    pub(super) stress_ratio: f64,
+}
+
+impl RateInterval {
+    /// The interval from curve `index` to the next of `curves` at their rates (1/s), up to the strain `longest`; ℓ is
+    /// `averaging_strain`.
+    pub(super) fn new(curves: &[(f64, Curve)], index: usize, averaging_strain: f64, longest: f64) -> RateInterval {
+        let all: Vec<&Curve> = curves.iter().map(|(_, curve)| curve).collect();
+        let ((from, lower), (to, upper)) = (&curves[index], &curves[index + 1]);
+        let log = ln(*from);
+        let difference = difference(lower, upper, longest);
+        let secant = secant(&difference, averaging_strain);
+        let stress_ratio = stress_ratio(&all[..index + 2], &all, longest);
+        RateInterval { log, per_log: 1.0 / (ln(*to) - log), curve: upper.clone(), difference, secant, stress_ratio }
+    }
+
+    /// The weight s of the upper curve: 0 below and 1 above the two rates.
+    #[inline(always)]
+    pub(super) fn weight(&self, log_rate: f64) -> f64 {
+        smaller(larger((log_rate - self.log) * self.per_log, 0.0), 1.0)
+    }
+
+    /// Bound on |∂σ/∂r · ∂r/∂ε| (Pa) for a strain that grows from `from` to `to` (theory.md, equation 142).
+    #[inline(always)]
+    pub(super) fn hardening<const L: usize>(&self, from: &Lane<L>, to: &Lane<L>, averaging_strain: f64) -> Lane<L> {
+        let mut largest = splat::<L>(0.0);
+        for piece in self.difference.windows(2) {
+            let [[start, first], [end, last]] = [piece[0], piece[1]];
+            let slope = (last - first) / (end - start);
+            for l in 0..L {
+                let (a, b) = (larger(from[l], start), smaller(to[l], end));
+                let at = |strain: f64| (first + slope * (strain - start)).abs();
+                let inside = larger(at(a), at(b));
+                largest[l] = if a <= b { larger(inside, largest[l]) } else { largest[l] };
+            }
+        }
+        let mut bound = splat(0.0);
+        for l in 0..L {
+            let early = if from[l] < averaging_strain { self.secant } else { 0.0 };
+            let hardening = self.per_log * larger(early, largest[l] / averaging_strain);
+            bound[l] = if to[l] >= from[l] { hardening } else { 0.0 };
+        }
+        bound
+    }
+}
+
+/// Strains at the corners of all `curves`, ascending, without the origin; `end` is the last.
+fn corners(curves: &[&Curve], end: f64) -> Vec<f64> {
+    let points = curves.iter().flat_map(|curve| curve.points());
+    let mut strains: Vec<f64> = points.map(|point| point[0]).filter(|strain| *strain <= end).chain([end]).collect();
+    strains.sort_by(f64::total_cmp);
+    strains.dedup();
+    strains
+}
+
+/// Corners of the difference of two curves: strain, stress (Pa).
+fn difference(lower: &Curve, upper: &Curve, end: f64) -> Vec<[f64; 2]> {
+    let at = |strain: f64| [strain, upper.stress(strain) - lower.stress(strain)];
+    std::iter::once(0.0).chain(corners(&[lower, upper], end)).map(at).collect()
+}
+
+/// Largest |difference| over strain up to `averaging_strain`: on a straight piece it is at one end.
+fn secant(difference: &[[f64; 2]], averaging_strain: f64) -> f64 {
+    let mut largest = 0.0_f64;
+    for piece in difference.windows(2) {
+        let [[start, first], [end, last]] = [piece[0], piece[1]];
+        if start >= averaging_strain {
+            break;
+        }
+        let slope = (last - first) / (end - start);
+        let until = end.min(averaging_strain);
+        let at_start = if start == 0.0 { slope } else { first / start };
+        largest = largest.max(at_start.abs()).max(((first + slope * (until - start)) / until).abs());
+    }
+    largest
+}
+
+/// Largest ratio of the stress on one of `some` curves to that on one of `all` at the same strain up to `end`; of straight
+/// pieces it is at a corner.
+fn stress_ratio(some: &[&Curve], all: &[&Curve], end: f64) -> f64 {
+    let ratio = |of: &dyn Fn(&Curve) -> f64| {
+        let most = some.iter().map(|curve| of(curve)).fold(0.0, f64::max);
+        let least = all.iter().map(|curve| of(curve)).fold(f64::INFINITY, f64::min);
+        most / least
+    };
+    let at_corners = corners(all, end).into_iter().map(|strain| ratio(&|curve| curve.stress(strain)));
+    at_corners.fold(ratio(&Curve::initial_slope), f64::max)
+}

@@ -1,0 +1,168 @@
+//! Fibre curves by strain rate (theory.md, equations 140–144).
+//!
+//! Between the curves σ_i measured at the rates r_i the stress at one strain is interpolated linearly in the logarithm of the rate, and is
+//! constant below the lowest and above the highest rate, as explicit codes read tables of curves (LS-DYNA's
+//! `*MAT_PIECEWISE_LINEAR_PLASTICITY` with the option `LOG_INTERPOLATION`):
+//!
+//! ```text
+//! σ(ε, r) = σ_i(ε) + s (σ_{i+1}(ε) − σ_i(ε)) ,   s = ln(r/r_i) / ln(r_{i+1}/r_i)
+//! ```
+//!
+//! Rates of single elements are noisy in explicit dynamics, so r is a weighted mean over the last growth ℓ of the largest strain ε_m
+//! (`rate_memory`): its inverse, the slowness p = 1/r, is the time per growth,
+//!
+//! ```text
+//! dp/dε_m = (dt/dε_m − p)/λ ,  λ = min(ε_m, ℓ)      p' = (λ p + Δt)/(λ + Δε_m)  in a step
+//! ```
+//!
+//! Below ε_m the rate is constant. A filter over strain bounds the tangent of the fibre at any rate, ∂ln r/∂ε = 1/λ, where one over time
+//! with the constant τ would give 1/(r τ).
+//!
+//! The work w done while ε_m grew depends on the history of the rate. The history variables include its surplus over the energy of the present curve,
+//! X = w − W(ε_m, r): zero at a constant rate, so that no sum runs along a curve. Unloading follows
+//!
+//! ```text
+//! σ_u(ε) = σ(ε_m − β (ε_m − ε), r) ,   β = max( 1/(1 − D), W(ε_m, r)/w )
+//! ```
+//!
+//! and returns W/β: the share 1 − D of the curve's energy, at most the work done.
+
+mod history;
+mod interval;
+mod law;
+#[cfg(test)]
+mod tests;
+
+pub use history::RateHistory;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::Curve;
+use crate::lane::{Lane, larger, ln, smaller};
+use interval::RateInterval;
+
+/// Curves of one fibre set by strain rate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RateCurves {
+    /// At the lowest rate and below.
+    slowest: Curve,
+    /// From each rate to the next.
+    intervals: Vec<RateInterval>,
+    /// 1/r at the highest and the lowest rate, s.
+    slowness: [f64; 2],
+    /// The growth ℓ over which the rate is averaged.
+    averaging_strain: f64,
+    /// Largest break strain of all curves.
+    longest: f64,
+}
+
+/// Why curves cannot be used by strain rate.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RateCurvesError {
+    /// There is no curve.
+    #[error("there is no curve")]
+    Empty,
+    /// A rate is not positive or not finite.
+    #[error("expected a rate above zero for curve {index}, found {rate} 1/s")]
+    InvalidRate { index: usize, rate: f64 },
+    /// A rate is not above the one before.
+    #[error("the rates do not increase: {rate} 1/s after {previous} 1/s")]
+    RateNotIncreasing { index: usize, rate: f64, previous: f64 },
+    /// One of several curves begins without slope.
+    #[error("curve {index} has no initial slope, so energy stored at other rates cannot be returned along it")]
+    NoInitialSlope { index: usize },
+    /// The strain over which the rate is averaged is not positive or not finite.
+    #[error("expected an averaging strain above zero, found {strain}")]
+    InvalidAveragingStrain { strain: f64 },
+}
+
+impl RateCurves {
+    /// `curves` at their rates (1/s), lowest first; `averaging_strain` is the growth ℓ over which the rate is averaged.
+    ///
+    /// # Errors
+    /// [`RateCurvesError`] where there is no curve, a rate is not positive or not above the one before, `averaging_strain` is not
+    /// positive, or one of several curves begins without slope.
+    pub fn new(curves: Vec<(f64, Curve)>, averaging_strain: f64) -> Result<RateCurves, RateCurvesError> {
+        if !(averaging_strain > 0.0 && averaging_strain.is_finite()) {
+            return Err(RateCurvesError::InvalidAveragingStrain { strain: averaging_strain });
+        }
+        check(&curves)?;
+        let (Some((lowest, slowest)), Some((highest, _))) = (curves.first(), curves.last()) else {
+            return Err(RateCurvesError::Empty);
+        };
+        let longest = curves.iter().map(|(_, curve)| curve.end()).fold(0.0, f64::max);
+        let slowness = [1.0 / highest, 1.0 / lowest];
+        let interval = |index| RateInterval::new(&curves, index, averaging_strain, longest);
+        let intervals = (0..curves.len() - 1).map(interval).collect();
+        Ok(RateCurves { slowest: slowest.clone(), intervals, slowness, averaging_strain, longest })
+    }
+
+    /// Lowest and highest rate (1/s), where there are several.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        (!self.intervals.is_empty()).then(|| [1.0 / self.slowness[1], 1.0 / self.slowness[0]])
+    }
+
+    /// The curve, where there is only one.
+    pub fn single(&self) -> Option<&Curve> {
+        self.intervals.is_empty().then_some(&self.slowest)
+    }
+
+    /// Stress (Pa) at `strain`, reached at the constant `rate` (1/s).
+    pub fn stress_at(&self, strain: f64, rate: f64) -> f64 {
+        self.mix(&self.log_rate(&[1.0 / rate]), |curve| curve.stress_lanes(&[strain]))[0]
+    }
+
+    /// Break strain at the constant `rate` (1/s).
+    pub fn break_strain_at(&self, rate: f64) -> f64 {
+        self.mix(&self.log_rate(&[1.0 / rate]), |curve| [curve.end()])[0]
+    }
+
+    /// Logarithm of the rate (1/s) within those of the curves.
+    #[inline(always)]
+    fn log_rate<const L: usize>(&self, slowness: &Lane<L>) -> Lane<L> {
+        let [shortest, longest] = self.slowness;
+        slowness.map(|p| -ln(smaller(larger(p, shortest), longest)))
+    }
+
+    /// The value `of` the curves, interpolated at `log_rate`; exactly that of one curve where all have the same.
+    #[inline(always)]
+    fn mix<const L: usize>(&self, log_rate: &Lane<L>, of: impl Fn(&Curve) -> Lane<L>) -> Lane<L> {
+        let mut below = of(&self.slowest);
+        let mut mixed = below;
+        for interval in &self.intervals {
+            let above = of(&interval.curve);
+            for l in 0..L {
+                mixed[l] += interval.weight(log_rate[l]) * (above[l] - below[l]);
+            }
+            below = above;
+        }
+        mixed
+    }
+}
+
+/// One curve at all rates.
+impl From<Curve> for RateCurves {
+    fn from(curve: Curve) -> RateCurves {
+        let longest = curve.end();
+        RateCurves { slowest: curve, intervals: vec![], slowness: [1.0; 2], averaging_strain: 1.0, longest }
+    }
+}
+
+/// Refuses rates that do not increase and curves without initial slope.
+fn check(curves: &[(f64, Curve)]) -> Result<(), RateCurvesError> {
+    let mut previous = 0.0;
+    for (index, (rate, curve)) in curves.iter().enumerate() {
+        if !(*rate > 0.0 && rate.is_finite()) {
+            return Err(RateCurvesError::InvalidRate { index, rate: *rate });
+        }
+        if *rate <= previous {
+            return Err(RateCurvesError::RateNotIncreasing { index, rate: *rate, previous });
+        }
+        if curves.len() > 1 && curve.initial_slope() == 0.0 {
+            return Err(RateCurvesError::NoInitialSlope { index });
+        }
+        previous = *rate;
+    }
+    Ok(())
+}
