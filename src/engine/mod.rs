@@ -1,8 +1,8 @@
-//! Explicit dynamics of films that meet a rigid impactor or are pulled by jaws.
+//! Explicit dynamics of films under a rigid impactor, jaws or pressure.
 //!
 //! [`Engine::step`] advances by one central-difference step: forces of the elements, kick and drift of the nodes,
-//! contact, drift of the body (theory.md, section 4). Whoever wants signals or pictures brings an [`Observer`], which is
-//! shown a read-only [`View`].
+//! contact, drift of the body (theory.md, section 4). Signals and snapshots are taken by an [`Observer`], which is shown a
+//! read-only [`View`].
 
 mod colouring;
 mod contact;
@@ -32,7 +32,6 @@ pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, UndefinedFibreDirection};
 pub use energy::Energies;
 pub use film::Film;
-use nodes::Kick;
 pub use nodes::{Nodes, Vectors};
 pub use observer::{Observer, Track, View};
 pub use patch::Patch;
@@ -48,12 +47,12 @@ use std::ops::Range;
 use colouring::Colouring;
 use disjoint::Disjoint;
 use film::SharedFilm;
-use nodes::Moved;
+use nodes::{Kick, StepSums};
 use pressure::Inflated;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Everything that moves, and how it is driven.
+/// Films, nodes, impactor and loads, and their integration in time.
 pub struct Engine {
     films: Vec<Film>,
     nodes: Nodes,
@@ -64,52 +63,52 @@ pub struct Engine {
     steps: u64,
     ledger: EnergyLedger,
     previous: PreviousStep,
-    /// What pressure did last.
+    /// Pressure and enclosed volume of the last step.
     inflated: Option<Inflated>,
     pool: ThreadPool,
-    /// All chunks: film and number of the chunk in it.
+    /// All chunks: film and index of the chunk in it.
     chunks: Vec<(usize, usize)>,
-    /// Which of `chunks` share no node.
+    /// Of `chunks`, which are added to their nodes colour by colour.
     colouring: Colouring,
-    /// Nodes that are moved together, none of them on two faces.
+    /// Ranges of nodes, each a task of one thread, none of them on two faces.
     node_ranges: Vec<Range<usize>>,
     /// Elements that failed since [`Engine::step`] last returned.
     failed: usize,
 }
 
-/// The impactor and its contact.
+/// The impactor and its contact with the film.
 pub struct Impact {
     /// The impactor.
     pub body: RigidBody,
-    /// Its contact with the film.
+    /// Its contact.
     pub contact: Contact,
 }
 
-/// What acts besides contact.
+/// Loads and prescribed motion besides contact.
 #[derive(Clone, Debug)]
 pub struct Loads {
     /// m/s², downward.
     pub gravity: f64,
     /// Mass-proportional damping of the film, 1/s.
     pub damping: f64,
-    /// Nodes moved at a prescribed velocity along x.
+    /// Prescribed motion along x.
     pub jaws: Vec<Jaw>,
     /// Pressure on the lower side of the film, whose edge is held.
     pub inflation: Option<Inflation>,
-    /// Mirror images that one computed part of film stands for.
+    /// Parts of film of which one is computed; the others are its mirror images.
     pub multiplicity: f64,
     /// Factor on the stable time step, 0 < factor ≤ 1.
     pub step_factor: f64,
 }
 
 impl Default for Loads {
-    /// Nothing acts on a film that is computed whole.
+    /// No load on a film without symmetry.
     fn default() -> Loads {
         Loads { gravity: 0.0, damping: 0.0, jaws: vec![], inflation: None, multiplicity: 1.0, step_factor: 1.0 }
     }
 }
 
-/// Nodes that are moved together at their initial velocity, held across it.
+/// Nodes that move at their initial velocity, held in the other directions.
 #[derive(Clone, Debug)]
 pub struct Jaw {
     /// Its nodes.
@@ -118,37 +117,44 @@ pub struct Jaw {
     pub velocity: f64,
 }
 
-/// Nodes that one thread moves together.
-const NODES_AT_ONCE: usize = 1024;
+/// Nodes of a range.
+const NODES_PER_RANGE: usize = 1024;
 
-/// Energy that left the elements for good, J.
+/// Running totals of losses and external work, J.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct EnergyLedger {
+    /// Stored in elements when they failed.
     rupture: f64,
+    /// Absorbed in elements that failed.
     absorbed: f64,
+    /// Lost to mass-proportional damping.
     damping: f64,
+    /// Work of jaws and pressure, counted negative.
     external: f64,
     /// Part of `external` that belongs to the half step after the full one.
     external_ahead: f64,
 }
 
-/// The full step that an observer wants to see, kept while the nodes move on.
+/// State of the full step, stored for an observer while the nodes move on.
 #[derive(Default)]
 struct PreviousStep {
     position: Vectors,
     force: Vectors,
-    /// Half a step before it.
+    /// Half a step before the full one.
     velocity: Vectors,
     body: Option<RigidBody>,
 }
 
-/// Why a run cannot go on.
+/// Why a run cannot continue.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
-    #[error("the motion of the impactor is not a number any more at {time:.6} s")]
+    /// The motion of the impactor is not finite.
+    #[error("the motion of the impactor is not finite at {time:.6} s")]
     ImpactorLost { time: f64 },
-    #[error("element {element} of face {face} is not a number any more at {time:.6} s")]
+    /// A strain is not finite.
+    #[error("the strain of element {element} of face {face} is not finite at {time:.6} s")]
     NotANumber { time: f64, face: usize, element: usize },
+    /// The stable time step is a small part of the first one.
     #[error("the time step fell from {first:.3e} s to {now:.3e} s at {time:.6} s, limited by face {face}")]
     TimeStepCollapsed { time: f64, first: f64, now: f64, face: usize },
     /// The observer ended the run.
@@ -157,10 +163,10 @@ pub enum Fault {
 }
 
 impl Engine {
-    /// An engine at rest at time zero, worked on by one thread; `impact` is the impactor, if any.
+    /// An engine at time zero with one thread; `impact` is the impactor, if any.
     ///
     /// # Panics
-    /// Where `films` are not those that were mounted on `nodes`, in their order.
+    /// Where `films` are not those mounted on `nodes`, in their order.
     pub fn new(films: Vec<Film>, nodes: Nodes, impact: Option<Impact>, loads: Loads) -> Engine {
         let ends = films.iter().map(|film| film.nodes.end);
         let begins = films.iter().map(|film| film.nodes.start).chain([nodes.mass.len()]);
@@ -175,7 +181,7 @@ impl Engine {
         }
         let colouring = Colouring::new(&colours, &chunk_nodes).expect("films colour their chunks");
         let cut = |Range { start, end }: Range<usize>| {
-            (start..end).step_by(NODES_AT_ONCE).map(move |from| from..end.min(from + NODES_AT_ONCE))
+            (start..end).step_by(NODES_PER_RANGE).map(move |from| from..end.min(from + NODES_PER_RANGE))
         };
         let node_ranges = films.iter().flat_map(|film| cut(film.nodes.clone())).collect();
         let mut engine = Engine {
@@ -197,22 +203,22 @@ impl Engine {
         };
         // The stiffness depends on history variables, which pre-strain changes.
         engine.forces(0.0);
-        engine.nodes.forget_forces();
+        engine.nodes.clear_forces();
         engine.time_step = TimeStep::new(&engine.films, &engine.nodes, &engine.pool, &engine.loads);
         engine
     }
 
-    /// The same engine worked on by `pool`: the bits of what comes out stay the same.
+    /// The same engine with `pool`, on which no result depends.
     pub fn with_pool(self, pool: ThreadPool) -> Engine {
         Engine { pool, ..self }
     }
 
-    /// Who works on it.
+    /// Its threads.
     pub fn pool(&self) -> &ThreadPool {
         &self.pool
     }
 
-    /// s.
+    /// Time of the full step, s.
     pub fn time(&self) -> f64 {
         self.time
     }
@@ -251,10 +257,10 @@ impl Engine {
         let over = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
         let wanted = observer.wants(self.time);
         self.forces(last);
-        self.pull(dt, over);
+        self.add_jaw_work(dt, over);
         let jaw_force = self.jaw_force();
         if wanted {
-            self.previous.keep(&self.nodes, self.impact.as_ref());
+            self.previous.store(&self.nodes, self.impact.as_ref());
         }
         let fastest = self.advance(over, dt);
         if wanted {
@@ -264,7 +270,7 @@ impl Engine {
         Ok(std::mem::take(&mut self.failed))
     }
 
-    /// Forces at the full step, where the nodes came in `dt` (s); elements past their break strain are deleted.
+    /// Forces at the full step, to which the nodes moved in `dt` (s); elements past their break strain are deleted.
     fn forces(&mut self, dt: f64) {
         self.inflate();
         self.add_forces(dt);
@@ -277,12 +283,12 @@ impl Engine {
         }
         if failed > 0 {
             self.time_step.tear();
-            self.impact.iter_mut().for_each(|impact| impact.contact.forget());
+            self.impact.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
         }
         self.failed += failed;
     }
 
-    /// Adds the load of the pressure, if there is one, and books its work.
+    /// Adds the load of the pressure, if there is one, and its work to the ledger.
     fn inflate(&mut self) {
         let Some(inflation) = &self.loads.inflation else { return };
         let now = pressure::inflate(&self.films, &mut self.nodes, inflation.at(self.time));
@@ -290,7 +296,7 @@ impl Engine {
         self.inflated = Some(now);
     }
 
-    /// Adds the films' forces to those of their nodes, which hold the load alone.
+    /// Adds the forces of the films to those of their nodes.
     fn add_forces(&mut self, dt: f64) {
         let position = self.nodes.position.axes();
         let mut rest = self.nodes.force.axes_mut();
@@ -313,47 +319,47 @@ impl Engine {
         }
     }
 
-    /// Work of the jaws against the film's forces; these act over the halves of the steps on both sides.
-    fn pull(&mut self, dt: f64, kick: f64) {
-        let power = |jaw: &Jaw| -self.nodes.pull(&jaw.nodes, 0) * jaw.velocity;
+    /// Adds the work of the jaws against the forces of the film to the ledger; these act over the halves of both adjacent steps.
+    fn add_jaw_work(&mut self, dt: f64, kick: f64) {
+        let power = |jaw: &Jaw| -self.nodes.total_force(&jaw.nodes, 0) * jaw.velocity;
         let power = self.loads.multiplicity * self.loads.jaws.iter().map(power).sum::<f64>();
         self.ledger.external -= power * kick;
         self.ledger.external_ahead = -0.5 * power * dt;
     }
 
-    /// Accelerates nodes and body over `over` (s), moves the nodes on by `dt` (s) and lets them meet the body. Returns the
+    /// Kicks nodes and body over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the body. Returns the
     /// largest speed of a node, m/s.
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
         let Engine { films, nodes, impact, .. } = self;
-        let remembered = impact.as_mut().map(|Impact { body, contact }| contact.prepare(films, nodes, body));
-        let kick = Kick::over(over, self.loads.damping);
-        let moving = nodes.moving(kick, dt, self.loads.gravity, remembered);
+        let record = impact.as_mut().map(|Impact { body, contact }| contact.prepare(films, nodes, body));
+        let kick = Kick::new(over, self.loads.damping);
+        let integration = nodes.integration(kick, dt, self.loads.gravity, record);
         let (width, ranges) = (self.pool.width(), &self.node_ranges);
-        let mut parts = vec![Moved::default(); ranges.len()];
-        let answers = Disjoint::new(&mut parts);
+        let mut parts = vec![StepSums::default(); ranges.len()];
+        let sums_of = Disjoint::new(&mut parts);
         self.pool.each(ranges.len(), |part| {
             // SAFETY: every range comes up once.
-            unsafe { *answers.at(part) = moving.advance(width, ranges[part].clone()) };
+            unsafe { *sums_of.at(part) = integration.advance(width, ranges[part].clone()) };
         });
-        let mut moved = parts.iter().fold(Moved::default(), |all, part| all.and(part));
-        let mut fastest = moved.fastest.sqrt();
+        let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
+        let mut fastest = sums.largest_speed_squared.sqrt();
         if let Some(Impact { body, contact }) = &mut self.impact {
             let before = body.clone();
             body.kick(over, self.loads.gravity);
             let damped = self.loads.damping > 0.0;
             if damped {
-                contact.let_be(&self.nodes);
+                contact.record_prediction(&self.nodes);
             }
-            fastest = fastest.max(contact.meet(&mut self.nodes, body, &before, dt, &self.pool));
+            fastest = fastest.max(contact.resolve(&mut self.nodes, body, &before, dt, &self.pool));
             if damped {
-                moved.damped += contact.damped_on_the_way(&self.nodes);
+                sums.damped += contact.damping_correction(&self.nodes);
             }
         }
-        self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * moved.damped;
+        self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
         fastest
     }
 
-    /// Shows the full step that was kept, with the velocities that follow it.
+    /// Shows the stored full step, with the velocities that follow it.
     fn show(&mut self, observer: &mut dyn Observer) -> Result<(), Fault> {
         self.exchange();
         let seen = observer.see(&self.view());
@@ -361,22 +367,22 @@ impl Engine {
         seen
     }
 
-    /// Exchanges places and forces of the nodes with those kept.
+    /// Exchanges positions and forces of the nodes with the stored ones.
     fn exchange(&mut self) {
         std::mem::swap(&mut self.nodes.position, &mut self.previous.position);
         std::mem::swap(&mut self.nodes.force, &mut self.previous.force);
     }
 
-    /// Moves the body on and tells where it is.
+    /// Moves the body and reports its track.
     fn finish(&mut self, dt: f64, fastest: f64, jaw_force: f64, observer: &mut dyn Observer) {
         let mut track = Track { time: self.time, dt, jaw_force, ..Track::default() };
         if let Some(Impact { body, contact }) = &mut self.impact {
             track.z = body.centre().z;
             track.velocity = body.velocity.z;
-            track.work = contact.work.given;
+            track.work = contact.work.on_film;
             track.impulse = contact.work.impulse;
-            let turning = body.spin.norm() * contact.surface().bounding_radius();
-            contact.moved((fastest + body.velocity.norm() + turning) * dt);
+            let rotation = body.spin.norm() * contact.surface().bounding_radius();
+            contact.reduce_skin((fastest + body.velocity.norm() + rotation) * dt);
             body.drift(dt);
         }
         observer.follow(&track);
@@ -384,13 +390,14 @@ impl Engine {
         self.steps += 1;
     }
 
-    /// Mean pull of the film on the jaws along x, N, on the computed part of the film.
+    /// Mean force of the computed part of film on the jaws along x, N.
     fn jaw_force(&self) -> f64 {
-        let pull = |jaw: &Jaw| -jaw.velocity.signum() * self.nodes.pull(&jaw.nodes, 0);
+        let force = |jaw: &Jaw| -jaw.velocity.signum() * self.nodes.total_force(&jaw.nodes, 0);
         let count = self.loads.jaws.len().max(1) as f64;
-        self.loads.jaws.iter().map(pull).sum::<f64>() / count
+        self.loads.jaws.iter().map(force).sum::<f64>() / count
     }
 
+    /// What observers see.
     fn view(&self) -> View<'_> {
         let impact = self.impact.as_ref();
         let (body, contact) = (impact.map(|i| &i.body), impact.map(|i| &i.contact));
@@ -415,7 +422,8 @@ impl PreviousStep {
         self.position.bytes() + self.force.bytes() + self.velocity.bytes()
     }
 
-    fn keep(&mut self, nodes: &Nodes, impact: Option<&Impact>) {
+    /// Stores the present state.
+    fn store(&mut self, nodes: &Nodes, impact: Option<&Impact>) {
         self.position.clone_from(&nodes.position);
         self.force.clone_from(&nodes.force);
         self.velocity.clone_from(&nodes.velocity);

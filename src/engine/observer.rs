@@ -84,7 +84,7 @@ impl View<'_> {
             out.contact = contact.work.impact_loss;
             out.friction = contact.work.friction_loss;
             if self.body.is_some_and(RigidBody::is_driven) {
-                out.external -= contact.work.given - contact.work.ahead;
+                out.external -= contact.work.on_film - contact.work.ahead;
             }
         }
         out

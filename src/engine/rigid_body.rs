@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// A rigid body about its centre of mass, guided along z or free.
 #[derive(Clone, Debug)]
 pub struct RigidBody {
-    /// Of the centre of mass, at the full step.
+    /// Position of the centre of mass (m) and rotation, at the full step.
     pub pose: Isometry3<f64>,
     /// m/s, at the half step.
     pub velocity: Vector3<f64>,
@@ -24,11 +24,11 @@ pub struct RigidBody {
     guided: bool,
 }
 
-/// How a body moves, as plain numbers.
+/// Motion of a body, as it is saved.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Motion {
+pub(super) struct Motion {
     /// Of the centre of mass, m.
-    place: [f64; 3],
+    position: [f64; 3],
     /// Unit quaternion i, j, k, w.
     rotation: [f64; 4],
     velocity: [f64; 3],
@@ -37,30 +37,30 @@ pub struct Motion {
     inverse_inertia: [[f64; 3]; 3],
 }
 
-/// Contacts gathered into the body's own equations of motion: how much film mass follows each of its motions, and
-/// the momentum that film takes from it. Rows: translation, rotation; a guided body uses the third alone.
+/// The film in contact in the body's equations of motion (theory.md, equation 20): the mass that follows each motion of the
+/// body, and the momentum that it takes. Rows: translation, rotation; a guided body uses the third alone.
 #[derive(Clone, Debug)]
-pub struct Gathered {
+pub(super) struct CoupledFilm {
     mass: Matrix6<f64>,
     momentum: Vector6<f64>,
 }
 
-impl Default for Gathered {
+impl Default for CoupledFilm {
     fn default() -> Self {
-        Gathered { mass: Matrix6::zeros(), momentum: Vector6::zeros() }
+        CoupledFilm { mass: Matrix6::zeros(), momentum: Vector6::zeros() }
     }
 }
 
-impl Gathered {
-    /// Adds film of `mass` (kg) and `momentum` (kg m/s) along z, all that a guided body feels.
-    pub fn add_along_z(&mut self, mass: f64, momentum: f64) {
+impl CoupledFilm {
+    /// Adds film of `mass` (kg) and `momentum` (kg m/s) along z, for a guided body.
+    pub(super) fn add_along_z(&mut self, mass: f64, momentum: f64) {
         self.mass[(2, 2)] += mass;
         self.momentum[2] += momentum;
     }
 
-    /// These contacts and others.
-    pub fn and(&self, others: &Gathered) -> Gathered {
-        Gathered { mass: self.mass + others.mass, momentum: self.momentum + others.momentum }
+    /// The film of these contacts and others.
+    pub(super) fn and(&self, others: &CoupledFilm) -> CoupledFilm {
+        CoupledFilm { mass: self.mass + others.mass, momentum: self.momentum + others.momentum }
     }
 }
 
@@ -93,10 +93,10 @@ impl RigidBody {
         RigidBody::guided(pose, velocity, f64::INFINITY)
     }
 
-    /// How it moves.
-    pub fn motion(&self) -> Motion {
+    /// Its motion, to be saved.
+    pub(super) fn motion(&self) -> Motion {
         Motion {
-            place: self.pose.translation.vector.into(),
+            position: self.pose.translation.vector.into(),
             rotation: self.pose.rotation.coords.into(),
             velocity: self.velocity.into(),
             spin: self.spin.into(),
@@ -104,57 +104,57 @@ impl RigidBody {
         }
     }
 
-    /// Moves as `motion` tells, to the bit: nothing is normalised or worked out again.
-    pub fn resume(&mut self, motion: &Motion) {
-        let turn = UnitQuaternion::new_unchecked(Quaternion::from_vector(Vector4::from(motion.rotation)));
-        self.pose = Isometry3::from_parts(Translation3::from(motion.place), turn);
+    /// Restores a saved motion bit by bit: nothing is normalised or computed again.
+    pub(super) fn restore(&mut self, motion: &Motion) {
+        let rotation = UnitQuaternion::new_unchecked(Quaternion::from_vector(Vector4::from(motion.rotation)));
+        self.pose = Isometry3::from_parts(Translation3::from(motion.position), rotation);
         self.velocity = motion.velocity.into();
         self.spin = motion.spin.into();
         self.inverse_inertia = motion.inverse_inertia.into();
     }
 
-    /// Whether its motion is prescribed: then it has no energy of its own, and what it gives comes from outside.
+    /// Whether its motion is prescribed: then its energy is not balanced, and its work on the film is external.
     pub fn is_driven(&self) -> bool {
         self.mass.is_infinite()
     }
 
-    /// Brings the inverse inertia to the present pose; a body that resists no rotation about some axis is kept from it.
+    /// Updates the inverse inertia to the present pose; a singular inertia admits no rotation.
     fn update_inverse_inertia(&mut self) {
         if !self.guided {
             self.inverse_inertia = self.space_inertia().try_inverse().unwrap_or_else(Matrix3::zeros);
         }
     }
 
-    /// Velocity of its material point at `arm` (m) from the centre of mass.
+    /// Velocity of its material point at `arm` (m) from the centre of mass, m/s.
     #[inline]
-    pub fn velocity_at(&self, arm: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn velocity_at(&self, arm: &Vector3<f64>) -> Vector3<f64> {
         match self.guided {
             true => self.velocity,
             false => self.velocity + self.spin.cross(arm),
         }
     }
 
-    /// Centre of mass.
+    /// Position of the centre of mass, m.
     pub fn centre(&self) -> Point3<f64> {
         self.pose.translation.vector.into()
     }
 
-    /// Where it will be after `dt` at its present velocity.
-    pub fn predicted(&self, dt: f64) -> Isometry3<f64> {
-        let turn = UnitQuaternion::from_scaled_axis(self.spin * dt);
+    /// The pose after `dt` (s) at its present velocity.
+    pub(super) fn predicted(&self, dt: f64) -> Isometry3<f64> {
+        let rotation = UnitQuaternion::from_scaled_axis(self.spin * dt);
         let to = self.pose.translation.vector + self.velocity * dt;
-        Isometry3::from_parts(Translation3::from(to), turn * self.pose.rotation)
+        Isometry3::from_parts(Translation3::from(to), rotation * self.pose.rotation)
     }
 
-    /// Moves on by `dt`.
-    pub fn drift(&mut self, dt: f64) {
+    /// Moves by `dt` (s) at its present velocity.
+    pub(super) fn drift(&mut self, dt: f64) {
         self.pose = self.predicted(dt);
         self.pose.rotation.renormalize();
         self.update_inverse_inertia();
     }
 
-    /// Gravity `g` (m/s², downward) and the gyroscopic moment over `dt`.
-    pub fn kick(&mut self, dt: f64, g: f64) {
+    /// Changes the velocities by gravity `g` (m/s², downward) and the gyroscopic moment over `dt` (s).
+    pub(super) fn kick(&mut self, dt: f64, g: f64) {
         self.velocity.z -= g * dt;
         if !self.guided {
             let moment = self.spin.cross(&(self.space_inertia() * self.spin));
@@ -162,14 +162,13 @@ impl RigidBody {
         }
     }
 
-    /// Takes up `impulse` (N s) at `arm` from the centre of mass, as far as the guide lets it.
-    pub fn push(&mut self, impulse: &Vector3<f64>, arm: &Vector3<f64>) {
-        self.push_about(impulse, &arm.cross(impulse));
+    /// Applies `impulse` (N s) at `arm` (m) from the centre of mass, of which a guide admits a part.
+    pub(super) fn apply_impulse_at(&mut self, impulse: &Vector3<f64>, arm: &Vector3<f64>) {
+        self.apply_impulse(impulse, &arm.cross(impulse));
     }
 
-    /// Takes up impulses of the sum `impulse` (N s) and their `moment` about the centre of mass (N m s), as far as the guide
-    /// lets it.
-    pub fn push_about(&mut self, impulse: &Vector3<f64>, moment: &Vector3<f64>) {
+    /// Applies `impulse` (N s) and its `moment` about the centre of mass (N m s), of which a guide admits a part.
+    pub(super) fn apply_impulse(&mut self, impulse: &Vector3<f64>, moment: &Vector3<f64>) {
         match self.guided {
             true => self.velocity.z += impulse.z / self.mass,
             false => {
@@ -179,18 +178,17 @@ impl RigidBody {
         }
     }
 
-    /// Work of impulses at its surface, their sum `impulse` (N s) and `moment` about the centre of mass (N m s), at the mean of
-    /// its motion `before` and now, J.
-    pub fn work_of(&self, impulse: &Vector3<f64>, moment: &Vector3<f64>, before: &RigidBody) -> f64 {
-        let turned = match self.guided {
+    /// Work of `impulse` (N s) and its `moment` about the centre of mass (N m s) with the mean of its motion `before` and now, J.
+    pub(super) fn work_of(&self, impulse: &Vector3<f64>, moment: &Vector3<f64>, before: &RigidBody) -> f64 {
+        let rotation = match self.guided {
             true => 0.0,
             false => moment.dot(&(self.spin + before.spin)),
         };
-        0.5 * (impulse.dot(&(self.velocity + before.velocity)) + turned)
+        0.5 * (impulse.dot(&(self.velocity + before.velocity)) + rotation)
     }
 
-    /// Velocity per impulse along `direction` at `arm` from the centre of mass, 1/kg.
-    pub fn mobility(&self, direction: &Vector3<f64>, arm: &Vector3<f64>) -> f64 {
+    /// Velocity per impulse along `direction` at `arm` (m) from the centre of mass, 1/kg.
+    pub(super) fn inverse_effective_mass(&self, direction: &Vector3<f64>, arm: &Vector3<f64>) -> f64 {
         match self.guided {
             true => direction.z * direction.z / self.mass,
             false => {
@@ -200,17 +198,17 @@ impl RigidBody {
         }
     }
 
-    /// Whether it only moves along z.
+    /// Whether it moves along z alone.
     #[inline(always)]
-    pub fn is_guided(&self) -> bool {
+    pub(super) fn is_guided(&self) -> bool {
         self.guided
     }
 
-    /// Adds to `gathered` film of `mass` (kg) that a contact at `arm` drags along, in every direction or only along one,
-    /// and the momentum `change` (kg m/s) that this film needs if the free body keeps its velocity.
-    pub fn gather(
+    /// Adds film of `mass` (kg) that follows the body at `arm` (m), in all directions or `along` one, and the momentum `change`
+    /// (kg m/s) that it takes from a free body of unchanged velocity.
+    pub(super) fn couple(
         &self,
-        gathered: &mut Gathered,
+        coupled: &mut CoupledFilm,
         arm: &Vector3<f64>,
         mass: f64,
         along: Option<&Vector3<f64>>,
@@ -218,30 +216,29 @@ impl RigidBody {
     ) {
         let mass = along.map_or(Matrix3::identity(), |n| n * n.transpose()) * mass;
         let lever = arm.cross_matrix();
-        let turned = lever * mass;
+        let moment = lever * mass;
         let blocks =
-            [(0, 0, mass), (0, 3, mass * lever.transpose()), (3, 0, turned), (3, 3, turned * lever.transpose())];
+            [(0, 0, mass), (0, 3, mass * lever.transpose()), (3, 0, moment), (3, 3, moment * lever.transpose())];
         for (row, column, block) in blocks {
-            let mut view = gathered.mass.fixed_view_mut::<3, 3>(row, column);
+            let mut view = coupled.mass.fixed_view_mut::<3, 3>(row, column);
             view += block;
         }
         for (row, part) in [(0, *change), (3, arm.cross(change))] {
-            let mut view = gathered.momentum.fixed_rows_mut::<3>(row);
+            let mut view = coupled.momentum.fixed_rows_mut::<3>(row);
             view += part;
         }
     }
 
-    /// The body as it will be once the gathered contacts have acted: the implicit answer of a body and the film mass
-    /// that follows it (theory.md, equation 20).
-    pub fn after(&self, gathered: &Gathered) -> RigidBody {
+    /// The body with the velocity of the implicit solution for the body and the `coupled` film (theory.md, equation 20).
+    pub(super) fn after_contact(&self, coupled: &CoupledFilm) -> RigidBody {
         let mut body = self.clone();
         match self.guided {
-            true => body.velocity.z -= gathered.momentum[2] / (self.mass + gathered.mass[(2, 2)]),
+            true => body.velocity.z -= coupled.momentum[2] / (self.mass + coupled.mass[(2, 2)]),
             false => {
                 let mut own = Matrix6::from_diagonal_element(self.mass);
                 own.fixed_view_mut::<3, 3>(3, 3).copy_from(&self.space_inertia());
-                if let Some(inverse) = (own + gathered.mass).try_inverse() {
-                    let change = inverse * gathered.momentum;
+                if let Some(inverse) = (own + coupled.mass).try_inverse() {
+                    let change = inverse * coupled.momentum;
                     body.velocity -= change.fixed_rows::<3>(0);
                     body.spin -= change.fixed_rows::<3>(3);
                 }
@@ -251,22 +248,23 @@ impl RigidBody {
     }
 
     /// Kinetic energy with velocities half a step before and after, J (theory.md, equation 23).
-    pub fn kinetic_energy(&self, before: &RigidBody) -> f64 {
+    pub(super) fn kinetic_energy(&self, before: &RigidBody) -> f64 {
         if self.is_driven() {
             return 0.0;
         }
-        let turning = self.spin.dot(&(self.space_inertia() * before.spin));
-        0.5 * (self.mass * self.velocity.dot(&before.velocity) + turning)
+        let rotation = self.spin.dot(&(self.space_inertia() * before.spin));
+        0.5 * (self.mass * self.velocity.dot(&before.velocity) + rotation)
     }
 
     /// Potential energy under gravity `g` (m/s², downward), J.
-    pub fn potential_energy(&self, g: f64) -> f64 {
+    pub(super) fn potential_energy(&self, g: f64) -> f64 {
         if self.is_driven() { 0.0 } else { self.mass * g * self.centre().z }
     }
 
+    /// Inertia in space axes, kg m².
     fn space_inertia(&self) -> Matrix3<f64> {
-        let turn = self.pose.rotation.to_rotation_matrix();
-        turn * self.inertia * turn.transpose()
+        let rotation = self.pose.rotation.to_rotation_matrix();
+        rotation * self.inertia * rotation.transpose()
     }
 }
 
@@ -282,39 +280,39 @@ mod tests {
         body
     }
 
-    /// One contact, solved implicitly, is the inelastic collision of two masses at a point.
+    /// The implicit solution with one contact is the inelastic collision of two masses at a point.
     #[test]
-    fn a_gathered_contact_is_an_inelastic_collision() {
+    fn one_sticking_contact_is_an_inelastic_collision() {
         let at = Vector3::new(0.4, 0.1, -0.3);
         let film = 0.5;
         let body = free_body();
-        let mut gathered = Gathered::default();
-        let meeting = body.velocity_at(&at);
-        body.gather(&mut gathered, &at, film, None, &(film * meeting));
-        let after = body.after(&gathered);
-        let mut pushed = body.clone();
-        pushed.push(&(-film * after.velocity_at(&at)), &at);
-        assert!((pushed.velocity - after.velocity).norm() < 1e-13);
-        assert!((pushed.spin - after.spin).norm() < 1e-13);
+        let mut coupled = CoupledFilm::default();
+        let relative = body.velocity_at(&at);
+        body.couple(&mut coupled, &at, film, None, &(film * relative));
+        let after = body.after_contact(&coupled);
+        let mut hit = body.clone();
+        hit.apply_impulse_at(&(-film * after.velocity_at(&at)), &at);
+        assert!((hit.velocity - after.velocity).norm() < 1e-13);
+        assert!((hit.spin - after.spin).norm() < 1e-13);
     }
 
-    /// Contact neither slows a driven body down nor turns up in its energy.
+    /// Contact does not change the velocity or the energy of a driven body.
     #[test]
     fn a_driven_body_keeps_its_velocity() {
         let mut driven = RigidBody::driven(Isometry3::translation(0.0, 0.0, 1.0), -0.5);
         let at = Vector3::new(0.1, 0.0, -0.2);
-        let mut gathered = Gathered::default();
-        driven.gather(&mut gathered, &at, 3.0, None, &Vector3::new(1.0, 2.0, 3.0));
-        assert_eq!(driven.after(&gathered).velocity.z, -0.5);
-        driven.push(&Vector3::new(0.0, 0.0, 7.0), &at);
+        let mut coupled = CoupledFilm::default();
+        driven.couple(&mut coupled, &at, 3.0, None, &Vector3::new(1.0, 2.0, 3.0));
+        assert_eq!(driven.after_contact(&coupled).velocity.z, -0.5);
+        driven.apply_impulse_at(&Vector3::new(0.0, 0.0, 7.0), &at);
         driven.kick(1e-3, 0.0);
-        assert_eq!((driven.velocity.z, driven.mobility(&Vector3::z(), &at)), (-0.5, 0.0));
+        assert_eq!((driven.velocity.z, driven.inverse_effective_mass(&Vector3::z(), &at)), (-0.5, 0.0));
         assert_eq!((driven.kinetic_energy(&driven.clone()), driven.potential_energy(9.81)), (0.0, 0.0));
     }
 
-    /// Spinning freely about a general axis: energy and angular momentum stay.
+    /// Free rotation about a general axis.
     #[test]
-    fn a_free_spin_keeps_its_angular_momentum() {
+    fn free_rotation_conserves_energy_and_angular_momentum() {
         let mut free = free_body();
         let start = free.space_inertia() * free.spin;
         let energy = free.kinetic_energy(&free.clone());

@@ -1,15 +1,15 @@
-//! All that one step leaves to the next, as plain numbers: with it a run goes on later as if it had never stopped.
+//! The state of an engine between two steps: a run resumed from it gives the same bits.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::contact::Carried;
+use super::contact::ContactHistory;
 use super::film_history::FilmHistory;
 use super::pressure::Inflated;
 use super::rigid_body::Motion;
 use super::{EnergyLedger, Engine, Film, TimeStep, Vectors};
 
-/// State of an engine between two steps. Forces are not in it: they follow from the rest.
+/// State of an engine between two steps. Forces are left out: they follow from the rest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     /// s.
@@ -22,18 +22,18 @@ pub struct State {
     position: Vectors,
     velocity: Vectors,
     films: Vec<FilmHistory>,
-    impact: Option<(Motion, Carried)>,
+    impact: Option<(Motion, ContactHistory)>,
 }
 
-/// A state that belongs to another scene.
+/// A state of another scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("the state is of another scene: {found} {what} where there are {expected}")]
 pub struct StateMismatch {
-    /// What there is another number of.
+    /// What differs in number.
     pub what: &'static str,
-    /// In the state.
+    /// Number in the state.
     pub found: usize,
-    /// In the engine.
+    /// Number in the engine.
     pub expected: usize,
 }
 
@@ -50,15 +50,15 @@ impl Engine {
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
             films: films.iter().map(Film::save).collect(),
-            impact: impact.as_ref().map(|impact| (impact.body.motion(), impact.contact.carried())),
+            impact: impact.as_ref().map(|impact| (impact.body.motion(), impact.contact.save())),
         }
     }
 
-    /// Puts a state of the same scene back: from here on every step gives the same bits as it would have there.
+    /// Restores a state of the same scene; the steps that follow give the same bits as those that followed it.
     ///
     /// # Errors
-    /// [`StateMismatch`] where the state has other numbers of nodes, faces, integration points or impactors; the engine is
-    /// unchanged then.
+    /// [`StateMismatch`] where the state has other numbers of nodes, faces, integration points or impactors; then the engine is
+    /// unchanged.
     pub fn restore(&mut self, state: State) -> Result<(), StateMismatch> {
         self.check(&state)?;
         self.time = state.time;
@@ -70,9 +70,9 @@ impl Engine {
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;
         self.films.iter_mut().zip(&state.films).for_each(|(film, history)| film.restore(history));
-        if let (Some(impact), Some((motion, carried))) = (&mut self.impact, state.impact) {
-            impact.body.resume(&motion);
-            impact.contact.restore(carried, &self.films);
+        if let (Some(impact), Some((motion, history))) = (&mut self.impact, state.impact) {
+            impact.body.restore(&motion);
+            impact.contact.restore(history, &self.films);
         }
         Ok(())
     }
@@ -88,7 +88,7 @@ impl Engine {
             same("history variables", history.variables(), film.variables())?;
         }
         same("impactors", usize::from(state.impact.is_some()), usize::from(self.impact.is_some()))?;
-        let listed = state.impact.as_ref().is_none_or(|(_, carried)| carried.is_of(nodes));
+        let listed = state.impact.as_ref().is_none_or(|(_, history)| history.fits(nodes));
         same("lists of neighbours", usize::from(listed), 1)
     }
 }

@@ -56,7 +56,7 @@ impl HeldSides {
         [0, 1].map(|axis| {
             let sides = || self.across(axis).filter(|held| !held.nodes.is_empty());
             let copies = if self.mirrored[1 - axis] { 2.0 } else { 1.0 };
-            let inward = |held: &HeldSide| -outward(held.side) * nodes.pull(&held.nodes, axis);
+            let inward = |held: &HeldSide| -outward(held.side) * nodes.total_force(&held.nodes, axis);
             copies * sides().map(inward).sum::<f64>() / sides().count() as f64
         })
     }

@@ -114,7 +114,7 @@ impl SingleElement {
     fn pulled(&mut self, stretch: [f64; 2], dt: f64) -> f64 {
         load(&mut self.film, &mut self.nodes, &self.flat, stretch, dt);
         let (failed, _) = self.film.delete_failed(self.nodes.position.axes());
-        if failed > 0 { 0.0 } else { -self.nodes.pull(&self.sides[0], 0) }
+        if failed > 0 { 0.0 } else { -self.nodes.total_force(&self.sides[0], 0) }
     }
 
     /// Transverse stretch in equilibrium where the film is stretched by `along` within `dt` (s), searched from `guess`.
@@ -122,7 +122,7 @@ impl SingleElement {
         let mut nodes = self.nodes.clone();
         let mut unbalanced = |across: f64| {
             load(&mut self.film.clone(), &mut nodes, &self.flat, [along, across], dt);
-            let [pull, across] = [0, 1].map(|axis| -nodes.pull(&self.sides[axis], axis));
+            let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
             if across.abs() <= FORCE_TOLERANCE * pull.abs() { 0.0 } else { across }
         };
         let bracket = bracket(guess, &mut unbalanced)?;

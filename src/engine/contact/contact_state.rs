@@ -1,48 +1,49 @@
-//! A look at the whole touch, for the audit.
+//! The present state of contact: penetration, element size, contact at the frame.
 
 use nalgebra::{Isometry3, Point3};
 
 use super::Contact;
-use super::near::NearElement;
+use super::neighbours::NeighbourElement;
 use crate::engine::nodes::Nodes;
 
-/// What a look at the present touch found.
+/// State of contact at one time.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ContactState {
-    /// Deepest point of film in the impactor, m.
+    /// Largest penetration of a point of film, m.
     pub penetration: f64,
-    /// Longest edge of an element in touch, m.
+    /// Longest edge of an element in contact, m.
     pub longest_edge: f64,
-    /// Whether a node that is held lies inside.
+    /// Whether a held node penetrates the impactor.
     pub frame_hit: bool,
 }
 
 impl Contact {
-    /// Smallest distance from any node, within its film, to the impactor at `pose`, m; negative inside.
+    /// Smallest gap between the impactor at `pose` and the film at any node, m; negative where a node penetrates.
     pub fn smallest_gap(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> f64 {
-        let gap = |n: usize| self.surface.touch(pose, &nodes.place(n)).gap - self.offset[n];
+        let gap = |n: usize| self.surface.project(pose, &nodes.position_of(n)).distance - self.offset[n];
         (0..nodes.position.len()).map(gap).fold(f64::INFINITY, f64::min)
     }
 
-    /// Looks at the whole touch as it is now.
+    /// The state of contact with the impactor at `pose`.
     pub fn state(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> ContactState {
         let mut out = ContactState::default();
         let tolerance = 1e-4 * self.surface.size();
-        for NearElement { corners, .. } in &self.near.elements {
-            let places = corners.map(|n| nodes.place(n as usize));
+        for NeighbourElement { corners, .. } in &self.neighbours.elements {
+            let positions = corners.map(|n| nodes.position_of(n as usize));
             let offset = self.offset[corners[0] as usize];
-            let edge = longest_edge(&places);
-            if edge <= out.longest_edge && self.surface.deepest_at_most(pose, &places) <= out.penetration - offset {
+            let edge = longest_edge(&positions);
+            if edge <= out.longest_edge && self.surface.penetration_bound(pose, &positions) <= out.penetration - offset
+            {
                 continue;
             }
-            let Some(found) = self.surface.deepest(pose, &places, offset + tolerance) else { continue };
-            out.penetration = out.penetration.max(offset - found.touch.gap);
+            let Some(found) = self.surface.deepest_point(pose, &positions, offset + tolerance) else { continue };
+            out.penetration = out.penetration.max(offset - found.projection.distance);
             out.longest_edge = out.longest_edge.max(edge);
         }
         let held = |n: &&u32| nodes.is_held(**n as usize);
-        out.frame_hit = self.near.nodes.iter().filter(held).any(|n| {
-            let gap = self.surface.touch(pose, &nodes.place(*n as usize)).gap;
-            gap < self.offset[*n as usize] - tolerance
+        out.frame_hit = self.neighbours.nodes.iter().filter(held).any(|n| {
+            let distance = self.surface.project(pose, &nodes.position_of(*n as usize)).distance;
+            distance < self.offset[*n as usize] - tolerance
         });
         out
     }

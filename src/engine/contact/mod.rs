@@ -1,94 +1,96 @@
-//! Contact between the impactor and the film, met kinematically.
+//! Kinematic contact between the impactor and the film.
 //!
-//! After the forces of a step have acted, every node whose position at the end of the step would lie inside the impactor
-//! gets the momentum that puts it on the surface, and the impactor gives that momentum (theory.md, section 6). There is no
-//! penalty stiffness to guess: nodes do not penetrate, and nothing is added to the frequency that limits the time step.
-//! Friction is the tangential momentum that makes a node follow the surface, bounded by μ times the normal one, so a
-//! node within the bound sticks without creep.
+//! Predictor: every node whose position at the end of the step lies inside the impactor violates a contact constraint.
+//! Corrector: it gets the impulse that puts it onto the surface, and the impactor gets the opposite (theory.md, section 6).
+//! There is no penalty stiffness: nodes do not penetrate, and the stable time step stays that of the film. Friction is
+//! the tangential impulse that stops the slip of a node, bounded by μ times the normal one, so that a sticking node does not
+//! creep.
 //!
-//! Faces between nodes penetrate by the sagitta of their edges. Where that may exceed `FACE_BOUND` of the
-//! impactor's size, or the impactor has edges of its own, the deepest point of each triangle is met in the same way.
+//! Between its nodes an element penetrates by the sagitta of its edges. Where that may exceed [`FACE_PENETRATION`] of the
+//! impactor's size, or the impactor has edges of its own, the deepest point of the element is constrained as well.
 
-mod carried;
-mod damped;
-mod faces;
 mod contact_state;
-mod near;
-mod search;
-mod tally;
-mod touching;
+mod damping;
+mod face_contact;
+mod history;
+mod impulse_sums;
+mod neighbours;
+mod node_contact;
+mod surface;
 
-pub(super) use carried::Carried;
 pub use contact_state::ContactState;
-pub use search::{Surface, SurfaceError};
+pub(super) use history::ContactHistory;
+pub use surface::{Surface, SurfaceError};
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::disjoint::Disjoint;
 use super::film::Film;
-use super::nodes::{Nodes, Remembered, Vectors};
+use super::nodes::{Nodes, Vectors, VelocityRecord};
 use super::rigid_body::RigidBody;
 use super::thread_pool::ThreadPool;
-use near::NearList;
-use tally::Tally;
-use touching::{Giving, Looking, Piece};
+use impulse_sums::ImpulseSums;
+use neighbours::NeighbourList;
+use node_contact::{Corrector, NodeContacts, Predictor};
 
 /// Contact of one impactor with all faces of film.
 pub struct Contact {
     surface: Surface,
     friction: f64,
-    /// How many mirror images of the film the impactor meets.
+    /// Number of mirror images of the film.
     multiplicity: f64,
-    /// Distance of each node's mid-surface from the impactor when in touch, m: the film in between.
+    /// Distance of each node's mid-surface from the impactor in contact, m: the film in between.
     offset: Vec<f64>,
-    near: NearList,
-    /// The surface's normal at each node near it, zero elsewhere.
+    neighbours: NeighbourList,
+    /// The surface's normal at each node next to it, zero elsewhere.
     normals: Vec<Vector3<f64>>,
-    /// Velocity of the nodes near it half a step earlier, m/s.
-    earlier: Vectors,
-    /// Velocity of each remembered node after this step if it were not met, m/s; only with damping.
-    unmet: Vec<Vector3<f64>>,
-    pieces: Vec<Piece>,
-    /// Sums since the start, J.
+    /// Velocity of the nodes of the list half a step earlier, m/s.
+    previous_velocity: Vectors,
+    /// Predicted velocity of each of the list's impulse nodes, m/s; with damping only.
+    predicted: Vec<Vector3<f64>>,
+    /// Of each range of the neighbour list.
+    contacts: Vec<NodeContacts>,
+    /// Work since the start.
     pub work: Work,
 }
 
-/// Penetration of a face between its nodes that is left alone, over the impactor's size: a little less than what is
-/// warned of.
-const FACE_BOUND: f64 = 0.008;
+/// Allowed penetration of a face between its nodes over the impactor's size: below the one that gives a warning.
+const FACE_PENETRATION: f64 = 0.008;
 
-/// Share of [`FACE_BOUND`] from which the sagitta of an element is watched.
-const WATCHED_FROM: f64 = 0.7;
+/// Sagitta of an element over [`FACE_PENETRATION`] from which its deepest point is determined.
+const SAGITTA_SHARE: f64 = 0.7;
 
-/// Nodes near the impactor that one thread looks at together.
-const PIECE: usize = 256;
+/// Nodes of a range of the neighbour list.
+const NODES_PER_RANGE: usize = 256;
 
-/// What went through contact since the start, J.
+/// Running totals of the work of contact, J.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Work {
-    /// Given by the impactor.
-    pub given: f64,
-    /// Lost where nodes first meet the surface.
+    /// Done by the impactor on the film.
+    pub on_film: f64,
+    /// Dissipated where nodes come into contact.
     pub impact_loss: f64,
-    /// Lost by sliding.
+    /// Dissipated by friction.
     pub friction_loss: f64,
-    /// Momentum given to the impactor along z, N s.
+    /// Momentum transferred to the impactor along z, N s.
     pub impulse: f64,
-    /// Half of what was given in the last step: it belongs to the half step after the full one.
+    /// Half the work of the last step: it belongs to the half step after the full one.
     pub ahead: f64,
 }
 
-/// What one node got from the impactor in this step, N s.
+/// The impulse on a node in one step, N s.
 struct Impulse {
     node: usize,
+    /// From the body's centre of mass, m.
     arm: Vector3<f64>,
     normal: Vector3<f64>,
     tangential: Vector3<f64>,
 }
 
 impl Contact {
-    /// Contact of `surface` with film whose nodes keep `offset` (m) from it; `multiplicity` mirror images count.
+    /// Contact of `surface` with film whose nodes are `offset` (m) from it in contact, counted for `multiplicity` mirror
+    /// images, with the coefficient `friction`.
     pub fn new(surface: Surface, friction: f64, multiplicity: f64, offset: Vec<f64>) -> Contact {
         let nodes = offset.len();
         Contact {
@@ -96,11 +98,11 @@ impl Contact {
             friction,
             multiplicity,
             offset,
-            near: NearList::default(),
+            neighbours: NeighbourList::default(),
             normals: vec![Vector3::zeros(); nodes],
-            earlier: Vectors::zero(nodes),
-            unmet: vec![],
-            pieces: vec![],
+            previous_velocity: Vectors::zero(nodes),
+            predicted: vec![],
+            contacts: vec![],
             work: Work::default(),
         }
     }
@@ -110,30 +112,33 @@ impl Contact {
         &self.surface
     }
 
-    /// Tells that film and impactor moved towards each other by at most `distance` (m).
-    pub(in crate::engine) fn moved(&mut self, distance: f64) {
-        self.near.margin -= distance;
-        self.near.pace = distance;
+    /// Reduces the skin of the neighbour list by a relative motion of film and impactor of at most `distance` (m).
+    pub(super) fn reduce_skin(&mut self, distance: f64) {
+        self.neighbours.margin -= distance;
+        self.neighbours.last_motion = distance;
     }
 
     /// Invalidates the neighbour list, after elements have failed.
-    pub(in crate::engine) fn forget(&mut self) {
-        self.near.margin = -1.0;
+    pub(super) fn invalidate_neighbours(&mut self) {
+        self.neighbours.margin = -1.0;
     }
 
-    /// Looks around before the nodes move: lists neighbours where that is due. What comes back takes their velocities.
-    pub(super) fn prepare(&mut self, films: &[Film], nodes: &Nodes, body: &RigidBody) -> Remembered<'_> {
-        // Nodes are looked at where they will be at the end of the step, so one more step has to fit in the skin.
-        if self.near.margin.is_nan() || self.near.margin <= self.near.pace {
+    /// Rebuilds the neighbour list where that is due, before the nodes move. Returns where they record their velocities.
+    pub(super) fn prepare(&mut self, films: &[Film], nodes: &Nodes, body: &RigidBody) -> VelocityRecord<'_> {
+        // Nodes are projected from where they are at the end of the step, so one more step has to fit in the skin.
+        if self.neighbours.margin.is_nan() || self.neighbours.margin <= self.neighbours.last_motion {
             self.list_neighbours(films, nodes, &body.pose);
         }
-        Remembered { nodes: &self.near.remembered, velocity: self.earlier.axes_mut().map(Disjoint::new) }
+        VelocityRecord {
+            nodes: &self.neighbours.impulse_nodes,
+            velocity: self.previous_velocity.axes_mut().map(Disjoint::new),
+        }
     }
 
-    /// Corrects the velocities of nodes and body, and the places of nodes, so that no node is inside at the end of the step
-    /// of `dt` s. The nodes stand there already, the body stands where it was; `before` is its motion before the forces of
-    /// this step. Returns the largest speed of a node that was met, m/s.
-    pub(in crate::engine) fn meet(
+    /// Corrects the velocities of nodes and body and the positions of nodes so that no node penetrates at the end of the
+    /// step of `dt` (s). The nodes have their predicted positions, the body has not moved; `before` is its motion before the
+    /// forces of this step. Returns the largest speed of a node in contact, m/s.
+    pub(super) fn resolve(
         &mut self,
         nodes: &mut Nodes,
         body: &mut RigidBody,
@@ -141,72 +146,85 @@ impl Contact {
         dt: f64,
         pool: &ThreadPool,
     ) -> f64 {
-        self.pieces.resize_with(self.near.pieces.len(), Piece::default);
-        self.find_touching(nodes, body, dt, pool);
-        let ahead = self.body_ahead(body);
-        self.give(nodes, body, &ahead, dt, pool);
-        let mut given = self.total();
-        body.push_about(&(-self.multiplicity * given.impulse()), &(-self.multiplicity * given.moment()));
-        if self.meet_faces(nodes, body, dt) {
-            given = self.total();
+        self.contacts.resize_with(self.neighbours.ranges.len(), NodeContacts::default);
+        self.predict(nodes, body, dt, pool);
+        let corrected = self.corrected_body(body);
+        self.correct_nodes(nodes, body, &corrected, dt, pool);
+        let mut sums = self.impulse_sums();
+        body.apply_impulse(&(-self.multiplicity * sums.impulse()), &(-self.multiplicity * sums.moment()));
+        if self.resolve_faces(nodes, body, dt) {
+            sums = self.impulse_sums();
         }
-        self.work.add(&given, self.multiplicity, body, before);
-        self.pieces.iter().map(|piece| piece.fastest).fold(0.0, f64::max).sqrt()
+        self.work.add(&sums, self.multiplicity, body, before);
+        self.contacts.iter().map(|contacts| contacts.largest_speed_squared).fold(0.0, f64::max).sqrt()
     }
 
-    /// What all pieces gave.
-    fn total(&self) -> Tally {
-        self.pieces.iter().fold(Tally::default(), |sum, piece| sum + piece.tally)
+    /// Sums over the impulses of all ranges.
+    fn impulse_sums(&self) -> ImpulseSums {
+        self.contacts.iter().fold(ImpulseSums::default(), |sums, contacts| sums + contacts.sums)
     }
 
-    /// Nodes that lie inside.
-    fn find_touching(&mut self, nodes: &Nodes, body: &RigidBody, dt: f64, pool: &ThreadPool) {
-        let near = &self.near;
+    /// Finds the nodes that would penetrate at the end of the step.
+    fn predict(&mut self, nodes: &Nodes, body: &RigidBody, dt: f64, pool: &ThreadPool) {
+        let list = &self.neighbours;
         let mut body = body.clone();
         body.pose = body.predicted(dt);
-        let looking = Looking {
+        let predictor = Predictor {
             surface: &self.surface,
             friction: self.friction,
             multiplicity: self.multiplicity,
             offset: &self.offset,
-            normals: (!near.watched.is_empty()).then(|| Disjoint::new(&mut self.normals)),
+            normals: (!list.face_candidates.is_empty()).then(|| Disjoint::new(&mut self.normals)),
             nodes,
             body: &body,
             per_second: 1.0 / dt,
         };
-        let pieces = Disjoint::new(&mut self.pieces);
-        pool.each(near.pieces.len(), |part| {
-            // SAFETY: every piece comes up once.
-            let piece = unsafe { pieces.at(part) };
-            touching::find(pool.width(), &looking, &near.nodes[near.pieces[part].clone()], piece);
+        let contacts = Disjoint::new(&mut self.contacts);
+        pool.each(list.ranges.len(), |part| {
+            // SAFETY: every range comes up once.
+            let contacts = unsafe { contacts.at(part) };
+            node_contact::predict(pool.width(), &predictor, &list.nodes[list.ranges[part].clone()], contacts);
         });
     }
 
-    /// The body as it will move once all touching nodes have taken their momentum.
-    fn body_ahead(&self, body: &RigidBody) -> RigidBody {
-        let mut touching = self.pieces.iter().filter(|piece| piece.is_touched());
-        let Some(first) = touching.next() else { return body.clone() };
-        let all = touching.fold(first.gathered.clone(), |all, piece| all.and(&piece.gathered));
-        body.after(&all)
+    /// The body as it moves once all node contacts have acted on it (theory.md, equation 20).
+    fn corrected_body(&self, body: &RigidBody) -> RigidBody {
+        let mut active = self.contacts.iter().filter(|contacts| contacts.is_active());
+        let Some(first) = active.next() else { return body.clone() };
+        let all = active.fold(first.coupled_film.clone(), |all, contacts| all.and(&contacts.coupled_film));
+        body.after_contact(&all)
     }
 
-    /// Gives the touching nodes the momentum with which they follow the body as it will move `ahead`, moves them on, and adds up
-    /// what went through them.
-    fn give(&mut self, nodes: &mut Nodes, body: &RigidBody, ahead: &RigidBody, dt: f64, pool: &ThreadPool) {
-        let pieces = Disjoint::new(&mut self.pieces);
-        let (friction, earlier, nodes) = (self.friction, &self.earlier, nodes.met());
-        let keep = !self.near.watched.is_empty();
-        let giving = Giving { friction, earlier, nodes, body, ahead, dt, keep };
-        pool.each(self.near.pieces.len(), |part| {
-            // SAFETY: every piece comes up once.
-            touching::give(pool.width(), &giving, unsafe { pieces.at(part) });
+    /// Gives the penetrating nodes the impulses with which they follow the `corrected` body, moves them on, and sums the
+    /// impulses.
+    fn correct_nodes(
+        &mut self,
+        nodes: &mut Nodes,
+        body: &RigidBody,
+        corrected: &RigidBody,
+        dt: f64,
+        pool: &ThreadPool,
+    ) {
+        let contacts = Disjoint::new(&mut self.contacts);
+        let corrector = Corrector {
+            friction: self.friction,
+            previous_velocity: &self.previous_velocity,
+            nodes: nodes.correction(),
+            body,
+            corrected,
+            dt,
+            lists_impulses: !self.neighbours.face_candidates.is_empty(),
+        };
+        pool.each(self.neighbours.ranges.len(), |part| {
+            // SAFETY: every range comes up once.
+            node_contact::correct(pool.width(), &corrector, unsafe { contacts.at(part) });
         });
     }
 
-    /// Nodes that the impactor touched in the last step.
+    /// Nodes that were in contact in the last step, themselves or as corners of an element.
     pub fn nodes_in_contact(&self) -> impl Iterator<Item = usize> + '_ {
-        let kept = self.pieces.iter().flat_map(|piece| &piece.impulses).map(|impulse| impulse.node);
-        let given = self.pieces.iter().filter(|_| self.near.watched.is_empty()).flat_map(Piece::touched);
-        kept.chain(given)
+        let listed = self.contacts.iter().flat_map(|contacts| &contacts.impulses).map(|impulse| impulse.node);
+        let unlisted = self.contacts.iter().filter(|_| self.neighbours.face_candidates.is_empty());
+        listed.chain(unlisted.flat_map(NodeContacts::active_nodes))
     }
 }

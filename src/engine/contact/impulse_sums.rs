@@ -1,4 +1,4 @@
-//! Work of the impulses of a step.
+//! Sums over the impulses of a step, and their work.
 
 use std::ops::Add;
 
@@ -8,27 +8,27 @@ use super::{Impulse, Work};
 use crate::engine::rigid_body::RigidBody;
 use crate::lane::{LANES, Lane, Lane3, cross, dot};
 
-/// Sums over impulses: all that the work of a step needs besides the motion of the body.
+/// Sums over the impulses on the film, from which their work follows with the motion of the body.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally {
+pub(super) struct ImpulseSums {
     normal: Sum,
     tangential: Sum,
 }
 
-/// Sum over one kind of impulse.
+/// Sum over the impulses of one direction.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     /// N s.
     impulse: Vector3<f64>,
     /// About the centre of mass, N m s.
     moment: Vector3<f64>,
-    /// Times the mean of the film's velocities before and after, J.
+    /// Work on the film: times the mean of its velocities before and after, J.
     film: f64,
 }
 
-/// The same, a sum a lane.
+/// The same sums, one a lane.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LaneTally {
+pub(super) struct LaneImpulseSums {
     normal: LaneSum,
     tangential: LaneSum,
 }
@@ -40,8 +40,8 @@ struct LaneSum {
     film: Lane,
 }
 
-impl LaneTally {
-    /// Adds impulses, a lane each, on film that moved at `film` (m/s) in the mean of the velocities before and after.
+impl LaneImpulseSums {
+    /// Adds impulses, a lane each, on film whose velocities before and after have the mean `film` (m/s).
     #[inline(always)]
     pub(super) fn add(&mut self, normal: &Lane3, tangential: &Lane3, arm: &Lane3, film: &Lane3) {
         for (sum, part) in [(&mut self.normal, normal), (&mut self.tangential, tangential)] {
@@ -59,18 +59,18 @@ impl LaneTally {
     }
 
     /// The sums over all lanes.
-    pub(super) fn total(&self) -> Tally {
+    pub(super) fn total(&self) -> ImpulseSums {
         let sum = |of: &LaneSum| Sum {
             impulse: of.impulse.map(|axis| axis.iter().sum()).into(),
             moment: of.moment.map(|axis| axis.iter().sum()).into(),
             film: of.film.iter().sum(),
         };
-        Tally { normal: sum(&self.normal), tangential: sum(&self.tangential) }
+        ImpulseSums { normal: sum(&self.normal), tangential: sum(&self.tangential) }
     }
 }
 
-impl Tally {
-    /// Adds an impulse on film that moved at `film` (m/s) in the mean of the velocities before and after.
+impl ImpulseSums {
+    /// Adds an impulse on film whose velocities before and after have the mean `film` (m/s).
     #[inline(always)]
     pub(super) fn add(&mut self, impulse: &Impulse, film: &Vector3<f64>) {
         for (sum, part) in [(&mut self.normal, &impulse.normal), (&mut self.tangential, &impulse.tangential)] {
@@ -79,40 +79,38 @@ impl Tally {
             sum.film += part.dot(film);
         }
     }
-}
 
-impl Tally {
-    /// N s.
+    /// Sum of the impulses, N s.
     pub(super) fn impulse(&self) -> Vector3<f64> {
         self.normal.impulse + self.tangential.impulse
     }
 
-    /// About the centre of mass, N m s.
+    /// Sum of their moments about the centre of mass, N m s.
     pub(super) fn moment(&self) -> Vector3<f64> {
         self.normal.moment + self.tangential.moment
     }
 }
 
-impl Add for Tally {
-    type Output = Tally;
+impl Add for ImpulseSums {
+    type Output = ImpulseSums;
 
-    fn add(self, other: Tally) -> Tally {
+    fn add(self, other: ImpulseSums) -> ImpulseSums {
         let both =
             |a: Sum, b: Sum| Sum { impulse: a.impulse + b.impulse, moment: a.moment + b.moment, film: a.film + b.film };
-        Tally { normal: both(self.normal, other.normal), tangential: both(self.tangential, other.tangential) }
+        ImpulseSums { normal: both(self.normal, other.normal), tangential: both(self.tangential, other.tangential) }
     }
 }
 
 impl Work {
-    /// Adds a step's impulses, each times the mean of the velocities before and after it (theory.md, equation 22); the body
-    /// moved as `before`, then as `after`.
-    pub(super) fn add(&mut self, tally: &Tally, multiplicity: f64, after: &RigidBody, before: &RigidBody) {
+    /// Adds the work of the impulses of a step, each times the mean of the velocities before and after it (theory.md,
+    /// equation 22), of a body that moved as `before`, then as `after`.
+    pub(super) fn add(&mut self, sums: &ImpulseSums, multiplicity: f64, after: &RigidBody, before: &RigidBody) {
         let surface = |sum: &Sum| after.work_of(&sum.impulse, &sum.moment, before);
-        let (normal, tangential) = (surface(&tally.normal), surface(&tally.tangential));
-        self.impulse -= multiplicity * (tally.normal.impulse.z + tally.tangential.impulse.z);
-        self.given += multiplicity * (normal + tangential);
+        let (normal, tangential) = (surface(&sums.normal), surface(&sums.tangential));
+        self.impulse -= multiplicity * (sums.normal.impulse.z + sums.tangential.impulse.z);
+        self.on_film += multiplicity * (normal + tangential);
         self.ahead = 0.5 * multiplicity * (normal + tangential);
-        self.impact_loss += multiplicity * (normal - tally.normal.film);
-        self.friction_loss += multiplicity * (tangential - tally.tangential.film);
+        self.impact_loss += multiplicity * (normal - sums.normal.film);
+        self.friction_loss += multiplicity * (tangential - sums.tangential.film);
     }
 }

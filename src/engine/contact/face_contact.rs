@@ -1,0 +1,208 @@
+//! Face contact: elements that penetrate between their nodes.
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::impulse_sums::ImpulseSums;
+use super::neighbours::NeighbourElement;
+use super::{Contact, FACE_PENETRATION, Impulse, SAGITTA_SHARE};
+use crate::engine::nodes::Nodes;
+use crate::engine::rigid_body::RigidBody;
+
+/// Share of a penetration beyond the allowed one that is recovered in one step, so that an element which is already too
+/// deep when it is listed does not gain velocity.
+const RECOVERY: f64 = 0.02;
+
+/// Largest number of Gauss–Seidel sweeps in a step.
+const SWEEPS: usize = 10;
+
+/// Change of impulse in a sweep, over the largest impulse, below which the sweeps have converged.
+const TOLERANCE: f64 = 1e-3;
+
+/// A contact constraint: the least normal velocity of a node, or of the deepest point of an element, over the surface.
+struct Constraint {
+    nodes: [usize; 4],
+    weights: [f64; 4],
+    normal: Vector3<f64>,
+    arm: Vector3<f64>,
+    /// Relative velocity per impulse, 1/kg.
+    inverse_effective_mass: f64,
+    /// Least normal velocity over the surface, m/s.
+    target: f64,
+    /// Sum over the sweeps, N s.
+    normal_impulse: f64,
+    /// Sum over the sweeps, N s.
+    tangential_impulse: Vector3<f64>,
+}
+
+/// Parameters of a sweep.
+struct Sweep {
+    multiplicity: f64,
+    friction: f64,
+    /// s.
+    dt: f64,
+}
+
+impl Constraint {
+    /// Velocity of the point over the surface, m/s.
+    fn relative_velocity(&self, nodes: &Nodes, body: &RigidBody) -> Vector3<f64> {
+        let film = (0..4).filter(|a| self.weights[*a] > 0.0);
+        let film: Vector3<f64> = film.map(|a| nodes.velocity_of(self.nodes[a]) * self.weights[a]).sum();
+        film - body.velocity_at(&self.arm)
+    }
+
+    /// Applies `impulse` (N s) to the film, whose positions follow, and its opposite to the body.
+    fn apply(&self, impulse: Vector3<f64>, nodes: &mut Nodes, body: &mut RigidBody, sweep: &Sweep) {
+        for (n, weight) in self.nodes.iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0) {
+            nodes.apply_impulse(*n, &(impulse * weight), sweep.dt);
+        }
+        body.apply_impulse_at(&(-sweep.multiplicity * impulse), &self.arm);
+    }
+
+    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which stays
+    /// within Coulomb's cone. Returns the size of the change, N s.
+    fn solve(&mut self, nodes: &mut Nodes, body: &mut RigidBody, sweep: &Sweep) -> f64 {
+        let violation = self.target - self.relative_velocity(nodes, body).dot(&self.normal);
+        let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
+        let normal_change = normal_impulse - self.normal_impulse;
+        self.apply(self.normal * normal_change, nodes, body, sweep);
+        self.normal_impulse = normal_impulse;
+
+        let relative = self.relative_velocity(nodes, body);
+        let slip = relative - self.normal * relative.dot(&self.normal);
+        let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
+        let bound = sweep.friction * normal_impulse;
+        let tangential_impulse = if sticking.norm() <= bound { sticking } else { sticking * (bound / sticking.norm()) };
+        let tangential_change = tangential_impulse - self.tangential_impulse;
+        self.apply(tangential_change, nodes, body, sweep);
+        self.tangential_impulse = tangential_impulse;
+        normal_change.abs().max(tangential_change.norm())
+    }
+
+    /// The impulses on its nodes.
+    fn impulses(self) -> impl Iterator<Item = Impulse> {
+        (0..4).filter(move |a| self.weights[*a] > 0.0).map(move |a| Impulse {
+            node: self.nodes[a],
+            arm: self.arm,
+            normal: self.normal * (self.normal_impulse * self.weights[a]),
+            tangential: self.tangential_impulse * self.weights[a],
+        })
+    }
+}
+
+impl Contact {
+    /// Limits the penetration of every candidate element to [`FACE_PENETRATION`]: Gauss–Seidel sweeps over the constraints
+    /// at the deepest point of each and at the nodes in contact (theory.md, section 6). Whether there was a face contact,
+    /// so that the impulses have changed.
+    pub(super) fn resolve_faces(&mut self, nodes: &mut Nodes, body: &mut RigidBody, dt: f64) -> bool {
+        if self.neighbours.face_candidates.is_empty() {
+            return false;
+        }
+        let pose = body.predicted(dt);
+        let candidates = self.neighbours.face_candidates.iter().filter(|element| !self.has_small_sagitta(element));
+        let faces: Vec<Constraint> =
+            candidates.filter_map(|element| self.face_constraint(element.corners, nodes, body, &pose, dt)).collect();
+        if faces.is_empty() {
+            return false;
+        }
+        let at_nodes = self.contacts.iter().flat_map(|contacts| &contacts.impulses);
+        let mut constraints: Vec<Constraint> =
+            at_nodes.map(|impulse| self.node_constraint(impulse, nodes, body)).chain(faces).collect();
+        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
+        for _ in 0..SWEEPS {
+            let (mut change, mut largest) = (0.0_f64, 0.0_f64);
+            for constraint in &mut constraints {
+                change = change.max(constraint.solve(nodes, body, &sweep));
+                largest = largest.max(constraint.normal_impulse);
+            }
+            if change <= TOLERANCE * largest {
+                break;
+            }
+        }
+        let active = constraints.into_iter().filter(|constraint| constraint.normal_impulse > 0.0);
+        self.replace_impulses(nodes, active.flat_map(Constraint::impulses));
+        true
+    }
+
+    /// Replaces the impulses of the node contacts by `impulses`, of which a node may have several.
+    fn replace_impulses(&mut self, nodes: &Nodes, impulses: impl Iterator<Item = Impulse>) {
+        for contacts in &mut self.contacts {
+            contacts.impulses.clear();
+            (contacts.sums, contacts.largest_speed_squared) = (ImpulseSums::default(), 0.0);
+        }
+        let Some(first) = self.contacts.first_mut() else { return };
+        for impulse in impulses {
+            let after = nodes.velocity_of(impulse.node);
+            first.largest_speed_squared = first.largest_speed_squared.max(after.norm_squared());
+            let mean = 0.5 * (after + Vector3::from(self.previous_velocity.at(impulse.node)));
+            first.sums.add(&impulse, &mean);
+            first.impulses.push(impulse);
+        }
+    }
+
+    /// Whether the normals of the surface at the corners of an element differ so little that its sagitta, (longest line)
+    /// times angle over 8, is well below the allowed penetration.
+    fn has_small_sagitta(&self, element: &NeighbourElement) -> bool {
+        let normals = element.corners.map(|n| self.normals[n as usize]);
+        let least_cosine = normals[1..].iter().map(|n| normals[0].dot(n)).fold(normals[1].dot(&normals[3]), f64::min);
+        let sagitta = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * self.surface.size();
+        2.0 * (1.0 - least_cosine) * element.longest_squared < sagitta * sagitta
+    }
+
+    /// The constraint of a node contact, with its `impulse`.
+    fn node_constraint(&self, impulse: &Impulse, nodes: &Nodes, body: &RigidBody) -> Constraint {
+        let normal_impulse = impulse.normal.norm();
+        let normal = impulse.normal / normal_impulse;
+        let mut constraint = Constraint {
+            nodes: [impulse.node; 4],
+            weights: [1.0, 0.0, 0.0, 0.0],
+            normal,
+            arm: impulse.arm,
+            inverse_effective_mass: 1.0 / nodes.mass[impulse.node]
+                + self.multiplicity * body.inverse_effective_mass(&normal, &impulse.arm),
+            target: 0.0,
+            normal_impulse,
+            tangential_impulse: impulse.tangential,
+        };
+        constraint.target = constraint.relative_velocity(nodes, body).dot(&normal);
+        constraint
+    }
+
+    /// The constraint at the deepest point of an element, if it would penetrate too far. None for an element with a held
+    /// corner: it cannot yield, and the frame behind it is not modelled.
+    fn face_constraint(
+        &self,
+        corners: [u32; 4],
+        nodes: &Nodes,
+        body: &RigidBody,
+        pose: &Isometry3<f64>,
+        dt: f64,
+    ) -> Option<Constraint> {
+        let corners = corners.map(|n| n as usize);
+        if corners.iter().any(|n| nodes.is_held(*n)) {
+            return None;
+        }
+        let positions = corners.map(|n| nodes.position_of(n));
+        let bound = self.offset[corners[0]] - FACE_PENETRATION * self.surface.size();
+        let found = self.surface.deepest_point(pose, &positions, bound)?;
+        let (weights, normal) = (found.weights, found.projection.normal);
+        let point: Vector3<f64> = (0..4).map(|a| positions[a].coords * weights[a]).sum();
+        let arm = point - pose.translation.vector;
+        let inverse_mass = |a: usize| weights[a].powi(2) / nodes.mass[corners[a]];
+        let inverse_effective_mass =
+            (0..4).map(inverse_mass).sum::<f64>() + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
+        let mut constraint = Constraint {
+            nodes: corners,
+            weights,
+            normal,
+            arm,
+            inverse_effective_mass,
+            target: 0.0,
+            normal_impulse: 0.0,
+            tangential_impulse: Vector3::zeros(),
+        };
+        let to_bound =
+            constraint.relative_velocity(nodes, body).dot(&normal) + (bound - found.projection.distance) / dt;
+        constraint.target = if to_bound > 0.0 { RECOVERY * to_bound } else { to_bound };
+        Some(constraint)
+    }
+}

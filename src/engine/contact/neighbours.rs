@@ -1,0 +1,131 @@
+//! The neighbour list: nodes and elements that may come into contact before it is rebuilt.
+
+use std::ops::Range;
+
+use nalgebra::{Isometry3, Point3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::{Contact, FACE_PENETRATION, NODES_PER_RANGE, SAGITTA_SHARE};
+use crate::engine::film::Film;
+use crate::engine::nodes::Nodes;
+
+/// Skin of the neighbour list over the impactor's size.
+const SKIN: f64 = 0.04;
+
+/// Nodes and elements within the skin around the impactor.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct NeighbourList {
+    /// Ascending.
+    pub(super) nodes: Vec<u32>,
+    /// Ranges of `nodes`, each a task of one thread, none of them on two faces.
+    #[serde(skip)]
+    pub(super) ranges: Vec<Range<usize>>,
+    /// All nodes that may get an impulse: `nodes` and the corners of `face_candidates`, ascending.
+    #[serde(skip)]
+    pub(super) impulse_nodes: Vec<u32>,
+    pub(super) elements: Vec<NeighbourElement>,
+    /// Elements that may penetrate between their nodes by more than is allowed.
+    pub(super) face_candidates: Vec<NeighbourElement>,
+    /// Relative motion of film and impactor that is left until the list is rebuilt, m.
+    pub(super) margin: f64,
+    /// Bound on the relative motion in the last step, m.
+    pub(super) last_motion: f64,
+}
+
+/// An element within the skin.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct NeighbourElement {
+    /// A triangle repeats its last.
+    pub(super) corners: [u32; 4],
+    /// Square of the longest line between two corners when the list was built, m².
+    pub(super) longest_squared: f64,
+}
+
+impl Contact {
+    /// Rebuilds the neighbour list for the present positions.
+    pub(super) fn list_neighbours(&mut self, films: &[Film], nodes: &Nodes, pose: &Isometry3<f64>) {
+        let size = self.surface.size();
+        let skin = SKIN * size;
+        let fine = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * size * size;
+        let centre = Point3::from(pose.translation.vector);
+        let distance_squared = |n: u32| nalgebra::distance_squared(&nodes.position_of(n as usize), &centre);
+        let surface = &self.surface;
+        let within = |n: u32, margin: f64| {
+            let margin = margin + self.offset[n as usize];
+            let radius = surface.bounding_radius() + margin;
+            distance_squared(n) < radius * radius
+                && surface.project(pose, &nodes.position_of(n as usize)).distance < margin
+        };
+        let list = &mut self.neighbours;
+        list.nodes.clear();
+        list.elements.clear();
+        list.face_candidates.clear();
+        for film in films {
+            list.nodes.extend((film.nodes.start as u32..film.nodes.end as u32).filter(|n| within(*n, skin)));
+        }
+        self.normals.fill(Vector3::zeros());
+        for film in films {
+            film.for_each_intact(|corners| {
+                let squared = longest_line_squared(corners, nodes);
+                let longest = squared.sqrt();
+                if !corners.iter().any(|n| within(*n, skin + longest)) {
+                    return;
+                }
+                let corners = [corners[0], corners[1], corners[2], corners[corners.len() - 1]];
+                let element = NeighbourElement { corners, longest_squared: squared };
+                list.elements.push(element);
+                if !surface.is_round() || squared > fine {
+                    list.face_candidates.push(element);
+                }
+            });
+        }
+        list.partition(films);
+        list.margin = skin;
+    }
+}
+
+impl NeighbourList {
+    /// Derives the ranges and the nodes that may get an impulse from the rest of the list.
+    pub(super) fn partition(&mut self, films: &[Film]) {
+        self.ranges.clear();
+        for film in films {
+            let [first, end] = [film.nodes.start, film.nodes.end].map(|n| self.index_of(n));
+            self.ranges.extend((first..end).step_by(NODES_PER_RANGE).map(|from| from..end.min(from + NODES_PER_RANGE)));
+        }
+        if self.ranges.is_empty() {
+            // Face contacts may exist without a node in the list; their impulses need a range.
+            self.ranges.push(0..0);
+        }
+        // Corners of face candidates may lie outside the skin; their impulses enter the energy balance like all others.
+        let mut corners: Vec<u32> = self.face_candidates.iter().flat_map(|element| element.corners).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        self.impulse_nodes.clone_from(&self.nodes);
+        self.impulse_nodes.extend(corners.into_iter().filter(|n| self.nodes.binary_search(n).is_err()));
+        self.impulse_nodes.sort_unstable();
+    }
+
+    /// Index of the first listed node whose number is not below `node`.
+    fn index_of(&self, node: usize) -> usize {
+        self.nodes.partition_point(|n| (*n as usize) < node)
+    }
+
+    /// Whether the list fits a scene of `nodes` nodes: ascending, without duplicates, no number out of range.
+    pub(super) fn fits(&self, nodes: usize) -> bool {
+        let corners = self.elements.iter().chain(&self.face_candidates).flat_map(|element| element.corners);
+        let mut all = self.nodes.iter().copied().chain(corners);
+        self.nodes.is_sorted_by(|a, b| a < b) && all.all(|n| (n as usize) < nodes)
+    }
+}
+
+/// Square of the longest line between any two corners, m².
+fn longest_line_squared(corners: &[u32], nodes: &Nodes) -> f64 {
+    let at = |n: u32| nodes.position_of(n as usize);
+    let mut longest = 0.0_f64;
+    for (k, a) in corners.iter().enumerate() {
+        for b in &corners[k + 1..] {
+            longest = longest.max(nalgebra::distance_squared(&at(*a), &at(*b)));
+        }
+    }
+    longest
+}

@@ -1,0 +1,218 @@
+//! The deepest point of an element in the impactor.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::details::closest_points_segment_segment_with_locations;
+use parry3d_f64::query::{self, PointQuery};
+use parry3d_f64::shape::{Segment, Triangle};
+
+use super::projection::{Projection, nearest_on_axis};
+use super::{Shape, Surface, vector};
+use crate::lane::{larger, smaller};
+
+/// The point of an element with the least signed distance.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::engine::contact) struct DeepestPoint {
+    /// Its projection.
+    pub(in crate::engine::contact) projection: Projection,
+    /// Weights of the element's corners in it.
+    pub(in crate::engine::contact) weights: [f64; 4],
+}
+
+/// Longest diagonal of an element over the impactor's size from which parry's contact of its triangles is queried.
+const COARSE: f64 = 0.25;
+
+/// Weights of the corners at the natural coordinates −⅔, 0, ⅔ of a bilinear element.
+const SAMPLE_WEIGHTS: [[f64; 4]; 9] = {
+    let mut samples = [[0.0; 4]; 9];
+    let mut k = 0;
+    while k < 9 {
+        let (x, y) = ((k % 3) as f64 * (2.0 / 3.0) - 2.0 / 3.0, (k / 3) as f64 * (2.0 / 3.0) - 2.0 / 3.0);
+        samples[k] = [
+            0.25 * (1.0 - x) * (1.0 - y),
+            0.25 * (1.0 + x) * (1.0 - y),
+            0.25 * (1.0 + x) * (1.0 + y),
+            0.25 * (1.0 - x) * (1.0 + y),
+        ];
+        k += 1;
+    }
+    samples
+};
+
+/// Weights of an element's corners at the barycentric coordinates of its triangle between the corners `a`, `b` and the mean
+/// of all corners.
+fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
+    let mut weights = [0.25 * wm; 4];
+    weights[a] += wa;
+    weights[b] += wb;
+    weights
+}
+
+impl Surface {
+    /// Bound on the penetration (m, negative outside) of any point of an element. No point of a triangle is nearer to the axis of
+    /// a capsule, or the centre of a ball, than √(d² − l²/3), with the distance d of the nearest corner and the longest line l;
+    /// other shapes have no bound.
+    pub(in crate::engine::contact) fn penetration_bound(
+        &self,
+        pose: &Isometry3<f64>,
+        corners: &[Point3<f64>; 4],
+    ) -> f64 {
+        if !self.is_round() {
+            return f64::INFINITY;
+        }
+        let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+        let nearest = corners.iter().chain([&mean]).map(|c| self.axis_distance_squared(pose, c));
+        let lines = (0..4).flat_map(|a| [(corners[a], corners[(a + 1) % 4]), (corners[a], mean)]);
+        let longest = lines.map(|(a, b)| nalgebra::distance_squared(&a, &b)).fold(0.0, f64::max);
+        self.size - larger(nearest.fold(f64::INFINITY, f64::min) - longest / 3.0, 0.0).sqrt()
+    }
+
+    /// Squared distance of `point` from the axis of a capsule, from the centre of other shapes, m².
+    fn axis_distance_squared(&self, pose: &Isometry3<f64>, point: &Point3<f64>) -> f64 {
+        let arm = point.coords - pose.translation.vector;
+        match &self.shape {
+            Shape::Capsule(capsule) => {
+                let axis = pose.rotation * Vector3::z();
+                (arm - axis * nearest_on_axis(capsule, arm.dot(&axis))).norm_squared()
+            }
+            Shape::Ball(_) | Shape::Other(_) => arm.norm_squared(),
+        }
+    }
+
+    /// The point of an element with the least signed distance from the body at `pose`; `None` where that is not below `within`
+    /// (m). The element is taken as the four triangles between its edges and the mean of its corners.
+    ///
+    /// The point is exact for balls and capsules. For other shapes it is the deepest of nine points spread over the element and,
+    /// where the element is coarse relative to the shape, of parry's contact with each triangle.
+    pub(in crate::engine::contact) fn deepest_point(
+        &self,
+        pose: &Isometry3<f64>,
+        corners: &[Point3<f64>; 4],
+        within: f64,
+    ) -> Option<DeepestPoint> {
+        let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+        let triangles = (0..4).map(|a| [a, (a + 1) % 4]);
+        let mut best: Option<DeepestPoint> = None;
+        let mut offer = |weights: [f64; 4]| {
+            let point = (0..4).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>();
+            let projection = self.project(pose, &point.into());
+            if projection.distance < best.map_or(within, |b| b.projection.distance) {
+                best = Some(DeepestPoint { projection, weights });
+            }
+        };
+        let shape = match &self.shape {
+            Shape::Ball(_) => {
+                for [a, b] in triangles {
+                    let triangle = self.local(pose, [&corners[a], &corners[b], &mean]);
+                    let nearest = triangle.project_local_point(Vector::ZERO, false).point;
+                    offer(corner_weights(a, b, barycentric(&triangle, nearest)));
+                }
+                return best;
+            }
+            Shape::Capsule(capsule) => {
+                for [a, b] in triangles {
+                    let triangle = self.local(pose, [&corners[a], &corners[b], &mean]);
+                    let nearest = nearest_to_axis(&triangle, &capsule.segment);
+                    offer(corner_weights(a, b, barycentric(&triangle, nearest)));
+                }
+                return best;
+            }
+            Shape::Other(shape) => shape,
+        };
+        SAMPLE_WEIGHTS.iter().for_each(|weights| offer(*weights));
+        let coarse = nalgebra::distance(&corners[0], &corners[2]).max(nalgebra::distance(&corners[1], &corners[3]));
+        if coarse > COARSE * self.size {
+            for [a, b] in triangles {
+                let triangle = self.local(pose, [&corners[a], &corners[b], &mean]);
+                let found = query::contact(&Pose::IDENTITY, &triangle, &Pose::IDENTITY, &**shape, within.max(0.0));
+                if let Ok(Some(contact)) = found {
+                    offer(corner_weights(a, b, barycentric(&triangle, contact.point1)));
+                }
+            }
+        }
+        best
+    }
+
+    /// A triangle in body axes about the centre of mass; that of a ball is not rotated.
+    fn local(&self, pose: &Isometry3<f64>, corners: [&Point3<f64>; 3]) -> Triangle {
+        let arms = corners.map(|c| c.coords - pose.translation.vector);
+        let [a, b, c] = match &self.shape {
+            Shape::Ball(_) => arms.map(|arm| vector(&arm)),
+            Shape::Capsule(_) | Shape::Other(_) => {
+                arms.map(|arm| vector(&pose.rotation.inverse_transform_vector(&arm)))
+            }
+        };
+        Triangle::new(a, b, c)
+    }
+}
+
+/// The point of a triangle nearest to an axis along z that does not intersect it.
+fn nearest_to_axis(triangle: &Triangle, axis: &Segment) -> Vector {
+    let corners = [triangle.a, triangle.b, triangle.c];
+    let under = |end: Vector| triangle.project_local_point(end, false).point;
+    if corners.iter().all(|corner| corner.z <= axis.a.z) {
+        return under(axis.a);
+    }
+    let at_edges = triangle.edges().map(|edge| {
+        let (on_edge, _) = closest_points_segment_segment_with_locations(&Pose::IDENTITY, &edge, axis);
+        edge.point_at(&on_edge)
+    });
+    let candidates = at_edges.into_iter().chain([under(axis.a), under(axis.b)]);
+    let squared = |point: &Vector| (*point - axis.project_local_point(*point, false).point).length_squared();
+    candidates.min_by(|a, b| squared(a).total_cmp(&squared(b))).unwrap_or(triangle.a)
+}
+
+/// Barycentric coordinates of a point of a triangle; the first corner of one without area.
+fn barycentric(triangle: &Triangle, point: Vector) -> [f64; 3] {
+    let (u, v, w) = (triangle.b - triangle.a, triangle.c - triangle.a, point - triangle.a);
+    let (uu, uv, vv, wu, wv) = (u.dot(u), u.dot(v), v.dot(v), w.dot(u), w.dot(v));
+    let determinant = uu * vv - uv * uv;
+    if determinant <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let b = smaller(larger((vv * wu - uv * wv) / determinant, 0.0), 1.0);
+    let c = smaller(larger((uu * wv - uv * wu) / determinant, 0.0), 1.0 - b);
+    [1.0 - b - c, b, c]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::contact::surface::test_shapes;
+
+    /// A square and a triangle (which repeats its last corner), both with a penetration of 1 mm at the tip.
+    #[test]
+    fn the_deepest_point_of_an_element_lies_under_the_tip() {
+        for surface in test_shapes() {
+            let z = surface.lowest() + 1e-3;
+            let [a, b, c, d] = [[-0.5, -0.4], [0.5, -0.4], [0.6, 0.5], [-0.4, 0.6]].map(|[x, y]| Point3::new(x, y, z));
+            for corners in [[a, b, c, d], [a, b, c, c]] {
+                let found = surface.deepest_point(&Isometry3::identity(), &corners, 0.0).unwrap();
+                assert!((found.projection.distance + 1e-3).abs() < 1e-6, "{found:?}");
+                assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    /// Triangles beside, below and above a dart, compared with parry's distance between triangle and axis.
+    #[test]
+    fn the_deepest_point_on_a_capsule_is_the_nearest_to_its_axis() {
+        let surface = &test_shapes()[1];
+        let axis = Segment::new(Vector::new(0.0, 0.0, -0.05), Vector::new(0.0, 0.0, 0.05));
+        let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::new(0.3, 0.2, -0.1));
+        for k in 0..60 {
+            let turn = f64::from(k);
+            let (sin, cos) = (0.7 * turn).sin_cos();
+            let middle = Vector3::new(0.025 * cos, 0.025 * sin, 0.09 * (1.3 * turn).sin());
+            let side = Vector3::new(-sin, cos, 0.4 * (2.1 * turn).cos()) * 0.02;
+            let up = Vector3::new(0.3 * cos, 0.3 * sin, 1.0) * 0.015;
+            let corners = [middle - side, middle + side, middle + up, middle + up].map(|c| pose * Point3::from(c));
+            let Some(found) = surface.deepest_point(&pose, &corners, f64::INFINITY) else { panic!("no point at {k}") };
+            let local = |a: usize| vector(&(pose.inverse() * corners[a]).coords);
+            let triangle = Triangle::new(local(0), local(1), local(2));
+            let distance = query::distance(&Pose::IDENTITY, &triangle, &Pose::IDENTITY, &axis).unwrap().distance;
+            assert!((found.projection.distance + surface.size() - distance).abs() < 1e-7, "{k}: {found:?} {distance}");
+            assert!(surface.penetration_bound(&pose, &corners) >= -found.projection.distance - 1e-12, "{k}");
+        }
+    }
+}

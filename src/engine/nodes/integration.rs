@@ -1,0 +1,210 @@
+//! Time integration of the nodes: kick and drift of central differences (theory.md, equation 15).
+
+use std::ops::Range;
+
+use crate::engine::disjoint::Disjoint;
+use crate::lane::{LANES, Width, at_width, larger, splat};
+
+use super::Nodes;
+use super::vectors::Vectors;
+
+/// Coefficients of a kick, v := decay·v + gain·F/m (theory.md, equation 15).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::engine) struct Kick {
+    /// Factor on the velocities, below one with damping.
+    decay: f64,
+    /// Factor on the accelerations, s.
+    gain: f64,
+}
+
+impl Kick {
+    /// A kick over `dt` (s) with mass-proportional `damping` (1/s).
+    pub(in crate::engine) fn new(dt: f64, damping: f64) -> Kick {
+        let half = 0.5 * damping * dt;
+        Kick { decay: (1.0 - half) / (1.0 + half), gain: dt / (1.0 + half) }
+    }
+}
+
+/// What a step reports of the nodes that it moved.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::engine) struct StepSums {
+    /// Square of the largest speed, m²/s².
+    pub(in crate::engine) largest_speed_squared: f64,
+    /// Σ m v̄² over free directions, with the mean v̄ of the velocities before and after, kg m²/s²; zero without damping.
+    pub(in crate::engine) damped: f64,
+}
+
+impl StepSums {
+    /// The sums over these nodes and others.
+    pub(in crate::engine) fn and(&self, others: &StepSums) -> StepSums {
+        StepSums {
+            largest_speed_squared: larger(self.largest_speed_squared, others.largest_speed_squared),
+            damped: self.damped + others.damped,
+        }
+    }
+}
+
+/// One axis of some nodes while they move.
+struct Axis<'a> {
+    position: &'a mut [f64],
+    velocity: &'a mut [f64],
+    force: &'a mut [f64],
+    /// Acceleration by gravity, m/s².
+    field: f64,
+}
+
+/// Nodes whose values stay in the first-level cache while all axes are moved.
+const CACHED: usize = 256;
+
+/// Nodes that several threads integrate at the same time, each its own range.
+pub(in crate::engine) struct Integration<'a> {
+    position: [Disjoint<'a, f64>; 3],
+    velocity: [Disjoint<'a, f64>; 3],
+    force: [Disjoint<'a, f64>; 3],
+    mass: &'a [f64],
+    inverse_mass: &'a [f64],
+    effective_inverse_mass: &'a Vectors,
+    constrained: &'a [u32],
+    kick: Kick,
+    dt: f64,
+    gravity: f64,
+    record: Option<VelocityRecord<'a>>,
+}
+
+/// Nodes whose velocities are recorded before the kick.
+pub(in crate::engine) struct VelocityRecord<'a> {
+    /// Ascending.
+    pub(in crate::engine) nodes: &'a [u32],
+    /// The recorded velocities, with an entry for every node of the scene, m/s.
+    pub(in crate::engine) velocity: [Disjoint<'a, f64>; 3],
+}
+
+impl Nodes {
+    /// Shares the nodes for a step: velocities enter the `record`, then follow the `kick`, with `gravity` (m/s², downward), and a
+    /// drift over `dt` (s).
+    pub(in crate::engine) fn integration<'a>(
+        &'a mut self,
+        kick: Kick,
+        dt: f64,
+        gravity: f64,
+        record: Option<VelocityRecord<'a>>,
+    ) -> Integration<'a> {
+        Integration {
+            position: self.position.axes_mut().map(Disjoint::new),
+            velocity: self.velocity.axes_mut().map(Disjoint::new),
+            force: self.force.axes_mut().map(Disjoint::new),
+            mass: &self.mass,
+            inverse_mass: &self.inverse_mass,
+            effective_inverse_mass: &self.effective_inverse_mass,
+            constrained: &self.constrained,
+            kick,
+            dt,
+            gravity,
+            record,
+        }
+    }
+}
+
+impl Integration<'_> {
+    /// v := decay·v + gain·(F/m + g), x := x + v Δt, F := 0 for a range of nodes.
+    ///
+    /// # Safety
+    /// No other thread may access these nodes.
+    pub(in crate::engine) unsafe fn advance(&self, width: Width, nodes: Range<usize>) -> StepSums {
+        let mut sums = StepSums::default();
+        self.record(nodes.clone());
+        for start in nodes.clone().step_by(CACHED) {
+            let some = start..nodes.end.min(start + CACHED);
+            // SAFETY: the caller keeps other threads away from these nodes.
+            let [x, y, z] = [0, 1, 2].map(|axis| unsafe {
+                Axis {
+                    position: self.position[axis].range(some.clone()),
+                    velocity: self.velocity[axis].range(some.clone()),
+                    force: self.force[axis].range(some.clone()),
+                    field: if axis == 2 { -self.gravity } else { 0.0 },
+                }
+            });
+            let mut axes = [x, y, z];
+            sums.damped -= self.set_reactions(some.clone(), &mut axes);
+            sums = sums.and(&advance(width, self.kick, self.dt, &self.inverse_mass[some], &mut axes));
+        }
+        sums
+    }
+
+    /// Records the velocities of the nodes of `range` that the record lists.
+    fn record(&self, range: Range<usize>) {
+        let Some(VelocityRecord { nodes, velocity }) = &self.record else { return };
+        let from = nodes.partition_point(|n| (*n as usize) < range.start);
+        for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
+            // SAFETY: the caller keeps other threads away from these nodes.
+            (0..3).for_each(|axis| unsafe { *velocity[axis].at(n) = *self.velocity[axis].at(n) });
+        }
+    }
+
+    /// Sets the forces of held directions to those under which their velocity is constant; with damping, returns their Σ m v²,
+    /// kg m²/s².
+    fn set_reactions(&self, some: Range<usize>, axes: &mut [Axis<'_>; 3]) -> f64 {
+        let mut squares = 0.0;
+        let from = self.constrained.partition_point(|n| (*n as usize) < some.start);
+        for &n in self.constrained[from..].iter().take_while(|n| (**n as usize) < some.end) {
+            let (n, at) = (n as usize, n as usize - some.start);
+            let inverse_mass = self.effective_inverse_mass.at(n);
+            for axis in (0..3).filter(|axis| inverse_mass[*axis] == 0.0) {
+                let axis = &mut axes[axis];
+                axis.force[at] = -axis.field * self.mass[n];
+                if self.kick.decay != 1.0 {
+                    let v = axis.velocity[at];
+                    axis.force[at] += (1.0 - self.kick.decay) * v * self.mass[n] / self.kick.gain;
+                    squares += v * v * self.mass[n];
+                }
+            }
+        }
+        squares
+    }
+}
+
+at_width! {
+    fn advance[](kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<'_>; 3]) -> StepSums = advance_lanewise
+}
+
+#[inline(always)]
+fn advance_lanewise(kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<'_>; 3]) -> StepSums {
+    let mut damped = 0.0;
+    for axis in axes.iter_mut() {
+        if kick.decay == 1.0 {
+            move_axis::<false>(kick, dt, inverse_mass, axis);
+        } else {
+            damped += move_axis::<true>(kick, dt, inverse_mass, axis);
+        }
+    }
+    let [x, y, z] = axes.each_ref().map(|axis| &*axis.velocity);
+    let mut squared = splat::<LANES>(0.0);
+    for ((x, y), z) in x.chunks(LANES).zip(y.chunks(LANES)).zip(z.chunks(LANES)) {
+        for l in 0..x.len() {
+            squared[l] = larger(x[l] * x[l] + y[l] * y[l] + z[l] * z[l], squared[l]);
+        }
+    }
+    StepSums { largest_speed_squared: squared.into_iter().fold(0.0, larger), damped }
+}
+
+/// Kick and drift of one axis; with damping, returns Σ m v̄² with the mean v̄ of the velocities before and after.
+#[inline(always)]
+fn move_axis<const DAMPED: bool>(kick: Kick, dt: f64, inverse_mass: &[f64], axis: &mut Axis<'_>) -> f64 {
+    let count = inverse_mass.len();
+    let field = axis.field;
+    let (position, velocity, force) =
+        (&mut axis.position[..count], &mut axis.velocity[..count], &mut axis.force[..count]);
+    let mut sum = 0.0;
+    for n in 0..count {
+        let decayed = if DAMPED { kick.decay * velocity[n] } else { velocity[n] };
+        let v = decayed + kick.gain * (force[n] * inverse_mass[n] + field);
+        if DAMPED {
+            let mean = 0.5 * (velocity[n] + v);
+            sum += mean * mean / inverse_mass[n];
+        }
+        velocity[n] = v;
+        position[n] += v * dt;
+        force[n] = 0.0;
+    }
+    sum
+}

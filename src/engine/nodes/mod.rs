@@ -1,0 +1,112 @@
+//! The nodes of all faces: their state, its integration in time, its correction by contact.
+
+mod correction;
+mod integration;
+mod vectors;
+
+pub(super) use correction::Correction;
+pub(super) use integration::{Kick, StepSums, VelocityRecord};
+pub use vectors::Vectors;
+pub(super) use vectors::gather;
+
+use nalgebra::{Point3, Vector3};
+
+use super::disjoint::Disjoint;
+use super::footprint::bytes;
+
+/// Nodal quantities, one entry a node.
+#[derive(Clone, Debug, Default)]
+pub struct Nodes {
+    /// m, at the full step.
+    pub position: Vectors,
+    /// m/s, at the half step.
+    pub velocity: Vectors,
+    /// N, at the full step.
+    pub force: Vectors,
+    /// kg.
+    pub mass: Vec<f64>,
+    /// 1/kg, of held nodes as well.
+    inverse_mass: Vec<f64>,
+    /// Velocity per impulse along each axis, 1/kg; zero along directions that are held or prescribed.
+    effective_inverse_mass: Vectors,
+    /// Nodes that are held along an axis or more, ascending.
+    constrained: Vec<u32>,
+}
+
+impl Nodes {
+    /// Appends free nodes at rest.
+    pub fn extend(&mut self, positions: impl IntoIterator<Item = [f64; 3]>, masses: &[f64]) {
+        self.position.extend(positions);
+        let count = self.position.len();
+        self.velocity.resize(count);
+        self.force.resize(count);
+        self.mass.extend_from_slice(masses);
+        self.inverse_mass.extend(masses.iter().map(|mass| 1.0 / mass));
+        self.effective_inverse_mass.extend(masses.iter().map(|mass| [1.0 / mass; 3]));
+    }
+
+    /// Position of one node.
+    #[inline]
+    pub fn position_of(&self, node: usize) -> Point3<f64> {
+        Point3::from(self.position.at(node))
+    }
+
+    /// Velocity of one node.
+    #[inline]
+    pub fn velocity_of(&self, node: usize) -> Vector3<f64> {
+        Vector3::from(self.velocity.at(node))
+    }
+
+    /// Velocity per impulse, 1/kg; zero along directions that are held or prescribed.
+    pub(super) fn effective_inverse_mass(&self) -> &Vectors {
+        &self.effective_inverse_mass
+    }
+
+    /// Whether a node is held in every direction.
+    #[inline]
+    pub fn is_held(&self, node: usize) -> bool {
+        self.effective_inverse_mass.at(node) == [0.0; 3]
+    }
+
+    /// Sets all forces to zero.
+    pub(super) fn clear_forces(&mut self) {
+        self.force.axes_mut().into_iter().for_each(|axis| axis.fill(0.0));
+    }
+
+    /// Shares the nodes for a correction by several threads.
+    pub(super) fn correction(&mut self) -> Correction<'_> {
+        Correction {
+            position: self.position.axes_mut().map(Disjoint::new),
+            velocity: self.velocity.axes_mut().map(Disjoint::new),
+            effective_inverse_mass: &self.effective_inverse_mass,
+        }
+    }
+
+    /// Applies `impulse` (N s) to a node and moves it by the change of velocity times `dt` (s).
+    pub(super) fn apply_impulse(&mut self, node: usize, impulse: &Vector3<f64>, dt: f64) {
+        // SAFETY: there is one thread.
+        unsafe { self.correction().apply_impulse(node, &(*impulse).into(), dt) };
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        let Nodes { position, velocity, force, mass, inverse_mass, effective_inverse_mass, constrained } = self;
+        let vectors = position.bytes() + velocity.bytes() + force.bytes() + effective_inverse_mass.bytes();
+        vectors + bytes(mass) + bytes(inverse_mass) + bytes(constrained)
+    }
+
+    /// Sum of the forces on some nodes along an axis, N.
+    pub fn total_force(&self, nodes: &[u32], axis: usize) -> f64 {
+        nodes.iter().map(|n| self.force.at(*n as usize)[axis]).sum()
+    }
+
+    /// Holds some nodes along the marked axes, where their velocity stays constant.
+    pub fn hold(&mut self, nodes: impl IntoIterator<Item = usize>, axes: [bool; 3]) {
+        for n in nodes {
+            let inverse_mass = self.effective_inverse_mass.at(n);
+            self.effective_inverse_mass.set(n, [0, 1, 2].map(|axis| if axes[axis] { 0.0 } else { inverse_mass[axis] }));
+        }
+        let constrained = (0..self.mass.len()).filter(|n| self.effective_inverse_mass.at(*n).contains(&0.0));
+        self.constrained = constrained.map(|n| n as u32).collect();
+    }
+}
