@@ -22,18 +22,18 @@ pub struct ReferenceComparison {
     pub acceleration: Option<Series>,
     /// m; `NaN` where the recording has none.
     pub displacement: Option<Series>,
-    /// Work that the film took from the impactor, J; none where the recording does not tell it.
+    /// Energy that the film took up from the impactor, J; none where the recording has none.
     pub absorbed_energy: Option<Series>,
-    /// Kinetic and potential energy of the impactor and what the film took, J; none where the recording does not tell it.
+    /// Kinetic and potential energy of the impactor and the energy that the film took up, J; none where the recording has none.
     pub total_energy: Option<Series>,
-    /// Part that the errors are taken over, s.
+    /// Window of the errors, s.
     pub window: [f64; 2],
-    /// Share of the energy that the film kept (paper, equation 11); of raw recordings in which the impactor rebounds.
+    /// Share of the energy that the film absorbed (paper, equation 11); of raw recordings in which the impactor rebounds.
     pub energy_absorption: Option<f64>,
-    /// Comments of the recording, and what its reading reports.
+    /// Comments of the recording, and the warnings of its reading.
     pub annotations: Annotations,
-    /// What its reduction reports.
-    pub reduced: Vec<experiment::Warning>,
+    /// The warnings of its reduction, of a raw recording.
+    pub reduction_warnings: Vec<experiment::Warning>,
 }
 
 /// Why a recording cannot be compared with a run.
@@ -51,7 +51,7 @@ pub enum ReferenceError {
     Filter { path: PathBuf, source: FilterError },
     #[error("{}: acceleration: {source}", path.display())]
     Resample { path: PathBuf, source: ResampleError },
-    #[error("{}: the end of loading cannot be found: displacement has gaps and acceleration does not bring the impactor to rest", path.display())]
+    #[error("{}: the recording has no lowest point: displacement has gaps, and acceleration does not bring the impactor to rest", path.display())]
     NoLowestPoint { path: PathBuf },
 }
 
@@ -63,11 +63,18 @@ impl ReferenceComparison {
         };
         let measurement =
             file::read(&reference.signals, &ReadOptions { channels: channels(reference), ..ReadOptions::default() })?;
-        let Signals { raw, filtered, displacement, absorbed_energy, total_energy, energy_absorption, reduced } =
-            match Signals::from_contact(&measurement, model, reference)? {
-                Some(signals) => signals,
-                None => Signals::reduced(&measurement, model, reference)?,
-            };
+        let Signals {
+            raw,
+            filtered,
+            displacement,
+            absorbed_energy,
+            total_energy,
+            energy_absorption,
+            reduction_warnings,
+        } = match Signals::from_contact(&measurement, model, reference)? {
+            Some(signals) => signals,
+            None => Signals::from_raw(&measurement, model, reference)?,
+        };
         let window = match reference.window {
             Window::Range(range) => range,
             Window::All => [0.0, model.run_time()],
@@ -86,20 +93,20 @@ impl ReferenceComparison {
             window,
             energy_absorption,
             annotations,
-            reduced,
+            reduction_warnings,
         }))
     }
 
     /// What puts the errors in doubt: a virtual recording, and what was assumed or is implausible in its reduction.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         let mark = self.annotations.virtual_mark().map(|note| Warning::VirtualReference { note: note.to_owned() });
-        mark.into_iter().chain(self.reduced.iter().cloned().map(Warning::ReferenceReduction))
+        mark.into_iter().chain(self.reduction_warnings.iter().cloned().map(Warning::ReferenceReduction))
     }
 
-    /// Comments of the recording, and what its reading and its reduction report, as texts.
+    /// Comments of the recording, and the warnings of its reading and of its reduction, as texts.
     pub fn notes(&self) -> Vec<String> {
-        let reduced = self.reduced.iter().map(experiment::Warning::to_string);
-        self.annotations.notes().into_iter().chain(reduced).collect()
+        let reduction = self.reduction_warnings.iter().map(experiment::Warning::to_string);
+        self.annotations.notes().into_iter().chain(reduction).collect()
     }
 
     /// Whether its file marks the recording as virtual: computed, not measured.
@@ -107,7 +114,7 @@ impl ReferenceComparison {
         self.annotations.is_virtual()
     }
 
-    /// What its curves are called.
+    /// Name of its curves in plots.
     pub fn label(&self) -> &'static str {
         if self.is_virtual() { "measured (virtual)" } else { "measured" }
     }
@@ -125,7 +132,7 @@ impl ReferenceComparison {
     }
 }
 
-/// What a recording says from first contact on.
+/// The signals of a recording from first contact on.
 struct Signals {
     /// As recorded or corrected.
     raw: Option<Series>,
@@ -136,8 +143,8 @@ struct Signals {
     total_energy: Option<Series>,
     /// Of a raw recording.
     energy_absorption: Option<f64>,
-    /// What the reduction reports.
-    reduced: Vec<experiment::Warning>,
+    /// The warnings of its reduction.
+    reduction_warnings: Vec<experiment::Warning>,
 }
 
 impl Signals {
@@ -158,7 +165,6 @@ impl Signals {
         let any = filtered.is_some() || displacement.is_some();
         let (absorbed_energy, total_energy) =
             (channel(column::ABSORBED_ENERGY.name), channel(column::TOTAL_ENERGY.name));
-        let reduced = Vec::new();
         Ok(any.then_some(Signals {
             raw,
             filtered,
@@ -166,12 +172,12 @@ impl Signals {
             absorbed_energy,
             total_energy,
             energy_absorption: None,
-            reduced,
+            reduction_warnings: Vec::new(),
         }))
     }
 
-    /// Of a raw recording, with the mass and gravity of the run.
-    fn reduced(measurement: &Measurement, model: &Model, reference: &Reference) -> Result<Signals, ReferenceError> {
+    /// Of a raw recording, reduced with the mass and gravity of the run.
+    fn from_raw(measurement: &Measurement, model: &Model, reference: &Reference) -> Result<Signals, ReferenceError> {
         let path = || reference.signals.clone();
         let (Loading::Impact { velocity, gravity, .. }, Some(Impactor { mass, .. })) =
             (&model.loading, &model.impactor)
@@ -194,12 +200,19 @@ impl Signals {
         let (filtered, energy_absorption) = (channel(column::ACCELERATION_FILTERED.name), drop.energy_absorption);
         let (absorbed_energy, total_energy) =
             (channel(column::ABSORBED_ENERGY.name), channel(column::TOTAL_ENERGY.name));
-        let reduced = drop.warnings;
-        Ok(Signals { raw, filtered, displacement, absorbed_energy, total_energy, energy_absorption, reduced })
+        Ok(Signals {
+            raw,
+            filtered,
+            displacement,
+            absorbed_energy,
+            total_energy,
+            energy_absorption,
+            reduction_warnings: drop.warnings,
+        })
     }
 }
 
-/// Channels that are named are read alone, so that what is wrong with another one does not count.
+/// Where both channels are named, only they are read, so that a fault of another one does not matter.
 fn channels(reference: &Reference) -> ChannelSelection {
     match (&reference.acceleration, &reference.displacement) {
         (Some(acceleration), Some(displacement)) => {
@@ -223,8 +236,8 @@ fn filtered(raw: &Series, model: &Model, reference: &Reference) -> Result<Series
     filter::channel(&even, class, Standard::Iso6487).map_err(|source| ReferenceError::Filter { path: path(), source })
 }
 
-/// Time of the lowest point of the recording: that of the largest travel where it was measured throughout,
-/// else where the integral of the acceleration has used up the impact velocity.
+/// Time of the lowest point of the recording: of the largest travel where it was measured throughout, else of the first
+/// sample at which the integral of the acceleration has cancelled the impact velocity.
 fn time_of_lowest_point(acceleration: Option<&Series>, displacement: Option<&Series>, model: &Model) -> Option<f64> {
     if let Some(complete) = displacement.filter(|d| d.is_complete()) {
         return complete.smallest().map(|[time, _]| time);

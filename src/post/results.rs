@@ -66,7 +66,7 @@ impl Results {
         Ok(Results { signals, measures, comparison, script_output: ScriptOutput::default() })
     }
 
-    /// The same of a run that was ended on its way, see [`Impact::ended_early`].
+    /// The same of a run that was ended early, see [`Impact::ended_early`].
     pub(super) fn ended_early(self) -> Results {
         match self.measures {
             Measures::Impact(impact) => Results { measures: Measures::Impact(impact.ended_early()), ..self },
@@ -134,7 +134,7 @@ impl Measures {
         }
     }
 
-    /// Size, cost and trust of the run.
+    /// Size, cost and errors of the run.
     pub fn audit(&self) -> &Audit {
         match self {
             Measures::Impact(impact) => &impact.audit,
@@ -159,7 +159,7 @@ fn with_filtered(model: &Model, signals: &Recording) -> Result<Recording, Evalua
     };
     let values = match model.output.filter {
         None => raw.values().to_vec(),
-        // A run that broke off at once has nothing to filter.
+        // A run that failed in its first steps has nothing to filter.
         Some(_) if raw.len() < 2 => raw.values().to_vec(),
         Some(class) => {
             let step = resample::common_step(raw.time());

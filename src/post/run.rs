@@ -36,7 +36,7 @@ struct Columns {
 pub(super) struct ReferenceSignals(pub ReferenceComparison);
 
 impl Run {
-    /// The run of `model` with everything that was measured.
+    /// The run of `model` with its results.
     pub fn new(model: &Model, outcome: &Outcome, results: &Results) -> Run {
         Run(Arc::new(Parts {
             signals: results.signals.clone(),

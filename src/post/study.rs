@@ -299,8 +299,8 @@ mod tests {
             (&Law::Elastic(elastic.clone()), "md", "an elastic film has no curves"),
             (&Law::TensionField(TensionField(elastic)), "td", "an elastic film has no curves"),
         ] {
-            let said = points(law, name).unwrap_err().to_string();
-            assert!(said.contains(expected), "{name}: {said}");
+            let message = points(law, name).unwrap_err().to_string();
+            assert!(message.contains(expected), "{name}: {message}");
         }
     }
 }

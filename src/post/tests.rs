@@ -136,9 +136,9 @@ fn a_pulse_has_the_measures_of_its_formula() {
     let impact = impact(&results);
     close(impact.peak_acceleration_m_s2, PEAK, 0.01);
     close(impact.time_of_peak_acceleration_s, PULSE / 2.0, 1e-9);
-    let turn = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
-    close(impact.time_of_peak_displacement_s, turn, 1e-4);
-    close(impact.peak_displacement_m, motion(turn)[0], 1e-6);
+    let lowest = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
+    close(impact.time_of_peak_displacement_s, lowest, 1e-4);
+    close(impact.peak_displacement_m, motion(lowest)[0], 1e-6);
     let rebound = 2.0 * PEAK * PULSE / PI - SPEED;
     close(impact.rebound_velocity_m_s, rebound, 1e-9);
     close(impact.energy_absorption, 1.0 - (rebound / SPEED).powi(2), 1e-4);
@@ -159,7 +159,7 @@ fn what_is_not_finite_is_null_in_the_summary() {
 }
 
 #[test]
-fn a_run_that_breaks_off_before_the_turn_has_no_rebound() {
+fn a_run_that_ends_before_the_lowest_point_has_no_rebound() {
     let mut short = outcome();
     short.signals.time.truncate(100);
     short.signals.channels.iter_mut().for_each(|c| c.values.truncate(100));
@@ -189,13 +189,13 @@ fn a_reference_ten_per_cent_low_gives_its_error() {
 }
 
 #[test]
-fn loading_ends_where_the_speed_is_used_up_when_the_laser_has_gaps() {
+fn loading_ends_at_zero_speed_where_the_laser_has_gaps() {
     let laser = |t: f64| if t < 0.02 { motion(t)[0].to_string() } else { String::new() };
     let row = |t: f64| format!("{t},{},{}\n", motion(t)[2], laser(t));
     let (_folder, model) = reference(row, "time_s,acceleration_m_s2,displacement_m");
     let plan = Plan::prepare(&model).unwrap();
-    let turn = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
-    close(plan.comparison().map(|c| c.window[1]), turn, 2e-4);
+    let lowest = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
+    close(plan.comparison().map(|c| c.window[1]), lowest, 2e-4);
 }
 
 #[test]
@@ -236,7 +236,7 @@ fn a_warning_of_a_post_script_is_a_finding_of_the_run() {
 }
 
 #[test]
-fn a_post_script_cannot_replace_a_figure_or_reach_for_what_is_not_there() {
+fn a_post_script_can_neither_replace_a_figure_nor_read_a_missing_one() {
     for (text, expected) in [
         ("measure(\"elements\", 1)", "`elements` is a field of the summary"),
         ("measure(\"tables\", 1)", "`tables` is a field of the summary"),
@@ -247,7 +247,7 @@ fn a_post_script_cannot_replace_a_figure_or_reach_for_what_is_not_there() {
         ("run.summary.nosuch", "property not found: nosuch"),
     ] {
         let Err(EvaluateError::Script(Fault { message, line, .. })) = with_script(text) else {
-            panic!("{text} went through");
+            panic!("{text} was accepted");
         };
         assert!(message.contains(expected), "{text} gave: {message}");
         assert_eq!(line, 1);
@@ -280,8 +280,8 @@ fn the_shipped_script_measures_the_pulse() {
     assert_eq!(output.plots.iter().map(|plot| plot.title.as_str()).collect::<Vec<_>>(), ["Deceleration over travel"]);
     assert_eq!(output.files.names(), ["loading.csv"]);
     let measures = &output.measures;
-    let turn = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
-    close(measures["loading_duration_s"].as_f64(), turn, 1e-4);
-    close(measures["mean_deceleration_m_s2"].as_f64(), SPEED / turn, 0.2);
-    close(measures["stopping_distance_m"].as_f64(), -motion(turn)[0], 1e-6);
+    let lowest = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
+    close(measures["loading_duration_s"].as_f64(), lowest, 1e-4);
+    close(measures["mean_deceleration_m_s2"].as_f64(), SPEED / lowest, 0.2);
+    close(measures["stopping_distance_m"].as_f64(), -motion(lowest)[0], 1e-6);
 }

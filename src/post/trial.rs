@@ -7,7 +7,7 @@ use crate::model::{Loading, Model};
 ///
 /// The backward pass of the filter (both poles at ω_d e^{±3πi/4}, ω_d = 2π · 2.08333 · class) forgets its initial state as
 /// e^{−ω_d t/√2} = e^{−9.26 class t}: after 2/class to a hundred-millionth. For CFC 1000 that is 2 ms.
-const FORGETS: f64 = 2.0;
+const SETTLING: f64 = 2.0;
 
 /// Samples after the window: the reference is interpolated between two samples of the run, and the last samples need
 /// their half steps.
@@ -24,7 +24,7 @@ pub(super) fn cut(model: &Model, comparison: Option<&ReferenceComparison>) -> Mo
         return model;
     };
     if let Loading::Impact { duration, .. } = &mut model.loading {
-        let filter = model.output.filter.map_or(0.0, |class| FORGETS / class);
+        let filter = model.output.filter.map_or(0.0, |class| SETTLING / class);
         *duration = duration.min(end + filter + SAMPLES / model.output.sample_rate);
     }
     model

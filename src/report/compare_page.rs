@@ -182,7 +182,7 @@ mod tests {
     use crate::store::StoredRun;
 
     #[test]
-    fn many_long_runs_stay_a_page_that_can_be_sent() {
+    fn the_page_of_many_long_runs_stays_small() {
         let time: Vec<f64> = (0..6_000).map(|i| f64::from(i) * 5e-5).collect();
         let run = |number: usize| {
             let channel = |name: &str| {

@@ -44,7 +44,7 @@ fn ordinate(FitHistory { words, target, .. }: &FitHistory) -> (String, f64) {
     }
 }
 
-/// A simulation on its way to the target, in the units of [`target`].
+/// A simulation of the search, in the units of [`target`].
 pub fn simulated(name: impl Into<String>, fit: &FitHistory, improvement: &Improvement) -> Curve {
     Curve::line(name, points(fit, &improvement.values))
 }
@@ -75,7 +75,7 @@ fn has_lines(plot: &Plot) -> bool {
     plot.curves.iter().any(|curve| curve.points.len() > 1)
 }
 
-/// The target and some of the simulations that came closer to it.
+/// The target and some of the simulations that reduced the objective.
 fn chosen(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot {
     let mut plot = target(convergence, fit);
     let chosen = by_steps(&fit.improvements);
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn stresses_stand_in_the_unit_that_their_axis_names() {
+    fn stresses_have_the_unit_that_their_axis_names() {
         let target = Arc::new(Target { over: Over::Strain, places: vec![0.0, 0.5], values: vec![0.0, 8e6] });
         for (words, expected) in [
             ("stress (MPa)", ("stress (MPa)", 8.0)),

@@ -55,7 +55,7 @@ pub fn page(title: &str, body: &str) -> String {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n\
          <title>{title}</title>\n<style>\n{styles}</style>\n</head>\n<body>\n<main>\n\
-         <noscript><p class=\"warnings\">Plots and film are drawn by scripts, which are turned off here; all figures stand in the tables.</p></noscript>\n\
+         <noscript><p class=\"warnings\">Plots and film are drawn by scripts, which are disabled here; all figures are in the tables.</p></noscript>\n\
          {body}</main>\n{scripts}</body>\n</html>\n"
     )
 }
@@ -87,7 +87,7 @@ pub fn section(heading: &str, content: &str) -> String {
     format!("<section>\n<h2>{}</h2>\n{content}</section>\n", escape(heading))
 }
 
-/// A table with a header; all cells are text, columns of numbers stand to the right.
+/// A table with a header; all cells are text, columns of numbers are aligned to the right.
 pub fn table(class: &str, header: &[String], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
@@ -146,7 +146,7 @@ pub fn list(items: &[String]) -> String {
     format!("<ul>\n{items}</ul>\n")
 }
 
-/// Text as it was written.
+/// Preformatted text.
 pub fn verbatim(text: &str) -> String {
     format!("<pre>{}</pre>\n", escape(text))
 }
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_stand_to_the_right_and_text_is_escaped() {
+    fn numbers_are_aligned_to_the_right_and_text_is_escaped() {
         let rows = [vec!["<a>".to_owned(), "-1.5e-3".into()], vec!["2".into(), String::new()]];
         let html = table("rows", &["name", "value"].map(String::from), &rows);
         assert!(html.contains("<th scope=\"col\">name</th><th scope=\"col\" class=\"number\">value</th>"), "{html}");

@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn a_film_held_only_as_long_as_the_run_went() {
+    fn the_film_of_a_failed_run_held_until_it_failed() {
         let whole = film(&Map::new(), false);
         assert!(whole.contains("held") && !whole.contains("run failed"));
         assert!(film(&Map::new(), true).contains("until the run failed"));

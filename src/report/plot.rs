@@ -29,27 +29,27 @@ pub(super) fn side_by_side(figures: impl IntoIterator<Item = String>) -> String 
     if figures.is_empty() { figures } else { format!("<div class=\"plots\">\n{figures}</div>\n") }
 }
 
-/// The histogram of strain rates over decades with the measured range marked; empty without straining.
+/// The histogram of strain rates over decades with the measured range marked; empty without strain increments.
 pub(super) fn rates(title: &str, histogram: &Histogram) -> String {
     let bins = histogram.edges_1_s.windows(2).zip(&histogram.shares);
-    let worth: Vec<_> = bins.filter(|(_, share)| **share > WORTH_SHOWING).collect();
-    let (Some((first, _)), Some((last, _))) = (worth.first(), worth.last()) else {
+    let shown: Vec<_> = bins.filter(|(_, share)| **share > LEAST_SHARE).collect();
+    let (Some((first, _)), Some((last, _))) = (shown.first(), shown.last()) else {
         return String::new();
     };
     let ends = [[first[0], 0.0], [last[1], 0.0]];
-    let outline = worth.iter().flat_map(|(edges, share)| edges.iter().map(|edge| [*edge, **share * 100.0]));
+    let outline = shown.iter().flat_map(|(edges, share)| edges.iter().map(|edge| [*edge, **share * 100.0]));
     let points = [ends[0]].into_iter().chain(outline).chain([ends[1]]);
     let words = "range in which the curves were measured".into();
     let plot = Plot {
         x: Axis { words: "strain rate (1/s)".into(), scale: Scale::Logarithmic },
         window: histogram.measured_1_s.map(|range| crate::plot::Window { words, range }),
-        ..Plot::new(title, ["", "share (%)"], vec![Curve::line("share of the straining", points)])
+        ..Plot::new(title, ["", "share (%)"], vec![Curve::line("share of the strain increments", points)])
     };
     drawn(&plot, true)
 }
 
-/// Least share of the straining of a bin that extends the axis.
-const WORTH_SHOWING: f64 = 1e-3;
+/// Least share of a bin at the ends of the axis.
+const LEAST_SHARE: f64 = 1e-3;
 
 fn drawn(plot: &Plot, filled: bool) -> String {
     let shown = |point: &&[f64; 2]| has_place(plot, point);
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn curves_share_what_they_stand_over() {
+    fn curves_share_their_abscissae() {
         let mut shared = plot(vec![[0.0, 1.0], [1.0, 2.0]]);
         shared.curves.push(Curve::line("other", [[0.0, f64::NAN], [1.0, 4.0]]).dashed());
         let data = block(&figure(&shared));
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_to_plot_gives_nothing() {
+    fn a_plot_without_points_is_empty() {
         assert_eq!(figure(&plot(vec![])), "");
         assert_eq!(figure(&plot(vec![[f64::NAN, 1.0]])), "");
         let mut logarithmic = plot(vec![[-1.0, 1.0]]);
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_is_marked_and_told() {
+    fn a_window_is_marked_and_described() {
         let window = Some(Window { words: "error window".into(), range: [0.0, 57.3] });
         let html = figure(&Plot { window, ..plot(vec![[0.0, 0.0], [1.0, 1.0]]) });
         assert_eq!(block(&html)["window"]["words"], "error window");

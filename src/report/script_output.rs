@@ -136,13 +136,13 @@ mod tests {
     }
 
     #[test]
-    fn the_paper_stands_beside_us() {
+    fn columns_of_the_paper_follow_ours() {
         let columns = ["test", "k1", "ke", "paper_k1", "paper_ke", "paper_only", "papers"].map(String::from).to_vec();
         assert_eq!(beside(columns), ["test", "k1", "paper_k1", "ke", "paper_ke", "paper_only", "papers"]);
     }
 
     #[test]
-    fn long_tables_are_cut_short_and_say_so() {
+    fn long_tables_are_cut_and_name_their_file() {
         let rows: Vec<Row> = (0..250).map(|i| row(json!({ "rupture_time_s": i }))).collect();
         let html = table("times", &rows);
         assert!(html.contains("rupture time (s)") && html.contains("and 50 more rows in tables/times.csv"), "{html}");
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_page_has_room_for_so_many_searches() {
+    fn a_page_shows_searches_up_to_its_limit_of_points() {
         let history: Vec<(usize, f64)> = (0..50_000).map(|iteration| (iteration, 1.0)).collect();
         let search = |title: &str| ConvergenceHistory {
             title: title.into(),

@@ -14,6 +14,7 @@ pub struct StudyPage<'a> {
     pub name: &'a str,
     /// Script, scenario, changes and arguments, as `summary.json` has them.
     pub call: &'a Map<String, Value>,
+    /// What the script left.
     pub output: &'a ScriptOutput,
     /// The script's text.
     pub script: &'a str,
@@ -88,7 +89,7 @@ mod tests {
     use crate::script::Warning;
 
     #[test]
-    fn a_study_is_run_again_by_the_words_it_was_run_by() {
+    fn the_command_of_a_study_quotes_its_arguments() {
         let call = json!({
             "script": "scripts/identify.rhai", "scenario": "drop/1008.toml", "set": ["specimen.mesh.size=20 mm"],
             "args": { "start": "it's", "starts": 5 },
@@ -100,19 +101,19 @@ mod tests {
     }
 
     #[test]
-    fn a_page_says_that_recordings_are_virtual() {
+    fn a_page_warns_of_virtual_recordings() {
         let page = |recordings| {
             let findings = Warning::virtual_recordings(recordings).iter().map(Finding::new).collect();
             let output = ScriptOutput { findings, ..ScriptOutput::default() };
             study_page(&StudyPage { name: "identify", call: &Map::new(), output: &output, script: "" })
         };
-        let said = "VIRTUAL recordings, nothing was measured: drops/1008.csv";
-        assert!(page(vec!["drops/1008.csv".into()]).contains(said));
+        let warning = "VIRTUAL recordings, nothing was measured: drops/1008.csv";
+        assert!(page(vec!["drops/1008.csv".into()]).contains(warning));
         assert!(!page(vec![]).contains("VIRTUAL"));
     }
 
     #[test]
-    fn what_a_script_left_is_escaped() {
+    fn texts_of_a_script_are_escaped() {
         let output = ScriptOutput { log: vec!["<i>".into()], ..ScriptOutput::default() };
         let study = StudyPage { name: "<b>", call: &Map::new(), output: &output, script: "1 < 2" };
         let page = study_page(&study);

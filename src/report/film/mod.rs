@@ -37,7 +37,7 @@ const MOST_OF_BODY: usize = 2_000;
 const SIDES: u32 = 36;
 
 /// The byte of a strain that marks a failed element; others are below.
-const BROKEN: u8 = u8::MAX;
+const FAILED: u8 = u8::MAX;
 
 /// The figure with the film in 3-D, as HTML that the page's script draws; empty without snapshots.
 pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> String {
@@ -58,7 +58,7 @@ pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> S
     format!("<figure class=\"film\">\n{data}<figcaption class=\"note\">{}</figcaption>\n</figure>\n", escape(&note))
 }
 
-/// A moment to go to, and its time, s.
+/// Name of an event that the page jumps to, and its time, s.
 type Moment = (&'static str, f64);
 
 fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment> {
@@ -95,7 +95,8 @@ fn chosen(snapshots: &[&Snapshot], moments: &[Moment], most: usize) -> BTreeSet<
 
 pub(super) fn is_finite(snapshot: &Snapshot) -> bool {
     let finite = |place: &[f32; 3]| place.iter().all(|c| c.is_finite());
-    let body = snapshot.impactor.is_none_or(|(place, turn)| place.iter().chain(&turn).all(|c| c.is_finite()));
+    let body =
+        snapshot.impactor.is_none_or(|(position, rotation)| position.iter().chain(&rotation).all(|c| c.is_finite()));
     body && snapshot.films.iter().all(|film| film.positions.iter().all(finite))
 }
 
@@ -135,16 +136,16 @@ struct Scene<'a> {
 impl Scene<'_> {
     fn contents(&self) -> Value {
         let places: Vec<Vec<[f32; 3]>> = self.states.iter().map(|state| self.places(state)).collect();
-        let ends = bounds(self.states.iter().flat_map(|state| self.held(state)));
-        // Compressive fibre strains are not told apart.
+        let ends = bounds(self.states.iter().flat_map(|state| self.intact(state)));
+        // Compressive fibre strains have the colour of zero.
         let fibre = self.range(|[md, td, _]| [md.max(0.0), td.max(0.0)]);
         let shear = self.range(|[_, _, shear]| [*shear; 2]);
         let state = |(state, places): (&&Snapshot, &Vec<[f32; 3]>)| {
             let strains: Vec<u8> =
                 self.faces.iter().flat_map(|face| strains(face, state, [fibre, fibre, shear])).collect();
-            let pose = state
-                .impactor
-                .map(|(place, turn)| place.iter().chain(&turn).map(|c| rounded(*c, DIGITS)).collect::<Vec<_>>());
+            let pose = state.impactor.map(|(position, rotation)| {
+                position.iter().chain(&rotation).map(|c| rounded(*c, DIGITS)).collect::<Vec<_>>()
+            });
             json!({
                 "time": rounded(state.time * 1e3, DIGITS),
                 "places": text(quantised(places, ends).flat_map(u16::to_le_bytes)),
@@ -175,12 +176,12 @@ impl Scene<'_> {
         self.faces.iter().flat_map(|face| face.surface.positions(&state.films[face.index].positions)).collect()
     }
 
-    /// Positions of the corners of intact elements; pieces of a torn film may be anywhere.
-    fn held(&self, state: &Snapshot) -> impl Iterator<Item = [f32; 3]> {
+    /// Positions of the corners of intact elements; nodes of failed ones may be anywhere.
+    fn intact(&self, state: &Snapshot) -> impl Iterator<Item = [f32; 3]> {
         self.faces.iter().flat_map(|Face { index, surface, .. }| {
             let film = &state.films[*index];
-            let held = surface.patches.iter().zip(&surface.element).filter(|(_, element)| holds(film, **element));
-            held.flat_map(|(patch, _)| patch.map(|node| film.positions[surface.nodes[node as usize] as usize]))
+            let intact = surface.patches.iter().zip(&surface.element).filter(|(_, element)| is_intact(film, **element));
+            intact.flat_map(|(patch, _)| patch.map(|node| film.positions[surface.nodes[node as usize] as usize]))
         })
     }
 
@@ -189,8 +190,8 @@ impl Scene<'_> {
         let states =
             self.states.iter().flat_map(|state| self.faces.iter().map(|face| (&state.films[face.index], face)));
         let values = states.flat_map(|(film, face)| {
-            let held = face.surface.element.iter().filter(|at| holds(film, **at));
-            held.flat_map(|at| of(&film.strains[*at as usize]))
+            let intact = face.surface.element.iter().filter(|at| is_intact(film, **at));
+            intact.flat_map(|at| of(&film.strains[*at as usize]))
         });
         let [low, high] = values.fold([0.0_f32, 0.0], |[low, high], value| [low.min(value), high.max(value)]);
         if high - low > 1e-6 { [low, high] } else { [low, low + 1e-6] }
@@ -215,7 +216,8 @@ impl Scene<'_> {
     }
 }
 
-fn holds(film: &FilmState, element: u32) -> bool {
+/// Whether an element is neither failed nor without finite strains.
+fn is_intact(film: &FilmState, element: u32) -> bool {
     let at = element as usize;
     !film.failed[at] && film.strains[at].iter().all(|strain| strain.is_finite())
 }
@@ -224,10 +226,10 @@ fn holds(film: &FilmState, element: u32) -> bool {
 fn strains(face: &Face, state: &Snapshot, ranges: [[f32; 2]; 3]) -> Vec<u8> {
     let film = &state.films[face.index];
     let share =
-        |value: f32, [low, high]: [f32; 2]| ((value - low) / (high - low) * f32::from(BROKEN - 1)).round() as u8;
-    let patch = |at: &u32| match holds(film, *at) {
+        |value: f32, [low, high]: [f32; 2]| ((value - low) / (high - low) * f32::from(FAILED - 1)).round() as u8;
+    let patch = |at: &u32| match is_intact(film, *at) {
         true => [0, 1, 2].map(|part| share(film.strains[*at as usize][part], ranges[part])),
-        false => [BROKEN; 3],
+        false => [FAILED; 3],
     };
     face.surface.element.iter().flat_map(patch).collect()
 }
@@ -302,7 +304,7 @@ mod tests {
         let outlines: Vec<[u32; 4]> = outlines(&film).collect();
         let face = Face { index: 0, mirrored: film.mirrored, surface: CoarseSurface::of(&points, &outlines, 100) };
         let written = strains(&face, &snapshot(0.0, &points, &film), [[0.0, 0.5], [0.0, 0.5], [-0.2, 0.3]]);
-        assert_eq!(written[..6], [BROKEN, BROKEN, BROKEN, 51, 254, 0]);
+        assert_eq!(written[..6], [FAILED, FAILED, FAILED, 51, 254, 0]);
     }
 
     #[test]

@@ -1,16 +1,16 @@
-// Draws the figure of class "film": faces and impactor in 3-D on a plain canvas, by a raster of its own, so that it works
-// wherever a page opens. Times go by the event "moment", as those of the plots do.
+// Draws the figure of class "film": faces and impactor in 3-D on a 2-D canvas with its own rasteriser, so that it needs no
+// WebGL. Its time follows the event "moment", as the cursors of the plots do.
 (() => {
   "use strict";
 
   const { make, Raster } = page;
   const WORDS = "time (ms)";
-  const BROKEN = 255;
-  const EDGES = 2500; // patches from which their edges are no longer drawn
-  const SHARPER = 2; // pixels of the raster in one of the page
+  const FAILED = 255;
+  const EDGES = 2500; // number of patches from which edges are not drawn
+  const OVERSAMPLING = 2; // pixels of the raster per pixel of the page
   const GLASS = 0.42; // share of the impactor's own colour
-  const APART = 0.06; // of a patch: by how much faces that lie on each other are set apart
-  const PLAYED = 5000; // ms that the whole film takes
+  const APART = 0.06; // offset of faces in contact with each other, over the size of a patch
+  const PLAY_TIME = 5000; // ms from the first to the last state
   const LIGHT = [0.35, -0.5, 0.79];
   const VIEWS = {
     aslant: [-0.6, 0.42],
@@ -20,20 +20,20 @@
   };
   const COLOURS = Array.from({ length: 256 }, (_, at) => page.viridis(at / 255));
 
-  /** What a patch is coloured by: the strain from its parts, the range, and how a number of it is written. */
+  /** What patches are coloured by: its name, its value from the strains, and its range. */
   const QUANTITIES = {
     larger: { words: "larger fibre strain", of: (md, td) => Math.max(md, td), range: "fibre" },
     md: { words: "strain along MD", of: (md) => md, range: "fibre" },
     td: { words: "strain along TD", of: (_, td) => td, range: "fibre" },
-    // Its sign turns round from one mirror image to the next.
-    shear: { words: "shear angle, either way", of: (_md, _td, shear) => Math.abs(shear), range: "angle" },
+    // Mirror images differ in its sign.
+    shear: { words: "magnitude of the shear angle", of: (_md, _td, shear) => Math.abs(shear), range: "angle" },
   };
 
   const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   const mixed = (a, b, share) => a + (b - a) * share;
 
-  /** Turns a point by a unit quaternion i, j, k, w. */
-  const turned = ([x, y, z], [i, j, k, w]) => {
+  /** Rotates a point by a unit quaternion i, j, k, w. */
+  const rotated = ([x, y, z], [i, j, k, w]) => {
     const [a, b, c] = [2 * (j * z - k * y), 2 * (k * x - i * z), 2 * (i * y - j * x)];
     return [x + w * a + j * c - k * b, y + w * b + k * a - i * c, z + w * c + i * b - j * a];
   };
@@ -48,7 +48,7 @@
       this.states = data.states.map((state) => this.state(state, data.box));
       this.body = data.body ?? { points: [], patches: [] };
       this.mirrored = this.faces.some((face) => face.mirrored.some(Boolean));
-      // The axis whose negative side goes where the film is cut in half.
+      // The axis whose negative side is hidden where the film is cut in half.
       this.cut = this.faces.some((face) => face.mirrored[1]) ? 1 : 0;
       this.time = this.states[0].time;
       this.quantity = "larger";
@@ -67,20 +67,20 @@
       this.show(this.busiest(), false);
     }
 
-    /** A state with its places in m and its strains as they were written. */
+    /** A state with positions in m and strains as bytes. */
     state({ time, places, strains, pose }, [low, high]) {
       const steps = new Uint16Array(bytes(places).buffer);
       const points = Float32Array.from(steps, (step, at) => low[at % 3] + (step / 65535) * (high[at % 3] - low[at % 3]));
       return { time, points, strains: bytes(strains), pose };
     }
 
-    /** Middle of the film before anything moves it, about which it is turned. */
+    /** Middle of the undeformed film, about which the view rotates. */
     middle([low, high]) {
       const { mirrored } = this.faces[0];
       return [0, 1, 2].map((axis) => (mirrored[axis] ? 0 : (low[axis] + high[axis]) / 2));
     }
 
-    /** The place that the film takes on the screen as seen from here, m: right, left, down, up. */
+    /** Extent of the film in the present view, m: right, left, down, up. */
     fit() {
       const { project } = this.camera(0, 0, 1);
       const { mirrored } = this.faces[0];
@@ -101,14 +101,14 @@
           }
         }
       }
-      // The impactor's upper part may be cut: the film matters.
+      // The upper part of the impactor may be out of view.
       const top = Math.max(0, ...this.body.points.map(([, , z]) => z));
       const [x, y, z] = this.centre;
       if (top) take(x, y, z + Math.min(top, 0.3 * (ends[0] - ends[1])));
       this.ends = ends;
     }
 
-    /** The time that shows most: the lowest point or the largest force, but not what broke. */
+    /** The first time to show: of the lowest point or of the largest force, but not after rupture. */
     busiest() {
       const time = (name) => this.moments.find(([words]) => words === name)?.[1] ?? Infinity;
       const rupture = time("rupture");
@@ -119,8 +119,8 @@
     build() {
       this.canvas = make("canvas", { tabIndex: 0 });
       this.canvas.setAttribute("role", "application");
-      this.canvas.setAttribute("aria-roledescription", "picture that can be turned");
-      this.canvas.setAttribute("aria-label", "The film in three dimensions, coloured by strain. Arrow keys turn it, plus and minus zoom, space plays, zero resets.");
+      this.canvas.setAttribute("aria-roledescription", "rotatable picture");
+      this.canvas.setAttribute("aria-label", "The film in three dimensions, coloured by strain. Arrow keys rotate it, plus and minus zoom, space plays, zero resets.");
       this.canvas.addEventListener("keydown", (event) => this.key(event));
       this.canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
       this.drag();
@@ -148,7 +148,7 @@
         this.quantity = name;
         this.draw();
       });
-      const views = Object.keys(VIEWS).map((name) => button(name, () => this.turn(name)));
+      const views = Object.keys(VIEWS).map((name) => button(name, () => this.lookFrom(name)));
       const cut = this.mirrored
         ? [choice("part", [["whole", "whole film"], ["half", "cut in half"]], (part) => {
             this.whole = part === "whole";
@@ -168,7 +168,7 @@
       );
     }
 
-    /** Turning with one finger or the mouse, zooming with two fingers. */
+    /** Rotation with one finger or the mouse, zoom with two fingers. */
     drag() {
       const held = new Map();
       const spread = () => {
@@ -188,12 +188,12 @@
           if (apart > 0) this.scaleBy(spread() / apart);
           return;
         }
-        this.turnBy(0.008 * (event.clientX - before[0]), 0.008 * (event.clientY - before[1]));
+        this.rotateBy(0.008 * (event.clientX - before[0]), 0.008 * (event.clientY - before[1]));
       });
       for (const end of ["pointerup", "pointercancel"]) this.canvas.addEventListener(end, (event) => held.delete(event.pointerId));
     }
 
-    /** The page scrolls unless the picture was chosen, or the wheel is a pinch. */
+    /** The page scrolls unless the picture has the focus, or the wheel event is a pinch. */
     wheel(event) {
       if (document.activeElement !== this.canvas && !event.ctrlKey) return;
       event.preventDefault();
@@ -203,15 +203,15 @@
     key(event) {
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       const actions = {
-        ArrowLeft: () => this.turnBy(-0.1, 0),
-        ArrowRight: () => this.turnBy(0.1, 0),
-        ArrowUp: () => this.turnBy(0, 0.1),
-        ArrowDown: () => this.turnBy(0, -0.1),
+        ArrowLeft: () => this.rotateBy(-0.1, 0),
+        ArrowRight: () => this.rotateBy(0.1, 0),
+        ArrowUp: () => this.rotateBy(0, 0.1),
+        ArrowDown: () => this.rotateBy(0, -0.1),
         "+": () => this.scaleBy(1.2),
         "=": () => this.scaleBy(1.2),
         "-": () => this.scaleBy(1 / 1.2),
-        0: () => this.turn("aslant"),
-        Escape: () => this.turn("aslant"),
+        0: () => this.lookFrom("aslant"),
+        Escape: () => this.lookFrom("aslant"),
         " ": () => this.run(),
       };
       const action = actions[event.key];
@@ -220,14 +220,14 @@
       action();
     }
 
-    turn(view) {
+    lookFrom(view) {
       [this.yaw, this.pitch] = VIEWS[view];
       this.zoom = 1;
       this.fit();
       this.draw();
     }
 
-    turnBy(yaw, pitch) {
+    rotateBy(yaw, pitch) {
       this.yaw += yaw;
       this.pitch = Math.min(Math.max(this.pitch + pitch, -Math.PI / 2), Math.PI / 2);
       this.draw();
@@ -238,18 +238,18 @@
       this.draw();
     }
 
-    /** Shows the film at a time (ms); `told` to the plots where the reader asked for it here. */
-    show(time, told) {
+    /** Shows the film at a time (ms), and moves the cursors of the plots where `shared`. */
+    show(time, shared) {
       const [first, last] = [this.states[0].time, this.states[this.states.length - 1].time];
       this.time = Math.min(Math.max(time, first), last);
       this.slider.value = this.time;
       this.at.textContent = `${this.time.toFixed(last < 1000 ? 1 : 0)} ms`;
       this.slider.setAttribute("aria-valuetext", this.at.textContent);
       this.draw();
-      if (told) document.dispatchEvent(new CustomEvent("moment", { detail: { words: WORDS, x: this.time, from: this } }));
+      if (shared) document.dispatchEvent(new CustomEvent("moment", { detail: { words: WORDS, x: this.time, from: this } }));
     }
 
-    /** Plays from here to the end, from the start where that is reached; pressed again it stops. */
+    /** Plays to the end, from the start where the end is reached; stops where it plays. */
     run() {
       if (this.running) {
         cancelAnimationFrame(this.running);
@@ -262,7 +262,7 @@
       let begin;
       const next = (now) => {
         begin ??= now;
-        const time = from + ((now - begin) / PLAYED) * (last - first);
+        const time = from + ((now - begin) / PLAY_TIME) * (last - first);
         this.running = requestAnimationFrame(next);
         this.show(time, true);
         if (time >= last) this.run();
@@ -296,7 +296,7 @@
       context.clearRect(0, 0, width, height);
 
       const look = this.camera(width, height, this.scaleIn(width, height));
-      const [wide, tall] = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.round(SHARPER * side));
+      const [wide, tall] = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.round(OVERSAMPLING * side));
       this.raster.size(wide, tall);
       this.raster.clear();
       const sharper = this.camera(wide, tall, this.scaleIn(wide, tall));
@@ -315,7 +315,7 @@
       if (range === "fibre") this.numbers[0].textContent = "0 % or slack";
     }
 
-    /** Pixels a metre, so that the film fits. */
+    /** Scale at which the film fits, pixels per metre. */
     scaleIn(width, height) {
       const [right, left, down, up] = this.ends;
       return this.zoom * Math.min((0.92 * width) / (right - left || 1), (0.9 * height) / (down - up || 1));
@@ -332,7 +332,7 @@
         const [right, away] = [cy * a - sy * b, sy * a + cy * b];
         return [h0 + scale * right, v0 - scale * (sp * away + cp * c), sp * c - cp * away];
       };
-      /** Of a normal in the room: how it faces the eye and the light. */
+      /** Cosines of the angles of a normal to the eye and to the light. */
       const facing = (x, y, z) => {
         const [right, away] = [cy * x - sy * y, sy * x + cy * y];
         const [up, near] = [sp * away + cp * z, sp * z - cp * away];
@@ -346,19 +346,19 @@
       const { of, range } = QUANTITIES[this.quantity];
       const [low, high] = this.ranges[range];
       const parts = ["fibre", "fibre", "shear"].map((name) => this.ranges[name]);
-      const strain = (state, at, part) => parts[part][0] + (state.strains[at + part] / (BROKEN - 1)) * (parts[part][1] - parts[part][0]);
+      const strain = (state, at, part) => parts[part][0] + (state.strains[at + part] / (FAILED - 1)) * (parts[part][1] - parts[part][0]);
       const edges = this.faces.reduce((sum, face) => sum + face.patches.length / 4, 0) < EDGES;
       let [node, element] = [0, 0];
       for (const [face, { nodes, patches: corners, mirrored }] of this.faces.entries()) {
         const colours = [];
         for (let at = 0; at < corners.length / 4; at++) {
           const place = 3 * (element + at);
-          const [now, then] = [a, b].map((state) => state.strains[place] !== BROKEN);
+          const [now, then] = [a, b].map((state) => state.strains[place] !== FAILED);
           if (!now || (share === 1 && !then)) {
             colours.push(null);
             continue;
           }
-          // Up to its break an element keeps the strain that it had last.
+          // Until it fails, an element has the strain of the last state.
           const value = of(...[0, 1, 2].map((part) => mixed(strain(a, place, part), strain(then ? b : a, place, part), share)));
           colours.push(COLOURS[Math.round(255 * Math.min(Math.max((value - low) / (high - low), 0), 1))]);
         }
@@ -389,7 +389,7 @@
         const length = Math.hypot(nx, ny, nz) || 1;
         const [near, lit] = facing(nx / length, ny / length, nz / length);
         const shade = 0.74 + 0.26 * Math.max(0, near < 0 ? -lit : lit);
-        // Where faces lie on each other, the first is the upper one, whichever side is seen.
+        // Of faces in contact with each other, the first is the upper one, seen from either side.
         const size = Math.max(Math.hypot(ux, uy, uz), Math.hypot(vx, vy, vz));
         const under = APART * size * (face + 1) * Math.sign(near * sx * sy);
         const places = (s === r ? [p, q, r] : [p, q, r, s]).map((corner) => [
@@ -398,21 +398,21 @@
           seen[3 * corner + 2] - under,
         ]);
         const [fill, edge] = [shade, 0.72 * shade].map((light) => Raster.colour(colour.map((part) => part * light)));
-        this.raster.patch(places, fill, edge, edges ? 0.35 * SHARPER : 0);
+        this.raster.patch(places, fill, edge, edges ? 0.35 * OVERSAMPLING : 0);
       }
     }
 
-    /** The side of the impactor that is seen, glassy so that the film behind it is too. */
+    /** The visible side of the impactor, translucent so that the film behind it is seen. */
     impactor({ project, facing }) {
       const [a, b, share] = this.between();
       if (!a.pose || !b.pose) return;
-      // A quaternion and its opposite are the same turn; between neighbours, not through the middle.
+      // A quaternion and its negative are the same rotation; the nearer of both is interpolated to.
       const [from, to] = [a.pose, b.pose];
       const sense = from.slice(3).reduce((sum, part, at) => sum + part * to[3 + at], 0) < 0 ? -1 : 1;
       const pose = from.map((part, at) => mixed(part, at < 3 ? to[at] : sense * to[at], share));
       const size = Math.hypot(...pose.slice(3)) || 1;
-      const turn = pose.slice(3).map((part) => part / size);
-      const places = this.body.points.map((point) => turned(point, turn).map((c, axis) => c + pose[axis]));
+      const rotation = pose.slice(3).map((part) => part / size);
+      const places = this.body.points.map((point) => rotated(point, rotation).map((c, axis) => c + pose[axis]));
       const seen = places.map((place) => project(...place));
       for (const [p, q, r, s] of this.body.patches) {
         const [u, v] = [[p, r], s === r ? [p, q] : [q, s]].map(([from, to]) => places[to].map((c, axis) => c - places[from][axis]));
@@ -426,7 +426,7 @@
       }
     }
 
-    /** Where x, y and z point. */
+    /** The directions of x, y and z. */
     triad(context, { project }, ratio, height, colour) {
       const origin = project(...this.centre);
       const size = 26 * ratio;

@@ -1,6 +1,5 @@
-// What every page has: links to its sections, and light or dark as the reader's system says until the button is pressed.
-// Nothing is remembered.
-// What the other scripts share is in `page`.
+// Parts of every page: links to its sections, and a button for light or dark, which the system decides until the button is
+// pressed. Nothing is stored. `page` holds what the other scripts share.
 const page = (() => {
   "use strict";
 
@@ -39,7 +38,7 @@ const page = (() => {
   document.body.prepend(button);
   changed();
 
-  // Paper is white: what is drawn has to be drawn again for it.
+  // Paper is white: drawings are redrawn for it.
   let before;
   addEventListener("beforeprint", () => {
     before = root.dataset.theme;

@@ -1,16 +1,16 @@
-// Draws every figure of class "plot" with uPlot, from the data that stands in it. Curves may have grids of their own and may
-// turn back, so all plots are made in uPlot's mode 2: x and y for each curve.
-// Figures over the same axis share their cursor; so does whatever else speaks the event "moment" { words, x }.
+// Draws every figure of class "plot" with uPlot from the data within it. Curves may have their own abscissae, which need not
+// ascend, so all plots use uPlot's mode 2: x and y for each curve. Figures over the same axis share their cursor by the event
+// "moment" { words, x }, as does the film.
 (() => {
   "use strict";
 
   const { make } = page;
   const DASH = [7, 5];
   const STEPS = 100; // key presses across a plot
-  const TOLD = 6; // curves in one reading aloud
+  const MOST_READ = 6; // curves whose values a screen reader reads
   const COLOURS = 8; // --c0 to --c7 of the style
 
-  /** Four significant digits, as few letters as that takes. */
+  /** Four significant digits without zeros at the end. */
   const short = (value) => {
     if (value === 0) return "0";
     const size = Math.abs(value);
@@ -33,13 +33,13 @@
     return found ? [found[1], found[2]] : [words, ""];
   };
 
-  /** Ends of a logarithmic axis that read well: one digit and zeros. */
+  /** Ends of a logarithmic axis rounded to one digit. */
   const roundEnds = ([low, high]) => {
     const digit = (value) => 10 ** Math.floor(Math.log10(value) + 1e-9);
     return [Math.floor(low / digit(low) + 1e-9) * digit(low), Math.ceil(high / digit(high) - 1e-9) * digit(high)];
   };
 
-  /** CSS colours of all curves: lines in turn, a single dashed one in ink, several like the lines that they belong to. */
+  /** CSS colours of all curves: lines in turn, a single dashed one in ink, several in the colours of their lines. */
   const colours = (curves) => {
     const dashed = curves.filter((curve) => curve.look === "dashed").length;
     const lines = curves.length - dashed;
@@ -48,7 +48,7 @@
       const kind = curve.look === "dashed" ? "dashed" : "line";
       const place = turn[kind]++;
       if (kind === "dashed" && (dashed === 1 || lines === 0)) return "var(--ink)";
-      // Many lines are a sequence.
+      // Many lines have the colours of a sequence.
       if (lines > COLOURS) return page.rgb(page.viridis(0.1 + (0.8 * place) / (lines - 1)));
       return `var(--c${place % COLOURS})`;
     });
@@ -65,7 +65,7 @@
       this.curves = data.curves;
       for (const curve of this.curves) {
         if (typeof curve.x === "number") curve.x = this.curves[curve.x].x;
-        curve.rises = curve.x.every((x, at) => at === 0 || x >= curve.x[at - 1]);
+        curve.ascends = curve.x.every((x, at) => at === 0 || x >= curve.x[at - 1]);
       }
       this.whole = this.span();
       this.view = this.whole;
@@ -88,21 +88,21 @@
         });
       }
       if (low < high && this.axes.x.log) return roundEnds([low, high]);
-      // Points stand whole within the plot.
+      // A margin for the size of the points.
       const margin = this.curves.some(({ look }) => look === "points") ? 0.03 * (high - low) : 0;
       if (low < high) return [low - margin, high + margin];
       return this.axes.x.log ? [low / 2, high * 2] : [low - 0.5, high + 0.5];
     }
 
-    /** Heights that the shown curves take within the view, with a margin. */
+    /** Range of y of the visible curves within the view, with a margin. */
     heights() {
       let low = Infinity;
       let high = -Infinity;
-      this.curves.forEach(({ x, y, rises }, index) => {
+      this.curves.forEach(({ x, y, ascends }, index) => {
         if (this.plot && !this.plot.series[index + 1].show) return;
         let [from, to] = [0, x.length - 1];
-        if (rises) {
-          // With the neighbours beside the view, so that a line through it is seen.
+        if (ascends) {
+          // With the neighbours outside the view, so that a line across it is drawn.
           from = Math.max(this.nearest(x, this.view[0]) - 1, 0);
           to = Math.min(this.nearest(x, this.view[1]) + 1, to);
         }
@@ -289,26 +289,26 @@
       return { stroke: fill };
     }
 
-    /** Ends of the marked stretch on the canvas, if any of it is seen. */
-    stretch({ bbox, valToPos }) {
+    /** Ends of the marked window on the canvas, if it is in view. */
+    markedEnds({ bbox, valToPos }) {
       if (!this.marked) return null;
       const inside = (place) => Math.min(Math.max(place, bbox.left), bbox.left + bbox.width);
       const [from, to] = this.marked.range.map((place) => inside(valToPos(place, "x", true)));
       return to > from ? [from, to] : null;
     }
 
-    /** Shades the marked stretch of the x axis. */
+    /** Shades the marked window of the x axis. */
     mark(plot) {
-      const stretch = this.stretch(plot);
-      if (!stretch) return;
+      const ends = this.markedEnds(plot);
+      if (!ends) return;
       plot.ctx.fillStyle = getComputedStyle(this.at).outlineColor;
-      plot.ctx.fillRect(stretch[0], plot.bbox.top, stretch[1] - stretch[0], plot.bbox.height);
+      plot.ctx.fillRect(ends[0], plot.bbox.top, ends[1] - ends[0], plot.bbox.height);
     }
 
-    /** Says what is marked, over the grid and below the curves. */
+    /** Labels the marked window, over the grid and below the curves. */
     name(plot) {
-      const stretch = this.stretch(plot);
-      if (!stretch) return;
+      const ends = this.markedEnds(plot);
+      if (!ends) return;
       const { ctx, bbox } = plot;
       const ratio = uPlot.pxRatio;
       const { color, outlineColor } = getComputedStyle(this.at);
@@ -317,8 +317,8 @@
       ctx.textBaseline = "top";
       ctx.textAlign = "left";
       const width = ctx.measureText(this.marked.words).width;
-      const [left, top] = [stretch[0] + 6 * ratio, bbox.top + 4 * ratio];
-      if (width < stretch[1] - stretch[0] - 12 * ratio) {
+      const [left, top] = [ends[0] + 6 * ratio, bbox.top + 4 * ratio];
+      if (width < ends[1] - ends[0] - 12 * ratio) {
         ctx.fillStyle = outlineColor;
         ctx.fillRect(left - 2 * ratio, top - ratio, width + 4 * ratio, 13 * ratio);
         ctx.fillStyle = color;
@@ -329,10 +329,10 @@
 
     /** Index of the point of a curve that the cursor is at. */
     index(curve) {
-      const { x, y, rises } = this.curves[curve];
+      const { x, y, ascends } = this.curves[curve];
       const { left, top } = this.plot.cursor;
       if (left < 0 || x.length === 0) return null;
-      if (rises) {
+      if (ascends) {
         const place = this.plot.posToVal(left, "x");
         const slack = (this.view[1] - this.view[0]) / STEPS;
         if (place < x[0] - slack || place > x[x.length - 1] + slack) return null;
@@ -349,16 +349,16 @@
       return best;
     }
 
-    /** Shows the values at the cursor, and tells the others where it is. */
+    /** Shows the values at the cursor, and moves the cursors of the other figures. */
     read() {
       if (!this.plot) return;
       const { left } = this.plot.cursor;
-      const told = [];
+      const values = [];
       const unit = split(this.axes.y.words)[1];
       this.entries.forEach(({ value }, curve) => {
         const at = left < 0 || !this.plot.series[curve + 1].show ? null : this.index(curve);
         value.textContent = at == null ? "" : short(this.curves[curve].y[at]);
-        if (at != null) told.push(`${this.curves[curve].name} ${value.textContent}${unit && ` ${unit}`}`);
+        if (at != null) values.push(`${this.curves[curve].name} ${value.textContent}${unit && ` ${unit}`}`);
       });
       if (left < 0) {
         this.at.textContent = "";
@@ -367,19 +367,19 @@
       const x = this.plot.posToVal(left, "x");
       const [quantity, of] = split(this.axes.x.words);
       this.at.textContent = `${quantity} ${short(x)}${of && ` ${of}`}`;
-      const rest = told.length > TOLD ? `, and ${told.length - TOLD} more` : "";
-      this.reading.textContent = `${this.at.textContent}: ${told.slice(0, TOLD).join(", ")}${rest}`;
+      const rest = values.length > MOST_READ ? `, and ${values.length - MOST_READ} more` : "";
+      this.reading.textContent = `${this.at.textContent}: ${values.slice(0, MOST_READ).join(", ")}${rest}`;
       if (this.following) return;
       document.dispatchEvent(new CustomEvent("moment", { detail: { words: this.axes.x.words, x, from: this } }));
     }
 
-    /** Puts the cursor where another figure has its own. */
+    /** Moves the cursor to that of another figure. */
     follow({ words, x, from }) {
       if (from === this || words !== this.axes.x.words) return;
       this.following = true;
       const inside = x >= this.view[0] && x <= this.view[1];
       this.plot.setCursor(inside ? { left: this.plot.valToPos(x, "x"), top: 0 } : { left: -10, top: -10 });
-      // What follows is told there, not here.
+      // The other figure has the reading.
       this.reading.textContent = "";
       this.following = false;
     }
@@ -390,7 +390,7 @@
       plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
     }
 
-    /** Shows the stretch of the x axis, within the whole. */
+    /** Shows an interval of the x axis, clamped to the whole. */
     look(wanted) {
       const [low, high] = this.whole;
       const [from, to] = this.axes.x.log ? roundEnds(wanted) : wanted;
@@ -436,14 +436,14 @@
       action();
     }
 
-    /** Moves the cursor by so many hundredths: of the view, or along the first shown curve where that turns back. */
+    /** Moves the cursor by so many hundredths: of the view, or along the first visible curve where its abscissae do not ascend. */
     step(count) {
       const plot = this.plot;
       const first = this.curves.findIndex((_, curve) => plot.series[curve + 1].show);
       if (first < 0) return;
-      const { x, y, rises } = this.curves[first];
+      const { x, y, ascends } = this.curves[first];
       const bounded = (value, most) => Math.min(Math.max(value, 0), most);
-      if (rises) {
+      if (ascends) {
         const width = plot.over.clientWidth;
         const start = plot.cursor.left < 0 ? (count > 0 ? 0 : width) : plot.cursor.left;
         plot.setCursor({ left: bounded(start + (count * width) / STEPS, width), top: 0 });
@@ -463,7 +463,7 @@
       this.look(this.view);
     }
 
-    /** Saves what is drawn as a table, a line a point. */
+    /** Saves the curves as a table, one line a point. */
     save() {
       const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
       const lines = [["curve", this.axes.x.words, this.axes.y.words].map(quoted).join()];

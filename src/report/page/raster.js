@@ -1,5 +1,5 @@
-// Pictures of patches in space with a depth for every pixel: what lies nearer hides what lies behind, however patches touch or
-// cross. Drawn at twice the size of the page and reduced, which smooths what is aslant.
+// Rasterises patches in space with a depth buffer, which is right for patches that touch or intersect. Pictures are drawn at
+// twice the size of the page and scaled down, which smooths slanted edges.
 page.Raster = class {
   constructor() {
     this.canvas = document.createElement("canvas");
@@ -23,7 +23,7 @@ page.Raster = class {
     this.glass.depths.fill(-Infinity);
   }
 
-  /** A patch of three or four corners [right, down, near]; `rim` is how broad its edges are on its side, in pixels. */
+  /** A patch of three or four corners [right, down, near]; `rim` is the width of its drawn edges, in pixels. */
   patch(corners, colour, edge, rim) {
     const [p, q, r, s] = corners;
     if (s === undefined) return this.triangle(this, [p, q, r], [rim, rim, rim], colour, edge);
@@ -31,7 +31,7 @@ page.Raster = class {
     this.triangle(this, [p, r, s], [0, rim, rim], colour, edge);
   }
 
-  /** A patch of what is seen through. */
+  /** A translucent patch. */
   pane([p, q, r, s], colour) {
     this.triangle(this.glass, [p, q, r], [0, 0, 0], colour, colour);
     if (s !== undefined) this.triangle(this.glass, [p, r, s], [0, 0, 0], colour, colour);
@@ -44,7 +44,7 @@ page.Raster = class {
     if (!(Math.abs(area) > 1e-6)) return;
     const across = ((bz - az) * (cy - ay) - (cz - az) * (by - ay)) / area;
     const downwards = ((cz - az) * (bx - ax) - (bz - az) * (cx - ax)) / area;
-    // Of every side: how far a pixel is from it, less the breadth of its edge.
+    // For every side: distance of a pixel from it, less the width of its edge.
     const sides = corners.map(([x0, y0], at) => {
       const [x1, y1] = corners[(at + 1) % 3];
       const length = (Math.sign(area) * Math.hypot(x1 - x0, y1 - y0)) || 1;
@@ -81,7 +81,7 @@ page.Raster = class {
     }
   }
 
-  /** Lays what is seen through over the rest, where it is nearer by more than `least`, with a share of its own colour. */
+  /** Blends translucent patches over the others, where they are nearer by more than `least`, with a share of their own colour. */
   glaze(share, least) {
     const { pixels, depths, glass } = this;
     for (let at = 0; at < pixels.length; at++) {
@@ -100,7 +100,7 @@ page.Raster = class {
     }
   }
 
-  /** The picture on a canvas, as large as that is. */
+  /** Draws the picture on a canvas, scaled to its size. */
   show(context, width, height) {
     this.canvas.getContext("2d").putImageData(this.image, 0, 0);
     context.imageSmoothingQuality = "high";

@@ -7,11 +7,11 @@ use crate::post::lowest_point;
 use crate::report::RunPage;
 use crate::signal::{Recording, column};
 
-/// First contact, extremes, rupture, rebound and findings in the order of time, and the log of the post script.
+/// First contact, extremes, release, rupture and findings in the order of time, and the log of the post script.
 pub fn of(run: &RunPage) -> Vec<Event> {
     let signals = &run.results.signals;
     let end = signals.time.last().copied().unwrap_or_default();
-    let rupture = run.outcome.rupture_time.map(|time| (time, Severity::Warning, "first element breaks".to_owned()));
+    let rupture = run.outcome.rupture_time.map(|time| (time, Severity::Warning, "first element fails".to_owned()));
     let failure = run.failure.map(|cause| (end, Severity::Warning, format!("the run failed: {cause}")));
     let warnings = run.results.measures.findings().iter().map(|found| {
         let severity = if found.is_warning() { Severity::Warning } else { Severity::Info };
@@ -26,29 +26,29 @@ pub fn of(run: &RunPage) -> Vec<Event> {
     all.into_iter().map(|(time, severity, text)| Event { at: Moment::Time(time), severity, text }).collect()
 }
 
-/// Contact, largest deceleration, lowest point and rebound of an impactor.
+/// First contact, largest deceleration, lowest point and release of an impactor.
 fn motion(signals: &Recording) -> Vec<(f64, String)> {
     let Some(force) = signals.channel(column::CONTACT_FORCE.name) else { return vec![] };
     let contact = force.iter().position(|force| *force > 0.0).map(|k| (k, "first contact".to_owned()));
     let braking = largest(signals, column::ACCELERATION_FILTERED.name)
         .map(|(k, peak)| (k, format!("largest deceleration, {peak:.1} m/s²")));
-    let turn = lowest_point(signals);
-    let lowest = turn.map(|[time, depth]| (time, format!("lowest point, {:.1} mm", 1e3 * depth)));
-    let rebound = turn.and_then(|[time, _]| rebound(signals, force, time));
+    let lowest = lowest_point(signals);
+    let release = lowest.and_then(|[time, _]| release(signals, force, time));
+    let lowest = lowest.map(|[time, depth]| (time, format!("lowest point, {:.1} mm", 1e3 * depth)));
     let timed = |(k, text)| Some((*signals.time.get(k)?, text));
-    [contact, braking].into_iter().flatten().filter_map(timed).chain(lowest).chain(rebound).collect()
+    [contact, braking].into_iter().flatten().filter_map(timed).chain(lowest).chain(release).collect()
 }
 
-/// Share of the largest contact force below which the impactor is free: slack film may touch it as it rises.
-const FREE: f64 = 0.01;
+/// Share of the largest contact force below which the impactor is released: slack film may touch it as it rises.
+const RELEASED: f64 = 0.01;
 
-/// When the impactor is free for good after the turn at the time `turn`, s, and its speed then.
-fn rebound(signals: &Recording, force: &[f64], turn: f64) -> Option<(f64, String)> {
-    let least = FREE * force.iter().copied().fold(0.0, f64::max);
+/// When contact ends after the lowest point at the time `lowest` (s), and the speed of the impactor then.
+fn release(signals: &Recording, force: &[f64], lowest: f64) -> Option<(f64, String)> {
+    let least = RELEASED * force.iter().copied().fold(0.0, f64::max);
     let left = force.iter().rposition(|force| *force > least)? + 1;
     let speed = signals.channel(column::VELOCITY.name)?.get(left)?;
     let time = *signals.time.get(left)?;
-    (time > turn && *speed > 0.0).then(|| (time, format!("leaves the film at {speed:.2} m/s")))
+    (time > lowest && *speed > 0.0).then(|| (time, format!("release at {speed:.2} m/s")))
 }
 
 /// Index and value of the largest sample of a channel.
@@ -64,7 +64,7 @@ mod tests {
     use crate::signal::Channel;
 
     #[test]
-    fn contact_lowest_point_and_rebound_are_logged() {
+    fn contact_lowest_point_and_release_are_logged() {
         let channel = |name: &str, values: [f64; 5]| Channel { name: name.to_owned(), values: values.to_vec() };
         let signals = |force| Recording {
             time: vec![0.0, 0.1, 0.2, 0.3, 0.4],
@@ -76,10 +76,10 @@ mod tests {
         };
         let texts = |force| motion(&signals(force)).into_iter().map(|(time, text)| format!("{time} {text}"));
         let bounced: Vec<String> = texts([0.0, 3.0, 5.0, 1.0, 0.0]).collect();
-        assert_eq!(bounced, ["0.1 first contact", "0.2 lowest point, -200.0 mm", "0.4 leaves the film at 1.50 m/s"]);
+        assert_eq!(bounced, ["0.1 first contact", "0.2 lowest point, -200.0 mm", "0.4 release at 1.50 m/s"]);
         assert_eq!(texts([0.0, 3.0, 5.0, 1.0, 1.0]).count(), 2, "the impactor stays in contact");
         assert!(
-            texts([0.0, 300.0, 500.0, 1.0, 1.0]).any(|line| line == "0.3 leaves the film at 1.00 m/s"),
+            texts([0.0, 300.0, 500.0, 1.0, 1.0]).any(|line| line == "0.3 release at 1.00 m/s"),
             "slack film touches it"
         );
         assert_eq!(motion(&Recording::default()), []);

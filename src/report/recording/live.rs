@@ -18,17 +18,17 @@ use crate::signal::{Channel, Recording};
 use crate::simulate::SnapshotEvent;
 
 /// Longest wait for a viewer to answer.
-const PATIENCE: Duration = Duration::from_secs(2);
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 /// Longest wait of the sending thread at the end for what it has sent.
-const SENDING: Duration = Duration::from_secs(8);
+const SEND_TIMEOUT: Duration = Duration::from_secs(8);
 /// Longest wait of the run at the end for the sending thread.
-const LAST_PATIENCE: Duration = Duration::from_secs(10);
+const JOIN_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Most snapshots in the queue to the viewer; further ones are left out.
-const WAITING: usize = 64;
+const QUEUE: usize = 64;
 
 /// Upper end of an extended colour range over the largest strain so far.
-const SPREAD: f32 = 1.25;
+const MARGIN: f32 = 1.25;
 
 /// Why a viewer does not show a run or a part of it.
 #[derive(Debug, Error)]
@@ -61,7 +61,7 @@ pub struct Live<'a> {
 
 /// The thread that sends to the viewer.
 struct Viewer {
-    news: SyncSender<State>,
+    snapshots: SyncSender<State>,
     /// A channel of its own, so that a full queue of snapshots does not block the end.
     end: Sender<Scene>,
     done: Receiver<Result<(), VizError>>,
@@ -88,7 +88,7 @@ impl<'a> Live<'a> {
         scenario: &'a str,
     ) -> Result<Live<'a>, LiveError> {
         let no_answer = |source| LiveError::NoAnswer { address: address.to_string(), source };
-        address.answers(PATIENCE).map_err(no_answer)?;
+        address.answers(CONNECT_TIMEOUT).map_err(no_answer)?;
         let address = address.clone();
         Ok(Live {
             address,
@@ -113,8 +113,8 @@ impl<'a> Live<'a> {
         }
         let Some(viewer) = &self.viewer else { return };
         let ranges = self.wider(event);
-        // A viewer that is gone is reported by `finish`.
-        if viewer.news.try_send(self.state(event, ranges.clone())).is_err() {
+        // `finish` reports a viewer that has ended.
+        if viewer.snapshots.try_send(self.state(event, ranges.clone())).is_err() {
             self.lost += 1;
             return;
         }
@@ -127,14 +127,14 @@ impl<'a> Live<'a> {
     /// # Errors
     /// The viewer was too slow, stopped responding or refused the data.
     pub fn finish(mut self, run: Option<&RunPage>) -> Result<(), LiveError> {
-        let Some(Viewer { news, end, done }) = self.viewer.take() else { return Ok(()) };
+        let Some(Viewer { snapshots, end, done }) = self.viewer.take() else { return Ok(()) };
         let address = self.address.to_string();
         if let Some(run) = run {
             // Where the thread has ended, `done` has the reason.
             let _ = end.send(self.rest(run));
         }
-        drop((news, end));
-        match done.recv_timeout(LAST_PATIENCE) {
+        drop((snapshots, end));
+        match done.recv_timeout(JOIN_TIMEOUT) {
             Ok(Err(VizError::Flush(_))) => Err(LiveError::NotResponding { address }),
             Ok(Err(error)) => Err(RecordingError::from(error).into()),
             Ok(Ok(())) if self.lost == 0 => Ok(()),
@@ -151,7 +151,7 @@ impl<'a> Live<'a> {
         let signals = signals::of(event.signals, event.energies, comparison, model.run_time());
         let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&subject(model)));
         let texts = [super::Text { title: super::SUMMARY.to_owned(), markdown: begun }, super::scenario(scenario)];
-        let quantities: Vec<Quantity> = film::quantities(&[event.snapshot]).into_iter().map(spread).collect();
+        let quantities: Vec<Quantity> = film::quantities(&[event.snapshot]).into_iter().map(with_margin).collect();
         self.sent = samples(event);
         self.shown = signals.tracks.iter().map(|track| track.path.clone()).collect();
         self.ranges = quantities.iter().map(|quantity| quantity.range).collect();
@@ -188,7 +188,7 @@ impl<'a> Live<'a> {
     fn wider(&self, event: &SnapshotEvent<'_>) -> Option<Vec<[f32; 2]>> {
         let now = film::quantities(&[event.snapshot]);
         let wider = now.iter().zip(&self.ranges).map(|(quantity, range)| match quantity.range {
-            [_, high] if high > range[1] => [range[0], SPREAD * high],
+            [_, high] if high > range[1] => [range[0], MARGIN * high],
             _ => *range,
         });
         let wider: Vec<[f32; 2]> = wider.collect();
@@ -235,14 +235,14 @@ impl<'a> Live<'a> {
 
 impl Viewer {
     fn start(address: Address, scene: Scene) -> Viewer {
-        let (news, states) = sync_channel(WAITING);
+        let (snapshots, states) = sync_channel(QUEUE);
         let (end, ended) = channel();
         let (result, done) = channel();
         thread::spawn(move || {
             // `finish` may have stopped waiting.
             let _ = result.send(send(&address, scene, &states, &ended));
         });
-        Viewer { news, end, done }
+        Viewer { snapshots, end, done }
     }
 }
 
@@ -256,7 +256,7 @@ fn send(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receive
         samples.iter().try_for_each(|track| stage.samples(&track.path, &track.places, &track.values))?;
     }
     end.recv().map_or(Ok(()), |rest| stage.complete(rest))?;
-    stage.finish(SENDING)
+    stage.finish(SEND_TIMEOUT)
 }
 
 /// Samples of the signals and of the energies so far.
@@ -264,8 +264,8 @@ fn samples(event: &SnapshotEvent<'_>) -> [usize; 2] {
     [event.signals.time.len(), event.energies.time.len()]
 }
 
-fn spread(quantity: Quantity) -> Quantity {
-    Quantity { range: quantity.range.map(|end| SPREAD * end), ..quantity }
+fn with_margin(quantity: Quantity) -> Quantity {
+    Quantity { range: quantity.range.map(|end| MARGIN * end), ..quantity }
 }
 
 /// The samples from one on.
@@ -314,8 +314,8 @@ mod tests {
 
     /// A viewer with a queue of one snapshot, and what is sent to it.
     fn viewer() -> (Viewer, Receiver<State>, Receiver<Scene>) {
-        let ((news, states), (end, ends), (_, done)) = (sync_channel(1), channel(), channel());
-        (Viewer { news, end, done }, states, ends)
+        let ((snapshots, states), (end, ends), (_, done)) = (sync_channel(1), channel(), channel());
+        (Viewer { snapshots, end, done }, states, ends)
     }
 
     #[test]
@@ -367,8 +367,8 @@ mod tests {
     fn the_end_is_received_though_the_queue_is_full() {
         let (viewer, states, ends) = viewer();
         let state = || State { time: 0.0, films: vec![], pose: None, samples: vec![], ranges: None };
-        viewer.news.try_send(state()).expect("room for one");
-        assert!(viewer.news.try_send(state()).is_err(), "and no more");
+        viewer.snapshots.try_send(state()).expect("room for one");
+        assert!(viewer.snapshots.try_send(state()).is_err(), "and no more");
         viewer.end.send(Scene { name: "end".to_owned(), ..Scene::default() }).expect("room for the end");
         drop(viewer);
         assert_eq!((states.iter().count(), ends.recv().expect("the end").name.as_str()), (1, "end"));

@@ -35,7 +35,7 @@ pub enum RecordingError {
 }
 
 /// Longest time that a file may take to be written.
-const PATIENCE: Duration = Duration::from_secs(600);
+const WRITE_TIMEOUT: Duration = Duration::from_secs(600);
 
 /// Writes the recording of a run to `path`, snapshot by snapshot.
 ///
@@ -51,7 +51,7 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
             stage.film(face, &film::state(film, snapshot, face))?;
         }
     }
-    Ok(stage.finish(PATIENCE)?)
+    Ok(stage.finish(WRITE_TIMEOUT)?)
 }
 
 /// The scene without the snapshots of the films, which are logged one by one.

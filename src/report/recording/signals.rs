@@ -244,7 +244,7 @@ mod tests {
             window: [0.0, 0.1],
             energy_absorption: None,
             annotations: Annotations::new(vec!["VIRTUAL drop test".to_owned()]),
-            reduced: vec![],
+            reduction_warnings: vec![],
         };
         let Signals { tracks, charts, .. } =
             of(&recording(&["displacement_m"]), &recording(&[]), Some(&comparison), 0.1);
@@ -266,7 +266,7 @@ mod tests {
             window: [0.0, 0.1],
             energy_absorption: None,
             annotations: Annotations::default(),
-            reduced: vec![],
+            reduction_warnings: vec![],
         };
         let names = ["displacement_m", "kinetic_energy_J", "absorbed_energy_J", "total_energy_J"];
         let tracks = of(&recording(&names), &recording(&[]), Some(&comparison), 0.1).tracks;
