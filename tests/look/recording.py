@@ -1,15 +1,15 @@
-"""Opens a recording, or a run while it goes, in the real Rerun viewer without a display, looks at the picture, and fails where it is not as it should be.
+"""Checks what the Rerun viewer shows of a recording, or of a run while it computes, without a display.
 
     python3 tests/look/recording.py --viewer PROGRAM --recording runs/drop/1008/recording.rrd --picture shot.png
     python3 tests/look/recording.py … --timeline iteration --at 0 8
     python3 tests/look/recording.py --viewer PROGRAM --picture shot.png --live target/release/droptower scenarios/drop/1008.toml
 
-With --live the droptower that is named runs a scenario and shows it in the viewer while it goes; then the viewer has to have
-all that a recording has. Options of the run follow the scenario.
+With --live, droptower runs a scenario and sends it to the viewer, which then has to hold all that a recording holds.
+Options of the run follow the scenario.
 
 Needs Python 3 and a Vulkan driver (Debian: mesa-vulkan-drivers), and the viewer's own binary, which
-`pip install --no-deps --target DIR rerun-sdk==0.36.3` puts at DIR/rerun_sdk/rerun_cli/rerun. The picture that is kept is the one
-at the last of the times. Times are seconds, iterations are counted.
+`pip install --no-deps --target DIR rerun-sdk==0.36.3` puts at DIR/rerun_sdk/rerun_cli/rerun. The picture is that of
+the last of the times, in seconds or iterations.
 """
 
 import argparse
@@ -27,9 +27,9 @@ WINDOW = (1400, 900)
 # The viewer's panels, as shares of the window: the film or the first diagram, and the charts beside it.
 PICTURE = (0.0, 0.10, 0.52, 0.74)
 CHARTS = (0.62, 0.06, 1.0, 0.95)
-# Pixels of 1400 x 900 that have to be there.
+# Least numbers of pixels, of 1400 x 900.
 STRAINED, CHANGED, DRAWN = 20_000, 10_000, 800
-PATIENCE = 400.0
+TIMEOUT = 400.0
 LAVAPIPE = "/usr/share/vulkan/icd.d/lvp_icd.x86_64.json"
 
 
@@ -44,15 +44,15 @@ def main():
     command += ["--window-size", "x".join(map(str, WINDOW)), "--hide-welcome-screen"]
     viewer = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        pictures = photographs(args, port)
+        pictures = screenshots(args, port)
     finally:
         viewer.terminate()
         viewer.wait()
-    wrong = faults(pictures, args.timeline)
-    for fault in wrong:
+    found = faults(pictures, args.timeline)
+    for fault in found:
         print(f"{shown(args)}: {fault}", file=sys.stderr)
-    print(f"{shown(args)}: looked at {len(pictures)} pictures, the last is {args.picture}")
-    return 1 if wrong else 0
+    print(f"{shown(args)}: {len(pictures)} pictures, the last is {args.picture}")
+    return 1 if found else 0
 
 
 def arguments():
@@ -72,35 +72,35 @@ def shown(args):
 
 
 def run_live(args, port):
-    """A run that is shown in the viewer while it goes. Snapshots that a slow viewer misses are no fault."""
+    """Runs a scenario that the viewer shows while it computes. Snapshots that a slow viewer misses are no fault."""
     droptower, *scenario = args.live
     with tempfile.TemporaryDirectory() as folder:
         live = f"--live=rerun+http://127.0.0.1:{port}/proxy"
         command = [droptower, "run", "--quiet", *scenario, live, "--out", os.path.join(folder, "run")]
-        run = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=4 * PATIENCE)
-    complaints = [line for line in run.stderr.splitlines() if "--live" in line and "snapshots were left out" not in line]
-    if run.returncode or complaints:
+        run = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=4 * TIMEOUT)
+    warnings = [line for line in run.stderr.splitlines() if "--live" in line and "snapshots were left out" not in line]
+    if run.returncode or warnings:
         sys.exit(f"{shown(args)}: {run.stderr}")
 
 
 def free_port():
-    with socket.socket() as door:
-        door.bind(("127.0.0.1", 0))
-        return door.getsockname()[1]
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
 
 
-def photographs(args, port):
+def screenshots(args, port):
     """Pictures at all the times, as rows of RGB."""
     control = Control(args.viewer, port)
     try:
         if args.live:
             run_live(args, port)
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + TIMEOUT
         while not has_timeline(control, args.timeline):
             if time.monotonic() > deadline:
                 sys.exit(f"{shown(args)}: the viewer shows no timeline `{args.timeline}`")
             time.sleep(0.5)
-        return [photograph(control, args, at) for at in args.at]
+        return [screenshot(control, args, at) for at in args.at]
     finally:
         control.close()
 
@@ -110,38 +110,38 @@ def has_timeline(control, name):
     return any(line["timeline"] == name for recording in recordings for line in recording["timelines"])
 
 
-def photograph(control, args, at):
+def screenshot(control, args, at):
     place = round(at * 1e9) if args.timeline == "time" else round(at)
     control.call("set_time", timeline=args.timeline, time=place)
-    # The notices at the start go away, and what is drawn settles.
+    # Notices at the start disappear, and the view is drawn.
     time.sleep(2.0)
     control.call("screenshot", save_path=os.path.abspath(args.picture), pixels_per_point=1.0)
     return pixels(args.picture)
 
 
 class Control:
-    """The viewer's own remote control: JSON-RPC over standard input and output."""
+    """The remote control of the viewer: JSON-RPC over standard input and output."""
 
     def __init__(self, viewer, port):
         pipes = dict(stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         self.process = subprocess.Popen([viewer, "viewer-mcp"], **pipes)
-        self.asked = 0
+        self.requests = 0
         client = {"name": "droptower", "version": "1"}
         self.ask("initialize", {"protocolVersion": "2025-03-26", "capabilities": {}, "clientInfo": client})
         self.send({"method": "notifications/initialized"})
         self.connect(f"http://127.0.0.1:{port}")
 
     def connect(self, endpoint):
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + TIMEOUT
         while not self.call("connect", endpoint=endpoint).get("ok"):
             if time.monotonic() > deadline:
                 sys.exit("the viewer does not start")
             time.sleep(0.5)
 
     def call(self, tool, **arguments):
-        """The answer of a tool; nothing where it has none to give yet."""
-        answer = self.ask("tools/call", {"name": tool, "arguments": arguments})
-        content = answer.get("result", {}).get("content", [])
+        """The response of a tool; empty where it has none."""
+        response = self.ask("tools/call", {"name": tool, "arguments": arguments})
+        content = response.get("result", {}).get("content", [])
         text = next((part["text"] for part in content if part.get("type") == "text"), "{}")
         try:
             return json.loads(text)
@@ -149,12 +149,12 @@ class Control:
             return {}
 
     def ask(self, method, params):
-        self.asked += 1
-        self.send({"method": method, "params": params, "id": self.asked})
+        self.requests += 1
+        self.send({"method": method, "params": params, "id": self.requests})
         for line in self.process.stdout:
-            answer = json.loads(line)
-            if answer.get("id") == self.asked:
-                return answer
+            response = json.loads(line)
+            if response.get("id") == self.requests:
+                return response
         sys.exit("the viewer's remote control has ended")
 
     def send(self, message):
@@ -179,7 +179,7 @@ def pixels(path):
         place += length + 12
     width, height, depth, colour, _, _, interlaced = header
     if depth != 8 or colour not in (2, 6) or interlaced:
-        sys.exit(f"{path}: a kind of PNG that is not expected")
+        sys.exit(f"{path}: expected a PNG of 8-bit RGB or RGBA without interlacing")
     step = 3 if colour == 2 else 4
     raw, rows, above = zlib.decompress(compressed), [], bytes(width * step)
     for row in range(height):
@@ -209,22 +209,22 @@ def unfiltered(kind, line, above, step):
 
 def faults(pictures, timeline):
     last = pictures[-1]
-    wrong = []
+    found = []
     if timeline == "time":
         strained = count(last, PICTURE, is_viridis)
         if strained < STRAINED:
-            wrong.append(f"{strained} pixels have the colours of strain, of {STRAINED} at least")
+            found.append(f"{strained} pixels have the colours of strain, of {STRAINED} at least")
         changed = sum(a != b for a, b in zip(part(pictures[0], PICTURE), part(last, PICTURE)))
         if changed < CHANGED:
-            wrong.append(f"{changed} pixels of the film change between the times, of {CHANGED} at least")
+            found.append(f"{changed} pixels of the film change between the times, of {CHANGED} at least")
     else:
         changed = sum(a != b for a, b in zip(part(pictures[0], PICTURE), part(last, PICTURE)))
         if changed < DRAWN:
-            wrong.append(f"{changed} pixels of the curves change between the iterations, of {DRAWN} at least")
+            found.append(f"{changed} pixels of the curves change between the iterations, of {DRAWN} at least")
     drawn = count(last, CHARTS, is_bright_colour)
     if drawn < DRAWN:
-        wrong.append(f"{drawn} pixels of coloured lines are in the charts, of {DRAWN} at least")
-    return wrong
+        found.append(f"{drawn} pixels of coloured lines are in the charts, of {DRAWN} at least")
+    return found
 
 
 def part(rows, share):

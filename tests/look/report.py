@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Opens report pages in a real browser without a network and looks at them.
+"""Checks report pages in a browser without a network.
 
     tests/look/report.py PAGE_OR_RUN_FOLDER… [--pictures DIR]
 
 Needs `pip install playwright==1.65.2`; drives the Chromium of the system, or the one that CHROMIUM names.
-Fails where a page asks for anything, complains, leaves a plot blank, differs from the summary.json beside it, cannot be
-used by keyboard, or is wider than a phone.
+Fails where a page makes a request or logs a warning, a plot is blank, a figure differs from the summary.json beside it, a
+control does not work by keyboard, or the page is wider than a phone.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from playwright.sync_api import sync_playwright
 
 MOST_BYTES = 3_000_000
 PHONE = {"width": 360, "height": 740}
-DESK = {"width": 1280, "height": 900}
+DESKTOP = {"width": 1280, "height": 900}
 
 # How many pixels of a canvas differ in colour from its corner.
 COLOURED = """canvas => {
@@ -38,7 +38,7 @@ DRAWN = "() => new Promise(done => requestAnimationFrame(() => requestAnimationF
 
 
 class Fault(Exception):
-    """What is wrong with a page."""
+    """A check that failed."""
 
 
 def expect(holds, what):
@@ -46,36 +46,36 @@ def expect(holds, what):
         raise Fault(what)
 
 
-class Look:
-    """One page in one window, and everything that it complained about."""
+class OpenPage:
+    """A page in a window, with its requests, warnings and errors."""
 
     def __init__(self, browser, path, size, scheme):
         self.context = browser.new_context(viewport=size, color_scheme=scheme, offline=True)
         self.page = self.context.new_page()
-        self.complaints = []
+        self.faults = []
         own = path.as_uri()
-        self.page.on("console", lambda said: self.hear(said))
-        self.page.on("pageerror", lambda error: self.complaints.append(f"error: {error}"))
-        self.page.on("request", lambda request: self.asked(request, own))
+        self.page.on("console", self.on_console)
+        self.page.on("pageerror", lambda error: self.faults.append(f"error: {error}"))
+        self.page.on("request", lambda request: self.on_request(request, own))
         self.page.goto(own)
         self.page.evaluate(DRAWN)
 
-    def hear(self, said):
-        if said.type in ("error", "warning"):
-            self.complaints.append(f"{said.type}: {said.text}")
+    def on_console(self, message):
+        if message.type in ("error", "warning"):
+            self.faults.append(f"{message.type}: {message.text}")
 
-    def asked(self, request, own):
-        # What the page makes itself goes nowhere.
+    def on_request(self, request, own):
+        # Objects that the page makes itself are not requested from anywhere.
         if request.url.split("#")[0] != own and not request.url.startswith(("blob:", "data:")):
-            self.complaints.append(f"the page asks for {request.url}")
+            self.faults.append(f"the page requests {request.url}")
 
     def close(self):
         self.context.close()
-        expect(not self.complaints, "; ".join(self.complaints))
+        expect(not self.faults, "; ".join(self.faults))
 
 
-def plots_are_drawn(look):
-    figures = look.page.locator("figure.plot")
+def plots_are_drawn(opened):
+    figures = opened.page.locator("figure.plot")
     for at in range(figures.count()):
         figure = figures.nth(at)
         title = figure.locator("h3").inner_text()
@@ -86,12 +86,12 @@ def plots_are_drawn(look):
 
 
 def only_ink(figure):
-    """Whether a plot has no coloured curve, only such as stand in ink."""
+    """Whether no curve of a plot has a colour."""
     return figure.locator(".swatch:not(.dashed)").count() == 0
 
 
-def film_moves(look):
-    film = look.page.locator("figure.film")
+def film_moves(opened):
+    film = opened.page.locator("figure.film")
     if film.count() == 0:
         return
     canvas, slider = film.locator("canvas"), film.locator("input[type=range]")
@@ -99,25 +99,25 @@ def film_moves(look):
     seen = []
     for end in ("min", "max"):
         slider.evaluate("(slider, end) => { slider.value = slider[end]; slider.dispatchEvent(new Event('input')); }", end)
-        look.page.evaluate(DRAWN)
+        opened.page.evaluate(DRAWN)
         seen.append(canvas.evaluate(PIXELS))
     expect(seen[0] != seen[1], "the film does not move with its slider")
     canvas.focus()
-    look.page.keyboard.press("ArrowLeft")
-    look.page.evaluate(DRAWN)
-    expect(canvas.evaluate(PIXELS) != seen[1], "the film does not turn with the arrow keys")
+    opened.page.keyboard.press("ArrowLeft")
+    opened.page.evaluate(DRAWN)
+    expect(canvas.evaluate(PIXELS) != seen[1], "the arrow keys do not rotate the film")
 
 
-def figures_are_those_of(look, summary):
-    """Figures of the page that stand in the summary; each as it stands there."""
-    marked = look.page.locator("[data-figure]")
+def figures_are_those_of(opened, summary):
+    """Checks that the page has the figures of the summary with their values."""
+    marked = opened.page.locator("[data-figure]")
     rows = marked.evaluate_all(
         "all => all.map(e => ({...e.dataset, shown: (e.querySelector('.value') ?? e.cells[1]).textContent}))"
     )
     names = set()
     for row in rows:
         name, value, shown = row["figure"], json.loads(row["value"]), row["shown"]
-        expect(name in summary, f"`{name}` is on the page and not in summary.json")
+        expect(name in summary, f"`{name}` is on the page, but not in summary.json")
         expect(summary[name] == value, f"`{name}`: the page has {value}, summary.json {summary[name]}")
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             expected = value * float(row.get("factor", 1))
@@ -133,8 +133,8 @@ def figures_are_those_of(look, summary):
     return len(names)
 
 
-def keyboard_reaches_plots(look):
-    page = look.page
+def keyboard_reaches_plots(opened):
+    page = opened.page
     first = page.locator("figure.plot .area").first
     page.evaluate("() => { document.activeElement?.blur(); scrollTo(0, 0); }")
     for _ in range(120):
@@ -146,14 +146,14 @@ def keyboard_reaches_plots(look):
     ring = first.evaluate("area => getComputedStyle(area).outlineStyle")
     expect(ring not in ("none", ""), "a focused plot shows no ring")
     reading = page.locator("figure.plot .reading").first
-    told = []
+    readings = []
     page.keyboard.press("Home")
     for _ in range(2):
         page.keyboard.press("ArrowRight")
         page.evaluate(DRAWN)
-        told.append(reading.inner_text())
-    expect(told[0] and told[0] != told[1], f"arrow keys do not move the cursor: {told}")
-    expect(re.search(r"\d", told[1]), f"no value is told: {told[1]}")
+        readings.append(reading.inner_text())
+    expect(readings[0] and readings[0] != readings[1], f"arrow keys do not move the cursor: {readings}")
+    expect(re.search(r"\d", readings[1]), f"the reading has no value: {readings[1]}")
     whole = page.locator("figure.plot button[title='show everything']").first
     page.keyboard.press("+")
     expect(whole.is_enabled(), "plus does not zoom")
@@ -161,34 +161,34 @@ def keyboard_reaches_plots(look):
     expect(whole.is_disabled(), "Escape does not show everything")
 
 
-def legend_hides_curves(look):
-    figure = look.page.locator("figure.plot").first
+def legend_hides_curves(opened):
+    figure = opened.page.locator("figure.plot").first
     before = figure.locator("canvas").evaluate(PIXELS)
     button = figure.locator(".legend button").first
     button.click()
-    look.page.evaluate(DRAWN)
-    expect(button.get_attribute("aria-pressed") == "false", "the legend does not say what is hidden")
+    opened.page.evaluate(DRAWN)
+    expect(button.get_attribute("aria-pressed") == "false", "the legend does not show what is hidden")
     expect(figure.locator("canvas").evaluate(PIXELS) != before, "the legend hides nothing")
     button.click()
 
 
-def theme_turns(look):
-    before = look.page.evaluate("getComputedStyle(document.body).backgroundColor")
-    look.page.locator("button.theme").click()
-    after = look.page.evaluate("getComputedStyle(document.body).backgroundColor")
-    expect(before != after, "the button does not turn light into dark")
-    look.page.locator("button.theme").click()
+def theme_changes(opened):
+    before = opened.page.evaluate("getComputedStyle(document.body).backgroundColor")
+    opened.page.locator("button.theme").click()
+    after = opened.page.evaluate("getComputedStyle(document.body).backgroundColor")
+    expect(before != after, "the button does not change the theme")
+    opened.page.locator("button.theme").click()
 
 
-def fits_the_screen(look):
-    wide = look.page.evaluate("document.documentElement.scrollWidth - innerWidth")
+def fits_the_screen(opened):
+    wide = opened.page.evaluate("document.documentElement.scrollWidth - innerWidth")
     expect(wide <= 0, f"the page is {wide} pixels wider than the screen")
 
 
-def picture(look, folder, name):
+def picture(opened, folder, name):
     if folder:
-        look.page.evaluate("scrollTo(0, 0)")
-        look.page.screenshot(path=str(folder / f"{name}.png"), full_page=True)
+        opened.page.evaluate("scrollTo(0, 0)")
+        opened.page.screenshot(path=str(folder / f"{name}.png"), full_page=True)
 
 
 def examine(browser, path, name, pictures):
@@ -197,12 +197,12 @@ def examine(browser, path, name, pictures):
     beside = path.parent / "summary.json"
     summary = json.loads(beside.read_text()) if beside.is_file() else None
 
-    light = Look(browser, path, DESK, "light")
+    light = OpenPage(browser, path, DESKTOP, "light")
     picture(light, pictures, f"{name}-light")
     plots = plots_are_drawn(light)
     figures = figures_are_those_of(light, summary) if summary else 0
     film_moves(light)
-    theme_turns(light)
+    theme_changes(light)
     fits_the_screen(light)
     if plots:
         keyboard_reaches_plots(light)
@@ -210,12 +210,12 @@ def examine(browser, path, name, pictures):
     first_paint = light.page.evaluate("performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? 0")
     light.close()
 
-    for kind, window, scheme in [("dark", DESK, "dark"), ("phone", PHONE, "light")]:
-        look = Look(browser, path, window, scheme)
-        picture(look, pictures, f"{name}-{kind}")
-        expect(plots_are_drawn(look) == plots, f"{kind}: not all plots are there")
-        fits_the_screen(look)
-        look.close()
+    for kind, window, scheme in [("dark", DESKTOP, "dark"), ("phone", PHONE, "light")]:
+        opened = OpenPage(browser, path, window, scheme)
+        picture(opened, pictures, f"{name}-{kind}")
+        expect(plots_are_drawn(opened) == plots, f"{kind}: plots are missing")
+        fits_the_screen(opened)
+        opened.close()
     return f"{plots} plots, {figures} figures, {size / 1000:.0f} kB, first paint after {first_paint:.0f} ms"
 
 
@@ -225,9 +225,9 @@ def page_of(place):
 
 
 def main():
-    arguments = argparse.ArgumentParser(description="Looks at report pages in a real browser.")
+    arguments = argparse.ArgumentParser(description="Checks report pages in a browser.")
     arguments.add_argument("pages", nargs="+", help="pages, or folders with a report.html")
-    arguments.add_argument("--pictures", type=Path, help="folder for pictures of what was seen")
+    arguments.add_argument("--pictures", type=Path, help="folder for pictures of the pages")
     given = arguments.parse_args()
     if given.pictures:
         given.pictures.mkdir(parents=True, exist_ok=True)
