@@ -5,8 +5,10 @@ use thiserror::Error;
 /// Why a motion has no energy absorption.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum AbsorptionError {
+    /// The impactor never moves upwards after its lowest point.
     #[error("no rebound, so there is no unloading")]
     NoUnloading,
+    /// Its energy does not fall before the lowest point.
     #[error("the film absorbs no energy during loading")]
     NoLoading,
 }

@@ -23,10 +23,13 @@ pub struct Fall {
 /// Why there is no such fall.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum FallError {
+    /// A quantity of the fall is not positive.
     #[error("{what} is {value}, but must be positive")]
     NotPositive { what: &'static str, value: f64 },
+    /// The speed (m/s) is above that of a free fall over the height (m).
     #[error("a fall over {height} m does not reach {speed} m/s: {needed:.2} m/s² would be needed, more than gravity")]
     TooFast { height: f64, speed: f64, needed: f64 },
+    /// The simulated signals end too early, s.
     #[error("the simulated impact has no {channel} at {time} s after contact")]
     NoImpact { channel: &'static str, time: f64 },
 }

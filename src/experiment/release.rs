@@ -37,18 +37,23 @@ pub struct Release {
 /// Why a reading shows no drop.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ReleaseError {
+    /// The channel filter cannot be applied.
     #[error("acceleration: {0}")]
     Filter(#[from] FilterError),
+    /// The impact is the most negative reading, m/s².
     #[error(
         "acceleration: the impact reads {lowest:.1} m/s² downward; deceleration must be positive, so the sign looks reversed"
     )]
     UpsideDown { lowest: f64 },
+    /// No reading rises by 1 g, m/s².
     #[error("acceleration: no contact is seen: the largest reading is {largest:.2} m/s² over the first, less than 1 g")]
     NoContact { largest: f64 },
+    /// The reading does not fall as a release asks for; time in s, fall in m/s².
     #[error(
         "acceleration: no release is seen before the impact at {blow:.4} s: the reading falls by {fall:.2} m/s² at most"
     )]
     NoRelease { blow: f64, fall: f64 },
+    /// The rest before the release is too short, s.
     #[error(
         "acceleration: {rest:.4} s of rest before the release at {release:.4} s, at least {SHORTEST_REST} s are needed for the sensor's zero"
     )]

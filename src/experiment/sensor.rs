@@ -22,10 +22,13 @@ pub const LASER: &str = "laser_m";
 /// Why there is no such recording.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SensorError {
+    /// A quantity of a sensor is out of its range.
     #[error("{what} is {value}, but must be {must_be}")]
     Value { what: &'static str, value: f64, must_be: &'static str },
+    /// The fall before the impact is impossible.
     #[error(transparent)]
     Fall(#[from] FallError),
+    /// The recording is too long: s, and samples a second.
     #[error("{length} s at {rate} samples a second are more than {MOST_SAMPLES} samples")]
     TooLong { length: f64, rate: f64 },
 }
@@ -72,6 +75,7 @@ impl Default for Laser {
 /// The sensors on the tower and their recorder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors {
+    /// On the impactor.
     pub accelerometer: Accelerometer,
     /// None where it failed.
     pub laser: Option<Laser>,

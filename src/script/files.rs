@@ -28,12 +28,16 @@ pub struct File {
 /// Why a file is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum FileError {
+    /// The name is not one of a file.
     #[error("`{name}` cannot name a file: folders and names of letters, digits, `-`, `_` and `.`, ending in .{}", ENDINGS.join(", ."))]
     Name { name: String },
+    /// The name is one of the files of a run folder.
     #[error("`{name}` is a file of droptower's own results")]
     Reserved { name: String },
+    /// The name of one file is the folder of another.
     #[error("`{name}` would be a file and a folder at once, because of `{other}`")]
     Folder { name: String, other: String },
+    /// Too many files, or too large ones.
     #[error("a script leaves at most {MOST_FILES} files of {} MB together", MOST_BYTES >> 20)]
     TooMuch,
 }

@@ -40,6 +40,7 @@ impl Limits {
 /// Why a script cannot be read or compiled.
 #[derive(Debug, Error)]
 pub enum ReadError {
+    /// The file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Open { path: PathBuf, source: FileError },
     #[error("{} is longer than {LONGEST_SCRIPT} bytes", path.display())]

@@ -46,12 +46,16 @@ pub struct ScriptOutput {
 /// Why a figure, a table, a line or a warning of a script is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum OutputError {
+    /// The name has other characters, none or too many.
     #[error("`{name}` is not a name for a figure or a table: use letters, digits and _")]
     Letters { name: String },
+    /// The name belongs to the summary.
     #[error("`{name}` is a field of the summary and cannot be replaced: {}", remedy(name))]
     Reserved { name: String },
+    /// The code is not one, see [`is_code`].
     #[error("`{code}` is not the code of a warning: use lower-case words joined by hyphens, such as `coarse-mesh`")]
     Code { code: String },
+    /// There are `MOST_ENTRIES` of a kind.
     #[error("a script leaves at most {MOST_ENTRIES} figures, tables, rows, lines or warnings")]
     TooMany,
 }

@@ -32,10 +32,13 @@ pub struct Clip {
 /// Why a series has no clip.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ClipError {
+    /// The duration is not positive, s.
     #[error("a duration of {duration} s is not positive")]
     Duration { duration: f64 },
+    /// The series is shorter than the duration, s.
     #[error("a series of {span} s holds no level for {duration} s")]
     TooShort { span: f64, duration: f64 },
+    /// The series has a gap.
     #[error(transparent)]
     NotMeasured(Gap),
 }

@@ -10,8 +10,10 @@ use super::{Measurement, csv, isomme};
 /// Why a file cannot be read as a recording.
 #[derive(Debug, Error)]
 pub enum ReadError {
+    /// It is not a table.
     #[error(transparent)]
     Csv(#[from] csv::ReadError),
+    /// It is not ISO-MME.
     #[error(transparent)]
     Isomme(#[from] isomme::ReadError),
 }

@@ -11,8 +11,10 @@ const HOLE: f64 = 2.5;
 /// The first place at which a series was not measured.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Gap {
+    /// A sample without a value, s.
     #[error("nothing was measured at {time} s")]
     Sample { time: f64 },
+    /// Rows are missing, s.
     #[error("there are no samples between {from} s and {to} s, where {step} s is the usual step")]
     Hole { from: f64, to: f64, step: f64 },
 }

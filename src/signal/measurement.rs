@@ -29,8 +29,10 @@ pub struct MeasuredChannel {
 /// Why a channel cannot be taken as the quantity that is asked for.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum QuantityError {
+    /// Its unit measures something else.
     #[error("`{name}` is in {found}, which is not {}", expected.name)]
     OtherDimension { name: String, found: String, expected: Dimension },
+    /// Neither the file nor the caller gives a unit.
     #[error("the unit of `{name}` is not known")]
     NoUnit { name: String, expected: Dimension },
 }
@@ -103,10 +105,13 @@ pub struct Measurement {
 /// Why a file has no such channel.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ChannelError {
+    /// No channel has the name.
     #[error("no channel `{name}` among {}", listed(known))]
     Missing { name: String, known: Vec<String> },
+    /// Several channels have the name, with different labels.
     #[error("several channels are called `{name}`: {}", listed(labels))]
     Ambiguous { name: String, labels: Vec<String> },
+    /// Several channels have the name and the label.
     #[error("{count} channels are called `{name}`, with equal labels")]
     Alike { name: String, count: usize },
 }

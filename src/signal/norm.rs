@@ -7,10 +7,13 @@ use super::Series;
 /// Why two signals cannot be compared.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NormError {
+    /// The window (s) holds no sample of the reference.
     #[error("the reference has no sample between {from} s and {to} s")]
     NoSamples { from: f64, to: f64 },
+    /// The signal is shorter than the reference, s.
     #[error("the signal has no value at {time} s, where the reference has one")]
     NotCovered { time: f64 },
+    /// A relative error of zero is undefined; window in s.
     #[error("the reference is zero everywhere between {from} s and {to} s")]
     ZeroReference { from: f64, to: f64 },
 }

@@ -10,10 +10,13 @@ pub const MOST_SAMPLES: usize = 20_000_000;
 /// Why a series has no equivalent on equal steps.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ResampleError {
+    /// Fewer than two samples.
     #[error("a series of {count} samples cannot be resampled")]
     TooShort { count: usize },
+    /// More than `MOST_SAMPLES` samples would result; s.
     #[error("a time step of {step} s over {span} s gives more than {MOST_SAMPLES} samples")]
     StepTooSmall { step: f64, span: f64 },
+    /// The step is not positive, s.
     #[error("a time step of {step} s is not positive")]
     StepNotPositive { step: f64 },
 }

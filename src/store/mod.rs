@@ -23,20 +23,28 @@ pub use stored_run::{StoredRun, StoredRunError};
 /// Why results cannot be stored; nothing that was there before is lost.
 #[derive(Debug, Error)]
 pub enum StoreError {
+    /// The name is absolute or leaves the output folder.
     #[error("`{name}` cannot name a run folder: expected plain folder names below the output folder")]
     Name { name: String },
+    /// The path ends without a name, as `.` and `..` do.
     #[error("`{}` does not name a run folder; give --out a new folder, such as {}", path.display(), path.join("results").display())]
     NoName { path: PathBuf },
+    /// A file has the name of the run folder.
     #[error("{} is not a folder", path.display())]
     NotAFolder { path: PathBuf },
+    /// A folder that holds no run has the name.
     #[error("{} is not a run folder of droptower and is not replaced; give another --out", path.display())]
     NotARun { path: PathBuf },
+    /// The run folder holds a file that droptower did not write.
     #[error("{} holds `{found}`, which droptower did not write; move it or give another --out", path.display())]
     Foreign { path: PathBuf, found: String },
+    /// Two runs have the same run folder.
     #[error("two runs would be stored in {}", path.display())]
     Twice { path: PathBuf },
+    /// A file or folder cannot be written.
     #[error("cannot write {}: {source}", path.display())]
     Write { path: PathBuf, source: io::Error },
+    /// The former run was moved aside and cannot be moved back.
     #[error("cannot write {}: {source}; the run that was there is in {}", path.display(), former.display())]
     Stranded { path: PathBuf, former: PathBuf, source: io::Error },
 }

@@ -31,20 +31,28 @@ pub struct StoredRun {
 /// Why a stored run cannot be read.
 #[derive(Debug, Error)]
 pub enum StoredRunError {
+    /// The path names nothing.
     #[error("there is no {}", path.display())]
     Missing { path: PathBuf },
+    /// The folder has no signals.
     #[error("{} is not a run folder of droptower: it has no signals.csv", path.display())]
     NotARun { path: PathBuf },
+    /// A file of the run folder cannot be read.
     #[error("{}: {source}", path.display())]
     Unreadable { path: PathBuf, source: FileError },
+    /// The resolved scenario is not TOML.
     #[error("{}: {source}", path.display())]
     Scenario { path: PathBuf, source: Box<toml::de::Error> },
+    /// The summary is not JSON.
     #[error("{}: {source}", path.display())]
     Summary { path: PathBuf, source: serde_json::Error },
+    /// The summary is JSON of another kind.
     #[error("{} holds no figures: expected an object of names and values", path.display())]
     NoFigures { path: PathBuf },
+    /// The signals cannot be read.
     #[error(transparent)]
     Signals(#[from] signal::file::ReadError),
+    /// The recording has several time axes.
     #[error("{}: its channels do not share one time axis", path.display())]
     NoCommonTime { path: PathBuf },
 }

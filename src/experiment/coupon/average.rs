@@ -10,17 +10,21 @@ pub const AXIS: usize = 600;
 /// Mean, scatter and number of figures that were measured alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleStatistics {
+    /// Arithmetic mean.
     pub mean: f64,
     /// Standard deviation of the sample (n − 1); zero for a single figure.
     pub deviation: f64,
+    /// How many figures.
     pub count: usize,
 }
 
 /// Why there is no mean.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum AverageError {
+    /// There is no figure, curve or group.
     #[error("there is nothing to average")]
     Nothing,
+    /// One curve ends before another begins.
     #[error("the curves have no strain in common: one begins at {start}, another ends at {end}")]
     NoCommonStrain { start: f64, end: f64 },
 }

@@ -20,12 +20,16 @@ pub struct Curve {
 /// Why numbers are no stress–strain curve; samples count from one.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CurveError {
+    /// Numbers of strains and stresses differ.
     #[error("{strain} strains for {stress} stresses")]
     Lengths { strain: usize, stress: usize },
+    /// Fewer than two samples are left.
     #[error("a curve needs two samples of different strain")]
     TooShort,
+    /// A strain or a stress is not finite.
     #[error("sample {sample} of the curve is not a number")]
     NotANumber { sample: usize },
+    /// Strain decreases by more than `JITTER` of its range.
     #[error("strain goes back at sample {sample}: {strain} after {before}")]
     GoesBack { sample: usize, strain: f64, before: f64 },
 }

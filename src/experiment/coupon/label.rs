@@ -11,6 +11,7 @@ pub const FASTEST: f64 = 100.0;
 /// Direction and speed of a test, as far as they are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Label {
+    /// Direction of the coupon.
     pub direction: Option<Direction>,
     /// Speed of the jaws apart, m/s.
     pub velocity: Option<f64>,
@@ -19,16 +20,22 @@ pub struct Label {
 /// Why direction or speed of a test is not known.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LabelError {
+    /// Neither name nor header states a direction, and none is given.
     #[error("the direction of the coupon is not known")]
     NoDirection,
+    /// Neither name nor header states a speed, and none is given.
     #[error("the speed of the jaws is not known")]
     NoVelocity,
+    /// Name and header state different directions.
     #[error("its name states {name}, its header {header}")]
     Directions { name: Direction, header: Direction },
+    /// Name and header state different speeds, m/s.
     #[error("its name states {name} m/s, its header {header} m/s")]
     Velocities { name: f64, header: f64 },
+    /// The header states a direction that is none.
     #[error("its header: {0}")]
     Direction(#[from] DirectionError),
+    /// The header states a speed that is none.
     #[error("its header: {0}")]
     Velocity(#[from] UnitError),
 }

@@ -17,18 +17,24 @@ pub struct Machine {
 /// What the machine recorded: as many times (s) as displacements (m) and forces (N).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TensileRecord {
+    /// s.
     pub time: Vec<f64>,
+    /// Of the jaws apart, m.
     pub displacement: Vec<f64>,
+    /// N, tension positive.
     pub force: Vec<f64>,
 }
 
 /// Why nothing can be recorded.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MachineError {
+    /// The speed is not positive, m/s.
     #[error("the speed of the jaws is positive, not {0} m/s")]
     Velocity(f64),
+    /// Not as many values of noise as rows.
     #[error("{noise} values of noise for {rows} rows")]
     Noise { noise: usize, rows: usize },
+    /// A strain lies before the start of the curve.
     #[error("the film has no stress at the strain {0}, where its curve has not begun")]
     BeforeStart(f64),
 }

@@ -23,10 +23,13 @@ pub struct Modulus {
 /// Why a curve has no modulus.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ModulusError {
+    /// The window has no extent.
     #[error("{from} to {to} is no window of strain")]
     Window { from: f64, to: f64 },
+    /// Fewer than `FEWEST_SAMPLES` samples in the window.
     #[error("{found} samples between the strains {from} and {to}, where a slope needs {FEWEST_SAMPLES}")]
     TooFew { found: usize, from: f64, to: f64 },
+    /// The slope is not positive.
     #[error("stress does not rise between the strains {from} and {to}")]
     NotRising { from: f64, to: f64 },
 }

@@ -11,7 +11,9 @@ use crate::units::{Force, Length};
 /// How recordings of coupons are read.
 #[derive(Clone, Debug)]
 pub struct CouponReader {
+    /// Dimensions of the coupon.
     pub coupon: Coupon,
+    /// Window of the modulus, criterion of the break, origin of strain.
     pub rules: Rules,
     /// What counts before what the files say.
     pub given: Label,
@@ -26,7 +28,9 @@ pub struct CouponReader {
 /// A coupon's recording, read and reduced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CouponTest {
+    /// Its file.
     pub path: PathBuf,
+    /// Modulus, break and curve.
     pub sample: Sample,
     /// Samples that were merged because the displacement did not increase.
     pub merged: usize,
@@ -35,8 +39,10 @@ pub struct CouponTest {
 /// Why a file is no recording of a coupon.
 #[derive(Debug, Error)]
 pub enum RecordingError {
+    /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] file::ReadError),
+    /// The file is read, but holds no coupon test.
     #[error("{}: {fault}", path.display())]
     Content { path: PathBuf, fault: Box<RecordingFault> },
 }
@@ -44,14 +50,19 @@ pub enum RecordingError {
 /// What is wrong with a recording that could be read.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RecordingFault {
+    /// The channel of force or displacement is missing.
     #[error(transparent)]
     Channel(#[from] ChannelError),
+    /// Force or displacement has another dimension, or no unit.
     #[error(transparent)]
     Quantity(#[from] QuantityError),
+    /// Direction or speed is not known.
     #[error(transparent)]
     Label(#[from] LabelError),
+    /// The recording has no stress–strain curve.
     #[error(transparent)]
     Coupon(#[from] CouponError),
+    /// The curve has no modulus or no break.
     #[error(transparent)]
     Sample(#[from] SampleError),
 }

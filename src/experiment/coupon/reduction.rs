@@ -28,10 +28,13 @@ impl Default for Rules {
 /// One tested coupon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
+    /// Along which it was cut.
     pub direction: Direction,
     /// Speed of the jaws apart, m/s.
     pub velocity: f64,
+    /// Line of the elastic part.
     pub modulus: Modulus,
+    /// End of the curve.
     pub rupture: Rupture,
     /// Up to the break.
     pub curve: Curve,
@@ -42,12 +45,16 @@ pub struct Sample {
 /// Why a coupon's curve cannot be read.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SampleError {
+    /// The speed is not positive, m/s.
     #[error("the speed of the jaws is positive, not {0} m/s")]
     Velocity(f64),
+    /// The curve has no modulus.
     #[error(transparent)]
     Modulus(#[from] ModulusError),
+    /// The curve has no break.
     #[error(transparent)]
     Rupture(#[from] RuptureError),
+    /// Fewer than two samples before the break.
     #[error("the coupon broke at the strain {at}, before its second sample")]
     BrokeAtOnce { at: f64 },
 }
@@ -90,6 +97,7 @@ pub struct SpeedMeans {
 /// The coupons of one direction: means of the means of their speeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectionMeans {
+    /// Along which it was cut.
     pub direction: Direction,
     /// From the slowest to the fastest.
     pub speeds: Vec<SpeedMeans>,
@@ -121,10 +129,13 @@ pub struct Reduction {
 /// Why coupons cannot be reduced together.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ReductionError {
+    /// No coupon is given.
     #[error("there is no coupon to reduce")]
     Nothing,
+    /// The coupons of one speed (m/s) have no mean.
     #[error("{direction} at {velocity} m/s: {source}")]
     SpeedMeans { direction: Direction, velocity: f64, source: AverageError },
+    /// The speeds of one direction have no mean.
     #[error("{direction}: {source}")]
     DirectionMeans { direction: Direction, source: AverageError },
 }

@@ -14,6 +14,7 @@ pub struct Rupture {
     pub stress: f64,
     /// Tensile strength: the largest engineering stress, Pa.
     pub strength: f64,
+    /// What ended it.
     pub ending: CurveEnd,
 }
 
@@ -29,8 +30,10 @@ pub enum CurveEnd {
 /// Why a curve has no break.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RuptureError {
+    /// The criterion of the break is no share.
     #[error("the share of the largest force at which a coupon is broken lies between 0 and 1, not at {share}")]
     Share { share: f64 },
+    /// The largest force is the first.
     #[error("the force never rises: its largest value is the first")]
     NeverRises,
 }

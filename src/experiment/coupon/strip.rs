@@ -17,12 +17,16 @@ pub struct Coupon {
 /// Why there is no such coupon, or why it has no stress–strain curve.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CouponError {
+    /// A dimension is not positive, m.
     #[error("the {what} of a coupon is a positive length, not {value} m")]
     NotPositive { what: &'static str, value: f64 },
+    /// Force and displacement have different times.
     #[error("force and displacement have no common time axis ({force} and {displacement} samples)")]
     Axes { force: usize, displacement: usize },
+    /// A sample is missing, at a time in s.
     #[error("the {quantity} was not measured at {time} s")]
     NotMeasured { quantity: &'static str, time: f64 },
+    /// The samples make no curve.
     #[error(transparent)]
     Curve(#[from] CurveError),
 }

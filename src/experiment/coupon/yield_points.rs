@@ -41,12 +41,16 @@ pub struct YieldPoints {
 /// Why a curve has no double yield point.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum YieldError {
+    /// The curve has no elastic line.
     #[error("the elastic line that the yield points are sought beyond: {0}")]
     Elastic(#[from] ModulusError),
+    /// Fewer than `FEWEST_SAMPLES` samples beyond the elastic line.
     #[error("{found} samples beyond the elastic part, where yield points need {FEWEST_SAMPLES}")]
     TooFew { found: usize },
+    /// No bend.
     #[error("the curve has no yield point: beyond the elastic part it is one straight line")]
     None,
+    /// One bend.
     #[error("the curve has no second yield point: one bend, at the strain {at:.3}, describes it as well as two")]
     OnlyOne { at: f64 },
 }

@@ -36,12 +36,16 @@ pub struct DropChannels {
 /// Why a recording has no such channels.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DropChannelsError {
+    /// No channel, or several, of the given name.
     #[error(transparent)]
     Channel(#[from] ChannelError),
+    /// The channel of the given name has another dimension, or no unit.
     #[error(transparent)]
     Quantity(#[from] QuantityError),
+    /// No channel is an acceleration.
     #[error("none of the channels {} is an acceleration", listed(names))]
     NoAcceleration { names: Vec<String> },
+    /// No channel is named, and several have the dimension.
     #[error("the channels {} are each {}: name one", listed(names), dimension.name)]
     Several { dimension: Dimension, names: Vec<String> },
 }

@@ -13,28 +13,39 @@ use crate::signal::resample::ResampleError;
 /// Why a recording cannot be reduced.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DropError {
+    /// A quantity of the tower or of the correction is not positive.
     #[error("the {what} is {value}, but must be positive")]
     NotPositive { what: &'static str, value: f64 },
+    /// The acceleration has a gap.
     #[error("acceleration: {0}")]
     NotMeasured(Gap),
+    /// The channel filter cannot be applied to the acceleration.
     #[error("acceleration: {0}")]
     Filter(#[from] FilterError),
+    /// The acceleration cannot be brought to equal steps.
     #[error("acceleration: {0}")]
     Resample(#[from] ResampleError),
+    /// The recording has no rest, release or impact.
     #[error(transparent)]
     Release(#[from] ReleaseError),
+    /// The recording has no gravity ramp.
     #[error(transparent)]
     Ramp(#[from] RampError),
+    /// The time constant cannot be determined.
     #[error("acceleration: {0}; give the time constant (a DC-coupled sensor has an endless one, such as 1000 s)")]
     Coupling(#[from] CouplingError),
+    /// First contact cannot be determined.
     #[error(transparent)]
     Contact(#[from] ContactError),
+    /// The impact speed (m/s) is above that of the ideal fall by more than an error of measurement.
     #[error(
         "the impact speed of {speed:.3} m/s is above the {ideal:.3} m/s of a free fall over {height} m; check the height"
     )]
     FasterThanFall { speed: f64, ideal: f64, height: f64 },
+    /// The correction by the gravity ramp does not close a fall without laser.
     #[error("the gravity ramp needs a laser for the impact speed: use the correction by coupling")]
     LaserNeeded,
+    /// The recording has no samples after first contact, s.
     #[error("acceleration: the recording ends with first contact at {contact:.4} s")]
     EndsAtContact { contact: f64 },
 }

@@ -19,9 +19,11 @@ pub struct Figures {
     pub ideal_velocity_m_s: f64,
     /// Largest filtered acceleration.
     pub peak_acceleration_m_s2: Option<f64>,
+    /// Of the largest filtered acceleration.
     pub time_of_peak_acceleration_s: Option<f64>,
     /// Largest travel below first contact; negative.
     pub peak_displacement_m: Option<f64>,
+    /// Of the largest travel.
     pub time_of_peak_displacement_s: Option<f64>,
     /// ½Mv² at contact.
     #[serde(rename = "impact_energy_J")]
@@ -29,6 +31,7 @@ pub struct Figures {
     /// Largest work that the film had taken (W of equation 10), and what of it was still in it at the end.
     #[serde(rename = "peak_absorbed_energy_J")]
     pub peak_absorbed_energy: Option<f64>,
+    /// Work that is in the film at the end.
     #[serde(rename = "final_absorbed_energy_J")]
     pub final_absorbed_energy: Option<f64>,
     /// D of the paper's equation 11; none without rebound.
@@ -39,6 +42,7 @@ pub struct Figures {
     pub iterations: u32,
     /// Root mean square distance of matched motion and laser; none without a laser.
     pub laser_residual_m: Option<f64>,
+    /// Source of contact time and impact speed.
     pub speed_from: SpeedSource,
     /// Of the correction by coupling; none with the ramp.
     pub time_constant_s: Option<f64>,

@@ -8,6 +8,7 @@ use crate::signal::Recording;
 /// A reduced drop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drop {
+    /// First contact.
     pub contact: Contact,
     /// Speed of the ideal fall √(2gH), m/s.
     pub ideal_speed: f64,

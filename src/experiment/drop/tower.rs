@@ -6,6 +6,7 @@ use crate::experiment::contact::FallCondition;
 /// What is known of a drop before its recording is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tower {
+    /// Mass of the impactor, and gravity.
     pub body: Body,
     /// Height of fall, m.
     pub height: Height,
@@ -55,6 +56,7 @@ pub enum Correction {
 /// How a recording is reduced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
+    /// Correction of the acceleration.
     pub correction: Correction,
     /// Channel frequency class of the filtered acceleration; none leaves it as corrected.
     pub class: Option<f64>,

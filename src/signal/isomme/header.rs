@@ -19,6 +19,7 @@ pub struct Header {
 /// One line of a header.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
+    /// As the file writes it.
     pub key: String,
     /// None where nothing is stated: NOVALUE, NONE or nothing at all.
     pub value: Option<String>,

@@ -18,14 +18,19 @@ use crate::units::Time;
 /// Why a container was not written.
 #[derive(Debug, Error)]
 pub enum WriteError {
+    /// The path has no file name.
     #[error("{} has no name to call the files by", path.display())]
     NoName { path: PathBuf },
+    /// A file of the container exists.
     #[error("{} is there already", path.display())]
     Exists { path: PathBuf },
+    /// A file cannot be written.
     #[error("cannot write {}: {source}", path.display())]
     Write { path: PathBuf, source: io::Error },
+    /// A channel has no samples.
     #[error("`{name}` has no samples")]
     Empty { name: String },
+    /// More channels than numbers of files.
     #[error("{count} channels, more than the {MOST_CHANNELS} that can be counted")]
     TooMany { count: usize },
 }

@@ -91,20 +91,26 @@ impl fmt::Display for Grade {
 /// Why two curves cannot be rated.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RatingError {
+    /// A curve has no samples.
     #[error("the {curve} has no samples")]
     Empty { curve: Curve },
+    /// The curves have no time in common, s.
     #[error("the curves have no time in common: the reference is from {} s to {} s, the comparison from {} s to {} s",
         reference[0], reference[1], comparison[0], comparison[1])]
     NoOverlap { reference: [f64; 2], comparison: [f64; 2] },
+    /// A curve has a gap.
     #[error("{curve}: {gap}")]
     NotMeasured { curve: Curve, gap: Gap },
+    /// Fewer than `FEWEST` samples.
     #[error("the curves have {samples} samples at 10 kHz in common, a rating needs at least {FEWEST}")]
     TooShort { samples: usize },
+    /// More than `MOST` samples.
     #[error(
         "the curves have {samples} samples at 10 kHz in common, of which at most {MOST} are rated: \
         to warp them would compare {pairs} pairs"
     )]
     TooLong { samples: usize, pairs: u64 },
+    /// A relative error of zero is undefined; window in s.
     #[error("the reference is zero everywhere between {from} s and {to} s")]
     ZeroReference { from: f64, to: f64 },
 }
