@@ -1,4 +1,4 @@
-//! A run in a few lines, as the terminal shows it.
+//! The summary of a run on the terminal.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
@@ -37,7 +37,7 @@ pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
     text
 }
 
-/// Where the files are; ends with a line break.
+/// The folder and its files; ends with a line break.
 pub fn folder(place: &Path, files: &[String]) -> String {
     format!("  {}: {}\n", shown_path(place), gathered(files).join("  "))
 }

@@ -67,7 +67,7 @@ fn with_code(mistake: Diagnostic, path: &str) -> Diagnostic {
     }
 }
 
-/// The tables of a scenario, without what is in them.
+/// The tables of a scenario, without their keys.
 fn top() -> Vec<Explanation> {
     top_keys().map(|key| explanation(&key.name, key)).collect()
 }

@@ -12,7 +12,7 @@ pub enum ExitStatus {
     OutputFailed = 1,
     /// A mistake in a scenario, a script or the arguments; nothing was written.
     BadInput = 2,
-    /// A run failed numerically; what was computed until then is stored.
+    /// A run failed numerically; what was computed before is stored.
     NumericalFailure = 3,
 }
 

@@ -1,4 +1,4 @@
-//! `droptower explain functions`: what scripts can call.
+//! `droptower explain functions`: the functions of scripts.
 
 use serde::Serialize;
 

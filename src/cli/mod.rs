@@ -45,7 +45,7 @@ struct Droptower {
     shared: Shared,
 }
 
-/// What every command takes.
+/// The options of every command.
 #[derive(Clone, Debug, Args)]
 pub struct Shared {
     /// Print figures as JSON on standard output

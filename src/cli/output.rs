@@ -1,4 +1,5 @@
-//! Files that commands write where the user says: whole or not at all, and never over a file that droptower did not write.
+//! Files that commands write to a path of the user's: completely or not at all, and never over a file that droptower did not
+//! write.
 
 use std::fs::{self, Metadata};
 use std::io::{self, BufWriter, Write};
@@ -53,7 +54,7 @@ pub fn write(out: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>)
     written().map_err(|error| failed(out, &error))
 }
 
-/// Writes sealed texts, which show whether they were changed since; none is put in its place before all are written.
+/// Writes sealed texts, which show whether they were changed since; they are renamed to their paths once all are written.
 pub fn write_sealed(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
     let mut drafts = Vec::new();
     for (out, text) in texts {

@@ -234,7 +234,7 @@ impl Job {
         let mistake = Diagnostic::new(format!("{}: {cause}", model.name));
         match stored {
             Ok(place) => {
-                let hint = format!("what was computed until then is in {}", place.display());
+                let hint = format!("what was computed before is in {}", place.display());
                 Done { stored: true, ..Done::failed(Failure::numerical(mistake.hint(hint))) }
             }
             Err(error) => {

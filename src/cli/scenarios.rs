@@ -80,7 +80,7 @@ fn material(path: &Path) -> Diagnostic {
     mistake.hint(format!("name it in a scenario under [specimen]: material = \"{shown}\""))
 }
 
-/// The changes that `--set` asks for.
+/// The changes of `--set`.
 pub fn assignments(set: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
     let (mut assignments, mut mistakes) = (Vec::new(), Vec::new());
     for argument in set {

@@ -74,23 +74,23 @@ pub fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
 /// Runs the script, whose results go to `place`; its messages are printed at once.
 fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result<Studied, Failure> {
     let changes = scenarios::assignments(&args.set)?;
-    let say = move |line: &str| {
+    let print_line = move |line: &str| {
         if !quiet {
             // The report has every message, so one that cannot be printed is dropped.
             let _ = writeln!(io::stderr(), "{}", printable(line));
         }
     };
     let collector = OutputCollector::new(RESERVED.map(String::from).into());
-    let collector = collector.with_listener(move |message| say(&message.to_string()));
+    let collector = collector.with_listener(move |message| print_line(&message.to_string()));
     let searches = collector.clone();
     let note_error = move |added: Result<(), TooManySearches>| {
         if let Err(error) = added {
-            say(&format!("note: {error}"));
+            print_line(&format!("note: {error}"));
         }
     };
     let host = SearchHost::new(Some(store::history_of(place)), move |event| match event {
-        SearchEvent::Progress(progress) => say(&progress.to_string()),
-        SearchEvent::Note(note) => say(&format!("note: {note}")),
+        SearchEvent::Progress(progress) => print_line(&progress.to_string()),
+        SearchEvent::Note(note) => print_line(&format!("note: {note}")),
         SearchEvent::Finished(convergence) => note_error(searches.add_search(convergence.clone())),
         SearchEvent::Correlation(correlation) => note_error(searches.add_correlation(correlation.clone())),
     });
@@ -115,7 +115,7 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     let virtual_recordings = Warning::virtual_recordings(Session::of_engine(&engine).virtual_recordings());
     let virtual_recordings = virtual_recordings.map(|warning| Finding::new(&warning));
     if let Some(finding) = &virtual_recordings {
-        say(&Message::Finding(finding).to_string());
+        print_line(&Message::Finding(finding).to_string());
     }
     let mut output = collector.output();
     output.findings.splice(..0, virtual_recordings.clone());
@@ -150,7 +150,7 @@ fn call(args: &ScriptArgs, given: &rhai::Map) -> Result<Map<String, Value>, Vec<
     Ok(call.map(|(name, value)| (name.into(), value)).into_iter().collect())
 }
 
-/// What the values of a search's trials depend on: all of the call but the path of the script.
+/// The part of the call on which trials of a search depend: all but the path of the script.
 fn decisive(call: &Map<String, Value>) -> Map<String, Value> {
     call.iter().filter(|(name, _)| *name != "script").map(|(name, value)| (name.clone(), value.clone())).collect()
 }
@@ -164,7 +164,7 @@ fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
     Ok(place)
 }
 
-/// The constant `args` of the script: numbers, truth values and text.
+/// The constant `args` of the script: numbers, booleans and text.
 fn arguments(args: &ScriptArgs) -> Result<rhai::Map, Vec<Diagnostic>> {
     let mut map = rhai::Map::new();
     let mut mistakes = Vec::new();
@@ -183,8 +183,8 @@ fn arguments(args: &ScriptArgs) -> Result<rhai::Map, Vec<Diagnostic>> {
 fn value_of(text: &str) -> Dynamic {
     let integer = text.parse::<i64>().map(Dynamic::from);
     let float = || text.parse::<f64>().map(Dynamic::from);
-    let truth = || text.parse::<bool>().map(Dynamic::from);
-    integer.or_else(|_| float()).or_else(|_| truth()).unwrap_or_else(|_| text.to_owned().into())
+    let boolean = || text.parse::<bool>().map(Dynamic::from);
+    integer.or_else(|_| float()).or_else(|_| boolean()).unwrap_or_else(|_| text.to_owned().into())
 }
 
 fn summary(studied: &Studied) -> Map<String, Value> {

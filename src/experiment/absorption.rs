@@ -1,4 +1,4 @@
-//! Share of the impactor's energy that the film keeps (Polymers 2021, 13, 1537, equation 11).
+//! Share of the impactor's energy that the film absorbs (Polymers 2021, 13, 1537, equation 11).
 
 use thiserror::Error;
 
@@ -13,7 +13,7 @@ pub enum AbsorptionError {
     NoLoading,
 }
 
-/// The rigid body whose motion is judged.
+/// The rigid body that falls, and gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// kg.

@@ -13,7 +13,7 @@
 //! a(t) = r(t) + (1/τ) ∫ r dt'   from the rest on
 //! ```
 //!
-//! is the exact inverse: it needs neither g nor what the sensor read in the fall.
+//! is the exact inverse: it needs neither g nor the reading before the rest.
 
 use thiserror::Error;
 
@@ -44,8 +44,8 @@ pub fn high_pass(input: &Series, time_constant: f64) -> Series {
     let (time, x) = (input.time(), input.values());
     let mut reading = 0.0;
     let rest = (1..input.len()).map(|k| {
-        let (kept, passed) = shares(time[k] - time[k - 1], time_constant);
-        reading = kept * reading + passed * (x[k] - x[k - 1]);
+        let (decay, gain) = shares(time[k] - time[k - 1], time_constant);
+        reading = decay * reading + gain * (x[k] - x[k - 1]);
         reading
     });
     let first = (!input.is_empty()).then_some(0.0);
@@ -59,15 +59,15 @@ pub fn restored(reading: &Series, time_constant: f64) -> Series {
     let (time, r) = (reading.time(), reading.values());
     let mut change = r.first().copied().unwrap_or(0.0);
     let rest = (1..reading.len()).map(|k| {
-        let (kept, passed) = shares(time[k] - time[k - 1], time_constant);
-        change += (r[k] - kept * r[k - 1]) / passed;
+        let (decay, gain) = shares(time[k] - time[k - 1], time_constant);
+        change += (r[k] - decay * r[k - 1]) / gain;
         change
     });
     let first = reading.values().first().copied();
     reading.with_values(first.into_iter().chain(rest).collect())
 }
 
-/// What a step of length `h` keeps of the reading, φ, and what it passes of the input's change, τ(1 − φ)/h.
+/// Factors of a step of length `h`: of the reading, φ, and of the change of the input, τ(1 − φ)/h.
 fn shares(h: f64, time_constant: f64) -> (f64, f64) {
     let lost = -(-h / time_constant).exp_m1();
     (1.0 - lost, lost * time_constant / h)

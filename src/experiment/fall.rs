@@ -15,8 +15,8 @@ pub struct Fall {
     pub speed: f64,
     /// m/s².
     pub gravity: f64,
-    /// Time over which the magnet's force falls to zero as a parabola with its vertex at the end, s. The paper sees
-    /// the reading fall over 32 ms.
+    /// Time over which the magnet's force falls to zero as a parabola with its vertex at the end, s. In the
+    /// paper the reading falls over 32 ms.
     pub release_duration: f64,
 }
 

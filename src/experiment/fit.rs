@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// The coefficients c that bring Σ_j c_j x_j closest to y over all rows (x, y), and the sum of squares that is left.
+/// The coefficients c with the least Σ (Σ_j c_j x_j − y)² over all rows (x, y), and that sum of squares.
 ///
 /// Columns should be of one order of magnitude. None where the rows do not determine the coefficients.
 pub(super) fn least_squares<const N: usize>(
@@ -39,7 +39,7 @@ impl<const N: usize> Moments<N> {
         self.square += y * y;
     }
 
-    /// As [`least_squares`]; what is left is a difference and so good to the rounding of Σy².
+    /// As [`least_squares`]; the sum of squares is a difference, accurate to the rounding of Σy².
     pub(super) fn solve(&self) -> Option<([f64; N], f64)> {
         let solution = self.normal.cholesky()?.solve(&self.right);
         let left = (self.square - solution.dot(&self.right)).max(0.0);

@@ -1,8 +1,8 @@
-//! The gravity ramp: the parabolic decrease of the reading as the magnet lets go, mirrored and added after contact
+//! The gravity ramp: the parabolic decrease of the reading during the release, mirrored and added after contact
 //! (Polymers 2021, 13, 1537, section 3.2).
 //!
-//! It replaces the share of gravity that an accelerometer that reads zero in free fall does not show. It repeats the shape of
-//! the release and takes no account of what the blow itself does to the sensor's zero, −(1/τ)∫p dt over the impact.
+//! It replaces gravity in the reading of an accelerometer that reads zero in free fall. It repeats the shape of the release
+//! and neglects the shift of the sensor's zero in the impact, −(1/τ)∫p dt.
 
 use thiserror::Error;
 

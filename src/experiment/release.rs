@@ -6,17 +6,17 @@ use super::contact::ZeroOffset;
 use crate::signal::Series;
 use crate::signal::filter::{self, FilterError, Standard};
 
-/// Class that readings are smoothed with to find their landmarks; figures come from what was read.
+/// Channel frequency class of the reading in which landmarks are sought; figures come from the reading itself.
 const CLASS: f64 = 60.0;
 /// Shortest rest that gives the sensor's zero, s.
 const SHORTEST_REST: f64 = 0.02;
-/// What lies between the rest and the first sample that may already be falling, s.
+/// Time between the rest and the first sample that may belong to the release, s.
 const MARGIN: f64 = 0.005;
-/// Share of gravity that the reading must fall by to be a release.
+/// Share of gravity by which the reading falls in a release.
 const FALL: f64 = 0.3;
-/// A fall by so many times what the reading rises by, or gravity, is the blow of a sensor that counts downward.
+/// A fall of so many times the rise of the reading, or of gravity, is the impact on a sensor that counts downward.
 const UPSIDE_DOWN: f64 = 2.0;
-/// Rise over the rest, in gravities, that is a blow.
+/// Rise above the rest, in gravities, that is an impact.
 const BLOW: f64 = 1.0;
 
 /// Landmarks of a drop in the reading of an accelerometer.
@@ -30,11 +30,11 @@ pub struct Release {
     pub rest_end: f64,
     /// Where the reading falls: from a tenth to nearly all of the depth that it reaches, s.
     pub flank: [f64; 2],
-    /// When the reading has risen by one gravity in the impact, s: well after contact, on a soft film.
+    /// When the reading has risen by one gravity in the impact, s; on a soft film well after contact.
     pub blow: f64,
 }
 
-/// Why a reading shows no drop.
+/// Why a reading is not that of a drop.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ReleaseError {
     /// The channel filter cannot be applied.
@@ -46,11 +46,13 @@ pub enum ReleaseError {
     )]
     UpsideDown { lowest: f64 },
     /// No reading rises by 1 g, m/s².
-    #[error("acceleration: no contact is seen: the largest reading is {largest:.2} m/s² over the first, less than 1 g")]
+    #[error(
+        "acceleration: there is no contact: the largest reading is {largest:.2} m/s² above the first, less than 1 g"
+    )]
     NoContact { largest: f64 },
     /// The reading does not fall as a release asks for; time in s, fall in m/s².
     #[error(
-        "acceleration: no release is seen before the impact at {blow:.4} s: the reading falls by {fall:.2} m/s² at most"
+        "acceleration: there is no release before the impact at {blow:.4} s: the reading falls by {fall:.2} m/s² at most"
     )]
     NoRelease { blow: f64, fall: f64 },
     /// The rest before the release is too short, s.
@@ -97,7 +99,7 @@ impl Release {
     }
 }
 
-/// Mean of the first samples, before it is known how long the rest is.
+/// Mean of the first samples, as long as the length of the rest is unknown.
 fn level(smooth: &Series) -> f64 {
     let first = smooth.time().first().copied().unwrap_or(0.0);
     let head = smooth.window([first, first + SHORTEST_REST]);
@@ -108,7 +110,7 @@ fn level(smooth: &Series) -> f64 {
 mod tests {
     use super::*;
 
-    /// Rest to 0.1 s, a linear fall to −9 m/s² in 30 ms, zero from 0.4 s, a blow of 100 m/s² at 0.5 s.
+    /// Rest to 0.1 s, a linear fall to −9 m/s² in 30 ms, zero from 0.4 s, an impact of 100 m/s² at 0.5 s.
     fn drop(offset: f64) -> Series {
         let time: Vec<f64> = (0..6000).map(|i| 1e-4 * f64::from(i)).collect();
         let value = |t: f64| match t {

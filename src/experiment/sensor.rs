@@ -37,7 +37,7 @@ pub enum SensorError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accelerometer {
     /// Of the first-order high pass, s. Assumed: the paper's reading is back at zero before contact, and after 0.15 s
-    /// only 4 % (1 m) or 2 % (1.5 m) of a step are left of it then; a shorter one would lose more of the blow.
+    /// only 4 % (1 m) or 2 % (1.5 m) of a step are left of it then; with a shorter one more of the impact would be lost.
     pub time_constant: f64,
     /// Standard deviation of the white noise, m/s². Assumed: a little over half a step, so that the steps average out.
     pub noise: f64,
@@ -55,10 +55,10 @@ impl Default for Accelerometer {
     }
 }
 
-/// Laser triangulation of the impactor's lowest point over the film's upper face; it sees nothing outside its range.
+/// Laser triangulation of the impactor's lowest point over the film's upper face; `NaN` outside its range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Laser {
-    /// Lowest and highest place that it sees, m. The paper's sensor has a range of 50 mm; where it lies is assumed.
+    /// Lowest and highest place that it measures, m. The paper's sensor has a range of 50 mm; its place is assumed.
     pub range: [f64; 2],
     /// Standard deviation of the white noise, m. Assumed.
     pub noise: f64,
@@ -81,7 +81,7 @@ pub struct Sensors {
     pub laser: Option<Laser>,
     /// 1/s.
     pub sample_rate: f64,
-    /// Shortest and longest rest on the recording, s; the seed chooses between them, so that the time of release is not known.
+    /// Shortest and longest rest on the recording, s; the seed chooses between them, so that the time of release is unknown.
     pub rest: [f64; 2],
 }
 
@@ -92,7 +92,7 @@ impl Default for Sensors {
     }
 }
 
-/// A virtual recording and the truth that it hides.
+/// A virtual recording and its true contact time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VirtualDrop {
     /// `time_s`, `accelerometer_m_s2` and, with a laser, `laser_m` (`NaN` out of range).
@@ -103,7 +103,7 @@ pub struct VirtualDrop {
 
 /// Steps of the true motion per sample of the recording.
 const OVERSAMPLING: usize = 10;
-/// Most samples of a recording: more are taken for a mistake.
+/// Most samples of a recording; more are a mistake.
 pub const MOST_SAMPLES: usize = 1_000_000;
 
 /// What the `sensors` read in a drop whose impact was simulated: `acceleration` (m/s², coordinate acceleration, upward) and
@@ -147,7 +147,7 @@ fn samples(length: f64, rate: f64) -> Result<usize, SensorError> {
     fits.then_some(count as usize).ok_or(SensorError::TooLong { length, rate })
 }
 
-/// One source of noise; the others do not change where one is left out.
+/// One source of noise, independent of whether the others are used.
 fn noise(seed: u64, source: u64) -> ChaCha8Rng {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     generator.set_stream(source);

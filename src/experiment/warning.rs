@@ -68,7 +68,7 @@ codes! {
         "give --density";
 }
 
-/// What a reduction reports although it went on.
+/// What a reduction reports although it continues.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Warning {
     /// No laser; the drop height is known.
@@ -78,7 +78,7 @@ pub enum Warning {
     #[error("no laser and no height: contact from the fall to the known speed and the onset of the force")]
     NoLaserNoHeight,
     /// Constant laser samples.
-    #[error("laser: {samples} samples that stand still, {run} or more in a row, count as out of its range")]
+    #[error("laser: {samples} constant samples, {run} or more in a row, count as out of its range")]
     LaserOutOfRange {
         /// Number of constant samples.
         samples: usize,

@@ -81,7 +81,7 @@ fn rules(given: &Options<'_>) -> HostResult<Rules> {
     Ok(Rules {
         window: given.map.get("window").map_or(Ok(usual.window), strains)?,
         break_share: given.number("break_share", usual.break_share)?,
-        toe_compensation: given.truth("toe_compensation", usual.toe_compensation)?,
+        toe_compensation: given.boolean("toe_compensation", usual.toe_compensation)?,
     })
 }
 
@@ -140,7 +140,7 @@ fn sample(item: &Dynamic, rules: &Rules) -> HostResult<Sample> {
     let Some(curve) = curve.clone().try_cast::<Curve>() else {
         return Err(refuse(format!("expected a curve, found {}", curve.type_name())));
     };
-    let is_virtual = test.truth("is_virtual", false)?;
+    let is_virtual = test.boolean("is_virtual", false)?;
     let sample = Sample::new(direction, velocity, &curve, rules).map_err(refuse)?;
     Ok(Sample { is_virtual, ..sample })
 }

@@ -154,8 +154,8 @@ fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> HostResult<Axes>
         }
     };
     let scale = |log| if log { Scale::Logarithmic } else { Scale::Linear };
-    let x = Axis { words: x, scale: scale(options.truth("log_x", false)?) };
-    let y = Axis { words: y, scale: scale(options.truth("log_y", false)?) };
+    let x = Axis { words: x, scale: scale(options.boolean("log_x", false)?) };
+    let y = Axis { words: y, scale: scale(options.boolean("log_y", false)?) };
     Ok(Axes { x, y, factors })
 }
 

@@ -49,10 +49,10 @@ impl Options<'_> {
         }
     }
 
-    /// The truth value `name`, or else `otherwise`.
-    pub fn truth(&self, name: &str, otherwise: bool) -> HostResult<bool> {
-        let truth = |value: &Dynamic| value.as_bool();
-        let value = self.map.get(name).map_or(Ok(otherwise), truth);
+    /// The boolean `name`, or else `otherwise`.
+    pub fn boolean(&self, name: &str, otherwise: bool) -> HostResult<bool> {
+        let boolean = |value: &Dynamic| value.as_bool();
+        let value = self.map.get(name).map_or(Ok(otherwise), boolean);
         value.map_err(|found| refuse(format!("{name} is true or false, not {found}")))
     }
 }

@@ -8,7 +8,7 @@ use crate::finding::Finding;
 pub struct Annotations {
     comments: Vec<String>,
     virtual_mark: Option<String>,
-    /// What was assumed or found odd while the file was read.
+    /// What was assumed while the file was read, and what puts it in doubt.
     pub warnings: Vec<Warning>,
 }
 

@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_half_sine_and_a_triangle_hold_what_their_closed_forms_say() {
+    fn a_half_sine_and_a_triangle_have_the_clips_of_their_closed_forms() {
         let sine =
             sampled(1e-5, |t| if (0.01..=0.03).contains(&t) { 80.0 * (PI * (t - 0.01) / 0.02).sin() } else { 0.0 });
         let triangle = sampled(1e-4, |t| 60.0 * (1.0 - (t - 0.02).abs() / 0.01).max(0.0));
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_holds_itself_and_what_is_too_short_is_said() {
+    fn a_constant_is_its_own_clip_and_short_series_are_refused() {
         let flat = sampled(1e-3, |_| 7.0);
         for counting in BOTH {
             assert_eq!(clip(&flat, 0.003, counting).unwrap().level, 7.0);

@@ -5,9 +5,9 @@ use std::fmt;
 /// One of the two curves of a rating.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curve {
-    /// What was measured, or counts as the truth.
+    /// The measured curve, or the one that counts as exact.
     Reference,
-    /// What is rated.
+    /// The curve that is rated.
     Comparison,
 }
 

@@ -81,8 +81,8 @@ impl ChannelFilter {
 
     /// The filtered values: no phase shift, same length.
     ///
-    /// Only what lies off the chord from the first value to the last is filtered (equation 61). A zero-phase filter of unit
-    /// gain passes lines, so nothing changes but the start of both passes, which then bends neither a constant nor a ramp.
+    /// The difference from the chord between first and last value is filtered (equation 61). A zero-phase filter of unit gain
+    /// passes lines, so this changes only the start of both passes, which then distorts neither a constant nor a ramp.
     pub fn apply(&self, values: &[f64]) -> Vec<f64> {
         if values.len() < 2 {
             return values.to_vec();
@@ -110,7 +110,7 @@ impl ChannelFilter {
         let (mut y2, mut y1) = (start, start);
         for value in values {
             let x0 = *value;
-            // The term that has to wait for the last result comes last.
+            // The term that depends on the last result comes last.
             let y0 = (b0 * x0 + b1 * x1 + b2 * x2 + a2 * y2) + a1 * y1;
             *value = y0;
             (x2, x1) = (x1, x0);
@@ -135,7 +135,7 @@ impl Chord {
         self.first + self.slope * index as f64
     }
 
-    /// What lies off the line, with `padding` samples before and after, reflected through the end points.
+    /// The difference from the line, with `padding` samples before and after, reflected through the end points.
     fn reflected_rest(&self, values: &[f64], padding: usize) -> Vec<f64> {
         let last = values.len() - 1;
         let rest = |index: usize| values[index] - self.at(index);
@@ -175,7 +175,7 @@ mod tests {
 
     /// Response to a sine in the middle of a long record: amplitude over the amplitude that went in, and phase in radians.
     fn response(filter: &ChannelFilter, frequency: f64, interval: f64) -> [f64; 2] {
-        // A Hann window over many cycles lets nothing of the ends or of other frequencies into the projection.
+        // A Hann window over many cycles suppresses the ends and other frequencies in the projection.
         let count = (60.0 / (frequency * interval)) as usize + 4000;
         let angle = |i: usize| 2.0 * PI * frequency * i as f64 * interval;
         let out = filter.apply(&(0..count).map(|i| angle(i).sin()).collect::<Vec<_>>());

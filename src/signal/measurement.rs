@@ -1,4 +1,4 @@
-//! What was read from a file: channels with their units, each over its own time axis.
+//! The content of a file: channels with their units, each over its own time axis.
 
 use std::collections::{HashMap, HashSet};
 
@@ -38,7 +38,10 @@ pub enum QuantityError {
 }
 
 impl MeasuredChannel {
-    /// The series, once it is sure to be a `dimension` in the SI unit.
+    /// The series in the SI unit of `dimension`.
+    ///
+    /// # Errors
+    /// The channel has another dimension, or no known unit.
     pub fn quantity(&self, dimension: Dimension) -> Result<&Series, QuantityError> {
         let name = || self.name.clone();
         match &self.unit {
@@ -56,7 +59,7 @@ impl MeasuredChannel {
         self.unit.as_ref().map(Unit::si_symbol)
     }
 
-    /// The name with the SI unit, as a column of ours is called: `accel_m_s2`, or else `accel [m/s2]`. A name that the
+    /// The name with the SI unit, as droptower names columns: `accel_m_s2`, or else `accel [m/s2]`. A name that the
     /// file writes with its unit stays as it is where that is the SI unit, or one that is not known.
     pub fn column_name(&self) -> String {
         let name = if is_counted(&self.name) { &self.label } else { &self.name };
@@ -93,7 +96,7 @@ fn column_unit(unit: &Unit) -> String {
     if unit.measures(Strain::DIMENSION) { "-".into() } else { unit.si_symbol() }
 }
 
-/// What a file holds.
+/// The channels of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurement {
     /// In the order of the file.
@@ -117,7 +120,7 @@ pub enum ChannelError {
 }
 
 impl ChannelError {
-    /// What was probably meant.
+    /// The closest name, or how to choose.
     pub fn hint(&self) -> Option<String> {
         match self {
             ChannelError::Missing { name, known } => {
@@ -210,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_column_says_its_unit() {
+    fn a_column_is_named_with_its_unit() {
         for (name, label, unit, expected) in [
             ("11HEAD0000H3ACXP", "11HEAD0000H3ACXP", Some("m/s2"), "11HEAD0000H3ACXP_m_s2"),
             ("11HEAD0000H3ACXP", "Head", Some("g"), "11HEAD0000H3ACXP_m_s2"),
@@ -248,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn channels_of_one_name_are_told_apart_or_refused() {
+    fn channels_of_one_name_are_found_by_their_labels_or_refused() {
         let twice = [("a", "a [g]"), ("a", "a [m/s2]"), ("b", "b"), ("b", "b")];
         let found = |wanted: &str| find(wanted, twice.into_iter());
         assert_eq!(found("a [g]"), Ok(0));

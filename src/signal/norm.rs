@@ -1,4 +1,4 @@
-//! How far one signal is from another: the relative error of the paper's equations 14 and 15.
+//! The distance of two signals: the relative error of the paper's equations 14 and 15.
 
 use thiserror::Error;
 
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_compared_is_said() {
+    fn curves_that_cannot_be_compared_are_refused() {
         let line = sampled(10, |t| t);
         let half = line.window([0.0, 0.5]);
         let zero = sampled(10, |_| 0.0);

@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_made_up_outside_the_samples_or_beside_gaps() {
+    fn there_are_no_values_outside_the_samples_or_beside_gaps() {
         let gap = Series::new(vec![0.0, 1.0, 2.0, 3.0], vec![0.0, f64::NAN, 2.0, 3.0]);
         assert_eq!(gap.at(-0.1), None);
         assert_eq!(gap.at(3.1), None);
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_that_cannot_be_are_refused() {
+    fn invalid_steps_are_refused() {
         let line = Series::new(vec![0.0, 1.0], vec![0.0, 1.0]);
         assert!(matches!(uniform(&line, 0.0), Err(ResampleError::StepNotPositive { .. })));
         assert!(matches!(uniform(&line, 1e-12), Err(ResampleError::StepTooSmall { .. })));

@@ -93,7 +93,7 @@ impl fmt::Display for Extreme {
     }
 }
 
-/// What reading, filtering or rating a recording reports although it went on.
+/// What reading, filtering or rating a recording reports although it continues.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Warning {
     /// The file marks its recording as virtual.

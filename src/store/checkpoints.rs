@@ -31,7 +31,7 @@ pub struct CheckpointStore {
     folder: PathBuf,
 }
 
-/// The newest whole checkpoint.
+/// The newest complete checkpoint.
 #[derive(Clone, Debug)]
 pub struct NewestCheckpoint {
     /// Its file.
@@ -51,7 +51,7 @@ impl CheckpointStore {
         &self.folder
     }
 
-    /// Its checkpoints, whole or damaged, the newest first.
+    /// Its checkpoints, complete or damaged, the newest first.
     pub fn checkpoints(&self) -> Vec<PathBuf> {
         let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
         let numbered = entries.filter_map(|entry| {

@@ -1,4 +1,4 @@
-//! The files of a run folder: what droptower writes there, and what each holds.
+//! The table of the files of a run folder.
 
 /// Longest text file of a run folder that is read back, bytes.
 pub(super) const MOST_BYTES: u64 = 1 << 30;
@@ -28,7 +28,7 @@ pub const TABLES: &str = "tables";
 /// Folder of the snapshots that [`FILM_SERIES`] and [`IMPACTOR_SERIES`] collect.
 pub const SNAPSHOTS: &str = "vtu";
 
-/// Every file that droptower writes, and what it holds, as a page words it. The files of a script are listed in
+/// Every file that droptower writes, and its description on a page. The files of a script are listed in
 /// [`SUMMARY`]; anything else belongs to the user.
 pub const RUN_FILES: [(&str, &str); 10] = [
     (SIGNALS, "all channels over time, SI"),

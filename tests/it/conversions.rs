@@ -183,7 +183,7 @@ fn what_cannot_be_filtered_leaves_nothing_behind() {
         (&["convert", "data.csv", "--unit", "count", "-o", "o.csv"], "expected a channel and its unit, found `count`"),
         (&["convert", "data.csv", "--unit", "count=furlong", "-o", "o.csv"], "unknown unit `furlong`"),
         (&["info", "data.csv", "wrong.csv"], "wrong.csv:3:8"),
-        (&["info", "data.csv", "wrong.csv"], "nothing is printed of data.csv, though readable"),
+        (&["info", "data.csv", "wrong.csv"], "data.csv: readable, but not printed"),
     ] {
         let output = droptower(bench.path(), arguments);
         let said = String::from_utf8_lossy(&output.stderr);
@@ -260,7 +260,7 @@ fn formats_are_converted_there_and_back() {
     assert_eq!(back.channels[0].unit, Some(unit("m/s2")));
     let again = droptower(bench.path(), &["convert", "data.csv", "-o", "test/T.mme"]);
     assert_eq!(again.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&again.stderr).contains("T.mme is there already"));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("T.mme already exists"));
     // The filter is told that the channel was filtered before.
     let fixture = data("isomme_fixture/Channel/test.002");
     let fixture = fixture.to_str().expect("UTF-8");

@@ -300,8 +300,8 @@ fn bad_input_exits_with_two_and_writes_nothing() {
     let gap = shipped.replacen("\n0.3,", "\n0.3,,\n0.30001,", 1);
     let backwards = shipped.replacen("\n0.3,", "\n0.2,", 1);
     for (text, with, expected) in [
-        (cut(0, 6000), "", "no contact is seen"),
-        (cut(3000, lines.len() - header - 1), "", "no release is seen"),
+        (cut(0, 6000), "", "there is no contact"),
+        (cut(3000, lines.len() - header - 1), "", "there is no release"),
         (gap, "", "nothing was measured at 0.3 s"),
         (backwards, "", "time does not increase"),
         (shipped.replace("laser_m", "laser_kg").replace("accelerometer_m_s2", "force_N"), "", "is an acceleration"),

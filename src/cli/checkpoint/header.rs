@@ -1,4 +1,4 @@
-//! The header of a checkpoint: the run that it is of.
+//! The header of a checkpoint: the run that it belongs to.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Read, Write};
@@ -18,7 +18,7 @@ use crate::scenario::{self, Document};
 /// misread, and builds of one version may differ.
 const MAGIC: &[u8; 24] = b"droptower checkpoint 05\n";
 
-/// The message about a checkpoint of another layout.
+/// The message for a checkpoint of another layout.
 pub(super) const OTHER_LAYOUT: &str = "not a checkpoint of this build of droptower";
 
 /// Version of droptower: another one may give other bits.
@@ -33,7 +33,7 @@ const MOST_KEYS: usize = 3;
 /// Characters beyond which a refusal does not print a value.
 const LONGEST_VALUE: usize = 60;
 
-/// The run that a checkpoint is of; stands before the state.
+/// The run that a checkpoint belongs to; it precedes the state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct CheckpointHeader {
     version: String,
@@ -43,7 +43,7 @@ pub(super) struct CheckpointHeader {
     detailed: bool,
     /// The resolved scenario, for messages.
     scenario: String,
-    /// What decides the bits of the run: the checked model without its name, its paths and what is read after the run.
+    /// What determines the bits of the run: the checked model without its name, its paths and what is read after the run.
     model: Model,
     /// The files of its meshes, specimen first.
     meshes: Vec<Digest>,
@@ -109,7 +109,8 @@ fn digest(path: &Path) -> io::Result<Digest> {
     Digest::of_file(path).map_err(|error| io::Error::other(format!("{}: {error}", shown_path(path))))
 }
 
-/// The model without what does not decide the bits of its run: its name, where its meshes are, and what is read after the run.
+/// The model without what does not determine the bits of its run: its name, the paths of its meshes, and what is read after
+/// the run.
 fn decisive(model: &Model) -> Model {
     let mut model = Model { name: String::new(), title: String::new(), reference: None, post: None, ..model.clone() };
     if let Outline::Mesh(path) = &mut model.specimen.shape {
@@ -121,7 +122,7 @@ fn decisive(model: &Model) -> Model {
     model
 }
 
-/// The keys in which the resolved scenario of a checkpoint, `then`, and that of a run, `now`, differ, as a message says it.
+/// The keys in which the resolved scenario of a checkpoint, `then`, and that of a run, `now`, differ, worded for a message.
 fn differences(then: &str, now: &str) -> Vec<String> {
     let (then, now) = (leaves(then), leaves(now));
     let paths: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
@@ -138,7 +139,7 @@ fn differences(then: &str, now: &str) -> Vec<String> {
     paths.into_iter().filter_map(difference).collect()
 }
 
-/// The values of a resolved scenario that decide the run, as TOML, by the paths of their keys.
+/// The values of a resolved scenario that determine the run, as TOML, by the paths of their keys.
 fn leaves(scenario: &str) -> BTreeMap<String, String> {
     let mut leaves = scenario::leaves(scenario);
     leaves.retain(|path, _| !AFTER_THE_RUN.contains(&path.split('.').next().unwrap_or_default()));

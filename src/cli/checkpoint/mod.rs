@@ -1,4 +1,4 @@
-//! Checkpoints of a run: when they are written, and from which one a run resumes.
+//! Checkpoints of a run: when they are written, and which one a run resumes from.
 
 mod header;
 
@@ -39,7 +39,7 @@ pub struct CheckpointWriter {
     pub notes: Vec<String>,
 }
 
-/// Whether there are checkpoints, whole or damaged, of the run whose results go to `place`.
+/// Whether there are checkpoints, complete or damaged, of the run whose results go to `place`.
 pub fn are_beside(place: &Path) -> bool {
     !CheckpointStore::beside(place).checkpoints().is_empty()
 }
@@ -127,7 +127,7 @@ impl CheckpointWriter {
         Err(mistake.hint("--resume continues from there; remove the folder to start from the beginning"))
     }
 
-    /// Finds the newest whole checkpoint and checks that it is of this run.
+    /// Finds the newest complete checkpoint and checks that it belongs to this run.
     fn find_start(&mut self, name: &str) -> Result<(), Diagnostic> {
         let folder = shown_path(self.store.path());
         let Some(found) = self.store.newest() else {
@@ -210,7 +210,7 @@ fn serialise(value: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
     written.map_err(|error| out.error.unwrap_or_else(|| io::Error::other(error)))
 }
 
-/// A writer that stores the error which the serialiser hides.
+/// A writer that stores the error that the serialiser discards.
 struct ErrorTrap<'a> {
     out: &'a mut dyn Write,
     error: Option<io::Error>,

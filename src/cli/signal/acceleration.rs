@@ -1,4 +1,4 @@
-//! The acceleration that an injury measure is taken of, filtered first where asked.
+//! The acceleration of an injury measure, filtered first where asked.
 
 use clap::Args;
 
@@ -17,7 +17,7 @@ pub struct AccelerationArgs {
     pub class: Option<f64>,
 }
 
-/// What was read, in m/s².
+/// The acceleration, m/s².
 pub struct Read {
     pub series: Series,
     /// Comments of its file, and what its reading reports.
@@ -42,7 +42,7 @@ impl AccelerationArgs {
         Diagnostic::new(format!("{}: {error}", shown_path(&self.input.path)))
     }
 
-    /// How it was filtered, to be read by people.
+    /// How it was filtered, for the terminal.
     pub fn filtered(&self) -> String {
         self.class.map_or_else(|| "as recorded".into(), |class| format!("CFC {class}"))
     }

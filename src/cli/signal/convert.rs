@@ -19,7 +19,7 @@ use crate::signal::{MeasuredChannel, Measurement};
 pub struct ConvertArgs {
     /// The recording: CSV or ISO-MME
     pub path: PathBuf,
-    /// Channels to take; all where it is left out
+    /// Channels to write [default: all]
     #[arg(long, value_name = "NAME")]
     pub column: Vec<String>,
     #[command(flatten)]
@@ -27,18 +27,18 @@ pub struct ConvertArgs {
     /// A table (.csv), or a test (.mme) with its folder Channel; values in SI
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
-    /// Replace the table where it is there already; a test never is
+    /// Replace the table where it exists; a test is never replaced
     #[arg(long)]
     pub force: bool,
 }
 
-/// What was written.
+/// The channels that were written.
 #[derive(Serialize)]
 struct Converted {
     path: String,
     out: String,
     channels: Vec<String>,
-    /// Names with the long names of codes, to be read by people.
+    /// Names with the long names of codes, for the terminal.
     #[serde(skip)]
     called: Vec<String>,
     notes: Vec<String>,

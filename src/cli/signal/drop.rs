@@ -51,7 +51,7 @@ pub struct DropArgs {
     /// filtered before
     #[arg(long, value_name = "CFC", value_parser = input::class)]
     pub class: Option<f64>,
-    /// How the low frequencies that an AC-coupled accelerometer does not show are restored
+    /// How the low frequencies that AC coupling removes are restored
     #[arg(long, value_enum, default_value_t = Method::Coupling)]
     pub correction: Method,
     /// Time constant of the accelerometer's coupling, in place of the one fitted to the fall, e.g. "150 ms"
@@ -60,7 +60,7 @@ pub struct DropArgs {
     /// File for the reduced signals, from contact on
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Replace the file where it is there already
+    /// Replace the file where it exists
     #[arg(long, requires = "out")]
     pub force: bool,
 }
@@ -184,7 +184,7 @@ fn text(args: &DropArgs, figures: &Figures) -> String {
     let peak = figures.peak_acceleration_m_s2.zip(figures.time_of_peak_acceleration_s);
     let travel = figures.peak_displacement_m.zip(figures.time_of_peak_displacement_s);
     let from = match (figures.speed_from, figures.laser_residual_m) {
-        (SpeedSource::Laser, Some(residual)) => format!("laser, {:.3} mm off", 1e3 * residual),
+        (SpeedSource::Laser, Some(residual)) => format!("laser, residual {:.3} mm", 1e3 * residual),
         (SpeedSource::Laser, None) => "laser".into(),
         (SpeedSource::Fall, _) => "the known height".into(),
         (SpeedSource::Given, _) => "given".into(),
@@ -198,7 +198,7 @@ fn text(args: &DropArgs, figures: &Figures) -> String {
         (
             "impact speed",
             format!(
-                "{:.3} m/s (ideal fall {:.3}), from {from}; {} round{}",
+                "{:.3} m/s (ideal fall {:.3}), from {from}; {} iteration{}",
                 figures.impact_velocity_m_s,
                 figures.ideal_velocity_m_s,
                 figures.iterations,
@@ -212,7 +212,7 @@ fn text(args: &DropArgs, figures: &Figures) -> String {
         ("displacement", or_none(travel.map(|(d, t)| format!("{:.1} mm at {:.1} ms", 1e3 * d, 1e3 * t)))),
         ("energy", energy(figures)),
         ("energy absorbed", or_none(figures.energy_absorption.map(|d| format!("{:.1} %", 100.0 * d)))),
-        ("filtering", format!("moves the total energy by {:.4} % at most", 100.0 * figures.total_energy_drift)),
+        ("filtering", format!("changes the total energy by {:.4} % at most", 100.0 * figures.total_energy_drift)),
         ("correction", correction),
     ];
     let rows = rows.map(|(name, value)| format!("  {name:<18} {value}\n"));
@@ -221,11 +221,11 @@ fn text(args: &DropArgs, figures: &Figures) -> String {
     format!("{}\n{}{notes}{out}", shown_path(&args.path), rows.concat()).trim_end().to_owned()
 }
 
-/// What the impactor brought and what the film had of it.
+/// Energies of impactor and film.
 fn energy(figures: &Figures) -> String {
     let joule = |energy: Option<f64>| energy.map_or_else(|| "none".into(), |energy| format!("{energy:.2} J"));
     format!(
-        "{} at contact; in the film at most {}, {} at the end",
+        "{} at contact; absorbed by the film {} at most, {} at the end",
         joule(figures.impact_energy),
         joule(figures.peak_absorbed_energy),
         joule(figures.final_absorbed_energy)

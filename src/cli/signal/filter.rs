@@ -21,16 +21,16 @@ pub struct FilterArgs {
     /// Channel frequency class: 1000 or CFC1000, 600, 180, 60 (a name, not hertz)
     #[arg(long, value_name = "CFC", value_parser = input::class)]
     pub class: f64,
-    /// Whose filter it is; the two differ in one constant
+    /// The standard; the two differ in one constant
     #[arg(long, value_enum, default_value = "iso")]
     pub standard: Named,
-    /// Bring uneven samples to this rate first, e.g. "10 kHz"
+    /// Resample uneven samples to this rate first, e.g. "10 kHz"
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub resample: Option<f64>,
-    /// The file to write: what it is in lines with `#`, then the columns time_s and value (SI)
+    /// The file to write: a description in lines with `#`, then the columns time_s and value (SI)
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
-    /// Replace the file where it is there already
+    /// Replace the file where it exists
     #[arg(long)]
     pub force: bool,
 }
@@ -98,7 +98,7 @@ fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
     })
 }
 
-/// What the columns of the output do not say: what the value is, where it comes from, and how it was filtered.
+/// The description of the output: the quantity, its source, and how it was filtered.
 fn origin(args: &FilterArgs, channel: &MeasuredChannel) -> Vec<String> {
     let unit = channel.value_unit().unwrap_or_else(|| "unknown, as written".into());
     vec![
@@ -108,7 +108,7 @@ fn origin(args: &FilterArgs, channel: &MeasuredChannel) -> Vec<String> {
     ]
 }
 
-/// The series on equal steps, brought there only where the user wants it.
+/// The series on equal steps, resampled only where the user asks for it.
 fn even(args: &FilterArgs, series: &Series) -> Result<Series, Diagnostic> {
     let Some(rate) = args.resample else {
         return Ok(series.clone());

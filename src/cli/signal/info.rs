@@ -23,7 +23,7 @@ pub struct InfoArgs {
     pub file: FileArgs,
 }
 
-/// What one file holds.
+/// The content of one file.
 #[derive(Serialize)]
 struct Contents {
     path: String,
@@ -89,11 +89,11 @@ pub fn run(args: &InfoArgs, shared: &Shared) -> Result<(), Failure> {
     print_figures(shared, &found, || found.iter().map(text).collect::<Vec<_>>().join("\n"))
 }
 
-/// That nothing is printed of the files that can be read, where others cannot: figures are complete or missing.
+/// The report that readable files are not printed, where others cannot be read: the output is complete or empty.
 fn silence(found: &[Contents]) -> Vec<Diagnostic> {
     let paths: Vec<&str> = found.iter().map(|contents| contents.path.as_str()).collect();
-    let silent = || Diagnostic::new(format!("nothing is printed of {}, though readable", paths.join(", ")));
-    if found.is_empty() { Vec::new() } else { vec![silent().hint("leave out what cannot be read")] }
+    let unprinted = || Diagnostic::new(format!("{}: readable, but not printed", paths.join(", ")));
+    if found.is_empty() { Vec::new() } else { vec![unprinted().hint("leave out what cannot be read")] }
 }
 
 fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
@@ -110,7 +110,7 @@ fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
     }
 }
 
-/// What a table without time holds, e.g. stress over strain.
+/// The content of a table without time, e.g. stress over strain.
 fn columns(path: &Path, options: &ReadOptions) -> Result<Contents, Diagnostic> {
     let csv::Table { columns, mut annotations } =
         file::columns(path, options).map_err(|error| faults::recording(&error))?;
@@ -210,17 +210,17 @@ const MOST_HOLES: usize = 5;
 
 /// Where samples are missing, once for the channels that share it.
 fn holes(contents: &Contents) -> Vec<String> {
-    let mut told: Vec<(&[Hole], Vec<&str>)> = Vec::new();
+    let mut listed: Vec<(&[Hole], Vec<&str>)> = Vec::new();
     for channel in &contents.channels {
         let holes = channel.time.as_ref().map_or(&[][..], |time| &time.holes);
-        match told.iter_mut().find(|(known, _)| *known == holes) {
+        match listed.iter_mut().find(|(known, _)| *known == holes) {
             Some((_, names)) => names.push(&channel.label),
             None if holes.is_empty() => {}
-            None => told.push((holes, vec![&channel.label])),
+            None => listed.push((holes, vec![&channel.label])),
         }
     }
     let mut lines = Vec::new();
-    for (holes, names) in told {
+    for (holes, names) in listed {
         let whose =
             if names.len() == contents.channels.len() { String::new() } else { format!(" in {}", names.join(", ")) };
         let one = |hole: &Hole| {

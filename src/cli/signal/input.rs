@@ -1,4 +1,4 @@
-//! The one channel that a command works on.
+//! The one channel that a command reads.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,7 @@ pub struct Input {
     pub unit: Option<String>,
 }
 
-/// What a table may leave open.
+/// What a table may not state.
 #[derive(Clone, Debug, Default, Args)]
 pub struct TableArgs {
     /// The column of time, where its name does not show it
@@ -84,7 +84,7 @@ impl FileArgs {
 }
 
 impl Input {
-    /// The channel asked for, whatever it measures; in SI where its unit is known.
+    /// The requested channel, in SI where its unit is known.
     pub fn read(&self) -> Result<Chosen, Diagnostic> {
         let unit = self.unit.as_deref().map(unit).transpose()?;
         let options = ReadOptions { unit, ..ReadOptions::one(self.column.as_deref()) };
@@ -95,7 +95,7 @@ impl Input {
         Ok(Chosen { channel, annotations })
     }
 
-    /// The channel asked for in the SI unit, once it is sure to be a `dimension`.
+    /// The requested channel in the SI unit of `dimension`.
     pub fn read_as(&self, dimension: Dimension) -> Result<Chosen, Diagnostic> {
         let chosen = self.read()?;
         chosen.channel.quantity(dimension).map_err(|error| faults::quantity(&self.path, &error))?;
@@ -124,7 +124,7 @@ pub fn filtered_before(channel: &MeasuredChannel) -> Option<Warning> {
     channel.filtered.map(|class| Warning::FilteredBefore { channel: channel.name.clone(), class })
 }
 
-/// The report of a class that the standards do not define; it is a filter all the same.
+/// The report of a class that the standards do not define; it is used nevertheless.
 pub fn unusual_class(class: f64) -> Option<Warning> {
     (!CLASSES.contains(&class)).then_some(Warning::UnusualFilterClass { class })
 }

@@ -1,4 +1,4 @@
-//! What `droptower tensile reduce` is given, and what it reduces it to.
+//! The arguments of `droptower tensile reduce`, and the recordings that they name, reduced.
 
 use std::path::PathBuf;
 
@@ -31,10 +31,10 @@ pub struct ReduceArgs {
     /// Density of the film, for the material file: "915 kg/m3"
     #[arg(long, value_parser = |text: &str| quantity(Density::DIMENSION, text))]
     pub density: Option<f64>,
-    /// Direction of all coupons, before what the files state: MD, TD, D3 or D4
+    /// Direction of all coupons, in place of what the files state: MD, TD, D3 or D4
     #[arg(long)]
     pub direction: Option<Direction>,
-    /// Speed of the jaws apart, before what the files state: "0.02 m/s"
+    /// Speed of the jaws apart, in place of what the files state: "0.02 m/s"
     #[arg(long, value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
     pub velocity: Option<f64>,
     /// Strains between which the modulus is fitted

@@ -67,7 +67,7 @@ impl From<SampleStatistics> for Statistics {
 }
 
 impl Figures {
-    /// The figures of what was `reduced`, and what is to be known about them.
+    /// The figures of the `reduced` recordings, with their findings.
     pub fn of(reduced: &Reduced, is_density_assumed: bool, written: &[PathBuf]) -> Figures {
         let mut warnings = warnings(reduced);
         warnings.extend((is_density_assumed && !written.is_empty()).then_some(Warning::DensityAssumed));

@@ -1,4 +1,4 @@
-//! The material file of reduced coupons: its texts, once it is sure that the reader of materials takes them.
+//! The material file of reduced coupons, checked as `droptower check` does before it is written.
 
 use std::fs;
 use std::io;
@@ -14,7 +14,7 @@ use crate::model;
 use crate::scenario::Document;
 use crate::scenario::coupon_material::{CouponMaterial, CouponMaterialError, GivenShear};
 
-/// Bytes of a shear curve; what is larger is something else.
+/// Largest shear curve that is read, bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
 /// The files to write and their texts; none where no file is asked for.
@@ -55,23 +55,25 @@ fn check_folder(material: &Path) -> Result<(), Diagnostic> {
         Some(folder) if !folder.is_dir() => {
             let message =
                 format!("{} cannot be written: there is no folder {}", shown_path(material), shown_path(folder));
-            Err(Diagnostic::new(message).hint("make it first"))
+            Err(Diagnostic::new(message).hint("create it first"))
         }
         _ => Ok(()),
     }
 }
 
-/// The text of a shear curve that is none of the files to be written.
+/// The text of a shear curve, which must not be one of the files to be written.
 fn given(shear: &Path, places: &[PathBuf]) -> Result<String, Diagnostic> {
     let canonical = |path: &Path| fs::canonicalize(path).ok();
     let is_written = places.iter().any(|place| canonical(place).is_some_and(|place| canonical(shear) == Some(place)));
     if is_written {
-        let message = format!("{} is the shear curve, and would be written over", shown_path(shear));
+        let message = format!("{} is the shear curve and would be replaced", shown_path(shear));
         return Err(Diagnostic::new(message).hint("give the material another name"));
     }
     file::read_text(shear, MOST_BYTES).map_err(|error| {
         let why = match error {
-            FileError::TooLarge { .. } => format!("a shear curve may have {} MB", MOST_BYTES >> 20),
+            FileError::TooLarge { .. } => {
+                format!("it is larger than {} MB, the most of a shear curve", MOST_BYTES >> 20)
+            }
             other => other.to_string(),
         };
         Diagnostic::new(format!("cannot read {}: {why}", shown_path(shear)))

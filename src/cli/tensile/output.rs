@@ -1,11 +1,11 @@
-//! The material file and the shear curve beside it: written whole, and never over what a user wrote.
+//! The material file and the shear curve beside it: written completely, and never over a file of the user.
 
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Failure, output};
 use crate::diagnostic::{Diagnostic, shown_path};
 
-/// Where the material and its shear curve go: `film.toml` and `film-shear.csv`.
+/// The paths of the material and its shear curve: `film.toml` and `film-shear.csv`.
 pub fn places(material: &Path) -> Result<[PathBuf; 2], Failure> {
     if !output::ends_in(material, "toml") {
         return Err(
@@ -20,7 +20,7 @@ pub fn places(material: &Path) -> Result<[PathBuf; 2], Failure> {
     Ok([material.to_path_buf(), shear])
 }
 
-/// Puts every file in its place, none before all of them are written.
+/// Renames the files to their paths once all are written.
 pub fn write(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
     output::write_sealed(texts)
 }

@@ -99,7 +99,7 @@ pub enum ContactError {
     #[error("laser: it rises while the impactor falls; its values must count upward from the film's upper face")]
     LaserReversed,
     /// The motion that was fitted to the laser does not reach the film; time in s.
-    #[error("laser: the motion matched to it does not pass the film's upper face near {near:.4} s")]
+    #[error("laser: the motion fitted to it does not pass the film's upper face near {near:.4} s")]
     NoCrossing { near: f64 },
     /// The recorded fall is shorter than the height, m.
     #[error("acceleration: integrated from rest it does not fall through {height} m; check the height")]
@@ -109,7 +109,7 @@ pub enum ContactError {
     SpeedNotReached { speed: f64 },
     /// The acceleration does not rise at the end of the fall; time in s.
     #[error(
-        "acceleration: no onset of the force is seen near {near:.4} s, where the fall {}; check the {}",
+        "acceleration: there is no onset of the force near {near:.4} s, where the fall {}; check the {}",
         known.predicate(), known.name()
     )]
     NoOnset { near: f64, known: FallCondition },
@@ -120,7 +120,7 @@ pub enum ContactError {
     )]
     NotClosed { known: FallCondition, offset: f64, error: f64 },
     /// The contact time of successive iterations differs.
-    #[error("the contact time did not settle within {MOST_ITERATIONS} rounds")]
+    #[error("the contact time does not converge within {MOST_ITERATIONS} iterations")]
     NotSettled,
 }
 

@@ -4,10 +4,10 @@ use thiserror::Error;
 
 use super::Curve;
 
-/// Samples of a mean curve; their strain grows with the square of their number, so that the elastic part keeps its own.
+/// Samples of a mean curve; strain grows with the square of the index, so that the elastic part is resolved.
 pub const AXIS: usize = 600;
 
-/// Mean, scatter and number of figures that were measured alike.
+/// Mean, scatter and number of repeated figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleStatistics {
     /// Arithmetic mean.
@@ -57,8 +57,8 @@ impl SampleStatistics {
 
 /// The mean of the means of `groups`: every group counts the same, however many figures it has.
 ///
-/// So the paper averages: moduli per direction and speed, then per direction (Table 6), energy absorptions per drop
-/// height, then over both (Table 7). What is averaged on is never rounded.
+/// The paper averages in this way: moduli per direction and speed, then per direction (Table 6), energy absorptions per drop
+/// height, then over both (Table 7). Means are never rounded in between.
 ///
 /// # Errors
 /// [`AverageError::Nothing`] where there is no group, or a group without figures.
@@ -85,7 +85,7 @@ pub fn mean_curve(curves: &[Curve]) -> Result<Curve, AverageError> {
 }
 
 /// The mean of piecewise straight `laws` from their latest beginning to the mean of their ends, exact: it has the corners of
-/// all. A law that has ended goes on along its last piece.
+/// all. A law that has ended is extended along its last piece.
 ///
 /// # Errors
 /// [`AverageError`] where there is no law, or no strain that all have.
@@ -150,7 +150,7 @@ mod tests {
         assert!(mean.samples().all(|[strain, stress]| (stress - 3.0 * strain).abs() < 1e-12));
     }
 
-    /// By hand: the first law goes on beyond its end at 0.4 with its slope of 5, the mean ends at (0.4 + 0.8)/2.
+    /// By hand: the first law is extended beyond its end at 0.4 with its slope of 5, the mean ends at (0.4 + 0.8)/2.
     #[test]
     fn laws_are_averaged_at_their_corners_and_beyond_an_end() {
         let first = Curve::new(vec![0.0, 0.1, 0.4], vec![0.0, 1.0, 2.5]).unwrap();

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::signal::interpolated;
 
-/// How far strain may go back, as a share of its range: what jaws and extensometers do at rest.
+/// Largest decrease of strain, as a share of its range, that counts as jitter of jaws or extensometer.
 pub const JITTER: f64 = 0.01;
 
 /// Engineering stress over engineering strain of a coupon, or the mean of several. Cheap to clone.

@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::direction::{Direction, DirectionError};
 use crate::units::{UnitError, Velocity};
 
-/// What a file's name can say of the speed of jaws at most, m/s: tensile machines end at some 20 m/s, years begin beyond.
+/// Largest speed of jaws in the name of a file, m/s: tensile machines reach some 20 m/s, larger numbers are years.
 pub const FASTEST: f64 = 100.0;
 
 /// Direction and speed of a test, as far as they are known.
@@ -41,7 +41,7 @@ pub enum LabelError {
 }
 
 impl LabelError {
-    /// What to do about it.
+    /// The remedy.
     pub fn hint(&self) -> &'static str {
         match self {
             LabelError::NoDirection => {
@@ -98,7 +98,7 @@ fn named(name: &str) -> Label {
     }
 }
 
-/// A speed in m/s of digits and a point, as far as jaws are so fast.
+/// A speed in m/s of digits and a point, up to [`FASTEST`].
 fn speed(text: &str) -> Option<f64> {
     let (whole, part) = text.split_once('.').unwrap_or((text, "0"));
     let velocity = if is_digits(whole) && is_digits(part) { text.parse().ok() } else { None };
@@ -109,7 +109,7 @@ fn is_digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// A line that is overruled is not read.
+/// A line whose value is given otherwise is not read.
 fn headed(header: &[String], given: Label) -> Result<Label, LabelError> {
     let stated = |key: &str| {
         let pairs = header.iter().filter_map(|line| line.trim_start_matches(['#', ' ']).split_once(':'));

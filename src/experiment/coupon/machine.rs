@@ -2,15 +2,15 @@ use thiserror::Error;
 
 use super::{Coupon, Curve};
 
-/// A tensile machine as virtual tests imagine it: jaws that part at one speed, a load cell with noise, and a recorder that
-/// keeps so many decimals.
+/// The tensile machine of virtual tests: jaws that part at one speed, a load cell with noise, and a recorder that rounds to
+/// so many decimals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Machine {
     /// Speed of the jaws apart, m/s.
     pub velocity: f64,
-    /// Decimals that are kept of the force in N.
+    /// Decimals of the recorded force in N.
     pub force_decimals: u8,
-    /// Decimals that are kept of displacement in m and time in s.
+    /// Decimals of the recorded displacement in m and time in s.
     pub displacement_decimals: u8,
 }
 
@@ -41,7 +41,7 @@ pub enum MachineError {
 
 impl Machine {
     /// Records a `coupon` whose film follows `curve` and is broken beyond its end, at `strains`; `noise` (N) is added to
-    /// the force row by row. The force belongs to the displacement that is kept, so rounding makes no error of its own.
+    /// the force row by row. The force is that of the rounded displacement, so rounding adds no error.
     pub fn pull(
         &self,
         coupon: &Coupon,
@@ -57,27 +57,27 @@ impl Machine {
         }
         let mut pull = TensileRecord::default();
         for (strain, noise) in strains.iter().zip(noise) {
-            let displacement = kept(strain * coupon.gauge(), self.displacement_decimals);
+            let displacement = rounded(strain * coupon.gauge(), self.displacement_decimals);
             let stress = stress(curve, *strain, displacement / coupon.gauge())?;
-            pull.time.push(kept(displacement / self.velocity, self.displacement_decimals));
+            pull.time.push(rounded(displacement / self.velocity, self.displacement_decimals));
             pull.displacement.push(displacement);
-            pull.force.push(kept(stress * coupon.area() + noise, self.force_decimals));
+            pull.force.push(rounded(stress * coupon.area() + noise, self.force_decimals));
         }
         Ok(pull)
     }
 }
 
-/// Stress at the strain that is kept of `strain`; the last one before the break may be rounded across it.
-fn stress(curve: &Curve, strain: f64, kept: f64) -> Result<f64, MachineError> {
+/// Stress at the rounded value of `strain`; the last one before the break may be rounded across it.
+fn stress(curve: &Curve, strain: f64, rounded: f64) -> Result<f64, MachineError> {
     let [start, end] = curve.range();
     if strain > end {
         return Ok(0.0);
     }
-    let inside = if strain >= start { curve.at(kept.clamp(start, end)) } else { None };
+    let inside = if strain >= start { curve.at(rounded.clamp(start, end)) } else { None };
     inside.ok_or(MachineError::BeforeStart(strain))
 }
 
-fn kept(value: f64, decimals: u8) -> f64 {
+fn rounded(value: f64, decimals: u8) -> f64 {
     let digits = 10_f64.powi(decimals.into());
     (value * digits).round() / digits
 }

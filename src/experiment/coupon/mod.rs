@@ -1,4 +1,4 @@
-//! Coupon tests: force over displacement of a film strip, reduced to what a material is described by.
+//! Coupon tests: force over displacement of a film strip, reduced to the figures of a material.
 //!
 //! Equation numbers are those of Hynčík et al., Polymers 2021, 13, 1537.
 

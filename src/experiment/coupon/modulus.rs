@@ -14,7 +14,7 @@ pub const FEWEST_SAMPLES: usize = 3;
 pub struct Modulus {
     /// Young's modulus E, Pa.
     pub slope: f64,
-    /// Stress of the line at zero strain, Pa: what zero offset or slack leave.
+    /// Stress of the line at zero strain, Pa: not zero after an offset of the load cell or slack.
     pub intercept: f64,
     /// Samples in the window.
     pub samples: usize,
@@ -44,7 +44,7 @@ impl Modulus {
 impl Curve {
     /// Young's modulus (equation 2): slope of the least-squares line through the samples with `from <= strain <= to`.
     ///
-    /// The line need not go through the origin, so that neither a zero offset of the load cell nor slack counts.
+    /// The line need not go through the origin, so that neither an offset of the load cell nor slack changes it.
     pub fn modulus(&self, [from, to]: [f64; 2]) -> Result<Modulus, ModulusError> {
         if !(from.is_finite() && to.is_finite() && from < to) {
             return Err(ModulusError::Window { from, to });
@@ -61,7 +61,7 @@ impl Curve {
 fn line(points: &[[f64; 2]]) -> Option<Modulus> {
     let [start, end] = [points.first()?[0], points.last()?[0]];
     let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
-    // Strain from the middle in halves of the stretch: columns of one magnitude.
+    // Strain from the middle in halves of the interval: columns of one magnitude.
     let rows = points.iter().map(|[strain, stress]| ([1.0, (strain - middle) / half], *stress));
     let ([stress, rise], _) = least_squares(rows)?;
     let slope = rise / half;

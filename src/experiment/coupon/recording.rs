@@ -15,13 +15,13 @@ pub struct CouponReader {
     pub coupon: Coupon,
     /// Window of the modulus, criterion of the break, origin of strain.
     pub rules: Rules,
-    /// What counts before what the files say.
+    /// Direction and speed that replace those of the files.
     pub given: Label,
     /// Name of the channel of force.
     pub force: String,
     /// Name of the channel of displacement.
     pub displacement: String,
-    /// What the tables leave open; their other columns are not read.
+    /// How the tables are read; columns other than these are not.
     pub table: ReadOptions,
 }
 

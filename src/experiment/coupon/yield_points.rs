@@ -6,10 +6,10 @@ use crate::experiment::fit::least_squares;
 /// Fewest samples that a broken line is fitted to.
 const FEWEST_SAMPLES: usize = 20;
 
-/// A bend counts where it brings the broken line nearer to the curve by this factor at least.
+/// A bend counts where it lowers the distance of broken line and curve by this factor at least.
 const GAIN: f64 = 0.75;
 
-/// What straight lines may be off by as a share of the largest stress and still be the curve itself.
+/// Distance of straight lines from a curve, as a share of the largest stress, at which they are the curve itself.
 const EXACT: f64 = 1e-7;
 
 /// The second yield point lies beyond the first by this share of the first one's strain at least: a bend that sampling
@@ -58,8 +58,8 @@ pub enum YieldError {
 /// The yield points of `curve`: the two bends of the continuous line of three straight pieces that fits it best.
 ///
 /// The line begins where the elastic line ends, which is fitted in the window `elastic` (see [`Curve::modulus`]), so a
-/// steep elastic part does not draw the first yield point to itself. It ends with the curve. Best is the least square
-/// of the distance in stress, each sample weighted by its stretch of strain, so that dense sampling counts no more.
+/// steep elastic part does not move the first yield point. It ends with the curve. Best is the least square
+/// of the distance in stress, each sample weighted by its stretch of strain, so that dense sampling has no more weight.
 ///
 /// # Errors
 /// No elastic line, too few samples, and a curve that one bend describes as well: two must lower the root mean square

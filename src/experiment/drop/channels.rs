@@ -20,7 +20,7 @@ pub struct ChannelNames {
     pub laser: Option<String>,
 }
 
-/// What the sensors on a drop tower read.
+/// The readings of the sensors on a drop tower.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DropChannels {
     /// m/s².

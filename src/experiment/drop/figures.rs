@@ -28,17 +28,17 @@ pub struct Figures {
     /// ½Mv² at contact.
     #[serde(rename = "impact_energy_J")]
     pub impact_energy: Option<f64>,
-    /// Largest work that the film had taken (W of equation 10), and what of it was still in it at the end.
+    /// Largest work done on the film (W of equation 10).
     #[serde(rename = "peak_absorbed_energy_J")]
     pub peak_absorbed_energy: Option<f64>,
-    /// Work that is in the film at the end.
+    /// That work at the end.
     #[serde(rename = "final_absorbed_energy_J")]
     pub final_absorbed_energy: Option<f64>,
     /// D of the paper's equation 11; none without rebound.
     pub energy_absorption: Option<f64>,
     /// Largest deviation of the total energy (equation 10) from its first value, over that.
     pub total_energy_drift: f64,
-    /// Rounds of the contact search.
+    /// Iterations of the search for contact.
     pub iterations: u32,
     /// Root mean square distance of matched motion and laser; none without a laser.
     pub laser_residual_m: Option<f64>,

@@ -1,4 +1,4 @@
-//! A drop test, from what the sensors read to contact, speed, travel and energies.
+//! The reduction of a drop test: from the readings of the sensors to contact, speed, travel and energies.
 
 mod channels;
 mod error;

@@ -5,11 +5,11 @@ use crate::experiment::Warning;
 use crate::experiment::fit::least_squares;
 use crate::signal::{Series, column};
 
-/// Laser and integrated acceleration that are further apart (m) do not show one motion.
+/// Distance of laser and integrated acceleration (m) beyond which they show different motions.
 const LASER_APART: f64 = 1e-3;
-/// Share of the ideal fall's speed below which the guide would have taken more than it left.
+/// Share of the ideal fall's speed below which friction would have dissipated most of the energy.
 const SLOW: f64 = 0.5;
-/// A reading that stands still at its largest value for longer (s) has reached the end of its range.
+/// Duration of a constant largest reading (s) beyond which it is the end of the range.
 const FLAT: f64 = 2e-3;
 /// Change of the zero over the record (m/s²) that is reported, and how many of its standard errors it must be.
 const ZERO_MOVES: f64 = 0.1;
@@ -56,7 +56,7 @@ fn saturated(reading: &Series) -> Option<Warning> {
     (longest > FLAT).then_some(Warning::Saturated { reading: largest, duration: longest })
 }
 
-/// A zero that moves while the impactor rests will have moved on.
+/// A zero that drifts at rest drifts later too.
 fn moving_zero(reading: &Series, rest_end: f64) -> Option<Warning> {
     let rest = reading.window([f64::NEG_INFINITY, rest_end]);
     let &[first, .., last] = rest.time() else {

@@ -1,4 +1,4 @@
-//! From what the sensors read to contact, speed, travel and energies.
+//! From the readings of the sensors to contact, speed, travel and energies.
 
 use super::error::DropError;
 use super::laser::Cleaned;
@@ -43,9 +43,9 @@ pub fn reduce(
     Ok(drop)
 }
 
-/// A fall that covers a height which differs by a larger share is another one: a time constant that is 1 % off makes 1 %.
+/// Share by which the covered height may differ from the stated one; an error of 1 % in the time constant makes 1 %.
 const OTHER_HEIGHT: f64 = 0.05;
-/// Speeds above that of the ideal fall by a larger share are refused; a laser determines them to half of it.
+/// Share by which a speed may exceed that of the ideal fall; a laser determines it to half of that.
 const FASTER: f64 = 0.01;
 
 /// A recording whose rest and release are known.
@@ -146,7 +146,7 @@ fn even(acceleration: &Series) -> Result<Series, DropError> {
     Ok(resample::uniform(acceleration, median_step(acceleration.time()))?)
 }
 
-/// s; few times that are written twice or left out do not move it.
+/// s; a few times that are written twice or left out do not change it.
 fn median_step(time: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
@@ -211,7 +211,7 @@ fn faster_than_fall(speed: f64, tower: &Tower) -> Result<Option<Warning>, DropEr
     Ok((excess > 1e-9).then_some(Warning::FasterThanFreeFall { excess, height }))
 }
 
-/// What replaces a laser.
+/// The report that there was no laser.
 fn without_laser(speed_from: SpeedSource) -> Option<Warning> {
     match speed_from {
         SpeedSource::Laser => None,

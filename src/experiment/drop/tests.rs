@@ -1,4 +1,4 @@
-//! Drops whose truth is known, and recordings that are none.
+//! Drops whose figures are known, and recordings that are not of a drop.
 
 use super::*;
 use crate::experiment::Warning;
@@ -14,7 +14,7 @@ const TOWER: Tower = Tower { body: BODY, height: Height::Known(1.5) };
 const SPEED: f64 = 4.94;
 const SEEDS: u64 = 8;
 
-/// A film that hardens under load, F/M = 300 d + 9000 d² (SI), and lets go of its force ten times as fast on the way back.
+/// A film that hardens under load, F/M = 300 d + 9000 d² (SI), and unloads ten times as fast.
 fn impact() -> [Series; 2] {
     let (substeps, step) = (100, 1e-6);
     let loaded = |depth: f64| 300.0 * depth + 9000.0 * depth * depth;
@@ -70,7 +70,7 @@ fn with_and_without_laser_the_truth_is_found() {
     }
 }
 
-/// The guide rubs on after contact, so that no step marks it: what a real soft film leaves of the onset.
+/// The guide's friction continues after contact, so that no step marks it, as with a soft film.
 #[test]
 fn without_a_step_at_contact_the_fall_still_gives_the_speed() {
     let rubbing = GRAVITY - SPEED * SPEED / 3.0;
@@ -102,7 +102,7 @@ fn without_laser_and_height_a_known_speed_gives_the_contact() {
     }
 }
 
-/// What a laser holds, or writes, while it sees nothing.
+/// What a laser holds, or writes, out of its range.
 #[test]
 fn a_laser_that_stands_still_out_of_its_range_saw_nothing() {
     let (recording, contact_time, _) = recorded(&Sensors::default(), 5);
@@ -170,7 +170,8 @@ fn a_time_constant_that_is_known_is_used() {
     assert_eq!(raw, drop.signals.channel("acceleration_filtered_m_s2"));
 }
 
-/// The ramp finds contact and travel, but not what the blow did to the sensor's zero: the less the longer its time constant.
+/// The ramp gives contact and travel, but not the shift of the sensor's zero in the impact, which is smaller with a longer
+/// time constant.
 #[test]
 fn the_ramp_gives_travel_but_errs_in_absorption_by_the_time_constant() {
     let deepest = impact()[1].smallest().unwrap()[1];
@@ -190,8 +191,8 @@ fn the_ramp_gives_travel_but_errs_in_absorption_by_the_time_constant() {
     assert!(errors[0] > 0.03, "{errors:?}");
 }
 
-/// The magnet lets go over 32 ms as a parabola; behind the coupling the reading turns after τ ln(1 + T/τ) already, and the ramp is
-/// fitted to the reading.
+/// The magnet's force falls to zero over 32 ms as a parabola; AC-coupled, the reading has its minimum at τ ln(1 + T/τ)
+/// already, and the ramp is fitted to the reading.
 #[test]
 fn the_ramp_lasts_as_long_as_the_reading_falls() {
     let quiet = Accelerometer { noise: 0.0, bits: 32, ..Accelerometer::default() };
@@ -205,7 +206,7 @@ fn the_ramp_lasts_as_long_as_the_reading_falls() {
     }
 }
 
-/// Of the motion's own acceleration the work is exact, so that all of the drift is what the filter took.
+/// The work of the motion's own acceleration is exact, so that all of the drift is due to the filter.
 #[test]
 fn the_total_energy_drifts_by_what_the_filter_takes() {
     let (recording, ..) = recorded(&Sensors::default(), 6);
@@ -282,9 +283,9 @@ fn what_cannot_be_reduced_is_refused_by_channel() {
             refusal(&slow, &TOWER, &default),
             "acceleration: CFC 1000 needs at least 10000 samples a second, found 1000.0",
         ),
-        (refusal(&reading.window([0.0, contact_time]), &TOWER, &default), "acceleration: no contact is seen"),
+        (refusal(&reading.window([0.0, contact_time]), &TOWER, &default), "acceleration: there is no contact"),
         (refusal(&reading.window([0.0, 0.0]), &TOWER, &default), "acceleration: a series of 1 samples"),
-        (refusal(&reading.window([0.3, 1.0]), &TOWER, &default), "acceleration: no release is seen"),
+        (refusal(&reading.window([0.3, 1.0]), &TOWER, &default), "acceleration: there is no release"),
     ] {
         assert!(found.starts_with(expected), "{found}");
     }

@@ -1,9 +1,9 @@
-//! What is known of a drop test, and how its recording is reduced.
+//! The tower of a drop test, and how its recording is reduced.
 
 use crate::experiment::absorption::Body;
 use crate::experiment::contact::FallCondition;
 
-/// What is known of a drop before its recording is looked at.
+/// The tower of a drop test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tower {
     /// Mass of the impactor, and gravity.
@@ -17,7 +17,7 @@ pub struct Tower {
 pub enum Height {
     /// As set on the tower, m.
     Known(f64),
-    /// That of the ideal fall to the impact speed that is known in its place, m.
+    /// Unknown: the height of the ideal fall that reaches the known impact speed, m.
     OfSpeed(f64),
 }
 
@@ -35,7 +35,7 @@ impl Tower {
         (2.0 * self.body.gravity * self.height.metres()).sqrt()
     }
 
-    /// What closes a fall that no laser saw.
+    /// The condition of a fall without a laser.
     pub(super) fn known(&self) -> FallCondition {
         match self.height {
             Height::Known(height) => FallCondition::Height(height),
@@ -44,7 +44,7 @@ impl Tower {
     }
 }
 
-/// How the low frequencies that the accelerometer does not show are restored.
+/// How the low frequencies that AC coupling removes are restored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Correction {
     /// The exact inverse of AC coupling with the time constant in s, or with the one fitted to the fall.

@@ -50,9 +50,9 @@ impl Request {
             match option.as_str() {
                 "noise" => request.options.colour = word(option, &value.to_string(), &COLOURS)?,
                 "relative" => {
-                    let truth = value.as_bool();
+                    let boolean = value.as_bool();
                     request.options.relative =
-                        truth.map_err(|found| refuse(format!("`relative` is true or false, not {found}")))?;
+                        boolean.map_err(|found| refuse(format!("`relative` is true or false, not {found}")))?;
                 }
                 "parts" => request.parts = Some(parts(value)?),
                 _ => request.points = count(value, "points", MAX_POINTS)?,

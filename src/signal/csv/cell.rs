@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_know_their_place() {
+    fn cells_have_their_offset_in_the_line() {
         for (separator, line, expected) in [
             (Separator::Comma, "0, 1 ,,2", &[("0", 0), ("1", 3), ("", 6), ("2", 7)][..]),
             (Separator::Semicolon, "0,5;\"a;b\";", &[("0,5", 0), ("a;b", 4), ("", 10)]),
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_told_apart() {
+    fn faults_of_numbers_are_distinguished() {
         assert!(matches!(Mark::Unknown.number("5.2 g", "a"), Err(Fault::UnitInCell { .. })));
         assert!(matches!(Mark::Unknown.number("3mm", "a"), Err(Fault::UnitInCell { .. })));
         assert!(matches!(Mark::Unknown.number("x7", "a"), Err(Fault::Channel(ChannelFault::NotANumber { .. }))));

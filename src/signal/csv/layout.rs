@@ -1,4 +1,4 @@
-//! How a table is laid out, found out from the lines before its numbers and from the first row.
+//! The layout of a table: separator, names, units and time, detected from the lines before its numbers and the first row.
 
 use std::collections::{HashSet, VecDeque};
 use std::io::BufRead;
@@ -23,7 +23,7 @@ pub struct Layout {
     pub columns: Vec<ColumnName>,
     /// Where the names stand; none where the file has no header or the caller gave them.
     pub header: Option<Line<'static>>,
-    /// Rows that were read to find all this out.
+    /// Rows that were read to detect the layout.
     pub rows: VecDeque<Line<'static>>,
     pub annotations: Annotations,
 }
@@ -77,7 +77,7 @@ impl Layout {
         }
     }
 
-    /// The unit of the time column; seconds where the file does not say.
+    /// The unit of the time column; seconds where the file states none.
     pub fn time_unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Mistake> {
         let column = &self.columns[place];
         if let Some(symbol) = &column.unknown_unit {
@@ -98,7 +98,7 @@ impl Layout {
         self.at_column(place, ChannelFault::TimeUnit { name: self.columns[place].name.clone(), unit: unit.to_owned() })
     }
 
-    /// The unit of a column from the file or the caller; both where they agree. What is not known is noted.
+    /// The unit of a column from the file or the caller; both where they agree. A warning where it is not known.
     pub fn unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Mistake> {
         let unit = self.given_unit(place, options, options.unit.as_ref())?;
         let ColumnName { label, unknown_unit, .. } = &self.columns[place];

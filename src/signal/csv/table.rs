@@ -82,8 +82,8 @@ pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadEr
         let time_unit = layout.time_unit(time, options)?;
         let places = selected(&layout, options, Some(time))?;
         let units = places.iter().map(|place| layout.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
-        let kept: Vec<usize> = std::iter::once(time).chain(places.iter().copied()).collect();
-        let mut values = Rows::new(&layout, &kept, Some(time)).read(&mut layout, lines)?.into_iter();
+        let wanted: Vec<usize> = std::iter::once(time).chain(places.iter().copied()).collect();
+        let mut values = Rows::new(&layout, &wanted, Some(time)).read(&mut layout, lines)?.into_iter();
         let time: Arc<[f64]> = in_si(values.next().unwrap_or_default(), time_unit.as_ref()).into();
         let channels = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
             let column = &layout.columns[*place];
@@ -130,7 +130,7 @@ fn in_si(mut values: Vec<f64>, unit: Option<&Unit>) -> Vec<f64> {
 
 /// The columns while they are being read.
 struct Rows {
-    /// For every column of the file where its values go; none where they are not kept.
+    /// For every column of the file the places of its values; none where they are not stored.
     slots: Vec<Vec<usize>>,
     values: Vec<Vec<f64>>,
     /// Place of the time among the columns of the file, where time is needed.
@@ -140,12 +140,12 @@ struct Rows {
 }
 
 impl Rows {
-    fn new(layout: &Layout, kept: &[usize], time: Option<usize>) -> Rows {
+    fn new(layout: &Layout, wanted: &[usize], time: Option<usize>) -> Rows {
         let mut slots = vec![Vec::new(); layout.columns.len()];
-        kept.iter().enumerate().for_each(|(slot, place)| slots[*place].push(slot));
+        wanted.iter().enumerate().for_each(|(slot, place)| slots[*place].push(slot));
         Rows {
             slots,
-            values: vec![Vec::new(); kept.len()],
+            values: vec![Vec::new(); wanted.len()],
             time,
             latest: f64::NEG_INFINITY,
             mark: Mark::between(layout.separator),
@@ -217,7 +217,7 @@ impl Rows {
     }
 }
 
-/// Lines among the rows that are none.
+/// Comments or blank lines among the rows.
 #[derive(Clone, Copy, Default)]
 struct Passed {
     first: usize,
@@ -251,7 +251,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_that_are_no_rows_are_noted() {
+    fn comments_and_blank_lines_among_rows_have_a_warning() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("r.csv");
         for (text, expected) in [
@@ -266,9 +266,9 @@ mod tests {
         }
     }
 
-    /// Quadratic in the columns this takes minutes.
+    /// A cost quadratic in the columns would take minutes.
     #[test]
-    fn many_columns_are_read_in_their_number() {
+    fn the_cost_of_many_columns_is_linear() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("wide.csv");
         let header: String = (0..60_000).map(|place| format!(",a{place}")).collect();
@@ -276,9 +276,9 @@ mod tests {
         assert_eq!(measure(&path, &ReadOptions::default()).unwrap().channels.len(), 60_000);
     }
 
-    /// Memory is bounded by construction: there is a place for the wanted columns and for no other.
+    /// Memory is bounded: only the wanted columns are stored.
     #[test]
-    fn only_wanted_columns_have_a_place() {
+    fn only_wanted_columns_are_stored() {
         let text = "time,a,b,c\n0,1,2,3\n1,2,3,4\n";
         let mut lines = Lines::new(text.as_bytes());
         let mut layout = Layout::read(&mut lines, &ReadOptions::default()).unwrap();

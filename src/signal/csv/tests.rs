@@ -11,7 +11,7 @@ fn read_text(text: &str) -> Result<Recording, ReadError> {
 }
 
 #[test]
-fn what_is_written_reads_back_to_the_same_bits() {
+fn a_written_recording_reads_back_to_the_same_bits() {
     let recording = Recording {
         time: vec![0.0, 1e-4, 2e-4],
         channels: vec![

@@ -69,7 +69,7 @@ pub fn head_injury_criterion(series: &Series, window: f64) -> Result<Hic, HicErr
     let [start, end] = pulse.refined(pair, window);
     let length = end - start;
     let mean = peak * (pulse.speed_at(end) - pulse.speed_at(start)) / length;
-    // A lone positive sample between negative ones lifts no pair of samples above zero.
+    // A single positive sample between negative ones gives no pair a positive mean.
     if mean <= 0.0 {
         return Err(HicError::NeverPositive);
     }
@@ -130,7 +130,7 @@ mod tests {
         let hic15 = hic(&square, 15.0);
         assert!((hic15.value - 265.165).abs() < 5e-4, "{hic15:?}");
         assert!((hic15.end - hic15.start - 0.015).abs() < 1e-12 && (hic15.mean - 50.0 * G).abs() < 1e-9);
-        // Its flanks, a sample long each, lend a little.
+        // Its flanks, a sample long each, contribute a little.
         let (hic36, exact) = (hic(&square, 36.0).value, 50f64.powf(2.5) * 0.02);
         assert!(hic36 >= exact && hic36 < 1.01 * exact, "{hic36} for {exact}");
     }
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn no_pair_of_samples_is_overlooked() {
+    fn the_search_finds_the_best_of_all_pairs() {
         for seed in 0..12 {
             let count = 150 + 97 * seed as usize;
             let steps = noise(count, seed + 100);
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_criterion_is_said() {
+    fn series_without_a_criterion_are_refused() {
         let line = |values: Vec<f64>| Series::new((0..values.len()).map(|i| i as f64).collect::<Vec<_>>(), values);
         let hic = |values: Vec<f64>, window| head_injury_criterion(&line(values), window).unwrap_err();
         assert_eq!(hic(vec![1.0], 0.015), HicError::TooShort { count: 1 });
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn a_million_samples_take_no_time() {
+    fn a_million_samples_are_searched_quickly() {
         let time: Vec<f64> = (0..1_000_000).map(|i| i as f64 * 1e-6).collect();
         let values: Vec<f64> = noise(time.len(), 7).into_iter().map(|v| 50.0 * G + v).collect();
         let start = std::time::Instant::now();

@@ -66,7 +66,7 @@ pub(super) fn severity(rise: f64, length: f64) -> f64 {
     if rise > 0.0 { rise.powi(5) / length.powi(3) } else { 0.0 }
 }
 
-/// Where `f` is largest in a range in which it has one summit; `known` where nothing higher is found.
+/// Where `f`, unimodal in a range, is largest; `known` where nothing higher is found.
 fn summit([mut low, mut high]: [f64; 2], known: f64, f: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..60 {
         let third = (high - low) / 3.0;

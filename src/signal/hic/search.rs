@@ -5,7 +5,7 @@ use super::pulse::{Pulse, severity};
 /// Samples of a block that is searched pair by pair.
 const LEAF: usize = 16;
 
-/// What samples that follow each other have in common.
+/// Bounds of consecutive samples.
 #[derive(Clone, Copy)]
 struct Block {
     lowest_speed: f64,
@@ -46,7 +46,7 @@ impl<'a> Search<'a> {
         while let Some(below) = levels.last().filter(|blocks| blocks.len() > 1) {
             levels.push(below.chunks(2).map(|pair| pair[0].with(pair[pair.len() - 1])).collect());
         }
-        // A sample that the noise of its time puts just past the window still counts.
+        // A sample that rounding of its time puts just past the window still counts.
         Search { pulse, window: window * (1.0 + 1e-9), levels, best: 0.0, pair: None }
     }
 
@@ -57,7 +57,7 @@ impl<'a> Search<'a> {
         self.pair
     }
 
-    /// Coarse pairs of a few lengths, so that most blocks are ruled out at once.
+    /// Coarse pairs of a few lengths, which exclude most blocks at once.
     fn seed(&mut self) {
         let (time, last) = (self.pulse.time, self.pulse.last());
         for halvings in 0..10 {
@@ -99,7 +99,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What no pair of the two blocks exceeds: the largest rise at the largest mean, which neither the acceleration's peak nor
+    /// Upper bound of all pairs of the two blocks: the largest rise at the largest mean, which neither the acceleration's peak nor
     /// the rise over the shortest time exceeds. Zero where they lie too far apart.
     fn bound(&self, level: usize, [a, b]: [usize; 2]) -> f64 {
         let (blocks, size) = (&self.levels[level], LEAF << level);

@@ -56,7 +56,7 @@ impl ChannelHead {
         self.read_values(|_| Ok(()))
     }
 
-    /// The values as times in s; a note where the header does not say their unit.
+    /// The values as times in s; a warning where the header does not state their unit.
     pub fn times(&self, warnings: &mut Vec<Warning>) -> Result<Vec<f64>, ReadError> {
         let mut previous = f64::NEG_INFINITY;
         let mut times = self.read_values(|time| {

@@ -36,7 +36,7 @@ pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadEr
     Ok(Measurement { channels, annotations })
 }
 
-/// The headers of a container, which are written again with it.
+/// The headers of a container, which are copied when it is converted.
 #[derive(Clone, Debug, Default)]
 pub struct Headers {
     /// Of the test; empty where there is none.
@@ -50,7 +50,7 @@ impl Headers {
     /// Reads the headers of the container that the file or folder at `path` belongs to.
     pub fn read(path: &Path) -> Result<Headers, ReadError> {
         let files = Files::locate(path)?;
-        // What is odd about them was noted when the recording was read.
+        // Their warnings were reported when the recording was read.
         let read = |file: Option<PathBuf>| {
             file.map_or_else(|| Ok(Header::default()), |file| read_header(&file, &mut Vec::new()))
         };
@@ -192,7 +192,7 @@ fn measured(
     Ok(MeasuredChannel { name: head.name.clone(), label: head.label.clone(), unit, filtered, series })
 }
 
-/// The unit from the header or the caller; both where they agree. What is not known is noted.
+/// The unit from the header or the caller; both where they agree. A warning where it is not known.
 fn unit(head: &ChannelHead, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Option<Unit>, ReadError> {
     let named = options.units.iter().find(|(name, _)| *name == head.name || *name == head.label);
     let given = named.map(|(_, unit)| unit).or(options.unit.as_ref());

@@ -18,7 +18,7 @@ pub fn is_part(path: &Path) -> bool {
     path.is_dir() || ["mme", "chn"].iter().any(|known| extension.eq_ignore_ascii_case(known)) || number(path).is_some()
 }
 
-/// Where the files of a container are.
+/// The files of a container.
 pub(super) struct Files {
     pub test: Option<PathBuf>,
     pub list: Option<PathBuf>,
@@ -74,7 +74,7 @@ fn channel_folder(test: &Path) -> Result<PathBuf, ReadError> {
     found.ok_or_else(|| Mistake::whole(Fault::NoChannelFolder).of(test))
 }
 
-/// What a folder holds, in the order of the names.
+/// The entries of a folder, in the order of their names.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     let failed = |error| Mistake::whole(Fault::Text(TextError::Open(FileError::from(error)))).of(folder);
     let entries = fs::read_dir(folder).map_err(failed)?;

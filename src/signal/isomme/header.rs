@@ -12,7 +12,7 @@ const LONGEST: usize = 4 << 20;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Header {
     entries: Vec<Entry>,
-    /// Of the lines that were taken in.
+    /// Of the lines that were added.
     bytes: usize,
 }
 
@@ -28,7 +28,7 @@ pub struct Entry {
 }
 
 impl Header {
-    /// Takes in a line; whether it was one of a header, with a key and a colon.
+    /// Adds a line; false where it is not one of a header, with a key and a colon.
     pub fn take(&mut self, line: &str, number: usize) -> Result<bool, Fault> {
         let Some((key, value)) = line.split_once(':') else {
             return Ok(false);

@@ -22,7 +22,7 @@ pub enum WriteError {
     #[error("{} has no name to call the files by", path.display())]
     NoName { path: PathBuf },
     /// A file of the container exists.
-    #[error("{} is there already", path.display())]
+    #[error("{} already exists", path.display())]
     Exists { path: PathBuf },
     /// A file cannot be written.
     #[error("cannot write {}: {source}", path.display())]
@@ -43,7 +43,7 @@ const KEY: usize = 28;
 
 /// Writes `measurement` as the test at `path` (`<test>.mme`) with its folder `Channel`, in SI units.
 ///
-/// The files are laid down under other names and renamed when they are whole, the test last: without it there is no
+/// The files are written under other names and renamed when they are complete, the test last: without it there is no
 /// container. Numbers are in the shortest form that reads back to the same bits. The time is implicit where its steps are
 /// equal, or else a channel of its own. Channels keep their names where those are codes; others get a code that counts.
 ///
@@ -121,7 +121,7 @@ struct Sheet<'a> {
     values: &'a [f64],
 }
 
-/// Where the times of a channel are.
+/// How the times of a channel are written.
 enum Axis {
     /// First sample and interval, s.
     Implicit([f64; 2]),
@@ -176,9 +176,9 @@ fn time_sheet(time: &[f64], number: usize) -> Sheet<'_> {
 fn codes(channels: &[MeasuredChannel]) -> Vec<ChannelCode> {
     let own = |channel: &MeasuredChannel| ChannelCode::parse(&channel.name).filter(|code| !code.is_time());
     let mut taken: BTreeSet<String> = channels.iter().filter_map(own).map(|code| code.to_string()).collect();
-    let mut kept = BTreeSet::new();
+    let mut used = BTreeSet::new();
     let mut code = |(number, channel): (usize, &MeasuredChannel)| {
-        if let Some(code) = own(channel).filter(|code| kept.insert(code.to_string())) {
+        if let Some(code) = own(channel).filter(|code| used.insert(code.to_string())) {
             return code;
         }
         let mut number = number;
@@ -216,8 +216,8 @@ impl Sheet<'_> {
         out.flush()
     }
 
-    /// The lines of the header that it comes from, in which what is written anew takes the place of what was said; then what
-    /// that header does not say.
+    /// The lines of the original header, with the entries that the data determine replaced; then the entries that it does not
+    /// have.
     fn lines(&self) -> Vec<Pair> {
         let (mut anew, mut otherwise) = (self.decided(), self.otherwise());
         let mut lines = Vec::new();
@@ -241,7 +241,7 @@ impl Sheet<'_> {
         lines
     }
 
-    /// What the samples, their times and the SI unit decide.
+    /// The entries that samples, times and the SI unit determine.
     fn decided(&self) -> Vec<Pair> {
         let mut lines = vec![pair("Channel code", self.code.to_string()), pair("Name of the channel", &self.label)];
         lines.extend(match &self.axis {
@@ -273,7 +273,7 @@ impl Sheet<'_> {
         ]
     }
 
-    /// A reader's free check.
+    /// The extremes, with which a reader checks the samples.
     fn extremes(&self) -> Vec<Pair> {
         let series = Series::new(self.time, self.values);
         let extremes = [("maximum", series.largest()), ("minimum", series.smallest())];
@@ -312,12 +312,12 @@ fn pair(key: &str, value: impl Into<String>) -> Pair {
     (key.to_owned(), value.into())
 }
 
-/// The line of a header once more.
+/// The line of a header, as it was.
 fn again(entry: &Entry) -> Pair {
     pair(&entry.key, entry.value.as_deref().unwrap_or(NOTHING))
 }
 
-/// The entries of the test, or else that nothing is known of it; then the comments that it does not contain yet.
+/// The entries of the test, or else entries without values; then the comments that it does not contain yet.
 fn test_lines(test: &Header, stem: &str, comments: &[String]) -> Vec<Pair> {
     let mut lines: Vec<Pair> = test.entries().iter().map(again).collect();
     if lines.is_empty() {
@@ -337,8 +337,8 @@ fn test_lines(test: &Header, stem: &str, comments: &[String]) -> Vec<Pair> {
 /// The head of the list of channels.
 fn list_head(list: &Header) -> Vec<Pair> {
     let counts = |key: &str| key == "number of channels" || key.starts_with("name of channel");
-    let kept = list.entries().iter().filter(|entry| !counts(&entry.key.to_lowercase()));
-    let lines: Vec<Pair> = kept.map(again).collect();
+    let others = list.entries().iter().filter(|entry| !counts(&entry.key.to_lowercase()));
+    let lines: Vec<Pair> = others.map(again).collect();
     if lines.is_empty() { vec![pair("Instrumentation standard", NOTHING)] } else { lines }
 }
 

@@ -1,15 +1,15 @@
 //! The magnitude rating E_M of ISO/TS 18571, equations 66 and 67: what remains between the curves when their time is warped.
 //!
 //! Sakoe and Chiba, IEEE Transactions on Acoustics, Speech, and Signal Processing 26 (1978): squared differences, steps of (1, 0), (0, 1)
-//! and (1, 1) of equal weight, a band about the diagonal. The rating only needs two sums along the path, so they are carried with
-//! the costs from one antidiagonal of the band to the next, and no path is kept: memory grows with the length alone.
+//! and (1, 1) of equal weight, a band about the diagonal. The rating only needs two sums along the path, so they are computed with
+//! the costs from one antidiagonal of the band to the next, and no path is stored: memory is linear in the length.
 
 use std::ops::Range;
 
 use super::relative::relative;
 use crate::lane::{LANES, Lane, Width, at_width, splat};
 
-/// What the warped curves differ by, over the reference; 1 for nothing, 0 for a half.
+/// Relative difference of the warped curves as a rating: 1 for none, 0 for a half.
 pub(super) fn rating(reference: &[f64], comparison: &[f64]) -> f64 {
     let band = reference.len().div_ceil(10) - 1;
     let [off, size] = warped(Width::best(), reference, comparison, band);
@@ -24,7 +24,7 @@ at_width! {
 #[inline(always)]
 fn warped_lanewise(reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] {
     let count = comparison.len();
-    // What fills the last lanes is computed with, and never looked at.
+    // The padding of the last lanes is computed and discarded.
     let padding = [0.0; LANES];
     let reversed: Vec<f64> = reference.iter().rev().chain(&padding).copied().collect();
     let comparison: Vec<f64> = comparison.iter().chain(&padding).copied().collect();
@@ -72,7 +72,7 @@ impl Front {
             let before = cheaper(cheaper(last.paths(below), last.paths(below + 1)), before_last.paths(below));
             self.store(below + 1, step(before, comparison, reference));
         }
-        // Beyond the ends lies what an earlier antidiagonal or the last lanes left.
+        // Beyond the ends are values of an earlier antidiagonal or of padded lanes.
         self.cost[cells.start] = f64::INFINITY;
         self.cost[cells.end + 1] = f64::INFINITY;
     }
@@ -110,7 +110,7 @@ fn cheaper(first: Paths, second: Paths) -> Paths {
     paths
 }
 
-/// The paths with one pair of samples more.
+/// The paths, extended by one pair of samples.
 #[inline(always)]
 fn step(mut paths: Paths, comparison: Lane, reference: Lane) -> Paths {
     for l in 0..LANES {
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn carried_sums_are_those_along_the_path() {
+    fn running_sums_are_those_along_the_path() {
         for (n, band) in [(9, 0), (12, 1), (57, 5), (58, 5), (130, 12), (40, 39)] {
             let reference: Vec<f64> = (0..n).map(|i| (0.11 * i as f64).sin() + 0.1 * (i * i % 7) as f64).collect();
             let comparison: Vec<f64> =
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn equally_cheap_paths_are_told_apart_as_specified() {
+    fn ties_of_paths_are_broken_as_specified() {
         // Plateaus make ties everywhere.
         let reference: Vec<f64> = (0..60).map(|i| f64::from(i / 13)).collect();
         let comparison: Vec<f64> = (0..60).map(|i| f64::from((i + 4) / 11) - 0.5).collect();

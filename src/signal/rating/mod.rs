@@ -1,7 +1,7 @@
 //! How well one signal follows another: the objective rating of ISO/TS 18571 for signals without ambiguity.
 //!
 //! Four ratings between 0 and 1 and their weighted sum, equations 64 to 69. The curves are compared at 10 kHz and equal length,
-//! as the specification asks; how they were brought there is in the warnings of the rating.
+//! as the specification requires; the warnings of the rating report how they were resampled.
 
 mod corridor;
 mod magnitude;
@@ -48,7 +48,7 @@ pub struct Rating {
     pub shift: f64,
     /// Samples of each curve at [`RATE`].
     pub samples: usize,
-    /// How the curves were brought to one time axis, and what puts the rating in doubt.
+    /// How the curves were resampled, and what puts the rating in doubt.
     pub warnings: Vec<Warning>,
 }
 
@@ -172,7 +172,7 @@ fn common_span(reference: &Series, comparison: &Series) -> Result<[f64; 2], Rati
 }
 
 fn sample_count([from, to]: [f64; 2]) -> Result<usize, RatingError> {
-    // The noise of recorded times must not cost the last sample.
+    // Rounding of recorded times must not drop the last sample.
     let samples = ((to - from) * RATE + 1e-3).floor() as usize + 1;
     if samples < FEWEST {
         return Err(RatingError::TooShort { samples });
@@ -202,7 +202,7 @@ fn first_of_rate(series: &Series, start: f64) -> Option<usize> {
     on_samples.then_some(steps.round() as usize)
 }
 
-/// What was done to a curve, if anything.
+/// How a curve was changed, if it was.
 fn change(curve: Curve, series: &Series, [from, to]: [f64; 2], samples: usize) -> Option<Warning> {
     let on_samples = first_of_rate(series, from).is_some();
     let (from, to) = (clean_time(from), clean_time(to));

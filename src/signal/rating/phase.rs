@@ -2,10 +2,10 @@
 
 use crate::lane::{LANES, Lane, Width, at_width, splat};
 
-/// By how much a correlation must be larger to count as larger: what rounding may add to it.
+/// Difference of correlations beyond rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// By how many samples the comparison is moved before values and slopes are compared.
+/// Shift of the comparison before values and slopes are compared, samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Shift {
     /// The comparison is late: its first samples are dropped, and the last of the reference.
@@ -23,7 +23,7 @@ impl Shift {
         }
     }
 
-    /// What the curves have in common after the shift.
+    /// The common part of the curves after the shift.
     pub(super) fn cut<'a>(self, reference: &'a [f64], comparison: &'a [f64]) -> [&'a [f64]; 2] {
         match self {
             Shift::Left(count) => [&reference[..reference.len() - count], &comparison[count..]],

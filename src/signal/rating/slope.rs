@@ -5,7 +5,7 @@ use super::relative::relative;
 /// Samples on each side of a moving average.
 const REACH: usize = 4;
 
-/// What the slopes of the curves differ by, over the slopes of the reference; 1 for nothing, 0 for twice.
+/// Relative difference of the slopes as a rating: 1 for none, 0 for twice the reference.
 pub(super) fn rating(reference: &[f64], comparison: &[f64]) -> f64 {
     let (r, c) = (smoothed(&slopes(reference)), smoothed(&slopes(comparison)));
     let off = r.iter().zip(&c).map(|(r, c)| (c - r).abs()).sum();

@@ -64,12 +64,12 @@ fn a_scaled_curve_costs_slope_and_corridor_by_their_closed_forms() {
     };
     let corridor = at_10_khz(pulse).samples().map(score).sum::<f64>() / 1000.0;
     assert!((rating.corridor - corridor).abs() < 1e-12);
-    // Warping cannot make up for a peak that is too high, and does not do worse than no warping.
+    // Warping does not reduce the difference of a peak that is too high, nor does it increase it.
     assert!(rating.magnitude >= 0.6 - 1e-12 && rating.magnitude < 1.0);
 }
 
 #[test]
-fn what_contradicts_rates_nothing() {
+fn opposite_curves_are_rated_zero() {
     let rating = rate(&at_10_khz(pulse), &at_10_khz(|t| -3.0 * pulse(t))).unwrap();
     assert_eq!((rating.magnitude, rating.slope, rating.grade), (0.0, 0.0, Grade::Poor));
 }

@@ -109,13 +109,13 @@ mod tests {
     }
 
     #[test]
-    fn encodings_are_told_apart() {
+    fn encodings_are_detected() {
         assert_eq!(texts("\u{feff}a µ\r\nb".as_bytes()), ["a µ", "b"]);
         assert_eq!(texts(b"a \xb5m\nb \xb0\n"), ["a µm", "b °"]);
     }
 
     #[test]
-    fn what_is_no_text_is_refused() {
+    fn binary_files_and_endless_lines_are_refused() {
         assert!(matches!(
             Lines::new(&b"\xff\xfea\0"[..]).line::<TextError>(),
             Err(Mistake { fault: TextError::NotText, .. })
