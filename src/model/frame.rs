@@ -23,7 +23,7 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Frame {
     Frame { hold }
 }
 
-/// Slow loadings need film that is held.
+/// Edges that a slow loading needs to be held.
 fn unheld(hold: &Hold, scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     match scenario.loading {
         Loading::Indent(_) if !is_spanned(hold) => {

@@ -4,10 +4,10 @@ use super::specimen::symmetry;
 use super::{Guide, Impactor, ImpactorShape, Mistakes, Symmetry};
 use crate::scenario::{self, Loading, Scenario};
 
-/// Shaft of a dart whose length is left out, in radii.
+/// Default length of the shaft of a dart, in radii.
 const SHAFT: f64 = 4.0;
 
-/// What a mistake about mirror planes also points at.
+/// Second label of mistakes about mirror planes.
 const SYMMETRY: &str = "specimen.symmetry";
 const MIRRORED: &str = "the mirror planes";
 
@@ -36,11 +36,15 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Impacto
     })
 }
 
-/// Mass of a body that falls; one that is driven takes none, and cannot be free either.
+/// Mass of a falling impactor; infinite where its motion is prescribed.
 fn mass(written: &scenario::Impactor, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<f64> {
     if matches!(loading, Loading::Indent(_)) {
         if written.guide == scenario::Guide::Free {
-            mistakes.report_with("impactor.guide", "an indentation drives the impactor along z", "leave the key out");
+            mistakes.report_with(
+                "impactor.guide",
+                "an indentation prescribes the motion of the impactor along z",
+                "leave the key out",
+            );
         }
         return Some(f64::INFINITY);
     }
@@ -63,7 +67,7 @@ fn shape(written: &scenario::ImpactorShape, mistakes: &mut Mistakes<'_>) -> Opti
     })
 }
 
-/// Mirror planes ask for a body that stands on them, cannot tip and is its own mirror image.
+/// With mirror planes, the impactor lies in them, is guided and symmetric.
 fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, mistakes: &mut Mistakes<'_>) {
     if symmetry == Symmetry::None {
         return;
@@ -71,7 +75,7 @@ fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, mistakes: &mut Mis
     let hint = "set `specimen.symmetry` to \"none\"";
     let off_centre = symmetry.mirrors().iter().zip(written.position).any(|(mirror, offset)| *mirror && offset.0 != 0.0);
     if off_centre {
-        let message = "the impactor does not stand on the mirror plane";
+        let message = "the axis of the impactor is not in the mirror plane";
         mistakes.report_with("impactor.position", message, hint);
         mistakes.label(SYMMETRY, MIRRORED);
     }
@@ -81,7 +85,7 @@ fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, mistakes: &mut Mis
         mistakes.label(SYMMETRY, MIRRORED);
     }
     if matches!(written.shape, scenario::ImpactorShape::Mesh(_)) {
-        let message = "a meshed impactor is not known to be its own mirror image";
+        let message = "the symmetry of a meshed impactor is not known";
         mistakes.report_with("impactor.shape.mesh", message, hint);
         mistakes.label(SYMMETRY, MIRRORED);
     }

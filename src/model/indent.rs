@@ -1,4 +1,4 @@
-//! How deep an impactor can go into a film, by geometry alone, before anything is computed.
+//! Bounds on the depth of an indentation from geometry and break strains.
 
 use std::f64::consts::PI;
 
@@ -7,11 +7,11 @@ use crate::mesh::{Outline, Side};
 
 const DEPTH: &str = "loading.indent.depth";
 
-/// Depth over the span of the film beyond which it is taken for a mistake in the unit, where no law bounds it.
+/// Depth over the span of the film above which the unit is taken for wrong, where no break strain bounds it.
 const SPANS: f64 = 3.0;
 
-/// Refuses a depth that no film of its kind can follow: where it would have to break though all of it were strained
-/// alike, and where the impactor would have come down on the frame.
+/// Refuses a depth at which the film would break even if it were strained uniformly, and one at which the impactor would
+/// reach the frame.
 pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
     let (Loading::Indent { depth, .. }, Some(impactor)) = (&model.loading, &model.impactor) else { return };
     let spans = Spans { shape: &model.specimen.shape, hold: &model.frame.hold, from: impactor.position };
@@ -21,18 +21,18 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
         return;
     }
     if let Some(limit) = frame_depth(impactor, &spans).filter(|limit| depth > limit) {
-        let hint = format!("it does at {}", millimetres(limit));
-        mistakes.report_with(DEPTH, "the impactor comes down on the frame before it is as deep", hint);
+        let hint = format!("it reaches the frame at {}", millimetres(limit));
+        mistakes.report_with(DEPTH, "the impactor reaches the frame before this depth", hint);
     }
     for face in &model.faces {
-        // The first face is met first; the others lie deeper by then.
+        // The others lie below the first face.
         let before = model.faces[0].height - face.height;
         for (fibre, name) in ["MD", "TD"].into_iter().enumerate() {
             let Some(limit) = breaking_depth(face, fibre, &spans).filter(|limit| *depth > before + limit) else {
                 continue;
             };
             let hint = format!("strained evenly from edge to edge, {name} breaks at {}", millimetres(before + limit));
-            mistakes.report_with(DEPTH, "deeper than the film can follow", hint);
+            mistakes.report_with(DEPTH, "the film breaks before this depth", hint);
             return;
         }
     }
@@ -42,14 +42,14 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
     }
 }
 
-/// A depth as it may be written, rounded down to four digits.
+/// A depth in mm, rounded down to four digits.
 fn millimetres(length: f64) -> String {
     let millimetres = 1e3 * length.max(1e-9);
     let digits = 10.0_f64.powf(3.0 - millimetres.log10().floor());
     format!("{} mm", (millimetres * digits).floor() / digits)
 }
 
-/// Straight ways over the film from under the impactor to what is held.
+/// Straight lines on the film from below the impactor to held edges.
 struct Spans<'a> {
     shape: &'a Outline,
     hold: &'a Hold,
@@ -57,7 +57,7 @@ struct Spans<'a> {
 }
 
 impl Spans<'_> {
-    /// Whether there is no film under the middle of the impactor.
+    /// Whether there is no film below the axis of the impactor.
     fn is_beside(&self) -> bool {
         let [x, y] = self.from;
         match self.shape {
@@ -67,14 +67,14 @@ impl Spans<'_> {
         }
     }
 
-    /// The shortest straight way over the film from one held edge to another, m; looked for in steps of a degree.
+    /// The shortest line from one held edge to another, m; sampled in steps of a degree.
     fn narrowest(&self) -> Option<f64> {
         let degrees = (0..180).map(|degree| f64::from(degree) * PI / 180.0);
         let ways = degrees.filter_map(|angle| Some(self.length(angle)? + self.length(angle + PI)?));
         ways.min_by(f64::total_cmp)
     }
 
-    /// Length of the way at `angle` (rad), m; none where it ends at a free edge, or the outline is not known.
+    /// Length of the line at `angle` (rad), m; none where it ends at a free edge, or the outline is not known.
     fn length(&self, angle: f64) -> Option<f64> {
         let ([x, y], [dx, dy]) = (self.from, [angle.cos(), angle.sin()]);
         match self.shape {
@@ -103,14 +103,14 @@ impl Spans<'_> {
         .filter(|length| *length > 0.0)
     }
 
-    /// The shortest way to a held edge, m; looked for in steps of a degree.
+    /// The shortest line to a held edge, m; sampled in steps of a degree.
     fn shortest(&self) -> Option<f64> {
         let lengths = (0..360).filter_map(|degree| self.length(f64::from(degree) * PI / 180.0));
         lengths.min_by(f64::total_cmp)
     }
 }
 
-/// Depth at which the impactor, wider than the way to the nearest held edge, stands on it, m.
+/// Depth at which an impactor wider than the distance to the nearest held edge reaches it, m.
 fn frame_depth(impactor: &Impactor, spans: &Spans<'_>) -> Option<f64> {
     let nearest = spans.shortest()?;
     match impactor.shape {
@@ -122,8 +122,8 @@ fn frame_depth(impactor: &Impactor, spans: &Spans<'_>) -> Option<f64> {
     }
 }
 
-/// Depth at which a fibre set, straight from edge to edge over the impactor's lowest point and strained evenly, is at its
-/// break strain, m. Every other shape of the film strains it more somewhere.
+/// Depth at which a fibre set, straight from edge to edge over the impactor's lowest point and uniformly strained, is at its
+/// break strain, m. In any other shape of the film, the largest strain is larger.
 fn breaking_depth(face: &Face, fibre: usize, spans: &Spans<'_>) -> Option<f64> {
     let limit = face.material.law.largest_break_strains()[fibre];
     let angle = face.md_angle + [0.0, 0.5 * PI][fibre];
@@ -133,7 +133,7 @@ fn breaking_depth(face: &Face, fibre: usize, spans: &Spans<'_>) -> Option<f64> {
     if longest.is_infinite() {
         return None;
     }
-    // Halving: the length of both ways grows with the depth.
+    // Bisection: the length of both lines grows with the depth.
     let length = |depth: f64| ways.iter().map(|way| way.hypot(depth)).sum::<f64>();
     let (mut low, mut high) = (0.0, longest);
     for _ in 0..60 {

@@ -1,4 +1,4 @@
-//! The faces of film, in the order in which the impactor meets them.
+//! The faces of film, in the order in which the impactor comes into contact with them.
 
 use super::specimen::{is_along_axes, symmetry};
 use super::{Face, Loading, Mistakes, Symmetry, material};
@@ -30,7 +30,7 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>
     Some(faces)
 }
 
-/// What a layer is made of and what it is called.
+/// Material and name of a layer.
 #[derive(Clone)]
 struct Film {
     name: Option<String>,
@@ -42,7 +42,7 @@ fn film(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -
     Some(Film { name: written.name.clone(), material })
 }
 
-/// The faces of `[layers]`, alike but for their height.
+/// The faces of `[layers]`, which differ in height only.
 fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut Mistakes<'_>) -> Option<Vec<Face>> {
     if film.is_none() {
         mistakes.missing("specimen.material", "what one layer is made of");
@@ -93,7 +93,7 @@ fn single(
     })
 }
 
-/// The division of a face; a layer's own first, then the specimen's.
+/// The meshing of a face: its own keys, then those of the specimen.
 fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Meshing> {
     let shared = &scenario.specimen.mesh;
     let own = layer.map_or(shared, |layer| &layer.mesh);
@@ -104,7 +104,7 @@ fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, mistakes: &mu
         (Some(size), false) => size.0,
         (None, true) => 0.0,
         (Some(_), true) => {
-            mistakes.out_of_place(path, "an imported mesh brings its own element size");
+            mistakes.out_of_place(path, "an imported mesh has its own element size");
             return None;
         }
         (None, false) => {
@@ -127,7 +127,7 @@ fn height_path(scenario: &Scenario, place: usize) -> String {
     if scenario.layer.is_empty() { format!("layers.faces.{place}") } else { format!("layer.{place}.height") }
 }
 
-/// Key path of what a face has of its own.
+/// Key path of the table of a face.
 fn face_path(scenario: &Scenario, place: usize) -> String {
     if scenario.layer.is_empty() { "layers".to_owned() } else { format!("layer.{place}") }
 }
@@ -144,20 +144,20 @@ fn heights(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     for (place, pair) in faces.windows(2).enumerate() {
         let path = height_path(scenario, place + 1);
         if pair[1].height == pair[0].height {
-            mistakes.report(&path, "two faces lie at the same height");
+            mistakes.report(&path, "two faces have the same height");
             mistakes.label(&height_path(scenario, place), "the other face");
         } else if pair[1].height > pair[0].height {
             mistakes.report_with(
                 &path,
-                "the faces do not stand from the highest to the lowest",
-                "the impactor comes from above and meets the first face first",
+                "the faces are not ordered from the highest to the lowest",
+                "the impactor comes from above, so the first face is the highest",
             );
             mistakes.label(&height_path(scenario, place), "the face before it");
         }
     }
 }
 
-/// Film that hangs slack or is pressed together has no shape that a little pressure would give it.
+/// Under pressure, film with negative pre-strain has no equilibrium near its flat shape.
 fn taut(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     if !matches!(scenario.loading, scenario::Loading::Pressure(_)) {
         return;
@@ -173,7 +173,7 @@ fn taut(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     }
 }
 
-/// A film must outlast its own mounting.
+/// Pre-strain must not break the film.
 fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     for (place, face) in faces.iter().enumerate() {
         let path = face_path(scenario, place);
@@ -189,7 +189,7 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>)
     }
 }
 
-/// A mirror plane asks for fibres along the axes.
+/// With mirror planes, fibres lie along the axes.
 fn mirrored(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     if symmetry(&scenario.specimen) == Symmetry::None {
         return;
@@ -207,6 +207,6 @@ fn mirrored(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     mistakes.report_with(
         &path,
         "oblique fibres have no mirror planes",
-        "set `specimen.symmetry` to \"none\", or turn MD by a multiple of 90 deg",
+        "set `specimen.symmetry` to \"none\", or rotate MD to a multiple of 90 deg",
     );
 }

@@ -6,11 +6,11 @@ use super::{Loading, Mistakes, Model};
 use crate::mesh::Outline;
 use crate::scenario::{self, Axis, Direction, Scenario};
 
-/// Time for which the pressure is held, over that in which it rises.
+/// Time at constant pressure over the time in which it rises.
 const HOLD: f64 = 0.5;
 
 impl Loading {
-    /// Simulated time, s; not a number for a stretch of a shape that jaws cannot hold, which is a mistake of its own.
+    /// Simulated time, s; NaN for a stretch of another outline than a rectangle, which is reported separately.
     pub fn run_time(&self, shape: &Outline) -> f64 {
         match (self, shape) {
             (Loading::Impact { duration, .. }, _) => *duration,
@@ -31,11 +31,11 @@ impl Model {
 
 const NOT_COMPARED: (&str, &str) = ("reference", "only an impact is compared with a recording");
 const NOT_FILTERED: (&str, &str) = ("output.filter", "only an impact has a filtered channel");
-const DAMPED: (&str, &str) = ("specimen.damping", "a quasi-static test is damped as its duration asks for");
+const DAMPED: (&str, &str) = ("specimen.damping", "the damping of a quasi-static test follows from its duration");
 
-/// Keys that have no meaning under an indentation, and why.
+/// Keys without a meaning under an indentation, and why.
 const INDENT: [(&str, &str); 3] = [NOT_COMPARED, NOT_FILTERED, DAMPED];
-/// The same under pressure.
+/// Keys without a meaning under pressure, and why.
 const PRESSURE: [(&str, &str); 4] =
     [("impactor", "`loading.pressure` has no impactor"), NOT_COMPARED, NOT_FILTERED, DAMPED];
 
@@ -61,8 +61,8 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Loading {
 fn impact(written: &scenario::Impact, mistakes: &mut Mistakes<'_>) -> Loading {
     let gravity = written.gravity.0;
     if written.drop_height.is_some() && gravity == 0.0 {
-        mistakes.report("loading.impact.gravity", "nothing falls from `drop_height` without gravity");
-        mistakes.label("loading.impact.drop_height", "the height of fall");
+        mistakes.report("loading.impact.gravity", "`drop_height` needs gravity");
+        mistakes.label("loading.impact.drop_height", "the drop height");
     }
     let fall = |height: f64| (2.0 * gravity * height).sqrt();
     let velocity = match (written.velocity, written.drop_height) {
@@ -90,13 +90,13 @@ fn direction(written: Direction) -> f64 {
     }
 }
 
-/// Jaws pull one flat, unstrained, straight-edged film in a direction that the loading alone names.
+/// Jaws hold a rectangle of unstrained film, whose orientation the loading gives.
 fn stretched_specimen(scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     if !matches!(scenario.specimen.shape, scenario::Shape::Rectangle(_)) {
         mistakes.report_with("specimen.shape", "`loading.stretch` needs a rectangle", "jaws hold straight edges");
         mistakes.label("loading.stretch", "the loading");
     }
-    let turned = "`loading.stretch.direction` says how the film lies between the jaws";
+    let turned = "`loading.stretch.direction` gives the orientation of the film between the jaws";
     let pulled = "a stretch test pulls an unstrained film between two jaws";
     let keys = [
         ("specimen.md_angle", turned),

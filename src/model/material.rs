@@ -1,4 +1,4 @@
-//! What a layer is made of: curves that are curves, moved by their multipliers.
+//! The material of a layer: valid curves with their multipliers.
 
 use super::Mistakes;
 use crate::material::{
@@ -7,7 +7,7 @@ use crate::material::{
 use crate::scenario::{self, Fibre, Point, RateCurve, Scale};
 use crate::units::Rate;
 
-/// The material written at `path`, which is empty for that of a material file; none where it is no material.
+/// The material written at `path`, which is empty for that of a material file; none where it is invalid.
 pub fn check(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Material> {
     let of = |table: &str| if path.is_empty() { table.to_owned() } else { format!("{path}.{table}") };
     let (law, rates, place) = match (&written.fabric, &written.elastic) {
@@ -21,7 +21,7 @@ pub fn check(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'
     let written_rates = rates.map(|[from, to]| [from.0, to.0]);
     if written_rates.is_some_and(|[from, to]| to < from) {
         let path = format!("{place}.measured_rates");
-        mistakes.report_with(&path, "the highest rate is below the lowest", "the lowest first");
+        mistakes.report_with(&path, "the highest rate is below the lowest", "write the lowest first");
     }
     let measured_rates = written_rates.or_else(|| law.rates());
     Some(Material { density: written.density.0, thickness: written.thickness.0, law, measured_rates })
@@ -41,7 +41,7 @@ fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut Mistakes<'_>) -
     if written.rate_memory.is_some() && written.md.rates.is_none() && written.td.rates.is_none() {
         mistakes.out_of_place(&format!("{path}.rate_memory"), "neither fibre set has `rates`");
     }
-    // Outside, there is no law; the mistake was named when the range was checked.
+    // The range was checked before; there is no law outside it.
     let absorption = Some(written.absorption).filter(|share| (0.0..1.0).contains(share));
     Some(match (md?, td?) {
         (Curves::One(md), Curves::One(td)) => Law::Fabric(Fabric::new(md, td, shear?, absorption?)),
@@ -64,17 +64,17 @@ impl Curves {
     }
 }
 
-/// A curve as it is written, of a fibre set or of one of its rates.
+/// A curve as written, of a fibre set or of one of its rates.
 struct Written<'a> {
     yield_points: Option<[Point; 2]>,
     break_point: Option<Point>,
     curve: Option<&'a [Point]>,
     yield_strains: Option<[f64; 2]>,
-    /// Its multipliers and where they stand.
+    /// Its multipliers and their key path.
     scale: (Scale, String),
 }
 
-/// The curves of one fibre set, moved by their own multipliers, by those of the set or else by those of the fabric.
+/// The curves of one fibre set with their own multipliers, those of the set or else those of the fabric.
 fn fibre(written: &Fibre, fabric: &scenario::Fabric, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Curves> {
     let of_fabric = path.rsplit_once('.').map_or(String::new(), |(fabric, _)| format!("{fabric}.scale"));
     let scale = written.scale.map_or((fabric.scale, of_fabric), |scale| (scale, format!("{path}.scale")));
@@ -93,7 +93,7 @@ fn fibre(written: &Fibre, fabric: &scenario::Fabric, path: &str, mistakes: &mut 
 /// Growth of the largest strain over which the rate is averaged; assumed. At the 5 to 25 1/s of a drop test that is 0.4 to 2 ms.
 const RATE_MEMORY: f64 = 0.01;
 
-/// Curves by rate; `scale` and its place are for those without their own.
+/// Curves by rate; `scale` and its key path apply to curves without their own.
 fn by_rate(
     written: &[RateCurve],
     memory: f64,
@@ -118,14 +118,14 @@ fn by_rate(
         RateCurvesError::RateNotIncreasing { index, rate, previous } => mistakes.report_with(
             &format!("{path}.rates.{index}.rate"),
             "the rates do not increase",
-            format!("{} stands after {}; the slowest first", Rate(rate), Rate(previous)),
+            format!("{} follows {}; list the slowest first", Rate(rate), Rate(previous)),
         ),
         RateCurvesError::NoInitialSlope { index } => mistakes.report_with(
             &format!("{path}.rates.{index}"),
-            "this curve has no stress at first",
-            "curves by strain rate rise from the origin, or what other rates put in could not come back along them",
+            "this curve starts without stress",
+            "curves by strain rate rise from the origin, so that the film can unload along each of them",
         ),
-        // Out of range or too short a list, and said so already.
+        // The ranges were checked before.
         RateCurvesError::Empty
         | RateCurvesError::InvalidRate { .. }
         | RateCurvesError::InvalidAveragingStrain { .. } => {}
@@ -133,13 +133,13 @@ fn by_rate(
     None
 }
 
-/// One curve, moved by its multipliers.
+/// One curve with its multipliers.
 fn written(written: &Written<'_>, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Curve> {
     let (curve, yields) = match (written.curve, written.yield_points, written.break_point) {
         (Some(points), _, _) => general(written, points, path, mistakes)?,
         (None, Some([first, second]), Some(end)) => {
             if written.yield_strains.is_some() {
-                let why = "`yield` gives the yield points already";
+                let why = "the yield points are those of `yield`";
                 mistakes.out_of_place(&format!("{path}.yield_strains"), why);
             }
             let place = |index: usize| match index {
@@ -152,10 +152,10 @@ fn written(written: &Written<'_>, path: &str, mistakes: &mut Mistakes<'_>) -> Op
         _ => return None,
     };
     let (scale, scale_path) = &written.scale;
-    moved(curve, yields, *scale, [path, scale_path], mistakes)
+    scaled(curve, yields, *scale, [path, scale_path], mistakes)
 }
 
-/// A curve of any points; its yield strains must lie on it, in order.
+/// A curve of any points; its yield strains must ascend within it.
 fn general(
     written: &Written<'_>,
     points: &[Point],
@@ -179,7 +179,8 @@ fn general(
     Some((curve, written.yield_strains))
 }
 
-fn moved(
+/// The curve with its multipliers, which need its yield strains.
+fn scaled(
     curve: Curve,
     yields: Option<[f64; 2]>,
     scale: Scale,
@@ -192,30 +193,30 @@ fn moved(
     let Some(yields) = yields else {
         mistakes.report_with(
             &format!("{path}.curve"),
-            "`scale` moves a curve by its yield points, and this one names none",
+            "`scale` needs the yield points of a curve, and this one has none",
             format!("give their strains beside it: yield_strains = [{}, {}]", 0.3, 0.8),
         );
         return None;
     };
     if ![scale.k1, scale.ke, scale.ky].iter().all(|k| *k > 0.0) {
-        return None; // out of range, and said so already
+        return None; // the range was checked before
     }
     let multipliers = Multipliers { k1: scale.k1, ke: scale.ke, ky: scale.ky };
     match multipliers.apply(&curve, yields) {
         Ok(curve) => Some(curve),
         Err(error) => {
-            let message = format!("the multipliers leave no curve: {error}");
+            let message = format!("no curve with these multipliers: {error}");
             mistakes.report(scale_path, message);
             None
         }
     }
 }
 
-/// The curve through `points`; a mistake is shown at the `place` of its point.
+/// The curve through `points`; a mistake is reported at the `place` of its point.
 fn curve(points: &[Point], path: &str, place: impl Fn(usize) -> String, mistakes: &mut Mistakes<'_>) -> Option<Curve> {
     let pairs = points.iter().map(|Point(strain, stress)| [*strain, stress.0]);
     if points.is_empty() {
-        return None; // too short a list, and said so already
+        return None; // the length was checked before
     }
     let error = match Curve::new(pairs.collect()) {
         Ok(curve) => return Some(curve),
@@ -223,7 +224,7 @@ fn curve(points: &[Point], path: &str, place: impl Fn(usize) -> String, mistakes
     };
     match error {
         CurveError::StrainNotIncreasing { index, strain, previous } => {
-            let hint = format!("{strain} stands after {previous}");
+            let hint = format!("{strain} follows {previous}");
             mistakes.report_with(&place(index), "the curve is not increasing in strain", hint);
             if let Some(before) = index.checked_sub(1) {
                 mistakes.label(&place(before), "the point before it");

@@ -1,4 +1,4 @@
-//! The checked scenario: SI values, complete, immutable; what is here can be run.
+//! The checked scenario: SI values, complete, immutable.
 
 mod mistakes;
 mod frame;
@@ -42,7 +42,7 @@ pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
 /// Checks a material file alone.
 ///
 /// # Errors
-/// Everything that is wrong with it, at once.
+/// All mistakes of the file, at once.
 pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> {
     let (written, mistakes) = document.material();
     let mut mistakes = Mistakes::new(document, mistakes);
@@ -163,7 +163,7 @@ pub struct Face {
     pub film: Option<String>,
     /// Material of one layer.
     pub material: Material,
-    /// Angle from the x axis to MD, rad; under a stretch turned so that the pull is along x.
+    /// Angle from the x axis to MD, rad; under a stretch it puts the direction of loading along x.
     pub md_angle: f64,
     /// Engineering pre-strain along MD and TD: the film's own length is the span / (1 + pre-strain).
     pub prestrain: [f64; 2],
@@ -197,7 +197,7 @@ pub struct Impactor {
     pub guide: Guide,
     /// Coulomb coefficient between impactor and film.
     pub friction: f64,
-    /// Where its axis stands over the film at the start: x, y in m.
+    /// Position of its axis over the film at the start: x, y in m.
     pub position: [f64; 2],
 }
 
@@ -237,7 +237,7 @@ pub enum Loading {
     Impact { velocity: f64, gravity: f64, duration: f64 },
     /// The edges x- and x+ are jaws that part at `velocity` (m/s, both together) along x.
     Stretch {
-        /// Angle from MD to the direction of pull, rad: MD 0, TD π/2.
+        /// Angle from MD to the direction of loading, rad: MD 0, TD π/2.
         angle: f64,
         velocity: f64,
         /// Engineering strain at which the test ends.
@@ -247,7 +247,7 @@ pub enum Loading {
     },
     /// The impactor starts in contact with the film and goes `depth` (m) down at `velocity` (m/s).
     Indent { depth: f64, velocity: f64, mass_scaling: Option<f64> },
-    /// `pressure` (Pa) on the lower side of the film rises over `ramp` (s) and stays for half as long.
+    /// `pressure` (Pa) on the lower side of the film rises over `ramp` (s) and is then constant for half as long.
     Pressure { pressure: f64, ramp: f64, mass_scaling: Option<f64> },
 }
 
@@ -272,19 +272,19 @@ pub struct Output {
 /// A measured or virtual recording that the run is compared with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
-    /// From first contact on (`time_s` with `acceleration_m_s2` and/or `displacement_m`), or raw.
+    /// Signals from first contact on (`time_s` with `acceleration_m_s2` and/or `displacement_m`), or a raw recording.
     pub signals: PathBuf,
     /// Accelerometer of a raw recording; where none is named, its only acceleration.
     pub acceleration: Option<String>,
     /// Laser of a raw recording; where none is named, its only length.
     pub displacement: Option<String>,
-    /// Height of fall of a raw recording, m.
+    /// Drop height of a raw recording, m.
     pub drop_height: Option<f64>,
-    /// Part of the run that errors are taken over.
+    /// Window of the errors.
     pub window: Window,
 }
 
-/// Part of a run that errors are taken over.
+/// Window of the errors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Window {
     /// From first contact to the largest displacement of the reference.

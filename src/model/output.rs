@@ -1,22 +1,22 @@
-//! What is kept of a run.
+//! What a run records.
 
 use super::{Loading, Mistakes, Output, Specimen};
 use crate::scenario::{Filter, Scenario};
 use crate::units::Time;
 
-/// Samples per second and hertz of the class below which a recording cannot be filtered. ISO 6487 asks for
-/// 8, SAE J211-1 for 10; what is refused here satisfies neither.
+/// Least samples per second and hertz of the class. ISO 6487 requires 8, SAE J211-1 requires 10; what is refused satisfies
+/// neither.
 const SAMPLES_PER_CLASS_HERTZ: f64 = 8.0;
 
-/// Samples of one channel that a run may keep: 80 MB.
+/// Most samples of one channel: 80 MB.
 const MOST_SAMPLES: f64 = 1e7;
 
-/// Samples of one channel below which there is no curve to speak of.
+/// Fewest samples of one channel.
 const FEWEST_SAMPLES: f64 = 10.0;
 
 const PATH: &str = "output.sample_rate";
 
-/// What is kept, with the class as a number.
+/// Sampling, snapshots, and the class as a number.
 pub fn check(
     scenario: &Scenario,
     loading: &Loading,
@@ -43,13 +43,13 @@ pub fn check(
     Output { sample_rate, frames: usize::try_from(written.frames).unwrap_or(usize::MAX), filter }
 }
 
-/// A run is neither shorter than a few samples nor longer than memory.
+/// Refuses too few and too many samples.
 fn samples(loading: &Loading, time: f64, sample_rate: f64, mistakes: &mut Mistakes<'_>) {
     let samples = time * sample_rate;
     let path = if mistakes.is_written(PATH) { PATH } else { pace(loading) };
     let hint = format!("the run takes {}", Time(time));
     if samples > MOST_SAMPLES {
-        let message = format!("{samples:.1e} samples are more than can be kept");
+        let message = format!("{samples:.1e} samples exceed the limit of {MOST_SAMPLES:e}");
         mistakes.report_with(path, message, hint);
     } else if (0.0..FEWEST_SAMPLES).contains(&samples) {
         let message = format!("the run ends before {FEWEST_SAMPLES} samples are taken");
@@ -57,7 +57,7 @@ fn samples(loading: &Loading, time: f64, sample_rate: f64, mistakes: &mut Mistak
     }
 }
 
-/// Key path of what makes a run long or short.
+/// Key path of the duration of a run.
 fn pace(loading: &Loading) -> &'static str {
     match loading {
         Loading::Impact { .. } => "loading.impact.duration",

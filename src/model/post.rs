@@ -1,4 +1,4 @@
-//! What happens to the results.
+//! The post script.
 
 use std::path::PathBuf;
 

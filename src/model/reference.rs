@@ -6,7 +6,7 @@ use crate::units::Time;
 
 const WINDOW: &str = "reference.window";
 
-/// The recording and the part of it that errors are taken over.
+/// The recording and the window of the errors.
 pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Reference> {
     let written = scenario.reference.as_ref()?;
     let window = match written.window {

@@ -1,4 +1,4 @@
-//! What a run will need of the machine, before anything is allocated.
+//! Memory that a run needs, checked before anything is allocated.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -7,15 +7,15 @@ use std::path::Path;
 use super::{Face, ImpactorShape, Mistakes, Model};
 use crate::mesh::{Element, Outline};
 
-/// Memory that one run may take for its film, bytes. A bound that is the same on every machine: a film
-/// finer than this is a mistake in the unit of `specimen.mesh.size`.
+/// Most memory of the film of a run, bytes. The bound is the same on every machine: a film finer than this is a mistake
+/// in the unit of `specimen.mesh.size`.
 const MOST_MEMORY: f64 = 4e9;
 /// One sample: about 20 channels as numbers, as text of a CSV, and once more while that is written; bytes.
 const PER_SAMPLE: f64 = 20.0 * 8.0 * 3.0;
-/// Bytes that one element and its share of the nodes take in a file, as a binary STL has them. Files of text take
-/// more, so that the guess is on the safe side.
+/// Bytes of one element and its share of the nodes in a binary STL file. Text files have more, so that the estimate is
+/// conservative.
 const FILE_PER_ELEMENT: f64 = 50.0;
-/// Longest mesh file that is read, bytes.
+/// Largest mesh file that is read, bytes.
 const LONGEST_FILE: f64 = 1e9;
 /// Memory of a snapshot, bytes an element: positions of a node, strains of an element.
 pub const SNAPSHOT_BYTES: f64 = 12.0 + 13.0;
@@ -52,7 +52,7 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
     }
 }
 
-/// Refuses files of meshes that are too long to be read at all.
+/// Refuses mesh files that are too large to be read.
 fn files(model: &Model, mistakes: &mut Mistakes<'_>) {
     let film = match &model.specimen.shape {
         Outline::Mesh(path) => Some(("specimen.shape.mesh", path)),
@@ -81,7 +81,7 @@ fn samples(model: &Model, film: f64, mistakes: &mut Mistakes<'_>) {
     }
 }
 
-/// Key path of what makes the mesh of a face fine.
+/// Key path of the element size of a face.
 fn mesh_path(model: &Model, place: usize, mistakes: &Mistakes<'_>) -> String {
     let own = format!("layer.{place}.mesh.size");
     match model.specimen.shape {
@@ -104,8 +104,8 @@ fn largest_side(shape: &Outline) -> f64 {
     }
 }
 
-/// Memory that a run takes for one element with its share of the nodes, of contact and of what observers keep, bytes: the
-/// resident memory of a million elements with two kept states over their number, and a little more. The engine's own
+/// Memory that a run takes for one element with its share of the nodes, of contact and of observers, bytes: the
+/// resident memory of a million elements with two snapshots over their number, and a little more. The engine's own
 /// arrays are two thirds of it.
 fn per_element(element: Element) -> f64 {
     match element {
@@ -115,12 +115,12 @@ fn per_element(element: Element) -> f64 {
     }
 }
 
-/// Elements of one face; those of an imported mesh are guessed from the length of its file.
+/// Elements of one face; those of an imported mesh are estimated from the length of its file.
 fn elements(model: &Model, face: &Face) -> f64 {
     let size = face.meshing.size;
     let whole = match &model.specimen.shape {
         Outline::Mesh(path) => return length(path) / FILE_PER_ELEMENT,
-        _ if size <= 0.0 => return 0.0, // out of range, and said so already
+        _ if size <= 0.0 => return 0.0, // the range was checked before
         Outline::Rectangle { x, y } => (x / size).ceil() * (y / size).ceil(),
         Outline::Circle { radius } => PI * (radius / size).powi(2),
     };

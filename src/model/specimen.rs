@@ -1,4 +1,4 @@
-//! The film's outline, and what mirror planes ask of the rest.
+//! The film's outline and its mirror planes.
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -10,7 +10,7 @@ pub struct Assignment {
 }
 
 impl Assignment {
-    /// Reads the argument of `--set`, `key.path=value`. The value is TOML; what is not TOML is a bare text, so
+    /// Reads the argument of `--set`, `key.path=value`. The value is TOML or else a bare text, so
     /// that `frame.hold=none` and `specimen.mesh.size=20mm` need no quotes.
     pub fn from_argument(argument: &str) -> Result<Assignment, Vec<Diagnostic>> {
         let source = Source::unfiled("--set", argument.to_owned());

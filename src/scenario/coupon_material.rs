@@ -1,4 +1,4 @@
-//! The material file that coupon tests give: what was measured, what is assumed, and what is left to the user.
+//! The material file of coupon tests, with comments on what was measured, what is assumed and what is missing.
 
 use std::fmt::Write;
 
@@ -25,7 +25,7 @@ const DIGITS: usize = 4;
 /// The first words of the material, and of a shear curve from D3.
 const MARK: &str = "# Written by droptower from coupon tests";
 
-/// What a material file is made of.
+/// The content of a material file.
 #[derive(Clone, Debug)]
 pub struct CouponMaterial<'a> {
     pub reduction: &'a Reduction,
@@ -172,15 +172,15 @@ impl GivenShear<'_> {
     }
 }
 
-/// How many recordings there are, and how many of them nobody measured.
-fn counted(recordings: usize, made_up: usize) -> String {
-    match made_up {
+/// Number of recordings, and how many of them are virtual.
+fn counted(recordings: usize, virtual_ones: usize) -> String {
+    match virtual_ones {
         0 => format!("{recordings} recordings"),
-        _ => format!("{recordings} recordings, {made_up} of them VIRTUAL: nothing was pulled"),
+        _ => format!("{recordings} recordings, {virtual_ones} of them VIRTUAL: nothing was pulled"),
     }
 }
 
-/// Angle up to which a shear curve is written, and why not further: a material's curve does not fall.
+/// Angle up to which a shear curve is written, and why it ends there: the curve of a material does not fall.
 fn shear_end(sheared: &Shear) -> (f64, &'static str) {
     let [_, last] = sheared.curve.range();
     let largest = sheared
@@ -194,7 +194,7 @@ fn shear_end(sheared: &Shear) -> (f64, &'static str) {
     }
 }
 
-/// What was measured along one direction, as a comment.
+/// The measurements along one direction, as a comment.
 fn summary(along: &DirectionMeans) -> String {
     let DirectionMeans { direction, elongation, .. } = along;
     let speeds: Vec<String> = along.speeds.iter().map(|speed| significant(speed.velocity, DIGITS)).collect();
@@ -333,11 +333,11 @@ mod tests {
         assert_eq!(texts.shear, "# Written by droptower: a copy of lab/shear.csv.\nstrain,stress_MPa\n0.5,4\n");
         assert!(texts.material.contains("# Given, not measured with these coupons: a copy of lab/shear.csv.\n"));
         assert_eq!(mistakes(&texts), [""; 0]);
-        let made_up = given("# Virtual: guessed\nstrain,stress_MPa\n0.5,4\n");
+        let marked = given("# Virtual: guessed\nstrain,stress_MPa\n0.5,4\n");
         assert!(
-            made_up.shear.starts_with("# Written by droptower: a copy of lab/shear.csv, which is marked as VIRTUAL.\n")
+            marked.shear.starts_with("# Written by droptower: a copy of lab/shear.csv, which is marked as VIRTUAL.\n")
         );
-        assert!(made_up.material.contains("which is marked as VIRTUAL"));
+        assert!(marked.material.contains("which is marked as VIRTUAL"));
     }
 
     #[test]

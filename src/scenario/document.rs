@@ -1,4 +1,4 @@
-//! A scenario or material file with everything it names: what it extends, its materials, its curves.
+//! A scenario or material file with the files that it names: the one it extends, materials, curves.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use super::tree::{Node, Value};
 use super::{Material, Scenario, resolved, validate};
 use crate::diagnostic::{Diagnostic, Span, tidy_path};
 
-/// A scenario or a material as written, merged along `extends`, with the places of all its parts.
+/// A scenario or a material as written, merged along `extends`, with the source of each part.
 #[derive(Clone, Debug)]
 pub struct Document {
     root: Node,
@@ -52,7 +52,7 @@ impl Document {
         }
     }
 
-    /// Whether what was read as a scenario is a material: its keys, and no specimen.
+    /// Whether what was read as a scenario has the keys of a material and no specimen.
     pub fn is_material(&self) -> bool {
         let has = |key: &str| self.find(key).is_some();
         !has("specimen") && ["density", "thickness", "fabric", "elastic"].into_iter().any(has)
@@ -73,8 +73,8 @@ impl Document {
         Document { root, path: self.path.clone(), rule: self.rule, files, mistakes }
     }
 
-    /// The scenario as its structs, and everything that is wrong with how it is written. Values that are
-    /// only out of range or unknown do not keep it from being read, so that all mistakes show at once.
+    /// The scenario as its structs, and the mistakes in how it is written. It is read although values are out of range or keys
+    /// unknown, so that all mistakes are reported at once.
     pub fn scenario(&self) -> (Option<Scenario>, Vec<Diagnostic>) {
         self.written()
     }
@@ -119,7 +119,7 @@ impl Document {
     }
 
     /// Path below the last folder called `scenarios`, without extension, e.g. `drop/1008`; the name of the
-    /// file where there is no such folder. What a run has kept, `runs/drop/1008/scenario.toml`, has the name of its folder.
+    /// file where there is no such folder. That of a run folder, `runs/drop/1008/scenario.toml`, has the name of the folder.
     pub fn name(&self) -> String {
         let absolute = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
         let bare = tidy_path(&absolute).with_extension("");

@@ -1,18 +1,18 @@
-//! `[frame]`: what holds the film.
+//! `[frame]`: the mounting frame.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What holds the film.
+/// The mounting frame.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Frame {
     /// Clamped edges: all of them, none, or the sides listed. Under `loading.stretch` the jaws clamp the sides
-    /// x- and x+, and nothing else can be held.
+    /// x- and x+, and no other edge can be clamped.
     #[schemars(extend("default" = "all"))]
     pub hold: Option<Hold>,
 }
 
-/// Clamped edges. The validator has already said where a mistake is when serde tries the two forms.
+/// Clamped edges. The validator has reported mistakes before serde tries the two forms.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Hold {

@@ -1,5 +1,5 @@
-//! The schema compiled into rules: what may stand under every key. The validator, the merge of
-//! extending files and `droptower explain` read the rules, never the schema.
+//! The schema compiled into rules: the values that each key may have. The validator, the merge of
+//! extending files and `droptower explain` use the rules, not the schema.
 
 use std::fmt;
 use std::sync::LazyLock;
@@ -9,7 +9,7 @@ use serde_json::Value as Json;
 use super::{Material, Scenario, schema};
 use crate::units::Dimension;
 
-/// What may stand at one place.
+/// The values that are allowed at one place.
 #[derive(Clone, Debug)]
 pub enum Rule {
     Table(TableRule),
@@ -21,7 +21,7 @@ pub enum Rule {
     },
     /// A list with a rule for each place.
     Tuple(Vec<Rule>),
-    /// One of these words, each with its sentence.
+    /// One of these words, each with its description.
     Choice(Vec<(String, Option<String>)>),
     Quantity(Dimension, Range),
     Number {
@@ -41,15 +41,15 @@ pub enum Rule {
 #[derive(Clone, Debug, Default)]
 pub struct TableRule {
     pub keys: Vec<Key>,
-    /// Sets of keys of which at most one set may stand in the table.
+    /// Sets of keys of which a table has at most one.
     pub groups: Vec<Vec<String>>,
-    /// Whether one of the groups must.
+    /// Whether it must have one of them.
     pub group_required: bool,
-    /// Keys that the language keeps for later versions.
+    /// Keys that are reserved for later versions.
     pub future: Vec<String>,
 }
 
-/// A key that may stand in a table.
+/// A key of a table.
 #[derive(Clone, Debug)]
 pub struct Key {
     pub name: String,
@@ -86,7 +86,7 @@ pub fn material() -> &'static Rule {
 }
 
 impl Rule {
-    /// The table among what may stand here.
+    /// The table among the allowed values.
     pub fn table(&self) -> Option<&TableRule> {
         match self {
             Rule::Table(table) => Some(table),
@@ -95,7 +95,7 @@ impl Rule {
         }
     }
 
-    /// The rule of the items of the list among what may stand here, at `place`.
+    /// The rule of the item at `place` of the list among the allowed values.
     pub fn item(&self, place: usize) -> Option<&Rule> {
         match self {
             Rule::List { item, .. } => Some(item),
@@ -105,13 +105,13 @@ impl Rule {
         }
     }
 
-    /// The rule of what stands under a key: of a table, or, where the key is a number, of a list.
+    /// The rule of the value of a key: of a table, or, where the key is a number, of a list.
     pub fn under(&self, key: &str) -> Option<&Rule> {
         let of_table = self.table().and_then(|table| table.key(key)).map(|key| &key.rule);
         of_table.or_else(|| self.item(key.parse().ok()?))
     }
 
-    /// Whether the path of a file may stand here.
+    /// Whether the path of a file is allowed.
     pub fn is_path(&self) -> bool {
         match self {
             Rule::Text { path } => *path,
@@ -120,12 +120,12 @@ impl Rule {
         }
     }
 
-    /// Whether a path that stands here is replaced by what its file holds.
+    /// Whether a path is replaced by the content of its file.
     pub fn is_included(&self) -> bool {
         self.is_path() && matches!(self, Rule::Either(_))
     }
 
-    /// The dimension of the quantity among what may stand here.
+    /// The dimension of the quantity among the allowed values.
     pub fn dimension(&self) -> Option<Dimension> {
         match self {
             Rule::Quantity(dimension, _) => Some(*dimension),
@@ -136,7 +136,7 @@ impl Rule {
         }
     }
 
-    /// The range of the number among what may stand here.
+    /// The range of the number among the allowed values.
     pub fn range(&self) -> Option<Range> {
         match self {
             Rule::Quantity(_, range) | Rule::Number { range, .. } => Some(*range),
@@ -145,7 +145,7 @@ impl Rule {
         }
     }
 
-    /// The words among what may stand here.
+    /// The words among the allowed values.
     pub fn words(&self) -> Vec<(&str, Option<&str>)> {
         match self {
             Rule::Choice(words) => words.iter().map(|(word, sentence)| (word.as_str(), sentence.as_deref())).collect(),
@@ -184,7 +184,7 @@ impl fmt::Display for Rule {
     }
 }
 
-/// The plural of what stands in a list.
+/// The plural of the items of a list.
 fn plural(rule: &Rule) -> String {
     match rule {
         Rule::Table(_) => "tables".to_owned(),

@@ -1,4 +1,4 @@
-//! `[impactor]`: the rigid body that meets the film.
+//! `[impactor]`: the rigid body that loads the film.
 
 use std::path::PathBuf;
 
@@ -7,21 +7,21 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Length, Mass};
 
-/// The rigid body that meets the film.
+/// The rigid body that loads the film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Impactor {
     /// Shape of the body; its axis is z, its tip points down.
     pub shape: ImpactorShape,
-    /// All that moves with it; needed where it falls.
+    /// Mass of the body and all that moves with it; required where it falls.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mass: Option<Mass>,
-    /// What the guide lets it do.
+    /// Its degrees of freedom.
     #[serde(default)]
     pub guide: Guide,
     /// Coulomb coefficient between impactor and film.
     #[schemars(range(min = 0, max = 10))]
     pub friction: f64,
-    /// Where its axis stands over the film at the start: x, y.
+    /// Position of its axis over the film at the start: x, y.
     #[serde(default = "centre")]
     pub position: [Length; 2],
 }
@@ -62,11 +62,11 @@ pub enum ImpactorShape {
     Mesh(#[schemars(extend("x-path" = true))] PathBuf),
 }
 
-/// What the guide lets the impactor do.
+/// Degrees of freedom of the impactor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Guide {
-    /// Only moves along z.
+    /// Translation along z only.
     #[default]
     Z,
     /// Six degrees of freedom.

@@ -1,4 +1,4 @@
-//! `[layers]` and `[[layer]]`: how much film lies where.
+//! `[layers]` and `[[layer]]`: number and height of layers of film.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,18 +8,18 @@ use super::schema;
 use super::specimen::Meshing;
 use crate::units::{Angle, Length};
 
-/// Faces of film that are alike but for their height.
+/// Faces of film that differ in height only.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Layers {
     /// Layers per face; n layers act as one membrane of n times the thickness.
     #[serde(default = "one")]
     #[schemars(range(min = 1, max = 10_000))]
     pub count: u32,
-    /// Height of every face, the first that the impactor meets first.
+    /// Height of every face, the highest first.
     #[serde(default = "ground")]
     #[schemars(length(min = 1, max = 64))]
     pub faces: Vec<Length>,
-    /// Engineering strain with which the film is wound onto the frame.
+    /// Engineering strain with which the film is mounted on the frame.
     #[serde(default)]
     pub prestrain: Prestrain,
 }
@@ -30,7 +30,7 @@ impl Default for Layers {
     }
 }
 
-/// One face of film with everything of its own.
+/// One face of film with its own material, angle and mesh.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Layer {
     /// Height of the undeformed face.
@@ -40,7 +40,7 @@ pub struct Layer {
     #[serde(default = "one")]
     #[schemars(range(min = 1, max = 10_000))]
     pub count: u32,
-    /// What a layer of this face is made of; the specimen's material where it is left out.
+    /// Material of one layer; the specimen's where it is left out.
     #[serde(default)]
     #[schemars(schema_with = "schema::path_or_table::<Material>")]
     pub material: Option<Material>,
@@ -49,7 +49,7 @@ pub struct Layer {
     /// Engineering strain with which this face is mounted.
     #[serde(default)]
     pub prestrain: Prestrain,
-    /// Division into elements; what is left out is the specimen's.
+    /// Element type and size; what is left out is the specimen's.
     #[serde(default)]
     pub mesh: Meshing,
 }

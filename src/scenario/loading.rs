@@ -1,21 +1,21 @@
-//! `[loading.…]`: what is done to the specimen; exactly one.
+//! `[loading.…]`: the loading of the specimen; exactly one.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::units::{Acceleration, Angle, Length, Pressure, Time, Velocity};
 
-/// What is done to the specimen.
+/// The loading of the specimen.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Loading {
-    /// The impactor starts in touch with the first face and flies.
+    /// The impactor starts in contact with the first face and moves freely.
     Impact(Impact),
     /// Two jaws, the edges x- and x+, part along x.
     Stretch(Stretch),
     /// The impactor goes slowly down into the film at a prescribed speed.
     Indent(Indent),
-    /// Pressure on the lower side of the film, held all around, blows it up.
+    /// Pressure on the lower side of the film, held all around, inflates it.
     Pressure(Inflation),
 }
 
@@ -26,7 +26,7 @@ pub struct Impact {
     /// Speed at first contact, downward positive.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub velocity: Option<Velocity>,
-    /// Height of an ideal free fall before first contact, in place of `velocity`.
+    /// Drop height of an ideal free fall to first contact, in place of `velocity`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drop_height: Option<Length>,
     /// Acceleration of free fall.
@@ -45,7 +45,7 @@ fn standard_gravity() -> Acceleration {
 /// A tensile test of a coupon or of a single element.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Stretch {
-    /// Direction of pull in the film: along MD, along TD, or an angle from MD.
+    /// Direction of loading in the film: along MD, along TD, or an angle from MD.
     pub direction: Direction,
     /// Speed at which the jaws part, both together.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -59,10 +59,10 @@ pub struct Stretch {
     pub mass_scaling: Option<f64>,
 }
 
-/// A slow indentation: the film is in equilibrium all the time.
+/// A slow indentation: the film is in equilibrium throughout.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Indent {
-    /// Travel of the impactor from first touch, downward, at which the test ends.
+    /// Travel of the impactor from first contact, downward, at which the test ends.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub depth: Length,
     /// Speed of the impactor.
@@ -74,13 +74,13 @@ pub struct Indent {
     pub mass_scaling: Option<f64>,
 }
 
-/// A slow inflation: the film is in equilibrium all the time.
+/// A slow inflation: the film is in equilibrium throughout.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Inflation {
-    /// Pressure over that above the film at which it is held.
+    /// Final difference of the pressures below and above the film.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub pressure: Pressure,
-    /// Time in which the pressure rises, smoothly at both ends; it is then held for half as long.
+    /// Time in which the pressure rises, smoothly at both ends; it is then constant for half as long.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub ramp: Time,
     /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
@@ -89,7 +89,7 @@ pub struct Inflation {
     pub mass_scaling: Option<f64>,
 }
 
-/// Direction of pull. The validator has already said where a mistake is when serde tries the two forms.
+/// Direction of loading. The validator has reported mistakes before serde tries the two forms.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Direction {

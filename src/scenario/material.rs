@@ -8,21 +8,21 @@ use serde::{Deserialize, Serialize};
 use super::schema;
 use crate::units::{Density, Length, Pressure, Rate};
 
-/// What one layer of film is made of.
+/// Material of one layer of film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend(
     "x-future" = ["hyperelastic"],
     "oneOf" = [{ "required": ["fabric"] }, { "required": ["elastic"] }]
 ))]
 pub struct Material {
-    /// One line that says what it is.
+    /// One line that describes it.
     pub title: Option<String>,
     /// A word for reports, e.g. "LLDPE".
     pub name: Option<String>,
-    /// A material file whose keys this one starts from and changes; relative to this file.
+    /// A material file whose keys this one extends and replaces; relative to this file.
     #[schemars(extend("x-path" = true))]
     pub extends: Option<PathBuf>,
-    /// Mass per volume of the unstretched film.
+    /// Mass per volume of the stress-free film.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub density: Density,
     /// Thickness of one layer.
@@ -51,12 +51,12 @@ pub struct Fabric {
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
     pub absorption: f64,
     /// Lowest and highest strain rate at which the curves were measured; where a fibre set has `rates`, from the lowest to the
-    /// highest of these, of both sets where both have them, unless it is said here.
+    /// highest of these, of both sets where both have them, where it is left out.
     #[schemars(transform = schema::positive_items)]
     pub measured_rates: Option<[Rate; 2]>,
-    /// Growth of the largest strain over which the strain rate is averaged that a fibre with `rates` feels; 0.01 unless it is said
-    /// here. Assumed, as is that film was mounted (pre-strain) at the lowest of the rates, which takes several times this growth to
-    /// forget: results depend on both.
+    /// Growth of the largest strain over which the strain rate of fibres with `rates` is averaged; 0.01 where it is left out. It is
+    /// assumed, as is that film was mounted (pre-strain) at the lowest of the rates, whose influence decays over several times
+    /// this growth: results depend on both.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_memory: Option<f64>,
 }
@@ -78,10 +78,10 @@ pub struct Fibre {
     #[serde(default)]
     #[schemars(schema_with = "schema::path_or_list::<Point>")]
     pub curve: Option<Vec<Point>>,
-    /// Strains of the two yield points of `curve`, needed where `scale` moves it.
+    /// Strains of the two yield points of `curve`, required with `scale`.
     #[schemars(transform = schema::positive_items)]
     pub yield_strains: Option<[f64; 2]>,
-    /// Multipliers of these fibres alone, in place of all three of the fabric: one that is not named here is 1.
+    /// Multipliers of these fibres alone, in place of all three of the fabric; one that is left out is 1.
     pub scale: Option<Scale>,
     /// Curves by strain rate, at least two, the slowest first: interpolated in the logarithm of the rate, constant below the lowest
     /// and above the highest.
@@ -107,7 +107,7 @@ pub struct RateCurve {
     #[serde(default)]
     #[schemars(schema_with = "schema::path_or_list::<Point>")]
     pub curve: Option<Vec<Point>>,
-    /// Strains of the two yield points of `curve`, needed where `scale` moves it.
+    /// Strains of the two yield points of `curve`, required with `scale`.
     #[schemars(transform = schema::positive_items)]
     pub yield_strains: Option<[f64; 2]>,
     /// Multipliers of this curve alone, in place of those of the fibre set or of the fabric.
@@ -163,7 +163,7 @@ pub struct Elastic {
     /// Poisson's ratio.
     #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson: f64,
-    /// Whether it wrinkles instead of being pressed: then it carries tension only.
+    /// Whether the film wrinkles under compression, so that it carries tension only (tension field).
     #[serde(default)]
     pub wrinkling: bool,
     /// Lowest and highest strain rate at which the modulus was measured.

@@ -1,4 +1,4 @@
-//! What an extending file, `--set` or a script changes in the table it starts from.
+//! Merging of an extending file, of `--set` or of the changes of a script into the table that it extends.
 
 use super::grammar::{Rule, TableRule};
 use super::tree::{Entry, Node, Table, Value};
@@ -43,7 +43,7 @@ fn merge_entry(base: &mut Table, entry: Entry, rule: Option<&Rule>) {
     base.entries[place] = Entry { node: merge(old, entry.node, rule), ..entry };
 }
 
-/// A base that was right stays right: the groups of which `key` is no part leave.
+/// Removes the groups of keys that `key` excludes, so that a valid base stays valid.
 fn drop_excluded(base: &mut Table, key: &str, rule: &TableRule) {
     let Some(own) = rule.group_of(key) else {
         return;

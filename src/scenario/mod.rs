@@ -1,6 +1,6 @@
 //! The scenario language as written: one file a table, every key with its unit, range, default and
-//! one sentence. What editors check, `droptower explain` shows and the validator enforces all come
-//! from these structs. Whether what is written makes sense is not known here.
+//! one sentence. The schema for editors, `droptower explain` and the validator all follow
+//! from these structs. Relations between keys are checked by the model.
 
 mod assignment;
 pub mod coupon_material;
@@ -44,38 +44,38 @@ pub use solver::Solver;
 pub use specimen::{Circle, Element, Meshing, Shape, Specimen, Symmetry};
 pub use tree::{Node, Table, Value};
 
-/// A scenario as written: what is hit by what, and what is kept of it.
+/// A scenario as written: the film, its loading, and what is recorded.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend("not" = { "required": ["layers", "layer"] }))]
 pub struct Scenario {
-    /// One line that says what the scenario is; the name of its file where it is left out.
+    /// One line that describes the scenario; the name of its file where it is left out.
     pub title: Option<String>,
-    /// A scenario file whose keys this one starts from and changes; relative to this file.
+    /// A scenario file whose keys this one extends and replaces; relative to this file.
     #[schemars(extend("x-path" = true))]
     pub extends: Option<PathBuf>,
-    /// The film: outline, material, division into elements.
+    /// The film: outline, material, mesh.
     pub specimen: Specimen,
-    /// How many layers lie where, all of the specimen's material.
+    /// Number and height of layers, all of the specimen's material.
     pub layers: Option<Layers>,
     /// One entry a face, in place of `layers`: each with its own height, material, angle and mesh.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(min = 1, max = 64))]
     pub layer: Vec<Layer>,
-    /// What holds the film.
+    /// The mounting frame.
     #[serde(default)]
     pub frame: Frame,
-    /// The rigid body that meets the film; only where the loading needs one.
+    /// The rigid body that loads the film; only where the loading needs one.
     pub impactor: Option<Impactor>,
-    /// What is done to the specimen.
+    /// The loading of the specimen.
     pub loading: Loading,
-    /// How time is stepped.
+    /// Time stepping.
     #[serde(default)]
     pub solver: Solver,
-    /// What is kept of a run.
+    /// What a run records.
     #[serde(default)]
     pub output: Output,
     /// A recording that the run is compared with.
     pub reference: Option<Reference>,
-    /// What happens to the results.
+    /// Processing of the results.
     pub post: Option<Post>,
 }

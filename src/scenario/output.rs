@@ -1,24 +1,24 @@
-//! `[output]`: what is kept of a run.
+//! `[output]`: what a run records.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::units::Frequency;
 
-/// What is kept of a run.
+/// What a run records.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Output {
     /// Samples per second in `signals.csv`.
     #[serde(default = "ten_kilohertz")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e7))]
     pub sample_rate: Frequency,
-    /// Mesh states kept for the recording. Of a film so fine that they would take more than 0.4 GB, fewer are kept, and the
-    /// run says how many.
+    /// Number of snapshots for pages and recordings. Of a film so fine that they would take more than 0.4 GB, fewer are taken,
+    /// and a warning gives their number.
     #[serde(default = "two_hundred_forty")]
     #[schemars(range(min = 1, max = 100_000))]
     pub frames: u32,
-    /// Channel frequency class of the filtered acceleration (SAE J211-1, ISO 6487); CFC1000 where an
-    /// impact leaves it out.
+    /// Channel frequency class of the filtered acceleration (SAE J211-1, ISO 6487); CFC1000 for an
+    /// impact where it is left out.
     #[schemars(extend("default" = "CFC1000"))]
     pub filter: Option<Filter>,
 }

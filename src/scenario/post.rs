@@ -1,11 +1,11 @@
-//! `[post]`: what happens to the results.
+//! `[post]`: processing of the results.
 
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What happens to the results.
+/// Processing of the results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Post {
     /// Rhai script that adds to the summary.

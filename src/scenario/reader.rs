@@ -1,4 +1,4 @@
-//! Reading files and what they name: what they extend, their materials, their curves.
+//! Reading of files and of those that they name: the one they extend, materials, curves.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ use super::tree::{self, Node, Table, Value};
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
 use crate::file::{self, FileError};
 
-/// Bytes of a scenario with everything it names. Its files are written by hand; what is larger is something else.
+/// Most bytes of a scenario with the files that it names. They are written by hand; larger files are not scenarios.
 const MOST_BYTES: u64 = 32 << 20;
 
-/// Files that extend or name one another, one below the other.
+/// Most files in a chain of files that extend or name one another.
 const LONGEST_CHAIN: usize = 32;
 
-/// Reads files and what they name, and collects what goes wrong.
+/// Reads files and those that they name, and collects mistakes.
 #[derive(Default)]
 pub struct Reader {
     pub mistakes: Vec<Diagnostic>,
@@ -30,7 +30,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// The tree of the file at `path`, which stands at `named` in the file that names it.
+    /// The tree of the file at `path`, which another file names at `named`.
     pub fn read(&mut self, path: &Path, rule: Option<&Rule>, named: Option<&Span>) -> Option<Node> {
         let identity = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if self.chain.iter().any(|(file, _)| *file == identity) {
@@ -72,8 +72,8 @@ impl Reader {
     /// The tree with files in place of the paths that name them.
     pub fn include(&mut self, node: Node, rule: Option<&Rule>) -> Node {
         let Value::Text(text) = &node.value else {
-            let kept = node.clone();
-            return self.extended(node, rule).unwrap_or(kept);
+            let original = node.clone();
+            return self.extended(node, rule).unwrap_or(original);
         };
         let Some(rule) = rule.filter(|rule| rule.is_included()) else {
             return node;

@@ -10,9 +10,9 @@ use crate::units::{Length, Time};
 /// The recording that a run is compared with.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Reference {
-    /// Recording (CSV or ISO-MME). Signals from first contact on where its columns are called `acceleration_m_s2`
-    /// and/or `displacement_m` (with `time_s`) and neither channel is named beside this key; anything else is the raw recording of
-    /// a drop from the rest before the release on, an accelerometer and perhaps a laser, and is reduced first.
+    /// Recording (CSV or ISO-MME): signals from first contact on where it has the columns `acceleration_m_s2` and/or
+    /// `displacement_m` (with `time_s`) and neither `acceleration` nor `displacement` is given; anything else is the raw recording
+    /// of a drop, from the rest before the release on, by an accelerometer and possibly a laser, and is reduced first.
     #[schemars(extend("x-path" = true))]
     pub signals: PathBuf,
     /// Accelerometer of a raw recording; the only channel that is an acceleration where it is left out.
@@ -20,16 +20,16 @@ pub struct Reference {
     /// Laser of a raw recording, upward from the film's upper face; the only channel that is a length where it is
     /// left out.
     pub displacement: Option<String>,
-    /// Height from which a raw recording's impactor fell. Without it the search for contact starts from the ideal fall to the run's own
-    /// speed, which also closes the fall where there is no laser.
+    /// Drop height of a raw recording. Without it, contact is searched from an ideal fall to the impact velocity of the run, which
+    /// also determines the fall where there is no laser.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drop_height: Option<Length>,
-    /// Part of the run that errors are taken over: the loading phase, all of it, or from–to.
+    /// Window of the errors: the loading phase, the whole recording, or from–to.
     #[serde(default)]
     pub window: Window,
 }
 
-/// Part of a run. The validator has already said where a mistake is when serde tries the two forms.
+/// Window of the errors. The validator has reported mistakes before serde tries the two forms.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Window {
@@ -43,7 +43,7 @@ impl Default for Window {
     }
 }
 
-/// A part of a run that has a name.
+/// A named part of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Phase {

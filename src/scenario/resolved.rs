@@ -9,13 +9,13 @@ use super::grammar::Rule;
 use super::tree::{Node, Table, Value};
 use crate::diagnostic::{Span, tidy_path};
 
-/// The tree as TOML, with the paths in it made absolute. Values keep the comment at the end of the line on which they were
-/// written: it says where they come from, and whether they are assumed.
+/// The tree as TOML, with the paths in it made absolute. The comment at the end of the line of a value is preserved: it has
+/// its source, and whether it is assumed.
 pub fn text(root: &Node, rule: &Rule) -> String {
     text_with(root, rule, &[])
 }
 
-/// Likewise, with the paths at some key paths given as they shall stand.
+/// The same with other paths at some key paths.
 pub fn text_with(root: &Node, rule: &Rule, paths: &[(&str, &str)]) -> String {
     let mut root = anchored(root, Some(rule));
     for (place, path) in paths {
@@ -43,13 +43,13 @@ fn commented(table: &Table) -> String {
 }
 
 /// Gives the values of `written` the comments of `table`, one line's only once.
-fn comment(written: &mut dyn TableLike, table: &Table, told: &mut BTreeSet<(usize, usize)>) {
+fn comment(written: &mut dyn TableLike, table: &Table, written_lines: &mut BTreeSet<(usize, usize)>) {
     for entry in &table.entries {
         let Some(item) = written.get_mut(&entry.key) else { continue };
         match &entry.node.value {
             Value::Table(inner) => {
                 if let Some(written) = item.as_table_like_mut() {
-                    comment(written, inner, told);
+                    comment(written, inner, written_lines);
                 }
                 continue;
             }
@@ -57,7 +57,7 @@ fn comment(written: &mut dyn TableLike, table: &Table, told: &mut BTreeSet<(usiz
                 if let Some(written) = item.as_array_of_tables_mut() {
                     for (written, row) in written.iter_mut().zip(rows) {
                         if let Value::Table(row) = &row.value {
-                            comment(written, row, told);
+                            comment(written, row, written_lines);
                         }
                     }
                     continue;
@@ -66,7 +66,7 @@ fn comment(written: &mut dyn TableLike, table: &Table, told: &mut BTreeSet<(usiz
             _ => {}
         }
         if let (Some(value), Some((line, text))) = (item.as_value_mut(), end_of_line(&entry.node.span))
-            && told.insert(line)
+            && written_lines.insert(line)
         {
             value.decor_mut().set_suffix(format!("  {text}"));
         }
@@ -184,7 +184,7 @@ mod tests {
     use crate::scenario::Document;
 
     #[test]
-    fn assumed_values_are_those_whose_comments_say_so() {
+    fn assumed_values_are_those_whose_comments_contain_the_word() {
         let scenario = "title = \"a\"\n[impactor]\nfriction = 0.4  # assumed\nmass = 1.0  # Table 3\n[[layer]]\n\
                         height = \"a  # b\"  # distance assumed\n";
         let assumption = |key: &str, value: &str, comment: &str| Assumption {
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn values_keep_the_comments_of_their_lines() {
+    fn comments_at_the_end_of_lines_are_preserved() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
         write(

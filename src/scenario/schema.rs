@@ -6,7 +6,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::Scenario;
 
-/// The schema with every table in place, as the grammar is compiled from it.
+/// The schema with every table inlined, from which the grammar is compiled.
 pub(super) fn whole<T: JsonSchema>() -> Json {
     let mut settings = SchemaSettings::draft2020_12();
     settings.inline_subschemas = true;
@@ -49,7 +49,7 @@ pub(super) fn positive_items(schema: &mut Schema) {
     }
 }
 
-/// TOML has no null: an optional key is simply left out.
+/// TOML has no null: an optional key is left out.
 fn without_null(schema: Json) -> Json {
     match schema {
         Json::Array(items) => Json::Array(items.into_iter().map(without_null).collect()),
@@ -92,7 +92,7 @@ fn without_null_branch(mut map: Map<String, Json>) -> Map<String, Json> {
     map
 }
 
-/// Drops what only a whole scenario can be asked for, and closes every table to unknown keys.
+/// Removes what only a whole scenario must satisfy, and forbids unknown keys in every table.
 fn open(schema: Json) -> Json {
     match schema {
         Json::Array(items) => Json::Array(items.into_iter().map(open).collect()),

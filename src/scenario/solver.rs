@@ -1,12 +1,12 @@
-//! `[solver]`: how time is stepped.
+//! `[solver]`: time stepping.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How time is stepped.
+/// Time stepping.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Solver {
-    /// Factor on the stable time step: 0.5 takes steps half as long, which shows what the step does to a result.
+    /// Factor on the stable time step: with 0.5 steps are half as long, which shows the influence of the step on a result.
     #[serde(default = "whole")]
     #[schemars(range(min = 0.001, max = 1))]
     pub step_factor: f64,

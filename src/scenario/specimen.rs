@@ -1,4 +1,4 @@
-//! `[specimen]`: outline, material and division of the film.
+//! `[specimen]`: outline, material and mesh of the film.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use super::material::Material;
 use super::schema;
 use crate::units::{Angle, Length, Rate};
 
-/// The film: outline, material, division into elements.
+/// The film: outline, material, mesh.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Specimen {
     /// Outline of the film's free span, centred on the origin.
@@ -19,15 +19,15 @@ pub struct Specimen {
     #[schemars(schema_with = "schema::path_or_table::<Material>")]
     pub material: Option<Material>,
     /// Angle from the x axis to the machine direction (MD).
-    #[serde(default = "no_turn")]
+    #[serde(default = "along_x")]
     pub md_angle: Angle,
-    /// How a face is divided into elements.
+    /// Element type and size of a face.
     #[serde(default)]
     pub mesh: Meshing,
     /// Mirror planes through the origin; only the part at positive x and/or y is computed.
     #[serde(default)]
     pub symmetry: Symmetry,
-    /// Mass-proportional damping of the film; off where it is left out.
+    /// Mass-proportional damping of the film; none where it is left out.
     #[serde(default = "undamped")]
     #[schemars(range(min = 0))]
     pub damping: Rate,
@@ -37,7 +37,7 @@ fn undamped() -> Rate {
     Rate(0.0)
 }
 
-fn no_turn() -> Angle {
+fn along_x() -> Angle {
     Angle(0.0)
 }
 
@@ -61,18 +61,18 @@ pub struct Circle {
     pub radius: Length,
 }
 
-/// How a face is divided into elements.
+/// Element type and size of a face.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Meshing {
-    /// Kind of membrane element.
+    /// Type of membrane element.
     #[schemars(extend("default" = "quad4"))]
     pub element: Option<Element>,
-    /// Edge length aimed at; required unless the mesh is imported.
+    /// Target edge length; required unless the mesh is imported.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub size: Option<Length>,
 }
 
-/// Kind of membrane element.
+/// Type of membrane element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Element {
     /// Four nodes, one integration point, stabilised against hourglass modes.

@@ -1,4 +1,4 @@
-//! What was written, as a tree in which every key and value knows its place.
+//! The tree of a file: keys and values with their places in the source.
 
 use std::sync::Arc;
 
@@ -11,11 +11,11 @@ use crate::diagnostic::{Diagnostic, Source, Span};
 pub struct Node {
     pub value: Value,
     pub span: Span,
-    /// The value is the whole of a file: what it is merged over is replaced.
+    /// Whether the value is the whole of a file, which replaces what it is merged into.
     pub included: bool,
 }
 
-/// A value of TOML; dates and times have no place in the language and are kept as they are written.
+/// A value of TOML; dates and times, which the language does not have, are stored as text.
 #[derive(Clone, Debug)]
 pub enum Value {
     Text(String),
@@ -33,7 +33,7 @@ pub struct Table {
     pub entries: Vec<Entry>,
 }
 
-/// A key, its place, and what stands under it.
+/// A key, its place, and its value.
 #[derive(Clone, Debug)]
 pub struct Entry {
     pub key: String,
@@ -51,7 +51,7 @@ pub fn parse_as(text: &str, source: &Arc<Source>) -> Result<Node, Vec<Diagnostic
     let (document, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
         let mut mistakes: Vec<Diagnostic> = errors.iter().map(|e| syntax_error(e, source)).collect();
-        // What follows on the same line is mostly the first mistake seen again.
+        // Further errors of the same line are mostly consequences of the first.
         let mut lines = Vec::new();
         mistakes.retain(|mistake| {
             let line = mistake.span.as_ref().map(|span| span.start().0);
@@ -119,7 +119,7 @@ impl Node {
         Node { value, span, included: false }
     }
 
-    /// What stands at the key path, e.g. `specimen.shape.rectangle.0`.
+    /// The node at the key path, e.g. `specimen.shape.rectangle.0`.
     pub fn find(&self, path: &str) -> Option<&Node> {
         let mut node = self;
         for step in path.split('.').filter(|step| !step.is_empty()) {
@@ -128,7 +128,7 @@ impl Node {
         Some(node)
     }
 
-    /// What stands at the path of keys, to be changed.
+    /// The node at the path of keys, mutable.
     pub fn find_mut(&mut self, path: &str) -> Option<&mut Node> {
         let mut node = self;
         for step in path.split('.') {

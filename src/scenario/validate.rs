@@ -1,11 +1,11 @@
-//! Everything that is wrong with how a scenario is written, at once, each at its place.
+//! Checks a tree against the grammar: all mistakes at once, each at its place.
 
 use super::grammar::{Key, Range, Rule, TableRule};
 use super::tree::{Entry, Node, Table, Value};
 use crate::diagnostic::{Diagnostic, Span, closest};
 use crate::units::{Angle, Dimension};
 
-/// Largest angle of either sense that is meant as one, rad: 360 deg, and what rounding adds to it.
+/// Largest magnitude of an angle, rad: 360 deg and its round-off.
 const FULL_TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
 
 /// The mistakes in `root` against `rule`.
@@ -15,11 +15,11 @@ pub fn validate(root: &Node, rule: &Rule) -> Vec<Diagnostic> {
     walk.mistakes
 }
 
-/// Where the walk stands.
+/// A place in the tree.
 struct Place {
     /// Key path, empty at the top.
     path: String,
-    /// What a mistake about something left out points at.
+    /// Where a missing key is reported.
     span: Span,
 }
 
@@ -192,7 +192,7 @@ impl Walk {
         }
     }
 
-    /// The mistakes of the one branch that the value was meant for, if it is clear which.
+    /// The mistakes of the one branch that takes values of this kind; of several, whether one fits.
     fn either(&mut self, node: &Node, rules: &[Rule], place: &Place) {
         let meant: Vec<&Rule> = rules.iter().filter(|rule| takes(rule, node)).collect();
         if let [only] = meant.as_slice() {
@@ -210,7 +210,7 @@ impl Walk {
     }
 }
 
-/// Degrees written as a bare number would pass for radians.
+/// Degrees written as a bare number, which would be read as radians.
 fn beyond_a_turn(node: &Node) -> Diagnostic {
     let message = format!("out of range: expected an angle within ±360 deg, found {}", node.found());
     let mistake = Diagnostic::new(message).at(&node.span);
