@@ -108,9 +108,8 @@ impl Files<'_> {
 
     #[cfg(feature = "rerun")]
     fn study_recording(&mut self, study: &StudyPage) -> Result<(), StoreError> {
-        use crate::report::recording::{StudyRecording, write_study};
         let path = self.draft.path().join(run_files::RECORDING);
-        write_study(&path, &StudyRecording::of(study))
+        report::recording::write_study(&path, study)
             .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))?;
         self.names.push(run_files::RECORDING.into());
         Ok(())

@@ -3,16 +3,16 @@
 use crate::engine::Surface;
 
 /// A closed surface, its triangles counter-clockwise seen from outside.
-pub struct Body {
+pub(super) struct Body {
     /// Vertices, m.
-    pub points: Vec<[f32; 3]>,
+    pub(super) points: Vec<[f32; 3]>,
     /// Indices of the vertices.
-    pub triangles: Vec<[u32; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
 }
 
 impl Body {
     /// The triangulated `surface` of an impactor; round shapes have `sides` sides.
-    pub fn of(surface: &Surface, sides: u32) -> Body {
+    pub(super) fn of(surface: &Surface, sides: u32) -> Body {
         let (points, triangles) = surface.triangles(sides);
         let single = |point: &nalgebra::Point3<f64>| <[f64; 3]>::from(point.coords).map(|c| c as f32);
         Body { points: points.iter().map(single).collect(), triangles }

@@ -52,7 +52,7 @@ fn runs(comparison: &RunComparison) -> Vec<Vec<String>> {
 }
 
 /// Name with unit, then a value a run with its difference.
-pub fn figures<'a>(figures: impl Iterator<Item = &'a ComparedFigure>) -> Vec<Vec<String>> {
+pub(crate) fn figures<'a>(figures: impl Iterator<Item = &'a ComparedFigure>) -> Vec<Vec<String>> {
     figures.map(|figure| std::iter::once(quantity(&figure.name)).chain(values(figure)).collect()).collect()
 }
 
@@ -71,7 +71,7 @@ fn values(figure: &ComparedFigure) -> impl Iterator<Item = String> + '_ {
 }
 
 /// A key, then a value a scenario.
-pub fn keys(comparison: &RunComparison) -> Vec<Vec<String>> {
+pub(crate) fn keys(comparison: &RunComparison) -> Vec<Vec<String>> {
     let value =
         |value: &Option<String>| value.as_deref().map_or_else(|| "-".into(), |text| text.trim_matches('"').to_owned());
     comparison
@@ -82,7 +82,7 @@ pub fn keys(comparison: &RunComparison) -> Vec<Vec<String>> {
 }
 
 /// A signal, then the error of each run against the first.
-pub fn errors(comparison: &RunComparison) -> Vec<Vec<String>> {
+pub(crate) fn errors(comparison: &RunComparison) -> Vec<Vec<String>> {
     let value =
         |value: &Option<f64>| value.map_or_else(|| "-".into(), |error| format!("{} %", significant(100.0 * error, 3)));
     let row = |signals: &ComparedSignal| {
@@ -110,7 +110,7 @@ fn signed_percent(share: f64) -> String {
 }
 
 /// Every common signal over time, a curve a run; and pairs of them over each other.
-pub fn plots(comparison: &RunComparison) -> (Vec<Plot>, Vec<Plot>) {
+pub(crate) fn plots(comparison: &RunComparison) -> (Vec<Plot>, Vec<Plot>) {
     let over_time = comparison.signals.iter().map(|signals| {
         let shown = Shown::of(&signals.column);
         let points = |series: &Series| series.samples().map(|[t, v]| [t * 1e3, v * shown.factor]).collect::<Vec<_>>();

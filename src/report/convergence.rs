@@ -8,13 +8,13 @@ use crate::units::{Pressure, Unit};
 const MOST_CURVES: usize = 8;
 
 /// Objective and unknowns over iterations, then every fit; no objective and no unknowns of a search without iterations.
-pub fn plots(convergence: &ConvergenceHistory) -> Vec<Plot> {
+pub(super) fn plots(convergence: &ConvergenceHistory) -> Vec<Plot> {
     let own = [objective(convergence), unknowns(convergence)].into_iter().filter(has_lines);
     own.chain(convergence.fits.iter().map(|fit| chosen(convergence, fit))).collect()
 }
 
 /// The reference of a fit alone.
-pub fn target(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot {
+pub(super) fn target(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot {
     let FitHistory { words, target, .. } = fit;
     let title = match words.split_once(" (") {
         Some((quantity, _)) => format!("{}: {quantity}", convergence.title),
@@ -45,12 +45,12 @@ fn ordinate(FitHistory { words, target, .. }: &FitHistory) -> (String, f64) {
 }
 
 /// A simulation of the search, in the units of [`target`].
-pub fn simulated(name: impl Into<String>, fit: &FitHistory, improvement: &Improvement) -> Curve {
+pub(super) fn simulated(name: impl Into<String>, fit: &FitHistory, improvement: &Improvement) -> Curve {
     Curve::line(name, points(fit, &improvement.values))
 }
 
 /// Best values of the objective; one curve a start.
-pub fn objective(ConvergenceHistory { title, objectives, .. }: &ConvergenceHistory) -> Plot {
+pub(super) fn objective(ConvergenceHistory { title, objectives, .. }: &ConvergenceHistory) -> Plot {
     let name = |start: usize| if objectives.len() == 1 { "objective".into() } else { format!("start {}", start + 1) };
     let curve = |(start, history): (usize, &Vec<(usize, f64)>)| {
         Curve::line(name(start), history.iter().map(|(iteration, f)| [*iteration as f64, *f]))

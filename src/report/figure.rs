@@ -7,7 +7,7 @@ use crate::number;
 use crate::units::{STANDARD_GRAVITY, Unit};
 
 /// Standard gravity, m/s²: decelerations are shown in multiples of it.
-pub const G: f64 = STANDARD_GRAVITY;
+pub(crate) const G: f64 = STANDARD_GRAVITY;
 
 /// Significant digits of a figure or of a cell of a table.
 pub(super) const DIGITS: usize = 4;
@@ -66,13 +66,13 @@ pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) 
 }
 
 /// A name as the head of a column: its words, and its unit in parentheses.
-pub fn heading(name: &str) -> String {
+pub(super) fn heading(name: &str) -> String {
     let (words, unit) = named(name);
     if unit.is_empty() { words } else { format!("{words} ({unit})") }
 }
 
 /// Words and unit in the name of a figure or of a column: `peak_acceleration_m_s2` is a peak acceleration in m/s².
-pub fn named(name: &str) -> (String, String) {
+pub(super) fn named(name: &str) -> (String, String) {
     let force = LINE_FORCES.iter().find_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, (*unit).to_owned())));
     let other = || Unit::of_name(name).map(|(stem, unit)| (stem, printed(unit.symbol()).to_owned()));
     match force.or_else(other) {
@@ -105,7 +105,7 @@ pub fn markdown(summary: &Map<String, Value>) -> String {
 }
 
 /// `text` with everything that Markdown would read as markup escaped.
-pub fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
         match c {

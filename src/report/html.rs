@@ -29,7 +29,7 @@ static POLICY: LazyLock<String> = LazyLock::new(|| {
 });
 
 /// `text` with everything that HTML would read as markup escaped.
-pub fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {
@@ -61,7 +61,7 @@ pub fn page(title: &str, body: &str) -> String {
 }
 
 /// Warnings or notes in a box of their own; empty without lines. Heading and lines are text.
-pub fn warnings(heading: &str, lines: &[String]) -> String {
+pub(super) fn warnings(heading: &str, lines: &[String]) -> String {
     if lines.is_empty() {
         return String::new();
     }
@@ -69,18 +69,18 @@ pub fn warnings(heading: &str, lines: &[String]) -> String {
 }
 
 /// A finding with its code, which `droptower explain` takes.
-pub fn with_code(finding: &Finding) -> String {
+pub(super) fn with_code(finding: &Finding) -> String {
     format!("{finding} [{}]", finding.code)
 }
 
 /// Data for the page's scripts; no text in it can end the block.
-pub fn data(value: &Value) -> String {
+pub(super) fn data(value: &Value) -> String {
     let text = value.to_string().replace('<', "\\u003c");
     format!("<script type=\"application/json\">{text}</script>\n")
 }
 
 /// A section with a heading (text) around `content` (HTML); empty without content.
-pub fn section(heading: &str, content: &str) -> String {
+pub(super) fn section(heading: &str, content: &str) -> String {
     if content.is_empty() {
         return String::new();
     }
@@ -88,7 +88,7 @@ pub fn section(heading: &str, content: &str) -> String {
 }
 
 /// A table with a header; all cells are text, columns of numbers are aligned to the right.
-pub fn table(class: &str, header: &[String], rows: &[Vec<String>]) -> String {
+pub(super) fn table(class: &str, header: &[String], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
     }
@@ -115,7 +115,7 @@ fn row(cells: &[String], tag: &str, scope: &str, numbers: &[bool]) -> String {
 
 /// A square table of shares between -1 and 1, coloured by sign and size, such as correlations; `names` are text.
 /// Values that are not finite leave their cell empty.
-pub fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> String {
+pub(super) fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> String {
     let header: String = names.iter().map(|name| format!("<th scope=\"col\">{}</th>", escape(name))).collect();
     let cell = |value: &f64| match value.is_finite() {
         // The colour is a mix with the page's own, so that it suits light and dark.
@@ -138,7 +138,7 @@ pub fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> String {
 }
 
 /// A list; all items are text.
-pub fn list(items: &[String]) -> String {
+pub(super) fn list(items: &[String]) -> String {
     if items.is_empty() {
         return String::new();
     }
@@ -147,7 +147,7 @@ pub fn list(items: &[String]) -> String {
 }
 
 /// Preformatted text.
-pub fn verbatim(text: &str) -> String {
+pub(super) fn verbatim(text: &str) -> String {
     format!("<pre>{}</pre>\n", escape(text))
 }
 

@@ -2,7 +2,7 @@
 
 mod body;
 mod convergence;
-pub mod compare_page;
+pub(crate) mod compare_page;
 mod figure;
 mod film;
 mod script_output;
@@ -17,10 +17,12 @@ mod study_page;
 pub mod vtu;
 mod subject;
 
-pub use figure::{Figure, G, markdown};
-pub use html::{matrix, page};
+pub use compare_page::compare_page;
+pub(crate) use figure::G;
+pub use figure::{Figure, markdown};
+pub use html::page;
 pub use plot::figures;
 pub use run_page::{RunPage, run_page};
-pub use script_output::{cell, columns};
+pub(crate) use script_output::{cell, columns};
 pub use study_page::{StudyPage, study_page};
-pub use subject::subject;
+pub(crate) use subject::subject;

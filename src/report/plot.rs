@@ -14,7 +14,7 @@ const MOST_POINTS: usize = 2000;
 pub(super) const DIGITS: usize = 6;
 
 /// The plot as an HTML figure that the page's script draws; empty where no curve has a point.
-pub fn figure(plot: &Plot) -> String {
+pub(super) fn figure(plot: &Plot) -> String {
     drawn(plot, false)
 }
 

@@ -38,7 +38,7 @@ pub(super) fn sections(output: &ScriptOutput, most: usize) -> String {
 }
 
 /// The columns of a table: every name that a row has, in the order of first appearance.
-pub fn columns(rows: &[Row]) -> Vec<String> {
+pub(crate) fn columns(rows: &[Row]) -> Vec<String> {
     let mut columns: Vec<String> = Vec::new();
     for name in rows.iter().flat_map(Row::keys) {
         if !columns.contains(name) {
@@ -49,7 +49,7 @@ pub fn columns(rows: &[Row]) -> Vec<String> {
 }
 
 /// A value of a table as text: numbers rounded, empty where there is none.
-pub fn cell(value: &Value) -> String {
+pub(crate) fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),

@@ -4,7 +4,7 @@ use crate::model::{Impactor, ImpactorShape, Loading, Model};
 use crate::number::significant;
 
 /// What hits or pulls what, and how fast: `sphere 10.72 kg at 4.16 m/s on 2 x 8 layers of LLDPE`.
-pub fn subject(model: &Model) -> String {
+pub(crate) fn subject(model: &Model) -> String {
     let layers = layers(model);
     let figure = |value: f64| significant(value, 3);
     match (&model.loading, &model.impactor) {

@@ -5,17 +5,17 @@ use std::collections::{HashMap, HashSet};
 /// A surface of few patches: the nodes that represent those around them, and the elements that still have an area.
 pub(super) struct CoarseSurface {
     /// Nodes of the mesh.
-    pub nodes: Vec<u32>,
+    pub(super) nodes: Vec<u32>,
     /// Corners of each patch, as indices of `nodes`.
-    pub patches: Vec<[u32; 4]>,
+    pub(super) patches: Vec<[u32; 4]>,
     /// The element that each patch shows.
-    pub element: Vec<u32>,
+    pub(super) element: Vec<u32>,
 }
 
 impl CoarseSurface {
     /// All elements where there are at most `most`, else those that remain when the nodes of each cell of a lattice are
     /// merged. The coarsest lattice, the corners of the bounding box, may leave more than `most`.
-    pub fn of(points: &[[f32; 3]], outlines: &[[u32; 4]], most: usize) -> CoarseSurface {
+    pub(super) fn of(points: &[[f32; 3]], outlines: &[[u32; 4]], most: usize) -> CoarseSurface {
         if outlines.len() <= most {
             let nodes = (0..points.len() as u32).collect();
             let element = (0..outlines.len() as u32).collect();
@@ -69,17 +69,17 @@ impl CoarseSurface {
     }
 
     /// Positions of its nodes, from those of all nodes of the mesh.
-    pub fn positions(&self, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    pub(super) fn positions(&self, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
         self.nodes.iter().map(|node| points[*node as usize]).collect()
     }
 
     /// Size of one snapshot, bytes.
-    pub fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         6 * self.nodes.len() + 3 * self.patches.len()
     }
 
     /// The corners of all patches, four each.
-    pub fn corners(&self) -> impl Iterator<Item = u32> {
+    pub(super) fn corners(&self) -> impl Iterator<Item = u32> {
         self.patches.iter().flatten().copied()
     }
 }

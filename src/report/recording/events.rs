@@ -8,7 +8,7 @@ use crate::report::RunPage;
 use crate::signal::{Recording, column};
 
 /// First contact, extremes, release, rupture and findings in the order of time, and the log of the post script.
-pub fn of(run: &RunPage) -> Vec<Event> {
+pub(super) fn of(run: &RunPage) -> Vec<Event> {
     let signals = &run.results.signals;
     let end = signals.time.last().copied().unwrap_or_default();
     let rupture = run.outcome.rupture_time.map(|time| (time, Severity::Warning, "first element fails".to_owned()));

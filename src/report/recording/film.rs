@@ -38,7 +38,7 @@ const STRAINS: [Strain; 4] = [
 const LEAST_STRAIN: f32 = 1e-6;
 
 /// The strains, with a range from zero to the largest of an intact element in any of `snapshots`.
-pub fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
+pub(super) fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
     let highest = |strain: &Strain| {
         let states = snapshots.iter().flat_map(|snapshot| &snapshot.films);
         states.map(|state| largest(strain, state)).fold(0.0, f32::max)
@@ -47,12 +47,12 @@ pub fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
 }
 
 /// All faces.
-pub fn tracks(films: &[Film]) -> Vec<FilmTrack> {
+pub(super) fn tracks(films: &[Film]) -> Vec<FilmTrack> {
     films.iter().enumerate().map(|(face, film)| track(film, face)).collect()
 }
 
 /// Bounds of the faces in all of `snapshots`.
-pub fn extent(films: &[Film], snapshots: &[&Snapshot]) -> Extent {
+pub(super) fn extent(films: &[Film], snapshots: &[&Snapshot]) -> Extent {
     let faces = films.iter().enumerate().map(|(face, film)| (face, film, track(film, face)));
     faces.fold(Extent::default(), |extent, (face, film, track)| {
         snapshots.iter().fold(extent, |extent, snapshot| extent.with(&track, &state(film, snapshot, face)))
@@ -70,7 +70,7 @@ fn track(film: &Film, face: usize) -> FilmTrack {
 }
 
 /// One face in a snapshot.
-pub fn state(film: &Film, snapshot: &Snapshot, face: usize) -> FilmSnapshot {
+pub(super) fn state(film: &Film, snapshot: &Snapshot, face: usize) -> FilmSnapshot {
     let state = &snapshot.films[face];
     FilmSnapshot {
         time: snapshot.time,

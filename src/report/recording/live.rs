@@ -33,12 +33,29 @@ const MARGIN: f32 = 1.25;
 /// Why a viewer does not show a run or a part of it.
 #[derive(Debug, Error)]
 pub enum LiveError {
+    /// No viewer answers.
     #[error("no viewer answers at {address}: {source}")]
-    NoAnswer { address: String, source: io::Error },
+    NoAnswer {
+        /// Its address.
+        address: String,
+        /// Why.
+        source: io::Error,
+    },
+    /// The viewer did not receive all snapshots.
     #[error("the viewer at {address} was too slow: {lost} snapshots were left out")]
-    Slow { address: String, lost: usize },
+    Slow {
+        /// Its address.
+        address: String,
+        /// Number of snapshots that were left out.
+        lost: usize,
+    },
+    /// The viewer stopped responding.
     #[error("the viewer at {address} stopped responding")]
-    NotResponding { address: String },
+    NotResponding {
+        /// Its address.
+        address: String,
+    },
+    /// The data cannot be sent.
     #[error(transparent)]
     Recording(#[from] RecordingError),
 }

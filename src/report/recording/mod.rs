@@ -19,17 +19,18 @@ use droptower_viz::{Document, Scene, Stage, VizError};
 use thiserror::Error;
 
 use super::film::is_finite;
-use super::{RunPage, figure, subject};
+use super::{RunPage, StudyPage, figure, subject};
 use crate::simulate::Snapshot;
 pub use comparison::write_comparison;
 pub use droptower_viz::Address;
 pub use live::{Live, LiveError};
-pub use study::{Approach, Iteration, StudyRecording, write_study};
-pub use text::Text;
+use study::{Approach, Iteration, StudyRecording};
+use text::Text;
 
 /// Why a recording was not written.
 #[derive(Debug, Error)]
 pub enum RecordingError {
+    /// The scene is inconsistent, or the file or the viewer cannot be written to.
     #[error("recording: {0}")]
     Viz(#[from] VizError),
 }
@@ -52,6 +53,14 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
         }
     }
     Ok(stage.finish(WRITE_TIMEOUT)?)
+}
+
+/// Writes the recording of a study to `path`.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_study(path: &Path, study: &StudyPage) -> Result<(), RecordingError> {
+    Ok(droptower_viz::write(path, study::scene(&StudyRecording::of(study)))?)
 }
 
 /// The scene without the snapshots of the films, which are logged one by one.

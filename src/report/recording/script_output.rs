@@ -11,7 +11,7 @@ use crate::script::{ConvergenceHistory, FitHistory, Iterate, Row, ScriptOutput};
 
 impl StudyRecording {
     /// The same study as its page shows.
-    pub fn of(study: &StudyPage) -> StudyRecording {
+    pub(super) fn of(study: &StudyPage) -> StudyRecording {
         let output = study.output;
         let is_over_time = |plot: &&Plot| plot.x.words == "time (ms)";
         let (over_time, plots): (Vec<&Plot>, Vec<&Plot>) = output.plots.iter().partition(is_over_time);

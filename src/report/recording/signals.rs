@@ -132,14 +132,19 @@ impl MeasuredChannel<'_> {
 
 /// Charts and their signals.
 #[derive(Default)]
-pub struct Signals {
-    pub tracks: Vec<SignalTrack>,
-    pub charts: Vec<Chart>,
-    pub more_charts: Vec<Chart>,
+pub(super) struct Signals {
+    pub(super) tracks: Vec<SignalTrack>,
+    pub(super) charts: Vec<Chart>,
+    pub(super) more_charts: Vec<Chart>,
 }
 
 /// All signals of a run up to now, and beneath them the reference up to the time `end`, s.
-pub fn of(signals: &Recording, energies: &Recording, comparison: Option<&ReferenceComparison>, end: f64) -> Signals {
+pub(super) fn of(
+    signals: &Recording,
+    energies: &Recording,
+    comparison: Option<&ReferenceComparison>,
+    end: f64,
+) -> Signals {
     let measured = comparison.map(|comparison| MeasuredChannel { comparison, end });
     let mut tracks = vec![];
     let mut charts = |panes: &[Pane]| -> Vec<Chart> {

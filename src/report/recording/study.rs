@@ -1,10 +1,7 @@
 //! The recording of a study: curves of a search along its iterations, plots, tables and texts.
 
-use std::path::Path;
-
 use droptower_viz::{Chart, Diagram, Event, Moment, Places, Scene, Severity, SignalTrack, State, Stroke};
 
-use super::RecordingError;
 use super::diagram::{self, diagram};
 use super::text::Text;
 use crate::finding::Finding;
@@ -12,55 +9,49 @@ use crate::plot::{Curve, Look, Plot};
 
 /// The content of the recording of a study.
 #[derive(Clone, Debug, Default)]
-pub struct StudyRecording {
+pub(super) struct StudyRecording {
     /// The study's name.
-    pub name: String,
+    pub(super) name: String,
     /// Texts, the summary first.
-    pub texts: Vec<Text>,
+    pub(super) texts: Vec<Text>,
     /// The history of each search.
-    pub searches: Vec<Approach>,
+    pub(super) searches: Vec<Approach>,
     /// Plots that are not over time.
-    pub plots: Vec<Plot>,
+    pub(super) plots: Vec<Plot>,
     /// Plots over the time of a test in ms, which also go on the timeline `time` of a study without a search.
-    pub over_time: Vec<Plot>,
+    pub(super) over_time: Vec<Plot>,
     /// What the script reported.
-    pub findings: Vec<Finding>,
+    pub(super) findings: Vec<Finding>,
     /// The lines of its log.
-    pub log: Vec<String>,
+    pub(super) log: Vec<String>,
 }
 
 /// How the simulations of a search converged to a target.
 #[derive(Clone, Debug)]
-pub struct Approach {
+pub(super) struct Approach {
     /// Name of the target, e.g. `drop/1008`.
-    pub name: String,
+    pub(super) name: String,
     /// Axes, and the curves of the target.
-    pub target: Plot,
+    pub(super) target: Plot,
     /// In the order of their numbers.
-    pub iterations: Vec<Iteration>,
+    pub(super) iterations: Vec<Iteration>,
 }
 
 /// The state of a search after an iteration.
 #[derive(Clone, Debug)]
-pub struct Iteration {
-    pub number: u32,
+pub(super) struct Iteration {
+    /// Its number.
+    pub(super) number: u32,
     /// The smallest value of the objective so far.
-    pub objective: f64,
+    pub(super) objective: f64,
     /// Names and values of the parameters that gave it.
-    pub parameters: Vec<(String, f64)>,
+    pub(super) parameters: Vec<(String, f64)>,
     /// The simulation with them: equally many curves in every iteration, none where the search stored none.
-    pub curves: Vec<Curve>,
+    pub(super) curves: Vec<Curve>,
 }
 
-/// Writes the recording of a study to `path`.
-///
-/// # Errors
-/// The file cannot be written, or an approach has more curves in one iteration than in another.
-pub fn write_study(path: &Path, study: &StudyRecording) -> Result<(), RecordingError> {
-    Ok(droptower_viz::write(path, scene(study))?)
-}
-
-fn scene(study: &StudyRecording) -> Scene {
+/// The scene of a study.
+pub(super) fn scene(study: &StudyRecording) -> Scene {
     let approaches = study.searches.iter().enumerate().map(|(index, search)| approach(search, index));
     let plots = diagram::diagrams("plots", study.over_time.iter().chain(&study.plots));
     let (charts, signals): (Vec<Chart>, Vec<Vec<SignalTrack>>) = match study.searches.as_slice() {

@@ -14,14 +14,14 @@ const MOST_LETTERS: usize = 160;
 
 /// A text of its own.
 #[derive(Clone, Debug)]
-pub struct Text {
-    pub title: String,
-    pub markdown: String,
+pub(super) struct Text {
+    pub(super) title: String,
+    pub(super) markdown: String,
 }
 
 impl Text {
     /// A file verbatim, such as a scenario or a script.
-    pub fn verbatim(title: &str, content: &str) -> Text {
+    pub(super) fn verbatim(title: &str, content: &str) -> Text {
         // A fence is longer than any run of backticks within.
         let longest = content.split(|c| c != '`').map(str::len).max().unwrap_or(0);
         let fence = "`".repeat(longest.max(2) + 1);
@@ -29,13 +29,13 @@ impl Text {
     }
 
     /// The tables of a script; `None` without any.
-    pub fn tables(output: &ScriptOutput) -> Option<Text> {
+    pub(super) fn tables(output: &ScriptOutput) -> Option<Text> {
         let tables: Vec<String> = output.tables.iter().map(|(name, rows)| table(name, rows)).collect();
         (!tables.is_empty()).then(|| Text { title: "Tables".to_owned(), markdown: tables.join("\n") })
     }
 
     /// The beginnings of the files of a script; `None` without any.
-    pub fn files(output: &ScriptOutput) -> Option<Text> {
+    pub(super) fn files(output: &ScriptOutput) -> Option<Text> {
         let files: Vec<String> = output.files.iter().take(MOST_FILES).map(file).collect();
         let more = match output.files.iter().count().saturating_sub(MOST_FILES) {
             0 => String::new(),

@@ -28,7 +28,7 @@ struct Cell<'a> {
 }
 
 /// The film of `outcome` in a snapshot.
-pub fn grid(model: &Model, outcome: &Outcome, snapshot: &Snapshot) -> Result<Grid, VtuError> {
+pub(super) fn grid(model: &Model, outcome: &Outcome, snapshot: &Snapshot) -> Result<Grid, VtuError> {
     let sheets = sheets(model, outcome, snapshot)?;
     let held = |sheet: &Sheet<'_>, element: &usize| !sheet.state.failed[*element];
     let cells: Vec<Cell<'_>> = sheets

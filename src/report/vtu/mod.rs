@@ -40,12 +40,16 @@ const COMPRESSION: u32 = 5;
 /// Why a run cannot be written for ParaView.
 #[derive(Debug, Error)]
 pub enum VtuError {
+    /// A data set is inconsistent.
     #[error("VTU: {0}")]
     Vtk(#[from] vtkio::Error),
+    /// A data set cannot be written as XML.
     #[error("VTU: {0}")]
     Xml(#[from] vtkio::xml::Error),
+    /// A collection cannot be written as XML.
     #[error("PVD: {0}")]
     Collection(#[from] quick_xml::Error),
+    /// The snapshots lack their detail.
     #[error("the snapshots have no stresses: the run was made without detail")]
     NoDetail,
 }
@@ -55,6 +59,7 @@ pub enum VtuError {
 pub struct File {
     /// Path in the run folder, with `/`.
     pub name: String,
+    /// Its content.
     pub content: Vec<u8>,
 }
 
