@@ -54,7 +54,7 @@ impl Colouring {
     }
 }
 
-/// Colours that a mask tells apart.
+/// Colours that a mask can hold.
 const MASK: usize = u64::BITS as usize;
 
 /// First-fit colours of parts, in their order: the first colour that no earlier part with a node in common has.

@@ -1,4 +1,4 @@
-//! Elements of one law and kind behind one trait: the place where the engine's calls become kernels.
+//! Elements of one law and kind behind one trait: where calls of the engine are dispatched to kernels.
 
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
-//! The energy audit.
+//! The energy balance.
 
 use serde::{Deserialize, Serialize};
 
-/// Where the energy of a run is, J. The sum of all terms stays constant.
+/// Terms of the energy balance, J. Their sum is constant (theory.md, equation 24).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// Kinetic, film.
@@ -11,21 +11,21 @@ pub struct Energies {
     pub kinetic_impactor: f64,
     /// Potential in gravity, film and impactor, over the undeformed state.
     pub potential: f64,
-    /// Elastic, comes back on unloading.
+    /// Elastic, returned on unloading.
     pub stored: f64,
     /// Absorbed by the film's law.
     pub absorbed: f64,
-    /// Held by elements when they failed.
+    /// Stored in elements when they failed.
     pub rupture: f64,
     /// In the stabilisation against hourglass modes.
     pub hourglass: f64,
-    /// Lost where nodes first met the impactor.
+    /// Dissipated where nodes come into contact.
     pub contact: f64,
-    /// Lost by sliding.
+    /// Dissipated by friction.
     pub friction: f64,
-    /// Lost to mass-proportional damping.
+    /// Dissipated by mass-proportional damping.
     pub damping: f64,
-    /// Given by jaws, pressure or a driven impactor, counted negative.
+    /// External work by jaws, pressure or a driven impactor, counted negative.
     pub external: f64,
 }
 
@@ -67,9 +67,9 @@ impl Energies {
         self.terms().iter().sum()
     }
 
-    /// Half the sum of what all terms gained and lost since `start`: the energy that changed its place.
+    /// Energy exchanged between the terms since `start`: half the sum of their changes in magnitude.
     pub fn exchanged(&self, start: &Energies) -> f64 {
-        let moved = self.terms().iter().zip(start.terms()).map(|(now, then)| (now - then).abs()).sum::<f64>();
-        0.5 * moved
+        let changes = self.terms().iter().zip(start.terms()).map(|(now, then)| (now - then).abs()).sum::<f64>();
+        0.5 * changes
     }
 }

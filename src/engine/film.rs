@@ -144,7 +144,7 @@ impl Film {
         frequency_bounds(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
 
-    /// Deletes every element in which the last pass over the forces found a fibre past its break strain; its mass stays in the
+    /// Deletes every element in which the last pass over the forces found a fibre past its break strain; its mass stays at the
     /// nodes. `position` is that of all nodes. Returns the number of elements and their energies.
     pub fn delete_failed(&mut self, position: [&[f64]; 3]) -> (usize, ElementEnergy) {
         let position = self.own(position);
@@ -181,10 +181,10 @@ impl SharedFilm<'_> {
     /// Adds the forces of one chunk; `position`, to which the nodes moved in `dt` (s), is that of all nodes.
     ///
     /// # Safety
-    /// Meanwhile no other thread may add those of this chunk or of one that shares a node with it.
+    /// No other thread may add those of this chunk, or of one that shares a node with it, at the same time.
     pub(super) unsafe fn add_forces(&self, width: Width, chunk: usize, position: [&[f64]; 3], dt: f64) {
         let position = position.map(|axis| &axis[self.nodes.clone()]);
-        // SAFETY: the caller keeps other threads from this chunk and from its nodes.
+        // SAFETY: by the contract no other thread accesses this chunk or its nodes.
         let (chunk, force) = unsafe { (self.chunks.at(chunk), self.forces.own()) };
         chunk.failed = chunk.group.add_forces(width, &position, dt, force);
     }

@@ -1,4 +1,4 @@
-//! Mounting: a mesh becomes the elements of a film.
+//! Mounting: the elements of a film from a mesh.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::lane::LANES;
 use crate::material::{LawVisitor, MembraneLaw};
 use crate::mesh::Mesh;
 
-/// Number of chunks that a film is cut into where they do not become too large or too small: enough for threads to share.
+/// Number of chunks of a film, where these stay within [`BLOCKS`].
 const CHUNKS: usize = 12;
 
 /// Bounds on the blocks of a chunk.
@@ -38,7 +38,7 @@ impl Film {
     }
 }
 
-/// A film while its elements are made.
+/// A film while its elements are built.
 struct Mount<'a> {
     mesh: &'a Mesh,
     section: &'a Section,

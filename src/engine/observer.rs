@@ -1,4 +1,4 @@
-//! What an observer may see of a run.
+//! Observers of a run, and the state that they are shown.
 
 use super::thread_pool::ThreadPool;
 use super::{
@@ -6,13 +6,16 @@ use super::{
     film,
 };
 
-/// Something that looks on.
+/// Follows a run without changing it.
 pub trait Observer {
-    /// Whether it wants to see the full step at `time` (s).
+    /// Whether it needs the state at the full step at `time` (s).
     fn wants(&self, time: f64) -> bool;
-    /// Sees it.
+    /// Is shown the state at that step.
+    ///
+    /// # Errors
+    /// A [`Fault`] ends the run.
     fn see(&mut self, view: &View<'_>) -> Result<(), Fault>;
-    /// Follows impactor and jaws through every step.
+    /// Is shown impactor and jaws at every step.
     fn follow(&mut self, _track: &Track) {}
 }
 
@@ -27,17 +30,17 @@ pub struct Track {
     pub z: f64,
     /// Vertical velocity in the middle of the step after it, m/s.
     pub velocity: f64,
-    /// Work given to the film so far, J.
+    /// Work of the impactor on the film so far, J.
     pub work: f64,
-    /// Momentum that the film gave the impactor along z so far, N s.
+    /// Impulse on the impactor along z so far, N s.
     pub impulse: f64,
-    /// Pull of the film on the jaws, mean of all of them, N.
+    /// Force of the film on the jaws, mean over all of them, N.
     pub jaw_force: f64,
 }
 
 /// The state at a full step, read-only.
 pub struct View<'a> {
-    /// s.
+    /// Time of the full step, s.
     pub time: f64,
     /// Steps so far.
     pub steps: u64,
@@ -55,9 +58,9 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// The energy audit at this step.
+    /// The energy balance at this step.
     pub fn energies(&self) -> Energies {
-        let copies = self.loads.multiplicity;
+        let multiplicity = self.loads.multiplicity;
         let g = self.loads.gravity;
         let mut out = Energies {
             rupture: self.ledger.rupture,
@@ -67,14 +70,14 @@ impl View<'_> {
             ..Energies::default()
         };
         for energy in film::energies(self.films, self.pool, self.nodes.position.axes()) {
-            out.stored += copies * energy.stored;
-            out.absorbed += copies * energy.absorbed;
-            out.hourglass += copies * energy.hourglass;
+            out.stored += multiplicity * energy.stored;
+            out.absorbed += multiplicity * energy.absorbed;
+            out.hourglass += multiplicity * energy.hourglass;
         }
         for (n, mass) in self.nodes.mass.iter().enumerate() {
             let (v, u) = (self.nodes.velocity.at(n), self.previous.velocity.at(n));
-            out.kinetic_film += copies * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
-            out.potential += copies * mass * g * self.nodes.position.at(n)[2];
+            out.kinetic_film += multiplicity * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
+            out.potential += multiplicity * mass * g * self.nodes.position.at(n)[2];
         }
         if let (Some(body), Some(before)) = (self.body, &self.previous.body) {
             out.kinetic_impactor = body.kinetic_energy(before);
@@ -90,7 +93,7 @@ impl View<'_> {
         out
     }
 
-    /// Strains of every element of each face, quads first, in place of what `out` held.
+    /// Strains of every element of each face, quads first, into `out`.
     pub fn strains(&self, out: &mut Vec<Vec<ElementStrain>>) {
         film::strains(self.films, self.pool, self.nodes.position.axes(), out);
     }
@@ -101,7 +104,7 @@ impl View<'_> {
         [0, 1, 2].map(|axis| 0.5 * (before[axis] + after[axis]))
     }
 
-    /// The touch between impactor and film, if there is an impactor.
+    /// State of contact, if there is an impactor.
     pub fn contact_state(&self) -> Option<ContactState> {
         let (contact, body) = (self.contact?, self.body?);
         Some(contact.state(self.nodes, &body.pose))
@@ -112,7 +115,7 @@ impl View<'_> {
         self.contact.as_ref().map(|c| c.surface().size())
     }
 
-    /// Nodes that the impactor touched in this step.
+    /// Nodes in contact with the impactor in this step.
     pub fn nodes_in_contact(&self) -> Vec<usize> {
         self.contact.as_ref().map_or(vec![], |c| c.nodes_in_contact().collect())
     }

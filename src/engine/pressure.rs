@@ -1,4 +1,4 @@
-//! Pressure on film: a follower load on its present area, along its present normal.
+//! Pressure: a follower load on the present area, along the present normal.
 //!
 //! With the volume `V` between the film and any fixed surface through its edge, the load is the gradient `F_a = p ∂V/∂x_a`,
 //! so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29).
@@ -9,25 +9,26 @@ use serde::{Deserialize, Serialize};
 use super::film::Film;
 use super::nodes::Nodes;
 
-/// A pressure that rises smoothly and then stays.
+/// A pressure that rises smoothly and is then constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inflation {
-    /// Pa, once risen.
+    /// Final value, Pa.
     pub pressure: f64,
-    /// Time in which it rises, s.
+    /// Rise time, s.
     pub ramp: f64,
 }
 
 impl Inflation {
-    /// Pressure at `time` (s), Pa: `s³(10 − 15s + 6s²)` of the whole at the share `s` of the ramp (theory.md, equation 30). Flat film rises with the
-    /// cube root of the pressure, so that it starts evenly, and it comes to its end without a jolt.
+    /// Pressure at `time` (s), Pa: `s³(10 − 15s + 6s²)` of the final value at the share `s` of the ramp (theory.md, equation 30).
+    /// Flat film rises with the cube root of the pressure, and so at a steady rate at first; at the end of the ramp the rate and its
+    /// derivative are zero.
     pub fn at(&self, time: f64) -> f64 {
         let s = (time / self.ramp).clamp(0.0, 1.0);
         self.pressure * s * s * s * (10.0 + s * (6.0 * s - 15.0))
     }
 }
 
-/// The pressure that acted last and the volume under the film then.
+/// Pressure of a step and the volume that the film encloses.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Inflated {
     pressure: f64,
@@ -64,7 +65,7 @@ fn spread<const N: usize>(nodes: &mut Nodes, corners: &[u32], pressure: f64, pat
     patch.volume
 }
 
-/// An element as pressure sees it.
+/// The part of an element in the load.
 struct Patch<const N: usize> {
     /// Vector area that belongs to each node, m².
     areas: [Vector3<f64>; N],
@@ -132,22 +133,22 @@ mod tests {
                 );
             }
         }
-        assert!(load.iter().sum::<Vector3<f64>>().norm() < 1e-14, "a closed surface is not pushed");
+        assert!(load.iter().sum::<Vector3<f64>>().norm() < 1e-14, "there is no resultant on a closed surface");
     }
 
     #[test]
-    fn a_flat_quad_and_its_two_triangles_carry_the_same() {
+    fn a_flat_quad_and_its_two_triangles_have_the_same_load() {
         let x = [[0.0, 0.0, 2.0], [1.0, 0.2, 2.0], [1.3, 1.1, 2.0], [-0.1, 0.8, 2.0]].map(Vector3::from);
         let whole = quad(x);
         let halves = [triangle([x[0], x[1], x[2]]), triangle([x[0], x[2], x[3]])];
         let area: Vector3<f64> = halves.iter().flat_map(|half| half.areas).sum();
         assert!((whole.areas.iter().sum::<Vector3<f64>>() - area).norm() < 1e-15);
         assert!((whole.volume - halves[0].volume - halves[1].volume).abs() < 1e-15);
-        assert!(area.z > 0.0, "counter-clockwise from above is pushed up");
+        assert!(area.z > 0.0, "the load on a counter-clockwise element acts upwards");
     }
 
     #[test]
-    fn pressure_rises_and_stays() {
+    fn pressure_rises_along_the_ramp_and_is_constant_after_it() {
         let inflation = Inflation { pressure: 10e3, ramp: 0.05 };
         assert_eq!([0.0, 0.025, 0.05, 0.08].map(|time| inflation.at(time)), [0.0, 5e3, 10e3, 10e3]);
         let early = inflation.at(1e-3 * inflation.ramp) / inflation.pressure;

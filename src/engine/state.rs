@@ -63,7 +63,7 @@ impl Engine {
         self.check(&state)?;
         self.time = state.time;
         self.steps = state.steps;
-        self.time_step.resume(state.time_step);
+        self.time_step.restore(state.time_step);
         self.ledger = state.ledger;
         self.inflated = state.inflated;
         self.failed = 0;

@@ -10,27 +10,27 @@ use super::{Fault, Loads};
 /// Share of the stability limit that is used.
 const SAFETY: f64 = 0.9;
 
-/// The same once elements have failed: torn film snaps back and flutters between slack and taut, and a step near the
+/// The same after elements have failed: torn film snaps back and flutters between slack and taut, and a step near the
 /// limit of the linear theory gains energy at such kinks (theory.md, section 4).
 const TORN_SAFETY: f64 = 0.5;
 
-/// Steps between two looks at the film's stiffness, and time, s: the laws bound it for strains within 0.5 % of the present
-/// ones, which covers rates of 70 1/s.
+/// Steps, and time (s), between two updates of the frequency bound: the laws bound the stiffness for strains within 0.5 % of
+/// the present ones, which covers rates of 70 1/s.
 const INTERVAL: (u32, f64) = (14, 0.005 / 70.0);
 
-/// Growth from one step to the next after a look.
+/// Largest growth from one step to the next.
 const GROWTH: f64 = 1.02;
 
-/// Largest step over the first one: film that has gone slack has no stiffness, but may regain it any time.
+/// Largest step over the first one: slack film has no stiffness, but may regain it at any time.
 const CEILING: f64 = 4.0;
 
-/// Share of the first step below which a run is given up.
+/// Share of the first step below which a run fails.
 const COLLAPSE: f64 = 1e-3;
 
 /// The stable step of central differences, Δt = s·2/ω (√(1 + ξ²) − ξ), with ω bounded element by element from the
 /// present tangent stiffness and shape (theory.md, equations 16 and 17). Kinematic contact adds nothing to ω.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct TimeStep {
+pub(super) struct TimeStep {
     // Both follow from the model.
     #[serde(skip)]
     damping: f64,
@@ -40,12 +40,12 @@ pub struct TimeStep {
     first: f64,
     now: f64,
     target: f64,
-    until_look: u32,
+    until_update: u32,
 }
 
 impl TimeStep {
     /// The step of film at rest, with the damping and the step factor of `loads`.
-    pub fn new(films: &[Film], nodes: &Nodes, pool: &ThreadPool, loads: &Loads) -> TimeStep {
+    pub(super) fn new(films: &[Film], nodes: &Nodes, pool: &ThreadPool, loads: &Loads) -> TimeStep {
         let (damping, factor) = (loads.damping, loads.step_factor);
         let mut step = TimeStep { damping, factor, safety: SAFETY, ..TimeStep::default() };
         (step.first, _) = step.stable(films, nodes, pool);
@@ -53,37 +53,43 @@ impl TimeStep {
         step
     }
 
-    /// Goes on from `saved`, which a step of the same model left.
-    pub fn resume(&mut self, saved: TimeStep) {
+    /// Restores `saved`, of the same model.
+    pub(super) fn restore(&mut self, saved: TimeStep) {
         *self = TimeStep { damping: self.damping, factor: self.factor, ..saved };
     }
 
-    /// s.
-    pub fn now(&self) -> f64 {
+    /// The present step, s.
+    pub(super) fn now(&self) -> f64 {
         self.now
     }
 
-    /// The last and the next step, s; looks at the film again where it is due.
-    pub fn next(&mut self, films: &[Film], nodes: &Nodes, pool: &ThreadPool, time: f64) -> Result<(f64, f64), Fault> {
+    /// The last and the next step, s; updates the frequency bound where that is due.
+    pub(super) fn next(
+        &mut self,
+        films: &[Film],
+        nodes: &Nodes,
+        pool: &ThreadPool,
+        time: f64,
+    ) -> Result<(f64, f64), Fault> {
         let last = self.now;
-        if self.until_look == 0 {
+        if self.until_update == 0 {
             let (stable, face) = self.stable(films, nodes, pool);
             if stable.is_nan() || stable < COLLAPSE * self.first {
                 return Err(Fault::TimeStepCollapsed { time, first: self.first, now: stable, face: face + 1 });
             }
             self.target = stable.min(CEILING * self.first);
             let within = (INTERVAL.1 / self.target).min(f64::from(INTERVAL.0)).max(1.0);
-            self.until_look = within as u32;
+            self.until_update = within as u32;
         }
-        self.until_look -= 1;
+        self.until_update -= 1;
         self.now = self.target.min(GROWTH * last);
         Ok((last, self.now))
     }
 
     /// Reduces the safety factor and updates the step at once, after elements have failed.
-    pub fn tear(&mut self) {
+    pub(super) fn tear(&mut self) {
         self.safety = TORN_SAFETY;
-        self.until_look = 0;
+        self.until_update = 0;
     }
 
     /// The stable step and the face that limits it.

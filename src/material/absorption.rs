@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Substituting the argument in ∫σ_u dε gives exactly (1 − D)·W(ε_m): the share D of the stored energy is lost
-//! whatever the curve, the path is monotone as the curve is, and D = 0 is the curve itself. Reloading goes back along
-//! the same path to (ε_m, σ(ε_m)) and on along the curve.
+//! whatever the curve, the path is monotone as the curve is, and D = 0 is the curve itself. Reloading follows
+//! the same path to (ε_m, σ(ε_m)) and then the curve.
 
 use serde::{Deserialize, Serialize};
 
@@ -41,31 +41,31 @@ impl Absorption {
         self.steepening
     }
 
-    /// Where on the curve a fibre at `strain` with largest strain `peak` stands.
+    /// Strain on the curve that has the stress of a fibre at `strain` with largest strain `peak`.
     #[inline(always)]
-    fn place(&self, strain: f64, peak: f64) -> f64 {
+    fn curve_strain(&self, strain: f64, peak: f64) -> f64 {
         peak - (peak - strain) * self.steepening
     }
 
     /// Stress at `strain`; raises `peak` to it.
     #[inline(always)]
     pub fn stress<const L: usize>(&self, curve: &Curve, strain: &Lane<L>, peak: &mut Lane<L>) -> Lane<L> {
-        let mut place = splat(0.0);
+        let mut curve_strain = splat(0.0);
         for l in 0..L {
             peak[l] = larger(strain[l], peak[l]);
-            place[l] = self.place(strain[l], peak[l]);
+            curve_strain[l] = self.curve_strain(strain[l], peak[l]);
         }
-        curve.stress_lanes(&place)
+        curve.stress_lanes(&curve_strain)
     }
 
-    /// Energy density at `strain` with largest strain `peak`: what would come back, and what is lost for good.
+    /// Energy density (J/m³) at `strain` with largest strain `peak`: stored and absorbed.
     #[inline(always)]
     pub fn energy<const L: usize>(&self, curve: &Curve, strain: &Lane<L>, peak: &Lane<L>) -> (Lane<L>, Lane<L>) {
-        let mut place = splat(0.0);
+        let mut curve_strain = splat(0.0);
         for l in 0..L {
-            place[l] = self.place(strain[l], peak[l]);
+            curve_strain[l] = self.curve_strain(strain[l], peak[l]);
         }
-        let stored = curve.read(&place).energy.map(|w| (1.0 - self.share) * w);
+        let stored = curve.read(&curve_strain).energy.map(|w| (1.0 - self.share) * w);
         let absorbed = curve.read(peak).energy.map(|w| self.share * w);
         (stored, absorbed)
     }
@@ -76,7 +76,7 @@ impl Absorption {
         let reach = reach * self.steepening;
         let (mut from, mut to) = (splat(0.0), splat(0.0));
         for l in 0..L {
-            let place = self.place(strain[l], peak[l]);
+            let place = self.curve_strain(strain[l], peak[l]);
             from[l] = place - reach;
             to[l] = place + reach;
         }

@@ -7,15 +7,15 @@ use crate::lane::{Lane, larger, smaller, splat};
 
 /// A piecewise linear stress–strain curve that starts at the origin.
 ///
-/// Below zero strain the stress is zero. History the last point the last slope goes on; whether the
-/// material still holds there is for the law to say ([`Curve::end`]).
+/// Below zero strain the stress is zero. Beyond the last point the last slope continues; the law decides whether the material
+/// fails there ([`Curve::end`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     points: Vec<[f64; 2]>,
     segments: Vec<Segment>,
 }
 
-/// One straight piece: from `start`, `length` long in strain, the last one without end.
+/// One straight piece from the strain `start` of the strain `length`, infinite for the last one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Segment {
     start: f64,
@@ -27,12 +27,16 @@ struct Segment {
 /// Why points are not a stress–strain curve.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CurveError {
+    /// There is no point besides the origin.
     #[error("a curve needs at least one point besides the origin")]
     TooShort,
+    /// Strains must increase.
     #[error("strain does not increase at point {index}: {strain} after {previous}")]
     StrainNotIncreasing { index: usize, strain: f64, previous: f64 },
+    /// Stresses must not decrease; Pa.
     #[error("stress falls at point {index}: {stress} Pa after {previous} Pa")]
     StressFalls { index: usize, stress: f64, previous: f64 },
+    /// A strain or stress is not finite.
     #[error("point {index} is not a finite number")]
     NotFinite { index: usize },
 }
@@ -48,19 +52,22 @@ pub struct Reading<const L: usize> {
 
 impl Curve {
     /// Curve through the origin and `points` (strain, stress in Pa), whose strain must increase and whose stress
-    /// must not fall: a falling branch would gather all further strain in one row of elements.
+    /// must not fall: on a falling branch strain would localise in one row of elements.
     ///
-    /// A leading (0, 0) may be given or left out. An error's index counts the points as given.
+    /// A leading (0, 0) may be left out.
+    ///
+    /// # Errors
+    /// [`CurveError`] with the index of a point in `points`.
     pub fn new(points: Vec<[f64; 2]>) -> Result<Curve, CurveError> {
-        let given = if points.first() == Some(&[0.0, 0.0]) { 1 } else { 0 };
-        let points = points[given..].to_vec();
+        let skipped = if points.first() == Some(&[0.0, 0.0]) { 1 } else { 0 };
+        let points = points[skipped..].to_vec();
         if points.is_empty() {
             return Err(CurveError::TooShort);
         }
         let mut segments = Vec::with_capacity(points.len());
         let mut from = [0.0, 0.0];
         for (i, &to) in points.iter().enumerate() {
-            let index = i + given;
+            let index = i + skipped;
             if !(to[0].is_finite() && to[1].is_finite()) {
                 return Err(CurveError::NotFinite { index });
             }

@@ -7,9 +7,9 @@
 //! ∂W/∂f₁ = σ_md f₁/λ₁ + τ(γ)/cos γ · ( f₂/(m₁ m₂) − [λ₁ > 1] sin γ · f₁/λ₁² )
 //! ```
 //!
-//! and the same with the indices exchanged. γ is the angle by which taut fibres left their right angle;
-//! a slack fibre carries no stress, and its part in shear fades with its length instead of growing without bound.
-//! Beyond |sin γ| = 0.95 the angle goes on along its tangent, so that the force stays bounded as fibres close up.
+//! and the same with the indices exchanged. γ is the angle by which taut fibres deviate from their right angle;
+//! a slack fibre carries no stress, and its part in shear decreases with its length instead of growing without bound.
+//! Beyond |sin γ| = 0.95 the angle is continued along its tangent, so that the force is bounded as the fibres align.
 
 use serde::{Deserialize, Serialize};
 
@@ -160,7 +160,7 @@ impl<const L: usize> Fibres<L> {
         out
     }
 
-    /// Stress of fibres that pull with `md` and `td` and resist shear with `shear`, Pa.
+    /// Stress of fibres with the engineering stresses `md`, `td` and `shear`, Pa.
     #[inline(always)]
     fn pull(&self, d: &Deformation<L>, md: &Lane<L>, td: &Lane<L>, shear: &Lane<L>) -> Stress<L> {
         let mut tension = [splat(0.0); 2];

@@ -1,15 +1,16 @@
-//! What a fabric asks of its fibre sets.
+//! Laws of fibre sets.
 
 use super::history::FibreHistory;
 use super::{Absorption, Curve};
 use crate::lane::{Lane, splat};
 
-/// Stress of a fibre set as a function of its engineering strain and its past, with absorption on unloading.
+/// Stress of a fibre set as a function of its engineering strain and its history variables, with absorption on unloading.
 pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
-    /// What it remembers.
+    /// Its history variables.
     type History<const L: usize>: FibreHistory<L>;
 
-    /// Stress (Pa) at `strain`, reached `dt` (s) after the strain before; remembers it. No time passes while film is mounted.
+    /// Stress (Pa) at `strain`, reached `dt` (s) after the previous one; updates the history variables. `dt` is zero while film is
+    /// mounted.
     fn stress<const L: usize>(
         &self,
         absorption: &Absorption,
@@ -18,7 +19,7 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
         dt: f64,
     ) -> Lane<L>;
 
-    /// Stress (Pa) at `strain`, reached as fast as it was strained so far.
+    /// Stress (Pa) at `strain`, reached at the present rate.
     fn stress_near<const L: usize>(
         &self,
         absorption: &Absorption,
@@ -26,7 +27,7 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
         history: &Self::History<L>,
     ) -> Lane<L>;
 
-    /// Energy density (J/m³) at `strain`: what would come back, and what is lost for good.
+    /// Energy density (J/m³) at `strain`: stored and absorbed.
     fn energy<const L: usize>(
         &self,
         absorption: &Absorption,
@@ -34,7 +35,8 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
         history: &Self::History<L>,
     ) -> (Lane<L>, Lane<L>);
 
-    /// Largest slope dσ/dε (Pa) within `reach` of `strain`, whichever way and however fast it goes on; zero where the fibre stays slack.
+    /// Bound on the slope dσ/dε (Pa) within `reach` of `strain`, on loading and unloading at any rate; zero where the fibre stays
+    /// slack.
     fn steepest<const L: usize>(
         &self,
         absorption: &Absorption,
@@ -43,13 +45,13 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
         reach: f64,
     ) -> Lane<L>;
 
-    /// Slope at rest, Pa.
+    /// Initial slope of the curve at the lowest rate, Pa.
     fn initial_slope(&self) -> f64;
 
-    /// Strain at which it breaks as fast as it was strained so far.
+    /// Break strain at the present rate.
     fn break_strain<const L: usize>(&self, history: &Self::History<L>) -> Lane<L>;
 
-    /// Strains at which it breaks when it is strained slowly, and at the rate at which it holds longest.
+    /// Break strain at the lowest rate, and the largest at any rate.
     fn break_strains(&self) -> [f64; 2];
 }
 

@@ -1,10 +1,10 @@
-//! History variables: what a law keeps of an integration point.
+//! History variables: what a law stores at an integration point between steps.
 
 use crate::lane::{LANES, Lane, splat};
 
 /// History variables of integration points, one point a lane.
 pub trait History<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
-    /// Those of film that was never strained.
+    /// Those of virgin film.
     fn virgin() -> Self;
     /// Largest engineering strain so far of the MD (0) or TD (1) fibres.
     fn peak(&self, fibre: usize) -> &Lane<L>;
@@ -16,7 +16,7 @@ pub trait History<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
 
 /// History variables of one fibre set.
 pub trait FibreHistory<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
-    /// Those of fibres that were never strained.
+    /// Those of virgin fibres.
     fn virgin() -> Self;
     /// Largest engineering strain so far.
     fn peak(&self) -> &Lane<L>;

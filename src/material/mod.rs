@@ -1,15 +1,15 @@
 //! Constitutive laws of films: stress and energy of one layer as functions of its deformation.
 //!
-//! A law knows no mesh and no time. It is asked in lanes ([`crate::lane`]) for the stress that belongs to a
-//! deformation gradient, and in the same letters for the energy that stress is the gradient of.
+//! A law is independent of mesh and time integration. It computes, in lanes ([`crate::lane`]), the stress at a deformation
+//! gradient and the energy of which the stress is the derivative.
 
 mod absorption;
 mod curve;
 mod elastic;
 mod fabric;
 mod fibre;
-mod multipliers;
 mod history;
+mod multipliers;
 mod rate_curves;
 mod tension_field;
 
@@ -36,23 +36,23 @@ pub type Gradient<const L: usize = LANES> = [Lane3<L>; 2];
 pub struct Deformation<const L: usize = LANES> {
     /// The gradient at the point.
     pub f: Gradient<L>,
-    /// Mean square by which f₁ and f₂ vary over the part of the element that the point stands for; the stretch that a
-    /// law sees is the root mean square √(|f_I|² + s_I) (theory.md, equation 13).
+    /// Mean square by which f₁ and f₂ vary over the part of the element that the point represents; the stretch in a law is the
+    /// root mean square √(|f_I|² + s_I) (theory.md, equation 13).
     pub stretch_variance: [Lane<L>; 2],
 }
 
 impl<const L: usize> From<Gradient<L>> for Deformation<L> {
-    /// The same gradient everywhere.
+    /// A uniform gradient.
     fn from(f: Gradient<L>) -> Deformation<L> {
         Deformation { f, stretch_variance: [splat(0.0); 2] }
     }
 }
 
-/// Answer of a law to a deformation.
+/// Stress of a law at a deformation.
 pub struct Stress<const L: usize> {
     /// First Piola–Kirchhoff stress ∂W/∂f₁, ∂W/∂f₂, Pa of one layer.
     pub p: Gradient<L>,
-    /// 2 ∂W/∂|f_I|², Pa of one layer: tension over stretch, with which a stretched fibre resists motion in any direction.
+    /// 2 ∂W/∂|f_I|², Pa of one layer: tension over stretch, the geometric stiffness of a fibre.
     pub tension: [Lane<L>; 2],
     /// ∂W/∂(f₁·f₂), Pa of one layer.
     pub cross: Lane<L>,
@@ -61,9 +61,9 @@ pub struct Stress<const L: usize> {
 /// Energy density of a film, J/m³.
 #[derive(Clone, Copy, Debug)]
 pub struct Energy<const L: usize> {
-    /// Comes back on unloading.
+    /// Returned on unloading.
     pub stored: Lane<L>,
-    /// Turned into heat and damage.
+    /// Dissipated.
     pub absorbed: Lane<L>,
 }
 
@@ -74,7 +74,7 @@ pub struct Strains<const L: usize> {
     pub md: Lane<L>,
     /// Engineering strain |f₂| − 1 along TD.
     pub td: Lane<L>,
-    /// Angle by which MD and TD left their right angle, rad.
+    /// Angle by which MD and TD deviate from their right angle, rad.
     pub shear: Lane<L>,
 }
 
@@ -104,10 +104,10 @@ pub struct Stiffness<const L: usize> {
 }
 
 impl<const L: usize> Stiffness<L> {
-    /// Bound on the resistance of an integration point against motion of its nodes, Pa/m², with G_IJ = Σ_a ∂N_a/∂X_I ∂N_a/∂X_J
-    /// (theory.md, equation 17).
+    /// Bound on the largest eigenvalue of the stiffness of an integration point over its volume, Pa/m², with
+    /// G_IJ = Σ_a ∂N_a/∂X_I ∂N_a/∂X_J (theory.md, equation 17).
     #[inline(always)]
-    pub fn resistance(&self, g: &[[Lane<L>; 2]; 2]) -> Lane<L> {
+    pub fn eigenvalue_bound(&self, g: &[[Lane<L>; 2]; 2]) -> Lane<L> {
         let mut out = splat(0.0);
         for l in 0..L {
             let (first, second) = (self.along[0][l] * g[0][0][l], self.along[1][l] * g[1][1][l]);
@@ -122,17 +122,18 @@ impl<const L: usize> Stiffness<L> {
     }
 }
 
-/// What an element asks of a law.
+/// A constitutive law of a membrane.
 pub trait MembraneLaw {
-    /// What it remembers of an integration point.
+    /// Its history variables at an integration point.
     type History<const L: usize>: History<L>;
-    /// Stress at deformation `d`, reached `dt` (s) after the deformation before; remembers it. No time passes while film is mounted.
+    /// Stress at deformation `d`, reached `dt` (s) after the previous one; updates the history variables. `dt` is zero while film
+    /// is mounted.
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L>;
     /// Energy at deformation `d`.
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L>;
-    /// Largest tangent stiffness at and near deformation `d`, whichever way it goes on.
+    /// Bound on the tangent stiffness at and near deformation `d`, on loading and unloading.
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Stiffness<L>;
-    /// Thickness over that of stress-free film under `stress`; NaN where the law says nothing of it.
+    /// Thickness over that of stress-free film under `stress`; NaN where the law does not define it.
     fn thickness_ratio<const L: usize>(&self, stress: &Stress<L>) -> Lane<L>;
     /// Slopes of the law at rest along MD and TD, Pa.
     fn moduli(&self) -> [f64; 2];
@@ -188,7 +189,7 @@ impl Law {
         self.visit(BreakRange)
     }
 
-    /// First Piola–Kirchhoff stress of film that goes slowly and straight to the gradient `f`, Pa of one layer.
+    /// First Piola–Kirchhoff stress of virgin film at the gradient `f`, reached slowly, Pa of one layer.
     pub fn virgin_stress(&self, f: Gradient<1>) -> Gradient<1> {
         struct VirginStress(Deformation<1>);
         impl LawVisitor for VirginStress {
@@ -201,7 +202,7 @@ impl Law {
         self.visit(VirginStress(f.into()))
     }
 
-    /// Calls `visitor` with the law itself: the one place that tells the laws apart.
+    /// Calls `visitor` with the law itself: the only dispatch over laws.
     pub fn visit<V: LawVisitor>(&self, visitor: V) -> V::Output {
         match self {
             Law::Fabric(law) => visitor.visit(law),
@@ -212,16 +213,16 @@ impl Law {
     }
 }
 
-/// What is done with a law of any type, once [`Law::visit`] knows it.
+/// An operation on a law of any type, called by [`Law::visit`].
 pub trait LawVisitor {
-    /// What comes of it.
+    /// Its result.
     type Output;
 
     /// Called with the law.
     fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> Self::Output;
 }
 
-/// What one layer of film is made of.
+/// Material and thickness of one layer of film.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// kg/m³.
@@ -230,18 +231,18 @@ pub struct Material {
     pub thickness: f64,
     /// Its constitutive law.
     pub law: Law,
-    /// Lowest and highest strain rate (1/s) at which the curves were measured, as it is written or else as they have it.
+    /// Lowest and highest strain rate (1/s) at which the curves were measured, as written, else the lowest and highest rate of the curves.
     pub measured_rates: Option<[f64; 2]>,
 }
 
-/// Strains of a deformation; measures that every law shares.
+/// Strains of a deformation, the same measures for every law.
 #[inline(always)]
 pub fn strains<const L: usize>(d: &Deformation<L>) -> Strains<L> {
     let fibres = fabric::Fibres::of(d);
     Strains { md: fibres.strain(0), td: fibres.strain(1), shear: fibres.angle }
 }
 
-/// Engineering stresses of a deformation that a law answers with `stress`.
+/// Engineering stresses at a deformation where a law has `stress`.
 pub fn stresses<const L: usize>(d: &Deformation<L>, stress: &Stress<L>) -> Stresses<L> {
     fabric::Fibres::of(d).stresses(stress)
 }
@@ -392,14 +393,14 @@ mod tests {
     }
 
     /// Second differences of the energy along motions b ⊗ n of unit size, in the film along b and in space along n, against
-    /// the resistance that the law's stiffness claims.
+    /// the bound that follows from the law's stiffness.
     fn check_bound(law: &impl MembraneLaw<History<1> = PeakStrains<1>>) {
         let (step, turn) = (1e-4, std::f64::consts::PI / 8.0);
         for d in deformations() {
             for b in (0..8).map(|k| (turn * f64::from(k)).sin_cos()) {
                 let (first, second) = b;
                 let g = [[first * first, first * second], [first * second, second * second]];
-                let bound = law.stiffness(&d, &PeakStrains::virgin()).resistance(&g.map(|row| row.map(splat)))[0];
+                let bound = law.stiffness(&d, &PeakStrains::virgin()).eigenvalue_bound(&g.map(|row| row.map(splat)))[0];
                 for n in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.8, 0.0], [0.6, -0.48, 0.64]] {
                     let energy = |t: f64| {
                         let mut moved = d;

@@ -1,4 +1,4 @@
-//! The multipliers k₁, k_e, k_y that turn a quasi-static curve into a dynamic one.
+//! The multipliers k₁, k_e, k_y, which scale a quasi-static curve to a dynamic one.
 
 use super::curve::{Curve, CurveError};
 
@@ -6,9 +6,9 @@ use super::curve::{Curve, CurveError};
 /// in the form of the identification loop's first step; theory.md, section 5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Multipliers {
-    /// Further stiffening up to the first yield point.
+    /// Divisor of strains up to the first yield point, besides `ke`.
     pub k1: f64,
-    /// Stiffening up to the second yield point.
+    /// Divisor of strains up to the second yield point.
     pub ke: f64,
     /// Factor on the stress up to the second yield point.
     pub ky: f64,
@@ -21,10 +21,10 @@ impl Default for Multipliers {
 }
 
 impl Multipliers {
-    /// The curve moved by the multipliers; `yields` are the strains of its two yield points.
+    /// The scaled curve; `yields` are the strains of its two yield points.
     ///
     /// (a) ε ≤ ε_y1: ε := ε/(k₁k_e); (b) ε_y1 < ε ≤ ε_y2: ε := (ε − ε_y1)/k_e + ε_y1/(k₁k_e);
-    /// (c) ε ≤ ε_y2: σ := k_y σ; (d) ε > ε_y2: moved as the second yield point moved.
+    /// (c) ε ≤ ε_y2: σ := k_y σ; (d) ε > ε_y2: shifted with the second yield point.
     pub fn apply(&self, curve: &Curve, yields: [f64; 2]) -> Result<Curve, CurveError> {
         let [first, second] = yields;
         let second_stress = curve.stress(second);
@@ -41,14 +41,14 @@ impl Multipliers {
         Curve::new(moved.collect())
     }
 
-    /// Where a strain up to the second yield point comes to lie.
+    /// The scaled value of a strain up to the second yield point.
     fn strain(&self, strain: f64, [first, _]: [f64; 2]) -> f64 {
         let rigid = self.k1 * self.ke;
         if strain <= first { strain / rigid } else { (strain - first) / self.ke + first / rigid }
     }
 }
 
-/// The curve's corners with one at each yield strain, so that the map's own corners are kept.
+/// The corners of the curve and of the map: one at each yield strain.
 fn with_corners_at(curve: &Curve, yields: [f64; 2]) -> Vec<[f64; 2]> {
     let mut corners = curve.points().to_vec();
     for strain in yields {
@@ -64,7 +64,7 @@ fn with_corners_at(curve: &Curve, yields: [f64; 2]) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
-    /// Tables 4, 5 and 8 of the paper: MD and TD, moved by the multipliers of test 1008 (k1 2.75, ke 3.41, ky 1.00)
+    /// Tables 4, 5 and 8 of the paper: MD and TD, scaled by the multipliers of test 1008 (k1 2.75, ke 3.41, ky 1.00)
     /// and 1510 (3.07, 2.29, 1.04). By hand, e.g. MD 1008: 0.26/(2.75·3.41) = 0.027726; (0.84 − 0.26)/3.41 + 0.027726 = 0.197814;
     /// 1.39 + 0.197814 − 0.84 = 0.747814.
     #[test]
@@ -94,7 +94,7 @@ mod tests {
         assert_eq!(Multipliers::default().apply(&curve, [0.2, 0.5]).unwrap(), curve);
     }
 
-    /// A fine curve has corners elsewhere: its yield strains still become corners of the moved one.
+    /// The yield strains become corners of the scaled curve although a fine curve has corners elsewhere.
     #[test]
     fn keeps_the_stress_at_yield_strains_between_points() {
         let curve = Curve::new(vec![[0.1, 1.0], [0.5, 3.0], [2.0, 4.0]]).unwrap();

@@ -1,7 +1,7 @@
-//! Tension field: an isotropic elastic film that wrinkles instead of being pressed.
+//! Tension field: an isotropic elastic film that wrinkles under compression.
 //!
-//! The relaxed energy (Pipkin 1986; Steigmann 1990) of St. Venant–Kirchhoff in plane stress is the least energy that film with
-//! the same tangent vectors can have once fine wrinkles may take up length. In the principal strains `E₁ ≥ E₂` of
+//! The relaxed energy (Pipkin 1986; Steigmann 1990) of St. Venant–Kirchhoff in plane stress is the least energy of film with
+//! the same tangent vectors whose fine wrinkles may take up length. In the principal strains `E₁ ≥ E₂` of
 //! `E = ½(FᵀF − I)`, with `Ȳ = Y/(1 − ν²)` and `⟨x⟩ = max(x, 0)` (theory.md, equation 9b):
 //!
 //! ```text
@@ -31,11 +31,11 @@ struct Principal<const L: usize> {
     strain: [Lane<L>; 2],
     /// S₁ ≥ S₂ ≥ 0, Pa.
     stress: [Lane<L>; 2],
-    /// cos 2θ and sin 2θ of the first principal direction; zero where all directions are alike.
+    /// cos 2θ and sin 2θ of the first principal direction; zero where all directions are principal.
     direction: [Lane<L>; 2],
 }
 
-/// ⟨x⟩, as one instruction. A strain that is not a number is told by its direction.
+/// ⟨x⟩, as one instruction; zero for NaN, which the direction propagates.
 #[inline(always)]
 fn positive(x: f64) -> f64 {
     larger(x, 0.0)
@@ -99,8 +99,8 @@ impl MembraneLaw for TensionField {
         Energy { stored, absorbed: splat(0.0) }
     }
 
-    /// The bound of the elastic film with the tension of this one: relaxing takes stiffness away, since wrinkled film turns
-    /// its tension with `S₁/(E₁ − E₂) ≤ 2G`.
+    /// The bound of the elastic film with the tension of this one: relaxation reduces the stiffness, since the tension of
+    /// wrinkled film rotates with `S₁/(E₁ − E₂) ≤ 2G`.
     #[inline(always)]
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Stiffness<L> {
         self.0.bound(d, self.response(d))
@@ -127,8 +127,8 @@ mod tests {
 
     const LAW: TensionField = TensionField(Elastic { young: 5e7, poisson: 0.4 });
 
-    /// Principal stretches in the plane, turned by 0.3 in the film and lifted out of its plane.
-    fn turned([first, second]: [f64; 2]) -> Deformation<1> {
+    /// Principal stretches in the plane, rotated by 0.3 in the film and out of its plane.
+    fn rotated([first, second]: [f64; 2]) -> Deformation<1> {
         let (s, c) = 0.3_f64.sin_cos();
         let [u, v] = [[0.8, 0.0, 0.6], [0.0, 1.0, 0.0]];
         let f = |a: f64, b: f64| [0, 1, 2].map(|i| splat(first * a * u[i] + second * b * v[i]));
@@ -136,11 +136,11 @@ mod tests {
     }
 
     fn energy(law: &impl MembraneLaw, stretches: [f64; 2]) -> f64 {
-        law.energy(&turned(stretches), &History::virgin()).stored[0]
+        law.energy(&rotated(stretches), &History::virgin()).stored[0]
     }
 
     #[test]
-    fn slack_wrinkled_and_taut_film_have_their_energies() {
+    fn energy_of_slack_wrinkled_and_taut_film() {
         let strain = |stretch: f64| 0.5 * (stretch * stretch - 1.0);
         assert_eq!(energy(&LAW, [0.99, 0.9]), 0.0);
         let wrinkled = 0.5 * LAW.0.young * strain(1.2) * strain(1.2);
@@ -152,7 +152,7 @@ mod tests {
         }
     }
 
-    /// It is the least energy over all widths that wrinkles may hide.
+    /// The least energy over all lengths that wrinkles may take up.
     #[test]
     fn the_energy_is_relaxed() {
         for (stretches, wider) in [([1.2, 0.7], 1), ([0.8, 0.9], 2)] {
@@ -166,8 +166,8 @@ mod tests {
     }
 
     #[test]
-    fn wrinkled_film_is_pulled_one_way_only() {
-        let d = turned([1.2, 0.7]);
+    fn wrinkled_film_is_in_uniaxial_tension() {
+        let d = rotated([1.2, 0.7]);
         let stress = LAW.stress(&d, &mut PeakStrains::virgin(), 0.0);
         let (s, c) = 0.3_f64.sin_cos();
         let traction = |n: [f64; 2]| [0, 1, 2].map(|axis| n[0] * stress.p[0][axis][0] + n[1] * stress.p[1][axis][0]);
@@ -175,8 +175,8 @@ mod tests {
             (0..3).all(|axis| (traction[axis] - expected[axis]).abs() < 1e-7 * LAW.0.young)
         };
         assert!(is(traction([-s, c]), [0.0; 3]), "{:?}", traction([-s, c]));
-        // Along the first one, uniaxial tension of the stretch 1.2 in the direction that it is turned to.
-        let pull = 1.2 * LAW.0.young * 0.5 * (1.2 * 1.2 - 1.0);
-        assert!(is(traction([c, s]), [0.8 * pull, 0.0, 0.6 * pull]), "{:?}", traction([c, s]));
+        // Uniaxial tension of the stretch 1.2 along the first direction.
+        let tension = 1.2 * LAW.0.young * 0.5 * (1.2 * 1.2 - 1.0);
+        assert!(is(traction([c, s]), [0.8 * tension, 0.0, 0.6 * tension]), "{:?}", traction([c, s]));
     }
 }

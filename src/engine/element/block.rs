@@ -3,20 +3,20 @@
 use crate::lane::{LANES, Lane, Lane3, splat};
 use crate::material::{Deformation, History, MembraneLaw, Stresses, stresses};
 
-/// `L` elements of one kind with `NODES` nodes each: what the passes over a film ask of them.
+/// `L` elements of one kind with `NODES` nodes each: what a pass over a film computes of them.
 pub trait Block<const NODES: usize, const L: usize> {
-    /// One element before it is put into a block.
+    /// One element, outside of a block.
     type Element;
-    /// What an integration point remembers.
+    /// History variables of an integration point.
     type History: History<L>;
 
-    /// The elements that `lane` gives, each with the thickness (m, all layers) it counts with.
+    /// A block of the element and thickness (m, all layers) that `lane` returns for each lane.
     fn new<'a>(lane: impl Fn(usize) -> (&'a Self::Element, f64)) -> Self
     where
         Self::Element: 'a;
 
-    /// Forces on nodes at `x`, where they came to in `dt` (s), into `out` (theory.md, equations 2 and 14); the points remember
-    /// it. Whether a fibre somewhere is past its break strain.
+    /// Forces on nodes that moved to `x` in `dt` (s), into `out` (theory.md, equations 2 and 14); updates the history variables.
+    /// Whether a fibre is past its break strain.
     fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; NODES], dt: f64, out: &mut [Lane3<L>; NODES]) -> bool
     where
         M: MembraneLaw<History<L> = Self::History>;
@@ -34,7 +34,7 @@ pub trait Block<const NODES: usize, const L: usize> {
     /// Strains, averaged over the points.
     fn strains(&self, x: &[Lane3<L>; NODES]) -> BlockStrains<L>;
 
-    /// What the strains do not say, averaged over the points.
+    /// Stresses, thickness and fibres, averaged over the points.
     fn details<M>(&self, law: &M, x: &[Lane3<L>; NODES]) -> BlockDetails<L>
     where
         M: MembraneLaw<History<L> = Self::History>;
@@ -50,10 +50,10 @@ pub trait Block<const NODES: usize, const L: usize> {
     /// Deletes the element in a lane: its volume becomes zero.
     fn delete(&mut self, lane: usize);
 
-    /// What every integration point remembers, and its volume (m³).
+    /// History variables and volume (m³) of every integration point.
     fn history(&self) -> impl Iterator<Item = (&Self::History, &Lane<L>)>;
 
-    /// The same, to be put back.
+    /// The same, mutable.
     fn history_mut(&mut self) -> impl Iterator<Item = (&mut Self::History, &mut Lane<L>)>;
 }
 
@@ -82,7 +82,7 @@ pub struct BlockStrains<const L: usize> {
 pub struct BlockDetails<const L: usize> {
     /// Engineering stresses along MD and TD and in shear, Pa of one layer.
     pub stress: [Lane<L>; 3],
-    /// Thickness over that of stress-free film; NaN where the law says nothing of it.
+    /// Thickness over that of stress-free film; NaN where the law does not define it.
     pub thickness_ratio: Lane<L>,
     /// f₁ and f₂: the images of unit vectors along MD and TD of the stress-free film.
     pub fibres: [Lane3<L>; 2],
@@ -92,12 +92,12 @@ impl<const L: usize> BlockDetails<L> {
     pub(super) const NONE: Self =
         BlockDetails { stress: [splat(0.0); 3], thickness_ratio: splat(0.0), fibres: [[splat(0.0); 3]; 2] };
 
-    /// Adds `share` of what `law` answers to one point's deformation `d`, where the film is after its `history`.
+    /// Adds `share` of the details of one point with deformation `d` and `history`.
     pub(super) fn add<M: MembraneLaw>(&mut self, law: &M, d: &Deformation<L>, history: &M::History<L>, share: f64) {
-        // The past knows this deformation already, so that no time passes and nothing new is remembered.
-        let answer = law.stress(d, &mut history.clone(), 0.0);
-        let Stresses { md, td, shear } = stresses(d, &answer);
-        let thickness_ratio = law.thickness_ratio(&answer);
+        // The history includes this deformation, so that no time passes and no variable changes.
+        let response = law.stress(d, &mut history.clone(), 0.0);
+        let Stresses { md, td, shear } = stresses(d, &response);
+        let thickness_ratio = law.thickness_ratio(&response);
         for l in 0..L {
             self.thickness_ratio[l] += share * thickness_ratio[l];
             for (mean, value) in self.stress.iter_mut().zip([md, td, shear]) {

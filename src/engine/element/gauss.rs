@@ -138,9 +138,9 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
     {
         let mut bound = splat(0.0);
         for point in &self.points {
-            let resistance = law.stiffness(&point.deformation(x), &point.history).resistance(&point.metric());
+            let eigenvalue = law.stiffness(&point.deformation(x), &point.history).eigenvalue_bound(&point.metric());
             for l in 0..L {
-                bound[l] += point.volume[l] * resistance[l];
+                bound[l] += point.volume[l] * eigenvalue[l];
             }
         }
         bound

@@ -67,7 +67,7 @@ fn scatter<const NODES: usize, const L: usize>(
             for a in 0..NODES {
                 let first = first[a] as usize;
                 for axis in 0..3 {
-                    // SAFETY: no other thread is at work on these nodes.
+                    // SAFETY: no other thread accesses these nodes.
                     let to = unsafe { force[axis].range(first..first + L) };
                     for l in 0..L {
                         to[l] += out[a][axis][l];
@@ -89,8 +89,8 @@ fn scatter<const NODES: usize, const L: usize>(
 }
 
 at_width! {
-    /// Adds the forces of all elements, whose nodes came to `position` in `dt` (s), to `force`; they remember it.
-    /// True if a fibre somewhere is past its break strain.
+    /// Adds the forces of all elements, whose nodes moved to `position` in `dt` (s), to `force`, and updates their history
+    /// variables. Whether a fibre is past its break strain.
     pub(crate) fn add_forces[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>,
     ) -> bool = add_forces_lanewise
@@ -123,11 +123,11 @@ fn add_forces_lanewise<
 /// Energies of elements, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ElementEnergy {
-    /// Comes back on unloading.
+    /// Returned on unloading.
     pub stored: f64,
-    /// Lost in the law.
+    /// Absorbed by the law.
     pub absorbed: f64,
-    /// In the stabilisation.
+    /// In the stabilisation against hourglass modes.
     pub hourglass: f64,
 }
 
@@ -265,13 +265,13 @@ fn strains_lanewise<B: Block<NODES, LANES>, const NODES: usize>(
 pub struct ElementDetail {
     /// Engineering stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section.
     pub stress: [f64; 3],
-    /// Thickness over that of stress-free film; NaN where the law says nothing of it.
+    /// Thickness over that of stress-free film; NaN where the law does not define it.
     pub thickness_ratio: f64,
     /// Images of unit vectors along MD and TD of the stress-free film.
     pub fibres: [[f64; 3]; 2],
 }
 
-/// Details of all elements, in order; rarely asked for, and so of no width.
+/// Details of all elements, in order; for snapshots alone, and so compiled for the baseline width only.
 pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<History<LANES> = B::History>, const NODES: usize>(
     elements: &Blocks<B, NODES>,
     law: &M,

@@ -1,6 +1,6 @@
 //! Membrane elements: deformation at their integration points and the nodal forces that follow.
 //!
-//! Elements of one kind stand in blocks of [`crate::lane::LANES`]. A step runs over the blocks as gather → kernel → scatter.
+//! Elements of one kind are stored in blocks of [`crate::lane::LANES`]. A step runs over the blocks as gather → kernel → scatter.
 
 mod block;
 mod gauss;
@@ -25,14 +25,14 @@ use crate::lane::LANES;
 use crate::material::{History, MembraneLaw, PeakStrains};
 use gauss::GaussElement;
 
-/// Quadrilaterals with one integration point that remembers `P`.
+/// Quadrilaterals with one integration point and its history variables `P`.
 pub type Quads<const L: usize = LANES, P = PeakStrains<L>> = Blocks<OnePoint<L, P>, 4, L>;
 /// Quadrilaterals with 2×2 integration points.
 pub type FullQuads<const L: usize = LANES, P = PeakStrains<L>> = Blocks<Gauss<4, 4, L, P>, 4, L>;
 /// Triangles.
 pub type Tris<const L: usize = LANES, P = PeakStrains<L>> = Blocks<Gauss<3, 1, L, P>, 3, L>;
 
-/// Whether a fibre of a point in a lane that remembers `history` is past its break strain.
+/// Whether a fibre of the point with `history` in a lane is past its break strain.
 fn has_failed<M: MembraneLaw<History<L> = P>, P: History<L>, const L: usize>(
     law: &M,
     history: &P,
@@ -42,9 +42,11 @@ fn has_failed<M: MembraneLaw<History<L> = P>, P: History<L>, const L: usize>(
     (0..2).any(|fibre| history.peak(fibre)[lane] > limits[fibre][lane])
 }
 
-/// A kind of element that can be made of stress-free coordinates (m, along MD and TD) of its nodes.
+/// A kind of element that is built from the stress-free coordinates (m, along MD and TD) of its nodes.
 pub(super) trait Shaped<const NODES: usize>: Sized {
+    /// The element with nodes at `x`.
     fn shaped(x: &[[f64; 2]; NODES]) -> Self;
+
     /// Area of stress-free film, m².
     fn area(&self) -> f64;
 }
@@ -79,7 +81,7 @@ impl Shaped<3> for GaussElement<3, 1> {
     }
 }
 
-/// Elements at the given nodes of a mesh, made of stress-free `film`.
+/// Elements at the given nodes of a mesh with the stress-free coordinates of `film`.
 pub(super) fn shaped<E: Shaped<NODES>, const NODES: usize>(
     elements: &[[u32; NODES]],
     nodes: &[Point3<f64>],

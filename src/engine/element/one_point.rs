@@ -1,11 +1,11 @@
-//! The four-node element with one integration point and the motion that this point does not see.
+//! The four-node element with one integration point, and its hourglass mode.
 //!
 //! The mode ξη has the amplitude q = Σ γ_a x_a (theory.md, equations 11–14). Across the element f_I varies by q times the
-//! mode's gradient, with mean square H_I |q|². The law sees it as [`Deformation::stretch_variance`], so tension resists the mode as
+//! mode's gradient, with mean square H_I |q|². It enters the law as [`Deformation::stretch_variance`], so tension resists the mode as
 //! full integration would, from the same energy. Along the fibres a small stiffness κ_I is added, ½ κ_I H_I (f_I·q)²,
-//! because strains that cancel in the mean leave no trace in it.
+//! because strains that cancel in the mean do not change it.
 //!
-//! At the centre, gradients of opposite nodes are equal and opposite, so those of the first two nodes say all:
+//! At the centre, gradients of opposite nodes are equal and opposite, so those of the first two nodes suffice:
 //! with the diagonals d₀ = x₀ − x₂ and d₁ = x₁ − x₃,
 //!
 //! ```text
@@ -24,14 +24,14 @@ pub struct OnePoint<const L: usize, P = PeakStrains<L>> {
     gradient: [[Lane<L>; 2]; 2],
     /// s₀ and s₁; zero in a parallelogram.
     skew: [Lane<L>; 2],
-    /// Whether one of the elements is none.
+    /// Whether one of the elements is not a parallelogram.
     skewed: bool,
     /// Volume of stress-free film (all layers), m³; zero once it is deleted.
     volume: Lane<L>,
     history: P,
 }
 
-/// One such element.
+/// One element.
 #[derive(Clone, Copy, Debug)]
 pub struct OnePointElement {
     pub(super) gradient: [[f64; 2]; 2],
@@ -40,10 +40,10 @@ pub struct OnePointElement {
     pub(super) area: f64,
 }
 
-/// Share of the initial modulus with which hourglass motion along the fibres is resisted.
+/// Hourglass stiffness along the fibres over the initial modulus.
 const IN_PLANE_STABILISATION: f64 = 0.05;
 
-/// Where the nodes of a block stand, as far as it matters.
+/// Deformation and hourglass mode of a block.
 struct Shape<const L: usize> {
     deformation: Deformation<L>,
     /// Amplitude q of the mode, m.
@@ -115,8 +115,8 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
 }
 
 impl<const L: usize> Shape<L> {
-    /// h = V Σ_I H_I [ 2∂W/∂|f_I|² q + κ_I (f_I·q) f_I ], of which node a gets −γ_a h; adds what the stabilisation
-    /// gives to ∂W/∂f_I, κ_I H_I (f_I·q) q, to the stress (theory.md, equation 14).
+    /// h = V Σ_I H_I [ 2∂W/∂|f_I|² q + κ_I (f_I·q) f_I ], of which node a gets −γ_a h; adds the part of the
+    /// stabilisation in ∂W/∂f_I, κ_I H_I (f_I·q) q, to the stress (theory.md, equation 14).
     #[inline(always)]
     fn resist(&self, volume: &Lane<L>, stress: &mut Stress<L>, stabilisation: [f64; 2]) -> Lane3<L> {
         let f = &self.deformation.f;
@@ -212,7 +212,7 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
             let skewed = self.skew[0][l] * self.skew[0][l] + self.skew[1][l] * self.skew[1][l];
             modes[l] = 0.25 + 2.0 * skewed;
         }
-        let mut bound = law.stiffness(&shape.deformation, &self.history).resistance(&g);
+        let mut bound = law.stiffness(&shape.deformation, &self.history).eigenvalue_bound(&g);
         let stabilisation = stabilisation(law);
         let (squares, amplitude) = ([dot(&f[0], &f[0]), dot(&f[1], &f[1])], dot(&shape.q, &shape.q));
         for l in 0..L {

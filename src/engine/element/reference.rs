@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use thiserror::Error;
 
-/// Where MD points and how far the film was stretched onto the frame.
+/// MD and pre-strain, which relate the mounted film to the stress-free one.
 #[derive(Clone, Copy, Debug)]
 pub struct StressFree {
     md: Vector3<f64>,
@@ -24,7 +24,7 @@ impl StressFree {
         StressFree { md: Vector3::new(md_angle.cos(), md_angle.sin(), 0.0), prestrain }
     }
 
-    /// Stress-free coordinates (m, along MD and TD) of an element's nodes: the mounted ones, projected on the
+    /// Stress-free coordinates (m, along MD and TD) of an element's nodes: the mounted ones, projected onto the
     /// element's plane and divided by 1 + pre-strain (theory.md, equation 3).
     pub(super) fn reference<const NODES: usize>(
         &self,

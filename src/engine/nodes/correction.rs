@@ -29,7 +29,7 @@ impl Correction<'_> {
         let mut after = [splat(0.0); 3];
         let Some(range) = consecutive(nodes) else {
             for l in (0..LANES).filter(|l| active[*l] > 0.0) {
-                // SAFETY: the caller keeps other threads from these nodes.
+                // SAFETY: by the contract no other thread accesses these nodes.
                 let velocity =
                     unsafe { self.apply_impulse(nodes[l] as usize, &[0, 1, 2].map(|axis| impulse[axis][l]), dt) };
                 (0..3).for_each(|axis| after[axis][l] = velocity[axis]);
@@ -61,7 +61,7 @@ impl Correction<'_> {
         let mut after = [0.0; 3];
         for axis in 0..3 {
             let change = impulse[axis] * inverse_mass[axis];
-            // SAFETY: the caller keeps other threads from this node.
+            // SAFETY: by the contract no other thread accesses this node.
             let (x, v) = unsafe { (self.position[axis].at(node), self.velocity[axis].at(node)) };
             *x += change * dt;
             *v += change;

@@ -115,7 +115,7 @@ impl Integration<'_> {
         self.record(nodes.clone());
         for start in nodes.clone().step_by(CACHED) {
             let some = start..nodes.end.min(start + CACHED);
-            // SAFETY: the caller keeps other threads away from these nodes.
+            // SAFETY: by the contract no other thread accesses these nodes.
             let [x, y, z] = [0, 1, 2].map(|axis| unsafe {
                 Axis {
                     position: self.position[axis].range(some.clone()),
@@ -136,7 +136,7 @@ impl Integration<'_> {
         let Some(VelocityRecord { nodes, velocity }) = &self.record else { return };
         let from = nodes.partition_point(|n| (*n as usize) < range.start);
         for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
-            // SAFETY: the caller keeps other threads away from these nodes.
+            // SAFETY: by the contract no other thread accesses these nodes.
             (0..3).for_each(|axis| unsafe { *velocity[axis].at(n) = *self.velocity[axis].at(n) });
         }
     }
