@@ -15,8 +15,8 @@ const BULGE: f64 = 0.25;
 /// Cells along half the block's side for a radius of one element: 7/3 (2n)² cells fill the circle.
 const CELLS: f64 = 0.58;
 
-/// A circle centred on the origin, `radius` in m; outer nodes stand on the circle.
-pub fn disc(radius: f64, mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
+/// A circle centred on the origin, `radius` in m; the outer nodes lie on the circle.
+pub(crate) fn disc(radius: f64, mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
     grid::check([2.0 * radius; 2], meshing.size, count(radius, meshing))?;
     let pattern = Pattern::new(radius, meshing.size);
     Ok(pattern.whole(radius, meshing.element).mesh(mirrored, meshing.element))
@@ -107,7 +107,7 @@ impl Pattern {
         (row * (self.block + 1) + column) as u32
     }
 
-    /// Place in the block as -1 to 1 along x and y, mirror images exactly.
+    /// Position in the block as -1 to 1 along x and y, exactly symmetric.
     fn parameters(&self, place: [usize; 2]) -> [f64; 2] {
         let half = (self.block / 2) as f64;
         place.map(|index| (index as f64 - half) / half)
@@ -120,7 +120,7 @@ fn block_point([u, v]: [f64; 2]) -> Point2<f64> {
     Point2::new(bulged(u, v), bulged(v, u))
 }
 
-/// The point of the unit circle that a point on the block's outline is joined to.
+/// The point of the unit circle to which the rings lead from a point of the block's outline.
 fn circle_point([u, v]: [f64; 2]) -> Point2<f64> {
     if u.abs() >= v.abs() {
         let (sin, cos) = (FRAC_PI_4 * v).sin_cos();

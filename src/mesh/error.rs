@@ -1,3 +1,5 @@
+//! Why a film or a surface could not be meshed.
+
 use std::path::PathBuf;
 
 use thiserror::Error;
@@ -7,12 +9,34 @@ use super::import::Fault;
 /// Why a film or a surface could not be meshed.
 #[derive(Debug, Error)]
 pub enum MeshError {
-    #[error("element size {size} m: it must be positive and finite")]
-    Size { size: f64 },
-    #[error("an outline of {x} m by {y} m: lengths must be positive and finite")]
-    Outline { x: f64, y: f64 },
-    #[error("{elements} elements: more than the {limit} that a mesh can number; choose a larger size")]
-    TooMany { elements: usize, limit: usize },
+    /// The element size is not positive or not finite.
+    #[error("expected a positive element size, found {size} m")]
+    Size {
+        /// m.
+        size: f64,
+    },
+    /// A length of the outline is not positive or not finite.
+    #[error("expected an outline of positive lengths, found {x} m by {y} m")]
+    Outline {
+        /// Length along x, m.
+        x: f64,
+        /// Length along y, m.
+        y: f64,
+    },
+    /// The nodes could not be numbered.
+    #[error("{elements} elements exceed the {limit} of a mesh; choose a larger element size")]
+    TooMany {
+        /// Their number.
+        elements: usize,
+        /// The largest number.
+        limit: usize,
+    },
+    /// A file is not a mesh of a film or of an impactor.
     #[error("{}: {fault}", path.display())]
-    File { path: PathBuf, fault: Fault },
+    File {
+        /// Path of the file.
+        path: PathBuf,
+        /// What is wrong with it.
+        fault: Fault,
+    },
 }

@@ -1,24 +1,25 @@
-//! Quadrilateral cells of a whole outline, before symmetry cuts and triangles are asked for.
+//! Quadrilateral cells of a whole outline, before symmetry and triangles.
 
 use nalgebra::Point3;
 
 use super::topology;
 use super::{Element, Mesh, MeshError};
 
-/// Node numbers must fit `u32`, and a cell brings about one node.
+/// Node numbers are `u32`, and there is about one node per cell.
 const LIMIT: usize = u32::MAX as usize / 4;
 
 /// Cells of a whole outline, in any sense of rotation.
 #[derive(Debug, Default)]
-pub struct Grid {
+pub(crate) struct Grid {
+    /// m.
     pub nodes: Vec<Point3<f64>>,
     /// Corners of each cell; a split into triangles follows the diagonal from the first to the third.
     pub cells: Vec<[u32; 4]>,
 }
 
 impl Grid {
-    /// The part of the grid that is computed, as elements of the kind asked for.
-    pub fn mesh(self, mirrored: [bool; 2], element: Element) -> Mesh {
+    /// The mesh of the part on this side of the mirror planes, of one kind of element.
+    pub(crate) fn mesh(self, mirrored: [bool; 2], element: Element) -> Mesh {
         let grid = self.cut(mirrored).counter_clockwise();
         let mut mesh = Mesh { nodes: grid.nodes, ..Mesh::default() };
         match element {
@@ -29,7 +30,7 @@ impl Grid {
         mesh
     }
 
-    /// Keeps what lies at x >= 0 and/or y >= 0; nodes stand on the mirror planes exactly.
+    /// The cells at x >= 0 and/or y >= 0; the mirror planes are lines of nodes.
     fn cut(self, mirrored: [bool; 2]) -> Grid {
         let inside = |p: &Point3<f64>| (0..2).all(|axis| !mirrored[axis] || p[axis] >= 0.0);
         let mut renumbered = vec![u32::MAX; self.nodes.len()];
@@ -58,8 +59,8 @@ impl Grid {
     }
 }
 
-/// Refuses sizes that make no mesh and meshes whose nodes cannot be numbered.
-pub fn check(lengths: [f64; 2], size: f64, elements: usize) -> Result<(), MeshError> {
+/// Refuses lengths and sizes that are not positive, and meshes whose nodes cannot be numbered.
+pub(crate) fn check(lengths: [f64; 2], size: f64, elements: usize) -> Result<(), MeshError> {
     let positive = |value: f64| value.is_finite() && value > 0.0;
     if !positive(size) {
         return Err(MeshError::Size { size });
@@ -75,11 +76,11 @@ pub fn check(lengths: [f64; 2], size: f64, elements: usize) -> Result<(), MeshEr
 }
 
 /// The two triangles on either side of the diagonal from the first to the third corner.
-pub fn split([a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
+pub(crate) fn split([a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
     [[a, b, c], [a, c, d]]
 }
 
-/// The cell with its splitting diagonal turned where `odd`, so that neighbours alternate.
-pub fn alternate([a, b, c, d]: [u32; 4], odd: bool) -> [u32; 4] {
+/// The cell, with the other diagonal first where `odd`, so that the diagonals of neighbours alternate.
+pub(crate) fn alternate([a, b, c, d]: [u32; 4], odd: bool) -> [u32; 4] {
     if odd { [b, c, d, a] } else { [a, b, c, d] }
 }

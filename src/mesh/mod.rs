@@ -1,4 +1,4 @@
-//! The film divided into elements.
+//! Meshes of films: rectangles and circles, and meshes from files.
 
 pub mod import;
 pub mod quality;
@@ -40,10 +40,14 @@ pub struct Mesh {
 pub enum Outline {
     /// Full side lengths along x and y.
     Rectangle {
+        /// Along x.
         x: f64,
+        /// Along y.
         y: f64,
     },
+    /// A circle.
     Circle {
+        /// Its radius.
         radius: f64,
     },
     /// Nodes and elements from an STL, OBJ or VTU file, coordinates in m.
@@ -53,17 +57,22 @@ pub enum Outline {
 /// A straight edge of a rectangle, or the outermost nodes of another outline in that direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Side {
+    /// Towards −x.
     XMinus,
+    /// Towards +x.
     XPlus,
+    /// Towards −y.
     YMinus,
+    /// Towards +y.
     YPlus,
 }
 
 /// How a face is divided into elements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Meshing {
+    /// Kind of its elements.
     pub element: Element,
-    /// Edge length aimed at, m. Not used by imported meshes.
+    /// Target edge length, m. Not used by imported meshes.
     pub size: f64,
 }
 
@@ -78,13 +87,12 @@ pub enum Element {
     Tri3,
 }
 
-/// Divides a film of `outline` into elements; `mirrored` tells whether x = 0 and y = 0 are mirror planes, beyond which nothing
-/// is meshed.
+/// The mesh of a film of `outline`; `mirrored` is whether x = 0 and y = 0 are mirror planes, beyond which nothing is meshed.
 ///
 /// Rectangles and circles lie in the plane z = 0; imported meshes keep the z of their file.
 ///
 /// # Errors
-/// Lengths that are not positive, more elements than can be numbered, or a file that is not a mesh of a film.
+/// [`MeshError`]: lengths that are not positive, more elements than can be numbered, or a file that is not a mesh of a film.
 pub fn build(outline: &Outline, mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
     match outline {
         Outline::Rectangle { x, y } => structured::rectangle([*x, *y], mirrored, meshing),
@@ -93,7 +101,7 @@ pub fn build(outline: &Outline, mirrored: [bool; 2], meshing: &Meshing) -> Resul
     }
 }
 
-/// Elements that one quadrilateral cell becomes.
+/// Elements of one quadrilateral cell.
 fn elements_per_cell(element: Element) -> usize {
     match element {
         Element::Quad4 | Element::Quad4Full => 1,

@@ -1,4 +1,4 @@
-//! Figures that tell whether a mesh is fit for computing.
+//! Quality of a mesh: sizes and shapes of its elements.
 
 use std::f64::consts::FRAC_PI_2;
 use std::f64::consts::FRAC_PI_3;
@@ -12,6 +12,7 @@ use super::topology::outlines;
 /// Extremes over the elements of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
+    /// Number of elements.
     pub elements: usize,
     /// Shortest and longest edge, m.
     pub edges: [f64; 2],

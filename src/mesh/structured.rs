@@ -6,7 +6,7 @@ use super::grid::{self, Grid};
 use super::{Element, Mesh, MeshError, Meshing, elements_per_cell};
 
 /// A rectangle centred on the origin, `lengths` along x and y in m.
-pub fn rectangle(lengths: [f64; 2], mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
+pub(crate) fn rectangle(lengths: [f64; 2], mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
     grid::check(lengths, meshing.size, count(lengths, meshing))?;
     let cells = divisions(lengths, mirrored, meshing);
     Ok(whole(lengths, cells, meshing.element).mesh(mirrored, meshing.element))

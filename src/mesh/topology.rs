@@ -1,15 +1,15 @@
-//! Edges, and what lies on the outline and on the mirror planes.
+//! Edges of a mesh, its rim, sides and mirror planes.
 
 use super::Mesh;
 
-/// Distance over the mesh's extent below which a node stands on a plane or an outermost edge.
+/// Distance over the mesh's extent below which a node is on a plane or an outermost edge.
 const TOLERANCE: f64 = 1e-6;
 
 /// An edge as its two nodes, the smaller number first.
-pub type Edge = [u32; 2];
+pub(crate) type Edge = [u32; 2];
 
 /// Fills in the rim, sides and mirror nodes of a mesh whose nodes and elements are given.
-pub fn label(mesh: &mut Mesh, mirrored: [bool; 2]) {
+pub(crate) fn label(mesh: &mut Mesh, mirrored: [bool; 2]) {
     let near = TOLERANCE * extent(mesh);
     mesh.mirrors = [0, 1].map(|axis| match mirrored[axis] {
         true => nodes_where(mesh, |p| p[axis].abs() <= near),
@@ -20,24 +20,24 @@ pub fn label(mesh: &mut Mesh, mirrored: [bool; 2]) {
 }
 
 /// Corners of every element, quadrilaterals first.
-pub fn outlines(mesh: &Mesh) -> impl Iterator<Item = &[u32]> {
+pub(crate) fn outlines(mesh: &Mesh) -> impl Iterator<Item = &[u32]> {
     let quads = mesh.quads.iter().map(|quad| quad.as_slice());
     quads.chain(mesh.tris.iter().map(|tri| tri.as_slice()))
 }
 
 /// Directed edges of one element.
-pub fn directed(corners: &[u32]) -> impl Iterator<Item = [u32; 2]> {
+pub(crate) fn directed(corners: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).map(|(from, to)| [*from, *to])
 }
 
 /// The edge without its direction.
-pub fn undirected([from, to]: [u32; 2]) -> Edge {
+pub(crate) fn undirected([from, to]: [u32; 2]) -> Edge {
     [from.min(to), from.max(to)]
 }
 
-/// Every edge once, ascending, with the number of elements that meet there.
-pub fn uses(mesh: &Mesh) -> impl Iterator<Item = (Edge, u32)> {
+/// Every edge once, ascending, with the number of elements that share it.
+pub(crate) fn uses(mesh: &Mesh) -> impl Iterator<Item = (Edge, u32)> {
     let mut edges: Vec<Edge> = outlines(mesh).flat_map(directed).map(undirected).collect();
     edges.sort_unstable();
     let mut rest = 0;
@@ -66,16 +66,16 @@ fn rim(mesh: &Mesh) -> Vec<u32> {
     rim
 }
 
-/// Rim nodes that lie outermost towards `side`; none where a mirror plane stands in place of that side.
+/// Outermost rim nodes towards `side`; none where a mirror plane replaces that side.
 fn side_nodes(mesh: &Mesh, mirrored: [bool; 2], side: usize, near: f64) -> Vec<u32> {
     let (axis, sign) = (side / 2, if side.is_multiple_of(2) { -1.0 } else { 1.0 });
     if mirrored[axis] && sign < 0.0 {
         return Vec::new();
     }
-    let reach = |node: &u32| sign * mesh.nodes[*node as usize][axis];
-    let outermost = mesh.rim.iter().map(reach).fold(f64::MIN, f64::max);
-    let touches = |node: &&u32| reach(node) >= outermost - near;
-    mesh.rim.iter().filter(touches).copied().collect()
+    let coordinate = |node: &u32| sign * mesh.nodes[*node as usize][axis];
+    let outermost = mesh.rim.iter().map(coordinate).fold(f64::MIN, f64::max);
+    let is_outermost = |node: &&u32| coordinate(node) >= outermost - near;
+    mesh.rim.iter().filter(is_outermost).copied().collect()
 }
 
 fn nodes_where(mesh: &Mesh, holds: impl Fn(&nalgebra::Point3<f64>) -> bool) -> Vec<u32> {
@@ -84,7 +84,7 @@ fn nodes_where(mesh: &Mesh, holds: impl Fn(&nalgebra::Point3<f64>) -> bool) -> V
 }
 
 /// Largest coordinate in magnitude, m.
-pub fn extent(mesh: &Mesh) -> f64 {
+pub(crate) fn extent(mesh: &Mesh) -> f64 {
     let largest = |p: &nalgebra::Point3<f64>| p.coords.amax();
     mesh.nodes.iter().map(largest).fold(0.0, f64::max)
 }

@@ -310,31 +310,31 @@ fn binary_arrays_are_read() {
 const TRIANGLE: &str = "0 0 0 1 0 0 0 1 0";
 
 #[test]
-fn bad_files_are_named_with_what_is_wrong() {
+fn faults_of_files_are_reported_with_their_path() {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
     let obj = |faces: &str| ("film.obj", format!("{square}{faces}"));
     let vtu = |c: &str, o: &str, t: &str| ("film.vtu", vtu(TRIANGLE, c, o, t));
     let cases = [
         (obj(""), "no triangles"),
         (obj("f 1 2 9\n"), "out of bounds"),
-        (obj("f 1 2 2\n"), "element 0 has no area"),
-        (obj("v 2 1 0\nf 1 2 3 5 4\n"), "5 corners"),
+        (obj("f 1 2 2\n"), "element 0 has zero area"),
+        (obj("v 2 1 0\nf 1 2 3 5 4\n"), "a face with 5 corners"),
         (obj("v 0.1 0.1 0\nf 1 2 5 4\n"), "concave"),
-        (obj("v 0 0 1\nf 1 2 5\n"), "stands upright"),
-        (obj("v 0.2 0.9 1\nf 1 2 3\nf 1 2 5\n"), "folds over"),
+        (obj("v 0 0 1\nf 1 2 5\n"), "element 0 is vertical"),
+        (obj("v 0.2 0.9 1\nf 1 2 3\nf 1 2 5\n"), "is folded"),
         (obj("v 0 0 1\nv 0 1 1\nf 1 2 3\nf 1 2 5\nf 1 2 6\n"), "3 elements share"),
         (obj("v 1 x 0\nf 1 2 5\n"), "position parse error"),
         (obj("v 1 nan 0\nf 1 2 5\n"), "not finite"),
         (vtu("0 1 2", "3", "10"), "VTK type 10"),
-        (vtu("0 1 7", "3", "5"), "names node 7 of 3"),
-        (vtu("0 1 2", "4", "5"), "do not fit"),
-        (vtu("0 1 -1", "3", "5"), "not the number of a node"),
-        (vtu("0 1 two", "3", "5"), "`two` is not a number"),
+        (vtu("0 1 7", "3", "5"), "refers to node 7 of 3"),
+        (vtu("0 1 2", "4", "5"), "do not match"),
+        (vtu("0 1 -1", "3", "5"), "expected a node number, found -1"),
+        (vtu("0 1 two", "3", "5"), "expected a number, found `two`"),
         (("film.vtu", "<VTKFile/>".to_owned()), "`UnstructuredGrid` is missing"),
         (("film.vtu", "<VTKFile compressor='vtkZLibDataCompressor'/>".to_owned()), "compressed"),
         (("film.vtu", "solid".to_owned()), "film.vtu: "),
         (("film.stl", "solid film\nfacet\n".to_owned()), "film.stl: "),
-        (("film.step", String::new()), "from .stl, .obj and .vtu"),
+        (("film.step", String::new()), "expected a file .stl, .obj or .vtu"),
     ];
     for ((name, text), expected) in cases {
         let (_folder, path) = file(name, text);
@@ -344,7 +344,7 @@ fn bad_files_are_named_with_what_is_wrong() {
 }
 
 #[test]
-fn files_with_symmetry_hold_the_computed_part_only() {
+fn a_mesh_with_symmetry_is_the_computed_part_only() {
     let (_folder, path) = file("film.obj", as_obj(&build(&SQUARE, Symmetry::None, Element::Quad4, 0.1)));
     let message = import(&path, Symmetry::HalfY, Element::Quad4).unwrap_err().to_string();
     assert!(message.contains("beyond the mirror plane y = 0"), "{message}");
@@ -370,7 +370,7 @@ fn impactor_surfaces_are_closed_and_face_outwards() {
         assert!((volume(&path) - 1.0 / 6.0).abs() < 1e-15);
     }
     for (faces, expected) in
-        [("f 1 3 2\nf 1 2 4\nf 2 3 4\n", "open"), ("f 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "face opposite ways")]
+        [("f 1 3 2\nf 1 2 4\nf 2 3 4\n", "open"), ("f 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "opposite orientations")]
     {
         let (_folder, path) = file("head.obj", format!("{TETRAHEDRON}{faces}"));
         let message = mesh::import::surface(&path).unwrap_err().to_string();

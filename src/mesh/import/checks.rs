@@ -1,4 +1,4 @@
-//! What a mesh from a file must be before it can be computed with.
+//! Checks of meshes from files.
 
 use std::collections::HashSet;
 
@@ -8,15 +8,15 @@ use super::Fault;
 use crate::mesh::topology::{self, directed, outlines, undirected};
 use crate::mesh::{Mesh, quality};
 
-/// Area over the square of the longest edge below which an element has none.
-const NO_AREA: f64 = 1e-9;
-/// Height of the upward normal below which an element stands upright.
-const UPRIGHT: f64 = 1e-6;
-/// Distance over the mesh's extent below which a node stands on a mirror plane.
+/// Area over the square of the longest edge below which an element is degenerate.
+const ZERO_AREA: f64 = 1e-9;
+/// z component of the unit normal below which an element is vertical.
+const VERTICAL: f64 = 1e-6;
+/// Distance over the mesh's extent below which a node is on a mirror plane.
 const ON_PLANE: f64 = 1e-6;
 
-/// There are elements, their corners are nodes of the mesh, and those are finite.
-pub fn elements(mesh: &Mesh) -> Result<(), Fault> {
+/// There are elements, their corners are nodes of the mesh, and coordinates are finite.
+pub(crate) fn elements(mesh: &Mesh) -> Result<(), Fault> {
     if mesh.quads.is_empty() && mesh.tris.is_empty() {
         return Err(Fault::NoElements);
     }
@@ -33,23 +33,23 @@ pub fn elements(mesh: &Mesh) -> Result<(), Fault> {
     }
 }
 
-/// Every element covers some area.
-pub fn shapes(mesh: &Mesh) -> Result<(), Fault> {
+/// No element is degenerate.
+pub(crate) fn shapes(mesh: &Mesh) -> Result<(), Fault> {
     let flat = |corners: &[u32]| {
         let points = points(mesh, corners);
         let [_, longest] = quality::edge_range(&points);
-        // Written so that a longest edge of zero counts, too.
-        let covers = quality::area_vector(&points).norm() > NO_AREA * longest * longest;
+        // A longest edge of zero counts as well.
+        let covers = quality::area_vector(&points).norm() > ZERO_AREA * longest * longest;
         !covers
     };
     match outlines(mesh).position(flat) {
-        Some(element) => Err(Fault::NoArea { element }),
+        Some(element) => Err(Fault::ZeroArea { element }),
         None => Ok(()),
     }
 }
 
 /// No quadrilateral has a corner of 180° or more.
-pub fn convex(mesh: &Mesh) -> Result<(), Fault> {
+pub(crate) fn convex(mesh: &Mesh) -> Result<(), Fault> {
     let concave = |corners: &[u32]| quality::scaled_jacobian(&points(mesh, corners)) <= 0.0;
     match outlines(mesh).position(concave) {
         Some(element) => Err(Fault::Concave { element }),
@@ -57,16 +57,16 @@ pub fn convex(mesh: &Mesh) -> Result<(), Fault> {
     }
 }
 
-/// At most two elements meet at an edge.
-pub fn manifold(mesh: &Mesh) -> Result<(), Fault> {
+/// At most two elements share an edge.
+pub(crate) fn manifold(mesh: &Mesh) -> Result<(), Fault> {
     match topology::uses(mesh).find(|(_, uses)| *uses > 2) {
         Some((edge, elements)) => Err(Fault::NotManifold { elements, at: middle(mesh, edge) }),
         None => Ok(()),
     }
 }
 
-/// Every edge joins two triangles that agree on which side is outside.
-pub fn closed(mesh: &Mesh) -> Result<(), Fault> {
+/// Every edge is shared by two triangles of the same orientation.
+pub(crate) fn closed(mesh: &Mesh) -> Result<(), Fault> {
     let mut seen = HashSet::new();
     for edge in outlines(mesh).flat_map(directed) {
         if !seen.insert(edge) {
@@ -81,8 +81,8 @@ pub fn closed(mesh: &Mesh) -> Result<(), Fault> {
     }
 }
 
-/// Turns a closed surface inside out where its volume is negative.
-pub fn face_out(mesh: &mut Mesh) {
+/// Reverses all triangles of a closed surface whose volume is negative.
+pub(crate) fn face_out(mesh: &mut Mesh) {
     let volume = |tri: &[u32; 3]| {
         let [a, b, c] = tri.map(|node| mesh.nodes[node as usize].coords);
         a.dot(&b.cross(&c))
@@ -92,12 +92,12 @@ pub fn face_out(mesh: &mut Mesh) {
     }
 }
 
-/// Turns every element counter-clockwise seen from +z; elements that hide each other are refused.
-pub fn face_up(mesh: &mut Mesh) -> Result<(), Fault> {
+/// Orients every element counter-clockwise seen from +z; a folded film is refused.
+pub(crate) fn face_up(mesh: &mut Mesh) -> Result<(), Fault> {
     let upward = |corners: &[u32]| area(mesh, corners).normalize().z;
-    let upright = |corners: &[u32]| upward(corners).abs() < UPRIGHT;
-    if let Some(element) = outlines(mesh).position(upright) {
-        return Err(Fault::Upright { element });
+    let vertical = |corners: &[u32]| upward(corners).abs() < VERTICAL;
+    if let Some(element) = outlines(mesh).position(vertical) {
+        return Err(Fault::Vertical { element });
     }
     let down: Vec<bool> = outlines(mesh).map(|corners| upward(corners) < 0.0).collect();
     let (quads, tris) = down.split_at(mesh.quads.len());
@@ -114,8 +114,8 @@ pub fn face_up(mesh: &mut Mesh) -> Result<(), Fault> {
     }
 }
 
-/// Puts nodes next to a mirror plane onto it; none may lie beyond, and an edge must lie on it.
-pub fn snap_to_mirrors(mesh: &mut Mesh, mirrored: [bool; 2]) -> Result<(), Fault> {
+/// Moves nodes next to a mirror plane onto it; none may lie beyond, and an edge must lie on it.
+pub(crate) fn snap_to_mirrors(mesh: &mut Mesh, mirrored: [bool; 2]) -> Result<(), Fault> {
     let near = ON_PLANE * topology::extent(mesh);
     for axis in (0..2).filter(|axis| mirrored[*axis]) {
         let name = ['x', 'y'][axis];

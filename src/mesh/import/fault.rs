@@ -1,74 +1,172 @@
-//! What is wrong with a mesh file.
+//! Faults of mesh files.
 
 use thiserror::Error;
 
 use crate::file::FileError;
 
-/// What is wrong with a mesh file. Elements are counted from 0, quadrilaterals before triangles
+/// Why a file is not a mesh of a film or of an impactor. Elements are counted from 0, quadrilaterals before triangles
 /// where a file holds both; positions in m.
 #[derive(Debug, Error)]
 pub enum Fault {
-    #[error("meshes are read from .stl, .obj and .vtu files")]
+    /// The extension is unknown.
+    #[error("expected a file .stl, .obj or .vtu")]
     Format,
+    /// The file is unreadable.
     #[error("{0}")]
     Read(#[from] FileError),
+    /// The file is not OBJ.
     #[error("{0}")]
     Obj(#[from] tobj::LoadError),
+    /// The file is not VTU.
     #[error("{0}")]
     Vtu(#[from] VtuFault),
-    #[error("there are no triangles or quadrilaterals in it")]
+    /// There is no element.
+    #[error("the file has no triangles or quadrilaterals")]
     NoElements,
-    #[error("a face has {corners} corners; a film has triangles and quadrilaterals")]
-    Corners { corners: usize },
-    #[error("element {element} names node {node} of {nodes}")]
-    NodeOutOfRange { element: usize, node: u32, nodes: usize },
-    #[error("node {node} has a coordinate that is not finite")]
-    NotFinite { node: usize },
-    #[error("element {element} has no area")]
-    NoArea { element: usize },
+    /// A face is neither triangle nor quadrilateral.
+    #[error("expected triangles and quadrilaterals, found a face with {corners} corners")]
+    Corners {
+        /// Number of its corners.
+        corners: usize,
+    },
+    /// A corner is not a node.
+    #[error("element {element} refers to node {node} of {nodes}")]
+    NodeOutOfRange {
+        /// Index of the element.
+        element: usize,
+        /// The node.
+        node: u32,
+        /// Number of nodes.
+        nodes: usize,
+    },
+    /// A coordinate is not finite.
+    #[error("a coordinate of node {node} is not finite")]
+    NotFinite {
+        /// The node.
+        node: usize,
+    },
+    /// An element is degenerate.
+    #[error("element {element} has zero area")]
+    ZeroArea {
+        /// Index of the element.
+        element: usize,
+    },
+    /// A corner of a quadrilateral has 180° or more.
     #[error("element {element} is concave or twisted")]
-    Concave { element: usize },
-    #[error("element {element} stands upright; a film must be seen whole from +z")]
-    Upright { element: usize },
-    #[error("the film folds over at {at:?}; it must be seen whole from +z")]
-    Folded { at: [f64; 3] },
-    #[error("{elements} elements share the edge at {at:?}; an edge joins two at most")]
-    NotManifold { elements: u32, at: [f64; 3] },
-    #[error("the surface is open at {at:?}; an impactor needs a closed one")]
-    Open { at: [f64; 3] },
-    #[error("two triangles that share the edge at {at:?} face opposite ways")]
-    Opposed { at: [f64; 3] },
+    Concave {
+        /// Index of the element.
+        element: usize,
+    },
+    /// An element is parallel to z.
+    #[error("element {element} is vertical; a film is a single-valued surface over the plane z = 0")]
+    Vertical {
+        /// Index of the element.
+        element: usize,
+    },
+    /// Two elements have the same directed edge seen from +z.
+    #[error("the film is folded at {at:?}; a film is a single-valued surface over the plane z = 0")]
+    Folded {
+        /// Middle of the edge, m.
+        at: [f64; 3],
+    },
+    /// More than two elements share an edge.
+    #[error("{elements} elements share the edge at {at:?}; expected at most two")]
+    NotManifold {
+        /// Number of the elements.
+        elements: u32,
+        /// Middle of the edge, m.
+        at: [f64; 3],
+    },
+    /// An edge of an impactor's surface belongs to one triangle alone.
+    #[error("the surface is open at {at:?}; an impactor has a closed one")]
+    Open {
+        /// Middle of the edge, m.
+        at: [f64; 3],
+    },
+    /// Two triangles of an impactor's surface have the same directed edge.
+    #[error("the triangles at the edge {at:?} have opposite orientations")]
+    Opposed {
+        /// Middle of the edge, m.
+        at: [f64; 3],
+    },
+    /// A node of the part that symmetry leaves out.
     #[error(
-        "a node at {at:?} lies beyond the mirror plane {axis} = 0; with symmetry the file holds only the part at {axis} >= 0"
+        "a node at {at:?} lies beyond the mirror plane {axis} = 0; with symmetry the mesh is the part at {axis} >= 0"
     )]
-    BeyondMirror { axis: char, at: [f64; 3] },
+    BeyondMirror {
+        /// Normal of the mirror plane.
+        axis: char,
+        /// Position of the node, m.
+        at: [f64; 3],
+    },
+    /// The mesh does not reach a mirror plane.
     #[error("no edge lies on the mirror plane {axis} = 0")]
-    NotOnMirror { axis: char },
+    NotOnMirror {
+        /// Normal of the mirror plane.
+        axis: char,
+    },
 }
 
-/// What is wrong with a VTU file.
+/// Why a file is not a VTU mesh.
 #[derive(Debug, Error)]
 pub enum VtuFault {
+    /// The file is not XML.
     #[error("{0}")]
     Xml(#[from] roxmltree::Error),
+    /// An element of the XML, or an array by its name, is missing.
     #[error("`{element}` is missing")]
-    Missing { element: &'static str },
-    #[error("its arrays are compressed; save it without compression")]
+    Missing {
+        /// Its name.
+        element: &'static str,
+    },
+    /// The arrays are compressed.
+    #[error("the arrays are compressed; save the file without compression")]
     Compressed,
-    #[error("array format `{format}` is not read; save it as ASCII or as inline binary")]
-    Format { format: String },
-    #[error("array type `{kind}` is unknown")]
-    Type { kind: String },
-    #[error("`{text}` is not a number")]
-    Number { text: String },
+    /// An array is not inline.
+    #[error("array format `{format}` is not supported; save the file as ASCII or as inline binary")]
+    Format {
+        /// Its format.
+        format: String,
+    },
+    /// The type of an array is unknown.
+    #[error("array type `{kind}` is not supported")]
+    Type {
+        /// Its type.
+        kind: String,
+    },
+    /// A word of an ASCII array is not a number.
+    #[error("expected a number, found `{text}`")]
+    Number {
+        /// The word.
+        text: String,
+    },
+    /// A binary array is not base64.
     #[error("{0}")]
     Base64(#[from] base64::DecodeError),
+    /// The length of a binary array is not a multiple of that of its numbers.
     #[error("an array of `{kind}` ends within a number")]
-    Truncated { kind: String },
-    #[error("cell {cell} is of VTK type {kind}; a film has triangles (5) and quadrilaterals (9)")]
-    Cell { cell: usize, kind: f64 },
-    #[error("cell {cell}: its corners do not fit its type or the connectivity")]
-    Corners { cell: usize },
-    #[error("`{value}` is not the number of a node")]
-    Node { value: f64 },
+    Truncated {
+        /// Its type.
+        kind: String,
+    },
+    /// A cell is neither triangle nor quadrilateral.
+    #[error("expected triangles (5) and quadrilaterals (9), found VTK type {kind} in cell {cell}")]
+    Cell {
+        /// Index of the cell.
+        cell: usize,
+        /// Its VTK type.
+        kind: f64,
+    },
+    /// The offsets do not match.
+    #[error("the corners of cell {cell} do not match its type or the connectivity")]
+    Corners {
+        /// Index of the cell.
+        cell: usize,
+    },
+    /// An entry of the connectivity is not a node.
+    #[error("expected a node number, found {value}")]
+    Node {
+        /// The entry.
+        value: f64,
+    },
 }

@@ -16,11 +16,14 @@ use super::{Element, Mesh, MeshError, topology};
 
 pub use fault::{Fault, VtuFault};
 
-/// Reads a film: every element is turned counter-clockwise seen from +z, nodes within a millionth of
-/// the extent from a mirror plane are put onto it, and nodes without an element are left out.
+/// Reads a film: every element is oriented counter-clockwise seen from +z, nodes within a millionth of the extent from a mirror
+/// plane are moved onto it, and nodes without an element are left out.
 ///
-/// With symmetry the file must hold the computed half or quarter only. Where triangles are asked
-/// for, quadrilaterals are split along their shorter diagonal; triangles of a file stay triangles.
+/// With symmetry the file contains the computed half or quarter only. For elements of three nodes, quadrilaterals are split
+/// along their shorter diagonal; triangles of a file stay triangles.
+///
+/// # Errors
+/// [`MeshError::File`].
 pub fn film(path: &Path, mirrored: [bool; 2], element: Element) -> Result<Mesh, MeshError> {
     let read = || -> Result<Mesh, Fault> {
         let mut mesh = checked(path)?;
@@ -39,7 +42,10 @@ pub fn film(path: &Path, mirrored: [bool; 2], element: Element) -> Result<Mesh, 
 /// Points (m) and triangles of a closed surface.
 pub type Surface = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 
-/// Reads the closed surface of an impactor; triangles are turned to face outwards.
+/// Reads the closed surface of an impactor; triangles are oriented outwards.
+///
+/// # Errors
+/// [`MeshError::File`].
 pub fn surface(path: &Path) -> Result<Surface, MeshError> {
     let read = || -> Result<Surface, Fault> {
         let mut mesh = checked(path)?;
@@ -56,7 +62,7 @@ fn in_file(path: &Path, fault: Fault) -> MeshError {
     MeshError::File { path, fault }
 }
 
-/// The file's elements, sound one by one and edge by edge.
+/// The mesh of a file, its elements and edges checked.
 fn checked(path: &Path) -> Result<Mesh, Fault> {
     let raw = match extension(path).as_str() {
         "stl" => merge_equal(stl::read(path)?),
@@ -65,7 +71,7 @@ fn checked(path: &Path) -> Result<Mesh, Fault> {
         _ => return Err(Fault::Format),
     };
     checks::elements(&raw)?;
-    let mesh = without_loose_nodes(raw);
+    let mesh = without_unused_nodes(raw);
     checks::shapes(&mesh)?;
     checks::manifold(&mesh)?;
     Ok(mesh)
@@ -76,13 +82,13 @@ fn extension(path: &Path) -> String {
     extension.to_string_lossy().to_ascii_lowercase()
 }
 
-/// Makes nodes at one and the same position one node.
+/// Merges nodes at the same position.
 fn merge_equal(mesh: Mesh) -> Mesh {
     let mut numbers = HashMap::new();
     let mut nodes = Vec::new();
     let mut merged = Vec::with_capacity(mesh.nodes.len());
     for point in &mesh.nodes {
-        // Adding zero makes -0 and 0 one number.
+        // Adding zero makes -0 equal to 0.
         let bits = point.coords.map(|c| (c + 0.0).to_bits());
         let number = *numbers.entry(<[u64; 3]>::from(bits)).or_insert_with(|| {
             nodes.push(*point);
@@ -94,20 +100,20 @@ fn merge_equal(mesh: Mesh) -> Mesh {
     renumber(mesh, nodes, new)
 }
 
-/// Leaves out the nodes that no element uses: they would have no mass.
-fn without_loose_nodes(mut mesh: Mesh) -> Mesh {
+/// Removes the nodes of no element: they would have no mass.
+fn without_unused_nodes(mut mesh: Mesh) -> Mesh {
     let mut numbers = vec![u32::MAX; mesh.nodes.len()];
     for node in topology::outlines(&mesh).flatten() {
         numbers[*node as usize] = 0;
     }
-    let mut kept = Vec::new();
+    let mut used = Vec::new();
     for (point, number) in std::mem::take(&mut mesh.nodes).into_iter().zip(&mut numbers) {
         if *number == 0 {
-            *number = kept.len() as u32;
-            kept.push(point);
+            *number = used.len() as u32;
+            used.push(point);
         }
     }
-    renumber(mesh, kept, |node| numbers[node as usize])
+    renumber(mesh, used, |node| numbers[node as usize])
 }
 
 fn renumber(mesh: Mesh, nodes: Vec<Point3<f64>>, new: impl Fn(u32) -> u32) -> Mesh {

@@ -10,7 +10,7 @@ use crate::file;
 use crate::mesh::Mesh;
 
 /// The triangles and quadrilaterals of the file; objects do not share nodes yet.
-pub fn read(path: &Path) -> Result<Mesh, Fault> {
+pub(crate) fn read(path: &Path) -> Result<Mesh, Fault> {
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..tobj::LoadOptions::default() };
     let mut file = BufReader::new(file::open(path)?);
     let no_materials = |_: &Path| Ok(Default::default());

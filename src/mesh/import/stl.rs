@@ -10,7 +10,7 @@ use crate::file::{self, FileError};
 use crate::mesh::Mesh;
 
 /// The triangles of the file; corners at one position have one number.
-pub fn read(path: &Path) -> Result<Mesh, Fault> {
+pub(crate) fn read(path: &Path) -> Result<Mesh, Fault> {
     let mut file = BufReader::new(file::open(path)?);
     let stl = stl_io::read_stl(&mut file).map_err(FileError::Io)?;
     let point = |v: &stl_io::Vertex| Point3::from(v.0.map(f64::from));

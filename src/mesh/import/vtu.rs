@@ -18,7 +18,7 @@ const TRIANGLE: f64 = 5.0;
 const QUAD: f64 = 9.0;
 
 /// The triangles and quadrilaterals of all pieces of the file.
-pub fn read(path: &Path) -> Result<Mesh, Fault> {
+pub(crate) fn read(path: &Path) -> Result<Mesh, Fault> {
     let text = file::read_text(path, MOST_BYTES)?;
     Ok(parse(&text)?)
 }
