@@ -32,13 +32,30 @@ pub enum CurveError {
     TooShort,
     /// Strains must increase.
     #[error("strain does not increase at point {index}: {strain} after {previous}")]
-    StrainNotIncreasing { index: usize, strain: f64, previous: f64 },
+    StrainNotIncreasing {
+        /// Index of the point.
+        index: usize,
+        /// Its strain.
+        strain: f64,
+        /// Strain of the point before.
+        previous: f64,
+    },
     /// Stresses must not decrease; Pa.
     #[error("stress falls at point {index}: {stress} Pa after {previous} Pa")]
-    StressFalls { index: usize, stress: f64, previous: f64 },
+    StressFalls {
+        /// Index of the point.
+        index: usize,
+        /// Its stress, Pa.
+        stress: f64,
+        /// Stress of the point before, Pa.
+        previous: f64,
+    },
     /// A strain or stress is not finite.
     #[error("point {index} is not a finite number")]
-    NotFinite { index: usize },
+    NotFinite {
+        /// Index of the point.
+        index: usize,
+    },
 }
 
 /// Stress and energy density of a curve in each lane.

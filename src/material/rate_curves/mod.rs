@@ -65,16 +65,34 @@ pub enum RateCurvesError {
     Empty,
     /// A rate is not positive or not finite.
     #[error("expected a rate above zero for curve {index}, found {rate} 1/s")]
-    InvalidRate { index: usize, rate: f64 },
+    InvalidRate {
+        /// Index of the curve.
+        index: usize,
+        /// Its rate, 1/s.
+        rate: f64,
+    },
     /// A rate is not above the one before.
     #[error("the rates do not increase: {rate} 1/s after {previous} 1/s")]
-    RateNotIncreasing { index: usize, rate: f64, previous: f64 },
+    RateNotIncreasing {
+        /// Index of the curve.
+        index: usize,
+        /// Its rate, 1/s.
+        rate: f64,
+        /// Rate of the curve before, 1/s.
+        previous: f64,
+    },
     /// One of several curves begins without slope.
     #[error("curve {index} has no initial slope, so energy stored at other rates cannot be returned along it")]
-    NoInitialSlope { index: usize },
+    NoInitialSlope {
+        /// Index of the curve.
+        index: usize,
+    },
     /// The strain over which the rate is averaged is not positive or not finite.
     #[error("expected an averaging strain above zero, found {strain}")]
-    InvalidAveragingStrain { strain: f64 },
+    InvalidAveragingStrain {
+        /// The strain.
+        strain: f64,
+    },
 }
 
 impl RateCurves {
