@@ -213,11 +213,11 @@ fn whole(model: &Model, threads: usize, width: Width) -> (f64, f64) {
 struct Blind;
 
 impl Observer for Blind {
-    fn wants(&self, _time: f64) -> bool {
+    fn needs_state(&self, _time: f64) -> bool {
         false
     }
 
-    fn see(&mut self, _view: &View<'_>) -> Result<(), Fault> {
+    fn observe(&mut self, _view: &View<'_>) -> Result<(), Fault> {
         Ok(())
     }
 }

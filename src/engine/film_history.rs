@@ -8,7 +8,7 @@ use crate::material::History;
 /// History variables of the elements of one face, an entry an integration point: element by element, quads first, whatever
 /// the chunks and blocks that hold the elements.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct FilmHistory {
+pub(crate) struct FilmHistory {
     /// Those of the law, as many a point as it has.
     variables: Vec<f64>,
     /// Volume of stress-free film, m³; zero once the element is deleted.

@@ -11,9 +11,11 @@ mod element;
 mod element_group;
 mod energy;
 mod failure;
+mod fault;
 mod film;
 mod film_history;
 mod footprint;
+mod loads;
 mod mount;
 mod nodes;
 mod observer;
@@ -31,7 +33,9 @@ mod time_step;
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, UndefinedFibreDirection};
 pub use energy::Energies;
+pub use fault::Fault;
 pub use film::Film;
+pub use loads::{Jaw, Loads};
 pub use nodes::{Nodes, Vectors};
 pub use observer::{Observer, Track, View};
 pub use patch::Patch;
@@ -50,7 +54,6 @@ use film::SharedFilm;
 use nodes::{Kick, StepSums};
 use pressure::Inflated;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// Films, nodes, impactor and loads, and their integration in time.
 pub struct Engine {
@@ -84,39 +87,6 @@ pub struct Impact {
     pub contact: Contact,
 }
 
-/// Loads and prescribed motion besides contact.
-#[derive(Clone, Debug)]
-pub struct Loads {
-    /// m/s², downward.
-    pub gravity: f64,
-    /// Mass-proportional damping of the film, 1/s.
-    pub damping: f64,
-    /// Prescribed motion along x.
-    pub jaws: Vec<Jaw>,
-    /// Pressure on the lower side of the film, whose edge is held.
-    pub inflation: Option<Inflation>,
-    /// Parts of film of which one is computed; the others are its mirror images.
-    pub multiplicity: f64,
-    /// Factor on the stable time step, 0 < factor ≤ 1.
-    pub step_factor: f64,
-}
-
-impl Default for Loads {
-    /// No load on a film without symmetry.
-    fn default() -> Loads {
-        Loads { gravity: 0.0, damping: 0.0, jaws: vec![], inflation: None, multiplicity: 1.0, step_factor: 1.0 }
-    }
-}
-
-/// Nodes that move at their initial velocity, held in the other directions.
-#[derive(Clone, Debug)]
-pub struct Jaw {
-    /// Its nodes.
-    pub nodes: Vec<u32>,
-    /// Along x, m/s.
-    pub velocity: f64,
-}
-
 /// Nodes of a range.
 const NODES_PER_RANGE: usize = 1024;
 
@@ -143,23 +113,6 @@ struct PreviousStep {
     /// Half a step before the full one.
     velocity: Vectors,
     body: Option<RigidBody>,
-}
-
-/// Why a run cannot continue.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum Fault {
-    /// The motion of the impactor is not finite.
-    #[error("the motion of the impactor is not finite at {time:.6} s")]
-    ImpactorLost { time: f64 },
-    /// A strain is not finite.
-    #[error("the strain of element {element} of face {face} is not finite at {time:.6} s")]
-    NotANumber { time: f64, face: usize, element: usize },
-    /// The stable time step is a small part of the first one.
-    #[error("the time step fell from {first:.3e} s to {now:.3e} s at {time:.6} s, limited by face {face}")]
-    TimeStepCollapsed { time: f64, first: f64, now: f64, face: usize },
-    /// The observer ended the run.
-    #[error("the observer ended the run")]
-    Stopped,
 }
 
 impl Engine {
@@ -255,15 +208,15 @@ impl Engine {
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<usize, Fault> {
         let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.pool, self.time)?;
         let over = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
-        let wanted = observer.wants(self.time);
+        let observed = observer.needs_state(self.time);
         self.forces(last);
         self.add_jaw_work(dt, over);
         let jaw_force = self.jaw_force();
-        if wanted {
+        if observed {
             self.previous.store(&self.nodes, self.impact.as_ref());
         }
         let fastest = self.advance(over, dt);
-        if wanted {
+        if observed {
             self.show(observer)?;
         }
         self.finish(dt, fastest, jaw_force, observer);
@@ -362,9 +315,9 @@ impl Engine {
     /// Shows the stored full step, with the velocities that follow it.
     fn show(&mut self, observer: &mut dyn Observer) -> Result<(), Fault> {
         self.exchange();
-        let seen = observer.see(&self.view());
+        let result = observer.observe(&self.view());
         self.exchange();
-        seen
+        result
     }
 
     /// Exchanges positions and forces of the nodes with the stored ones.
@@ -385,7 +338,7 @@ impl Engine {
             contact.reduce_skin((fastest + body.velocity.norm() + rotation) * dt);
             body.drift(dt);
         }
-        observer.follow(&track);
+        observer.track(&track);
         self.time += dt;
         self.steps += 1;
     }

@@ -9,14 +9,14 @@ use super::{
 /// Follows a run without changing it.
 pub trait Observer {
     /// Whether it needs the state at the full step at `time` (s).
-    fn wants(&self, time: f64) -> bool;
+    fn needs_state(&self, time: f64) -> bool;
     /// Is shown the state at that step.
     ///
     /// # Errors
     /// A [`Fault`] ends the run.
-    fn see(&mut self, view: &View<'_>) -> Result<(), Fault>;
+    fn observe(&mut self, view: &View<'_>) -> Result<(), Fault>;
     /// Is shown impactor and jaws at every step.
-    fn follow(&mut self, _track: &Track) {}
+    fn track(&mut self, _track: &Track) {}
 }
 
 /// The impactor and the jaws at one step; zero where there is none.

@@ -267,11 +267,11 @@ fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> engine::Fault {
 }
 
 impl Observer for Probe<'_> {
-    fn wants(&self, time: f64) -> bool {
+    fn needs_state(&self, time: f64) -> bool {
         self.record.tracks.is_due(time) || self.snapshot_due(time) || self.audit_due(time)
     }
 
-    fn see(&mut self, view: &View<'_>) -> Result<(), engine::Fault> {
+    fn observe(&mut self, view: &View<'_>) -> Result<(), engine::Fault> {
         let mut faces = std::mem::take(&mut self.faces);
         view.strains(&mut faces);
         let result = self.record_due(view, &faces);
@@ -279,7 +279,7 @@ impl Observer for Probe<'_> {
         result
     }
 
-    fn follow(&mut self, track: &Track) {
+    fn track(&mut self, track: &Track) {
         self.record.tracks.follow(track);
     }
 }

@@ -12,7 +12,7 @@ use crate::engine::footprint::bytes;
 /// What contact stores from step to step. The neighbour list is part of it: when it was built decides which elements are
 /// candidates for face contact until the next one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ContactHistory {
+pub(crate) struct ContactHistory {
     neighbours: NeighbourList,
     /// At the nodes of the list, in its order; all others are zero.
     normals: Vec<[f64; 3]>,

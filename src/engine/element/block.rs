@@ -4,7 +4,7 @@ use crate::lane::{LANES, Lane, Lane3, splat};
 use crate::material::{Deformation, History, MembraneLaw, Stresses, stresses};
 
 /// `L` elements of one kind with `NODES` nodes each: what a pass over a film computes of them.
-pub trait Block<const NODES: usize, const L: usize> {
+pub(crate) trait Block<const NODES: usize, const L: usize> {
     /// One element, outside of a block.
     type Element;
     /// History variables of an integration point.
@@ -59,7 +59,7 @@ pub trait Block<const NODES: usize, const L: usize> {
 
 /// Energies of the elements of one block, J.
 #[derive(Clone, Copy, Debug)]
-pub struct BlockEnergies<const L: usize> {
+pub(crate) struct BlockEnergies<const L: usize> {
     /// Comes back on unloading.
     pub stored: Lane<L>,
     /// Lost in the law.
@@ -70,7 +70,7 @@ pub struct BlockEnergies<const L: usize> {
 
 /// Strains of the elements of one block.
 #[derive(Clone, Copy, Debug)]
-pub struct BlockStrains<const L: usize> {
+pub(crate) struct BlockStrains<const L: usize> {
     /// Engineering strain along MD and TD, shear angle (rad).
     pub strain: [Lane<L>; 3],
     /// Largest MD and TD strain so far.
@@ -79,7 +79,7 @@ pub struct BlockStrains<const L: usize> {
 
 /// Stress, thickness and fibres of the elements of one block.
 #[derive(Clone, Copy, Debug)]
-pub struct BlockDetails<const L: usize> {
+pub(crate) struct BlockDetails<const L: usize> {
     /// Engineering stresses along MD and TD and in shear, Pa of one layer.
     pub stress: [Lane<L>; 3],
     /// Thickness over that of stress-free film; NaN where the law does not define it.
@@ -116,7 +116,7 @@ impl<const L: usize> BlockEnergies<L> {
 
 /// Nodes of the elements of a block.
 #[derive(Clone, Debug)]
-pub enum Corners<const NODES: usize, const L: usize = LANES> {
+pub(crate) enum Corners<const NODES: usize, const L: usize = LANES> {
     /// The nodes of neighbouring elements follow each other; those of the first one.
     Row([u32; NODES]),
     /// Any nodes, a row a corner.
@@ -134,7 +134,7 @@ impl<const NODES: usize, const L: usize> Corners<NODES, L> {
     }
 
     /// Nodes of the element in a lane.
-    pub fn of(&self, lane: usize) -> [u32; NODES] {
+    pub(crate) fn of(&self, lane: usize) -> [u32; NODES] {
         match self {
             Corners::Row(first) => first.map(|n| n + lane as u32),
             Corners::Listed(rows) => rows.map(|row| row[lane]),
@@ -144,7 +144,7 @@ impl<const NODES: usize, const L: usize> Corners<NODES, L> {
 
 /// Elements of one kind, in order.
 #[derive(Clone, Debug)]
-pub struct Blocks<B, const NODES: usize, const L: usize = LANES> {
+pub(crate) struct Blocks<B, const NODES: usize, const L: usize = LANES> {
     /// Elements; the last block is filled up with weightless copies of the last one.
     pub count: usize,
     /// Nodes of each block's elements.
@@ -168,23 +168,23 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
     }
 
     /// Block and lane of each element, in order.
-    pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<B, NODES, L> {
+    pub(crate) fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<B, NODES, L> {
         (0..self.count).map(|i| (i / L, i % L))
     }
 
     /// Integration points of one element.
-    pub fn points(&self) -> usize {
+    pub(crate) fn points(&self) -> usize {
         self.blocks.first().map_or(0, |block| block.history().count())
     }
 
     /// History variables of the law at one integration point.
-    pub fn variables(&self) -> usize {
+    pub(crate) fn variables(&self) -> usize {
         let first = self.blocks.first().and_then(|block| block.history().next());
         first.map_or(0, |(history, _)| history.variables().count())
     }
 
     /// Whether the element at `block`, `lane` is deleted.
-    pub fn is_deleted(&self, block: usize, lane: usize) -> bool {
+    pub(crate) fn is_deleted(&self, block: usize, lane: usize) -> bool {
         self.blocks[block].volume()[lane] == 0.0
     }
 }

@@ -6,7 +6,7 @@ use crate::material::{Deformation, History, MembraneLaw, PeakStrains, strains};
 
 /// Elements with `NODES` nodes and `POINTS` integration points each.
 #[derive(Clone, Debug)]
-pub struct Gauss<const NODES: usize, const POINTS: usize, const L: usize, P = PeakStrains<L>> {
+pub(crate) struct Gauss<const NODES: usize, const POINTS: usize, const L: usize, P = PeakStrains<L>> {
     points: [Point<P, NODES, L>; POINTS],
 }
 
@@ -22,7 +22,7 @@ struct Point<P, const NODES: usize, const L: usize> {
 
 /// One such element.
 #[derive(Clone, Copy, Debug)]
-pub struct GaussElement<const NODES: usize, const POINTS: usize> {
+pub(crate) struct GaussElement<const NODES: usize, const POINTS: usize> {
     pub(super) gradient: [[[f64; 2]; NODES]; POINTS],
     /// Area of stress-free film at each point, m².
     pub(super) area: [f64; POINTS],

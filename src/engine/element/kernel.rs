@@ -6,15 +6,15 @@ use crate::lane::{LANES, Lane3, at_width, splat};
 use crate::material::MembraneLaw;
 
 /// Nodal forces that several threads add to, each to those of its own nodes.
-pub struct Forces<'a>([Disjoint<'a, f64>; 3]);
+pub(crate) struct Forces<'a>([Disjoint<'a, f64>; 3]);
 
 /// Forces on nodes that one thread alone adds to.
 #[derive(Clone, Copy)]
-pub struct OwnForces<'a>(&'a [Disjoint<'a, f64>; 3]);
+pub(crate) struct OwnForces<'a>(&'a [Disjoint<'a, f64>; 3]);
 
 impl<'a> Forces<'a> {
     /// Forces to add to, an array an axis.
-    pub fn new(axes: [&'a mut [f64]; 3]) -> Forces<'a> {
+    pub(crate) fn new(axes: [&'a mut [f64]; 3]) -> Forces<'a> {
         Forces(axes.map(Disjoint::new))
     }
 
@@ -22,7 +22,7 @@ impl<'a> Forces<'a> {
     ///
     /// # Safety
     /// While it is in use, no other thread may be at work on the nodes of the elements that it is used for.
-    pub unsafe fn own(&self) -> OwnForces<'_> {
+    pub(crate) unsafe fn own(&self) -> OwnForces<'_> {
         OwnForces(&self.0)
     }
 }

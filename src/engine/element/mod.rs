@@ -10,14 +10,14 @@ mod quad4;
 mod reference;
 mod tri3;
 
-pub use block::{Block, Blocks};
-pub use gauss::Gauss;
-pub use kernel::{ElementDetail, ElementEnergy, ElementStrain, Forces, OwnForces};
-pub use one_point::OnePoint;
+pub(crate) use block::{Block, Blocks};
+pub(crate) use gauss::Gauss;
+pub use kernel::{ElementDetail, ElementEnergy, ElementStrain};
+pub(crate) use kernel::{Forces, OwnForces};
+pub(super) use kernel::{add_forces, details, energy, energy_at, frequency_bound, strains};
+pub(crate) use one_point::OnePoint;
 pub(super) use one_point::OnePointElement;
 pub use reference::{StressFree, UndefinedFibreDirection};
-
-pub(super) use kernel::{add_forces, details, energy, energy_at, frequency_bound, strains};
 
 use nalgebra::Point3;
 
@@ -26,11 +26,11 @@ use crate::material::{History, MembraneLaw, PeakStrains};
 use gauss::GaussElement;
 
 /// Quadrilaterals with one integration point and its history variables `P`.
-pub type Quads<const L: usize = LANES, P = PeakStrains<L>> = Blocks<OnePoint<L, P>, 4, L>;
+pub(crate) type Quads<const L: usize = LANES, P = PeakStrains<L>> = Blocks<OnePoint<L, P>, 4, L>;
 /// Quadrilaterals with 2×2 integration points.
-pub type FullQuads<const L: usize = LANES, P = PeakStrains<L>> = Blocks<Gauss<4, 4, L, P>, 4, L>;
+pub(crate) type FullQuads<const L: usize = LANES, P = PeakStrains<L>> = Blocks<Gauss<4, 4, L, P>, 4, L>;
 /// Triangles.
-pub type Tris<const L: usize = LANES, P = PeakStrains<L>> = Blocks<Gauss<3, 1, L, P>, 3, L>;
+pub(crate) type Tris<const L: usize = LANES, P = PeakStrains<L>> = Blocks<Gauss<3, 1, L, P>, 3, L>;
 
 /// Whether a fibre of the point with `history` in a lane is past its break strain.
 fn has_failed<M: MembraneLaw<History<L> = P>, P: History<L>, const L: usize>(

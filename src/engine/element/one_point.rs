@@ -19,7 +19,7 @@ use crate::material::{Deformation, History, MembraneLaw, PeakStrains, Stress, st
 
 /// Elements with one point each.
 #[derive(Clone, Debug)]
-pub struct OnePoint<const L: usize, P = PeakStrains<L>> {
+pub(crate) struct OnePoint<const L: usize, P = PeakStrains<L>> {
     /// b_aI of the first two nodes, along MD and TD of the stress-free film, 1/m.
     gradient: [[Lane<L>; 2]; 2],
     /// s₀ and s₁; zero in a parallelogram.
@@ -33,7 +33,7 @@ pub struct OnePoint<const L: usize, P = PeakStrains<L>> {
 
 /// One element.
 #[derive(Clone, Copy, Debug)]
-pub struct OnePointElement {
+pub(crate) struct OnePointElement {
     pub(super) gradient: [[f64; 2]; 2],
     pub(super) skew: [f64; 2],
     /// Area of stress-free film, m².

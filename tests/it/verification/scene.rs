@@ -1,4 +1,4 @@
-//! Engines set up by hand, and a look at every step.
+//! Engines built without a run, and observers of single steps.
 
 use droptower::engine::{Contact, Energies, Engine, Fault, Film, Impact, Jaw, Loads, Nodes, Observer, View};
 use droptower::mesh::{self, Mesh, MeshError, Side};
@@ -12,13 +12,13 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The faces of an impact, whole or a quarter, held at the rim or not at all, under a body in touch with the
-    /// first of them.
-    pub fn struck(model: &Model) -> Scene {
+    /// The faces of an impact, whole or a quarter, held at the rim or free, under a body in contact with the first of
+    /// them.
+    pub fn impact(model: &Model) -> Scene {
         Scene::spinning(model, Vector3::zeros())
     }
 
-    /// The same with the body turning at `spin` (rad/s).
+    /// The same with a body of angular velocity `spin` (rad/s).
     pub fn spinning(model: &Model, spin: Vector3<f64>) -> Scene {
         let Loading::Impact { velocity, gravity, .. } = model.loading else { panic!("{} is no impact", model.name) };
         let mut nodes = Nodes::default();
@@ -45,9 +45,9 @@ impl Scene {
         let pose = Isometry3::translation(x, y, model.faces[0].height + offset[0] - surface.lowest());
         let mut body = falling(impactor, &surface, pose, velocity);
         body.spin = spin;
-        let copies = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
-        let contact = Contact::new(surface, impactor.friction, copies, offset);
-        let loads = Loads { gravity, multiplicity: copies, ..Loads::default() };
+        let multiplicity = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
+        let contact = Contact::new(surface, impactor.friction, multiplicity, offset);
+        let loads = Loads { gravity, multiplicity, ..Loads::default() };
         Scene { engine: Engine::new(films, nodes, Some(Impact { body, contact }), loads) }
     }
 
@@ -67,56 +67,56 @@ impl Scene {
         Scene { engine: Engine::new(vec![film], nodes, None, loads) }
     }
 
-    /// Advances by one step; how many elements broke in it.
+    /// Advances by one step. Returns the number of elements that failed in it.
     pub fn step(&mut self) -> usize {
-        self.engine.step(&mut Blind).expect("a step")
+        self.engine.step(&mut NoObserver).expect("a step")
     }
 }
 
-/// An observer that sees nothing.
-pub struct Blind;
+/// An observer that needs no state.
+pub struct NoObserver;
 
-impl Observer for Blind {
-    fn wants(&self, _time: f64) -> bool {
+impl Observer for NoObserver {
+    fn needs_state(&self, _time: f64) -> bool {
         false
     }
 
-    fn see(&mut self, _view: &View<'_>) -> Result<(), Fault> {
+    fn observe(&mut self, _view: &View<'_>) -> Result<(), Fault> {
         Ok(())
     }
 }
 
-/// Looks at one step.
-struct Glance<F, T> {
-    look: F,
-    seen: Option<T>,
+/// Stores what `read` returns for one step.
+struct StepObserver<F, T> {
+    read: F,
+    result: Option<T>,
 }
 
-impl<T, F: FnMut(&View<'_>) -> T> Observer for Glance<F, T> {
-    fn wants(&self, _time: f64) -> bool {
+impl<T, F: FnMut(&View<'_>) -> T> Observer for StepObserver<F, T> {
+    fn needs_state(&self, _time: f64) -> bool {
         true
     }
 
-    fn see(&mut self, view: &View<'_>) -> Result<(), Fault> {
-        self.seen = Some((self.look)(view));
+    fn observe(&mut self, view: &View<'_>) -> Result<(), Fault> {
+        self.result = Some((self.read)(view));
         Ok(())
     }
 }
 
-/// Advances by one step and returns what `look` sees at it.
-pub fn watch<T>(engine: &mut Engine, look: impl FnMut(&View<'_>) -> T) -> T {
-    let mut glance = Glance { look, seen: None };
-    engine.step(&mut glance).expect("a step");
-    glance.seen.expect("every step is seen")
+/// Advances by one step and returns what `read` returns for its state.
+pub fn observe_step<T>(engine: &mut Engine, read: impl FnMut(&View<'_>) -> T) -> T {
+    let mut observer = StepObserver { read, result: None };
+    engine.step(&mut observer).expect("a step");
+    observer.result.expect("the step was observed")
 }
 
-/// Where the nodes are.
-pub fn places(nodes: &Nodes) -> Vec<[f64; 3]> {
+/// Positions of all nodes, m.
+pub fn positions(nodes: &Nodes) -> Vec<[f64; 3]> {
     nodes.position.iter().collect()
 }
 
-/// Puts every node where `to` says, from its number and place.
-pub fn put(nodes: &mut Nodes, mut to: impl FnMut(usize, [f64; 3]) -> [f64; 3]) {
+/// Sets the position of every node to `to` of its number and position.
+pub fn set_positions(nodes: &mut Nodes, mut to: impl FnMut(usize, [f64; 3]) -> [f64; 3]) {
     (0..nodes.position.len()).for_each(|n| nodes.position.set(n, to(n, nodes.position.at(n))));
 }
 
@@ -127,14 +127,14 @@ pub fn forces(film: &mut Film, nodes: &Nodes) -> Vec<Vector3<f64>> {
     nodes.force.iter().map(Vector3::from).collect()
 }
 
-/// Where the nodes come to rest under `damping` (1/s) within `time` (s), and the energies then.
+/// Positions of the nodes after `time` (s) under `damping` (1/s), and the energies then.
 pub fn relaxed(film: Film, nodes: Nodes, damping: f64, time: f64) -> (Vec<[f64; 3]>, Energies) {
     let loads = Loads { damping, ..Loads::default() };
     let mut engine = Engine::new(vec![film], nodes, None, loads);
     while engine.time() < time {
-        engine.step(&mut Blind).expect("a step");
+        engine.step(&mut NoObserver).expect("a step");
     }
-    watch(&mut engine, |view| (places(view.nodes), view.energies()))
+    observe_step(&mut engine, |view| (positions(view.nodes), view.energies()))
 }
 
 /// The mesh of a face.
@@ -142,7 +142,7 @@ pub fn build(model: &Model, face: &Face) -> Result<Mesh, MeshError> {
     mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)
 }
 
-/// A mesh and the nodes and film that stand on it, before anything moves.
+/// The film and nodes of a mesh at rest.
 pub fn mounted(mesh: &Mesh, face: &Face) -> (Film, Nodes) {
     let mut nodes = Nodes::default();
     let film = Film::mount(mesh, &section(face, 1.0), face.height, &mut nodes).expect("a film");

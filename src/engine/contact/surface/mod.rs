@@ -5,7 +5,7 @@ mod deepest_point;
 mod projection;
 mod triangles;
 
-pub use triangles::Triangles;
+pub(crate) use triangles::Triangles;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use parry3d_f64::math::{Pose, Rotation, Vector};

@@ -7,7 +7,7 @@ use parry3d_f64::shape::{Compound, Shape, TypedShape};
 use super::Surface;
 
 /// Vertices (m) and triangles of a surface.
-pub type Triangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
+pub(crate) type Triangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 
 impl Surface {
     /// Vertices about the centre of mass and triangles; circles have `sides` sides.
