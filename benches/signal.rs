@@ -1,6 +1,6 @@
-//! What a million samples cost: `cargo bench --bench signal`.
+//! Run time of signal functions on a million samples: `cargo bench --bench signal`.
 //!
-//! One second at 1 MHz, as shock recorders write it. Every figure is the median of several measurements in this one process.
+//! The signal is one second at 1 MHz, as of a shock recorder. Every figure is the median of several measurements in one process.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -11,9 +11,10 @@ use droptower::signal::hic::head_injury_criterion;
 use droptower::signal::rating::rate;
 use droptower::signal::{Series, integrate};
 
-/// Measurements of which the median is taken.
+/// Number of measurements.
 const REPEATS: usize = 9;
 
+/// Number of samples.
 const SAMPLES: u32 = 1_000_000;
 
 fn main() {
@@ -25,27 +26,29 @@ fn main() {
     let rating = row("rated, ISO/TS 18571 (10 000 samples)", || rate(&reference, &filtered));
     println!("| **filtered, integrated and rated** | **{:.1}** |", filter + integral + rating);
     row("HIC15", || head_injury_criterion(&filtered, 0.015));
-    row("HIC15 of a constant, the worst case", || head_injury_criterion(&flat(), 0.015));
+    row("HIC15 of a constant, the worst case", || head_injury_criterion(&constant(), 0.015));
     row("3 ms clip, cumulative", || clip(&filtered, 0.003, Counting::Cumulative));
     row("3 ms clip, contiguous", || clip(&filtered, 0.003, Counting::Contiguous));
 }
 
-/// A shock that rings, `late` by so many seconds.
-fn shock(late: f64) -> Series {
-    sampled(|t| 500.0 * (-((t - 0.4 - late) / 0.02).powi(2)).exp() * (1.0 + 0.1 * (6e4 * t).sin()))
+/// A shock with ringing, delayed by `delay` (s).
+fn shock(delay: f64) -> Series {
+    sampled(|t| 500.0 * (-((t - 0.4 - delay) / 0.02).powi(2)).exp() * (1.0 + 0.1 * (6e4 * t).sin()))
 }
 
-fn flat() -> Series {
+/// A constant.
+fn constant() -> Series {
     sampled(|_| 500.0)
 }
 
+/// `value` sampled at 1 MHz.
 fn sampled(value: impl Fn(f64) -> f64) -> Series {
     let time: Vec<f64> = (0..SAMPLES).map(|i| 1e-6 * f64::from(i)).collect();
     let values: Vec<f64> = time.iter().map(|t| value(*t)).collect();
     Series::new(time, values)
 }
 
-/// Prints what `work` takes, and gives it in ms.
+/// Measures `work`, prints and returns its run time, ms.
 fn row<T>(what: &str, work: impl Fn() -> T) -> f64 {
     let milliseconds = || {
         let begin = Instant::now();

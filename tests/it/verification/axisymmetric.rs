@@ -144,12 +144,12 @@ impl Sheet {
         at(pole).1.above_the_clamp()
     }
 
-    /// The same circle under a frictionless ball of radius `ball` (m) that touches it up to the material radius `touch`.
-    pub fn touched(&self, radius: f64, clamp: f64, ball: f64, touch: f64) -> Shape {
+    /// The same circle under a frictionless ball of radius `ball` (m) in contact up to the material radius `contact`.
+    pub fn under_ball(&self, radius: f64, clamp: f64, ball: f64, contact: f64) -> Shape {
         let at = |pole: f64| {
             let mut shape = Shape::default();
-            let edge = self.on_ball(&mut shape, pole, ball, touch);
-            let end = self.free(&mut shape, edge, touch, radius, 0.0);
+            let edge = self.on_ball(&mut shape, pole, ball, contact);
+            let end = self.free(&mut shape, edge, contact, radius, 0.0);
             (end[0] - clamp, shape)
         };
         let pole = 1.0 + root(|strain| at(1.0 + strain).0, 0.5);
@@ -160,13 +160,14 @@ impl Sheet {
     pub fn indented(&self, radius: f64, clamp: f64, ball: f64, depth: f64) -> Shape {
         // A quarter of the ball's circumference, of film that is not shorter than it was.
         let most = radius.min(1.5 * ball);
-        let touch = between(|touch| self.touched(radius, clamp, ball, touch).depth() - depth, 1e-3 * most, most);
-        let shape = self.touched(radius, clamp, ball, touch);
+        let contact =
+            between(|contact| self.under_ball(radius, clamp, ball, contact).depth() - depth, 1e-3 * most, most);
+        let shape = self.under_ball(radius, clamp, ball, contact);
         assert!((shape.depth() - depth).abs() < 1e-6 * depth, "the film is slack at {depth} m");
         shape
     }
 
-    /// A ring from the material radius `inner` to `outer` (m) whose edges are put at `[r, z]` each.
+    /// A ring from the material radius `inner` to `outer` (m) whose edges are displaced to `[r, z]` each.
     pub fn ring(&self, [inner, outer]: [f64; 2], edges: [[f64; 2]; 2]) -> Shape {
         let at = |along: f64, up: f64| {
             let mut shape = Shape::default();

@@ -1,6 +1,6 @@
 //! Figures beside their bounds.
 
-/// Gathers figures, prints each beside its bound, and fails once all are known.
+/// Collects figures, prints each beside its bound, and fails after the last one.
 pub struct Claims {
     test: &'static str,
     missed: Vec<String>,
@@ -12,7 +12,7 @@ impl Claims {
         Claims { test, missed: vec![] }
     }
 
-    /// `figure` is at most `bound`; a figure that is not a number is not.
+    /// `figure` is at most `bound`; NaN is not.
     pub fn at_most(&mut self, what: &str, figure: f64, bound: f64) {
         self.line(what, &format!("{figure:.3e}, at most {bound:.0e}"), figure <= bound);
     }
@@ -23,24 +23,24 @@ impl Claims {
         self.line(what, &format!("{figure:.6e} for {reference:.6e}, off by {off:.2e} of {share:.0e}"), off <= share);
     }
 
-    /// `errors` on meshes each twice as fine as the one before fall with at least `order` of the element's size.
+    /// `errors` on meshes of halved element size decrease with at least `order`.
     pub fn converges(&mut self, what: &str, errors: &[f64], order: f64) {
         let slopes: Vec<f64> = errors.windows(2).map(|e| (e[0] / e[1]).abs().log2()).collect();
         let least = slopes.iter().copied().fold(f64::INFINITY, f64::min);
-        let seen: Vec<String> = errors.iter().map(|error| format!("{error:.2e}")).collect();
-        let sound = errors.len() > 1 && slopes.iter().all(|slope| *slope >= order);
-        self.line(what, &format!("errors {}, order {least:.2}, at least {order}", seen.join(", ")), sound);
+        let printed: Vec<String> = errors.iter().map(|error| format!("{error:.2e}")).collect();
+        let converges = errors.len() > 1 && slopes.iter().all(|slope| *slope >= order);
+        self.line(what, &format!("errors {}, order {least:.2}, at least {order}", printed.join(", ")), converges);
     }
 
-    /// `truth` holds; `seen` is what was found.
-    pub fn holds(&mut self, what: &str, seen: &str, truth: bool) {
-        self.line(what, seen, truth);
+    /// `holds` is true; `figures` are printed.
+    pub fn holds(&mut self, what: &str, figures: &str, holds: bool) {
+        self.line(what, figures, holds);
     }
 
-    fn line(&mut self, what: &str, seen: &str, truth: bool) {
-        let line = format!("{} | {what} | {seen}", self.test);
-        println!("{line}{}", if truth { "" } else { " | MISSED" });
-        if !truth {
+    fn line(&mut self, what: &str, figures: &str, holds: bool) {
+        let line = format!("{} | {what} | {figures}", self.test);
+        println!("{line}{}", if holds { "" } else { " | MISSED" });
+        if !holds {
             self.missed.push(line);
         }
     }

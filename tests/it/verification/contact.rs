@@ -6,10 +6,10 @@ use droptower::engine::View;
 use nalgebra::Vector3;
 
 use super::claims::Claims;
-use super::scene::{Scene, places, watch};
+use super::scene::{Scene, observe_step, positions};
 use super::tower::{channel, loading_of_1008, run};
 
-/// An unheld film that a light sphere meets off its centre, without gravity.
+/// A free film under the eccentric impact of a light sphere, without gravity.
 const ADRIFT: [&str; 9] = [
     "specimen.symmetry=none",
     "frame.hold=none",
@@ -31,7 +31,7 @@ fn momenta(view: &View<'_>) -> [Vector3<f64>; 3] {
     let body = view.body.expect("a body");
     let inertia = 0.4 * body.mass * SMALL * SMALL;
     let mut film = [Vector3::zeros(); 2];
-    for (n, x) in places(view.nodes).into_iter().enumerate() {
+    for (n, x) in positions(view.nodes).into_iter().enumerate() {
         let momentum = view.nodes.velocity_of(n) * view.nodes.mass[n];
         film[0] += momentum;
         film[1] += Vector3::from(x).cross(&momentum);
@@ -40,9 +40,9 @@ fn momenta(view: &View<'_>) -> [Vector3<f64>; 3] {
     [film[0] + own, film[1] + body.centre().coords.cross(&own) + body.spin * inertia, film[0]]
 }
 
-/// What each step of contact takes from the impactor the film gets, to round-off, spin or none.
+/// The momentum of film and impactor is conserved in every step to round-off, with and without spin.
 #[test]
-fn momentum_is_exchanged_and_never_made() {
+fn momentum_is_conserved_in_every_step() {
     let mut claims = Claims::of("momentum");
     for (guide, axes, spin) in [("free", 0..3, [0.0; 3]), ("free", 0..3, [40.0, -25.0, 60.0]), ("z", 2..3, [0.0; 3])] {
         let what = |claim: &str| format!("guide {guide}, spin {spin:?} rad/s, {claim}");
@@ -50,27 +50,27 @@ fn momentum_is_exchanged_and_never_made() {
         let mut scene = Scene::spinning(&model, spin.into());
         let start = 0.05 * 4.16;
         let mut last: Option<[Vector3<f64>; 3]> = None;
-        let [mut drift, mut event, mut turned, mut given] = [0.0_f64; 4];
+        let [mut drift, mut event, mut angular, mut taken] = [0.0_f64; 4];
         let mut sum = Vector3::zeros();
         while scene.engine.time() < 0.01 {
-            let now = watch(&mut scene.engine, momenta);
+            let now = observe_step(&mut scene.engine, momenta);
             if let Some(last) = last {
-                let [made, turn] = [0, 1].map(|i| now[i] - last[i]);
-                let largest = axes.clone().map(|axis| made[axis].abs()).fold(0.0, f64::max);
+                let [change, moment] = [0, 1].map(|i| now[i] - last[i]);
+                let largest = axes.clone().map(|axis| change[axis].abs()).fold(0.0, f64::max);
                 event = event.max(largest / start);
-                sum += turn;
-                turned = turned.max(sum.norm() / (start * SMALL));
+                sum += moment;
+                angular = angular.max(sum.norm() / (start * SMALL));
             }
             let whole = now[0] + Vector3::new(0.0, 0.0, start);
             drift = axes.clone().map(|axis| whole[axis].abs() / start).fold(drift, f64::max);
-            given = given.max(now[2].norm() / start);
+            taken = taken.max(now[2].norm() / start);
             last = Some(now);
         }
-        claims.at_most(&what("momentum made in any step"), event, 1e-14);
+        claims.at_most(&what("change of momentum in a step"), event, 1e-14);
         claims.at_most(&what("drift of film + impactor"), drift, 1e-12);
-        claims.holds(&what("share that the film took"), &format!("{given:.3}"), given > 0.01);
+        claims.holds(&what("share of the film"), &format!("{taken:.3}"), taken > 0.01);
         if guide == "free" {
-            claims.at_most(&what("drift of angular momentum over m v R"), turned, 1e-5);
+            claims.at_most(&what("drift of angular momentum over m v R"), angular, 1e-5);
         }
         if spin == [0.0; 3] {
             claims.at_most(&what("energy balance error"), run(&model).energy_balance_error, 1e-3);
@@ -80,7 +80,7 @@ fn momentum_is_exchanged_and_never_made() {
 }
 
 #[test]
-fn the_contact_force_is_what_stops_the_impactor() {
+fn the_contact_force_decelerates_the_impactor() {
     let mut claims = Claims::of("impulse");
     let outcome = run(&loading_of_1008(&[]));
     let [force, velocity] = ["contact_force_N", "velocity_m_s"].map(|name| channel(&outcome.signals, name));
@@ -92,13 +92,13 @@ fn the_contact_force_is_what_stops_the_impactor() {
     claims.judge();
 }
 
-/// Distance from the sphere within which a node is in touch itself, and not only through a face beside it, m.
-const TOUCH: f64 = 2e-4;
+/// Distance from the sphere within which a node is in contact itself, and not as a corner of an element, m.
+const NODE_CONTACT: f64 = 2e-4;
 
 /// Radius of [`ROUND`], m.
 const RADIUS: f64 = 0.3;
 
-/// A sphere so large over its elements that they touch it at their nodes alone.
+/// A sphere so large relative to the elements that there is node contact alone.
 const ROUND: [&str; 5] = [
     "impactor.shape.sphere.radius=300mm",
     r#"specimen.shape={ rectangle = ["1 m", "1 m"] }"#,
@@ -107,22 +107,22 @@ const ROUND: [&str; 5] = [
     "loading.impact.duration=150ms",
 ];
 
-/// Farthest that a node near the pole of the sphere moves over its surface while it stays in touch, over the radius;
-/// looked for until it is `enough`, or the sphere turns.
+/// Largest slip of a node near the pole of the sphere during its contact, over the radius; the search ends at `enough`, or at
+/// the lowest point.
 fn creep(friction: &str, enough: f64) -> f64 {
     let model = loading_of_1008(&[&ROUND[..], &[&format!("impactor.friction={friction}")]].concat());
-    let mut scene = Scene::struck(&model);
+    let mut scene = Scene::impact(&model);
     let mut since: BTreeMap<usize, (u32, Vector3<f64>)> = BTreeMap::new();
     let mut farthest = 0.0_f64;
     loop {
-        let (falling, arms) = watch(&mut scene.engine, |view| {
+        let (falling, arms) = observe_step(&mut scene.engine, |view| {
             let body = view.body.expect("a body");
             let arm = |n: &usize| Vector3::from(view.nodes.position.at(*n)) - body.pose.translation.vector;
             let arms: BTreeMap<usize, Vector3<f64>> = view
                 .nodes_in_contact()
                 .iter()
                 .map(|n| (*n, arm(n)))
-                .filter(|(_, arm)| arm.norm() < RADIUS + TOUCH)
+                .filter(|(_, arm)| arm.norm() < RADIUS + NODE_CONTACT)
                 .collect();
             (body.velocity.z < 0.0, arms)
         });
@@ -133,7 +133,7 @@ fn creep(friction: &str, enough: f64) -> f64 {
         for (n, arm) in arms.into_iter().filter(|(_, arm)| -arm.z > 0.8 * arm.norm()) {
             let (steps, place) = since.entry(n).or_insert((0, arm));
             *steps += 1;
-            // The first step of a touch ends on the surface.
+            // The first step of contact ends on the surface.
             if *steps == 2 {
                 *place = arm;
             }
@@ -143,7 +143,7 @@ fn creep(friction: &str, enough: f64) -> f64 {
 }
 
 #[test]
-fn what_sticks_does_not_creep() {
+fn sticking_nodes_do_not_creep() {
     let mut claims = Claims::of("sticking");
     claims.at_most("drift of nodes near the pole over the radius, friction 10", creep("10", 1.0), 1e-3);
     let sliding = creep("0", 2e-2);
@@ -152,15 +152,19 @@ fn what_sticks_does_not_creep() {
 }
 
 #[test]
-fn friction_only_takes() {
+fn friction_dissipates_energy() {
     let mut claims = Claims::of("friction");
     let mut losses = vec![];
     for friction in ["0", "0.1", "0.4", "10"] {
         let outcome = run(&loading_of_1008(&[&format!("impactor.friction={friction}")]));
         let lost = channel(&outcome.energies, "friction_J");
-        let back = lost.windows(2).map(|w| w[0] - w[1]).fold(0.0, f64::max);
+        let returned = lost.windows(2).map(|w| w[0] - w[1]).fold(0.0, f64::max);
         let impact = 0.5 * 10.72 * 4.16 * 4.16;
-        claims.at_most(&format!("friction {friction}, energy given back over that of the impact"), back / impact, 1e-9);
+        claims.at_most(
+            &format!("friction {friction}, energy returned over that of the impact"),
+            returned / impact,
+            1e-9,
+        );
         losses.push(lost[lost.len() - 1] / impact);
     }
     claims.at_most("loss without friction", losses[0].abs(), 0.0);
@@ -168,9 +172,9 @@ fn friction_only_takes() {
     claims.judge();
 }
 
-/// A free sphere off the centre of the film begins to roll through friction and through nothing else.
+/// An eccentric free sphere rotates with friction alone.
 #[test]
-fn without_friction_nothing_turns_a_sphere() {
+fn a_sphere_rotates_with_friction_alone() {
     let mut claims = Claims::of("spin");
     let free = [
         "specimen.mesh.size=20mm",
@@ -181,14 +185,14 @@ fn without_friction_nothing_turns_a_sphere() {
     ];
     for (friction, rolls) in [("0", false), ("0.4", true)] {
         let model = loading_of_1008(&[&free[..], &[&format!("impactor.friction={friction}")]].concat());
-        let mut scene = Scene::struck(&model);
+        let mut scene = Scene::impact(&model);
         let mut spin = 0.0;
         while scene.engine.time() < 0.03 {
-            spin = watch(&mut scene.engine, |view| view.body.expect("a body").spin.norm());
+            spin = observe_step(&mut scene.engine, |view| view.body.expect("a body").spin.norm());
         }
-        // A sphere's normal passes through its centre but for round-off.
-        let right = if rolls { spin > 1e-2 } else { spin < 1e-10 };
-        claims.holds(&format!("friction {friction}, spin after 30 ms"), &format!("{spin:.3e} rad/s"), right);
+        // The normal passes through the centre to round-off.
+        let holds = if rolls { spin > 1e-2 } else { spin < 1e-10 };
+        claims.holds(&format!("friction {friction}, spin after 30 ms"), &format!("{spin:.3e} rad/s"), holds);
     }
     claims.judge();
 }

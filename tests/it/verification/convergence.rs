@@ -7,7 +7,7 @@ use droptower::mesh::Element;
 
 use super::axisymmetric;
 use super::claims::Claims;
-use super::scene::{mounted, places, put, relaxed};
+use super::scene::{mounted, positions, relaxed, set_positions};
 use super::sheet::{DENSITY, ELEMENTS, THICKNESS, elastic, face, nodes_where, sheet};
 
 const YOUNG: f64 = 50e6;
@@ -36,10 +36,10 @@ fn of_height(cells: usize, element: Element, uneven: f64) -> [f64; 2] {
     let mesh = sheet(cells, element, uneven, |[u, v]| [SIDE * u, SIDE * v]);
     let (film, mut nodes) = mounted(&mesh, &face(elastic(YOUNG, POISSON), element, [PRESTRAIN; 2]));
     let flat = film.energy(&nodes.position);
-    put(&mut nodes, |_, x| [x[0], x[1], harmonic(x)]);
+    set_positions(&mut nodes, |_, x| [x[0], x[1], harmonic(x)]);
     let [columns, rows] = cells;
     nodes.hold(nodes_where(cells, |c, r| c == 0 || c == columns || r == 0 || r == rows), [true; 3]);
-    let exact = places(&nodes);
+    let exact = positions(&nodes);
     let mass = nodes.mass.clone();
 
     let stretch = 1.0 + PRESTRAIN;
@@ -58,7 +58,7 @@ fn of_height(cells: usize, element: Element, uneven: f64) -> [f64; 2] {
     [(off / all).sqrt(), gained / whole - 1.0]
 }
 
-/// Radii of a ring of stress-free film, m, and where its edges are put: r and z.
+/// Radii of a ring of stress-free film, m, and the displaced positions of its edges: r and z.
 const RING: [f64; 2] = [0.03, 0.1];
 const EDGES: [[f64; 2]; 2] = [[0.034, -0.04], [0.11, 0.0]];
 
@@ -72,12 +72,12 @@ fn of_ring(cells: usize, element: Element, uneven: f64, exact: &axisymmetric::Sh
     };
     let mesh = sheet(cells, element, uneven, material);
     let (film, mut nodes) = mounted(&mesh, &face(elastic(YOUNG, POISSON), element, [0.0; 2]));
-    put(&mut nodes, |_, [x, y, _]| {
+    set_positions(&mut nodes, |_, [x, y, _]| {
         let radius = x.hypot(y);
         let [r, z] = exact.at(radius);
         [x / radius * r, y / radius * r, z]
     });
-    let solution = places(&nodes);
+    let solution = positions(&nodes);
     let mass = nodes.mass.clone();
     let [columns, rows] = cells;
     nodes.hold(nodes_where(cells, |_, r| r == 0), [false, true, false]);

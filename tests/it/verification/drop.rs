@@ -1,22 +1,22 @@
-//! Drops against themselves by another road: symmetry, element, frame of reference, mesh; and their energy.
+//! Drops compared with equivalent ones: symmetry, element, orientation, mesh; and their energy balance.
 
 use droptower::signal::Recording;
 
 use super::claims::Claims;
 use super::tower::{channel, impact, loading_of_1008, measured, peaks, run, shipped};
 
-/// Holds both peaks of 1008 under `changes` to those under `reference`.
-fn alike(claims: &mut Claims, what: &str, reference: &[&str], changes: &[&str], share: f64) {
+/// Compares both peaks of 1008 under `changes` with those under `reference`.
+fn compare(claims: &mut Claims, what: &str, reference: &[&str], changes: &[&str], share: f64) {
     let [one, other] = [reference, changes].map(|c| peaks(&impact(&loading_of_1008(c))));
     claims.near(&format!("{what}, peak displacement"), other[0], one[0], share);
     claims.near(&format!("{what}, peak acceleration"), other[1], one[1], share);
 }
 
 #[test]
-fn mirror_planes_change_nothing() {
+fn symmetry_does_not_change_the_peaks() {
     let mut claims = Claims::of("symmetry");
     for part in ["half-x", "half-y", "quarter"] {
-        alike(&mut claims, part, &["specimen.symmetry=none"], &[&format!("specimen.symmetry={part}")], 5e-3);
+        compare(&mut claims, part, &["specimen.symmetry=none"], &[&format!("specimen.symmetry={part}")], 5e-3);
     }
     claims.judge();
 }
@@ -25,17 +25,17 @@ fn mirror_planes_change_nothing() {
 fn elements_agree() {
     let mut claims = Claims::of("elements");
     for (element, share) in [("quad4-full", 1e-2), ("tri3", 3e-2)] {
-        alike(&mut claims, element, &[], &[&format!("specimen.mesh.element={element}")], share);
+        compare(&mut claims, element, &[], &[&format!("specimen.mesh.element={element}")], share);
     }
     claims.judge();
 }
 
 #[test]
-fn directions_are_only_names() {
+fn rotated_and_relabelled_films_have_the_same_peaks() {
     let mut claims = Claims::of("directions");
     let long = r#"specimen.shape={ rectangle = ["400 mm", "320 mm"] }"#;
-    let turned = r#"specimen.shape={ rectangle = ["320 mm", "400 mm"] }"#;
-    alike(&mut claims, "film and frame turned", &[long], &[turned, "specimen.md_angle=90deg"], 1e-4);
+    let rotated = r#"specimen.shape={ rectangle = ["320 mm", "400 mm"] }"#;
+    compare(&mut claims, "film and frame rotated", &[long], &[rotated, "specimen.md_angle=90deg"], 1e-4);
     let swapped = [
         long,
         "specimen.md_angle=90deg",
@@ -43,23 +43,23 @@ fn directions_are_only_names() {
         r#"specimen.material.fabric.td={ yield = [[0.26, "8.4 MPa"], [0.84, "20 MPa"]], break = [1.39, "29.3 MPa"] }"#,
         "layers.prestrain={ md = 0.0, td = 0.10 }",
     ];
-    alike(&mut claims, "MD and TD swapped", &[long], &swapped, 1e-4);
+    compare(&mut claims, "MD and TD swapped", &[long], &swapped, 1e-4);
     claims.judge();
 }
 
 #[test]
-fn a_mesh_twice_as_fine_changes_little() {
+fn peaks_change_little_on_a_mesh_of_half_the_size() {
     let mut claims = Claims::of("mesh");
-    alike(&mut claims, "10 mm against 20 mm", &["specimen.mesh.size=20mm"], &[], 2e-2);
-    let kept = ["output.frames=1", "loading.impact.duration=65ms"];
-    let fine = [&kept[..], &["specimen.mesh.size=5mm"]].concat();
-    alike(&mut claims, "shipped 10 mm against 5 mm", &fine, &kept, 2e-2);
+    compare(&mut claims, "10 mm against 20 mm", &["specimen.mesh.size=20mm"], &[], 2e-2);
+    let short = ["output.frames=1", "loading.impact.duration=65ms"];
+    let fine = [&short[..], &["specimen.mesh.size=5mm"]].concat();
+    compare(&mut claims, "shipped 10 mm against 5 mm", &fine, &short, 2e-2);
     claims.judge();
 }
 
-/// No energy is lost or made, and D of the summary is that of the columns of energy.
+/// Energy is balanced, and D of the summary is that of the columns of energy.
 #[test]
-fn energies_add_up() {
+fn energy_is_balanced() {
     let mut claims = Claims::of("energy");
     for test in ["1008", "1509"] {
         let model = shipped(&format!("drop/{test}.toml"), &["specimen.mesh.size=20mm"]);
@@ -68,8 +68,8 @@ fn energies_add_up() {
         let total = channel(&outcome.signals, "total_energy_J");
         let drift = total.iter().map(|e| (e / total[0] - 1.0).abs()).fold(0.0, f64::max);
         claims.at_most(&format!("{test}, drift of E_kp + work"), drift, 1e-3);
-        let told = measured(&model, &outcome).energy_absorption.expect("a share");
-        claims.near(&format!("{test}, D"), told, absorption_by_columns(&outcome.signals), 1e-9);
+        let absorption = measured(&model, &outcome).energy_absorption.expect("a share");
+        claims.near(&format!("{test}, D"), absorption, absorption_by_columns(&outcome.signals), 1e-9);
     }
     claims.judge();
 }
@@ -79,14 +79,14 @@ fn absorption_by_columns(signals: &Recording) -> f64 {
     let [kinetic, potential, displacement] =
         ["kinetic_energy_J", "potential_energy_J", "displacement_m"].map(|name| channel(signals, name));
     let lowest = displacement.iter().copied().fold(f64::INFINITY, f64::min);
-    let turn = displacement.iter().position(|d| *d == lowest).expect("a lowest point");
+    let lowest_sample = displacement.iter().position(|d| *d == lowest).expect("a lowest point");
     let [mut fall, mut rise] = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for (sample, energy) in kinetic.iter().zip(potential).map(|(k, p)| k + p).enumerate() {
         let widen = |[least, most]: [f64; 2]| [least.min(energy), most.max(energy)];
-        if sample <= turn {
+        if sample <= lowest_sample {
             fall = widen(fall);
         }
-        if sample >= turn {
+        if sample >= lowest_sample {
             rise = widen(rise);
         }
     }

@@ -1,4 +1,4 @@
-//! The pull of the film on its frame against the resultants of flat stretched film and the balance of a bar pressed in.
+//! Force of the film on its frame, compared with stress resultants of flat film and with the equilibrium under a bar.
 
 use std::fs;
 use std::path::Path;
@@ -54,8 +54,8 @@ fn mounted(md_angle: f64, element: &str, symmetry: &str) -> [f64; 2] {
 }
 
 #[test]
-fn film_at_rest_pulls_with_its_resultants() {
-    let mut claims = Claims::of("pull on the frame, at rest");
+fn film_at_rest_has_its_resultants() {
+    let mut claims = Claims::of("force on the frame, at rest");
     let [x, y] = SPANS;
     let [md, td] = STRAINED;
     let along = |side: f64| resultant(MD, md, td, side) + resultant(MD, md, 0.0, side);
@@ -66,15 +66,15 @@ fn film_at_rest_pulls_with_its_resultants() {
             let lying = mounted(0.0, element, symmetry);
             claims.near(&what("MD along x: x, N"), lying[0], along(y), 1e-12);
             claims.near(&what("MD along x: y, N"), lying[1], across(x), 1e-12);
-            let turned = mounted(std::f64::consts::FRAC_PI_2, element, symmetry);
-            claims.near(&what("MD along y: x, N"), turned[0], across(y), 1e-12);
-            claims.near(&what("MD along y: y, N"), turned[1], along(x), 1e-12);
+            let rotated = mounted(std::f64::consts::FRAC_PI_2, element, symmetry);
+            claims.near(&what("MD along y: x, N"), rotated[0], across(y), 1e-12);
+            claims.near(&what("MD along y: y, N"), rotated[1], along(x), 1e-12);
         }
     }
     claims.judge();
 }
 
-/// Root of the mean square by which the pulls differ from those of a quarter, over their own, along each axis.
+/// Root mean square of the difference of the forces from those of a quarter, relative to these, along each axis.
 fn quarter_apart(claims: &mut Claims, what: &str, bound: f64, signals: impl Fn(&str) -> Recording) {
     let quarter = signals("quarter");
     for symmetry in ["half-x", "half-y", "none"] {
@@ -88,10 +88,10 @@ fn quarter_apart(claims: &mut Claims, what: &str, bound: f64, signals: impl Fn(&
     }
 }
 
-/// Under pressure to rounding. In an impact rounding decides which node slips when, and as much as that differs.
+/// To round-off under pressure. In an impact, round-off decides when a node slips.
 #[test]
-fn a_quarter_pulls_like_the_whole() {
-    let mut claims = Claims::of("pull on the frame, quarter");
+fn a_quarter_has_the_forces_of_the_whole() {
+    let mut claims = Claims::of("force on the frame, quarter");
     quarter_apart(&mut claims, "inflated", 1e-9, |symmetry| {
         run(&written(&format!(
             "specimen.shape.rectangle = [0.1, 0.08]
@@ -127,10 +127,10 @@ fn bar() -> String {
 }
 
 /// A strip between x- and x+, ν = 0, under a smooth bar at the depth d: both flanks have the slope tan θ = d/(a − b), the stress is
-/// the same all along, and the bar carries 2 T sin θ where each side of the frame is pulled in by T cos θ.
+/// the same all along, and the force on the bar is 2 T sin θ, that on each side of the frame T cos θ.
 #[test]
-fn a_bar_pressed_into_a_strip_hangs_on_its_pull() {
-    let mut claims = Claims::of("pull on the frame, bar");
+fn a_bar_and_the_frame_are_in_equilibrium() {
+    let mut claims = Claims::of("force on the frame, bar");
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("bar.obj");
     fs::write(&path, bar()).expect("a file");
@@ -144,18 +144,18 @@ fn a_bar_pressed_into_a_strip_hangs_on_its_pull() {
          output.frames = 2",
         2.0 * HALF_SPAN,
     )));
-    claims.holds("no pull along y is read", "columns", outcome.signals.channel("frame_force_y_N").is_none());
-    let [depth, force, pull] = ["depth_m", "force_N", "frame_force_x_N"].map(|name| channel(&outcome.signals, name));
+    claims.holds("no force along y", "columns", outcome.signals.channel("frame_force_y_N").is_none());
+    let [depth, force, frame] = ["depth_m", "force_N", "frame_force_x_N"].map(|name| channel(&outcome.signals, name));
     let half = depth.len() / 2;
     let slope = |depth: f64| depth / (HALF_SPAN - BAR);
-    let hung: f64 = (half..depth.len()).map(|k| 2.0 * pull[k] * slope(depth[k])).sum();
-    claims.near("force of the bar over its second half, N", hung, force[half..].iter().sum(), 2e-2);
+    let vertical: f64 = (half..depth.len()).map(|k| 2.0 * frame[k] * slope(depth[k])).sum();
+    claims.near("force of the bar over its second half, N", vertical, force[half..].iter().sum(), 2e-2);
     for share in [0.5, 0.75, 1.0] {
         let k = (share * (depth.len() - 1) as f64) as usize;
         let cosine = 1.0 / slope(depth[k]).hypot(1.0);
         let stretch = ((HALF_SPAN - BAR) / cosine + BAR) / HALF_SPAN;
         let tension = YOUNG * 0.5 * (stretch * stretch - 1.0) * stretch * SHEET * WIDTH;
-        claims.near(&format!("{:.0} mm deep, pull, N", 1e3 * depth[k]), pull[k], tension * cosine, 3e-2);
+        claims.near(&format!("{:.0} mm deep, force on the frame, N", 1e3 * depth[k]), frame[k], tension * cosine, 3e-2);
     }
     claims.judge();
 }

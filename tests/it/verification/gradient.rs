@@ -6,14 +6,14 @@ use droptower::mesh::Element;
 
 use super::claims::Claims;
 use super::random::Random;
-use super::scene::{forces, mounted, put};
-use super::sheet::{EDGE, ELEMENTS, deform, elastic, face, odd_element, wrinkling};
+use super::scene::{forces, mounted, set_positions};
+use super::sheet::{EDGE, ELEMENTS, deform, distorted_element, elastic, face, wrinkling};
 use super::tower::shipped;
 
-/// Elements looked at of each kind and law.
+/// Number of elements of each kind and law.
 const COUNT: usize = 100;
 
-/// Energy that comes back, J.
+/// Stored energy, J.
 fn energy(film: &Film, nodes: &Nodes) -> f64 {
     let energy = film.energy(&nodes.position);
     energy.stored + energy.hourglass
@@ -21,11 +21,11 @@ fn energy(film: &Film, nodes: &Nodes) -> f64 {
 
 /// Largest difference of a random element's forces from the central differences of its energy, over the largest force.
 fn off(material: &Material, kind: Element, unloading: bool, random: &mut Random) -> f64 {
-    let (mut film, mut nodes) = mounted(&odd_element(kind, random), &face(material.clone(), kind, [0.0; 2]));
+    let (mut film, mut nodes) = mounted(&distorted_element(kind, random), &face(material.clone(), kind, [0.0; 2]));
     deform(&mut nodes, random);
     if unloading {
         let mut loaded = nodes.clone();
-        put(&mut loaded, |_, x| x.map(|x| 1.05 * x));
+        set_positions(&mut loaded, |_, x| x.map(|x| 1.05 * x));
         forces(&mut film, &loaded);
     }
     let force = forces(&mut film.clone(), &nodes);
@@ -35,7 +35,7 @@ fn off(material: &Material, kind: Element, unloading: bool, random: &mut Random)
         for axis in 0..3 {
             let at = |way: f64| {
                 let mut moved = nodes.clone();
-                put(&mut moved, |n, mut x| {
+                set_positions(&mut moved, |n, mut x| {
                     x[axis] += if n == node { way * step } else { 0.0 };
                     x
                 });

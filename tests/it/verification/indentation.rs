@@ -1,4 +1,4 @@
-//! Slow indentation of a clamped circular film by a ball, against the membrane of revolution over an unknown circle of touch.
+//! Slow indentation of a clamped circular film by a ball, compared with the membrane of revolution with an unknown contact circle.
 
 use std::f64::consts::PI;
 
@@ -45,7 +45,7 @@ fn off(outcome: &Outcome, exact: &Shape, mounted: f64) -> f64 {
 }
 
 #[test]
-fn a_ball_pressed_in_meets_the_force_of_the_membrane() {
+fn force_and_shape_are_those_of_the_membrane_of_revolution() {
     let mut claims = Claims::of("indentation");
     for (element, film) in
         [("quad4", TAUT), ("quad4-full", TAUT), ("tri3", TAUT), ("quad4", WRINKLED), ("tri3", WRINKLED)]

@@ -45,7 +45,7 @@ const RADIUS: f64 = 0.05;
 const YOUNG: f64 = 50e6;
 const FILM: f64 = 50e-6;
 
-/// What comes of a disc under `load` = q a/(E h).
+/// Results of a disc under `load` = q a/(E h).
 fn inflated(poisson: f64, load: f64, ramp: f64, element: &str) -> Outcome {
     let pressure = load * YOUNG * FILM / RADIUS;
     run(&written(&format!(

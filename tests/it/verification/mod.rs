@@ -1,5 +1,4 @@
-//! The claims of the simulation, compared with closed forms, with other ways of computing the same, and with the
-//! published outcomes. `docs/verification.md` has the table; `cargo test --release verification -- --nocapture` prints its figures.
+//! Verification of the simulation with closed forms, other methods and the published outcomes. `docs/verification.md` has the table; `cargo test --release verification -- --nocapture` prints its figures.
 
 mod axisymmetric;
 mod claims;

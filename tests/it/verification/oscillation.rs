@@ -9,7 +9,7 @@ use droptower::mesh::{Element, Meshing, Outline, Side};
 use droptower::model::Face;
 
 use super::claims::Claims;
-use super::scene::{mounted, places, put, watch};
+use super::scene::{mounted, observe_step, positions, set_positions};
 
 const DENSITY: f64 = 915.0;
 const YOUNG: f64 = 50e6;
@@ -19,12 +19,12 @@ const PRESTRAIN: f64 = 0.05;
 /// Height of the first mode over the span: small enough that its own stretch is a 1e-5 part of the pre-strain.
 const HEIGHT: f64 = 5e-4;
 
-/// What swings.
+/// The oscillating film.
 #[derive(Clone, Copy, Debug)]
 enum Film {
     /// Held at its ends, stretched along x.
     Strip,
-    /// Held all around, stretched both ways.
+    /// Held at its rim, stretched in both directions.
     Square,
 }
 
@@ -43,7 +43,7 @@ impl Film {
         stretch * (second / DENSITY).sqrt()
     }
 
-    /// Eigenfrequency of the mode with so many half waves along x and y, Hz.
+    /// Eigenfrequency of the mode with `m` and `n` half waves along x and y, Hz.
     fn frequency(self, [m, n]: [u32; 2]) -> f64 {
         let waves = match self {
             Film::Strip => f64::from(m),
@@ -61,7 +61,7 @@ impl Film {
 
     /// The engine at rest in the shape of a mode on elements of `edge` (m), and the share of each node in
     /// the height of the mode.
-    fn plucked(self, element: Element, edge: f64, mode: [u32; 2], damping: f64) -> (Engine, Vec<f64>) {
+    fn deflected(self, element: Element, edge: f64, mode: [u32; 2], damping: f64) -> (Engine, Vec<f64>) {
         let law = Law::Elastic(Elastic { young: YOUNG, poisson: self.poisson() });
         let material = Material { density: DENSITY, thickness: 12e-6, law, measured_rates: None };
         let meshing = Meshing { element, size: edge };
@@ -79,7 +79,7 @@ impl Film {
             Film::Strip => ends,
             Film::Square => mesh.rim.clone(),
         };
-        put(&mut nodes, |_, x| {
+        set_positions(&mut nodes, |_, x| {
             let along = |axis: usize| (PI * f64::from(mode[axis]) * (x[axis] / SPAN + 0.5)).sin();
             let shape = match self {
                 Film::Strip => along(0),
@@ -88,7 +88,7 @@ impl Film {
             [x[0], x[1], HEIGHT * SPAN * shape]
         });
         nodes.hold(held.iter().map(|n| *n as usize), [true; 3]);
-        let shape: Vec<f64> = places(&nodes).iter().map(|x| x[2] / (HEIGHT * SPAN)).collect();
+        let shape: Vec<f64> = positions(&nodes).iter().map(|x| x[2] / (HEIGHT * SPAN)).collect();
         let whole: f64 = shape.iter().zip(&nodes.mass).map(|(s, m)| m * s * s).sum();
         let shares = shape.iter().zip(&nodes.mass).map(|(s, m)| m * s / whole).collect();
         let loads = Loads { damping, multiplicity: 1.0, ..Loads::default() };
@@ -96,13 +96,13 @@ impl Film {
     }
 }
 
-/// Times at which the mode crosses zero, and its extremes between them.
-fn swing(engine: &mut Engine, shares: &[f64], crossings: usize) -> (Vec<f64>, Vec<f64>) {
+/// Zero crossings of the mode, s, and its extremes between them.
+fn oscillation(engine: &mut Engine, shares: &[f64], crossings: usize) -> (Vec<f64>, Vec<f64>) {
     let (mut times, mut extremes) = (vec![], vec![]);
     let (mut last, mut extreme) = ([0.0, 0.0], 0.0_f64);
     while times.len() < crossings {
-        let [time, z] = watch(engine, |view| {
-            let heights = places(view.nodes).into_iter().map(|x| x[2]);
+        let [time, z] = observe_step(engine, |view| {
+            let heights = positions(view.nodes).into_iter().map(|x| x[2]);
             [view.time, heights.zip(shares).map(|(z, share)| z * share).sum()]
         });
         if last[1] * z < 0.0 {
@@ -117,17 +117,17 @@ fn swing(engine: &mut Engine, shares: &[f64], crossings: usize) -> (Vec<f64>, Ve
 }
 
 #[test]
-fn prestrained_film_swings_at_its_eigenfrequency() {
+fn prestrained_film_oscillates_at_its_eigenfrequency() {
     let mut claims = Claims::of("eigenfrequency");
     for film in [Film::Strip, Film::Square] {
         for element in [Element::Quad4, Element::Quad4Full, Element::Tri3] {
             for (mode, edge) in [([1, 1], EDGE), ([2, 1], EDGE), ([3, 2], 0.5 * EDGE)] {
                 let what = |claim: &str| format!("{film:?} {element:?}, mode {mode:?}, {claim}");
-                let (mut engine, shares) = film.plucked(element, edge, mode, 0.0);
-                let (times, extremes) = swing(&mut engine, &shares, 11);
-                let seen = 10.0 / (2.0 * (times[10] - times[0]));
-                claims.near(&what("Hz"), seen, film.frequency(mode), 1e-2);
-                claims.near(&what("height kept, m"), extremes[10], extremes[1], 1e-2);
+                let (mut engine, shares) = film.deflected(element, edge, mode, 0.0);
+                let (times, extremes) = oscillation(&mut engine, &shares, 11);
+                let frequency = 10.0 / (2.0 * (times[10] - times[0]));
+                claims.near(&what("Hz"), frequency, film.frequency(mode), 1e-2);
+                claims.near(&what("amplitude after ten half periods, m"), extremes[10], extremes[1], 1e-2);
             }
         }
     }
@@ -139,8 +139,8 @@ fn eigenfrequencies_converge_with_the_square_of_the_size() {
     let mut claims = Claims::of("eigenfrequency");
     for element in [Element::Quad4, Element::Quad4Full, Element::Tri3] {
         let errors = [2.0, 1.0, 0.5].map(|share| {
-            let (mut engine, shares) = Film::Square.plucked(element, share * EDGE, [1, 1], 0.0);
-            let (times, _) = swing(&mut engine, &shares, 3);
+            let (mut engine, shares) = Film::Square.deflected(element, share * EDGE, [1, 1], 0.0);
+            let (times, _) = oscillation(&mut engine, &shares, 3);
             1.0 / (times[2] - times[0]) / Film::Square.frequency([1, 1]) - 1.0
         });
         claims.converges(&format!("{element:?}, square, first mode"), &errors, 1.9);
@@ -149,20 +149,20 @@ fn eigenfrequencies_converge_with_the_square_of_the_size() {
 }
 
 #[test]
-fn damping_takes_half_its_rate_from_the_amplitude() {
+fn amplitude_decays_at_half_the_rate_of_damping() {
     let mut claims = Claims::of("damping");
     for ratio in [0.02, 0.2] {
         let undamped = 2.0 * PI * Film::Strip.frequency([1, 1]);
         let damping = ratio * undamped;
-        let (mut engine, shares) = Film::Strip.plucked(Element::Quad4, EDGE, [1, 1], damping);
-        let start = watch(&mut engine, |view| view.energies());
-        let (times, extremes) = swing(&mut engine, &shares, 11);
+        let (mut engine, shares) = Film::Strip.deflected(Element::Quad4, EDGE, [1, 1], damping);
+        let start = observe_step(&mut engine, |view| view.energies());
+        let (times, extremes) = oscillation(&mut engine, &shares, 11);
         let rate = (extremes[1] / extremes[10]).ln() / (9.0 * (times[10] - times[1]) / 9.0);
         claims.near(&format!("rate of decay at α = {damping:.0} 1/s"), 2.0 * rate, damping, 1e-2);
-        let seen = 10.0 * PI / (times[10] - times[0]);
+        let angular = 10.0 * PI / (times[10] - times[0]);
         let damped = (undamped * undamped - 0.25 * damping * damping).sqrt();
-        claims.near(&format!("damped angular frequency at α = {damping:.0} 1/s"), seen, damped, 1e-2);
-        let end = watch(&mut engine, |view| view.energies());
+        claims.near(&format!("damped angular frequency at α = {damping:.0} 1/s"), angular, damped, 1e-2);
+        let end = observe_step(&mut engine, |view| view.energies());
         let error = (end.total() - start.total()).abs() / end.exchanged(&start);
         claims.at_most(&format!("energy balance error at α = {damping:.0} 1/s"), error, 1e-3);
     }
@@ -172,16 +172,16 @@ fn damping_takes_half_its_rate_from_the_amplitude() {
 /// A bar of lumped masses along x has the highest frequency 2√(P′/ρ)/h, so that no stable step is longer than
 /// h/√(P′/ρ), h the stress-free edge and P′ = E(3λ² − 1)/2; with damping the limit is shorter.
 #[test]
-fn the_time_step_keeps_below_the_limit() {
+fn the_time_step_is_below_the_limit() {
     let mut claims = Claims::of("time step");
     let stretch: f64 = 1.0 + PRESTRAIN;
     let tangent = 0.5 * YOUNG * (3.0 * stretch * stretch - 1.0);
     let limit = EDGE / stretch / (tangent / DENSITY).sqrt();
     for element in [Element::Quad4, Element::Quad4Full, Element::Tri3] {
-        let (engine, _) = Film::Strip.plucked(element, EDGE, [1, 1], 0.0);
+        let (engine, _) = Film::Strip.deflected(element, EDGE, [1, 1], 0.0);
         claims.at_most(&format!("{element:?}, step over the limit of a bar"), engine.time_step() / limit, 1.0);
         let damping = 2.0 / limit;
-        let (damped, _) = Film::Strip.plucked(element, EDGE, [1, 1], damping);
+        let (damped, _) = Film::Strip.deflected(element, EDGE, [1, 1], damping);
         let ratio = damping * 0.5 * limit / 2.0;
         let shorter = (1.0 + ratio * ratio).sqrt() - ratio;
         let step = damped.time_step() / limit;

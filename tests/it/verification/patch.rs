@@ -7,7 +7,7 @@ use droptower::model::Face;
 use nalgebra::{Matrix2, Point3, Rotation3, Vector3};
 
 use super::claims::Claims;
-use super::scene::{forces, mounted, places, put, relaxed};
+use super::scene::{forces, mounted, positions, relaxed, set_positions};
 use super::sheet::{self, ELEMENTS};
 use super::tower::shipped;
 
@@ -16,13 +16,13 @@ const POISSON: f64 = 0.44;
 const THICKNESS: f64 = 12e-6;
 /// Side of the patch, m.
 const SIDE: f64 = 0.03;
-/// Where the four inner nodes of 3×3 elements stand off their places, over the edge of an element.
+/// Offsets of the four inner nodes of 3×3 elements from even positions, over the edge of an element.
 const OFF: [[f64; 2]; 4] = [[0.25, -0.2], [-0.15, 0.3], [0.1, 0.25], [-0.3, -0.1]];
 /// Nodes that are not on the rim.
 const INNER: [usize; 4] = [5, 6, 9, 10];
 /// Images of the unit vectors along x and y.
 type Gradient = [[f64; 3]; 2];
-/// Deformations of the whole patch. The last two are turned out of the plane.
+/// Deformations of the whole patch. The last two leave the plane.
 const UNIFORM: [(&str, Gradient); 7] = [
     ("uniaxial", [[1.3, 0.0, 0.0], [0.0, 1.0, 0.0]]),
     ("biaxial", [[1.2, 0.0, 0.0], [0.0, 1.35, 0.0]]),
@@ -32,7 +32,7 @@ const UNIFORM: [(&str, Gradient); 7] = [
     ("general", [[1.12, 0.05, 0.3], [0.08, 1.2, -0.2]]),
     ("finite stretch", [[2.1, 0.3, 0.5], [-0.2, 1.8, -0.4]]),
 ];
-/// Those under which an elastic patch is taut, so that its inner nodes have one place to be.
+/// Those under which an elastic patch is taut, so that the positions of its inner nodes are unique.
 const TAUT: [usize; 5] = [0, 1, 4, 5, 6];
 
 fn patch(element: Element) -> Mesh {
@@ -73,14 +73,14 @@ fn image(f: &Gradient, at: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| f[0][i] * at[0] + f[1][i] * at[1])
 }
 
-/// −Σ f ⊗ X over the volume: the first Piola–Kirchhoff stress along x and y that the nodal forces stand for, Pa.
+/// −Σ f ⊗ X over the volume: the first Piola–Kirchhoff stress along x and y that is equivalent to the nodal forces, Pa.
 fn mean_stress(force: &[Vector3<f64>], places: &[[f64; 3]]) -> [Vector3<f64>; 2] {
     let volume = SIDE * SIDE * THICKNESS;
     [0, 1].map(|axis| -force.iter().zip(places).map(|(f, x)| f * x[axis]).sum::<Vector3<f64>>() / volume)
 }
 
-/// First Piola–Kirchhoff stress of St. Venant–Kirchhoff film in plane stress, or of the same where it wrinkles: then the
-/// principal stress across is gone and the other one is Y E.
+/// First Piola–Kirchhoff stress of St. Venant–Kirchhoff film in plane stress; of wrinkled film, whose second principal stress is
+/// zero and the first one Y E.
 fn stress_by_hand(f: &Gradient, wrinkles: bool) -> [Vector3<f64>; 2] {
     let [a, b] = f.map(Vector3::from);
     let green = Matrix2::new(a.norm_squared() - 1.0, a.dot(&b), a.dot(&b), b.norm_squared() - 1.0) * 0.5;
@@ -109,8 +109,8 @@ fn a_uniform_stretch_is_uniform_in_distorted_elements() {
             for element in ELEMENTS {
                 let what = |claim: &str| format!("{shape}, {name} {element:?}, {claim}");
                 let (mut film, mut nodes) = mounted(&patch(element), &face(material.clone(), element));
-                let before = places(&nodes);
-                put(&mut nodes, |_, x| image(&gradient, &x));
+                let before = positions(&nodes);
+                set_positions(&mut nodes, |_, x| image(&gradient, &x));
                 let force = forces(&mut film, &nodes);
                 let strains = film.strains(&nodes.position);
                 let spread = strains.iter().flat_map(|s| (0..3).map(|i| (s.strain[i] - strains[0].strain[i]).abs()));
@@ -136,17 +136,20 @@ fn a_uniform_stretch_is_uniform_in_distorted_elements() {
     claims.judge();
 }
 
-/// The same, found by the engine: only the rim is put in place, damped inner nodes find theirs.
+/// The equilibrium under a prescribed rim, by damped relaxation of the inner nodes.
 #[test]
-fn inner_nodes_find_the_uniform_stretch() {
+fn inner_nodes_relax_to_the_uniform_stretch() {
     let mut claims = Claims::of("patch, relaxed");
     for (shape, gradient) in TAUT.map(|place| UNIFORM[place]) {
         for element in ELEMENTS {
             let (film, mut nodes) = mounted(&patch(element), &face(elastic(), element));
-            put(&mut nodes, |_, x| image(&gradient, &x));
-            let uniform = places(&nodes);
-            let push = [1.0, -0.6, 0.8].map(|share| 0.05 * SIDE * share);
-            put(&mut nodes, |n, x| if INNER.contains(&n) { std::array::from_fn(|i| x[i] + push[i]) } else { x });
+            set_positions(&mut nodes, |_, x| image(&gradient, &x));
+            let uniform = positions(&nodes);
+            let offset = [1.0, -0.6, 0.8].map(|share| 0.05 * SIDE * share);
+            set_positions(
+                &mut nodes,
+                |n, x| if INNER.contains(&n) { std::array::from_fn(|i| x[i] + offset[i]) } else { x },
+            );
             nodes.hold((0..16).filter(|n| !INNER.contains(n)), [true; 3]);
             let (rest, _) = relaxed(film, nodes, 2e4, 0.02);
             let off = largest(INNER.map(|n| Vector3::from(rest[n]) - Vector3::from(uniform[n]))) / SIDE;
@@ -161,13 +164,13 @@ fn inner_nodes_find_the_uniform_stretch() {
 }
 
 #[test]
-fn motion_as_a_whole_costs_no_force() {
+fn rigid_motion_gives_no_force() {
     let mut claims = Claims::of("rigid motion");
-    let turn = Rotation3::from_euler_angles(0.7, -1.1, 2.3);
+    let rotation = Rotation3::from_euler_angles(0.7, -1.1, 2.3);
     for (name, material) in [("elastic", elastic()), ("wrinkling", wrinkling()), ("fabric", fabric())] {
         for element in ELEMENTS {
             let (mut film, mut nodes) = mounted(&patch(element), &face(material.clone(), element));
-            put(&mut nodes, |_, x| (turn * Vector3::from(x) + Vector3::new(0.3, -0.2, 0.5)).into());
+            set_positions(&mut nodes, |_, x| (rotation * Vector3::from(x) + Vector3::new(0.3, -0.2, 0.5)).into());
             let scale = YOUNG * THICKNESS * SIDE;
             let force = largest(forces(&mut film, &nodes));
             claims.at_most(&format!("{name} {element:?}, force over E h L"), force / scale, 1e-13);

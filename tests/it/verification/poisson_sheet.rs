@@ -1,7 +1,7 @@
-//! A sheet pulled along x that is free to draw in across.
+//! A sheet stretched along x, free to contract along y.
 
 use super::claims::Claims;
-use super::scene::{mounted, put, relaxed};
+use super::scene::{mounted, relaxed, set_positions};
 use super::sheet::{DENSITY, ELEMENTS, elastic, face, nodes_where, sheet};
 use super::tower::shipped;
 
@@ -11,10 +11,10 @@ const CELLS: [usize; 2] = [3, 3];
 
 /// A′/A of a sheet stretched by `stretch` on distorted elements, and how far its nodes are off a uniform deformation over
 /// its side.
-fn drawn_in(material: droptower::material::Material, element: droptower::mesh::Element, stretch: f64) -> [f64; 2] {
+fn contracted(material: droptower::material::Material, element: droptower::mesh::Element, stretch: f64) -> [f64; 2] {
     let mesh = sheet(CELLS, element, 0.25, |[u, v]| [SIDE * u, SIDE * v]);
     let (film, mut nodes) = mounted(&mesh, &face(material, element, [0.0; 2]));
-    put(&mut nodes, |_, [x, y, _]| [stretch * x, y, 0.0]);
+    set_positions(&mut nodes, |_, [x, y, _]| [stretch * x, y, 0.0]);
     nodes.hold(nodes_where(CELLS, |column, _| column == 0 || column == CELLS[0]), [true, false, true]);
     nodes.hold(nodes_where(CELLS, |_, row| row == 0), [false, true, true]);
     let frequency = (YOUNG / DENSITY).sqrt() / SIDE;
@@ -31,17 +31,17 @@ fn of_saint_venant(stretch: f64, poisson: f64) -> f64 {
 }
 
 #[test]
-fn a_sheet_draws_in_as_its_law_says() {
+fn a_sheet_contracts_as_its_law() {
     let mut claims = Claims::of("Poisson sheet");
     for element in ELEMENTS {
         for (poisson, stretch) in [(0.3, 1.05), (0.3, 1.4), (0.44, 1.2)] {
             let what = |claim: &str| format!("{element:?}, ν {poisson}, λ {stretch}, {claim}");
-            let [area, off] = drawn_in(elastic(YOUNG, poisson), element, stretch);
+            let [area, off] = contracted(elastic(YOUNG, poisson), element, stretch);
             claims.near(&what("A/A0 = λ√(1 − ν(λ² − 1))"), area, of_saint_venant(stretch, poisson), 1e-9);
             claims.at_most(&what("nodes off a uniform stretch over the side"), off, 1e-9);
         }
         let fabric = shipped("stretch/md-0.02.toml", &[]).faces[0].material.clone();
-        let [area, _] = drawn_in(fabric, element, 1.4);
+        let [area, _] = contracted(fabric, element, 1.4);
         claims.near(&format!("{element:?}, fabric, λ 1.4, A/A0 = λ"), area, 1.4, 1e-9);
     }
     claims.judge();

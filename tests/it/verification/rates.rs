@@ -7,7 +7,7 @@ use droptower::simulate::{self, Outcome};
 
 use super::claims::Claims;
 use super::same_bits::after;
-use super::scene::Blind;
+use super::scene::NoObserver;
 use super::tower::{channel, impact, peaks, run, shipped};
 
 const MATERIAL: &str = "specimen.material=scenarios/materials/lldpe-rates.toml";
@@ -57,7 +57,7 @@ fn deviation(outcome: &Outcome, curves: &[(f64, [[f64; 2]; 3])], rate: f64, unti
 
 /// Jaws 5 mm apart. What is left is the line between two samples across a corner, and the rounding of the printed corners.
 #[test]
-fn a_single_element_reads_the_curve_of_its_rate() {
+fn a_single_element_follows_the_curve_of_its_rate() {
     let mut claims = Claims::of("curves by strain rate");
     for (direction, curves, until) in [("MD", &MD, 0.75), ("TD", &TD, 1.5)] {
         for speed in [1e-4, 2e-4, 0.002, 0.02, 0.0632, 0.2, 0.3, 0.5, 2.0] {
@@ -105,7 +105,7 @@ fn tower(changes: &[&str]) -> Model {
 }
 
 #[test]
-fn a_drop_balances_and_does_not_hang_on_the_time_step() {
+fn energy_of_a_drop_is_balanced_and_its_peaks_do_not_depend_on_the_time_step() {
     let mut claims = Claims::of("drop, curves by strain rate");
     let outcome = run(&tower(&[]));
     claims.at_most("energy balance error", outcome.energy_balance_error, 1e-3);
@@ -131,20 +131,20 @@ fn the_same_bits_with_any_threads_and_vector_instructions() {
 }
 
 #[test]
-fn a_state_goes_on_with_the_same_bits() {
+fn a_restored_state_gives_the_same_bits() {
     let steps = |engine: &mut Engine, count: usize| {
-        (0..count).for_each(|_| assert_eq!(engine.step(&mut Blind).expect("a step"), 0))
+        (0..count).for_each(|_| assert_eq!(engine.step(&mut NoObserver).expect("a step"), 0))
     };
     let text = |engine: &Engine| serde_json::to_string(&engine.state()).expect("a state");
     let model = tower(&[]);
-    let mut through = simulate::engine(&model).expect("an engine");
-    steps(&mut through, 300);
-    let state = through.state();
-    steps(&mut through, 300);
+    let mut uninterrupted = simulate::engine(&model).expect("an engine");
+    steps(&mut uninterrupted, 300);
+    let state = uninterrupted.state();
+    steps(&mut uninterrupted, 300);
     let mut resumed = simulate::engine(&model).expect("an engine");
     resumed.restore(state.clone()).expect("the same scene");
     steps(&mut resumed, 300);
-    assert_eq!(text(&resumed), text(&through));
+    assert_eq!(text(&resumed), text(&uninterrupted));
 
     let plain = shipped("drop/1008.toml", &["specimen.mesh.size=20mm"]);
     let refused = simulate::engine(&plain).expect("an engine").restore(state).expect_err("another law");

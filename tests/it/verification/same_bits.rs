@@ -1,4 +1,4 @@
-//! The same bits, whoever computes them: any number of threads, lanes and vector instructions.
+//! The same bits with any number of threads, lanes and vector instructions.
 
 use droptower::engine::{Engine, Patch, StressFree, ThreadPool, Vectors};
 use droptower::lane::Width;
@@ -7,7 +7,7 @@ use droptower::mesh::Mesh;
 use droptower::model::Model;
 use droptower::simulate;
 
-use super::scene::{Blind, build};
+use super::scene::{NoObserver, build};
 use super::tower::shipped;
 
 /// Coarse, so that a few hundred steps take film and impactor far: a quarter of 1008 with both of its faces.
@@ -18,7 +18,7 @@ fn small() -> Model {
 pub fn after(model: &Model, pool: ThreadPool, steps: usize) -> Vec<u64> {
     let mut engine: Engine = simulate::engine(model).expect("an engine").with_pool(pool);
     for _ in 0..steps {
-        engine.step(&mut Blind).expect("a step");
+        engine.step(&mut NoObserver).expect("a step");
     }
     let state = serde_json::to_value(engine.state()).expect("a state");
     let mut bits = vec![];
@@ -48,7 +48,7 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         (drop(&fine), 60),
         (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=tri3"]), 400),
         (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=quad4-full", "specimen.damping=50"]), 400),
-        // So coarse that faces are met between their nodes.
+        // So coarse that there is face contact.
         (drop(&["specimen.mesh.size=50mm"]), 1500),
         (shipped("../tests/golden/indent-disc/scenario.toml", &[]), 400),
         (shipped("../tests/golden/inflation-square/scenario.toml", &[]), 400),

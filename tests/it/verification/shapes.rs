@@ -1,4 +1,4 @@
-//! Impactors of other shapes against the sphere, and how deep anything gets into them.
+//! Impactors of other shapes compared with the sphere, and penetration.
 
 use std::fmt::Write;
 use std::fs;
@@ -8,12 +8,12 @@ use nalgebra::Vector3;
 use super::claims::Claims;
 use super::tower::{impact, loading_of_1008, measured, peaks, run};
 
-/// Slow enough that only the lower part of the sphere touches.
+/// Slow enough that only the lower part of the sphere is in contact.
 const TIP: [&str; 4] =
     ["layers.faces=[\"0 mm\"]", "loading.impact.velocity=1.5m/s", "impactor.mass=2kg", "loading.impact.duration=45ms"];
 
 #[test]
-fn a_hemisphere_is_a_sphere_to_what_its_tip_meets() {
+fn the_tip_of_a_hemisphere_is_a_sphere() {
     let mut claims = Claims::of("hemisphere");
     let changes = [&TIP[..], &["specimen.mesh.size=30mm"]].concat();
     let sphere = peaks(&impact(&loading_of_1008(&changes)));
@@ -91,7 +91,7 @@ fn a_sphere_of_triangles_is_a_sphere() {
 }
 
 #[test]
-fn nothing_gets_deep_into_the_impactor() {
+fn penetration_is_small() {
     let mut claims = Claims::of("penetration");
     let dart = r#"impactor.shape={ hemisphere = { radius = "60 mm" } }"#;
     let cylinder = r#"impactor.shape={ cylinder = { radius = "60 mm", length = "120 mm" } }"#;
@@ -108,7 +108,7 @@ fn nothing_gets_deep_into_the_impactor() {
         claims.at_most(&format!("{what}, depth over radius"), outcome.penetration.expect("a depth"), bound);
         claims.at_most(&format!("{what}, energy balance error"), outcome.energy_balance_error, 1e-2);
         let rebound = measured(&model, &outcome).rebound_velocity_m_s;
-        claims.holds(&format!("{what}, comes back"), &format!("{rebound:.3?} m/s"), rebound.is_some_and(|v| v > 0.0));
+        claims.holds(&format!("{what}, rebound"), &format!("{rebound:.3?} m/s"), rebound.is_some_and(|v| v > 0.0));
     }
     claims.judge();
 }

@@ -1,4 +1,4 @@
-//! Sheets of elements in rows, even or not, single elements of no particular shape, and the elastic film that they are made of.
+//! Sheets of elements in rows, even or distorted, single distorted elements, and elastic film.
 
 use droptower::engine::Nodes;
 use droptower::material::{Elastic, Law, Material, TensionField};
@@ -8,14 +8,14 @@ use droptower::model::Face;
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
 use super::random::Random;
-use super::scene::put;
+use super::scene::set_positions;
 
 /// Every kind of element.
 pub const ELEMENTS: [Element; 3] = [Element::Quad4, Element::Quad4Full, Element::Tri3];
 
 /// `cells` elements (pairs of triangles) along both parameters 0 to 1, each node where `place` puts its parameters;
-/// these are off by up to `uneven` of a cell, those of nodes on the rim along it, in a pattern of 3×3 cells that looks the same on
-/// every mesh.
+/// offset by up to `uneven` of a cell, those of nodes on the rim along it, in a pattern of 3×3 cells that is the same on every
+/// mesh.
 pub fn sheet(cells: [usize; 2], element: Element, uneven: f64, place: impl Fn([f64; 2]) -> [f64; 2]) -> Mesh {
     let [columns, rows] = cells;
     let mut random = Random::new(1);
@@ -52,11 +52,11 @@ pub fn nodes_where([columns, rows]: [usize; 2], which: impl Fn(usize, usize) -> 
     all.enumerate().filter(|(_, (column, row))| which(*column, *row)).map(|(n, _)| n).collect()
 }
 
-/// About the edge of an odd element, m.
+/// Mean edge of a distorted element, m.
 pub const EDGE: f64 = 0.01;
 
-/// One element of no particular shape.
-pub fn odd_element(kind: Element, random: &mut Random) -> Mesh {
+/// One element of random shape.
+pub fn distorted_element(kind: Element, random: &mut Random) -> Mesh {
     let corners: &[[f64; 2]] = match kind {
         Element::Tri3 => &[[0.0, 0.0], [1.0, 0.0], [0.4, 0.9]],
         Element::Quad4 | Element::Quad4Full => &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
@@ -69,13 +69,13 @@ pub fn odd_element(kind: Element, random: &mut Random) -> Mesh {
     }
 }
 
-/// Stretched or slack, sheared, turned and warped.
+/// Random deformation: stretched or slack, sheared, rotated and warped.
 pub fn deform(nodes: &mut Nodes, random: &mut Random) {
     let mut number = |from: f64, to: f64| random.between(from, to);
     let gradient =
         Matrix3::new(number(0.8, 1.8), number(-0.4, 0.4), 0.0, number(-0.4, 0.4), number(0.8, 1.8), 0.0, 0.0, 0.0, 1.0);
     let turn = Rotation3::from_euler_angles(number(-3.0, 3.0), number(-1.5, 1.5), number(-3.0, 3.0));
-    put(nodes, |_, x| {
+    set_positions(nodes, |_, x| {
         let warp = Vector3::from_fn(|_, _| EDGE * number(-0.1, 0.1));
         (turn * (gradient * Vector3::from(x)) + warp).into()
     });

@@ -1,4 +1,4 @@
-//! One element between two jaws follows the curve that was put in, at every speed.
+//! One element between two jaws follows its curve at every speed.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -29,7 +29,7 @@ fn deviation(outcome: &Outcome, law: impl Fn(f64) -> f64, [from, to]: [f64; 2]) 
 }
 
 #[test]
-fn it_follows_its_curve_and_breaks_at_its_end() {
+fn an_element_follows_its_curve_and_breaks_at_its_end() {
     let mut claims = Claims::of("single element");
     for (name, curve, until) in [("md", MD, 1.45), ("td", TD, 7.1)] {
         for speed in ["0.0002", "0.02", "0.2"] {
@@ -54,7 +54,7 @@ fn it_follows_its_curve_and_breaks_at_its_end() {
 }
 
 /// With all nodes in the jaws the element's gradient is diag(1 + e, 1). Fibres at ±45° both have the stretch
-/// λ = √((1 + (1+e)²)/2) and close up by the angle γ = 2 atan(1+e) − π/2, so that the pull over the stress-free
+/// λ = √((1 + (1+e)²)/2) and close up by the angle γ = 2 atan(1+e) − π/2, so that the force over the stress-free
 /// section, the derivative of the energy by e, is (σ_md + σ_td)(1+e)/(2λ) + 2τ(γ)/(1 + (1+e)²).
 fn oblique(e: f64) -> f64 {
     let along = 1.0 + e;
@@ -65,7 +65,7 @@ fn oblique(e: f64) -> f64 {
 }
 
 #[test]
-fn at_45_degrees_it_pulls_as_the_closed_form() {
+fn at_45_degrees_the_force_is_that_of_the_closed_form() {
     let mut claims = Claims::of("single element, 45 deg");
     for speed in ["0.0002", "0.02", "0.2"] {
         let outcome = run(&shipped(&format!("stretch/45deg-{speed}.toml"), &[]));
@@ -81,9 +81,10 @@ fn at_45_degrees_it_pulls_as_the_closed_form() {
 const ELASTIC: &str =
     "specimen.material={ density = 915, thickness = 12e-6, elastic = { young = 50e6, poisson = 0.44 } }";
 
-/// From equilibrium to equilibrium it has the stress of the run, which has inertia and a time step; by rate, that of the jaws' rate.
+/// Quasi-static equilibrium compared with a run, which has inertia and a time step; with curves by strain rate, at the rate of
+/// the jaws.
 #[test]
-fn pulled_without_inertia_it_follows_the_run() {
+fn the_quasi_static_stress_is_that_of_the_run() {
     let mut claims = Claims::of("single element, pulled");
     for (name, changes, to) in [
         ("md-0.02", &[][..], 1.39),
@@ -103,14 +104,14 @@ fn pulled_without_inertia_it_follows_the_run() {
         let samples = strains.iter().zip(stress.iter().zip(&pulled)).filter(|(e, _)| (0.005..=to - 0.01).contains(*e));
         let apart = samples.map(|(_, (run, pulled))| (run / pulled - 1.0).abs()).fold(0.0, f64::max);
         let what = format!("{name} {}", changes.join(" "));
-        claims.at_most(&format!("{what}, stress of the run off the pull"), apart, 1e-3);
+        claims.at_most(&format!("{what}, stress of the run off the quasi-static one"), apart, 1e-3);
     }
     claims.judge();
 }
 
 /// St. Venant–Kirchhoff in plane stress: P = E* (1+e)(e + e²/2), with E* = E/(1−ν²) where the width is held and E where it is free.
 #[test]
-fn pulled_elastic_film_has_the_closed_form() {
+fn quasi_static_stress_of_elastic_film_has_the_closed_form() {
     let mut claims = Claims::of("single element, elastic");
     let model = shipped("stretch/single-element.toml", &[ELASTIC]);
     let strains: Vec<f64> = (0..=60).map(|k| 0.01 * f64::from(k)).collect();
@@ -124,7 +125,7 @@ fn pulled_elastic_film_has_the_closed_form() {
 }
 
 #[test]
-fn pulled_film_remembers_and_breaks() {
+fn quasi_static_stress_on_unloading_and_beyond_the_break() {
     let model = shipped("stretch/single-element.toml", &["specimen.material.fabric.absorption=0.5"]);
     let pulled = simulate::pull(&model, &[0.26, 0.13, 0.26, 1.38, 1.40, 1.41], Across::Held).expect("a pull");
     let [up, down, again, most, _, broken] = pulled[..] else { panic!("{pulled:?}") };
@@ -133,16 +134,16 @@ fn pulled_film_remembers_and_breaks() {
     assert!(down < 0.45 * up, "{down}");
     assert!(most > 29e6 && broken == 0.0, "{most}, {broken}");
     let free = simulate::pull(&model, &[0.13, 0.26], Across::Free).expect("a pull");
-    assert!((free[1] / 8.4e6 - 1.0).abs() < 1e-9, "no fibre narrows fabric: {free:?}");
+    assert!((free[1] / 8.4e6 - 1.0).abs() < 1e-9, "a fabric does not contract: {free:?}");
 }
 
 #[test]
-fn what_cannot_be_pulled_is_told() {
-    let told = |model: &str, strain: f64| {
+fn unsuitable_scenarios_and_strains_are_refused() {
+    let message = |model: &str, strain: f64| {
         let failed = simulate::pull(&shipped(model, &[]), &[strain], Across::Free);
         failed.expect_err("a mistake").to_string()
     };
-    assert!(told("drop/1008.toml", 0.1).starts_with("only a scenario with `[loading.stretch]` can be pulled"));
-    assert_eq!(told("stretch/single-element.toml", -1.0), "expected an engineering strain above -1, found -1");
-    assert_eq!(told("stretch/single-element.toml", f64::NAN), "expected an engineering strain above -1, found NaN");
+    assert!(message("drop/1008.toml", 0.1).starts_with("only a scenario with `[loading.stretch]` can be pulled"));
+    assert_eq!(message("stretch/single-element.toml", -1.0), "expected an engineering strain above -1, found -1");
+    assert_eq!(message("stretch/single-element.toml", f64::NAN), "expected an engineering strain above -1, found NaN");
 }

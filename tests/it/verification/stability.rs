@@ -8,13 +8,13 @@ use nalgebra::DMatrix;
 
 use super::claims::Claims;
 use super::random::Random;
-use super::scene::{forces, mounted, put};
-use super::sheet::{EDGE, ELEMENTS, deform, elastic, face, odd_element, sheet, wrinkling};
+use super::scene::{forces, mounted, set_positions};
+use super::sheet::{EDGE, ELEMENTS, deform, distorted_element, elastic, face, sheet, wrinkling};
 use super::tower::{impact, peaks, shipped};
 
-/// Elements looked at of each kind and law.
+/// Number of elements of each kind and law.
 const COUNT: usize = 400;
-/// −∂F/∂x by differences, on the side of `sign`, from the state that the film remembers; over the square roots of the masses.
+/// −∂F/∂x by differences, on the side of `sign`, from the history variables of the film; over the square roots of the masses.
 fn hessian(film: &Film, nodes: &Nodes, sign: f64) -> DMatrix<f64> {
     let step = sign * 1e-7 * EDGE;
     let count = 3 * nodes.mass.len();
@@ -22,31 +22,31 @@ fn hessian(film: &Film, nodes: &Nodes, sign: f64) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(count, count);
     for column in 0..count {
         let mut moved = nodes.clone();
-        put(&mut moved, |n, x| std::array::from_fn(|i| x[i] + if 3 * n + i == column { step } else { 0.0 }));
-        let gone = forces(&mut film.clone(), &moved);
+        set_positions(&mut moved, |n, x| std::array::from_fn(|i| x[i] + if 3 * n + i == column { step } else { 0.0 }));
+        let changed = forces(&mut film.clone(), &moved);
         for row in 0..count {
-            let change = -(gone[row / 3][row % 3] - rest[row / 3][row % 3]) / step;
+            let change = -(changed[row / 3][row % 3] - rest[row / 3][row % 3]) / step;
             matrix[(row, column)] = change / (nodes.mass[row / 3] * nodes.mass[column / 3]).sqrt();
         }
     }
     0.5 * (&matrix + matrix.transpose())
 }
 
-/// What was done to the film before the look.
+/// Loading of the film before the frequency is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum History {
     Loading,
     Unloading,
 }
 
-/// ω² of the fastest motion over its bound, for one random element.
+/// Largest ω² over its bound, of one random element.
 fn share(material: &Material, kind: Element, history: History, random: &mut Random) -> f64 {
-    let (mut film, mut nodes) = mounted(&odd_element(kind, random), &face(material.clone(), kind, [0.0; 2]));
+    let (mut film, mut nodes) = mounted(&distorted_element(kind, random), &face(material.clone(), kind, [0.0; 2]));
     deform(&mut nodes, random);
     if history == History::Unloading {
         let further = 1.0 + random.between(0.005, 0.05);
         let mut loaded = nodes.clone();
-        put(&mut loaded, |_, x| x.map(|x| further * x));
+        set_positions(&mut loaded, |_, x| x.map(|x| further * x));
         forces(&mut film, &loaded);
     }
     forces(&mut film, &nodes);
@@ -56,7 +56,7 @@ fn share(material: &Material, kind: Element, history: History, random: &mut Rand
 }
 
 #[test]
-fn no_element_swings_faster_than_its_bound() {
+fn the_frequency_of_random_elements_is_below_its_bound() {
     let mut claims = Claims::of("bound of the time step");
     let fabric = |absorption: f64| {
         let set = format!("specimen.material.fabric.absorption={absorption}");
@@ -82,10 +82,10 @@ fn no_element_swings_faster_than_its_bound() {
     claims.judge();
 }
 
-/// The same for the elements that the shipped drop tests are made of. The bound at the mounted film has to hold for
-/// strains half a percent off, so the element is stretched by as much and let go a little.
+/// The same for the elements of the shipped drop tests. The bound of the mounted film holds for strains within half a percent, so
+/// the element is stretched by as much and slightly unloaded.
 #[test]
-fn shipped_elements_swing_slower_than_their_bound() {
+fn the_frequency_of_shipped_elements_is_below_its_bound() {
     let mut claims = Claims::of("bound of the time step");
     for kind in ELEMENTS {
         let model = shipped("drop/1008.toml", &[]);
@@ -96,7 +96,7 @@ fn shipped_elements_swing_slower_than_their_bound() {
         let bound = film.frequency_bound(&nodes.position);
         let mut stretched = |factor: f64| {
             let mut stretched = nodes.clone();
-            put(&mut stretched, |_, [x, y, z]| [factor * x, factor * y, z]);
+            set_positions(&mut stretched, |_, [x, y, z]| [factor * x, factor * y, z]);
             forces(&mut film, &stretched);
             stretched
         };
@@ -109,7 +109,7 @@ fn shipped_elements_swing_slower_than_their_bound() {
 }
 
 #[test]
-fn steps_half_as_long_change_nothing() {
+fn peaks_do_not_depend_on_the_time_step() {
     let mut claims = Claims::of("step halved");
     for test in ["1008", "1009", "1010", "1509", "1510"] {
         let [whole, half] = ["1", "0.5"].map(|factor| {

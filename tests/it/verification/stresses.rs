@@ -17,9 +17,9 @@ fn detail(state: &FilmState) -> &Detail {
     state.detail.as_ref().expect("a detailed state")
 }
 
-/// The pull of the jaws over the stress-free section is the stress along the fibres.
+/// The force of the jaws over the stress-free section is the stress along the fibres.
 #[test]
-fn a_stretched_fibre_has_the_stress_that_the_jaws_feel() {
+fn the_stress_of_a_fibre_is_that_of_the_jaws() {
     let mut claims = Claims::of("stress of kept states");
     for (name, fibre) in [("md", 0), ("td", 1)] {
         let model = shipped(&format!("stretch/{name}-0.02.toml"), &[]);
@@ -39,9 +39,9 @@ fn a_stretched_fibre_has_the_stress_that_the_jaws_feel() {
     claims.judge();
 }
 
-/// At the pole of an inflated disc both directions are stretched alike, and stress and thickness follow from that stretch.
+/// At the pole of an inflated disc the stretch is equal in all directions, and stress and thickness follow from it.
 #[test]
-fn the_pole_of_an_inflated_disc_is_strained_alike_in_all_directions() {
+fn the_pole_of_an_inflated_disc_is_in_equibiaxial_tension() {
     let mut claims = Claims::of("stress and thickness at the pole");
     let (radius, pressure) = (0.05, 15e3);
     let sheet = Sheet { young: 50e6, poisson: 0.44, thickness: 50e-6, wrinkling: false };

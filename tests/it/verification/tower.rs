@@ -1,4 +1,4 @@
-//! Scenarios, shipped or changed, and what comes out of them.
+//! Scenarios, shipped or changed, and their results.
 
 use std::path::Path;
 
@@ -12,9 +12,9 @@ use droptower::simulate::{self, Outcome};
 /// The model of a file under `scenarios/`, with changes written as for `--set`.
 pub fn shipped(name: &str, changes: &[&str]) -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name);
-    let changes: Vec<Assignment> = changes.iter().map(|c| sound(Assignment::from_argument(c))).collect();
-    let document = sound(Document::read(&path)).with(&changes);
-    let mut model = sound(model::check(&document));
+    let changes: Vec<Assignment> = changes.iter().map(|c| checked(Assignment::from_argument(c))).collect();
+    let document = checked(Document::read(&path)).with(&changes);
+    let mut model = checked(model::check(&document));
     model.post = None;
     model
 }
@@ -24,14 +24,14 @@ pub fn written(text: &str) -> Model {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scenario.toml");
     std::fs::write(&path, text).expect("a file");
-    sound(model::check(&sound(Document::read(&path))))
+    checked(model::check(&checked(Document::read(&path))))
 }
 
-fn sound<T>(read: Result<T, Vec<Diagnostic>>) -> T {
+fn checked<T>(read: Result<T, Vec<Diagnostic>>) -> T {
     read.unwrap_or_else(|mistakes| panic!("{}", diagnostic::render(&mistakes, false)))
 }
 
-/// Test 1008 until just after the turn, with changes.
+/// Test 1008 until just after the lowest point, with changes.
 pub fn loading_of_1008(changes: &[&str]) -> Model {
     shipped("drop/1008.toml", &[&["loading.impact.duration=62ms"], changes].concat())
 }

@@ -1,4 +1,4 @@
-//! Warnings of runs that are in doubt, and none of those that are not.
+//! Warnings of runs outside the valid range, and none of others.
 
 use droptower::finding::Report;
 
@@ -6,7 +6,7 @@ use super::claims::Claims;
 use super::tower::{run, shipped};
 
 #[test]
-fn runs_in_doubt_have_warnings() {
+fn runs_outside_the_valid_range_have_warnings() {
     let mut claims = Claims::of("warnings");
     let flat_td = ["impactor.shape.sphere.radius=50mm", "impactor.friction=0", "loading.impact.duration=40ms"];
     let drop = "drop/1008.toml";
@@ -33,7 +33,7 @@ fn runs_in_doubt_have_warnings() {
 }
 
 #[test]
-fn the_histogram_finds_the_rate_of_a_steady_pull() {
+fn the_histogram_has_the_rate_of_a_constant_speed() {
     let mut claims = Claims::of("strain rates");
     for (speed, rate) in [("0.0002", 0.04), ("0.02", 4.0), ("0.2", 40.0)] {
         let outcome = run(&shipped(&format!("stretch/md-{speed}.toml"), &[]));

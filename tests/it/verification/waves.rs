@@ -2,7 +2,7 @@
 //!
 //! In a strip whose engineering stress is E times its engineering strain, waves of stretch run at c = √(E/ρ) over the
 //! unstrained film. Behind the first the strain is ε, until a kink follows at c(√(ε(1+ε)) − ε) in space: from it on the
-//! strip moves with what hit it, at V = c√(2ε√(ε(1+ε)) − ε²).
+//! strip moves with the impactor, at V = c√(2ε√(ε(1+ε)) − ε²).
 
 use droptower::simulate::{Outcome, Snapshot};
 
@@ -16,22 +16,22 @@ const EDGE: f64 = 5e-4;
 /// Pa, kg/m³.
 const YOUNG: f64 = 50e6;
 const DENSITY: f64 = 915.0;
-/// Radius of what hits it, m: it meets the film over a small part of what the kink runs through.
+/// Radius of the impactor, m: its contact is short relative to the travel of the kink.
 const RADIUS: f64 = 2e-3;
-/// Snapshots in the time that the first wave takes to the held ends.
+/// Snapshots until the first wave reaches the held ends.
 const SNAPSHOTS: usize = 101;
 
 fn wave_speed() -> f64 {
     (YOUNG / DENSITY).sqrt()
 }
 
-/// Speed of impact that gives the strain `strain`, m/s.
+/// Impact speed for the strain `strain`, m/s.
 fn impact_speed(strain: f64) -> f64 {
     wave_speed() * (2.0 * strain * (strain * (1.0 + strain)).sqrt() - strain * strain).sqrt()
 }
 
-/// The strip under something so heavy that nothing slows it, until the first wave comes to the held ends.
-fn hit(speed: f64) -> Outcome {
+/// The strip under an impactor so heavy that its speed is constant, until the first wave reaches the held ends.
+fn struck(speed: f64) -> Outcome {
     let changes = [
         format!("specimen.shape={{ rectangle = [{}, {}] }}", 2.0 * HALF, 2.0 * EDGE),
         format!("specimen.mesh.size={EDGE}"),
@@ -58,13 +58,13 @@ fn strains(snapshot: &Snapshot) -> Vec<[f64; 2]> {
     strains.map(|(e, s)| [EDGE * (e as f64 + 0.5), f64::from(s[0])]).collect()
 }
 
-/// Mean over the part of the strip between two stress-free places.
+/// Mean over the part of the strip between two stress-free coordinates.
 fn mean_between(snapshot: &Snapshot, [from, to]: [f64; 2]) -> f64 {
     let inside: Vec<f64> = strains(snapshot).iter().filter(|[x, _]| *x > from && *x < to).map(|s| s[1]).collect();
     inside.iter().sum::<f64>() / inside.len() as f64
 }
 
-/// Stress-free place at which the strain falls through `level`, seen from the held end.
+/// Stress-free coordinate at which the strain falls below `level` towards the held end, m.
 fn front(snapshot: &Snapshot, level: f64) -> f64 {
     let strains = strains(snapshot);
     let last = strains.iter().rposition(|s| s[1] > level).expect("a strained part");
@@ -72,7 +72,7 @@ fn front(snapshot: &Snapshot, level: f64) -> f64 {
     a[0] + (a[1] - level) / (a[1] - b[1]) * (b[0] - a[0])
 }
 
-/// Where the straight flank behind the kink would meet the plane of the strip, m.
+/// Where the straight flank behind the kink intersects the plane of the strip, m.
 fn kink(snapshot: &Snapshot) -> f64 {
     let deepest = snapshot.films[0].positions.iter().map(|p| f64::from(p[2])).fold(0.0, f64::min);
     let flank: Vec<[f64; 2]> = snapshot.films[0]
@@ -89,11 +89,11 @@ fn kink(snapshot: &Snapshot) -> f64 {
 }
 
 #[test]
-fn a_strip_that_is_hit_follows_smiths_waves() {
+fn waves_of_a_strip_are_those_of_smith() {
     let mut claims = Claims::of("transverse impact");
     for strain in [0.02_f64, 0.05, 0.1] {
         let what = |claim: &str| format!("ε {strain}, {claim}");
-        let outcome = hit(impact_speed(strain));
+        let outcome = struck(impact_speed(strain));
         let [early, late] = [2 * SNAPSHOTS / 5, 9 * SNAPSHOTS / 10].map(|f| &outcome.snapshots[f]);
         let time = late.time - early.time;
         let kinks = (strain * (1.0 + strain)).sqrt() - strain;
