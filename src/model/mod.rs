@@ -135,7 +135,9 @@ impl Model {
 /// Outline of the film and the part of it that is computed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Specimen {
+    /// Outline of the film.
     pub shape: Outline,
+    /// Mirror planes.
     pub symmetry: Symmetry,
     /// Mass-proportional damping of the film, 1/s.
     pub damping: f64,
@@ -144,11 +146,13 @@ pub struct Specimen {
 /// Mirror planes through the origin; the computed part lies at x >= 0 and/or y >= 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Symmetry {
+    /// The whole film is computed.
     None,
     /// Only x >= 0 is computed.
     HalfX,
     /// Only y >= 0 is computed.
     HalfY,
+    /// Only x >= 0 and y >= 0 is computed.
     Quarter,
 }
 
@@ -181,8 +185,11 @@ pub struct Frame {
 /// Clamped edges.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Hold {
+    /// All edges.
     All,
+    /// Sides of a rectangle.
     Sides(Vec<Side>),
+    /// No edge.
     None,
 }
 
@@ -204,17 +211,23 @@ pub struct Impactor {
 /// Shape of the impactor, lengths in m; its axis is z, its tip points down.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ImpactorShape {
+    /// A ball.
     Sphere {
+        /// Its radius.
         radius: f64,
     },
     /// A cylindrical shaft of this length with a hemispherical tip.
     Hemisphere {
+        /// Radius of tip and shaft.
         radius: f64,
+        /// Length of the shaft.
         length: f64,
     },
     /// A flat-ended cylinder, axis along z.
     Cylinder {
+        /// Radius of the flat end.
         radius: f64,
+        /// Length along z.
         length: f64,
     },
     /// A closed surface from STL or OBJ, coordinates in m.
@@ -233,22 +246,44 @@ pub enum Guide {
 /// The loading of the specimen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Loading {
-    /// The impactor starts in contact with the first face at `velocity` (m/s, downward positive).
-    Impact { velocity: f64, gravity: f64, duration: f64 },
-    /// The edges x- and x+ are jaws that part at `velocity` (m/s, both together) along x.
+    /// The impactor starts in contact with the first face and moves freely.
+    Impact {
+        /// Velocity at first contact, m/s, downward positive.
+        velocity: f64,
+        /// Acceleration of free fall, m/s².
+        gravity: f64,
+        /// Simulated time, s.
+        duration: f64,
+    },
+    /// The edges x- and x+ are jaws that part along x.
     Stretch {
         /// Angle from MD to the direction of loading, rad: MD 0, TD π/2.
         angle: f64,
+        /// Speed at which the jaws part, m/s.
         velocity: f64,
         /// Engineering strain at which the test ends.
         until: f64,
         /// Factor on the film's mass; `None` chooses it from the number of steps.
         mass_scaling: Option<f64>,
     },
-    /// The impactor starts in contact with the film and goes `depth` (m) down at `velocity` (m/s).
-    Indent { depth: f64, velocity: f64, mass_scaling: Option<f64> },
-    /// `pressure` (Pa) on the lower side of the film rises over `ramp` (s) and is then constant for half as long.
-    Pressure { pressure: f64, ramp: f64, mass_scaling: Option<f64> },
+    /// The impactor starts in contact with the film and moves down.
+    Indent {
+        /// Travel of the impactor, m.
+        depth: f64,
+        /// Speed of the impactor, m/s.
+        velocity: f64,
+        /// Factor on the film's mass; `None` chooses it from the periods of the film.
+        mass_scaling: Option<f64>,
+    },
+    /// A pressure on the lower side of the film rises and is then constant for half as long.
+    Pressure {
+        /// Final pressure, Pa.
+        pressure: f64,
+        /// Time in which it rises, s.
+        ramp: f64,
+        /// Factor on the film's mass; `None` chooses it from the periods of the film.
+        mass_scaling: Option<f64>,
+    },
 }
 
 /// How time is stepped.

@@ -44,24 +44,34 @@ pub struct Audit {
     pub threads: usize,
     /// Vector instructions of the kernels.
     pub instructions: Width,
+    /// Factor on the film's mass; only quasi-static loadings.
     pub mass_scaling: Option<f64>,
+    /// Largest ratio of kinetic energy to the energy that the film took up; only quasi-static loadings.
     pub kinetic_share: Option<f64>,
+    /// Energy lost to damping over the energy that the film took up; only quasi-static loadings.
     pub damping_share: Option<f64>,
     /// Largest penetration over the impactor's radius.
     pub penetration: Option<f64>,
     /// The mesh of each face.
     pub meshes: Vec<MeshFigures>,
+    /// Strain increments by strain rate.
     pub strain_rates: Histogram,
 }
 
 /// Shape of the elements of one face, the worst of them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeshFigures {
+    /// Number of elements.
     pub elements: usize,
+    /// Shortest edge, m.
     pub shortest_edge_m: f64,
+    /// Longest edge, m.
     pub longest_edge_m: f64,
+    /// Largest ratio of the edges of an element.
     pub aspect_ratio: f64,
+    /// Smallest scaled Jacobian.
     pub scaled_jacobian: f64,
+    /// Largest skew.
     pub skew: f64,
 }
 
@@ -83,9 +93,11 @@ impl MeshFigures {
 pub struct Histogram {
     /// Edges of the bins, 1/s.
     pub edges_1_s: Vec<f64>,
+    /// Share of each bin.
     pub shares: Vec<f64>,
     /// Range in which the curves were measured, 1/s.
     pub measured_1_s: Option<[f64; 2]>,
+    /// Share outside the measured range.
     pub outside: f64,
 }
 

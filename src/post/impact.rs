@@ -15,9 +15,11 @@ use crate::simulate::Outcome;
 pub struct Impact {
     /// Largest filtered acceleration.
     pub peak_acceleration_m_s2: Option<f64>,
+    /// Time of the largest filtered acceleration.
     pub time_of_peak_acceleration_s: Option<f64>,
     /// Lowest displacement from first contact; negative.
     pub peak_displacement_m: Option<f64>,
+    /// Time of the lowest displacement.
     pub time_of_peak_displacement_s: Option<f64>,
     /// Largest upward velocity after the lowest point; none without a rebound.
     pub rebound_velocity_m_s: Option<f64>,
@@ -25,6 +27,7 @@ pub struct Impact {
     pub energy_absorption: Option<f64>,
     /// Engineering strains at which the MD and TD fibres break, of the face that breaks first; none where nothing breaks.
     pub break_strain_md: Option<f64>,
+    /// The same along TD.
     pub break_strain_td: Option<f64>,
     /// E_a of the paper's equation 14; none without a reference.
     pub acceleration_error: Option<f64>,
@@ -32,8 +35,10 @@ pub struct Impact {
     pub displacement_error: Option<f64>,
     /// Notes of the recording, of its reading and of its reduction; none without a reference.
     pub reference_notes: Option<Vec<String>>,
+    /// Size, cost and errors of the run.
     #[serde(flatten)]
     pub audit: Audit,
+    /// What the run and the comparison reported.
     #[serde(flatten)]
     pub findings: RunFindings,
 }

@@ -12,6 +12,7 @@ pub struct Indent {
     /// Largest force on the impactor, N.
     #[serde(rename = "peak_force_N")]
     pub peak_force: Option<f64>,
+    /// Depth at the largest force.
     #[serde(rename = "depth_at_peak_force_m")]
     pub depth_at_peak_force: Option<f64>,
     /// Work of the impactor: the force over the depth, J.
@@ -23,10 +24,13 @@ pub struct Indent {
     /// Depth at the end of the test.
     #[serde(rename = "final_depth_m")]
     pub final_depth: Option<f64>,
+    /// Force at the end of the test.
     #[serde(rename = "final_force_N")]
     pub final_force: Option<f64>,
+    /// Size, cost and errors of the run.
     #[serde(flatten)]
     pub audit: Audit,
+    /// What the run reported.
     #[serde(flatten)]
     pub findings: RunFindings,
 }

@@ -23,8 +23,10 @@ pub struct Inflation {
     /// Pressure at the last sample before the rupture; none without one.
     #[serde(rename = "burst_pressure_Pa")]
     pub burst_pressure: Option<f64>,
+    /// Size, cost and errors of the run.
     #[serde(flatten)]
     pub audit: Audit,
+    /// What the run reported.
     #[serde(flatten)]
     pub findings: RunFindings,
 }

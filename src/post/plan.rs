@@ -20,10 +20,13 @@ pub struct Plan {
 /// Why the evaluation of a run cannot be prepared.
 #[derive(Debug, Error)]
 pub enum PrepareError {
+    /// The channel filter needs a higher sample rate.
     #[error("output.filter: {0}")]
     Filter(#[from] FilterError),
+    /// The reference cannot be read.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
+    /// The post script cannot be read or compiled.
     #[error(transparent)]
     Script(#[from] script::ReadError),
 }

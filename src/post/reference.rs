@@ -39,20 +39,53 @@ pub struct ReferenceComparison {
 /// Why a recording cannot be compared with a run.
 #[derive(Debug, Error)]
 pub enum ReferenceError {
+    /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] file::ReadError),
+    /// A raw recording lacks a channel, or has several that could be it.
     #[error("{}: {source}", path.display())]
-    Channels { path: PathBuf, source: Box<DropChannelsError> },
+    Channels {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: Box<DropChannelsError>,
+    },
+    /// A raw recording cannot be reduced.
     #[error("{}: {source}", path.display())]
-    Drop { path: PathBuf, source: DropError },
+    Drop {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: DropError,
+    },
+    /// A raw recording of a drop with another loading.
     #[error("{} is the raw recording of a drop, which only an impact with an impactor can be compared with", path.display())]
-    NotAnImpact { path: PathBuf },
+    NotAnImpact {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// The acceleration cannot be filtered.
     #[error("{}: acceleration: {source}", path.display())]
-    Filter { path: PathBuf, source: FilterError },
+    Filter {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: FilterError,
+    },
+    /// The acceleration cannot be resampled.
     #[error("{}: acceleration: {source}", path.display())]
-    Resample { path: PathBuf, source: ResampleError },
+    Resample {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: ResampleError,
+    },
+    /// The window ends at the lowest point, which the recording does not have.
     #[error("{}: the recording has no lowest point: displacement has gaps, and acceleration does not bring the impactor to rest", path.display())]
-    NoLowestPoint { path: PathBuf },
+    NoLowestPoint {
+        /// The recording.
+        path: PathBuf,
+    },
 }
 
 impl ReferenceComparison {

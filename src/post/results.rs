@@ -18,9 +18,13 @@ pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
 /// Figures by kind of loading.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measures {
+    /// Of an impact.
     Impact(Impact),
+    /// Of a stretch.
     Stretch(Stretch),
+    /// Of an indentation.
     Indent(Indent),
+    /// Of an inflation.
     Inflation(Inflation),
 }
 
@@ -29,7 +33,9 @@ pub enum Measures {
 pub struct Results {
     /// The channels of `signals.csv`, the filtered one included.
     pub signals: Recording,
+    /// Figures and findings.
     pub measures: Measures,
+    /// The reference, where there is one.
     pub comparison: Option<ReferenceComparison>,
     /// What the post script added.
     pub script_output: ScriptOutput,
@@ -38,10 +44,13 @@ pub struct Results {
 /// Why a finished run cannot be measured.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EvaluateError {
+    /// The channel filter needs a higher sample rate.
     #[error("the acceleration cannot be filtered: {0}")]
     Filter(#[from] FilterError),
+    /// The acceleration cannot be resampled.
     #[error("the acceleration cannot be filtered: {0}")]
     Resample(#[from] ResampleError),
+    /// The post script failed.
     #[error(transparent)]
     Script(#[from] Fault),
 }

@@ -15,6 +15,7 @@ pub struct Stretch {
     /// Largest engineering stress, Pa.
     #[serde(rename = "peak_stress_Pa")]
     pub peak_stress: Option<f64>,
+    /// Engineering strain at the largest stress.
     pub strain_at_peak_stress: Option<f64>,
     /// Engineering strain at the rupture; none without one.
     pub strain_at_break: Option<f64>,
@@ -23,8 +24,10 @@ pub struct Stretch {
     pub stress_at_break: Option<f64>,
     /// Engineering strain at the end of the test.
     pub final_strain: Option<f64>,
+    /// Size, cost and errors of the run.
     #[serde(flatten)]
     pub audit: Audit,
+    /// What the run reported.
     #[serde(flatten)]
     pub findings: RunFindings,
 }

@@ -28,7 +28,9 @@ const MARK: &str = "# Written by droptower from coupon tests";
 /// The content of a material file.
 #[derive(Clone, Debug)]
 pub struct CouponMaterial<'a> {
+    /// Means of the coupons.
     pub reduction: &'a Reduction,
+    /// Dimensions of the coupons.
     pub coupon: Coupon,
     /// kg/m³; that of LLDPE where it is not known.
     pub density: Option<f64>,
@@ -50,23 +52,41 @@ pub struct GivenShear<'a> {
 /// A material file and the shear curve's file beside it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texts {
+    /// The material file.
     pub material: String,
+    /// The file of the shear curve.
     pub shear: String,
 }
 
 /// Why coupons give no material.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CouponMaterialError {
+    /// A direction was not measured.
     #[error("a material needs coupons of MD, TD and D3 (for shear), and there is none of {direction}")]
-    Missing { direction: Direction },
+    Missing {
+        /// The direction.
+        direction: Direction,
+    },
+    /// A curve is not monotonic.
     #[error("{direction}: stress falls between the points {}, which a material's curve does not", shown(points))]
-    Falls { direction: Direction, points: [[f64; 2]; 2] },
+    Falls {
+        /// The direction.
+        direction: Direction,
+        /// Strain and stress (Pa) of the points between which the stress falls.
+        points: [[f64; 2]; 2],
+    },
+    /// The density (kg/m³) is not positive.
     #[error("a density is positive, not {0} kg/m3")]
     Density(f64),
+    /// The shear curve cannot be computed.
     #[error("shear: {0}")]
     Shear(#[from] CurveError),
+    /// The shear curve is not monotonic.
     #[error("shear: stress falls at the angle {angle} rad, which a material's curve does not")]
-    ShearFalls { angle: f64 },
+    ShearFalls {
+        /// Shear angle from which the stress falls, rad.
+        angle: f64,
+    },
 }
 
 fn shown(points: &[[f64; 2]; 2]) -> String {

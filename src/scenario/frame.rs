@@ -16,7 +16,9 @@ pub struct Frame {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Hold {
+    /// All edges or none.
     Word(EdgeChoice),
+    /// The sides listed.
     Sides(#[schemars(length(min = 1, max = 4))] Vec<Side>),
 }
 
@@ -33,12 +35,16 @@ pub enum EdgeChoice {
 /// A straight edge of a rectangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Side {
+    /// The side at the smallest x.
     #[serde(rename = "x-")]
     XMinus,
+    /// The side at the largest x.
     #[serde(rename = "x+")]
     XPlus,
+    /// The side at the smallest y.
     #[serde(rename = "y-")]
     YMinus,
+    /// The side at the largest y.
     #[serde(rename = "y+")]
     YPlus,
 }

@@ -12,26 +12,36 @@ use crate::units::Dimension;
 /// The values that are allowed at one place.
 #[derive(Clone, Debug)]
 pub enum Rule {
+    /// A table.
     Table(TableRule),
     /// Any number of items of one kind.
     List {
+        /// Rule of each item.
         item: Box<Rule>,
+        /// Fewest items.
         shortest: usize,
+        /// Most items.
         longest: usize,
     },
     /// A list with a rule for each place.
     Tuple(Vec<Rule>),
     /// One of these words, each with its description.
     Choice(Vec<(String, Option<String>)>),
+    /// A quantity with a unit.
     Quantity(Dimension, Range),
+    /// A number.
     Number {
+        /// Whether it is an integer.
         whole: bool,
+        /// Its bounds.
         range: Range,
     },
     /// A text; `path` where it names a file.
     Text {
+        /// Whether it names a file.
         path: bool,
     },
+    /// A truth value.
     Flag,
     /// Any one of these.
     Either(Vec<Rule>),
@@ -40,6 +50,7 @@ pub enum Rule {
 /// The keys of a table.
 #[derive(Clone, Debug, Default)]
 pub struct TableRule {
+    /// The keys.
     pub keys: Vec<Key>,
     /// Sets of keys of which a table has at most one.
     pub groups: Vec<Vec<String>>,
@@ -52,24 +63,33 @@ pub struct TableRule {
 /// A key of a table.
 #[derive(Clone, Debug)]
 pub struct Key {
+    /// Its name.
     pub name: String,
+    /// Its description.
     pub sentence: Option<String>,
+    /// Its value where it is left out.
     pub default: Option<Json>,
+    /// Whether it must be given.
     pub required: bool,
+    /// Its allowed values.
     pub rule: Rule,
 }
 
 /// Bounds of a number, in SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
+    /// The lower bound.
     pub from: Option<Bound>,
+    /// The upper bound.
     pub to: Option<Bound>,
 }
 
 /// One end of a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
+    /// The value of the bound.
     pub value: f64,
+    /// Whether the bound itself is in the range.
     pub included: bool,
 }
 

@@ -93,15 +93,19 @@ pub struct Inflation {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Direction {
+    /// Along MD or TD.
     Axis(Axis),
+    /// An angle from MD.
     Angle(Angle),
 }
 
 /// A direction of the film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Axis {
+    /// The machine direction.
     #[serde(rename = "MD")]
     Machine,
+    /// The transverse direction.
     #[serde(rename = "TD")]
     Transverse,
 }

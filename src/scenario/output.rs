@@ -41,10 +41,15 @@ fn two_hundred_forty() -> u32 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Filter {
+    /// Class 1000.
     Cfc1000,
+    /// Class 600.
     Cfc600,
+    /// Class 180.
     Cfc180,
+    /// Class 60.
     Cfc60,
+    /// No filter.
     #[serde(rename = "none")]
     None,
 }

@@ -33,7 +33,9 @@ pub struct Reference {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Window {
+    /// A named part.
     Phase(Phase),
+    /// From, to.
     Range([Time; 2]),
 }
 

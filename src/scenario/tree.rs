@@ -9,7 +9,9 @@ use crate::diagnostic::{Diagnostic, Source, Span};
 /// A value with its place.
 #[derive(Clone, Debug)]
 pub struct Node {
+    /// The value.
     pub value: Value,
+    /// Its place in the source.
     pub span: Span,
     /// Whether the value is the whole of a file, which replaces what it is merged into.
     pub included: bool,
@@ -18,26 +20,37 @@ pub struct Node {
 /// A value of TOML; dates and times, which the language does not have, are stored as text.
 #[derive(Clone, Debug)]
 pub enum Value {
+    /// A string.
     Text(String),
+    /// An integer.
     Whole(i64),
+    /// A number with a fraction or an exponent.
     Number(f64),
+    /// A truth value.
     Flag(bool),
+    /// A date or time.
     Time(String),
+    /// An array.
     List(Vec<Node>),
+    /// A table.
     Table(Table),
 }
 
 /// Keys in the order in which they were written.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
+    /// Its keys and values.
     pub entries: Vec<Entry>,
 }
 
 /// A key, its place, and its value.
 #[derive(Clone, Debug)]
 pub struct Entry {
+    /// The key.
     pub key: String,
+    /// The place of the key.
     pub key_span: Span,
+    /// The value.
     pub node: Node,
 }
 
@@ -115,6 +128,7 @@ fn value(
 }
 
 impl Node {
+    /// A value that is not included from a file.
     pub fn new(value: Value, span: Span) -> Node {
         Node { value, span, included: false }
     }
