@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn an_impactor_that_never_turns_has_none() {
+    fn an_impactor_without_rebound_has_none() {
         let v = vec![-4.0; 100];
         let d: Vec<f64> = (0..100).map(|i| -0.01 * f64::from(i)).collect();
         assert_eq!(energy_absorption(BODY, &v, &d), Err(AbsorptionError::NoUnloading));

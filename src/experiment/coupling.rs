@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sine_loses_amplitude_and_leads_as_the_transfer_function_says() {
+    fn a_sine_has_the_gain_and_phase_of_the_transfer_function() {
         let omega = 2.0 * std::f64::consts::PI * 2.0;
         let error = |count| {
             let reading = high_pass(&sampled(count, 4.0, |t| (omega * t).sin()), TAU).window([3.0, 4.0]);
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_read_is_restored_whatever_the_steps() {
+    fn the_input_is_restored_with_any_steps() {
         let time: Vec<f64> = (0..200).map(|i| 1e-3 * f64::from(i) + 1e-6 * f64::from(i * i % 37)).collect();
         let values: Vec<f64> = time.iter().map(|t| (40.0 * t).sin() - if *t > 0.1 { 3.0 } else { 0.0 }).collect();
         let input = Series::new(time, values);
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fall_tells_its_time_constant() {
+    fn a_fall_determines_the_time_constant() {
         let fall = |t: f64| if t < 0.03 { -300.0 * t } else { -9.0 };
         let reading = high_pass(&sampled(5000, 0.5, fall), TAU);
         let found = time_constant(&reading, [0.05, 0.45]).unwrap();
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_does_not_recover_tells_none() {
+    fn a_reading_that_does_not_recover_determines_none() {
         let falling = sampled(500, 0.5, |t| -9.0 - 20.0 * t);
         let (from, to) = (0.1, 0.4);
         assert_eq!(time_constant(&falling, [from, to]), Err(CouplingError::NoRecovery { from, to }));

@@ -63,13 +63,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_is_the_scatter() {
+    fn the_residual_is_the_scatter() {
         let rows = [1.0, -1.0, 1.0, -1.0].map(|y| ([1.0], y));
         assert_eq!(least_squares(rows.into_iter()), Some(([0.0], 4.0)));
     }
 
     #[test]
-    fn sums_tell_the_same_as_rows() {
+    fn moments_give_the_fit_of_the_rows() {
         let rows = (0..50).map(|i| f64::from(i) / 10.0).map(|t| ([1.0, t, t * t], (3.0 * t).sin()));
         let mut moments = Moments::default();
         rows.clone().for_each(|(x, y)| moments.add(x, y));

@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_flatten_out_is_no_ramp() {
+    fn a_reading_without_vertex_is_not_a_ramp() {
         let falling = reading().with_values(reading().samples().map(|[t, _]| -100.0 * t * t).collect());
         assert!(matches!(GravityRamp::fit(&falling, [0.1, 0.2]), Err(RampError::NotParabolic { .. })));
         assert!(matches!(GravityRamp::fit(&falling, [0.9, 0.95]), Err(RampError::TooFew { .. })));

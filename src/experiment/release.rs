@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn landmarks_stand_where_they_were_put() {
+    fn landmarks_of_a_made_reading_are_found() {
         for offset in [0.0, -1.5, 4.0] {
             let release = Release::find(&drop(offset), 9.81).unwrap();
             assert!((release.offset - offset).abs() < 1e-9);

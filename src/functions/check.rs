@@ -1,4 +1,4 @@
-//! What tests of script functions share.
+//! Helpers of the tests of script functions.
 
 use rhai::Engine;
 

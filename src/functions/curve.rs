@@ -54,7 +54,7 @@ pub(super) fn strains(value: &Dynamic) -> HostResult<[f64; 2]> {
     window(value)
 }
 
-/// Mean, deviation and count as scripts see them.
+/// Mean, deviation and count as a map of a script.
 pub(super) fn spread_map(spread: &SampleStatistics) -> Map {
     let mut map = Map::new();
     map.insert("mean".into(), spread.mean.into());
@@ -63,7 +63,7 @@ pub(super) fn spread_map(spread: &SampleStatistics) -> Map {
     map
 }
 
-/// Yield points as scripts see them.
+/// Yield points as a map of a script.
 pub(super) fn yield_map(found: &YieldPoints) -> Map {
     let mut map = Map::new();
     map.insert("first".into(), list(&found.first).into());

@@ -201,8 +201,8 @@ mod tests {
             ),
             ("virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, laser: 2 })", "expected true or false"),
         ];
-        let said = cases.map(|(call, expected)| (format!("let s = signal([0, 0.1], [0, 1]); {call}"), expected));
-        let cases: Vec<(&str, &str)> = said.iter().map(|(call, expected)| (call.as_str(), *expected)).collect();
+        let calls = cases.map(|(call, expected)| (format!("let s = signal([0, 0.1], [0, 1]); {call}"), expected));
+        let cases: Vec<(&str, &str)> = calls.iter().map(|(call, expected)| (call.as_str(), *expected)).collect();
         assert_refused(&engine(), &cases);
     }
 }

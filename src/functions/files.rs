@@ -95,7 +95,7 @@ impl Column {
     }
 }
 
-/// The reference of what a script writes into files.
+/// The reference of files.
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "write_csv(name, [column name, …], [signal or list, …])",

@@ -1,4 +1,4 @@
-//! Plots of scripts: signals over time, curves over strain, anything over anything.
+//! Plots of scripts: signals over time, curves over strain, pairs of lists.
 
 use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
 
@@ -44,7 +44,7 @@ enum Shape {
     Pair([Column; 2]),
 }
 
-/// Axes, and the factors from the values of curves to the units of the axes.
+/// Axes, and the factors from values of curves to units of the axes.
 struct Axes {
     x: Axis,
     y: Axis,

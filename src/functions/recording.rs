@@ -106,7 +106,7 @@ fn hinted(error: &impl std::fmt::Display, hint: Option<String>) -> Box<EvalAltRe
     }
 }
 
-/// The reference of what scripts do with recordings.
+/// The reference of recordings.
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "read_recording(path)",

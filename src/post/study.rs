@@ -15,7 +15,7 @@ use crate::experiment::coupon::Curve;
 use crate::material::Law;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
-use crate::script::{Entry, HostResult, Options, Session, from_json, number, refuse, to_json, went_wrong};
+use crate::script::{Entry, HostResult, Options, Session, from_json, number, numerical_failure, refuse, to_json};
 use crate::simulate::{self, Across, RunError, RunOptions};
 
 /// A checked scenario in a script. Cheap to clone.
@@ -73,7 +73,7 @@ impl Study {
             };
             let cause = format!("{}: {cause}", model.name);
             session.add_failure(&cause);
-            if matches!(error, RunError::Failure(_)) { went_wrong(cause) } else { refuse(cause) }
+            if matches!(error, RunError::Failure(_)) { numerical_failure(cause) } else { refuse(cause) }
         };
         let options = RunOptions { cancellation: session.cancellation().clone(), ..RunOptions::default() };
         let outcome = simulate::run_with(model, options, &mut |_| {}).map_err(failed)?;

@@ -1,4 +1,4 @@
-//! The convergence history of a search: where it stood after each iteration, and the fits on the way.
+//! The convergence history of a search: its iterates, and the fits at improvements.
 
 use std::sync::Arc;
 

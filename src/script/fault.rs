@@ -72,35 +72,35 @@ fn lower_first(message: &str) -> String {
     first.unwrap_or_default() + letters.as_str()
 }
 
-/// What a script catches where a simulation failed numerically: a text that is told from a mistake by its type.
+/// What a script catches where a simulation failed numerically: a text whose type distinguishes it from a mistake.
 #[derive(Clone, Debug)]
-struct WentWrong(ImmutableString);
+struct NumericalFailure(ImmutableString);
 
 /// The error of a host function whose simulation failed numerically.
-pub fn went_wrong(message: impl Display) -> Box<EvalAltResult> {
-    let thrown = WentWrong(message.to_string().into());
+pub fn numerical_failure(message: impl Display) -> Box<EvalAltResult> {
+    let thrown = NumericalFailure(message.to_string().into());
     Box::new(EvalAltResult::ErrorRuntime(Dynamic::from(thrown), Position::NONE))
 }
 
 /// Whether the error is an uncaught numerical failure of a simulation.
 pub fn is_numerical(error: &EvalAltResult) -> bool {
-    matches!(error.unwrap_inner(), EvalAltResult::ErrorRuntime(value, _) if value.is::<WentWrong>())
+    matches!(error.unwrap_inner(), EvalAltResult::ErrorRuntime(value, _) if value.is::<NumericalFailure>())
 }
 
-/// What was thrown, as text.
+/// The thrown value as text.
 pub fn thrown(value: &Dynamic) -> String {
-    value.read_lock::<WentWrong>().map_or_else(|| value.to_string(), |wrong| wrong.0.to_string())
+    value.read_lock::<NumericalFailure>().map_or_else(|| value.to_string(), |failure| failure.0.to_string())
 }
 
-/// Registers the text operations on what a script catches.
+/// Registers the text operations on such a failure.
 pub(super) fn register(engine: &mut Engine) {
     engine
-        .register_type_with_name::<WentWrong>("numerical failure")
-        .register_fn("to_string", |wrong: &mut WentWrong| wrong.0.clone())
-        .register_fn("to_debug", |wrong: &mut WentWrong| wrong.0.clone())
-        .register_fn("+", |text: ImmutableString, wrong: WentWrong| text + wrong.0)
-        .register_fn("+", |wrong: WentWrong, text: ImmutableString| wrong.0 + text)
-        .register_fn("contains", |wrong: &mut WentWrong, text: &str| wrong.0.contains(text));
+        .register_type_with_name::<NumericalFailure>("numerical failure")
+        .register_fn("to_string", |failure: &mut NumericalFailure| failure.0.clone())
+        .register_fn("to_debug", |failure: &mut NumericalFailure| failure.0.clone())
+        .register_fn("+", |text: ImmutableString, failure: NumericalFailure| text + failure.0)
+        .register_fn("+", |failure: NumericalFailure, text: ImmutableString| failure.0 + text)
+        .register_fn("contains", |wrong: &mut NumericalFailure, text: &str| wrong.0.contains(text));
 }
 
 /// The result of a host function.

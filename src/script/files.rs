@@ -1,4 +1,4 @@
-//! Files that a script leaves beside its figures and tables: curves, recordings, materials.
+//! Files that a script writes beside its figures and tables: curves, recordings, materials.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use thiserror::Error;
 /// Extensions that a file may have, all of text files.
 const ENDINGS: [&str; 5] = ["csv", "json", "md", "toml", "txt"];
 
-/// Most files that one script leaves.
+/// Most files of one script.
 const MOST_FILES: usize = 10_000;
 
 /// Most bytes of all files together.

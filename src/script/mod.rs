@@ -1,4 +1,4 @@
-//! The host of Rhai scripts: limits, calls, faults, values, and what a script leaves.
+//! The host of Rhai scripts: limits, calls, faults, values, and the output of a script.
 //!
 //! It offers scripts nothing by itself. A room that does registers its functions into the engine and describes them as
 //! [`Entry`] lines, whose examples the tests run: `functions`, `post` and `identify`.
@@ -21,7 +21,7 @@ mod warning;
 pub use arguments::Arguments;
 pub use compared::{Compared, Over, Target};
 pub use convergence::{ConvergenceHistory, FitHistory, Improvement, Iterate};
-pub use fault::{Fault, HostResult, is_numerical, refuse, thrown, went_wrong};
+pub use fault::{Fault, HostResult, is_numerical, numerical_failure, refuse, thrown};
 pub(crate) use files::MOST_BYTES;
 pub use files::{File, FileError, Files};
 pub(crate) use host::LONGEST_SCRIPT;

@@ -1,4 +1,4 @@
-//! What a script leaves: figures, tables, plots, files, findings and a log.
+//! The output of a script: figures, tables, plots, files, findings and a log.
 
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -39,7 +39,7 @@ pub struct ScriptOutput {
     pub files: Files,
     /// Lines of the log.
     pub log: Vec<String>,
-    /// What it reported with `warn`, and what puts its output in doubt otherwise.
+    /// What it reported with `warn`, and other warnings about its output.
     pub findings: Vec<Finding>,
 }
 

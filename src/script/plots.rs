@@ -1,4 +1,4 @@
-//! Limits of the plots that a script leaves.
+//! Limits of the plots of a script.
 
 use thiserror::Error;
 

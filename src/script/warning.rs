@@ -1,4 +1,4 @@
-//! Warnings that come with what a script leaves.
+//! Warnings about the output of a script.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ const MOST_NAMED: usize = 6;
 codes! {
     VIRTUAL_RECORDINGS = "virtual-recordings", Warning,
         "recordings that a script read, or that its scenarios are compared with, were computed, not measured",
-        "do not take an agreement with them for a validation";
+        "agreement with them is not a validation";
 }
 
 /// What puts the output of a script in doubt, besides what the script reports itself.

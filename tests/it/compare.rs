@@ -44,7 +44,7 @@ fn runs_are_compared_with_the_first() {
     assert!(!text.contains("wall"), "cost is no result: {text}");
     assert!(printed(&compare(&["--all"])).contains("wall (s)"));
 
-    // What is printed, what is kept, and the two summaries agree.
+    // The printed figures, the stored ones and the two summaries agree.
     let folder = bench.path().join("runs/compare");
     let summary = json(&folder.join("summary.json"));
     assert_eq!(figures(&compare(&["--json"])), summary);

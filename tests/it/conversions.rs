@@ -42,14 +42,14 @@ fn a_filtered_channel_is_written_in_si() {
     fs::write(bench.path().join("f.csv"), "").expect("written");
     let figures = printed_json(&[]);
     let text = fs::read_to_string(bench.path().join("f.csv")).expect("the output");
-    let (said, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with('#'));
+    let (comments, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with('#'));
     let expected = [
         "# value: accel [g] of data.csv",
         "# unit of value: m/s2",
         "# filtered by droptower: CFC 180 (ISO 6487)",
         "# a virtual recording",
     ];
-    assert_eq!(said, expected);
+    assert_eq!(comments, expected);
     assert!(rows[0] == "time_s,value" && rows[1].starts_with("0.0,"), "{}", rows[1]);
     assert_eq!(rows.len(), 1001);
     let wanted = ReadOptions { unit: Some(unit("m/s2")), ..ReadOptions::one(None) };
@@ -64,12 +64,12 @@ fn a_filtered_channel_is_written_in_si() {
     let finer = printed_json(&["--resample", "20 kHz", "--force"]);
     assert_eq!(finer["samples"], 1999);
     let coarser = printed_json(&["--resample", "4 kHz", "--force"]);
-    let warned = |told: &Json| told["notes"].to_string().contains("without an anti-aliasing filter");
+    let warned = |figures: &Json| figures["notes"].to_string().contains("without an anti-aliasing filter");
     assert!(warned(&coarser) && !warned(&finer), "{coarser}");
 }
 
 #[test]
-fn a_channel_is_read_whatever_is_wrong_with_the_others() {
+fn mistakes_in_other_channels_do_not_matter() {
     let bench = tempfile::tempdir().expect("a folder");
     let place = |name: &str| bench.path().join(name);
     let head = "Channel code:11HEADCG0000ACXP\nUnit:m/s2\nSampling interval:1e-4\nReference channel:implicit\n\
@@ -125,7 +125,7 @@ fn virtual_recordings_stay_virtual() {
 }
 
 #[test]
-fn only_its_own_kind_of_file_is_written_and_none_is_replaced_unasked() {
+fn outputs_have_their_ending_and_replace_nothing_without_force() {
     let bench = tempfile::tempdir().expect("a folder");
     shaken(bench.path());
     let place = |name: &str| bench.path().join(name);
@@ -142,8 +142,8 @@ fn only_its_own_kind_of_file_is_written_and_none_is_replaced_unasked() {
     ] {
         let refused = droptower(bench.path(), &call);
         assert_eq!(refused.status.code(), Some(2), "{call:?}");
-        let said = String::from_utf8_lossy(&refused.stderr);
-        assert!(said.contains(expected), "{call:?}: {said}");
+        let message = String::from_utf8_lossy(&refused.stderr);
+        assert!(message.contains(expected), "{call:?}: {message}");
     }
     for name in ["notes.toml", "notes.csv"] {
         assert_eq!(fs::read_to_string(place(name)).expect("a file"), "mine\n");
@@ -153,7 +153,7 @@ fn only_its_own_kind_of_file_is_written_and_none_is_replaced_unasked() {
 }
 
 #[test]
-fn what_cannot_be_filtered_leaves_nothing_behind() {
+fn a_failed_filter_writes_no_file() {
     let bench = tempfile::tempdir().expect("a folder");
     shaken(bench.path());
     let file = |name: &str, text: &str| fs::write(bench.path().join(name), text).expect("written");
@@ -186,9 +186,9 @@ fn what_cannot_be_filtered_leaves_nothing_behind() {
         (&["info", "data.csv", "wrong.csv"], "data.csv: readable, but not printed"),
     ] {
         let output = droptower(bench.path(), arguments);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
-        assert!(said.contains(expected), "{arguments:?}: {said}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(expected), "{arguments:?}: {message}");
         assert!(output.stdout.is_empty());
     }
     let left = fs::read_dir(bench.path()).expect("the folder").count();
@@ -196,17 +196,17 @@ fn what_cannot_be_filtered_leaves_nothing_behind() {
 }
 
 #[test]
-fn info_says_what_files_hold() {
+fn info_lists_channels_units_and_sampling() {
     let bench = tempfile::tempdir().expect("a folder");
     let fixture = data("isomme_fixture");
     let metal = data("tension_anisotropic_al6061/cleaned_CA-LT-01.csv");
     let [fixture, metal] = [&fixture, &metal].map(|path| path.to_str().expect("UTF-8"));
     let unit = "engineering_stress=ksi";
-    let told = figures(&droptower(bench.path(), &["info", metal, "--unit", unit, "--json"]));
-    assert_eq!(told[0]["channels"][0]["unit"], "Pa");
-    assert_eq!(told[0]["channels"][0]["start_s"], Json::Null);
-    let told = figures(&droptower(bench.path(), &["info", fixture, "--json"]));
-    let [head, chest] = [0, 1].map(|place| &told[0]["channels"][place]);
+    let info = figures(&droptower(bench.path(), &["info", metal, "--unit", unit, "--json"]));
+    assert_eq!(info[0]["channels"][0]["unit"], "Pa");
+    assert_eq!(info[0]["channels"][0]["start_s"], Json::Null);
+    let info = figures(&droptower(bench.path(), &["info", fixture, "--json"]));
+    let [head, chest] = [0, 1].map(|place| &info[0]["channels"][place]);
     assert_eq!(
         (&head["name"], &head["unit"], &head["written_unit"]),
         (&"11HEADCG0000ACXP".into(), &"m/s2".into(), &"g".into())
@@ -222,7 +222,7 @@ fn info_says_what_files_hold() {
 }
 
 #[test]
-fn info_tells_channels_apart_and_where_samples_are_missing() {
+fn info_lists_channels_of_one_name_and_missing_samples() {
     let bench = tempfile::tempdir().expect("a folder");
     let row = |i: usize| format!("{},1,2\n", f64::from(u32::try_from(i).expect("small")) * 1e-3);
     let rows: String = (0..100).filter(|i| !(48..=52).contains(i) && *i != 90 && *i != 91).map(row).collect();
@@ -232,8 +232,8 @@ fn info_tells_channels_apart_and_where_samples_are_missing() {
     {
         assert_eq!(text.matches(expected).count(), if expected == "uneven" { 2 } else { 1 }, "{expected}: {text}");
     }
-    let told = figures(&droptower(bench.path(), &["info", "a.csv", "--json"]));
-    let holes = &told[0]["channels"][1]["holes"];
+    let info = figures(&droptower(bench.path(), &["info", "a.csv", "--json"]));
+    let holes = &info[0]["channels"][1]["holes"];
     assert_eq!(holes.as_array().map(Vec::len), Some(2));
     assert_eq!((holes[0]["after_s"].as_f64(), holes[0]["duration_s"].as_f64()), (Some(0.047), Some(0.006)));
     fs::write(bench.path().join("b.csv"), "time_s,a\n0,1\n1,2\n2,3\n").expect("written");
@@ -247,8 +247,8 @@ fn formats_are_converted_there_and_back() {
     let raw = shaken(bench.path());
     let done = |arguments: &[&str]| figures(&droptower(bench.path(), &[&["convert"], arguments, &["--json"]].concat()));
     done(&["data.csv", "-o", "test/T.mme", "--unit", "count=-"]);
-    let told = done(&["test", "-o", "back.csv"]);
-    assert_eq!(told["channels"].as_array().map(Vec::len), Some(2));
+    let info = done(&["test", "-o", "back.csv"]);
+    assert_eq!(info["channels"].as_array().map(Vec::len), Some(2));
     let [original, back] = [raw, bench.path().join("back.csv")].map(|path| {
         let wanted = ReadOptions { channels: ChannelSelection::All, ..ReadOptions::default() };
         file::read(&path, &wanted).expect("readable")
@@ -261,24 +261,24 @@ fn formats_are_converted_there_and_back() {
     let again = droptower(bench.path(), &["convert", "data.csv", "-o", "test/T.mme"]);
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("T.mme already exists"));
-    // The filter is told that the channel was filtered before.
+    // The filter reads that the channel was filtered before.
     let fixture = data("isomme_fixture/Channel/test.002");
     let fixture = fixture.to_str().expect("UTF-8");
-    let told = figures(&droptower(bench.path(), &["filter", fixture, "--class", "1000", "-o", "f.csv", "--json"]));
-    assert!(told["notes"][0].as_str().is_some_and(|note| note.contains("went through CFC 1000 before")), "{told}");
+    let info = figures(&droptower(bench.path(), &["filter", fixture, "--class", "1000", "-o", "f.csv", "--json"]));
+    assert!(info["notes"][0].as_str().is_some_and(|note| note.contains("went through CFC 1000 before")), "{info}");
 }
 
 /// The lines of a file without those that start so.
 fn lines_but(path: &Path, keys: &[&str]) -> Vec<String> {
     let text = fs::read_to_string(path).expect("the file").replace('\r', "");
     let lines = text.lines().filter(|line| line.contains(':') && !keys.iter().any(|key| line.starts_with(key)));
-    let said = |value: &str| if value.trim().is_empty() { "NOVALUE".into() } else { value.trim().to_owned() };
+    let stated = |value: &str| if value.trim().is_empty() { "NOVALUE".into() } else { value.trim().to_owned() };
     let parts = lines.map(|line| line.split_once(':').expect("a colon"));
-    parts.map(|(key, value)| format!("{}: {}", key.trim(), said(value))).collect()
+    parts.map(|(key, value)| format!("{}: {}", key.trim(), stated(value))).collect()
 }
 
 #[test]
-fn what_a_test_says_is_said_again_after_conversion() {
+fn the_headers_of_a_test_survive_conversion() {
     let bench = tempfile::tempdir().expect("a folder");
     let fixture = data("isomme_fixture");
     droptower(bench.path(), &["convert", fixture.to_str().expect("UTF-8"), "-o", "T.mme"]);
@@ -297,7 +297,7 @@ fn what_a_test_says_is_said_again_after_conversion() {
         let unit = fs::read_to_string(bench.path().join("Channel").join(new)).expect("the channel");
         assert_eq!(unit.matches("\nUnit  ").count(), 1, "{unit}");
     }
-    // A unit that is not known is that of the values still, and what was said of their range holds.
+    // A unit that is not known is that of the values still, and the stated range holds.
     let text = fs::read_to_string(data("isomme_real_channel/test.001")).expect("the channel");
     let odd = text.replacen(":Nm", ":furlong", 1);
     fs::write(bench.path().join("odd.001"), odd).expect("written");
@@ -326,8 +326,8 @@ fn units_and_names_survive_conversion() {
     };
     convert(&["a.csv", "--unit", "accel=m/s2", "-o", "m/T.mme"]);
     convert(&["a.csv", "--unit", "accel=m/s2", "-o", "there.csv"]);
-    let said = convert(&["m/T.mme", "-o", "back.csv"]);
-    assert!(said.contains("000000000100AC00 (accel)"), "{said}");
+    let message = convert(&["m/T.mme", "-o", "back.csv"]);
+    assert!(message.contains("000000000100AC00 (accel)"), "{message}");
     for name in ["m/T.mme", "there.csv", "back.csv"] {
         let read = file::read(&bench.path().join(name), &ReadOptions::default()).expect("readable");
         for (channel, unit) in [("accel", Some("m/s2")), ("laser", Some("m")), ("T", None)] {

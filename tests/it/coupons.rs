@@ -124,7 +124,7 @@ fn virtual_coupons() -> Vec<(String, CouponTest)> {
 }
 
 #[test]
-fn the_virtual_coupons_give_back_what_the_paper_prints() {
+fn the_virtual_coupons_reduce_to_the_figures_of_the_paper() {
     let coupons = virtual_coupons();
     assert_eq!(coupons.len(), 66);
     assert!(coupons.iter().all(|(_, recorded)| recorded.sample.is_virtual && recorded.merged == 0));
@@ -185,7 +185,7 @@ fn succeed(arguments: &[&str]) -> String {
 }
 
 #[test]
-fn the_script_makes_the_shipped_coupons_bit_for_bit() {
+fn the_script_regenerates_the_shipped_coupons_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("virtual");
     succeed(&[
@@ -205,7 +205,7 @@ fn the_script_makes_the_shipped_coupons_bit_for_bit() {
     assert_eq!(names(&out.join("coupons")), names(&shipped));
     for name in names(&shipped) {
         let [made, kept] = [out.join("coupons"), shipped.clone()].map(|folder| fs::read(folder.join(&name)).unwrap());
-        assert!(made == kept, "{name:?} is made otherwise; after a change of the script, make data/virtual again");
+        assert!(made == kept, "{name:?} differs; after a change of the script, regenerate data/virtual");
         assert!(kept.len() < 8000 && String::from_utf8_lossy(&kept).starts_with("# VIRTUAL"), "{name:?}");
     }
 }
@@ -261,7 +261,7 @@ fn coupons_become_a_material_that_a_scenario_uses() {
 }
 
 #[test]
-fn what_cannot_be_reduced_is_said_and_nothing_is_written() {
+fn mistakes_in_coupons_are_reported_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let put = |name: &str, text: &str| {
         let path = folder.path().join(name);
@@ -305,9 +305,9 @@ fn what_cannot_be_reduced_is_said_and_nothing_is_written() {
         let arguments: Vec<&str> = ["tensile", "reduce", recordings].into_iter().chain(more.iter().copied()).collect();
         let strip = STRIP.chunks(2).filter(|pair| !more.contains(&pair[0])).flatten().copied();
         let output = droptower(&arguments.into_iter().chain(strip).collect::<Vec<_>>());
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{recordings} {more:?}: {said}");
-        assert!(said.contains(expected), "{recordings} {more:?}: {said}");
+        let printed = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{recordings} {more:?}: {printed}");
+        assert!(printed.contains(expected), "{recordings} {more:?}: {printed}");
     }
     assert!(!Path::new(material).exists());
     assert!(reduce(&unnamed, &["--direction", "TD", "--velocity", "0.02 m/s"]).status.success());
@@ -454,7 +454,7 @@ fn without_skewed_coupons_a_given_shear_curve_makes_the_material() {
     assert!(copy.contains(&format!("a copy of {given}")) && copy.contains("\n0.2,4\n0.6,5\n"), "{copy}");
     let text = fs::read_to_string(&material).unwrap();
     assert!(text.contains(&format!("# Given, not measured with these coupons: a copy of {given}")), "{text}");
-    // It is not written over by its own copy.
+    // It is not replaced by its own copy.
     let own = folder.path().join("shear.toml");
     fs::rename(&shear, folder.path().join("shear-shear.csv")).unwrap();
     let given = folder.path().join("shear-shear.csv");
@@ -478,9 +478,9 @@ fn a_film_without_a_double_yield_point_becomes_a_material_too() {
     }
     let (recordings, material) = (folder.path().join("*.csv"), folder.path().join("film.toml"));
     let output = reduce(recordings.to_str().unwrap(), &["-o", material.to_str().unwrap()]);
-    let said = String::from_utf8_lossy(&output.stdout);
-    assert!(said.contains("note: MD: the curve has no second yield point"), "{said}");
-    assert!(said.contains("the record ends under load; its end counts as the break"), "{said}");
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(printed.contains("note: MD: the curve has no second yield point"), "{printed}");
+    assert!(printed.contains("the record ends under load; its end counts as the break"), "{printed}");
     assert!(fs::read_to_string(&material).unwrap().contains("md = { curve = [["));
     assert!(succeed(&["check", material.to_str().unwrap()]).starts_with("ok"));
 }
@@ -513,7 +513,7 @@ fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
 /// The points of Table 5 hide in the virtual coupons, each moved by its own scatter, of 4 % in strain and 3 % in stress
 /// (scripts/make-virtual-tests.rhai); of the mean of 18 coupons twice the standard error is expected at most.
 #[test]
-fn the_single_element_is_fitted_to_what_hides_in_the_virtual_coupons() {
+fn a_single_element_fit_finds_the_parameters_of_the_virtual_coupons() {
     let bench = tempfile::tempdir().expect("a folder");
     let summary = fitted(bench.path(), &[]);
     for (fits, most) in [("breaks", MOST_OF_SIX), ("moduli", MOST_OF_ONE)] {

@@ -251,7 +251,7 @@ fn labels(mesh: &Mesh) -> Vec<BTreeSet<[u64; 2]>> {
 }
 
 #[test]
-fn meshes_come_back_from_files_as_they_were() {
+fn meshes_are_read_back_from_files_unchanged() {
     for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
         let mesh = build(&DISC, symmetry, element, 0.03);
         for (name, text) in [("film.obj", as_obj(&mesh)), ("film.VTU", as_vtu(&mesh))] {

@@ -90,7 +90,7 @@ fn the_series_of_a_drop_agree_with_its_signals() {
             let (stress, resultant) = (cells(&format!("stress_{part}_Pa")), cells(&format!("resultant_{part}_N_m")));
             stress.iter().zip(resultant).for_each(|(s, n)| assert!((n - s * 96e-6).abs() <= 1e-6 * n.abs()));
         }
-        assert!(film.data.cell.iter().all(|a| a.name() != "thickness_m"), "a fabric does not say how it thins");
+        assert!(film.data.cell.iter().all(|a| a.name() != "thickness_m"), "a fabric has no thickness");
         // The mirror images close the film: its extent is that of the frame.
         let points: Vec<f64> = film.points.cast_into().expect("points");
         let extreme = |axis: usize, sign: f64| {

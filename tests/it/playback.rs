@@ -42,13 +42,13 @@ fn a_recording_holds_what_the_engine_computed() {
     let (_folder, out) = run("scenarios/drop/1008.toml", &changes);
     let played = Playback::read(&out.join("recording.rrd")).expect("a recording");
     let outcome = outcome(&out);
-    assert!(outcome.rupture_time.is_some(), "the film breaks, so that there is something to see of it");
+    assert!(outcome.rupture_time.is_some(), "the film breaks, so that the recording shows it");
 
     let entities: BTreeSet<&str> = played.entities().collect();
     for entity in ["/scene/impactor", "/scene/frame/face-1", "/events", "/texts/summary", "/texts/scenario"] {
         assert!(entities.contains(entity), "{entity} in {entities:?}");
     }
-    assert!(played.blueprint().any(|path| path.ends_with("/EyeControls3D")), "it says how to look at it");
+    assert!(played.blueprint().any(|path| path.ends_with("/EyeControls3D")), "it has a camera");
     for face in 0..outcome.films.len() {
         film_is_the_engines(&played, &outcome, face);
         colours_are_those_of_the_strains(&played, &outcome, face);

@@ -17,7 +17,7 @@ fn units(pairs: &[(&str, &str)]) -> ReadOptions {
     ReadOptions { units, ..ReadOptions::default() }
 }
 
-/// What a file says in a cell, found without the reader under test.
+/// The content of a cell, read without the reader under test.
 fn cell(text: &str, line: usize, column: usize, separator: impl Fn(char) -> bool + Copy) -> f64 {
     let line = text.lines().nth(line - 1).expect("a line");
     let cell = line.split(separator).filter(|cell| !cell.is_empty()).nth(column - 1);
@@ -337,7 +337,7 @@ fn drop_tower_shocks_are_read_filtered_and_integrated() {
     close(smooth_change, change, 0.01);
 }
 
-/// What a table says wrongly, and what is said of it.
+/// Tables with a mistake, and the message.
 #[test]
 fn tables_with_mistakes_are_refused_in_place() {
     let bench = tempfile::tempdir().expect("a folder");
@@ -398,14 +398,14 @@ fn tables_with_mistakes_are_refused_in_place() {
     ] {
         fs::write(&path, text).expect("written");
         let error = file::read(&path, &wanted).expect_err(text);
-        let said = error.to_string();
-        assert!(said.contains(expected), "{text:?} gave: {said}");
+        let message = error.to_string();
+        assert!(message.contains(expected), "{text:?} gave: {message}");
         assert_eq!(error.place().is_some(), !expected.starts_with("r.csv: "), "{text:?}");
     }
 }
 
 #[test]
-fn tables_come_in_many_dresses() {
+fn tables_are_read_in_many_layouts() {
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("r.csv");
     for (text, time, values) in [
@@ -432,7 +432,7 @@ fn tables_come_in_many_dresses() {
 }
 
 #[test]
-fn what_is_not_known_is_noted() {
+fn assumptions_have_warnings() {
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("r.csv");
     fs::write(&path, "# virtual\nlab 3\ntime,T [°C]\n0,20\n1,21\n").expect("written");
@@ -448,7 +448,7 @@ fn what_is_not_known_is_noted() {
 }
 
 #[test]
-fn unwanted_columns_of_a_long_file_are_not_even_looked_at() {
+fn unwanted_columns_are_not_parsed() {
     let bench = tempfile::tempdir().expect("a folder");
     let path = bench.path().join("long.csv");
     let rows = 100_000;
@@ -523,7 +523,7 @@ proptest! {
     }
 
     #[test]
-    fn whatever_is_read_is_in_order(text in pieces()) {
+    fn times_increase_in_every_recording_that_is_read(text in pieces()) {
         let bench = tempfile::tempdir().expect("a folder");
         let path = bench.path().join("r.csv");
         fs::write(&path, format!("time,a\n0,1\n1,2\n{text}\n")).expect("written");

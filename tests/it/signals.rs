@@ -31,7 +31,7 @@ fn json(arguments: &[&str]) -> Json {
     workbench::figures(&droptower(arguments))
 }
 
-/// What is said of a mistake; nothing may be printed beside it.
+/// The message of a mistake; nothing may be printed beside it.
 fn mistake(arguments: &[&str]) -> String {
     let output = droptower(arguments);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}");
@@ -78,7 +78,7 @@ fn reference_curves_get_the_stated_ratings() {
 }
 
 #[test]
-fn the_channel_filter_leaves_a_recording_where_it_is() {
+fn the_channel_filter_does_not_shift_a_recording() {
     // What the reference curve holds lies far below the classes, so filtering it changes little and rating it nothing.
     let wanted = ReadOptions { names: vec!["time_s".into(), "value".into()], ..ReadOptions::default() };
     let measurement = file::read(&data("iso18571/reference.csv"), &wanted).expect("readable");
@@ -103,8 +103,8 @@ fn real_shocks_have_measures_within_their_bounds() {
         let filtered = filter::channel(raw, 1000.0, Standard::Iso6487).expect("complete and even");
         let (peak, whole) = (raw.largest().expect("samples")[1], integrate::total(raw));
         // The gain at rest is one: filtering moves speed about and keeps it, but for what leaves at the ends.
-        let kept = integrate::total(&filtered) / whole;
-        assert!((kept - 1.0).abs() < 0.05, "{}: {kept}", shock.name);
+        let passed = integrate::total(&filtered) / whole;
+        assert!((passed - 1.0).abs() < 0.05, "{}: {passed}", shock.name);
         let hic = head_injury_criterion(raw, 0.015).expect("a shock");
         let bound = (hic.end - hic.start) * (peak / STANDARD_GRAVITY).powf(2.5);
         assert!(hic.value > 0.0 && hic.value <= bound && hic.end - hic.start <= 0.005, "{}: {hic:?}", shock.name);
@@ -160,17 +160,25 @@ fn a_class_filters_first() {
 }
 
 #[test]
-fn people_get_a_line_and_silence_when_asked() {
+fn text_output_is_one_line_and_quiet_prints_nothing() {
     let folder = folder(&[("a.csv", table("time_s,accel [g]", 1e-3, 81, square))]);
     let path = folder.path().join("a.csv");
     let path = path.to_str().expect("UTF-8");
-    let said = |arguments: &[&str]| String::from_utf8(droptower(arguments).stdout).expect("UTF-8");
-    assert!(said(&["hic", path]).starts_with("HIC15  265.165  50.00 g over 15.000 ms"), "{}", said(&["hic", path]));
-    assert!(said(&["clip", path]).starts_with("3 ms clip  50.000 g  cumulative"), "{}", said(&["clip", path]));
-    assert!(said(&["rate", path, path]).contains("overall    1.000  excellent"), "{}", said(&["rate", path, path]));
-    assert_eq!(said(&["rate", path, path, "--quiet"]), "");
+    let printed = |arguments: &[&str]| String::from_utf8(droptower(arguments).stdout).expect("UTF-8");
+    assert!(
+        printed(&["hic", path]).starts_with("HIC15  265.165  50.00 g over 15.000 ms"),
+        "{}",
+        printed(&["hic", path])
+    );
+    assert!(printed(&["clip", path]).starts_with("3 ms clip  50.000 g  cumulative"), "{}", printed(&["clip", path]));
+    assert!(
+        printed(&["rate", path, path]).contains("overall    1.000  excellent"),
+        "{}",
+        printed(&["rate", path, path])
+    );
+    assert_eq!(printed(&["rate", path, path, "--quiet"]), "");
     let falling = self::folder(&[("f.csv", table("time_s,accel [g]", 1e-3, 81, |t| -square(t)))]);
-    let clip = said(&["clip", falling.path().join("f.csv").to_str().expect("UTF-8")]);
+    let clip = printed(&["clip", falling.path().join("f.csv").to_str().expect("UTF-8")]);
     assert!(clip.contains("  0.000 g") && clip.contains("note: no positive level is held that long"), "{clip}");
 }
 
@@ -207,9 +215,9 @@ fn mistakes_name_file_and_channel() {
     ] {
         let arguments: Vec<String> =
             arguments.iter().map(|word| if word.ends_with(".csv") { path(word) } else { (*word).to_owned() }).collect();
-        let said = mistake(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+        let message = mistake(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
         for part in expected {
-            assert!(said.contains(part), "{arguments:?} gave: {said}");
+            assert!(message.contains(part), "{arguments:?} gave: {message}");
         }
     }
 }

@@ -27,7 +27,7 @@ fn droptower(arguments: &[&str]) -> Output {
 
 /// What was simulated.
 #[derive(Clone, Debug)]
-struct Truth {
+struct TrueFigures {
     height: f64,
     speed: f64,
     contact_time: f64,
@@ -36,14 +36,14 @@ struct Truth {
 }
 
 /// The requirement: speed within 0.5 %, contact within 0.2 ms, absorption within 1 point, travel within 1 %.
-fn assert_found(drop: &Drop, truth: &Truth, what: &str) {
+fn assert_found(drop: &Drop, exact: &TrueFigures, what: &str) {
     let figures = drop.figures();
     let displacement = figures.peak_displacement_m.expect("a largest travel");
     let absorption = figures.energy_absorption.expect("an absorption");
-    assert!((figures.impact_velocity_m_s / truth.speed - 1.0).abs() < 5e-3, "{what}: {figures:?} for {truth:?}");
-    assert!((figures.contact_time_s - truth.contact_time).abs() < 2e-4, "{what}: {figures:?} for {truth:?}");
-    assert!((absorption - truth.absorption).abs() < 0.01, "{what}: {figures:?} for {truth:?}");
-    assert!((displacement / truth.displacement - 1.0).abs() < 0.01, "{what}: {figures:?} for {truth:?}");
+    assert!((figures.impact_velocity_m_s / exact.speed - 1.0).abs() < 5e-3, "{what}: {figures:?} for {exact:?}");
+    assert!((figures.contact_time_s - exact.contact_time).abs() < 2e-4, "{what}: {figures:?} for {exact:?}");
+    assert!((absorption - exact.absorption).abs() < 0.01, "{what}: {figures:?} for {exact:?}");
+    assert!((displacement / exact.displacement - 1.0).abs() < 0.01, "{what}: {figures:?} for {exact:?}");
 }
 
 fn reduced(acceleration: &Series, laser: Option<&Series>, height: f64) -> Drop {
@@ -51,27 +51,27 @@ fn reduced(acceleration: &Series, laser: Option<&Series>, height: f64) -> Drop {
     drop::reduce(acceleration, laser, &tower, &Reduction::default()).expect("a drop")
 }
 
-fn truths() -> Vec<(String, Truth)> {
+fn true_figures() -> Vec<(String, TrueFigures)> {
     let mut reader = csv::Reader::from_path(root().join("data/virtual/tables/virtual_drops.csv")).expect("a table");
     let rows = reader.records().map(|row| row.expect("a row"));
-    let truth = |row: csv::StringRecord| {
+    let exact = |row: csv::StringRecord| {
         let number = |column: usize| row[column].parse::<f64>().expect("a number");
         let [height, speed, contact_time] = [1, 3, 4].map(number);
-        (row[0].to_owned(), Truth { height, speed, contact_time, displacement: number(5), absorption: number(6) })
+        (row[0].to_owned(), TrueFigures { height, speed, contact_time, displacement: number(5), absorption: number(6) })
     };
-    rows.map(truth).collect()
+    rows.map(exact).collect()
 }
 
 #[test]
-fn shipped_recordings_hide_the_truth_of_their_table() {
-    let truths = truths();
-    assert_eq!(truths.iter().map(|(test, _)| test.as_str()).collect::<Vec<_>>(), TESTS);
-    for (test, truth) in truths {
+fn shipped_recordings_reduce_to_the_figures_of_their_table() {
+    let true_figures = true_figures();
+    assert_eq!(true_figures.iter().map(|(test, _)| test.as_str()).collect::<Vec<_>>(), TESTS);
+    for (test, exact) in true_figures {
         let path = root().join(format!("data/virtual/{test}.csv"));
         let measurement = file::read(&path, &ReadOptions::default()).expect("a recording");
         let sensed = DropChannels::find(&measurement, &ChannelNames::default()).expect("an accelerometer");
         assert_eq!(sensed.laser.is_none(), test == "1509");
-        assert_found(&reduced(&sensed.acceleration, sensed.laser.as_ref(), truth.height), &truth, &test);
+        assert_found(&reduced(&sensed.acceleration, sensed.laser.as_ref(), exact.height), &exact, &test);
     }
 }
 
@@ -100,7 +100,7 @@ fn without_a_laser_a_wrong_height_is_refused_or_doubted() {
 
 /// 1008 fell 1 m: with a laser another height gives the same figures, unless nothing can fall so fast.
 #[test]
-fn with_a_laser_a_wrong_height_is_said() {
+fn with_a_laser_a_wrong_height_has_a_warning() {
     let DropChannels { acceleration, laser, .. } = shipped("1008");
     let reduce = |height: f64| {
         let tower = Tower { body: BODY, height: Height::Known(height) };
@@ -124,7 +124,7 @@ fn with_a_laser_a_wrong_height_is_said() {
 }
 
 #[test]
-fn shipped_recordings_are_small_and_say_that_they_are_virtual() {
+fn shipped_recordings_are_small_and_marked_as_virtual() {
     for test in TESTS {
         let text = fs::read_to_string(root().join(format!("data/virtual/{test}.csv"))).expect("a text");
         assert!(text.starts_with("# VIRTUAL drop test"), "{test}");
@@ -133,12 +133,12 @@ fn shipped_recordings_are_small_and_say_that_they_are_virtual() {
 }
 
 #[test]
-fn the_folder_of_virtual_recordings_may_be_made_anew_in_its_place() {
+fn the_virtual_recordings_can_be_regenerated_in_place() {
     droptower::store::check_places(&[root().join("data/virtual")]).expect("nothing in it but what the script left");
 }
 
 #[test]
-fn shipped_recordings_are_made_again_bit_for_bit() {
+fn shipped_recordings_regenerate_bit_for_bit() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("virtual");
     let out_text = out.to_str().expect("UTF-8");
@@ -177,7 +177,7 @@ fn other_seeds_and_clocks_are_reduced_as_well() {
             let laser = (seed % 2 == 0 || test == "1008").then(Laser::default);
             let sensors = Sensors { rest: rests[seed % 3], laser, ..Sensors::default() };
             let made = virtual_drop(&acceleration, &displacement, &fall, &sensors, seed as u64).expect("a recording");
-            let truth = Truth {
+            let exact = TrueFigures {
                 height,
                 speed,
                 contact_time: made.contact_time,
@@ -186,14 +186,14 @@ fn other_seeds_and_clocks_are_reduced_as_well() {
             };
             let reading = made.recording.series("accelerometer_m_s2").expect("a reading");
             let drop = reduced(&reading, made.recording.series("laser_m").as_ref(), height);
-            assert_found(&drop, &truth, &format!("{test}, seed {seed}"));
+            assert_found(&drop, &exact, &format!("{test}, seed {seed}"));
         }
     }
 }
 
 /// Simulated with its own curves, each test meets its own recording; the coarse mesh stands for what a model leaves out.
 #[test]
-fn shipped_scenarios_meet_their_own_recordings() {
+fn shipped_scenarios_agree_with_their_recordings() {
     for test in TESTS {
         let model = coarse(test);
         let plan = Plan::prepare(&model).expect("a reference");
@@ -210,7 +210,7 @@ fn shipped_scenarios_meet_their_own_recordings() {
     }
 }
 
-/// A scenario that names a recording without laser and not the height: its own speed closes the fall, which is said, and another
+/// A scenario that names a recording without laser and not the height: its own speed closes the fall, with a warning, and another
 /// speed than that of the test is refused.
 #[test]
 fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
@@ -222,24 +222,24 @@ fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
         *velocity = speed;
         Plan::prepare(&model).map_err(|error| error.to_string())
     };
-    let (_, truth) = truths().remove(3);
-    let plan = with_speed(truth.speed).expect("a reference");
+    let (_, exact) = true_figures().remove(3);
+    let plan = with_speed(exact.speed).expect("a reference");
     let reference = plan.comparison().expect("a comparison");
     let travel = reference.displacement.as_ref().and_then(Series::smallest).expect("a turn");
-    assert!((travel[1] / truth.displacement - 1.0).abs() < 0.01, "{travel:?} for {truth:?}");
+    assert!((travel[1] / exact.displacement - 1.0).abs() < 0.01, "{travel:?} for {exact:?}");
     let warnings: Vec<String> = reference.warnings().map(|warning| warning.to_string()).collect();
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].starts_with("reference: VIRTUAL drop test: nothing fell"), "{warnings:?}");
     assert!(warnings[1].starts_with("reference: no laser and no height"), "{warnings:?}");
     for share in [0.9, 0.97, 1.03, 1.1] {
-        let refused = with_speed(share * truth.speed).expect_err("another speed");
+        let refused = with_speed(share * exact.speed).expect_err("another speed");
         assert!(refused.contains("check the speed"), "{share}: {refused}");
     }
 }
 
 /// What is virtual stays virtual in figures and warnings of whatever is compared with it.
 #[test]
-fn a_run_says_what_its_reference_is() {
+fn a_run_reports_a_virtual_reference() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("run");
     let short = ["--set", "specimen.mesh.size=40mm", "--set", "loading.impact.duration=2ms", "--quiet"];
@@ -251,8 +251,8 @@ fn a_run_says_what_its_reference_is() {
     let notes = summary["reference_notes"].as_array().expect("notes");
     assert!(notes[0].as_str().expect("a note").starts_with("VIRTUAL drop test"), "{notes:?}");
     let warnings = summary["warnings"].as_array().expect("warnings");
-    let says = |warning: &Json| warning.as_str().is_some_and(|text| text.starts_with("reference: VIRTUAL"));
-    assert!(warnings.iter().any(says), "{warnings:?}");
+    let is_mark = |warning: &Json| warning.as_str().is_some_and(|text| text.starts_with("reference: VIRTUAL"));
+    assert!(warnings.iter().any(is_mark), "{warnings:?}");
 }
 
 #[test]
@@ -263,11 +263,11 @@ fn the_command_prints_figures_and_writes_signals() {
     let output = droptower(&[&call[..], &["-o", out.to_str().expect("UTF-8")]].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let figures: Json = serde_json::from_slice(&output.stdout).expect("JSON");
-    let (_, truth) = truths().remove(2);
+    let (_, exact) = true_figures().remove(2);
     let figure = |name: &str| figures[name].as_f64().unwrap_or_else(|| panic!("{name} in {figures}"));
-    assert!((figure("impact_velocity_m_s") / truth.speed - 1.0).abs() < 5e-3);
+    assert!((figure("impact_velocity_m_s") / exact.speed - 1.0).abs() < 5e-3);
     assert!((figure("ideal_velocity_m_s") - 4.43).abs() < 5e-3);
-    assert!((figure("energy_absorption") - truth.absorption).abs() < 0.01);
+    assert!((figure("energy_absorption") - exact.absorption).abs() < 0.01);
     assert!((figure("laser_residual_m") / 5e-5 - 1.0).abs() < 0.3);
     assert_eq!(figures["speed_from"], "laser");
     assert!(figures["notes"][0].as_str().expect("a note").starts_with("VIRTUAL drop test"), "{figures}");
@@ -285,7 +285,7 @@ fn the_command_prints_figures_and_writes_signals() {
     let output = droptower(&[&call[..], &["--without-laser"]].concat());
     let blind: Json = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(blind["speed_from"], "fall");
-    assert!((blind["impact_velocity_m_s"].as_f64().expect("a speed") / truth.speed - 1.0).abs() < 5e-3);
+    assert!((blind["impact_velocity_m_s"].as_f64().expect("a speed") / exact.speed - 1.0).abs() < 5e-3);
 }
 
 #[test]
@@ -417,7 +417,7 @@ fn the_scripts_of_the_drops_give_the_tables_of_the_paper() {
 
 /// 5 ms at 1 MHz without the fall before them.
 #[test]
-fn real_shocks_without_their_fall_are_refused_by_name() {
+fn shocks_without_a_fall_are_refused() {
     let Some(path) = shocks() else {
         return;
     };

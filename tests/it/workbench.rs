@@ -28,7 +28,7 @@ pub fn droptower(folder: &Path, arguments: &[&str]) -> Output {
     command(folder, arguments).output().expect("the binary starts")
 }
 
-/// What it says on standard error.
+/// Its standard error.
 pub fn error(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
@@ -49,13 +49,13 @@ pub fn unit(symbol: &str) -> Unit {
     Unit::parse(symbol).expect("a unit")
 }
 
-/// Asserts that a number is another one but for a share of it.
+/// Asserts that two numbers agree within a share.
 pub fn close(found: f64, expected: f64, relative: f64) {
     assert!((found - expected).abs() <= relative * expected.abs(), "{found} instead of {expected}");
 }
 
 /// Shocks in a drop tower at 1 MHz (Dodson, Hong and Beliveau 2019, data set 1), up to tens of thousands of g and full of ringing, in
-/// six columns without usable names. They may not be copied: see data/README.md. None where they are not there, which is said.
+/// six columns without usable names. They may not be copied: see data/README.md. None where they are missing, which is printed.
 pub fn shocks() -> Option<PathBuf> {
     let beside = || root().parent().map(|folder| folder.join("shared/data"));
     let folder = std::env::var_os("DROPTOWER_SHARED_DATA").map(PathBuf::from).or_else(beside)?;

@@ -72,7 +72,7 @@ fn a_height_or_speed_that_the_fall_does_not_reach_is_refused() {
 
 /// The guide goes on rubbing less and less, without an impact; and one whose force falls off.
 #[test]
-fn what_does_not_rise_at_once_is_no_onset() {
+fn a_slow_rise_is_not_an_onset() {
     let known = FallCondition::Height(1.0);
     for end in [0.0, -40.0] {
         let after = |t: f64| if t < CONTACT { 0.0 } else { end * (t - CONTACT) };
@@ -83,7 +83,7 @@ fn what_does_not_rise_at_once_is_no_onset() {
 
 /// So slow that a wrong height leaves the onset within the search: only the offset shows it.
 #[test]
-fn an_offset_that_the_rest_contradicts_closes_no_fall() {
+fn an_offset_beyond_the_scatter_of_the_rest_is_refused() {
     let time = 0.15;
     let height = 0.5 * NET * time * time;
     let zero = ZeroOffset { samples: 100, deviation: 0.1 };

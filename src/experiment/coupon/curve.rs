@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_curve_is_refused() {
+    fn invalid_curves_are_refused() {
         for (strain, stress, expected) in [
             (vec![0.0, 1.0], vec![0.0], "2 strains for 1 stresses"),
             (vec![0.0, 0.0], vec![0.0, 1.0], "a curve needs two samples of different strain"),
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn a_curve_goes_on_along_its_last_piece_and_not_before_its_first() {
+    fn a_curve_extends_along_its_last_piece_only() {
         let curve = Curve::new(vec![0.1, 0.2, 0.4], vec![1.0, 3.0, 4.0]).unwrap();
         let found = [0.05, 0.1, 0.3, 0.4, 0.6].map(|strain| curve.continued(strain));
         assert_eq!(found[..2], [None, Some(1.0)]);
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn slack_is_taken_off() {
+    fn slack_is_compensated() {
         let curve = Curve::new(vec![0.1, 0.2, 0.3], vec![0.0, 5.0, 10.0]).unwrap();
         let taut = curve.toe_compensated(50.0, -5.0);
         assert!((taut.at(0.1).unwrap() - 5.0).abs() < 1e-12);

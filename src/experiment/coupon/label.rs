@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_open_or_contradicted_is_refused() {
+    fn missing_and_contradictory_labels_are_refused() {
         for (name, header, expected) in [
             ("sample", &[][..], "the direction of the coupon is not known"),
             ("md", &[], "the direction of the coupon is not known"),

@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_recorded_reduces_to_the_curve_that_was_pulled() {
+    fn a_recording_reduces_to_the_curve_of_its_film() {
         let (coupon, curve) = parts();
         let strains = [0.0, 0.123_456_789, 0.5, 1.0, 1.1];
         let pull = MACHINE.pull(&coupon, &curve, &strains, &[0.0; 5]).unwrap();
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_machine_does_is_refused() {
+    fn impossible_recordings_are_refused() {
         let (coupon, curve) = parts();
         let late = curve.within([0.5, 1.0]).unwrap();
         let pull = |machine: Machine, curve, noise: &[f64]| machine.pull(&coupon, curve, &[0.2], noise).unwrap_err();

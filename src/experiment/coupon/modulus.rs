@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_the_slope_of_the_elastic_part_whatever_the_zero() {
+    fn the_modulus_is_the_slope_of_the_elastic_part_with_any_offset() {
         for offset in [0.0, 0.3e6, -1e6] {
             let modulus = bent(offset).modulus(WINDOW).unwrap();
             assert!((modulus.slope / 50e6 - 1.0).abs() < 1e-9, "{modulus:?}");

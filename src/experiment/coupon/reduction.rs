@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn toe_compensation_takes_slack_off_strain_and_break() {
+    fn toe_compensation_removes_slack_from_strain_and_break() {
         let strain: Vec<f64> = (0..=110).map(|i| 0.01 * f64::from(i)).collect();
         let stress = strain.iter().map(|e| 20e6 * (e - 0.1).max(0.0)).collect();
         let curve = Curve::new(strain, stress).unwrap();

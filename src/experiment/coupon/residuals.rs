@@ -50,7 +50,7 @@ mod tests {
 
     /// σ = a ε against σ_e = ε: the relative error is a − 1, however the samples lie.
     #[test]
-    fn close_samples_count_no_more() {
+    fn close_samples_have_no_more_weight() {
         let even: Vec<f64> = (0..=10).map(|k| 0.1 * f64::from(k)).collect();
         let dense: Vec<f64> = (0..=100).map(|k| 1e-4 * f64::from(k * k)).collect();
         for strains in [even, dense] {
@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_compared_is_told() {
+    fn curves_without_common_strain_are_refused() {
         let curve = |strain: f64, stress: f64| Curve::new(vec![0.0, strain], vec![0.0, stress]).unwrap();
         let found = relative_residuals(&curve(0.5, 1.0), &curve(1.0, 1.0));
         assert_eq!(found, Err(ResidualError::NotCovered { strain: 1.0 }));

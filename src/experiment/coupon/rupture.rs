@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_where_the_fall_of_the_force_begins() {
+    fn the_break_is_where_the_force_begins_to_fall() {
         let rupture = curve(&[0.0, 5.0, 9.0, 10.0, 6.0, 3.0, 0.1]).rupture(BREAK_SHARE).unwrap();
         assert_eq!((rupture.stress, rupture.strength, rupture.ending), (10.0, 10.0, CurveEnd::Broke));
         assert!((rupture.strain - 0.3).abs() < 1e-12);

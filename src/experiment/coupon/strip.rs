@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_coupon_and_no_recording_of_one_is_refused() {
+    fn invalid_coupons_and_recordings_are_refused() {
         assert_eq!(
             Coupon::new(5e-3, 10e-3, -12e-6).unwrap_err().to_string(),
             "the thickness of a coupon is a positive length, not -0.000012 m"

@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_steeper_elastic_part_does_not_draw_the_first_one_to_itself() {
+    fn a_steep_elastic_part_does_not_move_the_first_yield_point() {
         for modulus in [30e6, 53e6, 75e6] {
             let points = [&[[0.04, 0.04 * modulus]], TD.as_slice()].concat();
             let found = yield_points(&sampled(&points, 1402, |_| 0.0), ELASTIC).unwrap();
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn dense_sampling_counts_no_more() {
+    fn dense_sampling_has_no_more_weight() {
         let even = sampled(&TD, 500, |_| 0.0);
         let strain: Vec<f64> = (0..=500).map(|i| 7.01 * (f64::from(i) / 500.0).powi(2)).collect();
         let stress = strain.iter().map(|e| even.at(*e).unwrap()).collect();

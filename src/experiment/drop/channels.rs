@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn what_there_is_only_one_of_needs_no_name() {
+    fn the_only_channel_of_a_kind_needs_no_name() {
         let both = measurement(&[("force", "N"), ("accel", "g"), ("laser head", "mm")]);
         let found = DropChannels::find(&both, &ChannelNames::default()).unwrap();
         assert_eq!((found.acceleration.values()[0], found.laser.unwrap().values()[0]), (5.0, 10.0));
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn names_decide_and_mistakes_are_reported() {
+    fn named_channels_are_used_and_mistakes_are_reported() {
         let two = measurement(&[("a1", "g"), ("head", "m/s2"), ("force", "N"), ("volts", "")]);
         let named = |name: &str| ChannelNames { acceleration: Some(name.into()), laser: None };
         assert_eq!(DropChannels::find(&two, &named("head")).unwrap().acceleration.values(), [4.0]);

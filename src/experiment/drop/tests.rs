@@ -54,7 +54,7 @@ fn reduced(recording: &Recording, reduction: &Reduction) -> Result<Drop, DropErr
 }
 
 #[test]
-fn with_and_without_laser_the_truth_is_found() {
+fn figures_are_found_with_and_without_laser() {
     let deepest = impact()[1].smallest().unwrap()[1];
     for laser in [Sensors::default().laser, None] {
         for seed in 0..SEEDS {
@@ -104,7 +104,7 @@ fn without_laser_and_height_a_known_speed_gives_the_contact() {
 
 /// What a laser holds, or writes, out of its range.
 #[test]
-fn a_laser_that_stands_still_out_of_its_range_saw_nothing() {
+fn constant_samples_of_a_laser_count_as_not_measured() {
     let (recording, contact_time, _) = recorded(&Sensors::default(), 5);
     let laser = recording.series("laser_m").unwrap();
     let mut last = 0.015;
@@ -130,7 +130,7 @@ fn a_laser_that_stands_still_out_of_its_range_saw_nothing() {
 }
 
 #[test]
-fn doubtful_figures_are_doubted() {
+fn doubtful_figures_have_warnings() {
     let (recording, ..) = recorded(&Sensors::default(), 6);
     let (reading, laser) = (reading(&recording), recording.series("laser_m").unwrap());
     let noted = |reading: &Series, laser: &Series, reduction: Reduction| {
@@ -208,7 +208,7 @@ fn the_ramp_lasts_as_long_as_the_reading_falls() {
 
 /// The work of the motion's own acceleration is exact, so that all of the drift is due to the filter.
 #[test]
-fn the_total_energy_drifts_by_what_the_filter_takes() {
+fn the_total_energy_drifts_by_the_work_that_the_filter_removes() {
     let (recording, ..) = recorded(&Sensors::default(), 6);
     let drift = |class| {
         let correction = Correction::Coupling { time_constant: None };
@@ -219,7 +219,7 @@ fn the_total_energy_drifts_by_what_the_filter_takes() {
 }
 
 #[test]
-fn one_time_that_is_nearly_written_twice_does_no_harm() {
+fn a_nearly_repeated_time_changes_little() {
     let (recording, contact_time, _) = recorded(&Sensors::default(), 2);
     let reading = reading(&recording);
     let mut samples: Vec<[f64; 2]> = reading.samples().collect();
@@ -249,7 +249,7 @@ fn uneven_samples_are_brought_to_even_ones() {
 }
 
 #[test]
-fn a_recording_that_ends_before_the_turn_has_no_absorption_and_says_so() {
+fn a_recording_that_ends_before_the_rebound_has_a_warning_and_no_absorption() {
     let (recording, contact_time, _) = recorded(&Sensors::default(), 4);
     let short = |name: &str| recording.series(name).unwrap().window([0.0, contact_time + 0.04]);
     let drop = reduce(&short("accelerometer_m_s2"), Some(&short("laser_m")), &TOWER, &Reduction::default()).unwrap();

@@ -21,7 +21,7 @@ use crate::identify::progress::{Progress, ProgressEstimator};
 use crate::identify::result::SearchResult;
 use crate::identify::search::minimize;
 use crate::plot::Correlation;
-use crate::script::{ConvergenceHistory, HostResult, STACK, Session, refuse, went_wrong};
+use crate::script::{ConvergenceHistory, HostResult, STACK, Session, numerical_failure, refuse};
 
 /// Runs the searches of a script: their histories go to one folder, their events to one observer. Cheap to clone.
 #[derive(Clone)]
@@ -144,7 +144,7 @@ impl SearchHost {
 /// The error of a search as the script gets it.
 fn failure(error: &impl SearchFailure, prefix: &str) -> Box<EvalAltResult> {
     let text = format!("{prefix}{error}");
-    if error.is_numerical() { went_wrong(text) } else { refuse(text) }
+    if error.is_numerical() { numerical_failure(text) } else { refuse(text) }
 }
 
 /// The script error that ended a search with `error`, if one did.

@@ -1,6 +1,6 @@
 //! Scenarios against recorded results: `tests/golden/<case>/{scenario.toml, expected.csv, README.md}`.
 //!
-//! A table in the README says how far each channel may stray and why. `DROPTOWER_BLESS=1` renews
+//! A table in the README has the tolerance of each channel and its reason. `DROPTOWER_BLESS=1` renews
 //! `expected.csv`; a failure leaves a picture of old against new under `target/golden/<case>/`.
 
 mod picture;
@@ -20,7 +20,7 @@ use tolerance::Tolerance;
 const TIME: f64 = 1e-9;
 
 #[test]
-fn scenarios_do_as_recorded() {
+fn golden_cases_agree_with_their_recordings() {
     let cases = cases();
     assert!(!cases.is_empty(), "no cases in tests/golden");
     let failures: Vec<String> = cases.iter().filter_map(|case| check(case).err()).collect();
@@ -62,9 +62,9 @@ fn check(case: &Path) -> Result<(), String> {
 
 /// The channels of `signals.csv` of a run of `scenario`.
 fn simulated(scenario: &Path) -> Result<Recording, String> {
-    let told = |mistakes: Vec<diagnostic::Diagnostic>| diagnostic::render(&mistakes, false);
-    let document = Document::read(scenario).map_err(told)?;
-    let model = model::check(&document).map_err(told)?;
+    let rendered = |mistakes: Vec<diagnostic::Diagnostic>| diagnostic::render(&mistakes, false);
+    let document = Document::read(scenario).map_err(rendered)?;
+    let model = model::check(&document).map_err(rendered)?;
     let plan = Plan::prepare(&model).map_err(|error| error.to_string())?;
     let outcome = simulate::run(&model, &mut |_| {}).map_err(|error| error.to_string())?;
     let results = plan.measure(&model, &outcome);

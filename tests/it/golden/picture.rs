@@ -7,7 +7,7 @@ use droptower::plot::{Curve, Plot};
 use droptower::report;
 use droptower::signal::{Channel, Recording};
 
-/// Draws every channel of both recordings under `target/golden/<case>/` and says where.
+/// Draws every channel of both recordings under `target/golden/<case>/` and prints the path.
 pub fn draw(case: &str, expected: &Recording, actual: &Recording) -> Result<PathBuf, String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/golden").join(case);
     fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
