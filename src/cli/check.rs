@@ -12,7 +12,7 @@ use crate::model;
 use crate::scenario::{Assignment, Document};
 
 #[derive(Debug, Args)]
-pub struct CheckArgs {
+pub(super) struct CheckArgs {
     #[command(flatten)]
     pub selection: Selection,
 }
@@ -34,7 +34,7 @@ struct Mistake {
     hint: Option<String>,
 }
 
-pub fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
     let found = args.selection.each(mistakes)?.into_iter();
     let found: Vec<(String, Vec<Diagnostic>)> = found.map(|(file, mistakes)| (shown_path(&file), mistakes)).collect();
     let wrong: Vec<Diagnostic> = found.iter().flat_map(|(_, mistakes)| mistakes.clone()).collect();

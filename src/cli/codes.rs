@@ -6,7 +6,7 @@ use crate::finding::Code;
 use crate::{experiment, identify, post, script, signal, simulate};
 
 /// The word in place of a key that lists all codes.
-pub const WORD: &str = "findings";
+pub(super) const WORD: &str = "findings";
 
 /// All codes, room by room.
 fn all() -> impl Iterator<Item = &'static Code> {
@@ -17,17 +17,17 @@ fn all() -> impl Iterator<Item = &'static Code> {
 }
 
 /// The code `name`.
-pub fn find(name: &str) -> Option<&'static Code> {
+pub(super) fn find(name: &str) -> Option<&'static Code> {
     all().find(|code| code.name == name)
 }
 
 /// The code whose name is like `name`, as a hint.
-pub fn hint(name: &str) -> Option<String> {
+pub(super) fn hint(name: &str) -> Option<String> {
     closest(name, all().map(|code| code.name)).map(|name| format!("did you mean the finding `{name}`?"))
 }
 
 /// Prints the meaning of `code`, or of all codes.
-pub fn run(code: Option<&'static Code>, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(code: Option<&'static Code>, shared: &Shared) -> Result<(), Failure> {
     let codes: Vec<&Code> = code.map_or_else(|| all().collect(), |code| vec![code]);
     if shared.json {
         return print_json(&codes);

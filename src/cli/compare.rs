@@ -13,7 +13,7 @@ use crate::report::compare_page;
 use crate::store::{self, Draft, StoredRun, StoredRunError, run_files};
 
 #[derive(Debug, Args)]
-pub struct CompareArgs {
+pub(super) struct CompareArgs {
     /// Run folders, or files of signals; each is compared with the first
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
@@ -28,7 +28,7 @@ pub struct CompareArgs {
     pub all: bool,
 }
 
-pub fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     let (runs, ()) = both(stored(&args.runs), free(args))?;
     check_signals(&runs, &args.signal)?;
     let comparison = RunComparison::of(&runs, &args.signal);

@@ -15,7 +15,7 @@ use crate::simulate::Outcome;
 pub(super) const DIGITS: usize = 3;
 
 /// Title, cost, figures and warnings of a run; ends with a line break.
-pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
+pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
     let mut text = format!("{}  {}\n", model.name, subject(model));
     text += &cost(results.measures.audit());
     text += &match &results.measures {
@@ -38,7 +38,7 @@ pub fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
 }
 
 /// The folder and its files; ends with a line break.
-pub fn folder(place: &Path, files: &[String]) -> String {
+pub(super) fn folder(place: &Path, files: &[String]) -> String {
     format!("  {}: {}\n", shown_path(place), gathered(files).join("  "))
 }
 

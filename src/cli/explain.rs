@@ -9,7 +9,7 @@ use crate::diagnostic::{Diagnostic, closest};
 use crate::scenario::grammar::{self, Key, Rule, TableRule};
 
 #[derive(Debug, Args)]
-pub struct ExplainArgs {
+pub(super) struct ExplainArgs {
     /// Key path, e.g. specimen.mesh [default: the top tables]; a script function, e.g. plot; the code of a finding, e.g.
     /// coarse-contact; `functions` or `findings` for all of them
     #[arg(value_name = "KEY")]
@@ -35,7 +35,7 @@ struct Choice {
     sentence: Option<String>,
 }
 
-pub fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
     match args.path.as_deref() {
         Some(functions::WORD) => return functions::run(None, shared),
         Some(codes::WORD) => return codes::run(None, shared),

@@ -7,7 +7,7 @@ use crate::diagnostic::Diagnostic;
 
 /// The exit status of a command that fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ExitStatus {
+pub(crate) enum ExitStatus {
     /// Results could not be written, or another program failed.
     OutputFailed = 1,
     /// A mistake in a scenario, a script or the arguments; nothing was written.
@@ -18,7 +18,7 @@ pub enum ExitStatus {
 
 /// Why a command fails.
 #[derive(Clone, Debug)]
-pub struct Failure {
+pub(crate) struct Failure {
     /// What the command exits with.
     pub status: ExitStatus,
     /// What is printed on standard error; empty where standard output has it already.
@@ -27,17 +27,17 @@ pub struct Failure {
 
 impl Failure {
     /// A file or folder could not be written, or another program failed.
-    pub fn output(diagnostic: Diagnostic) -> Failure {
+    pub(crate) fn output(diagnostic: Diagnostic) -> Failure {
         Failure { status: ExitStatus::OutputFailed, diagnostics: vec![diagnostic] }
     }
 
     /// A run failed numerically.
-    pub fn numerical(diagnostic: Diagnostic) -> Failure {
+    pub(crate) fn numerical(diagnostic: Diagnostic) -> Failure {
         Failure { status: ExitStatus::NumericalFailure, diagnostics: vec![diagnostic] }
     }
 
     /// One failure of many, with the highest exit status; none where there are none.
-    pub fn all(failures: impl IntoIterator<Item = Failure>) -> Option<Failure> {
+    pub(crate) fn all(failures: impl IntoIterator<Item = Failure>) -> Option<Failure> {
         failures.into_iter().reduce(|mut all, failure| {
             all.status = all.status.max(failure.status);
             all.diagnostics.extend(failure.diagnostics);
@@ -46,7 +46,7 @@ impl Failure {
     }
 
     /// Prints the diagnostics and gives the exit status.
-    pub fn report(&self) -> ExitCode {
+    pub(crate) fn report(&self) -> ExitCode {
         if !self.diagnostics.is_empty() {
             print_diagnostics(&self.diagnostics);
         }

@@ -11,7 +11,7 @@ use crate::signal::{self, QuantityError};
 use crate::store::StoreError;
 
 /// A script fault at its place in the script.
-pub fn script(fault: &Fault) -> Diagnostic {
+pub(super) fn script(fault: &Fault) -> Diagnostic {
     let Ok(text) = file::read_text(&fault.file, LONGEST_SCRIPT) else {
         return Diagnostic::new(fault.to_string());
     };
@@ -21,7 +21,7 @@ pub fn script(fault: &Fault) -> Diagnostic {
 }
 
 /// A script that cannot start.
-pub fn reading(error: &ReadError) -> Vec<Diagnostic> {
+pub(super) fn reading(error: &ReadError) -> Vec<Diagnostic> {
     match error {
         ReadError::Faults(faults) => faults.iter().map(script).collect(),
         other => vec![Diagnostic::new(other.to_string())],
@@ -29,7 +29,7 @@ pub fn reading(error: &ReadError) -> Vec<Diagnostic> {
 }
 
 /// A reference or post script that cannot be used after the run.
-pub fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
+pub(super) fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
     match error {
         PrepareError::Script(error) => reading(error),
         PrepareError::Reference(ReferenceError::Read(error)) => vec![recording(error)],
@@ -38,7 +38,7 @@ pub fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
 }
 
 /// A measurement or post script that failed after the run.
-pub fn evaluating(error: &EvaluateError) -> Diagnostic {
+pub(super) fn evaluating(error: &EvaluateError) -> Diagnostic {
     match error {
         EvaluateError::Script(fault) => script(fault),
         other => Diagnostic::new(other.to_string()),
@@ -46,12 +46,12 @@ pub fn evaluating(error: &EvaluateError) -> Diagnostic {
 }
 
 /// Results that cannot be stored.
-pub fn storing(error: &StoreError) -> Diagnostic {
+pub(super) fn storing(error: &StoreError) -> Diagnostic {
     Diagnostic::new(error.to_string())
 }
 
 /// A recording that cannot be read, with the line at fault.
-pub fn recording(error: &signal::file::ReadError) -> Diagnostic {
+pub(super) fn recording(error: &signal::file::ReadError) -> Diagnostic {
     let mistake = match error.place() {
         Some((path, line, column)) => match line_of(&path, line) {
             Some(text) => {
@@ -66,7 +66,7 @@ pub fn recording(error: &signal::file::ReadError) -> Diagnostic {
 }
 
 /// A channel of the file at `path` of another quantity than the command expects.
-pub fn quantity(path: &Path, error: &QuantityError) -> Diagnostic {
+pub(super) fn quantity(path: &Path, error: &QuantityError) -> Diagnostic {
     let mistake = Diagnostic::new(format!("{}: {error}", shown_path(path)));
     match error {
         QuantityError::OtherDimension { .. } => mistake,

@@ -14,7 +14,7 @@ use crate::simulate::Outcome;
 use crate::store::{Draft, StoreError, run_files};
 
 /// A run, complete or failed.
-pub struct Contents<'a> {
+pub(super) struct Contents<'a> {
     pub model: &'a Model,
     pub outcome: &'a Outcome,
     /// `None` where a failed run cannot be measured.
@@ -28,7 +28,7 @@ pub struct Contents<'a> {
 }
 
 /// Writes all files of a run into the draft and gives their names.
-pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreError> {
+pub(super) fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreError> {
     let Contents { model, outcome, results, scenario, script, failure, vtu } = contents;
     let mut files = Files { draft, names: Vec::new() };
     let signals = results.map_or(&outcome.signals, |results| &results.signals);
@@ -57,7 +57,11 @@ pub fn fill(draft: &Draft, contents: &Contents) -> Result<Vec<String>, StoreErro
 }
 
 /// Writes all files of a study into the draft and gives their names.
-pub fn fill_study(draft: &Draft, study: &StudyPage, summary: &Map<String, Value>) -> Result<Vec<String>, StoreError> {
+pub(super) fn fill_study(
+    draft: &Draft,
+    study: &StudyPage,
+    summary: &Map<String, Value>,
+) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
     files.write(run_files::SUMMARY, json(summary)?)?;
     files.script_output(study.output)?;
@@ -68,7 +72,7 @@ pub fn fill_study(draft: &Draft, study: &StudyPage, summary: &Map<String, Value>
 }
 
 /// Writes all files of a comparison into the draft and gives their names.
-pub fn fill_comparison(draft: &Draft, comparison: &RunComparison) -> Result<Vec<String>, StoreError> {
+pub(super) fn fill_comparison(draft: &Draft, comparison: &RunComparison) -> Result<Vec<String>, StoreError> {
     let mut files = Files { draft, names: Vec::new() };
     files.write(run_files::SUMMARY, json(&comparison.summary())?)?;
     #[cfg(feature = "rerun")]

@@ -20,7 +20,7 @@ const BETWEEN_CHECKPOINTS: f64 = 600.0;
 
 /// Measures the first second of a run.
 #[derive(Default)]
-pub struct Forecast {
+pub(super) struct Forecast {
     /// Wall time and steps at the first call.
     first: Option<(Duration, u64)>,
     done: bool,
@@ -28,7 +28,7 @@ pub struct Forecast {
 
 /// The rest of a run.
 #[derive(Clone, Copy, Debug)]
-pub struct Left {
+pub(super) struct Left {
     /// s.
     wall: f64,
     /// ns.
@@ -40,7 +40,7 @@ pub struct Left {
 impl Forecast {
     /// The rest of a run that has taken `wall` so far, if it is long; given once, after the first second of stepping. The
     /// time step is taken as constant; yielding film makes it longer.
-    pub fn update(&mut self, progress: &Progress, wall: Duration) -> Option<Left> {
+    pub(super) fn update(&mut self, progress: &Progress, wall: Duration) -> Option<Left> {
         let (before, steps) = *self.first.get_or_insert((wall, progress.steps));
         if self.done || wall - before < WATCHED || progress.steps == steps {
             return None;
@@ -56,7 +56,7 @@ impl Forecast {
 
 impl Left {
     /// The message of the terminal; `has_checkpoints` is whether the run writes checkpoints.
-    pub fn message(&self, model: &Model, has_checkpoints: bool) -> String {
+    pub(super) fn message(&self, model: &Model, has_checkpoints: bool) -> String {
         let Left { wall, per_element_step, steps, progress } = self;
         let mut cheaper = vec![];
         if !matches!(model.specimen.shape, Outline::Mesh(_)) {

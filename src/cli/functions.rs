@@ -9,7 +9,7 @@ use crate::post;
 use crate::script::{Chapter, Entry};
 
 /// The word that stands in place of a key.
-pub const WORD: &str = "functions";
+pub(super) const WORD: &str = "functions";
 
 /// One entry of the reference.
 #[derive(Serialize)]
@@ -21,7 +21,7 @@ struct Function {
 }
 
 /// Prints the reference of scripts: all of it, or the entries of the function `name`.
-pub fn run(name: Option<&str>, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(name: Option<&str>, shared: &Shared) -> Result<(), Failure> {
     let chapters = chapters().map(|chapter| (chapter.title, entries(chapter, name))).filter(|(_, e)| !e.is_empty());
     if !shared.json {
         return print(chapters.map(text).collect::<String>().trim_end());
@@ -37,7 +37,7 @@ pub fn run(name: Option<&str>, shared: &Shared) -> Result<(), Failure> {
 }
 
 /// Whether scripts can call a function of this name.
-pub fn are_called(name: &str) -> bool {
+pub(super) fn are_called(name: &str) -> bool {
     chapters().any(|chapter| !entries(chapter, Some(name)).is_empty())
 }
 

@@ -10,7 +10,7 @@ use crate::diagnostic::{Diagnostic, shown_path};
 use crate::scenario::{Document, Value};
 
 #[derive(Debug, Args)]
-pub struct ListArgs {
+pub(super) struct ListArgs {
     /// The folder to search
     #[arg(default_value = "scenarios")]
     pub folder: PathBuf,
@@ -25,7 +25,7 @@ struct Listed {
     title: Option<String>,
 }
 
-pub fn run(args: &ListArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &ListArgs, shared: &Shared) -> Result<(), Failure> {
     let listed: Vec<Listed> = files(&args.folder)?.iter().filter_map(|file| listed(file)).collect();
     if shared.json {
         return print_json(&listed);

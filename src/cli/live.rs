@@ -10,14 +10,14 @@ use crate::report::recording::{Address, Live, LiveError};
 use crate::simulate::SnapshotEvent;
 
 /// The viewer that shows runs.
-pub struct Viewer {
+pub(super) struct Viewer {
     address: Address,
     /// Whether it did not answer or stopped responding: then the other runs are not shown either.
     is_gone: AtomicBool,
 }
 
 /// A run that a viewer shows, if one answers.
-pub struct Show<'a> {
+pub(super) struct Show<'a> {
     live: Option<Live<'a>>,
     viewer: Option<&'a Viewer>,
     bar: &'a Bar,
@@ -27,7 +27,7 @@ pub struct Show<'a> {
 ///
 /// # Errors
 /// The text is not an address.
-pub fn viewer(address: &str) -> Result<Viewer, Diagnostic> {
+pub(super) fn viewer(address: &str) -> Result<Viewer, Diagnostic> {
     let viewer = |address| Viewer { address, is_gone: AtomicBool::new(false) };
     address.parse().map(viewer).map_err(|error| {
         let mistake = Diagnostic::new(format!("--live: expected the address of a viewer, found `{address}`: {error}"));
@@ -37,7 +37,7 @@ pub fn viewer(address: &str) -> Result<Viewer, Diagnostic> {
 
 impl<'a> Show<'a> {
     /// Begins to show the run of `checked`, resolved as `scenario`, if there is a viewer and it answers.
-    pub fn begin(viewer: Option<&'a Viewer>, checked: &'a Checked, scenario: &'a str, bar: &'a Bar) -> Show<'a> {
+    pub(super) fn begin(viewer: Option<&'a Viewer>, checked: &'a Checked, scenario: &'a str, bar: &'a Bar) -> Show<'a> {
         let mut show = Show { live: None, viewer: viewer.filter(|viewer| !viewer.is_gone()), bar };
         if let Some(viewer) = show.viewer {
             match Live::connect(&viewer.address, &checked.model, checked.plan.comparison(), scenario) {
@@ -49,12 +49,12 @@ impl<'a> Show<'a> {
     }
 
     /// Whether a viewer shows the run.
-    pub fn is_on(&self) -> bool {
+    pub(super) fn is_on(&self) -> bool {
         self.live.is_some()
     }
 
     /// Shows a state.
-    pub fn look(&mut self, event: &SnapshotEvent<'_>) {
+    pub(super) fn update(&mut self, event: &SnapshotEvent<'_>) {
         if self.viewer.is_some_and(Viewer::is_gone) {
             self.live = None;
         }
@@ -64,7 +64,7 @@ impl<'a> Show<'a> {
     }
 
     /// Shows the results, if there are any.
-    pub fn finish(mut self, run: Option<&RunPage>) {
+    pub(super) fn finish(mut self, run: Option<&RunPage>) {
         let live = self.live.take().filter(|_| !self.viewer.is_some_and(Viewer::is_gone));
         if let Some(Err(error)) = live.map(|live| live.finish(run)) {
             self.warn(&error);

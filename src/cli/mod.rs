@@ -32,7 +32,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use serde::Serialize;
 
-pub use self::failure::Failure;
+pub(crate) use self::failure::Failure;
 use crate::diagnostic::{self, Diagnostic};
 
 /// A scripted virtual drop tower for thin films and membranes.
@@ -47,7 +47,7 @@ struct Droptower {
 
 /// The options of every command.
 #[derive(Clone, Debug, Args)]
-pub struct Shared {
+pub(crate) struct Shared {
     /// Print figures as JSON on standard output
     #[arg(long, global = true)]
     pub json: bool,
@@ -118,14 +118,14 @@ fn run(command: &Command, shared: &Shared) -> Result<(), Failure> {
 }
 
 /// Prints diagnostics on standard error, with colours on a terminal.
-pub fn print_diagnostics(diagnostics: &[Diagnostic]) {
+pub(crate) fn print_diagnostics(diagnostics: &[Diagnostic]) {
     let styled = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
     // With standard error closed, the exit status is left.
     let _ = writeln!(io::stderr(), "{}", diagnostic::render(diagnostics, styled));
 }
 
 /// Prints text on standard output without control characters; a reader that closes the pipe (`| head`) is no failure.
-pub fn print(text: &str) -> Result<(), Failure> {
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
     match writeln!(io::stdout(), "{}", diagnostic::printable(text)) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::output(Diagnostic::new(format!("cannot print: {error}"))))
@@ -135,13 +135,17 @@ pub fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// Prints figures as JSON on standard output.
-pub fn print_json(figures: &impl Serialize) -> Result<(), Failure> {
+pub(crate) fn print_json(figures: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(figures);
     print(&text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?)
 }
 
 /// Prints the figures of a command as JSON, as text, or not at all, as `--json` and `--quiet` ask for.
-pub fn print_figures(shared: &Shared, figures: &impl Serialize, text: impl FnOnce() -> String) -> Result<(), Failure> {
+pub(crate) fn print_figures(
+    shared: &Shared,
+    figures: &impl Serialize,
+    text: impl FnOnce() -> String,
+) -> Result<(), Failure> {
     match (shared.json, shared.quiet) {
         (true, _) => print_json(figures),
         (false, true) => Ok(()),

@@ -10,7 +10,7 @@ use super::{Failure, Shared, print};
 use crate::diagnostic::{Diagnostic, shown_path};
 
 #[derive(Debug, Args)]
-pub struct NewArgs {
+pub(super) struct NewArgs {
     /// What to simulate
     pub kind: Kind,
     /// The file to write; an existing file is not replaced
@@ -19,7 +19,7 @@ pub struct NewArgs {
 
 /// The tests for which there is a template.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Kind {
+pub(super) enum Kind {
     /// A sphere on a wound film, as in the LLDPE study
     Drop,
     /// A falling dart on a clamped disc (after ASTM D1709, method A)
@@ -44,7 +44,7 @@ impl Kind {
     }
 }
 
-pub fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
     let shown = shown_path(&args.path);
     let written = OpenOptions::new()
         .write(true)

@@ -21,7 +21,7 @@ const LONGEST_SEALED: u64 = 16 << 20;
 ///
 /// An existing file is refused unless it is empty, sealed and unchanged, or `force` is given; `force` is `None` where the
 /// command has no such option.
-pub fn check(out: &Path, ending: &str, input: Option<&Path>, force: Option<bool>) -> Result<(), Failure> {
+pub(super) fn check(out: &Path, ending: &str, input: Option<&Path>, force: Option<bool>) -> Result<(), Failure> {
     let shown = shown_path(out);
     let refused = |message, hint: &str| Err(Failure::from(Diagnostic::new(message).hint(hint)));
     if !ends_in(out, ending) {
@@ -44,18 +44,18 @@ pub fn check(out: &Path, ending: &str, input: Option<&Path>, force: Option<bool>
 }
 
 /// Whether the name ends in `.{ending}`, however it is capitalised.
-pub fn ends_in(out: &Path, ending: &str) -> bool {
+pub(super) fn ends_in(out: &Path, ending: &str) -> bool {
     out.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
 }
 
 /// Writes a temporary file that replaces `out`, or what the link `out` points to, when it is complete.
-pub fn write(out: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+pub(super) fn write(out: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     let written = || Draft::write(out, content)?.keep();
     written().map_err(|error| failed(out, &error))
 }
 
 /// Writes sealed texts, which show whether they were changed since; they are renamed to their paths once all are written.
-pub fn write_sealed(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
+pub(super) fn write_sealed(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
     let mut drafts = Vec::new();
     for (out, text) in texts {
         let draft = Draft::write(out, |file| file.write_all(sealed(text).as_bytes()));
@@ -65,7 +65,7 @@ pub fn write_sealed(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
 }
 
 /// An output that could not be written.
-pub fn failed(out: &Path, error: &impl std::fmt::Display) -> Failure {
+pub(super) fn failed(out: &Path, error: &impl std::fmt::Display) -> Failure {
     Failure::output(unwritable(out, error))
 }
 

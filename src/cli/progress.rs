@@ -18,7 +18,7 @@ const PER_RUN: f64 = 1000.0;
 const REFRESH: Duration = Duration::from_millis(100);
 
 /// One bar for all runs.
-pub struct Bar {
+pub(super) struct Bar {
     bar: ProgressBar,
     done: Vec<AtomicU64>,
     /// Progress of resumed runs when they resumed.
@@ -30,7 +30,7 @@ pub struct Bar {
 
 impl Bar {
     /// A bar for so many runs on standard error; hidden where that is not a terminal or `quiet`.
-    pub fn new(runs: usize, quiet: bool) -> Bar {
+    pub(super) fn new(runs: usize, quiet: bool) -> Bar {
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
         let bar = ProgressBar::with_draw_target(Some((runs as f64 * PER_RUN) as u64), target);
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}") {
@@ -42,14 +42,14 @@ impl Bar {
     }
 
     /// Sets the share of the run at `index` that was done before it resumed.
-    pub fn start_at(&self, index: usize, share: f64) {
+    pub(super) fn start_at(&self, index: usize, share: f64) {
         let share = (share.clamp(0.0, 1.0) * PER_RUN) as u64;
         self.before[index].store(share, Ordering::Relaxed);
         self.done[index].store(share, Ordering::Relaxed);
     }
 
     /// Shows the progress of the run at `index`; the bar is redrawn ten times a second at most.
-    pub fn show(&self, index: usize, progress: Progress) {
+    pub(super) fn show(&self, index: usize, progress: Progress) {
         let share = (progress.time / progress.duration).clamp(0.0, 1.0);
         self.done[index].store((share * PER_RUN) as u64, Ordering::Relaxed);
         // Another run that is drawing the bar includes the progress of this one.
@@ -76,12 +76,12 @@ impl Bar {
     }
 
     /// Wall time since the bar was made.
-    pub fn elapsed(&self) -> Duration {
+    pub(super) fn elapsed(&self) -> Duration {
         self.start.elapsed()
     }
 
     /// Prints a note above the bar, unless `quiet`.
-    pub fn note(&self, text: &str) {
+    pub(super) fn note(&self, text: &str) {
         if !self.quiet {
             self.print(&format!("note: {text}"));
         }
@@ -89,12 +89,12 @@ impl Bar {
 
     /// Prints a warning above the bar.
     #[cfg(feature = "rerun")]
-    pub fn warn(&self, text: &str) {
+    pub(super) fn warn(&self, text: &str) {
         self.print(&format!("warning: {text}"));
     }
 
     /// Prints an error above the bar; the runs continue.
-    pub fn error(&self, mistake: &Diagnostic) {
+    pub(super) fn error(&self, mistake: &Diagnostic) {
         self.print(&diagnostic::render(std::slice::from_ref(mistake), false));
     }
 
@@ -104,7 +104,7 @@ impl Bar {
     }
 
     /// Removes the bar.
-    pub fn finish(&self) {
+    pub(super) fn finish(&self) {
         self.bar.finish_and_clear();
     }
 }

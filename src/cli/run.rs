@@ -22,7 +22,7 @@ use crate::simulate::{self, Checkpoint, Checkpoints, Outcome, Progress, RunError
 use crate::store::{self, Draft, run_files};
 
 #[derive(Debug, Args)]
-pub struct RunArgs {
+pub(super) struct RunArgs {
     #[command(flatten)]
     pub selection: Selection,
     /// Folder for the results, in place of runs/<name of the scenario>
@@ -69,7 +69,7 @@ struct Done {
     stored: bool,
 }
 
-pub fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     let apart = args.live.as_ref().and_then(|_| args.selection.scenarios.iter().find(|given| given.contains("://")));
     if let Some(address) = apart {
         let mistake = Diagnostic::new(format!("{} is an address, not a scenario", printable(address)));
@@ -177,7 +177,7 @@ impl Job {
         };
         let checkpoints = every.map(|every| Checkpoints { every, write: &mut keep });
         let is_on = show.is_on();
-        let mut look = |event: &SnapshotEvent<'_>| show.look(event);
+        let mut look = |event: &SnapshotEvent<'_>| show.update(event);
         let on_snapshot = is_on.then_some(&mut look as &mut dyn FnMut(&SnapshotEvent<'_>));
         let options = RunOptions { restart, checkpoints, on_snapshot, detailed: self.vtu, ..RunOptions::default() };
         let outcome = simulate::run_with(model, options, &mut progress);

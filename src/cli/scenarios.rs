@@ -12,7 +12,7 @@ use crate::scenario::{Assignment, Document};
 
 /// Scenarios, and changes of their keys.
 #[derive(Debug, Args)]
-pub struct Selection {
+pub(super) struct Selection {
     /// Scenario files or globs
     #[arg(required = true, value_name = "SCENARIO")]
     pub scenarios: Vec<String>,
@@ -23,7 +23,7 @@ pub struct Selection {
 
 /// A scenario as written and as checked, with the plan of its results.
 #[derive(Clone, Debug)]
-pub struct Checked {
+pub(super) struct Checked {
     pub document: Document,
     pub model: Model,
     pub plan: Plan,
@@ -34,7 +34,7 @@ impl Selection {
     ///
     /// # Errors
     /// The mistakes of all scenarios at once.
-    pub fn checked(&self) -> Result<Vec<Checked>, Vec<Diagnostic>> {
+    pub(super) fn checked(&self) -> Result<Vec<Checked>, Vec<Diagnostic>> {
         let (mut checked, mut mistakes) = (Vec::new(), Vec::new());
         for (_, verdict) in self.each(check)? {
             match verdict {
@@ -49,7 +49,10 @@ impl Selection {
     ///
     /// # Errors
     /// Mistakes in the arguments themselves.
-    pub fn each<T>(&self, check: impl Fn(&Path, &[Assignment]) -> T) -> Result<Vec<(PathBuf, T)>, Vec<Diagnostic>> {
+    pub(super) fn each<T>(
+        &self,
+        check: impl Fn(&Path, &[Assignment]) -> T,
+    ) -> Result<Vec<(PathBuf, T)>, Vec<Diagnostic>> {
         let (files, assignments) = both(files(&self.scenarios), assignments(&self.set))?;
         let checked = |file: PathBuf| {
             let found = check(&file, &assignments);
@@ -60,10 +63,10 @@ impl Selection {
 }
 
 /// A checked scenario, or its mistakes.
-pub type Verdict = Result<Checked, Vec<Diagnostic>>;
+pub(super) type Verdict = Result<Checked, Vec<Diagnostic>>;
 
 /// Checks the scenario at `path` with `assignments` applied.
-pub fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
+pub(super) fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
     let document = Document::read(path)?;
     if document.is_material() {
         return Err(vec![material(path)]);
@@ -81,7 +84,7 @@ fn material(path: &Path) -> Diagnostic {
 }
 
 /// The changes of `--set`.
-pub fn assignments(set: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
+pub(super) fn assignments(set: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
     let (mut assignments, mut mistakes) = (Vec::new(), Vec::new());
     for argument in set {
         match Assignment::from_argument(argument) {
@@ -122,7 +125,7 @@ fn matches(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
 }
 
 /// The files that a path or a glob names.
-pub fn expanded(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
+pub(super) fn expanded(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
     if Path::new(pattern).exists() || !pattern.contains(['*', '?', '[']) {
         return Ok(vec![PathBuf::from(pattern)]);
     }
@@ -135,7 +138,10 @@ pub fn expanded(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
 }
 
 /// Both values, or the mistakes of both.
-pub fn both<A, B>(a: Result<A, Vec<Diagnostic>>, b: Result<B, Vec<Diagnostic>>) -> Result<(A, B), Vec<Diagnostic>> {
+pub(super) fn both<A, B>(
+    a: Result<A, Vec<Diagnostic>>,
+    b: Result<B, Vec<Diagnostic>>,
+) -> Result<(A, B), Vec<Diagnostic>> {
     match (a, b) {
         (Ok(a), Ok(b)) => Ok((a, b)),
         (Err(a), Err(b)) => Err(a.into_iter().chain(b).collect()),

@@ -3,6 +3,6 @@
 use super::{Failure, print_json};
 use crate::scenario::schema;
 
-pub fn run() -> Result<(), Failure> {
+pub(super) fn run() -> Result<(), Failure> {
     print_json(&schema::published())
 }

@@ -22,7 +22,7 @@ use crate::script::{
 use crate::store::{self, Draft, StoreError};
 
 #[derive(Debug, Args)]
-pub struct ScriptArgs {
+pub(super) struct ScriptArgs {
     /// The Rhai script
     pub path: PathBuf,
     /// The scenario that the script finds in args.scenario
@@ -56,7 +56,7 @@ struct Studied {
     virtual_recordings: Option<Finding>,
 }
 
-pub fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     if args.path.extension().is_some_and(|extension| extension == "toml") {
         let mistake = Diagnostic::new(format!("{} is a scenario", shown_path(&args.path)));
         return Err(mistake.hint(format!("run it with `droptower run {}`", shown_path(&args.path))).into());

@@ -7,7 +7,7 @@ use crate::script::{Row, ScriptOutput};
 const MOST_ROWS: usize = 40;
 
 /// Figures and tables; every line ends with a line break.
-pub fn script_output(output: &ScriptOutput) -> String {
+pub(super) fn script_output(output: &ScriptOutput) -> String {
     let figures = output.measures.iter().filter_map(|(name, value)| Figure::of(name, value));
     let figures = figures.map(|figure| format!("  {}\n", figure.cells().join(" ").trim_end()));
     let tables = output.tables.iter().map(|(name, rows)| format!("  {name}\n{}", table(rows)));
@@ -26,7 +26,7 @@ fn table(rows: &[Row]) -> String {
 }
 
 /// Lines of equally many cells in columns, the first `words` columns aligned to the left, the others to the right.
-pub fn aligned(lines: &[Vec<String>], words: usize) -> String {
+pub(super) fn aligned(lines: &[Vec<String>], words: usize) -> String {
     let columns = lines.first().map_or(0, Vec::len);
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();

@@ -13,7 +13,7 @@ use crate::diagnostic::{Diagnostic, printable, shown_path};
 use crate::store::run_files;
 
 #[derive(Debug, Args)]
-pub struct ViewArgs {
+pub(super) struct ViewArgs {
     /// Folders of runs and studies, or recordings
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
@@ -30,7 +30,7 @@ const INSTALL: &str = "`pip install rerun-sdk==0.36.3` or `cargo install rerun-c
      --viewer or $DROPTOWER_VIEWER names one that is not on the PATH";
 
 /// Opens the recordings and waits until the viewer is closed.
-pub fn run(args: &ViewArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &ViewArgs, shared: &Shared) -> Result<(), Failure> {
     let found = args.runs.iter().map(|run| recording(run));
     let (recordings, mistakes): (Vec<_>, Vec<_>) = found.partition(Result::is_ok);
     let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();

@@ -54,14 +54,19 @@ impl CheckpointHeader {
     ///
     /// # Errors
     /// A mesh cannot be read.
-    pub fn new(document: &Document, model: &Model, every: Option<f64>, detailed: bool) -> io::Result<CheckpointHeader> {
+    pub(super) fn new(
+        document: &Document,
+        model: &Model,
+        every: Option<f64>,
+        detailed: bool,
+    ) -> io::Result<CheckpointHeader> {
         let meshes = model.meshes().map(digest).collect::<io::Result<_>>()?;
         let (scenario, model) = (document.resolved(), decisive(model));
         Ok(CheckpointHeader { version: VERSION.into(), every, detailed, scenario, model, meshes })
     }
 
     /// Reads the header at the start of a checkpoint.
-    pub fn read(file: &mut impl Read) -> io::Result<CheckpointHeader> {
+    pub(super) fn read(file: &mut impl Read) -> io::Result<CheckpointHeader> {
         let mut magic = [0; MAGIC.len()];
         file.read_exact(&mut magic)?;
         if magic != *MAGIC {
@@ -75,7 +80,7 @@ impl CheckpointHeader {
     }
 
     /// Writes the header at the start of a checkpoint.
-    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+    pub(super) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let header = postcard::to_allocvec(self).map_err(io::Error::other)?;
         out.write_all(MAGIC)?;
         out.write_all(&(header.len() as u64).to_le_bytes())?;
@@ -83,7 +88,7 @@ impl CheckpointHeader {
     }
 
     /// Why a run of this header cannot resume from a checkpoint of another; `None` where it can.
-    pub fn differs_from(&self, other: &CheckpointHeader) -> Option<String> {
+    pub(super) fn differs_from(&self, other: &CheckpointHeader) -> Option<String> {
         if self.version != other.version {
             let (now, then) = (&self.version, &other.version);
             return Some(format!("droptower {then} wrote it, this is {now}: the results may differ in their bits"));

@@ -17,7 +17,7 @@ use crate::units::Time;
 
 /// When checkpoints are written, and whether the run resumes from one.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct CheckpointPolicy {
+pub(super) struct CheckpointPolicy {
     /// Simulated time between two, s.
     pub every: Option<f64>,
     /// Whether the run resumes from the newest.
@@ -30,7 +30,7 @@ pub struct CheckpointPolicy {
 
 /// The checkpoints of one run.
 #[derive(Clone, Debug)]
-pub struct CheckpointWriter {
+pub(super) struct CheckpointWriter {
     store: CheckpointStore,
     header: CheckpointHeader,
     /// The file that the run resumes from.
@@ -40,12 +40,12 @@ pub struct CheckpointWriter {
 }
 
 /// Whether there are checkpoints, complete or damaged, of the run whose results go to `place`.
-pub fn are_beside(place: &Path) -> bool {
+pub(super) fn are_beside(place: &Path) -> bool {
     !CheckpointStore::beside(place).checkpoints().is_empty()
 }
 
 /// The interval that `--checkpoint-every` gives, s.
-pub fn interval(text: &str) -> Result<f64, Diagnostic> {
+pub(super) fn interval(text: &str) -> Result<f64, Diagnostic> {
     let source = Source::unfiled("--checkpoint-every", text.to_owned());
     let whole = Span::new(&source, 0..text.len());
     let value = match text.trim().parse::<f64>() {
@@ -68,7 +68,7 @@ impl CheckpointWriter {
     /// # Errors
     /// The interval is longer than the run, checkpoints would be overwritten, or there is no checkpoint of this run to
     /// resume from.
-    pub fn new(
+    pub(super) fn new(
         policy: CheckpointPolicy,
         checked: &Checked,
         place: &Path,
@@ -99,12 +99,12 @@ impl CheckpointWriter {
     }
 
     /// Simulated time between two checkpoints, s.
-    pub fn every(&self) -> Option<f64> {
+    pub(super) fn every(&self) -> Option<f64> {
         self.header.every
     }
 
     /// Takes the interval of another run of the command, where this run has none and its `duration` (s) is longer.
-    pub fn default_interval(&mut self, every: f64, duration: f64) {
+    pub(super) fn default_interval(&mut self, every: f64, duration: f64) {
         self.header.every = self.header.every.or(Some(every).filter(|every| *every < duration));
     }
 
@@ -161,7 +161,7 @@ impl CheckpointWriter {
     }
 
     /// The state that the run resumes from, if it does.
-    pub fn start(&self) -> Result<Option<Restart>, Diagnostic> {
+    pub(super) fn start(&self) -> Result<Option<Restart>, Diagnostic> {
         let Some(path) = &self.start else { return Ok(None) };
         let read = || {
             let mut file = checkpoints::open(path)?;
@@ -176,12 +176,12 @@ impl CheckpointWriter {
     }
 
     /// Creates the folder of the checkpoints, where further ones are written.
-    pub fn create_folder(&self) -> Result<(), Diagnostic> {
+    pub(super) fn create_folder(&self) -> Result<(), Diagnostic> {
         self.every().map_or(Ok(()), |_| self.store.create_folder().map_err(|error| storing(&error)))
     }
 
     /// Writes a checkpoint.
-    pub fn write(&self, checkpoint: &Checkpoint<'_>) -> Result<(), Diagnostic> {
+    pub(super) fn write(&self, checkpoint: &Checkpoint<'_>) -> Result<(), Diagnostic> {
         let put = self.store.put(checkpoint.steps(), |out| {
             self.header.write(out)?;
             serialise(checkpoint, out)
@@ -190,7 +190,7 @@ impl CheckpointWriter {
     }
 
     /// Removes the checkpoints of a run that has ended.
-    pub fn clear(&self) {
+    pub(super) fn clear(&self) {
         self.store.clear();
     }
 }

@@ -9,7 +9,7 @@ use crate::signal::{Annotations, Series};
 use crate::units::Acceleration;
 
 #[derive(Clone, Debug, Args)]
-pub struct AccelerationArgs {
+pub(crate) struct AccelerationArgs {
     #[command(flatten)]
     pub input: Input,
     /// Filter with this channel frequency class first (ISO 6487), e.g. 1000
@@ -18,7 +18,7 @@ pub struct AccelerationArgs {
 }
 
 /// The acceleration, m/s².
-pub struct Read {
+pub(crate) struct Read {
     pub series: Series,
     /// Comments of its file, and what its reading reports.
     pub annotations: Annotations,
@@ -26,7 +26,7 @@ pub struct Read {
 
 impl AccelerationArgs {
     /// The acceleration asked for.
-    pub fn read(&self) -> Result<Read, Diagnostic> {
+    pub(crate) fn read(&self) -> Result<Read, Diagnostic> {
         let Chosen { channel, mut annotations } = self.input.read_as(Acceleration::DIMENSION)?;
         let Some(class) = self.class else {
             return Ok(Read { series: channel.series, annotations });
@@ -38,12 +38,12 @@ impl AccelerationArgs {
     }
 
     /// What is wrong with the channel.
-    pub fn mistake(&self, error: impl std::fmt::Display) -> Diagnostic {
+    pub(crate) fn mistake(&self, error: impl std::fmt::Display) -> Diagnostic {
         Diagnostic::new(format!("{}: {error}", shown_path(&self.input.path)))
     }
 
     /// How it was filtered, for the terminal.
-    pub fn filtered(&self) -> String {
+    pub(crate) fn filtered(&self) -> String {
         self.class.map_or_else(|| "as recorded".into(), |class| format!("CFC {class}"))
     }
 }

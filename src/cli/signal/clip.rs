@@ -13,7 +13,7 @@ use crate::signal::clip::{Counting, clip};
 use crate::units::STANDARD_GRAVITY;
 
 #[derive(Debug, Args)]
-pub struct ClipArgs {
+pub(crate) struct ClipArgs {
     #[command(flatten)]
     pub acceleration: AccelerationArgs,
     /// How long the level is held, ms
@@ -26,7 +26,7 @@ pub struct ClipArgs {
 
 #[derive(Clone, Copy, Debug, Default, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
-pub enum CountingArg {
+pub(crate) enum CountingArg {
     /// All intervals together
     #[default]
     Cumulative,
@@ -57,7 +57,7 @@ struct Figures {
     findings: Vec<Finding>,
 }
 
-pub fn run(args: &ClipArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &ClipArgs, shared: &Shared) -> Result<(), Failure> {
     let figures = figures(args)?;
     print_figures(shared, &figures, || text(args, &figures))
 }

@@ -16,7 +16,7 @@ use crate::signal::isomme::{self, Headers, WriteError};
 use crate::signal::{MeasuredChannel, Measurement};
 
 #[derive(Debug, Args)]
-pub struct ConvertArgs {
+pub(crate) struct ConvertArgs {
     /// The recording: CSV or ISO-MME
     pub path: PathBuf,
     /// Channels to write [default: all]
@@ -45,7 +45,7 @@ struct Converted {
     findings: Vec<Finding>,
 }
 
-pub fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
     let done = converted(args)?;
     print_figures(shared, &done, || {
         let notes: String = done.notes.iter().map(|note| format!("  note: {note}\n")).collect();

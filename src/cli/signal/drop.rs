@@ -21,7 +21,7 @@ use crate::signal::{self, Annotations, QuantityError};
 use crate::units::{Acceleration, Length, Mass, STANDARD_GRAVITY, Time};
 
 #[derive(Debug, Args)]
-pub struct DropArgs {
+pub(crate) struct DropArgs {
     /// The recording: CSV or ISO-MME, from the rest before the release on
     pub path: PathBuf,
     /// Mass of the impactor, e.g. "10.72 kg"
@@ -67,14 +67,14 @@ pub struct DropArgs {
 
 /// The corrections by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Method {
+pub(crate) enum Method {
     /// The exact inverse of AC coupling
     Coupling,
     /// The release, mirrored and added after contact
     Ramp,
 }
 
-pub fn run(args: &DropArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &DropArgs, shared: &Shared) -> Result<(), Failure> {
     let reduced = reduced(args)?;
     let printed = Printed { figures: reduced.figures(), findings: reduced.findings() };
     print_figures(shared, &printed, || text(args, &printed.figures))

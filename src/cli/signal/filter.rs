@@ -15,7 +15,7 @@ use crate::signal::{Channel, MeasuredChannel, Recording, Series, Warning, resamp
 use crate::units::{Dimension, Frequency};
 
 #[derive(Debug, Args)]
-pub struct FilterArgs {
+pub(crate) struct FilterArgs {
     #[command(flatten)]
     pub input: Input,
     /// Channel frequency class: 1000 or CFC1000, 600, 180, 60 (a name, not hertz)
@@ -37,7 +37,7 @@ pub struct FilterArgs {
 
 /// The standards by their short names.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Named {
+pub(crate) enum Named {
     /// ISO 6487
     Iso,
     /// SAE J211-1
@@ -62,7 +62,7 @@ struct Filtered {
     findings: Vec<Finding>,
 }
 
-pub fn run(args: &FilterArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &FilterArgs, shared: &Shared) -> Result<(), Failure> {
     let done = filtered(args)?;
     print_figures(shared, &done, || text(&done))
 }

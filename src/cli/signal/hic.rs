@@ -12,7 +12,7 @@ use crate::signal::hic::head_injury_criterion;
 use crate::units::STANDARD_GRAVITY;
 
 #[derive(Debug, Args)]
-pub struct HicArgs {
+pub(crate) struct HicArgs {
     #[command(flatten)]
     pub acceleration: AccelerationArgs,
     /// Longest interval, ms; 15 and 36 are usual
@@ -34,7 +34,7 @@ struct Figures {
     findings: Vec<Finding>,
 }
 
-pub fn run(args: &HicArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &HicArgs, shared: &Shared) -> Result<(), Failure> {
     let figures = figures(args)?;
     print_figures(shared, &figures, || text(args, &figures))
 }

@@ -15,7 +15,7 @@ use crate::signal::gap::{self, Gap};
 use crate::signal::{MeasuredChannel, Warning, csv, resample};
 
 #[derive(Debug, Args)]
-pub struct InfoArgs {
+pub(crate) struct InfoArgs {
     /// The recordings: CSV or ISO-MME; nothing is printed unless all can be read
     #[arg(required = true)]
     pub paths: Vec<PathBuf>,
@@ -78,7 +78,7 @@ struct Hole {
     duration_s: f64,
 }
 
-pub fn run(args: &InfoArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &InfoArgs, shared: &Shared) -> Result<(), Failure> {
     let found: Vec<Result<Contents, Diagnostic>> = args.paths.iter().map(|path| contents(path, &args.file)).collect();
     let (found, mistakes): (Vec<_>, Vec<_>) = found.into_iter().partition(Result::is_ok);
     let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();

@@ -12,7 +12,7 @@ use crate::signal::{Annotations, MeasuredChannel, Measurement, Warning};
 use crate::units::{Dimension, Unit};
 
 #[derive(Clone, Debug, Args)]
-pub struct Input {
+pub(crate) struct Input {
     /// The recording: CSV or ISO-MME
     pub path: PathBuf,
     /// The channel, where there are several
@@ -27,7 +27,7 @@ pub struct Input {
 
 /// What a table may not state.
 #[derive(Clone, Debug, Default, Args)]
-pub struct TableArgs {
+pub(crate) struct TableArgs {
     /// The column of time, where its name does not show it
     #[arg(long, value_name = "NAME")]
     pub time: Option<String>,
@@ -38,7 +38,7 @@ pub struct TableArgs {
 
 /// How a file is read of which several channels are used.
 #[derive(Clone, Debug, Default, Args)]
-pub struct FileArgs {
+pub(crate) struct FileArgs {
     #[command(flatten)]
     pub table: TableArgs,
     /// The unit of a channel where the file states none: NAME=UNIT, several times
@@ -48,7 +48,7 @@ pub struct FileArgs {
 
 /// A channel that was read.
 #[derive(Clone, Debug)]
-pub struct Chosen {
+pub(crate) struct Chosen {
     pub channel: MeasuredChannel,
     /// Comments of its file, and what its reading reports.
     pub annotations: Annotations,
@@ -56,19 +56,19 @@ pub struct Chosen {
 
 impl TableArgs {
     /// `options` with what the user states about the table.
-    pub fn over(&self, options: ReadOptions) -> ReadOptions {
+    pub(crate) fn over(&self, options: ReadOptions) -> ReadOptions {
         ReadOptions { time: self.time.clone(), names: self.columns.clone(), ..options }
     }
 }
 
 impl FileArgs {
     /// The `channels` of the file at `path`.
-    pub fn read(&self, path: &Path, channels: ChannelSelection) -> Result<Measurement, Diagnostic> {
+    pub(crate) fn read(&self, path: &Path, channels: ChannelSelection) -> Result<Measurement, Diagnostic> {
         file::read(path, &self.options(channels)?).map_err(|error| faults::recording(&error))
     }
 
     /// The options to read the `channels` of a file with.
-    pub fn options(&self, channels: ChannelSelection) -> Result<ReadOptions, Diagnostic> {
+    pub(crate) fn options(&self, channels: ChannelSelection) -> Result<ReadOptions, Diagnostic> {
         Ok(self.table.over(ReadOptions { channels, units: self.units()?, ..ReadOptions::default() }))
     }
 
@@ -85,7 +85,7 @@ impl FileArgs {
 
 impl Input {
     /// The requested channel, in SI where its unit is known.
-    pub fn read(&self) -> Result<Chosen, Diagnostic> {
+    pub(crate) fn read(&self) -> Result<Chosen, Diagnostic> {
         let unit = self.unit.as_deref().map(unit).transpose()?;
         let options = ReadOptions { unit, ..ReadOptions::one(self.column.as_deref()) };
         let found = file::read(&self.path, &self.table.over(options)).map_err(|error| faults::recording(&error))?;
@@ -96,7 +96,7 @@ impl Input {
     }
 
     /// The requested channel in the SI unit of `dimension`.
-    pub fn read_as(&self, dimension: Dimension) -> Result<Chosen, Diagnostic> {
+    pub(crate) fn read_as(&self, dimension: Dimension) -> Result<Chosen, Diagnostic> {
         let chosen = self.read()?;
         chosen.channel.quantity(dimension).map_err(|error| faults::quantity(&self.path, &error))?;
         Ok(chosen)
@@ -104,12 +104,12 @@ impl Input {
 }
 
 /// The number in SI of a quantity with its unit, for clap.
-pub fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
+pub(crate) fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
     dimension.parse(text).map_err(|error| format!("{error}; {}", error.hint()))
 }
 
 /// A channel frequency class as the user wrote it: `1000`, `CFC1000`, `CFC 1000`.
-pub fn class(text: &str) -> Result<f64, String> {
+pub(crate) fn class(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let digits = match text.get(..3) {
         Some(word) if word.eq_ignore_ascii_case("CFC") => text[3..].trim_start_matches([' ', '_', '-']),
@@ -120,17 +120,17 @@ pub fn class(text: &str) -> Result<f64, String> {
 }
 
 /// The report of a filter that the channel passed before.
-pub fn filtered_before(channel: &MeasuredChannel) -> Option<Warning> {
+pub(crate) fn filtered_before(channel: &MeasuredChannel) -> Option<Warning> {
     channel.filtered.map(|class| Warning::FilteredBefore { channel: channel.name.clone(), class })
 }
 
 /// The report of a class that the standards do not define; it is used nevertheless.
-pub fn unusual_class(class: f64) -> Option<Warning> {
+pub(crate) fn unusual_class(class: f64) -> Option<Warning> {
     (!CLASSES.contains(&class)).then_some(Warning::UnusualFilterClass { class })
 }
 
 /// The unit that the user wrote.
-pub fn unit(text: &str) -> Result<Unit, Diagnostic> {
+pub(crate) fn unit(text: &str) -> Result<Unit, Diagnostic> {
     let hint = "known are e.g. g, m/s2, N, kN, lbf, MPa, psi, mm, in, s, ms, -, %";
     Unit::parse(text).map_err(|error| Diagnostic::new(error.to_string()).hint(hint))
 }

@@ -1,6 +1,6 @@
 //! `droptower signal`: recordings without a simulation.
 
-pub mod input;
+pub(super) mod input;
 
 mod acceleration;
 mod clip;
@@ -17,7 +17,7 @@ use clap::Subcommand;
 use super::{Failure, Shared};
 
 #[derive(Debug, Subcommand)]
-pub enum SignalCommand {
+pub(super) enum SignalCommand {
     /// Show the content of recordings: channels, units, sampling, gaps
     Info(info::InfoArgs),
     /// Filter a channel by its frequency class
@@ -34,7 +34,7 @@ pub enum SignalCommand {
     Drop(drop::DropArgs),
 }
 
-pub fn run(command: &SignalCommand, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(command: &SignalCommand, shared: &Shared) -> Result<(), Failure> {
     match command {
         SignalCommand::Info(args) => info::run(args, shared),
         SignalCommand::Filter(args) => filter::run(args, shared),

@@ -7,10 +7,10 @@ use crate::diagnostic::{Diagnostic, shown_path};
 use crate::signal::{Recording, csv, isomme};
 
 use crate::cli::Failure;
-pub use crate::cli::output::failed;
+pub(super) use crate::cli::output::failed;
 
 /// Refuses a table whose name does not end in .csv, that would replace the input or, without `force`, anything that is there.
-pub fn check_table(out: &Path, input: &Path, force: bool) -> Result<(), Failure> {
+pub(super) fn check_table(out: &Path, input: &Path, force: bool) -> Result<(), Failure> {
     if isomme::is_part(out) {
         let message = format!("{} is the name of ISO-MME, but a table is written", shown_path(out));
         return Err(Diagnostic::new(message).hint("name it .csv").into());
@@ -19,7 +19,7 @@ pub fn check_table(out: &Path, input: &Path, force: bool) -> Result<(), Failure>
 }
 
 /// Writes `recording` with `comments` before it, whole or not at all.
-pub fn write_csv(out: &Path, comments: &[String], recording: &Recording) -> Result<(), Failure> {
+pub(super) fn write_csv(out: &Path, comments: &[String], recording: &Recording) -> Result<(), Failure> {
     output::write(out, |text| {
         for line in comments {
             writeln!(text, "# {}", line.replace(char::is_control, " "))?;

@@ -13,7 +13,7 @@ use crate::signal::rating::{self, Curve, Rating};
 use crate::signal::{Annotations, MeasuredChannel, Warning};
 
 #[derive(Debug, Args)]
-pub struct RateArgs {
+pub(crate) struct RateArgs {
     /// The reference: CSV or ISO-MME
     pub reference: PathBuf,
     /// The rated recording
@@ -45,7 +45,7 @@ struct Figures {
     findings: Vec<Finding>,
 }
 
-pub fn run(args: &RateArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &RateArgs, shared: &Shared) -> Result<(), Failure> {
     let rated = rating(args)?;
     print_figures(shared, &figures(&rated), || text(args, &rated))
 }

@@ -9,7 +9,7 @@ use crate::experiment::coupon::{BREAK_SHARE, Coupon, CouponTest, Direction, Redu
 use crate::units::{Density, Length, Velocity};
 
 #[derive(Debug, Args)]
-pub struct ReduceArgs {
+pub(crate) struct ReduceArgs {
     /// Recordings of coupons, files or globs: channels `force` and `displacement`
     #[arg(required = true, value_name = "RECORDING")]
     pub recordings: Vec<String>,
@@ -57,7 +57,7 @@ pub struct ReduceArgs {
 }
 
 /// The reduced recordings.
-pub struct Reduced {
+pub(super) struct Reduced {
     pub coupon: Coupon,
     /// In the order of the arguments.
     pub tests: Vec<CouponTest>,

@@ -13,7 +13,7 @@ use crate::finding::Finding;
 
 /// All figures; SI.
 #[derive(Serialize)]
-pub struct Figures {
+pub(super) struct Figures {
     recordings: usize,
     virtual_recordings: usize,
     /// Mean of MD and TD.
@@ -68,7 +68,7 @@ impl From<SampleStatistics> for Statistics {
 
 impl Figures {
     /// The figures of the `reduced` recordings, with their findings.
-    pub fn of(reduced: &Reduced, is_density_assumed: bool, written: &[PathBuf]) -> Figures {
+    pub(super) fn of(reduced: &Reduced, is_density_assumed: bool, written: &[PathBuf]) -> Figures {
         let mut warnings = warnings(reduced);
         warnings.extend((is_density_assumed && !written.is_empty()).then_some(Warning::DensityAssumed));
         Figures {
@@ -83,7 +83,7 @@ impl Figures {
     }
 
     /// The figures as tables, in MPa and per cent.
-    pub fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let virtual_ones = match self.virtual_recordings {
             0 => String::new(),
             count => format!(", {count} of them VIRTUAL"),

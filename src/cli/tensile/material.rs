@@ -18,7 +18,7 @@ use crate::scenario::coupon_material::{CouponMaterial, CouponMaterialError, Give
 const MOST_BYTES: u64 = 1 << 20;
 
 /// The files to write and their texts; none where no file is asked for.
-pub fn texts(args: &ReduceArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, String)>, Failure> {
+pub(super) fn texts(args: &ReduceArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, String)>, Failure> {
     let Some(path) = &args.out else {
         return Ok(Vec::new());
     };

@@ -11,12 +11,12 @@ use clap::Subcommand;
 use super::{Failure, Shared};
 
 #[derive(Debug, Subcommand)]
-pub enum TensileCommand {
+pub(super) enum TensileCommand {
     /// Reduce recordings of coupons to moduli, yield points, strength and break, and write them as a material
     Reduce(args::ReduceArgs),
 }
 
-pub fn run(command: &TensileCommand, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(command: &TensileCommand, shared: &Shared) -> Result<(), Failure> {
     match command {
         TensileCommand::Reduce(args) => reduce::run(args, shared),
     }

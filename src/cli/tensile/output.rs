@@ -6,7 +6,7 @@ use crate::cli::{Failure, output};
 use crate::diagnostic::{Diagnostic, shown_path};
 
 /// The paths of the material and its shear curve: `film.toml` and `film-shear.csv`.
-pub fn places(material: &Path) -> Result<[PathBuf; 2], Failure> {
+pub(super) fn places(material: &Path) -> Result<[PathBuf; 2], Failure> {
     if !output::ends_in(material, "toml") {
         return Err(
             Diagnostic::new(format!("a material file ends in .toml, and {} does not", shown_path(material))).into()
@@ -21,6 +21,6 @@ pub fn places(material: &Path) -> Result<[PathBuf; 2], Failure> {
 }
 
 /// Renames the files to their paths once all are written.
-pub fn write(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
+pub(super) fn write(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
     output::write_sealed(texts)
 }

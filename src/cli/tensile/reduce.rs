@@ -12,7 +12,7 @@ use crate::diagnostic::Diagnostic;
 use crate::experiment::coupon::{Coupon, CouponReader, Label, RecordingError, Reduction, Rules};
 use crate::signal::file::ChannelSelection;
 
-pub fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
+pub(super) fn run(args: &ReduceArgs, shared: &Shared) -> Result<(), Failure> {
     let reduced = reduced(args)?;
     let texts = material::texts(args, &reduced)?;
     output::write(&texts)?;
