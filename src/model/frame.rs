@@ -17,7 +17,7 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Frame {
         None => Hold::All,
     };
     if is_stretch(scenario) && !is_jaws(&hold) {
-        mistakes.report_with(PATH, "a stretch test holds the sides x- and x+, its jaws", "leave the key out");
+        mistakes.report_with(PATH, "the jaws of a stretch test hold the sides x- and x+", "leave the key out");
     }
     unheld(&hold, scenario, mistakes);
     Frame { hold }
@@ -28,11 +28,7 @@ fn unheld(hold: &Hold, scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     match scenario.loading {
         Loading::Indent(_) if !is_spanned(hold) => {
             let hint = "hold \"all\", or at least two opposite sides";
-            mistakes.report_with(
-                PATH,
-                "the film is not held on both sides of the impactor, which pushes it away",
-                hint,
-            );
+            mistakes.report_with(PATH, "the film is not held on both sides of the impactor", hint);
         }
         Loading::Pressure(_) if *hold != Hold::All => {
             let hint = "leave the key out, or hold \"all\"";
@@ -82,11 +78,11 @@ fn sides(written: &[scenario::Side], scenario: &Scenario, mistakes: &mut Mistake
     }
     let [x, y] = symmetry(&scenario.specimen).mirrors();
     let alike = |a, b| sides.contains(&a) == sides.contains(&b);
-    let broken = (x && !alike(Side::XMinus, Side::XPlus)) || (y && !alike(Side::YMinus, Side::YPlus));
-    if broken {
+    let differ = (x && !alike(Side::XMinus, Side::XPlus)) || (y && !alike(Side::YMinus, Side::YPlus));
+    if differ {
         mistakes.report_with(
             PATH,
-            "opposite sides across a mirror plane are not held alike",
+            "of two sides across a mirror plane, only one is held",
             "hold both, or set `specimen.symmetry` to \"none\"",
         );
     }
@@ -94,7 +90,7 @@ fn sides(written: &[scenario::Side], scenario: &Scenario, mistakes: &mut Mistake
     if round || is_rim(&sides, scenario) { Hold::All } else { Hold::Sides(sides) }
 }
 
-/// Whether the loading lets the edge be free.
+/// Whether the loading allows free edges.
 fn may_be_free(scenario: &Scenario) -> bool {
     matches!(scenario.loading, Loading::Impact(_))
 }

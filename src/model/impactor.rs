@@ -14,8 +14,8 @@ const MIRRORED: &str = "the mirror planes";
 /// The impactor, where the loading needs one.
 pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Impactor> {
     let why = match scenario.loading {
-        Loading::Impact(_) => "`loading.impact` needs a body that falls",
-        Loading::Indent(_) => "`loading.indent` needs a body that goes down",
+        Loading::Impact(_) => "`loading.impact` needs an impactor",
+        Loading::Indent(_) => "`loading.indent` needs an impactor",
         Loading::Stretch(_) | Loading::Pressure(_) => return None,
     };
     let Some(written) = &scenario.impactor else {

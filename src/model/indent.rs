@@ -7,17 +7,17 @@ use crate::mesh::{Outline, Side};
 
 const DEPTH: &str = "loading.indent.depth";
 
-/// Depth over the span of the film above which the unit is taken for wrong, where no break strain bounds it.
+/// Depth over the span of the film above which its unit is probably wrong, where no break strain bounds it.
 const SPANS: f64 = 3.0;
 
-/// Refuses a depth at which the film would break even if it were strained uniformly, and one at which the impactor would
-/// reach the frame.
+/// Refuses a depth at which the film would break even if it were strained uniformly, and one at which the impactor
+/// would reach the frame.
 pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
     let (Loading::Indent { depth, .. }, Some(impactor)) = (&model.loading, &model.impactor) else { return };
     let spans = Spans { shape: &model.specimen.shape, hold: &model.frame.hold, from: impactor.position };
     if spans.is_beside() {
         let hint = "the position of its axis is measured from the centre of the specimen";
-        mistakes.report_with("impactor.position", "the impactor goes down beside the film", hint);
+        mistakes.report_with("impactor.position", "the impactor passes beside the film", hint);
         return;
     }
     if let Some(limit) = frame_depth(impactor, &spans).filter(|limit| depth > limit) {
@@ -122,8 +122,8 @@ fn frame_depth(impactor: &Impactor, spans: &Spans<'_>) -> Option<f64> {
     }
 }
 
-/// Depth at which a fibre set, straight from edge to edge over the impactor's lowest point and uniformly strained, is at its
-/// break strain, m. In any other shape of the film, the largest strain is larger.
+/// Depth at which a fibre set, straight from edge to edge over the impactor's lowest point and uniformly strained, is
+/// at its break strain, m. In any other shape of the film, the largest strain is larger.
 fn breaking_depth(face: &Face, fibre: usize, spans: &Spans<'_>) -> Option<f64> {
     let limit = face.material.law.largest_break_strains()[fibre];
     let angle = face.md_angle + [0.0, 0.5 * PI][fibre];

@@ -90,7 +90,8 @@ fn fibre(written: &Fibre, fabric: &scenario::Fabric, path: &str, mistakes: &mut 
     by_rate(rates, fabric.rate_memory.unwrap_or(RATE_MEMORY), &scale, path, mistakes).map(Curves::ByRate)
 }
 
-/// Growth of the largest strain over which the rate is averaged; assumed. At the 5 to 25 1/s of a drop test that is 0.4 to 2 ms.
+/// Growth of the largest strain over which the rate is averaged; assumed. At the 5 to 25 1/s of a drop test that is 0.4
+/// to 2 ms.
 const RATE_MEMORY: f64 = 0.01;
 
 /// Curves by rate; `scale` and its key path apply to curves without their own.

@@ -39,7 +39,7 @@ impl<'d> Mistakes<'d> {
         }
     }
 
-    /// A key that must stand at the key path and does not.
+    /// A key that is missing at the key path.
     pub fn missing(&mut self, path: &str, hint: impl Into<String>) {
         self.report_with(path, format!("missing key `{path}`"), hint);
     }
@@ -51,7 +51,7 @@ impl<'d> Mistakes<'d> {
         self.mistakes.push(Diagnostic::new(message).at(&span).hint(why));
     }
 
-    /// Whether the key stands in the document.
+    /// Whether the document has the key.
     pub fn is_written(&self, path: &str) -> bool {
         self.document.find(path).is_some()
     }

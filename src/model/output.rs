@@ -4,8 +4,8 @@ use super::{Loading, Mistakes, Output, Specimen};
 use crate::scenario::{Filter, Scenario};
 use crate::units::Time;
 
-/// Least samples per second and hertz of the class. ISO 6487 requires 8, SAE J211-1 requires 10; what is refused satisfies
-/// neither.
+/// Least samples per second and hertz of the class. ISO 6487 requires 8, SAE J211-1 requires 10; what is refused
+/// satisfies neither.
 const SAMPLES_PER_CLASS_HERTZ: f64 = 8.0;
 
 /// Most samples of one channel: 80 MB.

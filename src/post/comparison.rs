@@ -64,8 +64,8 @@ pub struct ComparedSignal {
     pub column: String,
     /// None where a run has no such channel.
     pub series: Vec<Option<Series>>,
-    /// ‖s − s₁‖/‖s₁‖ against the first run over their common time (paper, equations 14 and 15); none of the first run itself, and
-    /// where there is nothing to compare.
+    /// ‖s − s₁‖/‖s₁‖ against the first run over their common time (paper, equations 14 and 15); none of the first run
+    /// itself, and where there is nothing to compare.
     pub errors: Vec<Option<f64>>,
 }
 
@@ -122,7 +122,10 @@ impl RunComparison {
 
     /// What `summary.json` of the comparison holds.
     pub fn summary(&self) -> Map<String, Value> {
-        let run = |run: &ComparedRun| json!({ "name": run.name, "path": run.place.display().to_string(), "title": run.title });
+        let run = |run: &ComparedRun| {
+            let path = run.place.display().to_string();
+            json!({ "name": run.name, "path": path, "title": run.title })
+        };
         let figure = |figure: &ComparedFigure| {
             let differences: Vec<_> = (0..self.runs.len()).map(|run| figure.difference(run)).collect();
             (figure.name.clone(), json!({ "values": figure.values, "differences": differences }))
@@ -259,7 +262,8 @@ fn is_against_virtual(run: &StoredRun) -> bool {
     if let Some(findings) = entries("findings") {
         return findings.iter().any(|finding| finding["code"] == VIRTUAL_REFERENCE.name);
     }
-    // A summary of an earlier version has no findings, but the header comments of the recording, one of which is its mark.
+    // A summary of an earlier version has no findings, but the header comments of the recording, one of which is its
+    // mark.
     let comments = entries("reference_notes").into_iter().flatten().filter_map(Value::as_str).map(str::to_owned);
     Annotations::new(comments.collect()).is_virtual()
 }

@@ -32,8 +32,11 @@ fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> HostResult<Map> {
 /// The reference of materials of coupon tests.
 pub const ENTRIES: &[Entry] = &[Entry {
     call: "coupon_material(reduction, coupon), coupon_material(reduction, coupon, #{ density, shear_file })",
-    gives: "a map of two texts: the material file of coupons of MD, TD and D3, and the shear curve's file that it names (material-shear.csv); both state how many coupons were virtual",
-    example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let t = read_coupons("data/virtual/coupons/*-0.2-*.csv", c); let m = coupon_material(reduce_coupons(t), c, #{ density: "0.915 g/cm3" }); m.material.contains("thickness = \"12 um\"") && m.shear.contains("VIRTUAL") && m.shear.contains("strain,stress_MPa")"#,
+    gives: "a map of two texts: the material file of coupons of MD, TD and D3, and the shear curve's file that it names \
+            (material-shear.csv); both state how many coupons were virtual",
+    example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let t = read_coupons("data/virtual/coupons/*-0.2-*.csv", c);
+                let m = coupon_material(reduce_coupons(t), c, #{ density: "0.915 g/cm3" });
+                m.material.contains("thickness = \"12 um\"") && m.shear.contains("VIRTUAL") && m.shear.contains("strain,stress_MPa")"#,
 }];
 
 #[cfg(test)]

@@ -25,7 +25,8 @@ pub struct Impact {
     pub rebound_velocity_m_s: Option<f64>,
     /// D of the paper's equation 11; none without a rebound.
     pub energy_absorption: Option<f64>,
-    /// Engineering strains at which the MD and TD fibres break, of the face that breaks first; none where nothing breaks.
+    /// Engineering strains at which the MD and TD fibres break, of the face that breaks first; none where nothing
+    /// breaks.
     pub break_strain_md: Option<f64>,
     /// The same along TD.
     pub break_strain_td: Option<f64>,

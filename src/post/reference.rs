@@ -24,11 +24,13 @@ pub struct ReferenceComparison {
     pub displacement: Option<Series>,
     /// Energy that the film took up from the impactor, J; none where the recording has none.
     pub absorbed_energy: Option<Series>,
-    /// Kinetic and potential energy of the impactor and the energy that the film took up, J; none where the recording has none.
+    /// Kinetic and potential energy of the impactor and the energy that the film took up, J; none where the recording
+    /// has none.
     pub total_energy: Option<Series>,
     /// Window of the errors, s.
     pub window: [f64; 2],
-    /// Share of the energy that the film absorbed (paper, equation 11); of raw recordings in which the impactor rebounds.
+    /// Share of the energy that the film absorbed (paper, equation 11); of raw recordings in which the impactor
+    /// rebounds.
     pub energy_absorption: Option<f64>,
     /// Comments of the recording, and the warnings of its reading.
     pub annotations: Annotations,
@@ -59,7 +61,7 @@ pub enum ReferenceError {
         source: DropError,
     },
     /// A raw recording of a drop with another loading.
-    #[error("{} is the raw recording of a drop, which only an impact with an impactor can be compared with", path.display())]
+    #[error("{} is the raw recording of a drop: only an impact with an impactor can be compared with it", path.display())]
     NotAnImpact {
         /// The recording.
         path: PathBuf,
@@ -81,7 +83,10 @@ pub enum ReferenceError {
         source: ResampleError,
     },
     /// The window ends at the lowest point, which the recording does not have.
-    #[error("{}: the recording has no lowest point: displacement has gaps, and acceleration does not bring the impactor to rest", path.display())]
+    #[error(
+        "{}: the recording has no lowest point: displacement has gaps, and acceleration does not bring the impactor to rest",
+        path.display()
+    )]
     NoLowestPoint {
         /// The recording.
         path: PathBuf,

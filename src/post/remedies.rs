@@ -30,8 +30,8 @@ pub fn failure(failure: &Failure, model: &Model) -> String {
     }
 }
 
-/// The remedy of a test that is too fast and used the factor `used` on the film's mass. A slower loading would only get a
-/// larger factor where it is chosen.
+/// The remedy of a test that is too fast and used the factor `used` on the film's mass. A slower loading would only get
+/// a larger factor where it is chosen.
 fn slower(model: &Model, used: Option<f64>) -> String {
     let slower = "load it more slowly";
     let (key, written) = match model.loading {

@@ -170,8 +170,8 @@ pub(super) fn scope(run: Run) -> Scope<'static> {
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "run.time, run.displacement, run.velocity, run.acceleration, …",
-        gives: "the channels as signals, SI; `acceleration` is the filtered one, `acceleration_raw` the one before the filter; \
-                of a rectangle `frame_force_x` and `frame_force_y`, the mean force on its held sides across an axis",
+        gives: "the channels as signals, SI; `acceleration` is the filtered one, `acceleration_raw` the one before the \
+                filter; of a rectangle `frame_force_x` and `frame_force_y`, the mean force on its held sides across an axis",
         example: "run.acceleration.len() == run.acceleration_raw.len() && run.displacement.min() < 0",
     },
     Entry {
@@ -191,8 +191,8 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "run.model.<fact>",
-        gives: "what was run: name, title, layers and prestrain ([md, td]; lists with one entry per face), and of its loading mass (kg), velocity (m/s), gravity (m/s²), duration (s), \
-                angle (rad), until, depth (m), pressure (Pa), ramp (s)",
+        gives: "what was run: name, title, layers and prestrain ([md, td]; lists with one entry per face), and of its loading \
+                mass (kg), velocity (m/s), gravity (m/s²), duration (s), angle (rad), until, depth (m), pressure (Pa), ramp (s)",
         example: "run.model.layers[0] == 8 && run.model.mass > 10",
     },
 ];

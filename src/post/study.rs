@@ -240,14 +240,17 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "scenario.reference.acceleration, .displacement, .energy_absorption; scenario.window",
-        gives: "the recording it is compared with (acceleration through the run's filter; the energy absorption of a raw one, else ()) and the \
-                window of the errors, s",
-        example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0 && t.reference.energy_absorption != 1",
+        gives: "the recording it is compared with (acceleration through the run's filter; the energy absorption of a raw \
+                one, else ()) and the window of the errors, s",
+        example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0 \
+                  && t.reference.energy_absorption != 1",
     },
     Entry {
         call: "scenario.curve(\"md\" | \"td\" | \"shear\"), scenario.curve(name, face)",
-        gives: "a curve of its fabric with the multipliers applied, from the origin to the break: of all faces, which must agree, or of one",
-        example: r#"let t = scenario(args.scenario); t.curve("md").len() == 4 && t.curve("md", 0).end() < t.curve("td").end()"#,
+        gives: "a curve of its fabric with the multipliers applied, from the origin to the break: of all faces, \
+                which must agree, or of one",
+        example: r#"let t = scenario(args.scenario);
+                    t.curve("md").len() == 4 && t.curve("md", 0).end() < t.curve("td").end()"#,
     },
     Entry {
         call: "scenario.model.<fact>",
@@ -256,16 +259,16 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "scenario.simulate()",
-        gives: "the run: everything that a post script finds as `run`; within an objective it ends with the window of the \
-                reference and what the channel filter needs behind it, so that rebound and energy absorption are (); with \
-                `reference.window = \"all\"` it runs to its end",
+        gives: "the run: everything that a post script finds as `run`; within an objective it ends with the window of \
+                the reference and what the channel filter needs behind it, so that rebound and energy absorption are (); \
+                with `reference.window = \"all\"` it runs to its end",
         example: "scenario(args.scenario).simulate().summary.elements > 0",
     },
     Entry {
         call: "scenario.pull(strains), scenario.pull(curve), scenario.pull(strains, #{ across: \"held\" | \"free\" })",
-        gives: "the curve of stress (Pa) of a single element of its film, pulled as `[loading.stretch]` says from equilibrium to \
-                equilibrium and without stress once it is past its break, at increasing strains or at those of a curve, in microseconds; between \
-                jaws the width is held, of a long strip it is free",
+        gives: "the curve of stress (Pa) of a single element of its film, pulled in the direction of `[loading.stretch]`, \
+                in equilibrium, at increasing strains or at those of a curve; zero past the break. Between jaws (\"held\") \
+                the width is held, that of a long strip is free",
         example: r#"let t = scenario("scenarios/stretch/single-element.toml"); let c = t.pull([0, 0.26, 0.84, 2]);
                     (c.at(0.84) / 20e6 - 1).abs() < 1e-9 && c.at(2) == 0"#,
     },

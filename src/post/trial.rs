@@ -5,8 +5,8 @@ use crate::model::{Loading, Model};
 
 /// Time after the window that the channel filter needs, times its class.
 ///
-/// The backward pass of the filter (both poles at ω_d e^{±3πi/4}, ω_d = 2π · 2.08333 · class) forgets its initial state as
-/// e^{−ω_d t/√2} = e^{−9.26 class t}: after 2/class to a hundred-millionth. For CFC 1000 that is 2 ms.
+/// The backward pass of the filter (both poles at ω_d e^{±3πi/4}, ω_d = 2π · 2.08333 · class) forgets its initial state
+/// as e^{−ω_d t/√2} = e^{−9.26 class t}: after 2/class to a hundred-millionth. For CFC 1000 that is 2 ms.
 const SETTLING: f64 = 2.0;
 
 /// Samples after the window: the reference is interpolated between two samples of the run, and the last samples need

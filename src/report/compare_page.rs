@@ -92,7 +92,8 @@ pub(crate) fn errors(comparison: &RunComparison) -> Vec<Vec<String>> {
 }
 
 fn distances(table: &str) -> String {
-    let note = "RMS of the difference from the signal of the first run over the RMS of that signal, over the time that both cover";
+    let note =
+        "RMS of the difference from the signal of the first run over the RMS of that signal, over their common time";
     if table.is_empty() { String::new() } else { format!("<p class=\"note\">{note}</p>\n{table}") }
 }
 

@@ -55,7 +55,8 @@ pub fn page(title: &str, body: &str) -> String {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n\
          <title>{title}</title>\n<style>\n{styles}</style>\n</head>\n<body>\n<main>\n\
-         <noscript><p class=\"warnings\">Plots and film are drawn by scripts, which are disabled here; all figures are in the tables.</p></noscript>\n\
+         <noscript><p class=\"warnings\">Plots and film are drawn by scripts, which are disabled here; all figures are in \
+         the tables.</p></noscript>\n\
          {body}</main>\n{scripts}</body>\n</html>\n"
     )
 }
@@ -132,7 +133,8 @@ pub(super) fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> Stri
     };
     let rows: String = names.iter().zip(rows).map(row).collect();
     format!(
-        "<div class=\"scroll\"><table class=\"matrix\">\n<caption>{}</caption>\n<tr><td></td>{header}</tr>\n{rows}</table></div>\n",
+        "<div class=\"scroll\"><table class=\"matrix\">\n<caption>{}</caption>\n<tr><td></td>{header}</tr>\n{rows}</table>\
+         </div>\n",
         escape(caption)
     )
 }

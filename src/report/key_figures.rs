@@ -89,7 +89,8 @@ const INFLATION: [Key; 5] = [
     BALANCE,
 ];
 
-/// Cards of the key figures in `summary`, that of `results`, and whether the film held; `failed` tells whether the run did.
+/// Cards of the key figures in `summary`, that of `results`, and whether the film held; `failed` tells whether the run
+/// did.
 pub(super) fn cards(results: &Results, summary: &Map<String, Value>, failed: bool) -> String {
     let keys: &[Key] = match results.measures {
         Measures::Impact(_) if lowest_point(&results.signals).is_none() => &DESCENT,
@@ -121,8 +122,8 @@ fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, V
     };
     let beside = beside.map_or(String::new(), |beside| format!("<span class=\"beside\">{}</span>", escape(&beside)));
     Some(format!(
-        "<li data-figure=\"{name}\" data-value=\"{value}\" data-factor=\"{factor}\"><span class=\"words\">{words}</span>\
-         <span class=\"value\">{shown}</span> <span class=\"unit\">{unit}</span>{beside}</li>\n"
+        "<li data-figure=\"{name}\" data-value=\"{value}\" data-factor=\"{factor}\">\
+         <span class=\"words\">{words}</span><span class=\"value\">{shown}</span> <span class=\"unit\">{unit}</span>{beside}</li>\n"
     ))
 }
 

@@ -60,7 +60,8 @@ fn drawn(plot: &Plot, filled: bool) -> String {
     let words = escape(&description(plot));
     let data = data(&contents(plot, filled));
     format!(
-        "<figure class=\"plot\">\n<h3>{title}</h3>\n{data}<figcaption class=\"unseen\">{words}</figcaption>\n</figure>\n"
+        "<figure class=\"plot\">\n<h3>{title}</h3>\n{data}<figcaption class=\"unseen\">{words}</figcaption>\n\
+         </figure>\n"
     )
 }
 

@@ -133,7 +133,7 @@ fn reference(run: &RunPage) -> String {
     format!("<p>{}</p>\n{}", escape(&over), html::list(&notes))
 }
 
-/// The files beside the page, and what they hold; those that are not of the run are the script's.
+/// The files of the run folder with their content; those that are not of the run were written by the script.
 fn files(run: &RunPage) -> String {
     let content = |name: &String| RUN_FILES.iter().find(|(known, _)| known == name).map(|(_, content)| *content);
     let row = |name: &String| vec![name.clone(), content(name).unwrap_or("written by the script").to_owned()];
@@ -157,7 +157,8 @@ fn again(run: &RunPage) -> String {
     let command = html::verbatim("droptower run scenario.toml --out again");
     let scenario = html::verbatim(run.scenario);
     format!(
-        "<p>In the folder of this run, with droptower {}; the same version gives the same signals to the bit:</p>\n{command}\
+        "<p>In the folder of this run, with droptower {}; the same version gives the same signals to the bit:</p>\n\
+         {command}\
          <details open>\n<summary>scenario.toml</summary>\n{scenario}</details>\n",
         env!("CARGO_PKG_VERSION")
     )

@@ -95,8 +95,8 @@ mod tests {
             "args": { "start": "it's", "starts": 5 },
         });
         let html = again(call.as_object().unwrap());
-        let command = "droptower script scripts/identify.rhai --scenario drop/1008.toml --set 'specimen.mesh.size=20 mm' \
-                       --arg 'start=it'\\''s' --arg starts=5";
+        let command = "droptower script scripts/identify.rhai --scenario drop/1008.toml \
+                       --set 'specimen.mesh.size=20 mm' --arg 'start=it'\\''s' --arg starts=5";
         assert!(html.contains(&escape(command)), "{html}");
     }
 

@@ -34,7 +34,7 @@ pub struct CouponMaterial<'a> {
     pub coupon: Coupon,
     /// kg/m³; that of LLDPE where it is not known.
     pub density: Option<f64>,
-    /// Name of the shear curve's file, which lies beside the material's.
+    /// Name of the shear curve's file, in the folder of the material's.
     pub shear_file: &'a str,
     /// A shear curve from elsewhere, in place of one from D3.
     pub shear: Option<GivenShear<'a>>,
@@ -100,8 +100,8 @@ impl CouponMaterial<'_> {
     /// The files' texts.
     ///
     /// The curves of MD and TD are the yield points of the mean curve, or else that curve itself, and the mean break
-    /// elongation with the mean stress at the break. The shear curve comes from the mean curve of D3, or is a copy of what is
-    /// given.
+    /// elongation with the mean stress at the break. The shear curve comes from the mean curve of D3, or is a copy of
+    /// what is given.
     pub fn texts(&self) -> Result<Texts, CouponMaterialError> {
         let (md, td) = (self.along(Direction::Md)?, self.along(Direction::Td)?);
         let (shear, remark) = match &self.shear {
@@ -114,10 +114,10 @@ impl CouponMaterial<'_> {
         let _ = write!(
             material,
             "\n{density}\nthickness = \"{thickness} um\"   # as given; one layer\n\n[fabric]\n\
-             # Yield points of the mean curves, mean break elongation and mean stress at the break; straight lines between them.\n\
+             # Yield points of the mean curves, mean break elongation and stress at the break; straight lines between them.\n\
              {md_fibre}{td_fibre}{remark}shear = {{ curve = {file} }}\n\
-             # Coupons that are pulled until they break do not show what is lost on unloading. Until a drop test has shown it\n\
-             # (droptower signal drop), nothing is.\n# absorption = 0.9\n\
+             # Coupons pulled to their break do not show the energy absorbed on unloading: none, until it is known from a\n\
+             # drop test (droptower signal drop).\n# absorption = 0.9\n\
              # Slowest and fastest jaws over the gauge length.\nmeasured_rates = [\"{} 1/s\", \"{} 1/s\"]\n",
             rates[0],
             rates[1],
@@ -334,7 +334,7 @@ mod tests {
     fn a_curve_without_one_is_written_point_by_point() {
         let texts = texts(&reduction(&[[0.3, 9.0], [1.2, 13.0]])).unwrap();
         assert!(texts.material.contains("no second yield point"), "{}", texts.material);
-        // Shear stress goes with stress over 1 + strain, which is largest at the bend.
+        // Shear stress is proportional to stress over 1 + strain, which is largest at the bend.
         assert!(texts.material.contains(", beyond which the stress falls"), "{}", texts.material);
         assert_eq!(mistakes(&texts), [""; 0]);
     }

@@ -73,8 +73,8 @@ impl Document {
         Document { root, path: self.path.clone(), rule: self.rule, files, mistakes }
     }
 
-    /// The scenario as its structs, and the mistakes in how it is written. It is read although values are out of range or keys
-    /// unknown, so that all mistakes are reported at once.
+    /// The scenario as its structs, and the mistakes in how it is written. It is read although values are out of range
+    /// or keys unknown, so that all mistakes are reported at once.
     pub fn scenario(&self) -> (Option<Scenario>, Vec<Diagnostic>) {
         self.written()
     }
@@ -108,7 +108,8 @@ impl Document {
         resolved::text_with(&self.root, self.rule, &[("post.script", name)])
     }
 
-    /// Every file that it was read from: its own, what it extends, materials and curves. Meshes and recordings are only named.
+    /// Every file that it was read from: its own, what it extends, materials and curves. Meshes and recordings are only
+    /// named.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
@@ -119,7 +120,8 @@ impl Document {
     }
 
     /// Path below the last folder called `scenarios`, without extension, e.g. `drop/1008`; the name of the
-    /// file where there is no such folder. That of a run folder, `runs/drop/1008/scenario.toml`, has the name of the folder.
+    /// file where there is no such folder. That of a run folder, `runs/drop/1008/scenario.toml`, has the name of the
+    /// folder.
     pub fn name(&self) -> String {
         let absolute = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
         let bare = tidy_path(&absolute).with_extension("");
@@ -135,12 +137,12 @@ impl Document {
         parts[start..].join("/")
     }
 
-    /// What stands at the key path, e.g. `layers.faces.1`.
+    /// The node at the key path, e.g. `layers.faces.1`.
     pub fn find(&self, path: &str) -> Option<&Node> {
         self.root.find(path)
     }
 
-    /// Where the value at the key path stands; where it is left out, the key of the table it belongs to.
+    /// Place of the value at the key path; where it is left out, of the key of its table.
     pub fn span(&self, path: &str) -> Span {
         match self.root.find(path) {
             Some(node) if !matches!(node.value, Value::Table(_)) => node.span.clone(),
@@ -148,7 +150,7 @@ impl Document {
         }
     }
 
-    /// Where the last key of the path stands; where it is left out, the key before it.
+    /// Place of the last key of the path; where it is left out, of the key before it.
     pub fn key_span(&self, path: &str) -> Span {
         let mut node = &self.root;
         let mut span = &self.root.span;

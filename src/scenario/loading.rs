@@ -13,7 +13,7 @@ pub enum Loading {
     Impact(Impact),
     /// Two jaws, the edges x- and x+, part along x.
     Stretch(Stretch),
-    /// The impactor goes slowly down into the film at a prescribed speed.
+    /// The impactor moves slowly down into the film at a prescribed speed.
     Indent(Indent),
     /// Pressure on the lower side of the film, held all around, inflates it.
     Pressure(Inflation),

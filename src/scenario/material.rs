@@ -50,13 +50,13 @@ pub struct Fabric {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
     pub absorption: f64,
-    /// Lowest and highest strain rate at which the curves were measured; where a fibre set has `rates`, from the lowest to the
-    /// highest of these, of both sets where both have them, where it is left out.
+    /// Lowest and highest strain rate at which the curves were measured; where a fibre set has `rates`, from the lowest
+    /// to the highest of these, of both sets where both have them, where it is left out.
     #[schemars(transform = schema::positive_items)]
     pub measured_rates: Option<[Rate; 2]>,
-    /// Growth of the largest strain over which the strain rate of fibres with `rates` is averaged; 0.01 where it is left out. It is
-    /// assumed, as is that film was mounted (pre-strain) at the lowest of the rates, whose influence decays over several times
-    /// this growth: results depend on both.
+    /// Growth of the largest strain over which the strain rate of fibres with `rates` is averaged; 0.01 where it is
+    /// left out. It is assumed, as is that film was mounted (pre-strain) at the lowest of the rates, whose influence
+    /// decays over several times this growth: results depend on both.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_memory: Option<f64>,
 }
@@ -83,8 +83,8 @@ pub struct Fibre {
     pub yield_strains: Option<[f64; 2]>,
     /// Multipliers of these fibres alone, in place of all three of the fabric; one that is left out is 1.
     pub scale: Option<Scale>,
-    /// Curves by strain rate, at least two, the slowest first: interpolated in the logarithm of the rate, constant below the lowest
-    /// and above the highest.
+    /// Curves by strain rate, at least two, the slowest first: interpolated in the logarithm of the rate, constant
+    /// below the lowest and above the highest.
     #[schemars(length(min = 2))]
     pub rates: Option<Vec<RateCurve>>,
 }

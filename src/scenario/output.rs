@@ -12,8 +12,8 @@ pub struct Output {
     #[serde(default = "ten_kilohertz")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e7))]
     pub sample_rate: Frequency,
-    /// Number of snapshots for pages and recordings. Of a film so fine that they would take more than 0.4 GB, fewer are taken,
-    /// and a warning gives their number.
+    /// Number of snapshots for pages and recordings. Of a film so fine that they would take more than 0.4 GB, fewer are
+    /// taken, and a warning gives their number.
     #[serde(default = "two_hundred_forty")]
     #[schemars(range(min = 1, max = 100_000))]
     pub frames: u32,

@@ -11,8 +11,9 @@ use crate::units::{Length, Time};
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Reference {
     /// Recording (CSV or ISO-MME): signals from first contact on where it has the columns `acceleration_m_s2` and/or
-    /// `displacement_m` (with `time_s`) and neither `acceleration` nor `displacement` is given; anything else is the raw recording
-    /// of a drop, from the rest before the release on, by an accelerometer and possibly a laser, and is reduced first.
+    /// `displacement_m` (with `time_s`) and neither `acceleration` nor `displacement` is given; anything else is the
+    /// raw recording of a drop, from the rest before the release on, by an accelerometer and possibly a laser, and is
+    /// reduced first.
     #[schemars(extend("x-path" = true))]
     pub signals: PathBuf,
     /// Accelerometer of a raw recording; the only channel that is an acceleration where it is left out.
@@ -20,8 +21,8 @@ pub struct Reference {
     /// Laser of a raw recording, upward from the film's upper face; the only channel that is a length where it is
     /// left out.
     pub displacement: Option<String>,
-    /// Drop height of a raw recording. Without it, contact is searched from an ideal fall to the impact velocity of the run, which
-    /// also determines the fall where there is no laser.
+    /// Drop height of a raw recording. Without it, contact is searched from an ideal fall to the impact velocity of the
+    /// run, which also determines the fall where there is no laser.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub drop_height: Option<Length>,
     /// Window of the errors: the loading phase, the whole recording, or from–to.

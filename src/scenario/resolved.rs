@@ -9,8 +9,8 @@ use super::grammar::Rule;
 use super::tree::{Node, Table, Value};
 use crate::diagnostic::{Span, tidy_path};
 
-/// The tree as TOML, with the paths in it made absolute. The comment at the end of the line of a value is preserved: it has
-/// its source, and whether it is assumed.
+/// The tree as TOML, with the paths in it made absolute. The comment at the end of the line of a value is preserved: it
+/// has its source, and whether it is assumed.
 pub fn text(root: &Node, rule: &Rule) -> String {
     text_with(root, rule, &[])
 }
@@ -92,8 +92,8 @@ fn end_of_line(span: &Span) -> Option<((usize, usize), &str)> {
     at.map(|place| ((source, span.range.end + rest.len()), rest[place..].trim_end()))
 }
 
-/// The values of a resolved scenario, as TOML, by the paths of their keys: `layers.count`, `layer.0.height`. None of a text that is
-/// no scenario.
+/// The values of a resolved scenario, as TOML, by the paths of their keys: `layers.count`, `layer.0.height`. None of a
+/// text that is no scenario.
 pub fn leaves(scenario: &str) -> BTreeMap<String, String> {
     let mut leaves = BTreeMap::new();
     let root: toml::Table = scenario.parse().unwrap_or_default();
@@ -208,7 +208,8 @@ mod tests {
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
         write(
             "base.toml",
-            "frame.hold = \"all\"  # assumed\nspecimen = { symmetry = \"quarter\", mesh = { size = \"10 mm\" } } # Table 3\n",
+            "frame.hold = \"all\"  # assumed\n\
+             specimen = { symmetry = \"quarter\", mesh = { size = \"10 mm\" } } # Table 3\n",
         );
         write(
             "own.toml",

@@ -1,7 +1,7 @@
 //! Checkpoints of a run, from which it resumes with the bits of one that was not interrupted.
 //!
-//! What follows from the model (meshes, laws, masses, the impactor's shape) is regenerated when a run resumes; a checkpoint
-//! holds only what the steps change: the state of the engine and the record of the probe.
+//! What follows from the model (meshes, laws, masses, the impactor's shape) is regenerated when a run resumes; a
+//! checkpoint holds only what the steps change: the state of the engine and the record of the probe.
 
 use std::time::Duration;
 

@@ -69,8 +69,8 @@ impl EnergyCheck {
         (error > STOP).then_some(Fault::EnergyBalance { time, error })
     }
 
-    /// Decrease of the losses in contact and friction from their largest values, J: an error that the sum of all terms does
-    /// not show.
+    /// Decrease of the losses in contact and friction from their largest values, J: an error that the sum of all terms
+    /// does not show.
     fn recovered(&mut self, energies: &Energies) -> f64 {
         let now = [energies.contact, energies.friction];
         (0..2)
@@ -97,8 +97,8 @@ impl EnergyCheck {
         self.rows.iter().map(|e| self.taken_up(e)).fold(0.0, f64::max)
     }
 
-    /// Time (s) and size of the largest ratio of kinetic energy to the energy that the film has taken up, where that is more
-    /// than a tenth of its maximum.
+    /// Time (s) and size of the largest ratio of kinetic energy to the energy that the film has taken up, where that is
+    /// more than a tenth of its maximum.
     pub(super) fn kinetic_share(&self) -> (f64, f64) {
         let least = 0.1 * self.most_taken_up();
         let rows = self.time.iter().zip(&self.rows).filter(|(_, e)| self.taken_up(e) > least);

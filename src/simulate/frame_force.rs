@@ -20,7 +20,7 @@ pub(super) struct HeldSides {
 #[derive(Clone, Debug)]
 struct HeldSide {
     side: Side,
-    /// Counted among all nodes; none where a mirror plane stands in place of the side.
+    /// Counted among all nodes; empty where a mirror plane replaces the side.
     nodes: Vec<u32>,
 }
 
@@ -50,8 +50,8 @@ impl HeldSides {
         self.sides.is_empty()
     }
 
-    /// Mean inward force of the whole film on the held sides across x and on those across y, N; NaN along an axis across
-    /// which none is held.
+    /// Mean inward force of the whole film on the held sides across x and on those across y, N; NaN along an axis
+    /// across which none is held.
     pub(super) fn force(&self, nodes: &Nodes) -> [f64; 2] {
         [0, 1].map(|axis| {
             let sides = || self.across(axis).filter(|held| !held.nodes.is_empty());

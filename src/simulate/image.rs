@@ -39,8 +39,8 @@ impl Image {
         [0, 1, 2].map(|axis| signs[axis] * place[axis])
     }
 
-    /// The image of the direction of fibres that lie along `axis` (0 x, 1 y) in stress-free film. The sign of a fibre's direction
-    /// is arbitrary; it is the one of the film itself.
+    /// The image of the direction of fibres that lie along `axis` (0 x, 1 y) in stress-free film. The sign of a fibre's
+    /// direction is arbitrary; it is the one of the film itself.
     pub fn of_fibre(self, direction: [f32; 3], axis: usize) -> [f32; 3] {
         let sign = self.signs()[axis];
         self.of(direction).map(|c| sign * c)

@@ -67,8 +67,8 @@ pub fn run(model: &Model, progress: &mut dyn FnMut(Progress)) -> Result<Outcome,
     run_with(model, RunOptions::default(), progress)
 }
 
-/// Options of a run that its model does not hold. None changes a bit of the outcome apart from its wall time and the detail
-/// of its snapshots.
+/// Options of a run that its model does not hold. None changes a bit of the outcome apart from its wall time and the
+/// detail of its snapshots.
 #[derive(Default)]
 pub struct RunOptions<'a> {
     /// Where an interrupted run resumes.

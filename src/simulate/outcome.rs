@@ -36,7 +36,8 @@ pub struct Outcome {
     pub kinetic_share: Option<f64>,
     /// Energy lost to damping over the energy that the film took up (only quasi-static loadings).
     pub damping_share: Option<f64>,
-    /// Change of an inflated film's deflection over the last tenth of the test, over the deflection; none after a rupture.
+    /// Change of an inflated film's deflection over the last tenth of the test, over the deflection; none after a
+    /// rupture.
     pub settling: Option<f64>,
     /// Factor on the film's mass that the run used (only quasi-static loadings).
     pub mass_scaling: Option<f64>,

@@ -23,8 +23,8 @@ use crate::signal::{Recording, column};
 /// Audits of energies, contact and strains in a run, unless there are fewer samples.
 const AUDITS: f64 = 400.0;
 
-/// Change of the deflection of an inflated film in the last tenth of its run, over the deflection, above which it is not at
-/// rest.
+/// Change of the deflection of an inflated film in the last tenth of its run, over the deflection, above which it is
+/// not at rest.
 const UNSETTLED: f64 = 2e-3;
 
 /// Part of a slow test after which a lost energy balance stops it; at its end the balance is checked as a whole.

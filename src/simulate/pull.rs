@@ -43,9 +43,9 @@ pub enum PullError {
     },
 }
 
-/// Engineering stress (Pa) of the film of `model` at `strains`, which it is stretched to one after the other: one element of
-/// the size of the specimen, with the history variables of its law and the strain rate of the jaws. Beyond the break strain
-/// the stress is zero.
+/// Engineering stress (Pa) of the film of `model` at `strains`, which it is stretched to one after the other: one
+/// element of the size of the specimen, with the history variables of its law and the strain rate of the jaws. Beyond
+/// the break strain the stress is zero.
 ///
 /// # Errors
 /// Another loading than a stretch, a strain of −1 or less, no transverse equilibrium.
@@ -109,8 +109,8 @@ impl SingleElement {
         Ok(SingleElement { film, flat, nodes, sides, section, rate })
     }
 
-    /// Force (N) along the film that is stretched along and across within `dt` (s); updates its history and deletes it past
-    /// its break strain.
+    /// Force (N) along the film that is stretched along and across within `dt` (s); updates its history and deletes it
+    /// past its break strain.
     fn pulled(&mut self, stretch: [f64; 2], dt: f64) -> f64 {
         load(&mut self.film, &mut self.nodes, &self.flat, stretch, dt);
         let (failed, _) = self.film.delete_failed(self.nodes.position.axes());

@@ -12,8 +12,8 @@ const DECADES: (i32, i32) = (-5, 5);
 /// Relative tolerance at the ends of the measured range.
 const TOLERANCE: f64 = 0.01;
 
-/// Shares of the strain increments of the film by strain rate. An increment is the growth of the largest strain of an element
-/// and counts with the element's volume; only the loading phase is counted.
+/// Shares of the strain increments of the film by strain rate. An increment is the growth of the largest strain of an
+/// element and counts with the element's volume; only the loading phase is counted.
 #[derive(Clone, Debug, Default)]
 pub struct RateHistogram {
     /// Edges of the bins, 1/s, logarithmic.
@@ -100,7 +100,8 @@ impl RateAudit {
         self.loading.outside += std::mem::take(&mut self.pending.outside);
     }
 
-    /// The histogram of the loading phase; its measured range is the intersection of those of all faces, if there is one.
+    /// The histogram of the loading phase; its measured range is the intersection of those of all faces, if there is
+    /// one.
     pub(super) fn finish(self) -> RateHistogram {
         let total: f64 = self.loading.bins.iter().sum();
         let share = |w: f64| if total > 0.0 { w / total } else { 0.0 };

@@ -1,4 +1,4 @@
-//! Serialisation of rows of `K` numbers: serde knows arrays of a given length only.
+//! Serialisation of rows of `K` numbers: serde has arrays of literal lengths only.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

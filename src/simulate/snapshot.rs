@@ -30,7 +30,8 @@ pub struct FilmState {
     pub failed: Vec<bool>,
     /// Nodes of the face in contact with the impactor, ascending.
     pub in_contact: Vec<u32>,
-    /// Stresses and more, where the run takes detailed snapshots ([`RunOptions::detailed`](super::RunOptions::detailed)).
+    /// Stresses and more, where the run takes detailed snapshots
+    /// ([`RunOptions::detailed`](super::RunOptions::detailed)).
     pub detail: Option<Detail>,
 }
 
@@ -39,20 +40,20 @@ pub struct FilmState {
 pub struct Detail {
     /// m/s, one entry a node.
     pub velocities: Vec<[f32; 3]>,
-    /// Engineering stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section, one entry an
-    /// element, as all that follow.
+    /// Engineering stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section, one entry
+    /// an element, as all that follow.
     pub stresses: Vec<[f32; 3]>,
     /// Largest MD and TD strain so far.
     pub peaks: Vec<[f32; 2]>,
     /// Thickness over that of stress-free film; NaN where the law does not give it.
     pub thickness_ratio: Vec<f32>,
-    /// Images of unit vectors along MD and TD of the stress-free film: their directions are those of the fibres, their lengths the
-    /// stretches.
+    /// Images of unit vectors along MD and TD of the stress-free film: their directions are those of the fibres, their
+    /// lengths the stretches.
     pub fibres: Vec<[[f32; 3]; 2]>,
 }
 
-/// Number of snapshots of `films` where `wanted` are requested: as many as fit into [`SNAPSHOT_MEMORY`], at least the first and
-/// the last.
+/// Number of snapshots of `films` where `wanted` are requested: as many as fit into [`SNAPSHOT_MEMORY`], at least the
+/// first and the last.
 pub(super) fn count(wanted: usize, films: &[Film], detailed: bool) -> usize {
     let elements: usize = films.iter().map(|film| film.quads.len() + film.tris.len()).sum();
     let per_element = if detailed { SNAPSHOT_BYTES + DETAIL_BYTES } else { SNAPSHOT_BYTES };

@@ -9,8 +9,8 @@ use crate::mesh::Quality;
 
 codes! {
     MISSHAPEN_ELEMENTS = "misshapen-elements", Warning,
-        "an element of the mesh has a small scaled Jacobian: it is far from a square or an equilateral triangle, and its \
-         strains and its stable time step are poor",
+        "an element of the mesh has a small scaled Jacobian: it is far from a square or an equilateral triangle, and \
+         its strains and its stable time step are poor",
         "mesh the outline again with better shaped elements; `droptower check` names the worst of them";
     COARSE_CONTACT = "coarse-contact", Warning,
         "elements in contact are large compared with the impactor, so that the film takes its shape only approximately",
@@ -19,19 +19,19 @@ codes! {
         "elements penetrate the impactor between nodes in contact",
         "use a smaller `specimen.mesh.size`";
     FRAME_HIT = "frame-hit", Warning,
-        "the impactor reached nodes that the frame clamps; the frame itself is not modelled, so that the motion from then on \
-         is not that of a test",
+        "the impactor reached nodes that the frame clamps; the frame itself is not modelled, so that the motion from then \
+         on is not that of a test",
         "shorten the test or use a stiffer film or a lower impact energy";
     STRAIN_LOCALISATION = "strain-localisation", Warning,
-        "one element is strained much more than its neighbours; with a softening law or a coarse mesh the result from then on \
-         depends on the mesh",
+        "one element is strained much more than its neighbours; with a softening law or a coarse mesh the result from \
+         then on depends on the mesh",
         "compare with a finer `specimen.mesh.size` and do not use figures from after that time";
     UNFINISHED = "unfinished", Warning,
         "the run ends while the impactor is still in contact, so that rebound and energy absorption are not final",
         "use a longer `loading.impact.duration`";
     FEWER_SNAPSHOTS = "fewer-snapshots", Warning,
-        "the recording holds fewer states of the film than `output.frames`, because more of so fine a mesh would take too \
-         much memory; signals and figures are not affected",
+        "the recording holds fewer states of the film than `output.frames`, because more of so fine a mesh would take \
+         too much memory; signals and figures are not affected",
         "use a lower `output.frames` or a larger `specimen.mesh.size`";
     ENERGY_BALANCE = "energy-balance", Warning,
         "the sum of all energies changed by more than 1 % of the energy exchanged; above 10 % the run stops",
@@ -147,13 +147,15 @@ impl fmt::Display for Warning {
             Warning::MisshapenElements { face, quality } => write!(f, "misshapen elements in face {face}: {quality}"),
             Warning::CoarseContact { time, edge } => write!(
                 f,
-                "coarse contact: from {:.1} ms edges in contact are up to {edge:.2} of the impactor's radius (bound {})",
+                "coarse contact: from {:.1} ms edges in contact are up to {edge:.2} of the impactor's radius \
+                 (bound {})",
                 ms(time),
                 bounds::EDGE
             ),
             Warning::Penetration { time, depth } => write!(
                 f,
-                "penetration: from {:.1} ms elements penetrate the impactor by up to {:.1} % of its radius (bound {:.0} %)",
+                "penetration: from {:.1} ms elements penetrate the impactor by up to {:.1} % of its radius \
+                 (bound {:.0} %)",
                 ms(time),
                 percent(depth),
                 percent(&bounds::PENETRATION)
@@ -165,8 +167,8 @@ impl fmt::Display for Warning {
             ),
             Warning::StrainLocalisation { time, strain, face } => write!(
                 f,
-                "strain localisation: at {:.1} ms one element of face {face} is strained to {strain:.2}, over {} times its \
-                 neighbours; the result depends on the mesh from there on",
+                "strain localisation: at {:.1} ms one element of face {face} is strained to {strain:.2}, over {} times \
+                 its neighbours; the result depends on the mesh from there on",
                 ms(time),
                 bounds::LOCALISATION
             ),
@@ -175,8 +177,8 @@ impl fmt::Display for Warning {
             ),
             Warning::FewerSnapshots { wanted, taken, memory } => write!(
                 f,
-                "the recording holds {taken} states of the film instead of {wanted}: more of so fine a mesh would take more \
-                 than {:.1} GB",
+                "the recording holds {taken} states of the film instead of {wanted}: more of so fine a mesh would take \
+                 more than {:.1} GB",
                 1e-9 * memory
             ),
             Warning::EnergyBalance { error } => {
@@ -196,7 +198,8 @@ impl fmt::Display for Warning {
             }
             Warning::NearlyQuasiStatic { share } => write!(
                 f,
-                "barely quasi-static: kinetic energy is up to {:.1} % of the energy that the film took up (bound {:.0} %)",
+                "barely quasi-static: kinetic energy is up to {:.1} % of the energy that the film took up \
+                 (bound {:.0} %)",
                 percent(share),
                 percent(&bounds::KINETIC)
             ),

@@ -117,7 +117,7 @@ fn an_impactor_beside_the_film_is_a_mistake() {
     let output = droptower(bench.path(), &arguments);
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        standard_error_and_output(&output).contains("the impactor goes down beside the film"),
+        standard_error_and_output(&output).contains("the impactor passes beside the film"),
         "{}",
         standard_error_and_output(&output)
     );

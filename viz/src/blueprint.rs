@@ -1,7 +1,7 @@
 //! The blueprint: what the viewer shows and how, sent ahead of the data.
 //!
-//! The blueprint interface of the SDK cannot set properties of its views (camera, background, legends of plots), though the
-//! format has them: they are logged by hand to the paths of the views, and sent together with the rest.
+//! The blueprint interface of the SDK cannot set properties of its views (camera, background, legends of plots), though
+//! the format has them: they are logged by hand to the paths of the views, and sent together with the rest.
 
 use re_sdk::blueprint::{Blueprint, BlueprintActivation, ContainerLike};
 use re_sdk::external::re_log_types::BlueprintActivationCommand;

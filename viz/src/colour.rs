@@ -19,7 +19,8 @@ const VIRIDIS: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
-/// Colours of `values`, the first at the lower and the last at the upper end of `range`; what is not a number gets the first.
+/// Colours of `values`, the first at the lower and the last at the upper end of `range`; what is not a number gets the
+/// first.
 pub(crate) fn of(values: &[f32], [low, high]: [f32; 2]) -> impl Iterator<Item = [u8; 3]> + '_ {
     let span = (high - low).max(f32::MIN_POSITIVE);
     values.iter().map(move |value| at((value - low) / span))

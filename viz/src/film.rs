@@ -16,7 +16,8 @@ use crate::series::Moment;
 /// Name of the colours of one quantity among the components of a film.
 pub(crate) const COLOURS: &str = "Colours";
 
-/// Positions are rounded to about so many steps along the longest side of the films: random last digits do not compress.
+/// Positions are rounded to about so many steps along the longest side of the films: random last digits do not
+/// compress.
 const STEPS: f32 = 16_384.0;
 
 /// Marks at the nodes in contact are rounded to so many steps of positions.

@@ -24,8 +24,8 @@ pub fn of(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec<[f32; 3]>
     normals.into_iter().map(rounded_unit).collect()
 }
 
-/// The normals at the corners of each triangle of a closed surface, weighted by the area of those around the corner that do not
-/// turn away from it by more than an edge does.
+/// The normals at the corners of each triangle of a closed surface, weighted by the area of those around the corner
+/// that do not turn away from it by more than an edge does.
 pub fn of_corners(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32; 3]; 3]> {
     let areas: Vec<[f32; 3]> = triangles.iter().map(|triangle| area(points, triangle)).collect();
     let mut around: Vec<Vec<usize>> = vec![vec![]; points.len()];

@@ -74,8 +74,8 @@ impl Stage {
         Ok(())
     }
 
-    /// Replaces the texts, signals, charts, diagrams and events by those of `rest` and sends the layout for them. Of signals
-    /// that were logged before, `rest` holds the new values.
+    /// Replaces the texts, signals, charts, diagrams and events by those of `rest` and sends the layout for them. Of
+    /// signals that were logged before, `rest` holds the new values.
     ///
     /// # Errors
     /// Lists of `rest` do not fit each other.

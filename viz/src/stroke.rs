@@ -11,7 +11,8 @@ pub struct Stroke {
     pub width: f32,
 }
 
-/// Wong's palette (Nature Methods 8, 441, 2011) without its black and yellow, which have no contrast on dark and light backgrounds.
+/// Wong's palette (Nature Methods 8, 441, 2011) without its black and yellow, which have no contrast on dark and light
+/// backgrounds.
 const COLOURS: [[u8; 3]; 6] =
     [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0]];
 

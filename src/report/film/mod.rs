@@ -75,8 +75,8 @@ fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment>
     moments
 }
 
-/// Indices of at most `most` snapshots: the first and the last, those at the moments or next after them, and others evenly
-/// between.
+/// Indices of at most `most` snapshots: the first and the last, those at the moments or next after them, and others
+/// evenly between.
 fn chosen(snapshots: &[&Snapshot], moments: &[Moment], most: usize) -> BTreeSet<usize> {
     let last = snapshots.len() - 1;
     // A failed element is shown failed in the next snapshot.
@@ -153,6 +153,7 @@ impl Scene<'_> {
                 "pose": pose,
             })
         };
+        let moment = |(words, time): &Moment| json!([words, rounded(time * 1e3, DIGITS)]);
         let face = |face: &Face| {
             json!({
                 "nodes": face.surface.nodes.len(),
@@ -166,7 +167,7 @@ impl Scene<'_> {
             "shear": shear,
             "faces": self.faces.iter().map(face).collect::<Vec<_>>(),
             "states": self.states.iter().zip(&places).map(state).collect::<Vec<_>>(),
-            "moments": self.moments.iter().map(|(words, time)| json!([words, rounded(time * 1e3, DIGITS)])).collect::<Vec<_>>(),
+            "moments": self.moments.iter().map(moment).collect::<Vec<_>>(),
             "body": self.body.as_ref().map(body),
         })
     }
@@ -322,7 +323,7 @@ mod tests {
         let (mut points, film) = sheet(2);
         let outlines: Vec<[u32; 4]> = outlines(&film).collect();
         let face = Face { index: 0, mirrored: film.mirrored, surface: CoarseSurface::of(&points, &outlines, 100) };
-        // A corner that only the first element has, which is broken.
+        // A corner of the first element alone, which has failed.
         points[0] = [-1e6; 3];
         let state = snapshot(0.0, &points, &film);
         let scene = Scene { faces: vec![face], states: vec![&state], moments: vec![], body: None };

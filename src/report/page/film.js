@@ -1,5 +1,5 @@
-// Draws the figure of class "film": faces and impactor in 3-D on a 2-D canvas with its own rasteriser, so that it needs no
-// WebGL. Its time follows the event "moment", as the cursors of the plots do.
+// Draws the figure of class "film": faces and impactor in 3-D on a 2-D canvas with its own rasteriser, so that it needs
+// no WebGL. Its time follows the event "moment", as the cursors of the plots do.
 (() => {
   "use strict";
 

@@ -1,5 +1,5 @@
-// Parts of every page: links to its sections, and a button for light or dark, which the system decides until the button is
-// pressed. Nothing is stored. `page` holds what the other scripts share.
+// Parts of every page: links to its sections, and a button for light or dark, which the system decides until the button
+// is pressed. Nothing is stored. `page` holds what the other scripts share.
 const page = (() => {
   "use strict";
 

@@ -1,6 +1,6 @@
-// Draws every figure of class "plot" with uPlot from the data within it. Curves may have their own abscissae, which need not
-// ascend, so all plots use uPlot's mode 2: x and y for each curve. Figures over the same axis share their cursor by the event
-// "moment" { words, x }, as does the film.
+// Draws every figure of class "plot" with uPlot from the data within it. Curves may have their own abscissae, which need
+// not ascend, so all plots use uPlot's mode 2: x and y for each curve. Figures over the same axis share their cursor by
+// the event "moment" { words, x }, as does the film.
 (() => {
   "use strict";
 
@@ -436,7 +436,7 @@
       action();
     }
 
-    /** Moves the cursor by so many hundredths: of the view, or along the first visible curve where its abscissae do not ascend. */
+    /** Moves the cursor by hundredths of the view, or along the first visible curve where its abscissae do not ascend. */
     step(count) {
       const plot = this.plot;
       const first = this.curves.findIndex((_, curve) => plot.series[curve + 1].show);

@@ -1,5 +1,5 @@
-// Rasterises patches in space with a depth buffer, which is right for patches that touch or intersect. Pictures are drawn at
-// twice the size of the page and scaled down, which smooths slanted edges.
+// Rasterises patches in space with a depth buffer, which is right for patches that touch or intersect. Pictures are drawn
+// at twice the size of the page and scaled down, which smooths slanted edges.
 page.Raster = class {
   constructor() {
     this.canvas = document.createElement("canvas");
@@ -81,7 +81,7 @@ page.Raster = class {
     }
   }
 
-  /** Blends translucent patches over the others, where they are nearer by more than `least`, with a share of their own colour. */
+  /** Blends translucent patches over the others with a share of their own colour, where nearer by more than `least`. */
   glaze(share, least) {
     const { pixels, depths, glass } = this;
     for (let at = 0; at < pixels.length; at++) {

@@ -99,7 +99,8 @@ fn objectives(study: &StudyRecording) -> Vec<(Chart, Vec<SignalTrack>)> {
     charts.filter(|(_, signals)| !signals.is_empty()).collect()
 }
 
-/// A figure of every search along its iterations, at the entity `part` of each. Names may hold any characters, so entities are numbered.
+/// A figure of every search along its iterations, at the entity `part` of each. Names may hold any characters, so
+/// entities are numbered.
 fn along_iterations(
     study: &StudyRecording,
     name: &str,
@@ -138,8 +139,8 @@ fn chart(title: &str, signals: &[SignalTrack]) -> Chart {
     Chart { title: title.to_owned(), signals: signals.iter().map(|signal| signal.path.clone()).collect() }
 }
 
-/// Every iteration of every search, then the log of the script, which has no iterations: at the last iteration, or at the
-/// beginning without a search.
+/// Every iteration of every search, then the log of the script, which has no iterations: at the last iteration, or at
+/// the beginning without a search.
 fn events(study: &StudyRecording) -> Vec<Event> {
     let event = |at, text| Event { at, severity: Severity::Info, text };
     let iterations = study.searches.iter().flat_map(|search| search.iterations.iter().map(move |at| (search, at)));

@@ -1,18 +1,19 @@
 //! The snapshots of a run for ParaView: two series, `film.pvd` and `impactor.pvd`, one file a snapshot.
 //!
-//! The film is complete with the mirror images of a part that was computed; failed elements are left out. Arrays on cells
+//! The film is complete with the mirror images of a part that was computed; failed elements are left out. Arrays on
+//! cells
 //!
 //! | array | what it is |
 //! |---|---|
 //! | `strain_md`, `strain_td`, `shear_angle_rad` | engineering strain of the fibres, shear angle between them |
-//! | `stress_md_Pa`, `stress_td_Pa`, `stress_shear_Pa` | nominal stresses, referred to the stress-free cross-section of one layer and conjugate to those strains; of fabric the values of its curves |
+//! | `stress_md_Pa`, `stress_td_Pa`, `stress_shear_Pa` | nominal stresses of one layer, conjugate to those strains |
 //! | `resultant_md_N_m`, `resultant_td_N_m`, `resultant_shear_N_m` | forces of all layers per stress-free width |
 //! | `largest_strain_md`, `largest_strain_td` | largest strains so far; a fibre below its own is unloading |
 //! | `reference_thickness_m` | of all layers, stress-free |
-//! | `thickness_m` | of all layers as they are; only where the law says it, in plane stress (a fabric's curves do not) |
-//! | `area_ratio` | area over that of stress-free film, without wrinkles; an incompressible film is `reference_thickness_m / area_ratio` thick |
+//! | `thickness_m` | present thickness of all layers; only of laws in plane stress, which give it (a fabric's do not) |
+//! | `area_ratio` | area over that of stress-free film, without wrinkles; of incompressible film 1 / thickness ratio |
 //! | `direction_md`, `direction_td` | unit vectors along the fibres |
-//! | `face`, `element`, `layers`, `image` | from 1; from 0 within the face; number; 0 what was computed, else its mirror images |
+//! | `face`, `element`, `layers`, `image` | from 1; from 0 within the face; number; 0 computed, others mirror images |
 //!
 //! and on points `displacement_m` (from the first snapshot), `velocity_m_s` and `touching` (1 at nodes in contact).
 

@@ -10,17 +10,18 @@ use crate::simulate::fault::RunError;
 use crate::simulate::mount::{self, Mounting};
 use crate::simulate::tracks::Tracks;
 
-/// Decay times of a free oscillation in the duration of the indentation. The force is recorded throughout, so damping must not
-/// add to it.
+/// Decay times of a free oscillation in the duration of the indentation. The force is recorded throughout, so damping
+/// must not add to it.
 const DECAYS: f64 = 10.0;
 
 /// Gap over the impactor's size that counts as closed.
 const CLOSED: f64 = 1e-9;
 
-/// Least step down over the impactor's size: beside nodes that it passes closely, steps of the gap alone would be too many.
+/// Least step down over the impactor's size: beside nodes that it passes closely, steps of the gap alone would be too
+/// many.
 const LEAST_STEP: f64 = 1e-3;
 
-/// An impactor that goes `depth` (m) down at `velocity` (m/s).
+/// An impactor that moves down by `depth` (m) at `velocity` (m/s).
 pub(super) struct Indent<'a> {
     pub(super) model: &'a Model,
     pub(super) depth: f64,
@@ -57,7 +58,8 @@ impl LoadCase for Indent<'_> {
         [self.velocity, 0.0]
     }
 
-    /// Depth below first contact and the force on the impactor: the impulse of the film between two samples over that time.
+    /// Depth below first contact and the force on the impactor: the impulse of the film between two samples over that
+    /// time.
     fn signals(&self, tracks: &Tracks, _: &Mounting) -> Recording {
         let row = |k: usize| [self.velocity * k as f64 * tracks.sample, tracks.contact_force(k)];
         let rows: Vec<_> = (0..tracks.whole().min(tracks.strains.rows.len())).map(row).collect();
@@ -65,9 +67,9 @@ impl LoadCase for Indent<'_> {
     }
 }
 
-/// Travel (m) of the impactor at `pose` down to first contact; none where it passes all nodes. No gap closes faster than the
-/// impactor goes down, so each step is the smallest gap, but at least the least step; if a node is then inside, contact is
-/// found by bisection.
+/// Travel (m) of the impactor at `pose` down to first contact; none where it passes all nodes. No gap closes faster
+/// than the impactor goes down, so each step is the smallest gap, but at least the least step; if a node is then
+/// inside, contact is found by bisection.
 fn travel_to_contact(contact: &Contact, pose: &Isometry3<f64>, nodes: &Nodes) -> Option<f64> {
     let surface = contact.surface();
     let mut travel = 0.0;

@@ -25,8 +25,8 @@ pub(super) trait LoadCase {
     /// Where the factor on the film's mass comes from.
     fn mass_scaling(&self) -> MassScaling;
 
-    /// Estimate of how many times longer than necessary the test is with the film's own mass, with which it takes `steps`
-    /// steps. Above one, its square is the factor on the mass that is chosen; NaN where it cannot be estimated.
+    /// Estimate of how many times longer than necessary the test is with the film's own mass, with which it takes
+    /// `steps` steps. Above one, its square is the factor on the mass that is chosen; NaN where it cannot be estimated.
     fn excess(&self, _steps: f64) -> f64 {
         1.0
     }
@@ -34,7 +34,8 @@ pub(super) trait LoadCase {
     /// Mass-proportional damping of the film, 1/s (theory.md, equation 28).
     fn damping(&self) -> f64;
 
-    /// Holds the nodes of `mesh`, of which `first` is the first of all `nodes`, and returns the jaws that move some of them.
+    /// Holds the nodes of `mesh`, of which `first` is the first of all `nodes`, and returns the jaws that move some of
+    /// them.
     fn hold(&self, nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) -> Vec<Jaw> {
         mount::clamp(nodes, mesh, first, hold);
         vec![]

@@ -8,8 +8,8 @@ use crate::simulate::fault::RunError;
 use crate::simulate::mount::Mounting;
 use crate::simulate::tracks::Tracks;
 
-/// Decay times of a free oscillation in the rise of the pressure, which is held afterwards. The film must not overshoot its
-/// equilibrium, since its law may depend on its largest strain.
+/// Decay times of a free oscillation in the rise of the pressure, which is held afterwards. The film must not overshoot
+/// its equilibrium, since its law may depend on its largest strain.
 const DECAYS: f64 = 40.0;
 
 /// A `pressure` (Pa) that rises over `ramp` (s) and is held.

@@ -1,4 +1,4 @@
-//! How long a test has to take for its film to stay in equilibrium (theory.md, section 10).
+//! Duration of a test in which the film stays in equilibrium (theory.md, section 10).
 
 use std::f64::consts::TAU;
 
@@ -6,14 +6,14 @@ use crate::lane::splat;
 use crate::mesh::{Outline, Side};
 use crate::model::{Face, Hold, Model};
 
-/// Periods of the film for which a test loads it, where the factor on its mass is chosen.
+/// Duration of the loading in periods of the film, where the factor on its mass is chosen.
 pub(super) const PERIODS: f64 = 50.0;
 
 /// First zero of the Bessel function J₀: angular frequency of a round membrane over its wave speed and radius.
 const ROUND: f64 = 2.404_826;
 
-/// Periods of the softest face in `time` (s), where `stretch` is what a face of a radius (m) is stretched by at the end of
-/// the test: an estimate within a factor of two.
+/// Periods of the softest face in `time` (s), where `stretch` is what a face of a radius (m) is stretched by at the end
+/// of the test: an estimate within a factor of two.
 pub(super) fn periods(model: &Model, time: f64, stretch: impl Fn(&Face, f64) -> f64) -> f64 {
     let Some(radius) = radius(&model.specimen.shape, &model.frame.hold) else { return 0.0 };
     let frequency =

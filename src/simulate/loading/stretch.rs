@@ -1,4 +1,4 @@
-//! Stretch: two jaws pull the film apart.
+//! Stretch: two jaws pull the film.
 
 use super::{Inertia, LoadCase, MassScaling};
 use crate::engine::{self, Film, Jaw, Loads, Nodes};

@@ -14,7 +14,8 @@ use crate::stroke::Stroke;
 /// Lengths of a dash and of the gap after it, in heights of the box.
 const DASH: [f64; 2] = [0.03, 0.02];
 
-/// Length of a tick, and distances of labels from the box, in heights of it. The viewer centres a label below its point.
+/// Length of a tick, and distances of labels from the box, in heights of it. The viewer centres a label below its
+/// point.
 const TICK: f64 = 0.015;
 const BELOW: [f64; 2] = [0.02, 0.10];
 const LEFT: f64 = 0.07;
