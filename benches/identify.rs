@@ -106,11 +106,11 @@ fn scenario(test: &str) -> PathBuf {
 
 /// Runs a test and writes its signals as its recording.
 fn record(test: &'static str, folder: &Path) -> Outcome<Recorded> {
-    let document = Document::read(&scenario(test)).map_err(told)?;
+    let document = Document::read(&scenario(test)).map_err(rendered)?;
     let resolved: toml::Table = document.resolved().parse()?;
     let scale = &resolved["specimen"]["material"]["fabric"]["scale"];
     let expected = ["k1", "ke", "ky"].map(|name| scale[name].as_float().unwrap_or(f64::NAN));
-    let mut model = model::check(&document.with(&[change("output.frames=1")?])).map_err(told)?;
+    let mut model = model::check(&document.with(&[change("output.frames=1")?])).map_err(rendered)?;
     (model.reference, model.post) = (None, None);
     let outcome = simulate::run(&model, &mut |_| {})?;
     let results = Plan::prepare(&model)?.measure(&model, &outcome)?;
@@ -157,8 +157,8 @@ fn averaged(tests: &[Recorded]) -> Outcome<Cost> {
     let film = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/materials/lldpe-averaged.toml");
     let changes = [change(&format!("specimen.material={}", film.display()))?];
     let model = |test: &Recorded| {
-        let document = Document::read(&scenario(test.test)).map_err(told)?.with(&changes);
-        Ok(model::check(&document).map_err(told)?)
+        let document = Document::read(&scenario(test.test)).map_err(rendered)?.with(&changes);
+        Ok(model::check(&document).map_err(rendered)?)
     };
     let models = tests.iter().map(model).collect::<Outcome<Vec<_>>>()?;
     let runs = || models.par_iter().map(|model| simulate::run(model, &mut |_| {}).map(drop)).collect::<Result<(), _>>();
@@ -178,9 +178,9 @@ impl Recorded {
 }
 
 fn change(text: &str) -> Outcome<Assignment> {
-    Ok(Assignment::from_argument(text).map_err(told)?)
+    Ok(Assignment::from_argument(text).map_err(rendered)?)
 }
 
-fn told(mistakes: Vec<diagnostic::Diagnostic>) -> String {
+fn rendered(mistakes: Vec<diagnostic::Diagnostic>) -> String {
     diagnostic::render(&mistakes, false)
 }

@@ -267,7 +267,7 @@ fn parts() {
 fn sizes() {
     println!("## From a thousand to a million elements, one thread\n");
     println!("| elements | ns an element step, with contact | bytes an element |\n|---|---|---|");
-    // A quarter where the whole would be so coarse that faces have to be met between their nodes.
+    // A quarter, as the whole would be so coarse that there is face contact.
     for (symmetry, size, steps) in
         [("quarter", "9.1mm", 4000), ("none", "5.66mm", 400), ("none", "1.79mm", 60), ("none", "0.566mm", 20)]
     {

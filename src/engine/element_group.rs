@@ -131,7 +131,7 @@ where
 
     fn for_each(&self, first: u32, intact: bool, show: &mut dyn FnMut(&[u32])) {
         let Blocks { corners, .. } = &self.elements;
-        for (b, l) in self.elements.places().filter(|(b, l)| !(intact && self.elements.is_deleted(*b, *l))) {
+        for (b, l) in self.elements.indices().filter(|(b, l)| !(intact && self.elements.is_deleted(*b, *l))) {
             show(&corners[b].of(l).map(|n| first + n));
         }
     }

@@ -31,7 +31,7 @@ impl FilmHistory {
     where
         B: Block<NODES, L>,
     {
-        for (block, lane) in elements.places() {
+        for (block, lane) in elements.indices() {
             for (history, volume) in elements.blocks[block].history() {
                 self.variables.extend(history.variables().map(|variable| variable[lane]));
                 self.volume.push(volume[lane]);
@@ -59,7 +59,7 @@ impl Reader<'_> {
         B: Block<NODES, L>,
     {
         let last = elements.count - 1;
-        for (number, (block, lane)) in elements.places().enumerate() {
+        for (number, (block, lane)) in elements.indices().enumerate() {
             let copies = lane + 1..if number == last { L } else { lane + 1 };
             for ((history, volume), saved) in elements.blocks[block].history_mut().zip(&mut self.volume) {
                 volume[lane] = *saved;

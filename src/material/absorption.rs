@@ -72,7 +72,13 @@ impl Absorption {
 
     /// Largest slope within `reach` of `strain` on either path, Pa; zero where the fibre stays slack.
     #[inline(always)]
-    pub fn steepest<const L: usize>(&self, curve: &Curve, strain: &Lane<L>, peak: &Lane<L>, reach: f64) -> Lane<L> {
+    pub fn largest_slope<const L: usize>(
+        &self,
+        curve: &Curve,
+        strain: &Lane<L>,
+        peak: &Lane<L>,
+        reach: f64,
+    ) -> Lane<L> {
         let reach = reach * self.steepening;
         let (mut from, mut to) = (splat(0.0), splat(0.0));
         for l in 0..L {
@@ -80,11 +86,11 @@ impl Absorption {
             from[l] = place - reach;
             to[l] = place + reach;
         }
-        let mut steepest = curve.steepest(&from, &to);
+        let mut largest_slope = curve.largest_slope(&from, &to);
         for l in 0..L {
-            steepest[l] = if to[l] < 0.0 { 0.0 } else { self.steepening * steepest[l] };
+            largest_slope[l] = if to[l] < 0.0 { 0.0 } else { self.steepening * largest_slope[l] };
         }
-        steepest
+        largest_slope
     }
 }
 

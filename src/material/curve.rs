@@ -156,13 +156,13 @@ impl Curve {
 
     /// Largest slope between two strains in each lane, Pa.
     #[inline(always)]
-    pub fn steepest<const L: usize>(&self, from: &Lane<L>, to: &Lane<L>) -> Lane<L> {
+    pub fn largest_slope<const L: usize>(&self, from: &Lane<L>, to: &Lane<L>) -> Lane<L> {
         let mut most = splat(0.0);
         for s in &self.segments {
             let end = s.start + s.length;
             for l in 0..L {
-                let touched = (s.start <= larger(to[l], 0.0)) & (end >= from[l]);
-                most[l] = if touched { larger(s.slope, most[l]) } else { most[l] };
+                let overlaps = (s.start <= larger(to[l], 0.0)) & (end >= from[l]);
+                most[l] = if overlaps { larger(s.slope, most[l]) } else { most[l] };
             }
         }
         most
@@ -192,11 +192,11 @@ mod tests {
     }
 
     #[test]
-    fn steepest_looks_at_every_segment_touched() {
+    fn the_largest_slope_is_over_all_overlapping_segments() {
         for (from, to, slope) in
             [(0.0, 0.05, 20.0), (0.05, 0.2, 20.0), (0.2, 0.3, 5.0), (0.6, 0.9, 5.0), (-0.2, -0.1, 20.0)]
         {
-            assert!((bilinear().steepest(&[from], &[to])[0] - slope).abs() < 1e-9, "{from}..{to}");
+            assert!((bilinear().largest_slope(&[from], &[to])[0] - slope).abs() < 1e-9, "{from}..{to}");
         }
     }
 

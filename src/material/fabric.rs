@@ -56,7 +56,7 @@ impl<F: FibreLaw> Fabric<F> {
     }
 }
 
-/// |sin γ| up to which the shear angle is the angle itself.
+/// |sin γ| up to which the shear angle is the arcsine.
 const SINE_BOUND: f64 = 0.95;
 
 /// γ/sin γ in powers of cos γ − [`CENTRE`], |sin γ| up to the bound: interpolation at Chebyshev nodes, within 1.2e-16. As a function
@@ -83,7 +83,7 @@ const ANGLE_OVER_SINE: [f64; 16] = [
 /// The middle of the cosines.
 const CENTRE: f64 = 0.656;
 
-/// [`ANGLE_OVER_SINE`] at a cosine, in pairs of pairs (Estrin's scheme): neighbours wait for each other less than in Horner's.
+/// [`ANGLE_OVER_SINE`] at a cosine, by Estrin's scheme, whose chain of dependent operations is shorter than Horner's.
 #[inline(always)]
 fn angle_over_sine(cosine: f64) -> f64 {
     let t = cosine - CENTRE;
@@ -142,9 +142,7 @@ impl<const L: usize> Fibres<L> {
     pub(super) fn strain(&self, fibre: usize) -> Lane<L> {
         self.stretch[fibre].map(|stretch| stretch - 1.0)
     }
-}
 
-impl<const L: usize> Fibres<L> {
     /// Engineering stresses, of any law: ∂W/∂λ_I and ∂W/∂γ where W depends on λ₁², λ₂² and f₁·f₂ = m₁ m₂ sin γ.
     pub(super) fn stresses(&self, stress: &Stress<L>) -> Stresses<L> {
         let mut out = Stresses { md: splat(0.0), td: splat(0.0), shear: splat(0.0) };
@@ -162,17 +160,17 @@ impl<const L: usize> Fibres<L> {
 
     /// Stress of fibres with the engineering stresses `md`, `td` and `shear`, Pa.
     #[inline(always)]
-    fn pull(&self, d: &Deformation<L>, md: &Lane<L>, td: &Lane<L>, shear: &Lane<L>) -> Stress<L> {
+    fn stress(&self, d: &Deformation<L>, md: &Lane<L>, td: &Lane<L>, shear: &Lane<L>) -> Stress<L> {
         let mut tension = [splat(0.0); 2];
         let mut cross = splat(0.0);
         for l in 0..L {
             let [r1, r2] = [self.inverse[0][l], self.inverse[1][l]];
-            let turn = shear[l].copysign(self.angle[l]) * self.secant[l];
-            cross[l] = turn * r1 * r2;
+            let shear = shear[l].copysign(self.angle[l]) * self.secant[l];
+            cross[l] = shear * r1 * r2;
             let taut1 = if self.stretch[0][l] > 1.0 { r1 * r1 } else { 0.0 };
             let taut2 = if self.stretch[1][l] > 1.0 { r2 * r2 } else { 0.0 };
-            tension[0][l] = md[l] * r1 - turn * self.sine[l] * taut1;
-            tension[1][l] = td[l] * r2 - turn * self.sine[l] * taut2;
+            tension[0][l] = md[l] * r1 - shear * self.sine[l] * taut1;
+            tension[1][l] = td[l] * r2 - shear * self.sine[l] * taut2;
         }
         let [f1, f2] = &d.f;
         Stress { p: [combine(&tension[0], f1, &cross, f2), combine(&tension[1], f2, &cross, f1)], tension, cross }
@@ -189,7 +187,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let md = self.md.stress(&self.absorption, &fibres.strain(0), history_md, dt);
         let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
         let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), &mut history.shear);
-        fibres.pull(d, &md, &td, &shear)
+        fibres.stress(d, &md, &td, &shear)
     }
 
     #[inline(always)]
@@ -212,19 +210,19 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
 
     #[inline(always)]
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Stiffness<L> {
-        /// Strain that a fibre may move before the bound is asked for again.
+        /// Change of strain for which the bound holds.
         const REACH: f64 = 0.005;
         let fibres = Fibres::of(d);
         let angle = fibres.angle.map(f64::abs);
         let md = self.md.stress_near(&self.absorption, &fibres.strain(0), &history.fibres[0]);
         let td = self.td.stress_near(&self.absorption, &fibres.strain(1), &history.fibres[1]);
-        let turned = self.absorption.stress(&self.shear, &angle, &mut history.shear.clone());
-        let across = fibres.pull(d, &md, &td, &turned).tension.map(|t| t.map(f64::abs));
+        let shear_stress = self.absorption.stress(&self.shear, &angle, &mut history.shear.clone());
+        let across = fibres.stress(d, &md, &td, &shear_stress).tension.map(|t| t.map(f64::abs));
         let mut along = [
-            self.md.steepest(&self.absorption, &fibres.strain(0), &history.fibres[0], REACH),
-            self.td.steepest(&self.absorption, &fibres.strain(1), &history.fibres[1], REACH),
+            self.md.largest_slope(&self.absorption, &fibres.strain(0), &history.fibres[0], REACH),
+            self.td.largest_slope(&self.absorption, &fibres.strain(1), &history.fibres[1], REACH),
         ];
-        let mut shear = self.absorption.steepest(&self.shear, &angle, &history.shear, REACH);
+        let mut shear = self.absorption.largest_slope(&self.shear, &angle, &history.shear, REACH);
         let mut largest = angle;
         for l in 0..L {
             largest[l] = larger(angle[l], history.shear[l]);
@@ -239,7 +237,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         Stiffness { along, across, shear, alignment: fibres.sine }
     }
 
-    /// Nothing: the curves are of the stress-free cross-section, and how film thins is not in them.
+    /// Undefined: the curves are of the stress-free cross-section and do not include the change of thickness.
     fn thickness_ratio<const L: usize>(&self, _stress: &Stress<L>) -> Lane<L> {
         splat(f64::NAN)
     }
@@ -277,7 +275,7 @@ mod tests {
     use crate::material::History;
 
     #[test]
-    fn the_angle_is_the_arcsine_and_goes_on_along_its_tangent() {
+    fn the_angle_is_the_arcsine_continued_along_its_tangent() {
         for i in -99..=99 {
             let sine = f64::from(i) / 100.0;
             let f = [[1.0, 0.0, 0.0], [sine, (1.0 - sine * sine).sqrt(), 0.0]].map(|v| v.map(|x| [x]));
@@ -293,7 +291,7 @@ mod tests {
 
     /// In pure tension the first Piola–Kirchhoff stress is the engineering stress of the curve.
     #[test]
-    fn pull_along_a_fibre_reads_its_curve() {
+    fn uniaxial_stress_is_that_of_the_curve() {
         let md = Curve::new(vec![[0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]]).unwrap();
         let td = Curve::new(vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]).unwrap();
         let film = Fabric::new(md.clone(), td.clone(), Curve::new(vec![[1.0, 1e7]]).unwrap(), 0.9);

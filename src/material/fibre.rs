@@ -37,7 +37,7 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
 
     /// Bound on the slope dσ/dε (Pa) within `reach` of `strain`, on loading and unloading at any rate; zero where the fibre stays
     /// slack.
-    fn steepest<const L: usize>(
+    fn largest_slope<const L: usize>(
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
@@ -86,14 +86,14 @@ impl FibreLaw for Curve {
     }
 
     #[inline(always)]
-    fn steepest<const L: usize>(
+    fn largest_slope<const L: usize>(
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
         history: &Lane<L>,
         reach: f64,
     ) -> Lane<L> {
-        absorption.steepest(self, strain, history, reach)
+        absorption.largest_slope(self, strain, history, reach)
     }
 
     fn initial_slope(&self) -> f64 {

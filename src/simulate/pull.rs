@@ -170,6 +170,6 @@ fn load(film: &mut Film, nodes: &mut Nodes, flat: &Vectors, stretch: [f64; 2], d
     for (n, [x, y, z]) in flat.iter().enumerate() {
         nodes.position.set(n, [stretch[0] * x, stretch[1] * y, z]);
     }
-    nodes.force.axes_mut().into_iter().for_each(|axis| axis.fill(0.0));
+    nodes.clear_forces();
     film.add_forces(nodes, dt);
 }

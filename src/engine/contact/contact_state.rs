@@ -25,7 +25,7 @@ impl Contact {
     }
 
     /// The state of contact with the impactor at `pose`.
-    pub fn state(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> ContactState {
+    pub(in crate::engine) fn state(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> ContactState {
         let mut out = ContactState::default();
         let tolerance = 1e-4 * self.surface.size();
         for NeighbourElement { corners, .. } in &self.neighbours.elements {

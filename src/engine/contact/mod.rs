@@ -52,7 +52,7 @@ pub struct Contact {
     /// Of each range of the neighbour list.
     contacts: Vec<NodeContacts>,
     /// Work since the start.
-    pub work: Work,
+    pub(super) work: Work,
 }
 
 /// Allowed penetration of a face between its nodes over the impactor's size: below the one that gives a warning.
@@ -66,17 +66,17 @@ const NODES_PER_RANGE: usize = 256;
 
 /// Running totals of the work of contact, J.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Work {
+pub(super) struct Work {
     /// Done by the impactor on the film.
-    pub on_film: f64,
+    pub(super) on_film: f64,
     /// Dissipated where nodes come into contact.
-    pub impact_loss: f64,
+    pub(super) impact_loss: f64,
     /// Dissipated by friction.
-    pub friction_loss: f64,
+    pub(super) friction_loss: f64,
     /// Momentum transferred to the impactor along z, N s.
-    pub impulse: f64,
+    pub(super) impulse: f64,
     /// Half the work of the last step: it belongs to the half step after the full one.
-    pub ahead: f64,
+    pub(super) ahead: f64,
 }
 
 /// The impulse on a node in one step, N s.
@@ -222,7 +222,7 @@ impl Contact {
     }
 
     /// Nodes that were in contact in the last step, themselves or as corners of an element.
-    pub fn nodes_in_contact(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(super) fn nodes_in_contact(&self) -> impl Iterator<Item = usize> + '_ {
         let listed = self.contacts.iter().flat_map(|contacts| &contacts.impulses).map(|impulse| impulse.node);
         let unlisted = self.contacts.iter().filter(|_| self.neighbours.face_candidates.is_empty());
         listed.chain(unlisted.flat_map(NodeContacts::active_nodes))

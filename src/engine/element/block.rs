@@ -60,11 +60,11 @@ pub(crate) trait Block<const NODES: usize, const L: usize> {
 /// Energies of the elements of one block, J.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockEnergies<const L: usize> {
-    /// Comes back on unloading.
+    /// Returned on unloading.
     pub stored: Lane<L>,
-    /// Lost in the law.
+    /// Absorbed by the law.
     pub absorbed: Lane<L>,
-    /// In the stabilisation.
+    /// In the stabilisation against hourglass modes.
     pub hourglass: Lane<L>,
 }
 
@@ -89,6 +89,7 @@ pub(crate) struct BlockDetails<const L: usize> {
 }
 
 impl<const L: usize> BlockDetails<L> {
+    /// Zero, to be added to.
     pub(super) const NONE: Self =
         BlockDetails { stress: [splat(0.0); 3], thickness_ratio: splat(0.0), fibres: [[splat(0.0); 3]; 2] };
 
@@ -111,15 +112,16 @@ impl<const L: usize> BlockDetails<L> {
 }
 
 impl<const L: usize> BlockEnergies<L> {
+    /// Zero, to be added to.
     pub(super) const NONE: Self = BlockEnergies { stored: splat(0.0), absorbed: splat(0.0), hourglass: splat(0.0) };
 }
 
 /// Nodes of the elements of a block.
 #[derive(Clone, Debug)]
 pub(crate) enum Corners<const NODES: usize, const L: usize = LANES> {
-    /// The nodes of neighbouring elements follow each other; those of the first one.
+    /// The nodes of successive elements are consecutive; those of the first one.
     Row([u32; NODES]),
-    /// Any nodes, a row a corner.
+    /// Any nodes, one row per corner.
     Listed([[u32; L]; NODES]),
 }
 
@@ -145,7 +147,7 @@ impl<const NODES: usize, const L: usize> Corners<NODES, L> {
 /// Elements of one kind, in order.
 #[derive(Clone, Debug)]
 pub(crate) struct Blocks<B, const NODES: usize, const L: usize = LANES> {
-    /// Elements; the last block is filled up with weightless copies of the last one.
+    /// Number of elements; the last block is padded with copies of the last one without volume.
     pub count: usize,
     /// Nodes of each block's elements.
     pub corners: Vec<Corners<NODES, L>>,
@@ -168,7 +170,7 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
     }
 
     /// Block and lane of each element, in order.
-    pub(crate) fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<B, NODES, L> {
+    pub(crate) fn indices(&self) -> impl Iterator<Item = (usize, usize)> + use<B, NODES, L> {
         (0..self.count).map(|i| (i / L, i % L))
     }
 

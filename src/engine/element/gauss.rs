@@ -1,4 +1,4 @@
-//! Elements that are integrated in full: gradients of the shape functions at every integration point.
+//! Fully integrated elements: gradients of the shape functions at every integration point.
 
 use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains};
 use crate::lane::{Lane, Lane3, splat};
@@ -20,7 +20,7 @@ struct Point<P, const NODES: usize, const L: usize> {
     history: P,
 }
 
-/// One such element.
+/// One element.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GaussElement<const NODES: usize, const POINTS: usize> {
     pub(super) gradient: [[[f64; 2]; NODES]; POINTS],
@@ -45,7 +45,7 @@ impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
         Deformation::from(f)
     }
 
-    /// Takes V Σ_I ∂N_a/∂X_I p_I from the forces (theory.md, equation 2).
+    /// Subtracts V Σ_I ∂N_a/∂X_I p_I from the forces (theory.md, equation 2).
     #[inline(always)]
     fn subtract_stress(&self, p: &[Lane3<L>; 2], out: &mut [Lane3<L>; NODES]) {
         for fibre in 0..2 {

@@ -89,7 +89,7 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
     {
         let shape = self.shape::<SKEWED>(x);
         let mut stress = law.stress(&shape.deformation, &mut self.history, dt);
-        let h = shape.resist(&self.volume, &mut stress, stabilisation(law));
+        let h = shape.hourglass_force(&self.volume, &mut stress, stabilisation(law));
         for axis in 0..3 {
             for l in 0..L {
                 let (vp, vq) = (self.volume[l] * stress.p[0][axis][l], self.volume[l] * stress.p[1][axis][l]);
@@ -118,30 +118,30 @@ impl<const L: usize> Shape<L> {
     /// h = V Σ_I H_I [ 2∂W/∂|f_I|² q + κ_I (f_I·q) f_I ], of which node a gets −γ_a h; adds the part of the
     /// stabilisation in ∂W/∂f_I, κ_I H_I (f_I·q) q, to the stress (theory.md, equation 14).
     #[inline(always)]
-    fn resist(&self, volume: &Lane<L>, stress: &mut Stress<L>, stabilisation: [f64; 2]) -> Lane3<L> {
+    fn hourglass_force(&self, volume: &Lane<L>, stress: &mut Stress<L>, stabilisation: [f64; 2]) -> Lane3<L> {
         let f = &self.deformation.f;
-        let mut resisted = [dot(&f[0], &self.q), dot(&f[1], &self.q)];
-        let mut followed = splat::<L>(0.0);
+        let mut stabilising = [dot(&f[0], &self.q), dot(&f[1], &self.q)];
+        let mut tension = splat::<L>(0.0);
         for fibre in 0..2 {
             for l in 0..L {
-                resisted[fibre][l] *= stabilisation[fibre] * self.mean_square[fibre][l];
-                followed[l] += self.mean_square[fibre][l] * stress.tension[fibre][l];
+                stabilising[fibre][l] *= stabilisation[fibre] * self.mean_square[fibre][l];
+                tension[l] += self.mean_square[fibre][l] * stress.tension[fibre][l];
             }
         }
         let mut h = [splat(0.0); 3];
         for axis in 0..3 {
             for l in 0..L {
-                let along = resisted[0][l] * f[0][axis][l] + resisted[1][l] * f[1][axis][l];
-                h[axis][l] = volume[l] * (followed[l] * self.q[axis][l] + along);
-                stress.p[0][axis][l] += resisted[0][l] * self.q[axis][l];
-                stress.p[1][axis][l] += resisted[1][l] * self.q[axis][l];
+                let along = stabilising[0][l] * f[0][axis][l] + stabilising[1][l] * f[1][axis][l];
+                h[axis][l] = volume[l] * (tension[l] * self.q[axis][l] + along);
+                stress.p[0][axis][l] += stabilising[0][l] * self.q[axis][l];
+                stress.p[1][axis][l] += stabilising[1][l] * self.q[axis][l];
             }
         }
         h
     }
 }
 
-/// Stiffness κ_I with which hourglass motion along the fibres is resisted, Pa.
+/// Hourglass stiffness κ_I along the fibres, Pa.
 #[inline(always)]
 fn stabilisation(law: &impl MembraneLaw) -> [f64; 2] {
     law.moduli().map(|modulus| IN_PLANE_STABILISATION * modulus)
@@ -187,10 +187,10 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
         let along = [dot(&f[0], &shape.q), dot(&f[1], &shape.q)];
         let mut out = BlockEnergies::NONE;
         for l in 0..L {
-            let resisted = |i: usize| 0.5 * stabilisation[i] * shape.mean_square[i][l] * along[i][l] * along[i][l];
+            let stabilising = |i: usize| 0.5 * stabilisation[i] * shape.mean_square[i][l] * along[i][l] * along[i][l];
             out.stored[l] = self.volume[l] * energy.stored[l];
             out.absorbed[l] = self.volume[l] * energy.absorbed[l];
-            out.hourglass[l] = self.volume[l] * (resisted(0) + resisted(1));
+            out.hourglass[l] = self.volume[l] * (stabilising(0) + stabilising(1));
         }
         out
     }

@@ -20,6 +20,7 @@ struct Map {
     determinant: f64,
 }
 
+/// The map at the natural coordinates `xi`, `eta`.
 fn map(x: &[[f64; 2]; 4], [xi, eta]: [f64; 2]) -> Map {
     let natural = CORNERS.map(|[a, b]| [0.25 * a * (1.0 + b * eta), 0.25 * b * (1.0 + a * xi)]);
     let mut j = [[0.0; 2]; 2];
@@ -46,7 +47,7 @@ pub(super) fn one_point(x: &[[f64; 2]; 4]) -> OnePointElement {
     }
     let [first, second, ..] = centre.gradient;
     let skew = [first, second].map(|b| 0.25 * (lever[0] * b[0] + lever[1] * b[1]));
-    // What is a parallelogram but for the rounding of its coordinates is one.
+    // A parallelogram to within the rounding of its coordinates has no skew.
     let skew = skew.map(|s| if s.abs() < ROUNDING { 0.0 } else { s });
     OnePointElement { gradient: [first, second], skew, area: 4.0 * centre.determinant }
 }

@@ -134,7 +134,7 @@ impl FibreLaw for RateCurves {
     }
 
     #[inline(always)]
-    fn steepest<const L: usize>(
+    fn largest_slope<const L: usize>(
         &self,
         absorption: &Absorption,
         strain: &Lane<L>,
@@ -166,10 +166,10 @@ impl FibreLaw for RateCurves {
             to[l] = larger(bounds[0], bounds[1]) + reach * steepening[l];
             most[l] = strain[l] + reach;
         }
-        let mut slope = self.slowest.steepest(&from, &to);
+        let mut slope = self.slowest.largest_slope(&from, &to);
         let mut hardening = splat::<L>(0.0);
         for interval in &self.intervals {
-            let own = interval.curve.steepest(&from, &to);
+            let own = interval.curve.largest_slope(&from, &to);
             let rising = interval.hardening(&history.peak, &most, self.averaging_strain);
             for l in 0..L {
                 let reachable = interval.log < fastest[l];

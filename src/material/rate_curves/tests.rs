@@ -120,8 +120,8 @@ fn equal_curves_give_the_bits_of_one() {
         let found = same.stress(&absorption, &strain, &mut history, dt);
         assert_eq!(found, absorption.stress(curve, &strain, &mut peak));
         assert_eq!(
-            same.steepest(&absorption, &strain, &history, 0.005),
-            absorption.steepest(curve, &strain, &peak, 0.005)
+            same.largest_slope(&absorption, &strain, &history, 0.005),
+            absorption.largest_slope(curve, &strain, &peak, 0.005)
         );
         assert_eq!(same.break_strain(&history), [curve.end()]);
         let (stored, absorbed) = same.energy(&absorption, &strain, &history);
@@ -190,7 +190,7 @@ fn the_slope_is_bounded_at_any_rate() {
             fibre.to(until, before);
             for back in [0.0, 0.002, 0.01] {
                 fibre.to(until - back, 1.0);
-                let bound = fibre.law.steepest(&fibre.absorption, &[fibre.strain], &fibre.history, RANGE)[0];
+                let bound = fibre.law.largest_slope(&fibre.absorption, &[fibre.strain], &fibre.history, RANGE)[0];
                 for rate in [1e-3, 0.1, 7.0, 69.0, 1e4] {
                     for sign in [1.0, -1.0] {
                         let mut moved = Fibre { law: fibre.law.clone(), ..fibre };
@@ -223,7 +223,7 @@ fn stress_changes_within_the_slope_where_growth_begins() {
         for rate in [0.1, 7.0, 1000.0] {
             let mut fibre = Fibre::new(family(), 0.9);
             fibre.to(until, rate);
-            let bound = fibre.law.steepest(&fibre.absorption, &[until], &fibre.history, 0.005)[0];
+            let bound = fibre.law.largest_slope(&fibre.absorption, &[until], &fibre.history, 0.005)[0];
             for dt in [1e-6, 5e-5] {
                 let stress = fibre.law.stress(&fibre.absorption, &[until + 1e-12], &mut fibre.history.clone(), dt)[0];
                 let step = (stress - fibre.stress).abs();

@@ -84,10 +84,10 @@ impl Sheet {
     /// The film in the air: from `start` = [r, z, R P₁ cos φ, R P₁ sin φ] at the material radius `from` to `to`.
     fn free(&self, shape: &mut Shape, start: [f64; 4], from: f64, to: f64, pressure: f64) -> [f64; 4] {
         let slope = |at: f64, [r, _, along, up]: [f64; 4]| {
-            let pull = along.hypot(up);
+            let force = along.hypot(up);
             let other = r / at;
-            let stretch = self.stretch(pull / at, other);
-            let [dr, dz] = [stretch * along / pull, stretch * up / pull];
+            let stretch = self.stretch(force / at, other);
+            let [dr, dz] = [stretch * along / force, stretch * up / force];
             let load = pressure * r / self.thickness;
             [dr, dz, self.first(other, stretch) + load * dz, -load * dr]
         };
@@ -108,9 +108,9 @@ impl Sheet {
 
     /// The film on a ball of radius `ball`, from the pole with the stretch `pole` to the material radius `edge`.
     fn on_ball(&self, shape: &mut Shape, pole: f64, ball: f64, edge: f64) -> [f64; 4] {
-        let slope = |at: f64, [angle, pull]: [f64; 2]| {
+        let slope = |at: f64, [angle, force]: [f64; 2]| {
             let other = ball * angle.sin() / at;
-            let stretch = self.stretch(pull / at, other);
+            let stretch = self.stretch(force / at, other);
             [stretch / ball, self.first(other, stretch) * angle.cos()]
         };
         let from = 1e-4 * edge;
@@ -125,8 +125,8 @@ impl Sheet {
                 y = runge_kutta(&slope, at, y, step);
             }
         }
-        let [angle, pull] = y;
-        [ball * angle.sin(), ball * (1.0 - angle.cos()), pull * angle.cos(), pull * angle.sin()]
+        let [angle, force] = y;
+        [ball * angle.sin(), ball * (1.0 - angle.cos()), force * angle.cos(), force * angle.sin()]
     }
 
     /// A circle of stress-free radius `radius` (m), clamped at the deformed radius `clamp` (m) under `pressure` (Pa).
@@ -178,10 +178,10 @@ impl Sheet {
         let run = edges[1][0] - edges[0][0];
         let rise = edges[1][1] - edges[0][1];
         let line = run.hypot(rise);
-        let pull = inner * self.first(line / (outer - inner), edges[0][0] / inner);
-        let (mut along, mut up) = (pull * run / line, pull * rise / line);
+        let force = inner * self.first(line / (outer - inner), edges[0][0] / inner);
+        let (mut along, mut up) = (force * run / line, force * rise / line);
         for _ in 0..30 {
-            let d = 1e-6 * pull;
+            let d = 1e-6 * force;
             let [a, b, c] = [at(along, up).0, at(along + d, up).0, at(along, up + d).0];
             let [[j11, j12], [j21, j22]] = [0, 1].map(|i| [(b[i] - a[i]) / d, (c[i] - a[i]) / d]);
             let determinant = j11 * j22 - j12 * j21;

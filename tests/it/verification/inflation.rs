@@ -66,7 +66,7 @@ fn height(outcome: &Outcome) -> f64 {
 
 /// At a height of a twentieth of the radius strains are some 1e-3 and Hencky's equations hold within 0.3 %.
 #[test]
-fn a_clamped_disc_rises_as_hencky_says() {
+fn deflection_of_a_clamped_disc_is_that_of_hencky() {
     let mut claims = Claims::of("inflation");
     for [poisson, coefficient] in HENCKY {
         let load = (0.05 / coefficient).powi(3);

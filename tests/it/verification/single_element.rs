@@ -85,7 +85,7 @@ const ELASTIC: &str =
 /// the jaws.
 #[test]
 fn the_quasi_static_stress_is_that_of_the_run() {
-    let mut claims = Claims::of("single element, pulled");
+    let mut claims = Claims::of("single element, quasi-static");
     for (name, changes, to) in [
         ("md-0.02", &[][..], 1.39),
         ("td-0.02", &[], 7.01),
