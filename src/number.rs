@@ -15,8 +15,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     rounded(value, digits).to_string()
 }
 
-/// The number with exactly so many significant digits; with an exponent where it has more zeros than digits in front, or
-/// three digits more than those.
+/// The number with exactly so many significant digits; with an exponent below 10^−digits and from 10^(digits + 3) on.
 pub fn figure(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();

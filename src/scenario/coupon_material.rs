@@ -68,7 +68,7 @@ pub enum CouponMaterialError {
         direction: Direction,
     },
     /// A curve is not monotonic.
-    #[error("{direction}: stress falls between the points {}, which a material's curve does not", shown(points))]
+    #[error("{direction}: stress falls between the points {}: the curve of a material must not fall", shown(points))]
     Falls {
         /// The direction.
         direction: Direction,
@@ -76,13 +76,13 @@ pub enum CouponMaterialError {
         points: [[f64; 2]; 2],
     },
     /// The density (kg/m³) is not positive.
-    #[error("a density is positive, not {0} kg/m3")]
+    #[error("expected a density above zero, found {0} kg/m3")]
     Density(f64),
     /// The shear curve cannot be computed.
     #[error("shear: {0}")]
     Shear(#[from] CurveError),
     /// The shear curve is not monotonic.
-    #[error("shear: stress falls at the angle {angle} rad, which a material's curve does not")]
+    #[error("shear: stress falls at the angle {angle} rad: the curve of a material must not fall")]
     ShearFalls {
         /// Shear angle from which the stress falls, rad.
         angle: f64,

@@ -294,7 +294,11 @@ fn mistakes_in_coupons_are_reported_and_nothing_is_written() {
         ),
         ("data/virtual/coupons/[mt]d-*.csv", &["-o", material, "--shear", &shear], "shear.csv:3"),
         ("data/virtual/coupons/[mt]d-*.csv", &["-o", material, "--shear", "none.csv"], "cannot read none.csv"),
-        ("data/virtual/coupons/*.csv", &["-o", material, "--density=-5 kg/m3"], "a density is positive, not -5 kg/m3"),
+        (
+            "data/virtual/coupons/*.csv",
+            &["-o", material, "--density=-5 kg/m3"],
+            "expected a density above zero, found -5 kg/m3",
+        ),
         (&good, &["-o", "no/such/film.toml"], "no/such/film.toml cannot be written: there is no folder no/such"),
         (&good, &["--unit", "force"], "expected a channel and its unit, found `force`"),
         (&good, &["-o", "material.csv"], "a material file ends in .toml"),

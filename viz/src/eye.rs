@@ -28,26 +28,27 @@ pub struct Extent {
     high: [f32; 3],
 }
 
-/// Where the eye is and what it looks at, m, in the enlarged scene.
+/// Position and target of the eye, m, in the enlarged scene.
 pub(crate) struct Eye {
     pub(crate) position: [f32; 3],
     pub(crate) target: [f32; 3],
-    /// How much larger the scene is shown than it is.
+    /// Factor by which the scene is enlarged.
     pub(crate) enlargement: f32,
 }
 
 impl Default for Extent {
-    /// Around nothing.
+    /// The empty box.
     fn default() -> Extent {
         Extent { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] }
     }
 }
 
 impl Extent {
-    /// The same with room for a state of `film`: for the corners of the triangles that hold.
+    /// Extended by the corners of the visible triangles of `film` in a snapshot.
     pub fn with(self, film: &FilmTrack, snapshot: &FilmSnapshot) -> Extent {
-        let hold = film.triangles.iter().zip(&snapshot.visible).filter(|(_, visible)| **visible);
-        let corners = hold.flat_map(|(corners, _)| corners).filter_map(|node| snapshot.positions.get(*node as usize));
+        let visible = film.triangles.iter().zip(&snapshot.visible).filter(|(_, is_visible)| **is_visible);
+        let corners =
+            visible.flat_map(|(corners, _)| corners).filter_map(|node| snapshot.positions.get(*node as usize));
         let images = |extent: Extent, point: &[f32; 3]| {
             film.images.iter().fold(extent.around(*point), |extent, image| extent.around(mirrored(*point, *image)))
         };
@@ -100,7 +101,7 @@ fn body_top(scene: &Scene) -> f32 {
 mod tests {
     use super::*;
 
-    /// One triangle from the origin to a corner, and another that is broken and has flown off.
+    /// One triangle from the origin to a corner, and a failed one far away.
     fn scene(corner: [f32; 3], images: Vec<[f32; 3]>) -> Scene {
         let film = FilmTrack { triangles: vec![[0, 1, 1], [0, 2, 2]], images, ..FilmTrack::default() };
         let positions = vec![[0.0; 3], corner, [1e6; 3]];

@@ -107,7 +107,7 @@ fn ground() -> Background {
     Background::new(BackgroundKind::SolidColor).with_color([27, 30, 36])
 }
 
-/// Vertex colours from those that are kept for the quantity.
+/// Vertex colours from those of the quantity.
 fn mapping(quantity: &Quantity) -> VisualizerComponentMapping {
     let target = Mesh3D::descriptor_vertex_colors().component.to_string();
     VisualizerComponentMapping(Mapping::new_source_component(target, format!("{COLOURS}:{}", quantity.key)))

@@ -35,20 +35,28 @@ pub use stroke::Stroke;
 /// Why a recording could not be written.
 #[derive(Debug, Error)]
 pub enum VizError {
+    /// The SDK cannot log.
     #[error("{0}")]
     Rerun(Box<RecordingStreamError>),
+    /// The file or the viewer does not take the data in time.
     #[error("{0}")]
     Flush(#[from] SinkFlushError),
+    /// A snapshot has another number of nodes than its film.
     #[error("film `{film}` at {time} s: {found} positions or values for {expected} nodes")]
     Nodes { film: String, time: f64, found: usize, expected: usize },
+    /// A snapshot has values of another number of quantities than the scene.
     #[error("film `{film}` at {time} s: values of {found} quantities where there are {expected}")]
     Quantities { film: String, time: f64, found: usize, expected: usize },
+    /// The scene has no film of this index.
     #[error("there is no film {index}")]
     NoFilm { index: usize },
+    /// A snapshot has another number of triangles than its film.
     #[error("film `{film}` at {time} s: {found} visibilities for {expected} triangles")]
     Triangles { film: String, time: f64, found: usize, expected: usize },
+    /// A signal has another number of values than of times.
     #[error("signal `{signal}`: {found} values at {expected} times")]
     Samples { signal: String, found: usize, expected: usize },
+    /// The states of a diagram have different numbers of curves.
     #[error("diagram `{diagram}`: {found} curves in one state, {expected} in the first")]
     Curves { diagram: String, found: usize, expected: usize },
 }
@@ -59,13 +67,13 @@ impl From<RecordingStreamError> for VizError {
     }
 }
 
-/// Longest time that a file may take to be written, s.
-const PATIENCE: Duration = Duration::from_secs(600);
+/// Longest time that a file may take to be written.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(600);
 
 /// Writes `scene` to the file `path`, replacing what is there.
 ///
 /// # Errors
 /// As [`Stage::file`].
 pub fn write(path: &Path, scene: Scene) -> Result<(), VizError> {
-    Stage::file(path, scene)?.finish(PATIENCE)
+    Stage::file(path, scene)?.finish(WRITE_TIMEOUT)
 }

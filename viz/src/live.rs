@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_address_is_read_and_a_closed_door_is_told() {
+    fn an_address_is_parsed_and_a_closed_port_is_an_error() {
         let address: Address = Address::DEFAULT.parse().unwrap();
         assert_eq!(address.to_string(), Address::DEFAULT);
         assert!("127.0.0.1".parse::<Address>().is_err());

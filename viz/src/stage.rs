@@ -43,7 +43,7 @@ impl Stage {
     /// The same in the viewer at `address`.
     ///
     /// # Errors
-    /// Lists of the scene do not fit each other. That nobody listens is no error here: [`Address::answers`] tells.
+    /// Lists of the scene do not fit each other. [`Address::answers`] reports whether there is a viewer.
     pub fn live(address: &Address, scene: Scene) -> Result<Stage, VizError> {
         scene.check()?;
         let stream = recording(&scene).connect_grpc_opts(address.to_string())?;
@@ -66,7 +66,7 @@ impl Stage {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn spread(&mut self, from: Moment, ranges: &[[f32; 2]]) -> Result<(), VizError> {
+    pub fn set_ranges(&mut self, from: Moment, ranges: &[[f32; 2]]) -> Result<(), VizError> {
         for (quantity, range) in self.scene.quantities.iter_mut().zip(ranges) {
             quantity.range = *range;
             quantity.log_numbers(&self.stream, from)?;
@@ -82,8 +82,8 @@ impl Stage {
     pub fn complete(&mut self, rest: Scene) -> Result<(), VizError> {
         rest.check()?;
         let Scene { documents, signals, charts, more_charts, diagrams, events, .. } = rest;
-        let begun = std::mem::take(&mut self.scene);
-        self.scene = Scene { documents, signals, charts, more_charts, diagrams, events, ..begun };
+        let scene = std::mem::take(&mut self.scene);
+        self.scene = Scene { documents, signals, charts, more_charts, diagrams, events, ..scene };
         blueprint::send(&self.stream, &self.scene)?;
         self.log_lists()
     }
@@ -107,9 +107,9 @@ impl Stage {
     /// Waits until everything is written or sent.
     ///
     /// # Errors
-    /// It is not within `patience`, or cannot be at all.
-    pub fn finish(self, patience: Duration) -> Result<(), VizError> {
-        Ok(self.stream.flush_with_timeout(patience)?)
+    /// Writing or sending fails, or takes longer than `timeout`.
+    pub fn finish(self, timeout: Duration) -> Result<(), VizError> {
+        Ok(self.stream.flush_with_timeout(timeout)?)
     }
 
     fn begin(stream: RecordingStream, scene: Scene) -> Result<Stage, VizError> {

@@ -143,7 +143,7 @@ fn everything_in_the_scene_comes_back() {
 }
 
 #[test]
-fn broken_triangles_vanish_when_they_break() {
+fn failed_triangles_are_hidden() {
     let (track, mut snapshots) = film(2, 4);
     snapshots[2].visible[3] = false;
     snapshots[3].visible.fill(false);
@@ -155,7 +155,7 @@ fn broken_triangles_vanish_when_they_break() {
 }
 
 #[test]
-fn the_viewer_is_told_what_to_show() {
+fn the_blueprint_arranges_the_views() {
     let films = [film(2, 2)];
     let played = written(Scene { duration: 12.0, ..scene(&films, vec![signal("velocity_m_s", 3)]) }, &films);
     let classes = views(&played);
@@ -183,7 +183,7 @@ fn a_search_closes_in_along_its_iterations() {
     assert_eq!(timeline[0].1[0].0.as_str(), ITERATION);
 }
 
-/// A search that has gone through three iterations.
+/// A search of three iterations.
 fn search() -> Scene {
     let axis = |words: &str| Axis { words: words.to_owned(), logarithmic: false };
     let line = |height: f64, look| Curve { name: "curve".to_owned(), points: vec![[0.0, 0.0], [1.0, height]], look };
@@ -231,7 +231,7 @@ fn a_wider_range_of_colours_has_numbers_from_its_own_moment_on() {
     let films = [film(2, 4)];
     let played = played(scene(&films, vec![]), |stage| {
         stage.film(0, &films[0].1[0]).unwrap();
-        stage.spread(Moment::Time(1e-3), &[[0.0, 0.5]]).unwrap();
+        stage.set_ranges(Moment::Time(1e-3), &[[0.0, 0.5]]).unwrap();
         stage.film(0, &films[0].1[2]).unwrap();
     });
     let labels = Points2D::descriptor_labels().component;

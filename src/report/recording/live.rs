@@ -267,7 +267,7 @@ impl Viewer {
 fn send(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receiver<Scene>) -> Result<(), VizError> {
     let mut stage = Stage::live(address, scene)?;
     for State { time, films, pose, samples, ranges } in states {
-        stage.spread(Moment::Time(time), &ranges.unwrap_or_default())?;
+        stage.set_ranges(Moment::Time(time), &ranges.unwrap_or_default())?;
         films.iter().enumerate().try_for_each(|(face, film)| stage.film(face, film))?;
         pose.iter().try_for_each(|pose| stage.pose(pose))?;
         samples.iter().try_for_each(|track| stage.samples(&track.path, &track.places, &track.values))?;

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::text::{self, Text};
 use super::{Approach, Iteration, StudyRecording};
-use crate::plot::{Correlation, Curve, Plot};
+use crate::plot::{Correlation, Curve, Plot, TIME};
 use crate::report::convergence::{objective, simulated, target};
 use crate::report::{StudyPage, markdown};
 use crate::script::{ConvergenceHistory, FitHistory, Iterate, Row, ScriptOutput};
@@ -13,7 +13,7 @@ impl StudyRecording {
     /// The same study as its page shows.
     pub(super) fn of(study: &StudyPage) -> StudyRecording {
         let output = study.output;
-        let is_over_time = |plot: &&Plot| plot.x.words == "time (ms)";
+        let is_over_time = |plot: &&Plot| plot.x.words == TIME;
         let (over_time, plots): (Vec<&Plot>, Vec<&Plot>) = output.plots.iter().partition(is_over_time);
         StudyRecording {
             name: study.name.into(),

@@ -186,10 +186,10 @@ fn dashes(strip: &[Point]) -> Vec<Vec<Point>> {
     for pair in strip.windows(2) {
         let [from, to] = [pair[0], pair[1]].map(|point| point.map(f64::from));
         let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-        let mut gone = 0.0;
-        while length - gone > left {
-            gone += left;
-            let at = [0, 1].map(|k| (from[k] + gone / length * (to[k] - from[k])) as f32);
+        let mut covered = 0.0;
+        while length - covered > left {
+            covered += left;
+            let at = [0, 1].map(|k| (from[k] + covered / length * (to[k] - from[k])) as f32);
             match (drawn, dashes.last_mut()) {
                 (true, Some(dash)) => dash.push(at),
                 _ => dashes.push(vec![at]),
@@ -197,7 +197,7 @@ fn dashes(strip: &[Point]) -> Vec<Vec<Point>> {
             drawn = !drawn;
             left = DASH[usize::from(!drawn)];
         }
-        left -= length - gone;
+        left -= length - covered;
         if let Some(dash) = dashes.last_mut().filter(|_| drawn) {
             dash.push(pair[1]);
         }
@@ -211,7 +211,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dashes_are_of_equal_length_also_round_corners() {
+    fn dashes_are_of_equal_length_around_corners() {
         let length = |dash: &[Point]| {
             let legs = dash.windows(2).map(|p| f64::from((p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])));
             legs.sum::<f64>()
@@ -221,7 +221,7 @@ mod tests {
         for dash in &corner {
             assert!((length(dash) - DASH[0]).abs() < 1e-6, "{dash:?}");
         }
-        assert_eq!(corner[2].len(), 3, "the third dash goes round the corner");
+        assert_eq!(corner[2].len(), 3, "the third dash has a corner");
     }
 
     #[test]
