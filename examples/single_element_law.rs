@@ -1,7 +1,8 @@
 //! A law of one's own on a single element: `cargo run --release --example single_element_law`.
 //!
-//! Incompressible neo-Hookean film in plane stress (Treloar 1943) with the shear modulus μ and C_IJ = f_I·f_J has the energy
-//! W = ½ μ (C₁₁ + C₂₂ + 1/det C − 3). Stretched by λ along MD with its width held, its nominal stress is p₁ = μ (λ − λ⁻³).
+//! Incompressible neo-Hookean film in plane stress (Treloar 1943) with the shear modulus μ and C_IJ = f_I·f_J has the
+//! energy W = ½ μ (C₁₁ + C₂₂ + 1/det C − 3). Stretched by λ along MD with its width held, its nominal stress is
+//! p₁ = μ (λ − λ⁻³).
 
 use std::array::from_fn;
 

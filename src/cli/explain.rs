@@ -1,4 +1,5 @@
-//! `droptower explain`: unit, range, default and sentence of the keys under a path, script functions, codes of findings.
+//! `droptower explain`: unit, range, default and sentence of the keys under a path, script functions, codes of
+//! findings.
 
 use clap::Args;
 use serde::Serialize;
@@ -10,8 +11,8 @@ use crate::scenario::grammar::{self, Key, Rule, TableRule};
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {
-    /// Key path, e.g. specimen.mesh [default: the top tables]; a script function, e.g. plot; the code of a finding, e.g.
-    /// coarse-contact; `functions` or `findings` for all of them
+    /// Key path, e.g. specimen.mesh [default: the top tables]; a script function, e.g. plot; the code of a finding,
+    /// e.g. coarse-contact; `functions` or `findings` for all of them
     #[arg(value_name = "KEY")]
     pub path: Option<String>,
 }

@@ -38,8 +38,8 @@ pub(super) struct Left {
 }
 
 impl Forecast {
-    /// The rest of a run that has taken `wall` so far, if it is long; given once, after the first second of stepping. The
-    /// time step is taken as constant; yielding film makes it longer.
+    /// The rest of a run that has taken `wall` so far, if it is long; given once, after the first second of stepping.
+    /// The time step is taken as constant; yielding film makes it longer.
     pub(super) fn update(&mut self, progress: &Progress, wall: Duration) -> Option<Left> {
         let (before, steps) = *self.first.get_or_insert((wall, progress.steps));
         if self.done || wall - before < WATCHED || progress.steps == steps {

@@ -1,5 +1,5 @@
-//! Files that commands write to a path of the user's: completely or not at all, and never over a file that droptower did not
-//! write.
+//! Files that commands write to a path of the user's: completely or not at all, and never over a file that droptower
+//! did not write.
 
 use std::fs::{self, Metadata};
 use std::io::{self, BufWriter, Write};
@@ -19,8 +19,8 @@ const LONGEST_SEALED: u64 = 16 << 20;
 
 /// Refuses an output that does not end in `.{ending}`, is not a regular file, or is the `input`.
 ///
-/// An existing file is refused unless it is empty, sealed and unchanged, or `force` is given; `force` is `None` where the
-/// command has no such option.
+/// An existing file is refused unless it is empty, sealed and unchanged, or `force` is given; `force` is `None` where
+/// the command has no such option.
 pub(super) fn check(out: &Path, ending: &str, input: Option<&Path>, force: Option<bool>) -> Result<(), Failure> {
     let shown = shown_path(out);
     let refused = |message, hint: &str| Err(Failure::from(Diagnostic::new(message).hint(hint)));
@@ -54,7 +54,8 @@ pub(super) fn write(out: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resu
     written().map_err(|error| failed(out, &error))
 }
 
-/// Writes sealed texts, which show whether they were changed since; they are renamed to their paths once all are written.
+/// Writes sealed texts, which show whether they were changed since; they are renamed to their paths once all are
+/// written.
 pub(super) fn write_sealed(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
     let mut drafts = Vec::new();
     for (out, text) in texts {

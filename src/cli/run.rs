@@ -137,8 +137,8 @@ impl Job {
             Ok(Err(RunError::Failure(failure))) => self.store_failed(&failure, &scenario, show),
             Ok(Err(error)) => Done::failed(Diagnostic::new(format!("{}: {error}", self.checked.model.name)).into()),
         };
-        // The last checkpoint stays where the results could not be stored or the post script failed: a run resumed from it
-        // gives them again.
+        // The last checkpoint stays where the results could not be stored or the post script failed: a run resumed from
+        // it gives them again.
         if let Some(writer) = self.writer.as_ref().filter(|_| done.stored) {
             writer.clear();
         }

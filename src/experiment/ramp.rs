@@ -1,8 +1,8 @@
 //! The gravity ramp: the parabolic decrease of the reading during the release, mirrored and added after contact
 //! (Polymers 2021, 13, 1537, section 3.2).
 //!
-//! It replaces gravity in the reading of an accelerometer that reads zero in free fall. It repeats the shape of the release
-//! and neglects the shift of the sensor's zero in the impact, −(1/τ)∫p dt.
+//! It replaces gravity in the reading of an accelerometer that reads zero in free fall. It repeats the shape of the
+//! release and neglects the shift of the sensor's zero in the impact, −(1/τ)∫p dt.
 
 use thiserror::Error;
 
@@ -58,8 +58,8 @@ impl GravityRamp {
         -self.depth * (2.0 * s - s * s)
     }
 
-    /// What is added at time `t` (s) where contact was at `contact` (s): −depth up to contact, then the release mirrored,
-    /// back to zero after its duration or after [`ADDED_OVER`].
+    /// What is added at time `t` (s) where contact was at `contact` (s): −depth up to contact, then the release
+    /// mirrored, back to zero after its duration or after [`ADDED_OVER`].
     pub fn mirrored(&self, t: f64, contact: f64) -> f64 {
         let since = (t - contact).max(0.0);
         if since > ADDED_OVER { 0.0 } else { self.at(self.start + self.duration - since) }

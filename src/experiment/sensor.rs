@@ -1,7 +1,7 @@
 //! Virtual sensors: what an accelerometer and a laser would have read in a simulated drop.
 //!
-//! The recordings that come out are virtual. The paper prints no recording, and of its sensors neither time constant nor noise:
-//! the values of [`Accelerometer`] and [`Laser`] are assumed.
+//! The recordings that come out are virtual. The paper prints no recording, and of its sensors neither time constant
+//! nor noise: the values of [`Accelerometer`] and [`Laser`] are assumed.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -37,7 +37,8 @@ pub enum SensorError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accelerometer {
     /// Of the first-order high pass, s. Assumed: the paper's reading is back at zero before contact, and after 0.15 s
-    /// only 4 % (1 m) or 2 % (1.5 m) of a step are left of it then; with a shorter one more of the impact would be lost.
+    /// only 4 % (1 m) or 2 % (1.5 m) of a step are left of it then; with a shorter one more of the impact would be
+    /// lost.
     pub time_constant: f64,
     /// Standard deviation of the white noise, m/s². Assumed: a little over half a step, so that the steps average out.
     pub noise: f64,
@@ -81,7 +82,8 @@ pub struct Sensors {
     pub laser: Option<Laser>,
     /// 1/s.
     pub sample_rate: f64,
-    /// Shortest and longest rest on the recording, s; the seed chooses between them, so that the time of release is unknown.
+    /// Shortest and longest rest on the recording, s; the seed chooses between them, so that the time of release is
+    /// unknown.
     pub rest: [f64; 2],
 }
 
@@ -106,8 +108,8 @@ const OVERSAMPLING: usize = 10;
 /// Most samples of a recording; more are a mistake.
 pub const MOST_SAMPLES: usize = 1_000_000;
 
-/// What the `sensors` read in a drop whose impact was simulated: `acceleration` (m/s², coordinate acceleration, upward) and
-/// `displacement` (m) from contact on. The same `seed` gives the same recording, bit for bit.
+/// What the `sensors` read in a drop whose impact was simulated: `acceleration` (m/s², coordinate acceleration, upward)
+/// and `displacement` (m) from contact on. The same `seed` gives the same recording, bit for bit.
 pub fn virtual_drop(
     acceleration: &Series,
     displacement: &Series,

@@ -54,7 +54,8 @@ pub const ENTRIES: &[Entry] = &[
 mod tests {
     use crate::functions::check::engine;
 
-    /// The shipped virtual recordings were made with these numbers, which another version of the generator must not change.
+    /// The shipped virtual recordings were made with these numbers, which another version of the generator must not
+    /// change.
     #[test]
     fn a_seed_gives_the_same_numbers_in_every_version() {
         let engine = engine();

@@ -36,7 +36,8 @@ fn read(context: &NativeCallContext, path: &str, wanted: &ReadOptions) -> HostRe
     Ok(measurement)
 }
 
-/// The read options from a script: `#{ time: name, columns: [name, …], units: #{ name: unit } }`, each as on the command line.
+/// The read options from a script: `#{ time: name, columns: [name, …], units: #{ name: unit } }`, each as on the
+/// command line.
 pub(super) fn wanted(more: &Map) -> HostResult<ReadOptions> {
     let mut wanted = ReadOptions::default();
     for (key, value) in more {

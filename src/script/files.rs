@@ -68,7 +68,8 @@ impl Files {
         self.files.iter().map(|file| file.name.clone()).collect()
     }
 
-    /// Adds the file, or replaces the one of this name; `reserved` names, and files in folders of such a name, are refused.
+    /// Adds the file, or replaces the one of this name; `reserved` names, and files in folders of such a name, are
+    /// refused.
     pub(super) fn put(&mut self, file: File, reserved: &[&str]) -> Result<(), FileError> {
         check_name(&file.name, reserved)?;
         let lower = file.name.to_ascii_lowercase();

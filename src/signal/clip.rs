@@ -1,7 +1,7 @@
 //! The clip of an acceleration: the highest level that it holds for a given time, 3 ms by convention.
 //!
-//! 49 CFR 571.208 (S6.3) and UN R94 (5.2.1.1) count the time above the level cumulatively; software and some protocols ask for one
-//! unbroken interval. Both are offered, the regulations' is the default.
+//! 49 CFR 571.208 (S6.3) and UN R94 (5.2.1.1) count the time above the level cumulatively; software and some protocols
+//! ask for one unbroken interval. Both are offered, the regulations' is the default.
 
 use thiserror::Error;
 

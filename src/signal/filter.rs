@@ -81,8 +81,9 @@ impl ChannelFilter {
 
     /// The filtered values: no phase shift, same length.
     ///
-    /// The difference from the chord between first and last value is filtered (equation 61). A zero-phase filter of unit gain
-    /// passes lines, so this changes only the start of both passes, which then distorts neither a constant nor a ramp.
+    /// The difference from the chord between first and last value is filtered (equation 61). A zero-phase filter of
+    /// unit gain passes lines, so this changes only the start of both passes, which then distorts neither a constant
+    /// nor a ramp.
     pub fn apply(&self, values: &[f64]) -> Vec<f64> {
         if values.len() < 2 {
             return values.to_vec();
@@ -173,7 +174,8 @@ mod tests {
         ChannelFilter::new(class, INTERVAL, Standard::Iso6487).unwrap()
     }
 
-    /// Response to a sine in the middle of a long record: amplitude over the amplitude that went in, and phase in radians.
+    /// Response to a sine in the middle of a long record: amplitude over the amplitude that went in, and phase in
+    /// radians.
     fn response(filter: &ChannelFilter, frequency: f64, interval: f64) -> [f64; 2] {
         // A Hann window over many cycles suppresses the ends and other frequencies in the projection.
         let count = (60.0 / (frequency * interval)) as usize + 4000;
@@ -290,9 +292,9 @@ mod tests {
         }
     }
 
-    /// Lowest and highest gain (dB) that SAE J211-1 and ISO 6487 allow a data channel, their figures 1 from memory: ±0.5 dB at
-    /// low frequencies, +0.5/−1 dB up to F_H, the class, +0.5/−4 dB at F_N, from where on the gain falls by at least 9 and
-    /// at most 24 dB an octave, until it is below −30 dB.
+    /// Lowest and highest gain (dB) that SAE J211-1 and ISO 6487 allow a data channel, their figures 1 from memory:
+    /// ±0.5 dB at low frequencies, +0.5/−1 dB up to F_H, the class, +0.5/−4 dB at F_N, from where on the gain falls by
+    /// at least 9 and at most 24 dB an octave, until it is below −30 dB.
     fn corridor(class: f64, frequency: f64) -> [f64; 2] {
         let edge = match class {
             1000.0 => 1650.0,

@@ -14,7 +14,8 @@ pub fn once(series: &Series, start: f64) -> Series {
     series.with_values(first.into_iter().chain(rest).collect())
 }
 
-/// The running integral of the running integral: travel from acceleration, given the speed and place at the first sample.
+/// The running integral of the running integral: travel from acceleration, given the speed and place at the first
+/// sample.
 pub fn twice(series: &Series, speed: f64, place: f64) -> Series {
     once(&once(series, speed), place)
 }

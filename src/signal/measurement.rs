@@ -77,7 +77,8 @@ impl MeasuredChannel {
         }
     }
 
-    /// The name as the file writes it, before the SI unit: keeps channels apart that differ in their written units alone.
+    /// The name as the file writes it, before the SI unit: keeps channels apart that differ in their written units
+    /// alone.
     fn labelled_column_name(&self) -> String {
         match &self.unit {
             Some(unit) => format!("{} [{}]", self.label, column_unit(unit)),
@@ -139,8 +140,8 @@ impl Measurement {
         Ok(&self.channels[index])
     }
 
-    /// All channels over the time axis of the first, named with their SI units, each differently; none where they do not
-    /// share one.
+    /// All channels over the time axis of the first, named with their SI units, each differently; none where they do
+    /// not share one.
     pub fn recording(&self) -> Option<Recording> {
         let time = self.channels.first().map_or(&[][..], |channel| channel.series.time());
         let shared = self.channels.iter().all(|channel| same_axis(channel.series.time(), time));
@@ -166,7 +167,8 @@ impl Measurement {
     }
 }
 
-/// Times that differ by less than this share of a step are the same: one channel has them written out, another by start and step.
+/// Times that differ by less than this share of a step are the same: one channel has them written out, another by start
+/// and step.
 const SAME_TIME: f64 = 1e-3;
 
 fn same_axis(a: &[f64], b: &[f64]) -> bool {

@@ -1,7 +1,7 @@
 //! The folder of the checkpoints of an unfinished run.
 //!
-//! Each is a file that ends in a checksum, written under a temporary name and renamed when complete. The one before stays as
-//! well, so that there is a checkpoint to resume from whenever the machine stops.
+//! Each is a file that ends in a checksum, written under a temporary name and renamed when complete. The one before
+//! stays as well, so that there is a checkpoint to resume from whenever the machine stops.
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Read, Seek, Write};

@@ -119,8 +119,8 @@ impl Draft {
         Ok(target)
     }
 
-    /// Renames the draft of a failed run to `<target>.failed`, or `<target>.failed-2` and so on where a file or folder of the
-    /// user has that name.
+    /// Renames the draft of a failed run to `<target>.failed`, or `<target>.failed-2` and so on where a file or folder
+    /// of the user has that name.
     ///
     /// A complete run at `target` stays.
     pub fn publish_failed(self) -> Result<PathBuf, StoreError> {

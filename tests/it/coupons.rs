@@ -1,4 +1,5 @@
-//! Coupon tests: the paper's tables from its raw numbers, the virtual recordings, real metals, the command and the scripts.
+//! Coupon tests: the paper's tables from its raw numbers, the virtual recordings, real metals, the command and the
+//! scripts.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -387,7 +388,8 @@ fn real_aluminium_has_its_modulus_in_every_direction() {
         assert!((270e6..360e6).contains(&along.strength.mean), "{direction}: {:?}", along.strength);
         means.push(samples.iter().map(|sample| sample.modulus.slope).collect::<Vec<f64>>());
     }
-    // Handbooks give 68.9 GPa. Single samples scatter by a tenth: the window holds some twenty samples of an extensometer.
+    // Handbooks give 68.9 GPa. Single samples scatter by a tenth: the window holds some twenty samples of an
+    // extensometer.
     let mean = mean_of_means(&means).unwrap();
     assert!((mean / 68.9e9 - 1.0).abs() < 0.03, "{:.1} GPa", mean / 1e9);
     assert!(means.concat().iter().all(|modulus| (modulus / 68.9e9 - 1.0).abs() < 0.12), "{means:?}");
@@ -395,9 +397,9 @@ fn real_aluminium_has_its_modulus_in_every_direction() {
 
 const INCH: f64 = 0.0254;
 
-/// The curve of the 304L steel through force and displacement, as a coupon gives it, beside its own columns of stress and
-/// strain. The data's documentation does not give the specimen. Taken here is the nominal round bar of 1/8 in with an
-/// extensometer of 1/4 in, from which a turned bar is off by 0.001 in.
+/// The curve of the 304L steel through force and displacement, as a coupon gives it, beside its own columns of stress
+/// and strain. The data's documentation does not give the specimen. Taken here is the nominal round bar of 1/8 in with
+/// an extensometer of 1/4 in, from which a turned bar is off by 0.001 in.
 fn steel(name: &str) -> (Curve, Curve) {
     let names = "time [s],displacement [in],load [lbf],engineering_strain [-],engineering_stress [ksi]";
     let wanted = ReadOptions { names: names.split(',').map(String::from).collect(), ..ReadOptions::default() };
@@ -415,7 +417,8 @@ fn steel(name: &str) -> (Curve, Curve) {
 fn real_steel_goes_from_force_to_stress_at_two_rates() {
     let rates = ["cleaned_SML4188-Ring1-1_Pull_0.0001.csv", "cleaned_SML4188-Ring1-17_Pull_0.01.csv"];
     let curves = rates.map(steel);
-    // The slow bar has its nominal area to the digits of the data; 0.001 in of the fast one's diameter are 1.6 % of area.
+    // The slow bar has its nominal area to the digits of the data; 0.001 in of the fast one's diameter are 1.6 % of
+    // area.
     for ((found, own), tolerance) in curves.iter().zip([1e-4, 0.016]) {
         assert!(found.merged() > 0, "an extensometer jitters");
         for strain in [0.01, 0.1, 0.3, 0.5] {
@@ -434,8 +437,8 @@ fn real_steel_goes_from_force_to_stress_at_two_rates() {
     let both: Vec<Curve> = curves.iter().map(|(curve, _)| curve.clone()).collect();
     let mean = mean_curve(&both).unwrap();
     assert!((mean.at(0.02).unwrap() - 0.5 * (slow + fast)).abs() < 1e-3 * slow);
-    // Handbooks give 193 GPa. The slow recording jitters by a tenth of the whole elastic strain (its slope is 250 GPa), so
-    // only the fast one tells.
+    // Handbooks give 193 GPa. The slow recording jitters by a tenth of the whole elastic strain (its slope is 250 GPa),
+    // so only the fast one tells.
     let modulus = curves[1].0.modulus([0.0, 0.0005]).unwrap();
     assert!((modulus.slope / 193e9 - 1.0).abs() < 0.1, "{modulus:?}");
     // Where it begins to neck, engineering stress falls.
@@ -489,7 +492,8 @@ fn a_film_without_a_double_yield_point_becomes_a_material_too() {
     assert!(succeed(&["check", material.to_str().unwrap()]).starts_with("ok"));
 }
 
-/// The whole way round: recordings, material, simulated coupon, and back to the mean of the recordings (the paper's Figure 14).
+/// The whole way round: recordings, material, simulated coupon, and back to the mean of the recordings (the paper's
+/// Figure 14).
 #[test]
 fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
     let folder = tempfile::tempdir().unwrap();
@@ -565,7 +569,8 @@ fn both_searches_fit_the_same_points() {
     }
 }
 
-/// Most evaluations of a fit of six numbers and of one by Levenberg and Marquardt: Nelder and Mead need hundreds of the first.
+/// Most evaluations of a fit of six numbers and of one by Levenberg and Marquardt: Nelder and Mead need hundreds of the
+/// first.
 const MOST_OF_SIX: u64 = 100;
 const MOST_OF_ONE: u64 = 20;
 

@@ -146,8 +146,8 @@ fn signals_are_those_of_the_table(played: &Playback, table: &Recording) {
     }
 }
 
-/// Of the 3.8 MB of the default run, a half are the positions of 882 nodes in 240 snapshots, 0.6 MB its four colours, 0.5 MB the
-/// nodes in contact, 0.2 MB normals, and 0.6 MB the signals and texts.
+/// Of the 3.8 MB of the default run, a half are the positions of 882 nodes in 240 snapshots, 0.6 MB its four colours,
+/// 0.5 MB the nodes in contact, 0.2 MB normals, and 0.6 MB the signals and texts.
 #[test]
 fn the_default_run_stays_within_four_megabytes() {
     let (_folder, out) = run("scenarios/drop/1008.toml", &[]);

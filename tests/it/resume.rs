@@ -258,8 +258,8 @@ fn assert_same(one: &Outcome, other: &Outcome, what: &str) {
     assert!(untimed(one) == untimed(other), "{what}: something besides signals and energies differs");
 }
 
-/// Every law, loading, element and kind of impactor that the golden cases have: rupture, a rotating sphere, faces of their
-/// own, triangles, a slow test whose mass is scaled.
+/// Every law, loading, element and kind of impactor that the golden cases have: rupture, a rotating sphere, faces of
+/// their own, triangles, a slow test whose mass is scaled.
 #[test]
 fn every_kind_of_run_resumes_to_the_same_bits() {
     for (case, changes) in [

@@ -14,7 +14,8 @@ use serde_json::Value as Json;
 
 use crate::workbench::{self, SHOCK_NAMES, data, shocks};
 
-/// Ratings that the authors of the curves in `data/iso18571` state for them: yeonsoo-p/ISO18571, `examples/quickstart.ipynb`, 00b2488.
+/// Ratings that the authors of the curves in `data/iso18571` state for them: yeonsoo-p/ISO18571,
+/// `examples/quickstart.ipynb`, 00b2488.
 const STATED: [(&str, f64); 5] = [
     ("corridor", 0.652_890_716_899_321_8),
     ("phase", 0.941_666_666_666_666_7),

@@ -1,4 +1,5 @@
-//! Virtual drops: made, reduced, and compared with the simulation they were made from; the command, the reference and the scripts.
+//! Virtual drops: made, reduced, and compared with the simulation they were made from; the command, the reference and
+//! the scripts.
 
 use std::fs;
 use std::path::Path;
@@ -191,7 +192,8 @@ fn other_seeds_and_clocks_are_reduced_as_well() {
     }
 }
 
-/// Simulated with its own curves, each test meets its own recording; the coarse mesh stands for what a model leaves out.
+/// Simulated with its own curves, each test meets its own recording; the coarse mesh stands for what a model leaves
+/// out.
 #[test]
 fn shipped_scenarios_agree_with_their_recordings() {
     for test in TESTS {
@@ -210,8 +212,8 @@ fn shipped_scenarios_agree_with_their_recordings() {
     }
 }
 
-/// A scenario that names a recording without laser and not the height: its own speed closes the fall, with a warning, and another
-/// speed than that of the test is refused.
+/// A scenario that names a recording without laser and not the height: its own speed closes the fall, with a warning,
+/// and another speed than that of the test is refused.
 #[test]
 fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
     let mut model = coarse("1509");

@@ -54,8 +54,9 @@ pub fn close(found: f64, expected: f64, relative: f64) {
     assert!((found - expected).abs() <= relative * expected.abs(), "{found} instead of {expected}");
 }
 
-/// Shocks in a drop tower at 1 MHz (Dodson, Hong and Beliveau 2019, data set 1), up to tens of thousands of g and full of ringing, in
-/// six columns without usable names. They may not be copied: see data/README.md. None where they are missing, which is printed.
+/// Shocks in a drop tower at 1 MHz (Dodson, Hong and Beliveau 2019, data set 1), up to tens of thousands of g and full
+/// of ringing, in six columns without usable names. They may not be copied: see data/README.md. None where they are
+/// missing, which is printed.
 pub fn shocks() -> Option<PathBuf> {
     let beside = || root().parent().map(|folder| folder.join("shared/data"));
     let folder = std::env::var_os("DROPTOWER_SHARED_DATA").map(PathBuf::from).or_else(beside)?;

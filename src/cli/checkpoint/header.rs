@@ -13,9 +13,9 @@ use crate::model::{ImpactorShape, Model};
 use crate::scenario::{self, Document};
 
 /// Name and number of the layout, at the start of every checkpoint. The number is raised by hand whenever
-/// [`CheckpointHeader`], `simulate::Checkpoint` or anything in them (the model, the engine's `State`, the probe's `Record`)
-/// gains, loses or moves a field or gives it another type or meaning: the file holds bare numbers, which another layout would
-/// misread, and builds of one version may differ.
+/// [`CheckpointHeader`], `simulate::Checkpoint` or anything in them (the model, the engine's `State`, the probe's
+/// `Record`) gains, loses or moves a field or gives it another type or meaning: the file holds bare numbers, which
+/// another layout would misread, and builds of one version may differ.
 const MAGIC: &[u8; 24] = b"droptower checkpoint 05\n";
 
 /// The message for a checkpoint of another layout.
@@ -43,7 +43,8 @@ pub(super) struct CheckpointHeader {
     detailed: bool,
     /// The resolved scenario, for messages.
     scenario: String,
-    /// What determines the bits of the run: the checked model without its name, its paths and what is read after the run.
+    /// What determines the bits of the run: the checked model without its name, its paths and what is read after the
+    /// run.
     model: Model,
     /// The files of its meshes, specimen first.
     meshes: Vec<Digest>,
@@ -114,8 +115,8 @@ fn digest(path: &Path) -> io::Result<Digest> {
     Digest::of_file(path).map_err(|error| io::Error::other(format!("{}: {error}", shown_path(path))))
 }
 
-/// The model without what does not determine the bits of its run: its name, the paths of its meshes, and what is read after
-/// the run.
+/// The model without what does not determine the bits of its run: its name, the paths of its meshes, and what is read
+/// after the run.
 fn decisive(model: &Model) -> Model {
     let mut model = Model { name: String::new(), title: String::new(), reference: None, post: None, ..model.clone() };
     if let Outline::Mesh(path) = &mut model.specimen.shape {
@@ -127,7 +128,8 @@ fn decisive(model: &Model) -> Model {
     model
 }
 
-/// The keys in which the resolved scenario of a checkpoint, `then`, and that of a run, `now`, differ, worded for a message.
+/// The keys in which the resolved scenario of a checkpoint, `then`, and that of a run, `now`, differ, worded for a
+/// message.
 fn differences(then: &str, now: &str) -> Vec<String> {
     let (then, now) = (leaves(then), leaves(now));
     let paths: BTreeSet<&String> = then.keys().chain(now.keys()).collect();

@@ -63,7 +63,8 @@ pub(super) fn interval(text: &str) -> Result<f64, Diagnostic> {
 }
 
 impl CheckpointWriter {
-    /// The checkpoints of the run of `checked` whose results go to `place`; `None` where it neither writes nor reads any.
+    /// The checkpoints of the run of `checked` whose results go to `place`; `None` where it neither writes nor reads
+    /// any.
     ///
     /// # Errors
     /// The interval is longer than the run, checkpoints would be overwritten, or there is no checkpoint of this run to

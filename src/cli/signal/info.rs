@@ -190,7 +190,8 @@ fn text(contents: &Contents) -> String {
     let lines: Vec<Vec<String>> = std::iter::once(header.map(str::to_owned).to_vec()).chain(rows).collect();
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..header.len()).map(width).collect();
-    // Names are set to the left, figures to the right; what the file calls a channel only where that is more than its name.
+    // Names are set to the left, figures to the right; what the file calls a channel only where that is more than its
+    // name.
     let shown = |column: &usize| *column != 1 || contents.channels.iter().any(|channel| channel.label != channel.name);
     let line = |cells: &Vec<String>| {
         let cell = |column: usize| match column {

@@ -9,7 +9,8 @@ use crate::signal::{Recording, csv, isomme};
 use crate::cli::Failure;
 pub(super) use crate::cli::output::failed;
 
-/// Refuses a table whose name does not end in .csv, that would replace the input or, without `force`, anything that is there.
+/// Refuses a table whose name does not end in .csv, that would replace the input or, without `force`, anything that is
+/// there.
 pub(super) fn check_table(out: &Path, input: &Path, force: bool) -> Result<(), Failure> {
     if isomme::is_part(out) {
         let message = format!("{} is the name of ISO-MME, but a table is written", shown_path(out));

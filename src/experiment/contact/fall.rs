@@ -54,13 +54,13 @@ const REFUSED: [f64; 2] = [10.0, 0.01];
 
 /// Closes a fall without laser: from rest to what is `known` of it, with the sensor's offset as the unknown.
 ///
-/// `acceleration` gives the corrected acceleration (m/s²) from rest on, for an offset (m/s²) beyond the mean of the rest,
-/// the sensor's `zero`. Each iteration locates the onset of the force near the time at which the fall meets the condition,
-/// and chooses the offset with which it is met at the onset.
+/// `acceleration` gives the corrected acceleration (m/s²) from rest on, for an offset (m/s²) beyond the mean of the
+/// rest, the sensor's `zero`. Each iteration locates the onset of the force near the time at which the fall meets the
+/// condition, and chooses the offset with which it is met at the onset.
 ///
 /// # Errors
-/// The recorded fall does not meet the condition, no onset ends it, or only an offset far beyond the scatter of the rest
-/// would close it; the contact time does not converge.
+/// The recorded fall does not meet the condition, no onset ends it, or only an offset far beyond the scatter of the
+/// rest would close it; the contact time does not converge.
 pub fn by_fall(
     acceleration: impl Fn(f64) -> Series,
     known: FallCondition,
@@ -72,8 +72,8 @@ pub fn by_fall(
     let rate = (reached_at(0.0, fallen)? - reached_at(0.0, fallen - RATE_OVER)?) / RATE_OVER;
     // The integral is linear in the offset.
     let per_offset = reached_at(1.0, fallen)? - reached_at(0.0, fallen)?;
-    // Noise moves the mean of the rest, and the integral of the fall as much again. Both are proportional to the noise, and
-    // the residual of the onset to its square.
+    // Noise moves the mean of the rest, and the integral of the fall as much again. Both are proportional to the noise,
+    // and the residual of the onset to its square.
     let weight = 0.5 * zero.samples as f64 * (rate / per_offset).powi(2);
     let (mut offset, mut assumed) = (0.0, fallen);
     for iterations in 1..=MOST_ITERATIONS {

@@ -11,10 +11,10 @@ const LASER_SPAN: [f64; 2] = [-0.02, 0.06];
 
 /// Fits the motion to the `laser` (m, upward from the film's upper face; `NaN` out of its range).
 ///
-/// `acceleration` gives the corrected acceleration (m/s²) for an assumed contact time (s). Each iteration fits its double
-/// integral to the laser by linear least squares in place and speed; contact is where the fitted motion passes zero. The
-/// iteration starts where the laser first measured after the `release` (s). Where that does not converge, because the
-/// laser covers the whole fall, it starts at `ideal` (s), the contact time of the ideal fall.
+/// `acceleration` gives the corrected acceleration (m/s²) for an assumed contact time (s). Each iteration fits its
+/// double integral to the laser by linear least squares in place and speed; contact is where the fitted motion passes
+/// zero. The iteration starts where the laser first measured after the `release` (s). Where that does not converge,
+/// because the laser covers the whole fall, it starts at `ideal` (s), the contact time of the ideal fall.
 ///
 /// # Errors
 /// The laser has too few samples, is reversed, or does not pass zero; the contact time does not converge.

@@ -1,7 +1,7 @@
 //! First contact of impactor and film: when, and how fast (Polymers 2021, 13, 1537, section 3.2).
 //!
-//! A laser determines it by the place of the impactor ([`by_laser`]); without one it follows from the height or the speed
-//! of the fall ([`by_fall`]).
+//! A laser determines it by the place of the impactor ([`by_laser`]); without one it follows from the height or the
+//! speed of the fall ([`by_fall`]).
 
 mod fall;
 mod laser;

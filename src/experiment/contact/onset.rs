@@ -9,7 +9,8 @@ use crate::signal::Series;
 const SEARCH: f64 = 0.003;
 /// Interval about that time which constant and cubic describe, s.
 const SPAN: [f64; 2] = [-0.05, 0.006];
-/// Variances by which constant and cubic must lower the sum of squares that a straight line leaves; chance hardly ever does.
+/// Variances by which constant and cubic must lower the sum of squares that a straight line leaves; chance hardly ever
+/// does.
 const SIGNIFICANT: f64 = 60.0;
 
 /// Mean sample interval, s: the onset is known no better.
@@ -20,12 +21,12 @@ pub(super) fn step(series: &Series) -> f64 {
     }
 }
 
-/// The time near `near` (s) at which the sum of squares that constant and cubic leave, plus the `penalty` (m²/s⁴) of the
-/// time, is smallest.
+/// The time near `near` (s) at which the sum of squares that constant and cubic leave, plus the `penalty` (m²/s⁴) of
+/// the time, is smallest.
 ///
-/// None where a straight line fits as well, where the acceleration does not rise, and where the best time is the first or
-/// last that is tried. Constant and cubic need not meet: the guide's friction ends with the fall. Between two samples all
-/// times are equal; the result is the middle.
+/// None where a straight line fits as well, where the acceleration does not rise, and where the best time is the first
+/// or last that is tried. Constant and cubic need not meet: the guide's friction ends with the fall. Between two
+/// samples all times are equal; the result is the middle.
 pub(super) fn onset(acceleration: &Series, near: f64, penalty: impl Fn(f64) -> f64) -> Option<f64> {
     let around = acceleration.window(SPAN.map(|span| near + span));
     let time = around.time();

@@ -57,8 +57,8 @@ impl SampleStatistics {
 
 /// The mean of the means of `groups`: every group counts the same, however many figures it has.
 ///
-/// The paper averages in this way: moduli per direction and speed, then per direction (Table 6), energy absorptions per drop
-/// height, then over both (Table 7). Means are never rounded in between.
+/// The paper averages in this way: moduli per direction and speed, then per direction (Table 6), energy absorptions per
+/// drop height, then over both (Table 7). Means are never rounded in between.
 ///
 /// # Errors
 /// [`AverageError::Nothing`] where there is no group, or a group without figures.
@@ -84,8 +84,8 @@ pub fn mean_curve(curves: &[Curve]) -> Result<Curve, AverageError> {
     mean.ok_or(AverageError::NoCommonStrain { start, end })
 }
 
-/// The mean of piecewise straight `laws` from their latest beginning to the mean of their ends, exact: it has the corners of
-/// all. A law that has ended is extended along its last piece.
+/// The mean of piecewise straight `laws` from their latest beginning to the mean of their ends, exact: it has the
+/// corners of all. A law that has ended is extended along its last piece.
 ///
 /// # Errors
 /// [`AverageError`] where there is no law, or no strain that all have.

@@ -41,8 +41,8 @@ impl Curve {
     /// isotonic regression, Barlow et al. 1972), as long as it goes back by no more than [`JITTER`] of its range.
     ///
     /// # Errors
-    /// [`CurveError`] where there are not as many stresses as strains, one is not a number, strain goes back further, or fewer than
-    /// two samples are left.
+    /// [`CurveError`] where there are not as many stresses as strains, one is not a number, strain goes back further,
+    /// or fewer than two samples are left.
     pub fn new(strain: Vec<f64>, stress: Vec<f64>) -> Result<Curve, CurveError> {
         if strain.len() != stress.len() {
             return Err(CurveError::Lengths { strain: strain.len(), stress: stress.len() });
@@ -90,7 +90,8 @@ impl Curve {
         interpolated(&self.strain, &self.stress, strain)
     }
 
-    /// Stress (Pa) at `strain`, linear between samples; beyond the last, on the line through the last two; none before the first.
+    /// Stress (Pa) at `strain`, linear between samples; beyond the last, on the line through the last two; none before
+    /// the first.
     pub fn continued(&self, strain: f64) -> Option<f64> {
         let last = self.strain.len() - 1;
         let beyond = strain - self.strain[last];

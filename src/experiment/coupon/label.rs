@@ -60,8 +60,8 @@ impl LabelError {
 }
 
 /// Direction and speed (m/s) of a test: what is `given` counts before what the file states, in the lines of its header
-/// (`direction: MD`, `velocity: 0.02 m/s`) or in its name without the ending, which must agree. A name counts where it is
-/// direction, speed in m/s up to [`FASTEST`] and, perhaps, a number: `md-0.02-3`.
+/// (`direction: MD`, `velocity: 0.02 m/s`) or in its name without the ending, which must agree. A name counts where it
+/// is direction, speed in m/s up to [`FASTEST`] and, perhaps, a number: `md-0.02-3`.
 pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, f64), LabelError> {
     let (named, headed) = (named(name), headed(header, given)?);
     let direction = match (given.direction, named.direction, headed.direction) {
@@ -84,7 +84,8 @@ pub fn is_same_speed(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
 
-/// Direction and speed of a name of the form `<direction>-<speed>` or `<direction>-<speed>-<number>`; a date is no speed.
+/// Direction and speed of a name of the form `<direction>-<speed>` or `<direction>-<speed>-<number>`; a date is no
+/// speed.
 fn named(name: &str) -> Label {
     let parts: Vec<&str> = name.split('-').collect();
     let (direction, velocity) = match parts[..] {

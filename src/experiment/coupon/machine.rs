@@ -2,8 +2,8 @@ use thiserror::Error;
 
 use super::{Coupon, Curve};
 
-/// The tensile machine of virtual tests: jaws that part at one speed, a load cell with noise, and a recorder that rounds to
-/// so many decimals.
+/// The tensile machine of virtual tests: jaws that part at one speed, a load cell with noise, and a recorder that
+/// rounds to so many decimals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Machine {
     /// Speed of the jaws apart, m/s.
@@ -40,8 +40,8 @@ pub enum MachineError {
 }
 
 impl Machine {
-    /// Records a `coupon` whose film follows `curve` and is broken beyond its end, at `strains`; `noise` (N) is added to
-    /// the force row by row. The force is that of the rounded displacement, so rounding adds no error.
+    /// Records a `coupon` whose film follows `curve` and is broken beyond its end, at `strains`; `noise` (N) is added
+    /// to the force row by row. The force is that of the rounded displacement, so rounding adds no error.
     pub fn pull(
         &self,
         coupon: &Coupon,

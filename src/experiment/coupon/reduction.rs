@@ -14,8 +14,9 @@ pub struct Rules {
     pub window: [f64; 2],
     /// Share of the largest force below which a coupon is broken.
     pub break_share: f64,
-    /// Whether strain is counted from where the elastic line meets zero stress (ASTM D882), not from the recording's zero.
-    /// The line is then sought in the window of the recorded strain, and everything else read from the shifted curve.
+    /// Whether strain is counted from where the elastic line meets zero stress (ASTM D882), not from the recording's
+    /// zero. The line is then sought in the window of the recorded strain, and everything else read from the shifted
+    /// curve.
     pub toe_compensation: bool,
 }
 

@@ -13,9 +13,9 @@ pub enum ResidualError {
     ZeroReference,
 }
 
-/// The differences √w (σ − σ_e)/√(Σ w σ_e²) of `curve` from `reference` at the samples of the reference, with the weights w of
-/// the trapezoidal rule over strain (theory.md, equation 162). Their norm is the relative error over strain; samples that
-/// lie close count no more than others.
+/// The differences √w (σ − σ_e)/√(Σ w σ_e²) of `curve` from `reference` at the samples of the reference, with the
+/// weights w of the trapezoidal rule over strain (theory.md, equation 162). Their norm is the relative error over
+/// strain; samples that lie close count no more than others.
 pub fn relative_residuals(curve: &Curve, reference: &Curve) -> Result<Vec<f64>, ResidualError> {
     let weights = weights(reference.strain());
     let size: f64 = weights.iter().zip(reference.stress()).map(|(w, expected)| w * expected * expected).sum();
@@ -58,7 +58,8 @@ mod tests {
             let curve = Curve::new(vec![0.0, 2.0], vec![0.0, 2.2]).unwrap();
             assert!((norm(&curve, &reference) - 0.1).abs() < 1e-12);
         }
-        // A constant difference is that difference over the root mean square of the reference, here 1/√3 but for the samples.
+        // A constant difference is that difference over the root mean square of the reference, here 1/√3 but for the
+        // samples.
         let strains: Vec<f64> = (0..=1000).map(|k| 1e-3 * f64::from(k)).collect();
         let reference = Curve::new(strains.clone(), strains.clone()).unwrap();
         let curve = Curve::new(vec![0.0, 1.0], vec![0.01, 1.01]).unwrap();

@@ -80,9 +80,10 @@ impl Coupon {
 
     /// Shear of the film from a `curve` recorded at 45° (D3), by equations 4 to 8.
     ///
-    /// The paper supposes a square that is stretched along its diagonal and does not say how much of the coupon it is. Stress
-    /// and strain are **assumed** the same everywhere, so that a square with the diagonal √2 L carries √2 L/w of the force
-    /// and has √2 L/l₀ of the displacement: then L cancels, τ = σ/(1 + ε). Here it is the largest that fits the coupon.
+    /// The paper supposes a square that is stretched along its diagonal and does not say how much of the coupon it is.
+    /// Stress and strain are **assumed** the same everywhere, so that a square with the diagonal √2 L carries √2 L/w of
+    /// the force and has √2 L/l₀ of the displacement: then L cancels, τ = σ/(1 + ε). Here it is the largest that fits
+    /// the coupon.
     ///
     /// # Errors
     /// What makes no [`Curve`].

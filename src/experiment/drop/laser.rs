@@ -3,8 +3,8 @@
 use crate::experiment::Warning;
 use crate::signal::Series;
 
-/// Fewest equal samples in a row that are not a moving impactor: out of range a laser holds its last value, or writes the
-/// end of its range, or zero.
+/// Fewest equal samples in a row that are not a moving impactor: out of range a laser holds its last value, or writes
+/// the end of its range, or zero.
 const HELD: usize = 20;
 
 /// A laser whose held samples count as not measured.

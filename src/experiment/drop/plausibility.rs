@@ -15,7 +15,8 @@ const FLAT: f64 = 2e-3;
 const ZERO_MOVES: f64 = 0.1;
 const STANDARD_ERRORS: f64 = 5.0;
 
-/// What puts `drop` in doubt, from its figures and from the `reading` (m/s²) that it was reduced from, at rest until `rest_end` (s).
+/// What puts `drop` in doubt, from its figures and from the `reading` (m/s²) that it was reduced from, at rest until
+/// `rest_end` (s).
 pub(super) fn warnings(drop: &Drop, reading: &Series, rest_end: f64) -> Vec<Warning> {
     [absorption(drop), laser(drop), slow(drop), late_peak(drop), saturated(reading), moving_zero(reading, rest_end)]
         .into_iter()

@@ -15,8 +15,8 @@ use crate::signal::filter::{self, ChannelFilter, Standard};
 use crate::signal::resample::{self, ResampleError};
 use crate::signal::{Series, column, gap, integrate};
 
-/// Reduces the `acceleration` that was read (m/s², upward) and, where there is one, the `laser`'s distance from the film's upper
-/// face (m, upward; `NaN` out of range). Both have one clock and start with the impactor at rest.
+/// Reduces the `acceleration` that was read (m/s², upward) and, where there is one, the `laser`'s distance from the
+/// film's upper face (m, upward; `NaN` out of range). Both have one clock and start with the impactor at rest.
 pub fn reduce(
     acceleration: &Series,
     laser: Option<&Series>,
@@ -199,8 +199,8 @@ impl Drop {
     }
 }
 
-/// Friction only lowers the speed: one above that of the free fall is reported, or refused where no error of measurement
-/// explains it.
+/// Friction only lowers the speed: one above that of the free fall is reported, or refused where no error of
+/// measurement explains it.
 fn faster_than_fall(speed: f64, tower: &Tower) -> Result<Option<Warning>, DropError> {
     let (ideal, height) = (tower.ideal_speed(), tower.height.metres());
     let excess = speed / ideal - 1.0;

@@ -170,8 +170,8 @@ fn a_time_constant_that_is_known_is_used() {
     assert_eq!(raw, drop.signals.channel("acceleration_filtered_m_s2"));
 }
 
-/// The ramp gives contact and travel, but not the shift of the sensor's zero in the impact, which is smaller with a longer
-/// time constant.
+/// The ramp gives contact and travel, but not the shift of the sensor's zero in the impact, which is smaller with a
+/// longer time constant.
 #[test]
 fn the_ramp_gives_travel_but_errs_in_absorption_by_the_time_constant() {
     let deepest = impact()[1].smallest().unwrap()[1];

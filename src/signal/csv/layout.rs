@@ -1,4 +1,5 @@
-//! The layout of a table: separator, names, units and time, detected from the lines before its numbers and the first row.
+//! The layout of a table: separator, names, units and time, detected from the lines before its numbers and the first
+//! row.
 
 use std::collections::{HashSet, VecDeque};
 use std::io::BufRead;

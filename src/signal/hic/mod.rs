@@ -46,10 +46,11 @@ pub enum HicError {
     NeverPositive,
 }
 
-/// The head injury criterion of an acceleration (m/s², deceleration positive, or the resultant) over intervals of at most `window` s.
+/// The head injury criterion of an acceleration (m/s², deceleration positive, or the resultant) over intervals of at
+/// most `window` s.
 ///
-/// The acceleration is taken as linear between samples. All pairs of samples are compared, and the ends of the best pair are
-/// then moved between samples, so a window need not be a multiple of the step, which need not be even.
+/// The acceleration is taken as linear between samples. All pairs of samples are compared, and the ends of the best
+/// pair are then moved between samples, so a window need not be a multiple of the step, which need not be even.
 pub fn head_injury_criterion(series: &Series, window: f64) -> Result<Hic, HicError> {
     if window.is_nan() || window <= 0.0 {
         return Err(HicError::Window { window });

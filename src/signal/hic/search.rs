@@ -99,8 +99,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Upper bound of all pairs of the two blocks: the largest rise at the largest mean, which neither the acceleration's peak nor
-    /// the rise over the shortest time exceeds. Zero where they lie too far apart.
+    /// Upper bound of all pairs of the two blocks: the largest rise at the largest mean, which neither the
+    /// acceleration's peak nor the rise over the shortest time exceeds. Zero where they lie too far apart.
     fn bound(&self, level: usize, [a, b]: [usize; 2]) -> f64 {
         let (blocks, size) = (&self.levels[level], LEAF << level);
         let between = if a == b { 0.0 } else { self.pulse.time[b * size] - self.pulse.time[(a + 1) * size - 1] };

@@ -44,8 +44,9 @@ const KEY: usize = 28;
 /// Writes `measurement` as the test at `path` (`<test>.mme`) with its folder `Channel`, in SI units.
 ///
 /// The files are written under other names and renamed when they are complete, the test last: without it there is no
-/// container. Numbers are in the shortest form that reads back to the same bits. The time is implicit where its steps are
-/// equal, or else a channel of its own. Channels keep their names where those are codes; others get a code that counts.
+/// container. Numbers are in the shortest form that reads back to the same bits. The time is implicit where its steps
+/// are equal, or else a channel of its own. Channels keep their names where those are codes; others get a code that
+/// counts.
 ///
 /// # Errors
 /// Nothing that exists is replaced.
@@ -157,7 +158,8 @@ fn sheets<'a>(measurement: &'a Measurement, headers: &'a Headers) -> Vec<Sheet<'
     sheets
 }
 
-/// What a channel is called: without the unit that a table writes behind the name, where no other channel has that name.
+/// What a channel is called: without the unit that a table writes behind the name, where no other channel has that
+/// name.
 fn long_name(channel: &MeasuredChannel, all: &[MeasuredChannel]) -> String {
     let MeasuredChannel { name, label, .. } = channel;
     let alone = all.iter().filter(|other| other.name == *name).count() == 1;
@@ -216,8 +218,8 @@ impl Sheet<'_> {
         out.flush()
     }
 
-    /// The lines of the original header, with the entries that the data determine replaced; then the entries that it does not
-    /// have.
+    /// The lines of the original header, with the entries that the data determine replaced; then the entries that it
+    /// does not have.
     fn lines(&self) -> Vec<Pair> {
         let (mut anew, mut otherwise) = (self.decided(), self.otherwise());
         let mut lines = Vec::new();

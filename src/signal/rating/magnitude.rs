@@ -1,8 +1,10 @@
-//! The magnitude rating E_M of ISO/TS 18571, equations 66 and 67: what remains between the curves when their time is warped.
+//! The magnitude rating E_M of ISO/TS 18571, equations 66 and 67: what remains between the curves when their time is
+//! warped.
 //!
-//! Sakoe and Chiba, IEEE Transactions on Acoustics, Speech, and Signal Processing 26 (1978): squared differences, steps of (1, 0), (0, 1)
-//! and (1, 1) of equal weight, a band about the diagonal. The rating only needs two sums along the path, so they are computed with
-//! the costs from one antidiagonal of the band to the next, and no path is stored: memory is linear in the length.
+//! Sakoe and Chiba, IEEE Transactions on Acoustics, Speech, and Signal Processing 26 (1978): squared differences, steps
+//! of (1, 0), (0, 1) and (1, 1) of equal weight, a band about the diagonal. The rating only needs two sums along the
+//! path, so they are computed with the costs from one antidiagonal of the band to the next, and no path is stored:
+//! memory is linear in the length.
 
 use std::ops::Range;
 

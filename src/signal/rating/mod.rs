@@ -1,7 +1,7 @@
 //! How well one signal follows another: the objective rating of ISO/TS 18571 for signals without ambiguity.
 //!
-//! Four ratings between 0 and 1 and their weighted sum, equations 64 to 69. The curves are compared at 10 kHz and equal length,
-//! as the specification requires; the warnings of the rating report how they were resampled.
+//! Four ratings between 0 and 1 and their weighted sum, equations 64 to 69. The curves are compared at 10 kHz and equal
+//! length, as the specification requires; the warnings of the rating report how they were resampled.
 
 mod corridor;
 mod magnitude;

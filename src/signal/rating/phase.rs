@@ -38,7 +38,8 @@ impl Shift {
     }
 }
 
-/// The shift of at most a fifth of the length with the largest Pearson correlation; the smallest of several, left before right.
+/// The shift of at most a fifth of the length with the largest Pearson correlation; the smallest of several, left
+/// before right.
 pub(super) fn best_shift(reference: &[f64], comparison: &[f64]) -> Shift {
     let (r, c) = (Moments::of(reference), Moments::of(comparison));
     let correlation = |shift: Shift| {
