@@ -27,7 +27,7 @@ pub(super) fn check(out: &Path, ending: &str, input: Option<&Path>, force: Optio
     if !ends_in(out, ending) {
         return refused(format!("{shown} does not end in .{ending}"), "the ending names the format");
     }
-    let Some((place, there)) = there(out).map_err(|error| unwritable(out, &error))? else {
+    let Some((place, there)) = existing(out).map_err(|error| unwritable(out, &error))? else {
         return Ok(());
     };
     if !there.is_file() {
@@ -50,7 +50,7 @@ pub(super) fn ends_in(out: &Path, ending: &str) -> bool {
 
 /// Writes a temporary file that replaces `out`, or what the link `out` points to, when it is complete.
 pub(super) fn write(out: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-    let written = || Draft::write(out, content)?.keep();
+    let written = || Draft::write(out, content)?.persist();
     written().map_err(|error| failed(out, &error))
 }
 
@@ -62,7 +62,7 @@ pub(super) fn write_sealed(texts: &[(PathBuf, String)]) -> Result<(), Failure> {
         let draft = Draft::write(out, |file| file.write_all(sealed(text).as_bytes()));
         drafts.push((out, draft.map_err(|error| failed(out, &error))?));
     }
-    drafts.into_iter().try_for_each(|(out, draft)| draft.keep().map_err(|error| failed(out, &error)))
+    drafts.into_iter().try_for_each(|(out, draft)| draft.persist().map_err(|error| failed(out, &error)))
 }
 
 /// An output that could not be written.
@@ -75,7 +75,7 @@ fn unwritable(out: &Path, error: &impl std::fmt::Display) -> Diagnostic {
 }
 
 /// The canonical path and the metadata of what is at `out`; `None` where there is nothing.
-fn there(out: &Path) -> io::Result<Option<(PathBuf, Metadata)>> {
+fn existing(out: &Path) -> io::Result<Option<(PathBuf, Metadata)>> {
     match fs::symlink_metadata(out) {
         Ok(_) => {
             let place = fs::canonicalize(out)?;
@@ -95,7 +95,7 @@ struct Draft {
 
 impl Draft {
     fn write(out: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Draft> {
-        let place = there(out)?.map_or_else(|| out.to_owned(), |(place, _)| place);
+        let place = existing(out)?.map_or_else(|| out.to_owned(), |(place, _)| place);
         let folder = folder_of(&place);
         fs::create_dir_all(folder)?;
         let mut file = draft(folder)?;
@@ -106,9 +106,9 @@ impl Draft {
         Ok(Draft { file, place })
     }
 
-    fn keep(self) -> io::Result<()> {
+    fn persist(self) -> io::Result<()> {
         // A device or a pipe created there meanwhile is not unlinked.
-        if there(&self.place)?.is_some_and(|(_, found)| !found.is_file()) {
+        if existing(&self.place)?.is_some_and(|(_, found)| !found.is_file()) {
             return Err(io::Error::other("it is not a file that can be replaced"));
         }
         self.file.persist(&self.place)?;

@@ -166,19 +166,19 @@ impl Job {
             }
         };
         let mut lost = 0_usize;
-        let mut keep = |checkpoint: &Checkpoint<'_>| {
+        let mut write = |checkpoint: &Checkpoint<'_>| {
             if let Some(mistake) = self.writer.as_ref().and_then(|writer| writer.write(checkpoint).err()) {
                 // A full disk stays full: one message is enough.
                 if lost == 0 {
-                    bar.error(&mistake.hint("the run continues; its last whole checkpoint stays"));
+                    bar.error(&mistake.hint("the run continues; its last complete checkpoint stays"));
                 }
                 lost += 1;
             }
         };
-        let checkpoints = every.map(|every| Checkpoints { every, write: &mut keep });
+        let checkpoints = every.map(|every| Checkpoints { every, write: &mut write });
         let is_on = show.is_on();
-        let mut look = |event: &SnapshotEvent<'_>| show.update(event);
-        let on_snapshot = is_on.then_some(&mut look as &mut dyn FnMut(&SnapshotEvent<'_>));
+        let mut update = |event: &SnapshotEvent<'_>| show.update(event);
+        let on_snapshot = is_on.then_some(&mut update as &mut dyn FnMut(&SnapshotEvent<'_>));
         let options = RunOptions { restart, checkpoints, on_snapshot, detailed: self.vtu, ..RunOptions::default() };
         let outcome = simulate::run_with(model, options, &mut progress);
         if lost > 1 {

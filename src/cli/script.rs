@@ -64,7 +64,7 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| storing(&error))?;
     let studied = studied(args, name, &place, shared.quiet)?;
-    let files = keep(&studied, &place).map_err(|error| Failure::output(storing(&error)))?;
+    let files = store_results(&studied, &place).map_err(|error| Failure::output(storing(&error)))?;
     print_figures(shared, &summary(&studied), || {
         let Studied { name, output, .. } = &studied;
         format!("{name}\n{}{}", table::script_output(output), digest::folder(&place, &files))
@@ -205,7 +205,7 @@ fn summary(studied: &Studied) -> Map<String, Value> {
     summary
 }
 
-fn keep(studied: &Studied, place: &Path) -> Result<Vec<String>, StoreError> {
+fn store_results(studied: &Studied, place: &Path) -> Result<Vec<String>, StoreError> {
     let Studied { name, call, text, output, .. } = studied;
     let draft = Draft::begin(place)?;
     let page = StudyPage { name, call, output, script: text };

@@ -7,18 +7,18 @@ use crate::signal::Series;
 
 /// Offers `write_csv` and `write_text` to scripts; their files are written with the other results, or not at all.
 pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
-    let keep = |collector: &OutputCollector, name: &str, content: String| {
+    let collect = |collector: &OutputCollector, name: &str, content: String| {
         collector.file(File { name: name.into(), content }).map_err(refuse)
     };
     let own = collector.clone();
-    engine.register_fn("write_text", move |name: &str, text: &str| keep(&own, name, text.into()));
+    engine.register_fn("write_text", move |name: &str, text: &str| collect(&own, name, text.into()));
     let own = collector.clone();
     engine.register_fn("write_csv", move |name: &str, names: Array, columns: Array| {
-        keep(&own, name, csv(&names, &columns, &Array::new())?)
+        collect(&own, name, csv(&names, &columns, &Array::new())?)
     });
     let own = collector.clone();
     engine.register_fn("write_csv", move |name: &str, names: Array, columns: Array, comments: Array| {
-        keep(&own, name, csv(&names, &columns, &comments)?)
+        collect(&own, name, csv(&names, &columns, &comments)?)
     });
 }
 
