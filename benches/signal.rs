@@ -1,6 +1,7 @@
 //! Run time of signal functions on a million samples: `cargo bench --bench signal`.
 //!
-//! The signal is one second at 1 MHz, as of a shock recorder. Every figure is the median of several measurements in one process.
+//! The signal is one second at 1 MHz, as of a shock recorder. Every figure is the median of several measurements in one
+//! process.
 
 use std::hint::black_box;
 use std::time::Instant;

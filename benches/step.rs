@@ -233,9 +233,9 @@ fn stepping(engine: &mut Engine, steps: usize) -> f64 {
     all * 1e9 / (steps * elements) as f64
 }
 
-/// What contact, audit and sampling take of the whole drop test: the same number of steps with the film alone, then with
-/// contact, then with everything. The kernel has no branch on its state, so film that is not hit costs what film that is does.
-/// The quickest of several repeats each: differences would drown in the noise of medians.
+/// What contact, audit and sampling take of the whole drop test: the same number of steps with the film alone, then
+/// with contact, then with everything. The kernel has no branch on its state, so film that is not hit costs what film
+/// that is does. The quickest of several repeats each: differences would drown in the noise of medians.
 fn parts() {
     let model = shipped(&["specimen.symmetry=none"]);
     let mut shares = vec![];

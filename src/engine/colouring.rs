@@ -4,8 +4,8 @@ use thiserror::Error;
 
 /// Parts of a mesh by colour, with the proof that no two parts of one colour have a node in common.
 ///
-/// [`Colouring::new`] is the only constructor and checks every node of every part. Threads that add to the nodes of different
-/// parts of one colour therefore never write to the same entry; `unsafe` code relies on it.
+/// [`Colouring::new`] is the only constructor and checks every node of every part. Threads that add to the nodes of
+/// different parts of one colour therefore never write to the same entry; `unsafe` code relies on it.
 #[derive(Debug)]
 pub(super) struct Colouring {
     colours: Vec<Vec<usize>>,

@@ -1,7 +1,7 @@
 //! One face of film: its elements in chunks and its nodes.
 //!
-//! Threads take the chunks one by one. Chunks of one colour share no node, so their forces may be added at the same time; the
-//! colours follow each other. Neither depends on the number of threads, and so the order of no sum does.
+//! Threads take the chunks one by one. Chunks of one colour share no node, so their forces may be added at the same
+//! time; the colours follow each other. Neither depends on the number of threads, and so the order of no sum does.
 
 use std::ops::Range;
 
@@ -107,8 +107,8 @@ impl Film {
         SharedFilm { chunks: Disjoint::new(&mut self.chunks), forces: Forces::new(force), nodes }
     }
 
-    /// Adds the film's forces to those of its nodes, which moved to their positions in `dt` (s), and updates the history
-    /// variables.
+    /// Adds the film's forces to those of its nodes, which moved to their positions in `dt` (s), and updates the
+    /// history variables.
     pub fn add_forces(&mut self, nodes: &mut Nodes, dt: f64) {
         let mut order: Vec<usize> = (0..self.chunks.len()).collect();
         order.sort_by_key(|chunk| self.chunks[*chunk].colour);
@@ -144,8 +144,8 @@ impl Film {
         frequency_bounds(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
 
-    /// Deletes every element in which the last pass over the forces found a fibre past its break strain; its mass stays at the
-    /// nodes. `position` is that of all nodes. Returns the number of elements and their energies.
+    /// Deletes every element in which the last pass over the forces found a fibre past its break strain; its mass stays
+    /// at the nodes. `position` is that of all nodes. Returns the number of elements and their energies.
     pub fn delete_failed(&mut self, position: [&[f64]; 3]) -> (usize, ElementEnergy) {
         let position = self.own(position);
         let mut total = (0, ElementEnergy::default());

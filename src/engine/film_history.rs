@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::element::{Block, Blocks};
 use crate::material::History;
 
-/// History variables of the elements of one face, an entry an integration point: element by element, quads first, whatever
-/// the chunks and blocks that hold the elements.
+/// History variables of the elements of one face, an entry an integration point: element by element, quads first,
+/// whatever the chunks and blocks that hold the elements.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FilmHistory {
     /// Those of the law, as many a point as it has.

@@ -1,8 +1,8 @@
 //! Explicit dynamics of films under a rigid impactor, jaws or pressure.
 //!
 //! [`Engine::step`] advances by one central-difference step: forces of the elements, kick and drift of the nodes,
-//! contact, drift of the body (theory.md, section 4). Signals and snapshots are taken by an [`Observer`], which is shown a
-//! read-only [`View`].
+//! contact, drift of the body (theory.md, section 4). Signals and snapshots are taken by an [`Observer`], which is
+//! shown a read-only [`View`].
 
 mod colouring;
 mod contact;
@@ -191,8 +191,8 @@ impl Engine {
         self.impact.as_ref().map(|impact| impact.contact.surface())
     }
 
-    /// Bytes of all arrays that grow with the mesh: nodes, elements, contact, and the previous step stored for observers.
-    /// Spare capacity does not count.
+    /// Bytes of all arrays that grow with the mesh: nodes, elements, contact, and the previous step stored for
+    /// observers. Spare capacity does not count.
     pub fn bytes(&self) -> usize {
         let films: usize = self.films.iter().map(Film::bytes).sum();
         let contact = self.impact.as_ref().map_or(0, |impact| impact.contact.bytes());
@@ -272,7 +272,8 @@ impl Engine {
         }
     }
 
-    /// Adds the work of the jaws against the forces of the film to the ledger; these act over the halves of both adjacent steps.
+    /// Adds the work of the jaws against the forces of the film to the ledger; these act over the halves of both
+    /// adjacent steps.
     fn add_jaw_work(&mut self, dt: f64, kick: f64) {
         let power = |jaw: &Jaw| -self.nodes.total_force(&jaw.nodes, 0) * jaw.velocity;
         let power = self.loads.multiplicity * self.loads.jaws.iter().map(power).sum::<f64>();
@@ -280,8 +281,8 @@ impl Engine {
         self.ledger.external_ahead = -0.5 * power * dt;
     }
 
-    /// Kicks nodes and body over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the body. Returns the
-    /// largest speed of a node, m/s.
+    /// Kicks nodes and body over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the body.
+    /// Returns the largest speed of a node, m/s.
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
         let Engine { films, nodes, impact, .. } = self;
         let record = impact.as_mut().map(|Impact { body, contact }| contact.prepare(films, nodes, body));

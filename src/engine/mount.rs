@@ -18,8 +18,8 @@ const CHUNKS: usize = 12;
 const BLOCKS: [usize; 2] = [4, 64];
 
 impl Film {
-    /// The elements of `mesh` with the properties of `section`; appends the nodes of the mesh, lifted by `height` (m), to
-    /// `nodes`.
+    /// The elements of `mesh` with the properties of `section`; appends the nodes of the mesh, lifted by `height` (m),
+    /// to `nodes`.
     ///
     /// # Errors
     /// MD is perpendicular to an element.

@@ -6,15 +6,16 @@ use crate::lane::Width;
 use crate::material::MembraneLaw;
 use crate::mesh::Mesh;
 
-/// The one-point quadrilaterals of a mesh with a law, `L` at once; `L` = 1 is the scalar kernel, element by element. The law
-/// need not be one of [`crate::material::Law`].
+/// The one-point quadrilaterals of a mesh with a law, `L` at once; `L` = 1 is the scalar kernel, element by element.
+/// The law need not be one of [`crate::material::Law`].
 pub struct Patch<M: MembraneLaw, const L: usize> {
     law: M,
     quads: Quads<L, M::History<L>>,
 }
 
 impl<M: MembraneLaw, const L: usize> Patch<M, L> {
-    /// The quadrilaterals of `mesh`, `thickness` (m) thick in the configuration that `stress_free` relates to that of the mesh.
+    /// The quadrilaterals of `mesh`, `thickness` (m) thick in the configuration that `stress_free` relates to that of
+    /// the mesh.
     ///
     /// # Errors
     /// The fibre direction is undefined in an element.

@@ -1,7 +1,7 @@
 //! Pressure: a follower load on the present area, along the present normal.
 //!
-//! With the volume `V` between the film and any fixed surface through its edge, the load is the gradient `F_a = p ∂V/∂x_a`,
-//! so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29).
+//! With the volume `V` between the film and any fixed surface through its edge, the load is the gradient `F_a = p
+//! ∂V/∂x_a`, so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29).
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -19,9 +19,9 @@ pub struct Inflation {
 }
 
 impl Inflation {
-    /// Pressure at `time` (s), Pa: `s³(10 − 15s + 6s²)` of the final value at the share `s` of the ramp (theory.md, equation 30).
-    /// Flat film rises with the cube root of the pressure, and so at a steady rate at first; at the end of the ramp the rate and its
-    /// derivative are zero.
+    /// Pressure at `time` (s), Pa: `s³(10 − 15s + 6s²)` of the final value at the share `s` of the ramp (theory.md,
+    /// equation 30). Flat film rises with the cube root of the pressure, and so at a steady rate at first; at the end
+    /// of the ramp the rate and its derivative are zero.
     pub fn at(&self, time: f64) -> f64 {
         let s = (time / self.ramp).clamp(0.0, 1.0);
         self.pressure * s * s * s * (10.0 + s * (6.0 * s - 15.0))
@@ -78,7 +78,8 @@ fn triangle(x: [Vector3<f64>; 3]) -> Patch<3> {
     Patch { areas: [area / 3.0; 3], volume: x[0].dot(&area) / 3.0 }
 }
 
-/// ∫ N_a ∂x/∂ξ × ∂x/∂η dξdη (theory.md, equation 29) over the bilinear surface x = c + ξ a + η b + ξη h, in closed form.
+/// ∫ N_a ∂x/∂ξ × ∂x/∂η dξdη (theory.md, equation 29) over the bilinear surface x = c + ξ a + η b + ξη h, in closed
+/// form.
 fn quad(x: [Vector3<f64>; 4]) -> Patch<4> {
     const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let a = (x[1] + x[2] - x[0] - x[3]) / 4.0;

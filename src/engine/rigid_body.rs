@@ -37,8 +37,8 @@ pub(super) struct Motion {
     inverse_inertia: [[f64; 3]; 3],
 }
 
-/// The film in contact in the body's equations of motion (theory.md, equation 20): the mass that follows each motion of the
-/// body, and the momentum that it takes. Rows: translation, rotation; a guided body uses the third alone.
+/// The film in contact in the body's equations of motion (theory.md, equation 20): the mass that follows each motion of
+/// the body, and the momentum that it takes. Rows: translation, rotation; a guided body uses the third alone.
 #[derive(Clone, Debug)]
 pub(super) struct CoupledFilm {
     mass: Matrix6<f64>,
@@ -78,8 +78,8 @@ impl RigidBody {
         }
     }
 
-    /// A body at `pose` with six degrees of freedom and `velocity` (m/s), not spinning; `mass` in kg, `inertia` (kg m²) about
-    /// its centre of mass in body axes.
+    /// A body at `pose` with six degrees of freedom and `velocity` (m/s), not spinning; `mass` in kg, `inertia` (kg m²)
+    /// about its centre of mass in body axes.
     pub fn free(pose: Isometry3<f64>, velocity: Vector3<f64>, mass: f64, inertia: Matrix3<f64>) -> RigidBody {
         let spin = Vector3::zeros();
         let inverse_inertia = Matrix3::zeros();
@@ -178,7 +178,8 @@ impl RigidBody {
         }
     }
 
-    /// Work of `impulse` (N s) and its `moment` about the centre of mass (N m s) with the mean of its motion `before` and now, J.
+    /// Work of `impulse` (N s) and its `moment` about the centre of mass (N m s) with the mean of its motion `before`
+    /// and now, J.
     pub(super) fn work_of(&self, impulse: &Vector3<f64>, moment: &Vector3<f64>, before: &RigidBody) -> f64 {
         let rotation = match self.guided {
             true => 0.0,
@@ -204,8 +205,8 @@ impl RigidBody {
         self.guided
     }
 
-    /// Adds film of `mass` (kg) that follows the body at `arm` (m), in all directions or `along` one, and the momentum `change`
-    /// (kg m/s) that it takes from a free body of unchanged velocity.
+    /// Adds film of `mass` (kg) that follows the body at `arm` (m), in all directions or `along` one, and the momentum
+    /// `change` (kg m/s) that it takes from a free body of unchanged velocity.
     pub(super) fn couple(
         &self,
         coupled: &mut CoupledFilm,
@@ -229,7 +230,8 @@ impl RigidBody {
         }
     }
 
-    /// The body with the velocity of the implicit solution for the body and the `coupled` film (theory.md, equation 20).
+    /// The body with the velocity of the implicit solution for the body and the `coupled` film (theory.md, equation
+    /// 20).
     pub(super) fn after_contact(&self, coupled: &CoupledFilm) -> RigidBody {
         let mut body = self.clone();
         match self.guided {

@@ -57,8 +57,8 @@ impl Engine {
     /// Restores a state of the same scene; the steps that follow give the same bits as those that followed it.
     ///
     /// # Errors
-    /// [`StateMismatch`] where the state has other numbers of nodes, faces, integration points or impactors; then the engine is
-    /// unchanged.
+    /// [`StateMismatch`] where the state has other numbers of nodes, faces, integration points or impactors; then the
+    /// engine is unchanged.
     pub fn restore(&mut self, state: State) -> Result<(), StateMismatch> {
         self.check(&state)?;
         self.time = state.time;

@@ -1,4 +1,5 @@
-//! The primitives of the thread pool. The package in `tests/loom` compiles the pool with those of the model checker in their place.
+//! The primitives of the thread pool. The package in `tests/loom` compiles the pool with those of the model checker in
+//! their place.
 
 pub(super) use std::hint::spin_loop;
 pub(super) use std::sync::Arc;

@@ -120,7 +120,8 @@ mod tests {
         total
     }
 
-    /// Load, unload, reload, cycle by cycle to a larger strain each: work in, share out, nothing more lost on the way back.
+    /// Load, unload, reload, cycle by cycle to a larger strain each: work in, share out, nothing more lost on the way
+    /// back.
     #[test]
     fn every_cycle_returns_its_share() {
         for curve in curves() {

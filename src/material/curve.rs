@@ -7,8 +7,8 @@ use crate::lane::{Lane, larger, smaller, splat};
 
 /// A piecewise linear stress–strain curve that starts at the origin.
 ///
-/// Below zero strain the stress is zero. Beyond the last point the last slope continues; the law decides whether the material
-/// fails there ([`Curve::end`]).
+/// Below zero strain the stress is zero. Beyond the last point the last slope continues; the law decides whether the
+/// material fails there ([`Curve::end`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     points: Vec<[f64; 2]>,

@@ -18,8 +18,8 @@ use super::history::PointHistory;
 use super::{Absorption, Curve, Deformation, Energy, MembraneLaw, Stiffness, Stress, Stresses};
 use crate::lane::{Lane, Lane3, dot, larger, smaller, splat};
 
-/// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve, with
-/// energy absorption on unloading.
+/// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve,
+/// with energy absorption on unloading.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fabric<F = Curve> {
     md: F,
@@ -59,8 +59,9 @@ impl<F: FibreLaw> Fabric<F> {
 /// |sin γ| up to which the shear angle is the arcsine.
 const SINE_BOUND: f64 = 0.95;
 
-/// γ/sin γ in powers of cos γ − [`CENTRE`], |sin γ| up to the bound: interpolation at Chebyshev nodes, within 1.2e-16. As a function
-/// of the cosine it is smooth through γ = 0, where the arcsine as a function of the sine would need another root.
+/// γ/sin γ in powers of cos γ − [`CENTRE`], |sin γ| up to the bound: interpolation at Chebyshev nodes, within 1.2e-16.
+/// As a function of the cosine it is smooth through γ = 0, where the arcsine as a function of the sine would need
+/// another root.
 const ANGLE_OVER_SINE: [f64; 16] = [
     1.1331927198876424,
     -0.45048585789817597,

@@ -4,13 +4,14 @@ use super::history::FibreHistory;
 use super::{Absorption, Curve};
 use crate::lane::{Lane, splat};
 
-/// Stress of a fibre set as a function of its engineering strain and its history variables, with absorption on unloading.
+/// Stress of a fibre set as a function of its engineering strain and its history variables, with absorption on
+/// unloading.
 pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
     /// Its history variables.
     type History<const L: usize>: FibreHistory<L>;
 
-    /// Stress (Pa) at `strain`, reached `dt` (s) after the previous one; updates the history variables. `dt` is zero while film is
-    /// mounted.
+    /// Stress (Pa) at `strain`, reached `dt` (s) after the previous one; updates the history variables. `dt` is zero
+    /// while film is mounted.
     fn stress<const L: usize>(
         &self,
         absorption: &Absorption,
@@ -35,8 +36,8 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
         history: &Self::History<L>,
     ) -> (Lane<L>, Lane<L>);
 
-    /// Bound on the slope dσ/dε (Pa) within `reach` of `strain`, on loading and unloading at any rate; zero where the fibre stays
-    /// slack.
+    /// Bound on the slope dσ/dε (Pa) within `reach` of `strain`, on loading and unloading at any rate; zero where the
+    /// fibre stays slack.
     fn largest_slope<const L: usize>(
         &self,
         absorption: &Absorption,

@@ -1,7 +1,7 @@
 //! Constitutive laws of films: stress and energy of one layer as functions of its deformation.
 //!
-//! A law is independent of mesh and time integration. It computes, in lanes ([`crate::lane`]), the stress at a deformation
-//! gradient and the energy of which the stress is the derivative.
+//! A law is independent of mesh and time integration. It computes, in lanes ([`crate::lane`]), the stress at a
+//! deformation gradient and the energy of which the stress is the derivative.
 
 mod absorption;
 mod curve;
@@ -36,8 +36,8 @@ pub type Gradient<const L: usize = LANES> = [Lane3<L>; 2];
 pub struct Deformation<const L: usize = LANES> {
     /// The gradient at the point.
     pub f: Gradient<L>,
-    /// Mean square by which f₁ and f₂ vary over the part of the element that the point represents; the stretch in a law is the
-    /// root mean square √(|f_I|² + s_I) (theory.md, equation 13).
+    /// Mean square by which f₁ and f₂ vary over the part of the element that the point represents; the stretch in a law
+    /// is the root mean square √(|f_I|² + s_I) (theory.md, equation 13).
     pub stretch_variance: [Lane<L>; 2],
 }
 
@@ -78,8 +78,8 @@ pub struct Strains<const L: usize> {
     pub shear: Lane<L>,
 }
 
-/// Engineering stresses of a film: what does work on its [`Strains`], ∂W/∂ε_md, ∂W/∂ε_td and ∂W/∂γ, Pa of one layer on its
-/// stress-free cross-section. Those of a fabric are the values of its curves.
+/// Engineering stresses of a film: what does work on its [`Strains`], ∂W/∂ε_md, ∂W/∂ε_td and ∂W/∂γ, Pa of one layer on
+/// its stress-free cross-section. Those of a fabric are the values of its curves.
 #[derive(Clone, Copy, Debug)]
 pub struct Stresses<const L: usize> {
     /// Along MD.
@@ -126,8 +126,8 @@ impl<const L: usize> Stiffness<L> {
 pub trait MembraneLaw {
     /// Its history variables at an integration point.
     type History<const L: usize>: History<L>;
-    /// Stress at deformation `d`, reached `dt` (s) after the previous one; updates the history variables. `dt` is zero while film
-    /// is mounted.
+    /// Stress at deformation `d`, reached `dt` (s) after the previous one; updates the history variables. `dt` is zero
+    /// while film is mounted.
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L>;
     /// Energy at deformation `d`.
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L>;
@@ -139,8 +139,8 @@ pub trait MembraneLaw {
     fn moduli(&self) -> [f64; 2];
     /// Strains at which the MD and TD fibres break.
     fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2];
-    /// Strains at which the MD and TD fibres break when they are strained slowly, and those at which they are broken at any
-    /// rate.
+    /// Strains at which the MD and TD fibres break when they are strained slowly, and those at which they are broken at
+    /// any rate.
     fn break_range(&self) -> [[f64; 2]; 2] {
         [[f64::INFINITY; 2]; 2]
     }
@@ -170,7 +170,8 @@ impl Law {
         self.break_range()[1]
     }
 
-    /// Lowest and highest strain rate (1/s) of all curves by strain rate; those of a fibre set with one curve have none.
+    /// Lowest and highest strain rate (1/s) of all curves by strain rate; those of a fibre set with one curve have
+    /// none.
     pub fn rates(&self) -> Option<[f64; 2]> {
         let Law::RateFabric(fabric) = self else { return None };
         let ranges = [fabric.md().range(), fabric.td().range()];
@@ -231,7 +232,8 @@ pub struct Material {
     pub thickness: f64,
     /// Its constitutive law.
     pub law: Law,
-    /// Lowest and highest strain rate (1/s) at which the curves were measured, as written, else the lowest and highest rate of the curves.
+    /// Lowest and highest strain rate (1/s) at which the curves were measured, as written, else the lowest and highest
+    /// rate of the curves.
     pub measured_rates: Option<[f64; 2]>,
 }
 
@@ -258,7 +260,8 @@ mod tests {
         Fabric::new(md, td, shear, absorption)
     }
 
-    /// Deformations in general position: stretched, sheared, turned out of the plane, one direction slack or both, uneven.
+    /// Deformations in general position: stretched, sheared, turned out of the plane, one direction slack or both,
+    /// uneven.
     fn deformations() -> Vec<Deformation<1>> {
         let rows: [([[f64; 3]; 2], [f64; 2]); 8] = [
             ([[1.13, 0.05, 0.2], [0.1, 1.3, -0.3]], [0.0, 0.0]),
@@ -392,8 +395,8 @@ mod tests {
         check_derivative(&TensionField(Elastic { young: 5e7, poisson: -0.3 }), 0.0);
     }
 
-    /// Second differences of the energy along motions b ⊗ n of unit size, in the film along b and in space along n, against
-    /// the bound that follows from the law's stiffness.
+    /// Second differences of the energy along motions b ⊗ n of unit size, in the film along b and in space along n,
+    /// against the bound that follows from the law's stiffness.
     fn check_bound(law: &impl MembraneLaw<History<1> = PeakStrains<1>>) {
         let (step, turn) = (1e-4, std::f64::consts::PI / 8.0);
         for d in deformations() {

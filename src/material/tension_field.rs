@@ -1,8 +1,8 @@
 //! Tension field: an isotropic elastic film that wrinkles under compression.
 //!
-//! The relaxed energy (Pipkin 1986; Steigmann 1990) of St. Venant–Kirchhoff in plane stress is the least energy of film with
-//! the same tangent vectors whose fine wrinkles may take up length. In the principal strains `E₁ ≥ E₂` of
-//! `E = ½(FᵀF − I)`, with `Ȳ = Y/(1 − ν²)` and `⟨x⟩ = max(x, 0)` (theory.md, equation 9b):
+//! The relaxed energy (Pipkin 1986; Steigmann 1990) of St. Venant–Kirchhoff in plane stress is the least energy of film
+//! with the same tangent vectors whose fine wrinkles may take up length. In the principal strains `E₁ ≥ E₂` of `E =
+//! ½(FᵀF − I)`, with `Ȳ = Y/(1 − ν²)` and `⟨x⟩ = max(x, 0)` (theory.md, equation 9b):
 //!
 //! ```text
 //! W  = ½ Y ⟨E₁⟩² + ½ Ȳ ⟨E₂ + νE₁⟩²
@@ -99,8 +99,8 @@ impl MembraneLaw for TensionField {
         Energy { stored, absorbed: splat(0.0) }
     }
 
-    /// The bound of the elastic film with the tension of this one: relaxation reduces the stiffness, since the tension of
-    /// wrinkled film rotates with `S₁/(E₁ − E₂) ≤ 2G`.
+    /// The bound of the elastic film with the tension of this one: relaxation reduces the stiffness, since the tension
+    /// of wrinkled film rotates with `S₁/(E₁ − E₂) ≤ 2G`.
     #[inline(always)]
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Stiffness<L> {
         self.0.bound(d, self.response(d))

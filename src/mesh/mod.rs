@@ -87,12 +87,14 @@ pub enum Element {
     Tri3,
 }
 
-/// The mesh of a film of `outline`; `mirrored` is whether x = 0 and y = 0 are mirror planes, beyond which nothing is meshed.
+/// The mesh of a film of `outline`; `mirrored` is whether x = 0 and y = 0 are mirror planes, beyond which nothing is
+/// meshed.
 ///
 /// Rectangles and circles lie in the plane z = 0; imported meshes keep the z of their file.
 ///
 /// # Errors
-/// [`MeshError`]: lengths that are not positive, more elements than can be numbered, or a file that is not a mesh of a film.
+/// [`MeshError`]: lengths that are not positive, more elements than can be numbered, or a file that is not a mesh of a
+/// film.
 pub fn build(outline: &Outline, mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
     match outline {
         Outline::Rectangle { x, y } => structured::rectangle([*x, *y], mirrored, meshing),

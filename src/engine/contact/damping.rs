@@ -13,7 +13,8 @@ impl Contact {
     }
 
     /// Σ m v̄·½Δv with the mean `v̄` of the velocities before the step and of the predictor and the change `Δv` by the
-    /// corrector, kg m²/s²: the damping force is that of the predictor, but its work is done along the corrected motion.
+    /// corrector, kg m²/s²: the damping force is that of the predictor, but its work is done along the corrected
+    /// motion.
     pub(in crate::engine) fn damping_correction(&self, nodes: &Nodes) -> f64 {
         let of = |(n, predicted): (&u32, &Vector3<f64>)| {
             let n = *n as usize;

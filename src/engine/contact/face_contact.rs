@@ -58,8 +58,8 @@ impl Constraint {
         body.apply_impulse_at(&(-sweep.multiplicity * impulse), &self.arm);
     }
 
-    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which stays
-    /// within Coulomb's cone. Returns the size of the change, N s.
+    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
+    /// stays within Coulomb's cone. Returns the size of the change, N s.
     fn solve(&mut self, nodes: &mut Nodes, body: &mut RigidBody, sweep: &Sweep) -> f64 {
         let violation = self.target - self.relative_velocity(nodes, body).dot(&self.normal);
         let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
@@ -90,9 +90,9 @@ impl Constraint {
 }
 
 impl Contact {
-    /// Limits the penetration of every candidate element to [`FACE_PENETRATION`]: Gauss–Seidel sweeps over the constraints
-    /// at the deepest point of each and at the nodes in contact (theory.md, section 6). Whether there was a face contact,
-    /// so that the impulses have changed.
+    /// Limits the penetration of every candidate element to [`FACE_PENETRATION`]: Gauss–Seidel sweeps over the
+    /// constraints at the deepest point of each and at the nodes in contact (theory.md, section 6). Whether there was a
+    /// face contact, so that the impulses have changed.
     pub(super) fn resolve_faces(&mut self, nodes: &mut Nodes, body: &mut RigidBody, dt: f64) -> bool {
         if self.neighbours.face_candidates.is_empty() {
             return false;
@@ -139,8 +139,8 @@ impl Contact {
         }
     }
 
-    /// Whether the normals of the surface at the corners of an element differ so little that its sagitta, (longest line)
-    /// times angle over 8, is well below the allowed penetration.
+    /// Whether the normals of the surface at the corners of an element differ so little that its sagitta, (longest
+    /// line) times angle over 8, is well below the allowed penetration.
     fn has_small_sagitta(&self, element: &NeighbourElement) -> bool {
         let normals = element.corners.map(|n| self.normals[n as usize]);
         let least_cosine = normals[1..].iter().map(|n| normals[0].dot(n)).fold(normals[1].dot(&normals[3]), f64::min);
@@ -167,8 +167,8 @@ impl Contact {
         constraint
     }
 
-    /// The constraint at the deepest point of an element, if it would penetrate too far. None for an element with a held
-    /// corner: it cannot yield, and the frame behind it is not modelled.
+    /// The constraint at the deepest point of an element, if it would penetrate too far. None for an element with a
+    /// held corner: it cannot yield, and the frame behind it is not modelled.
     fn face_constraint(
         &self,
         corners: [u32; 4],

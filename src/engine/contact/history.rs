@@ -9,8 +9,8 @@ use super::{Contact, Work};
 use crate::engine::film::Film;
 use crate::engine::footprint::bytes;
 
-/// What contact stores from step to step. The neighbour list is part of it: when it was built decides which elements are
-/// candidates for face contact until the next one.
+/// What contact stores from step to step. The neighbour list is part of it: when it was built decides which elements
+/// are candidates for face contact until the next one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct ContactHistory {
     neighbours: NeighbourList,

@@ -1,13 +1,13 @@
 //! Kinematic contact between the impactor and the film.
 //!
 //! Predictor: every node whose position at the end of the step lies inside the impactor violates a contact constraint.
-//! Corrector: it gets the impulse that puts it onto the surface, and the impactor gets the opposite (theory.md, section 6).
-//! There is no penalty stiffness: nodes do not penetrate, and the stable time step stays that of the film. Friction is
-//! the tangential impulse that stops the slip of a node, bounded by μ times the normal one, so that a sticking node does not
-//! creep.
+//! Corrector: it gets the impulse that puts it onto the surface, and the impactor gets the opposite (theory.md, section
+//! 6). There is no penalty stiffness: nodes do not penetrate, and the stable time step stays that of the film. Friction
+//! is the tangential impulse that stops the slip of a node, bounded by μ times the normal one, so that a sticking node
+//! does not creep.
 //!
-//! Between its nodes an element penetrates by the sagitta of its edges. Where that may exceed [`FACE_PENETRATION`] of the
-//! impactor's size, or the impactor has edges of its own, the deepest point of the element is constrained as well.
+//! Between its nodes an element penetrates by the sagitta of its edges. Where that may exceed [`FACE_PENETRATION`] of
+//! the impactor's size, or the impactor has edges of its own, the deepest point of the element is constrained as well.
 
 mod contact_state;
 mod damping;
@@ -89,8 +89,8 @@ struct Impulse {
 }
 
 impl Contact {
-    /// Contact of `surface` with film whose nodes are `offset` (m) from it in contact, counted for `multiplicity` mirror
-    /// images, with the coefficient `friction`.
+    /// Contact of `surface` with film whose nodes are `offset` (m) from it in contact, counted for `multiplicity`
+    /// mirror images, with the coefficient `friction`.
     pub fn new(surface: Surface, friction: f64, multiplicity: f64, offset: Vec<f64>) -> Contact {
         let nodes = offset.len();
         Contact {
@@ -123,7 +123,8 @@ impl Contact {
         self.neighbours.margin = -1.0;
     }
 
-    /// Rebuilds the neighbour list where that is due, before the nodes move. Returns where they record their velocities.
+    /// Rebuilds the neighbour list where that is due, before the nodes move. Returns where they record their
+    /// velocities.
     pub(super) fn prepare(&mut self, films: &[Film], nodes: &Nodes, body: &RigidBody) -> VelocityRecord<'_> {
         // Nodes are projected from where they are at the end of the step, so one more step has to fit in the skin.
         if self.neighbours.margin.is_nan() || self.neighbours.margin <= self.neighbours.last_motion {
@@ -135,9 +136,9 @@ impl Contact {
         }
     }
 
-    /// Corrects the velocities of nodes and body and the positions of nodes so that no node penetrates at the end of the
-    /// step of `dt` (s). The nodes have their predicted positions, the body has not moved; `before` is its motion before the
-    /// forces of this step. Returns the largest speed of a node in contact, m/s.
+    /// Corrects the velocities of nodes and body and the positions of nodes so that no node penetrates at the end of
+    /// the step of `dt` (s). The nodes have their predicted positions, the body has not moved; `before` is its motion
+    /// before the forces of this step. Returns the largest speed of a node in contact, m/s.
     pub(super) fn resolve(
         &mut self,
         nodes: &mut Nodes,
@@ -195,8 +196,8 @@ impl Contact {
         body.after_contact(&all)
     }
 
-    /// Gives the penetrating nodes the impulses with which they follow the `corrected` body, moves them on, and sums the
-    /// impulses.
+    /// Gives the penetrating nodes the impulses with which they follow the `corrected` body, moves them on, and sums
+    /// the impulses.
     fn correct_nodes(
         &mut self,
         nodes: &mut Nodes,

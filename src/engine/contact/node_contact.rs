@@ -177,8 +177,8 @@ fn store_normals(at: &Predictor<'_>, group: &[u32], normal: &Lane3, close: &Lane
     }
 }
 
-/// Adds the film in contact to the equations of motion of the body: to the `sums` of mass and momentum along z of a guided
-/// one, else to `coupled`.
+/// Adds the film in contact to the equations of motion of the body: to the `sums` of mass and momentum along z of a
+/// guided one, else to `coupled`.
 #[inline(always)]
 fn couple(at: &Predictor<'_>, block: &Block, sums: &mut [Lane; 2], coupled: &mut CoupledFilm) {
     let (share, sticks) = slip_correction(&block.slip, &block.violation, at.friction);
@@ -288,8 +288,8 @@ fn velocity_lanes(velocity: &Vector3<f64>, spin: &Vector3<f64>, arm: &Lane3) -> 
     out
 }
 
-/// Share of the slip that friction stops, bounded by `friction` times `violation` (theory.md, equation 21), and whether the node
-/// sticks: one where the share is one, else zero.
+/// Share of the slip that friction stops, bounded by `friction` times `violation` (theory.md, equation 21), and whether
+/// the node sticks: one where the share is one, else zero.
 #[inline(always)]
 fn slip_correction(slip: &Lane3, violation: &Lane, friction: f64) -> (Lane, Lane) {
     let squared = dot(slip, slip);

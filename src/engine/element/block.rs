@@ -15,8 +15,8 @@ pub(crate) trait Block<const NODES: usize, const L: usize> {
     where
         Self::Element: 'a;
 
-    /// Forces on nodes that moved to `x` in `dt` (s), into `out` (theory.md, equations 2 and 14); updates the history variables.
-    /// Whether a fibre is past its break strain.
+    /// Forces on nodes that moved to `x` in `dt` (s), into `out` (theory.md, equations 2 and 14); updates the history
+    /// variables. Whether a fibre is past its break strain.
     fn forces<M>(&mut self, law: &M, x: &[Lane3<L>; NODES], dt: f64, out: &mut [Lane3<L>; NODES]) -> bool
     where
         M: MembraneLaw<History<L> = Self::History>;

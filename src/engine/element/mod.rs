@@ -1,6 +1,7 @@
 //! Membrane elements: deformation at their integration points and the nodal forces that follow.
 //!
-//! Elements of one kind are stored in blocks of [`crate::lane::LANES`]. A step runs over the blocks as gather → kernel → scatter.
+//! Elements of one kind are stored in blocks of [`crate::lane::LANES`]. A step runs over the blocks as gather → kernel
+//! → scatter.
 
 mod block;
 mod gauss;

@@ -1,9 +1,9 @@
 //! The four-node element with one integration point, and its hourglass mode.
 //!
-//! The mode ξη has the amplitude q = Σ γ_a x_a (theory.md, equations 11–14). Across the element f_I varies by q times the
-//! mode's gradient, with mean square H_I |q|². It enters the law as [`Deformation::stretch_variance`], so tension resists the mode as
-//! full integration would, from the same energy. Along the fibres a small stiffness κ_I is added, ½ κ_I H_I (f_I·q)²,
-//! because strains that cancel in the mean do not change it.
+//! The mode ξη has the amplitude q = Σ γ_a x_a (theory.md, equations 11–14). Across the element f_I varies by q times
+//! the mode's gradient, with mean square H_I |q|². It enters the law as [`Deformation::stretch_variance`], so tension
+//! resists the mode as full integration would, from the same energy. Along the fibres a small stiffness κ_I is added, ½
+//! κ_I H_I (f_I·q)², because strains that cancel in the mean do not change it.
 //!
 //! At the centre, gradients of opposite nodes are equal and opposite, so those of the first two nodes suffice:
 //! with the diagonals d₀ = x₀ − x₂ and d₁ = x₁ − x₃,

@@ -13,8 +13,8 @@ pub(in crate::engine) struct Correction<'a> {
 }
 
 impl Correction<'_> {
-    /// Applies `impulse` (N s), zero where `active` is not one, to nodes of which no active one is repeated, and moves them by
-    /// the change of velocity times `dt` (s). Returns their velocities.
+    /// Applies `impulse` (N s), zero where `active` is not one, to nodes of which no active one is repeated, and moves
+    /// them by the change of velocity times `dt` (s). Returns their velocities.
     ///
     /// # Safety
     /// No other thread may access these nodes.

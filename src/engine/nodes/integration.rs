@@ -30,7 +30,8 @@ impl Kick {
 pub(in crate::engine) struct StepSums {
     /// Square of the largest speed, m²/s².
     pub(in crate::engine) largest_speed_squared: f64,
-    /// Σ m v̄² over free directions, with the mean v̄ of the velocities before and after, kg m²/s²; zero without damping.
+    /// Σ m v̄² over free directions, with the mean v̄ of the velocities before and after, kg m²/s²; zero without
+    /// damping.
     pub(in crate::engine) damped: f64,
 }
 
@@ -80,8 +81,8 @@ pub(in crate::engine) struct VelocityRecord<'a> {
 }
 
 impl Nodes {
-    /// Shares the nodes for a step: velocities enter the `record`, then follow the `kick`, with `gravity` (m/s², downward), and a
-    /// drift over `dt` (s).
+    /// Shares the nodes for a step: velocities enter the `record`, then follow the `kick`, with `gravity` (m/s²,
+    /// downward), and a drift over `dt` (s).
     pub(in crate::engine) fn integration<'a>(
         &'a mut self,
         kick: Kick,
@@ -141,8 +142,8 @@ impl Integration<'_> {
         }
     }
 
-    /// Sets the forces of held directions to those under which their velocity is constant; with damping, returns their Σ m v²,
-    /// kg m²/s².
+    /// Sets the forces of held directions to those under which their velocity is constant; with damping, returns their
+    /// Σ m v², kg m²/s².
     fn set_reactions(&self, some: Range<usize>, axes: &mut [Axis<'_>; 3]) -> f64 {
         let mut squares = 0.0;
         let from = self.constrained.partition_point(|n| (*n as usize) < some.start);

@@ -18,7 +18,8 @@ pub(super) struct RateInterval {
     difference: Vec<[f64; 2]>,
     /// Largest |σ_{i+1} − σ_i|/ε up to the strain ℓ, Pa.
     secant: f64,
-    /// Largest ratio of the stress on this or a slower curve to that on any curve at the same strain: bounds W(ε_m, r)/w.
+    /// Largest ratio of the stress on this or a slower curve to that on any curve at the same strain: bounds W(ε_m,
+    /// r)/w.
     pub(super) stress_ratio: f64,
 }
 
@@ -96,8 +97,8 @@ fn secant(difference: &[[f64; 2]], averaging_strain: f64) -> f64 {
     largest
 }
 
-/// Largest ratio of the stress on one of `some` curves to that on one of `all` at the same strain up to `end`; of straight
-/// pieces it is at a corner.
+/// Largest ratio of the stress on one of `some` curves to that on one of `all` at the same strain up to `end`; of
+/// straight pieces it is at a corner.
 fn stress_ratio(some: &[&Curve], all: &[&Curve], end: f64) -> f64 {
     let ratio = |of: &dyn Fn(&Curve) -> f64| {
         let most = some.iter().map(|curve| of(curve)).fold(0.0, f64::max);

@@ -1,25 +1,26 @@
 //! Fibre curves by strain rate (theory.md, equations 140–144).
 //!
-//! Between the curves σ_i measured at the rates r_i the stress at one strain is interpolated linearly in the logarithm of the rate, and is
-//! constant below the lowest and above the highest rate, as explicit codes read tables of curves (LS-DYNA's
-//! `*MAT_PIECEWISE_LINEAR_PLASTICITY` with the option `LOG_INTERPOLATION`):
+//! Between the curves σ_i measured at the rates r_i the stress at one strain is interpolated linearly in the logarithm
+//! of the rate, and is constant below the lowest and above the highest rate, as explicit codes read tables of curves
+//! (LS-DYNA's `*MAT_PIECEWISE_LINEAR_PLASTICITY` with the option `LOG_INTERPOLATION`):
 //!
 //! ```text
 //! σ(ε, r) = σ_i(ε) + s (σ_{i+1}(ε) − σ_i(ε)) ,   s = ln(r/r_i) / ln(r_{i+1}/r_i)
 //! ```
 //!
-//! Rates of single elements are noisy in explicit dynamics, so r is a weighted mean over the last growth ℓ of the largest strain ε_m
-//! (`rate_memory`): its inverse, the slowness p = 1/r, is the time per growth,
+//! Rates of single elements are noisy in explicit dynamics, so r is a weighted mean over the last growth ℓ of the
+//! largest strain ε_m (`rate_memory`): its inverse, the slowness p = 1/r, is the time per growth,
 //!
 //! ```text
 //! dp/dε_m = (dt/dε_m − p)/λ ,  λ = min(ε_m, ℓ)      p' = (λ p + Δt)/(λ + Δε_m)  in a step
 //! ```
 //!
-//! Below ε_m the rate is constant. A filter over strain bounds the tangent of the fibre at any rate, ∂ln r/∂ε = 1/λ, where one over time
-//! with the constant τ would give 1/(r τ).
+//! Below ε_m the rate is constant. A filter over strain bounds the tangent of the fibre at any rate, ∂ln r/∂ε = 1/λ,
+//! where one over time with the constant τ would give 1/(r τ).
 //!
-//! The work w done while ε_m grew depends on the history of the rate. The history variables include its surplus over the energy of the present curve,
-//! X = w − W(ε_m, r): zero at a constant rate, so that no sum runs along a curve. Unloading follows
+//! The work w done while ε_m grew depends on the history of the rate. The history variables include its surplus over
+//! the energy of the present curve, X = w − W(ε_m, r): zero at a constant rate, so that no sum runs along a curve.
+//! Unloading follows
 //!
 //! ```text
 //! σ_u(ε) = σ(ε_m − β (ε_m − ε), r) ,   β = max( 1/(1 − D), W(ε_m, r)/w )
@@ -99,8 +100,8 @@ impl RateCurves {
     /// `curves` at their rates (1/s), lowest first; `averaging_strain` is the growth ℓ over which the rate is averaged.
     ///
     /// # Errors
-    /// [`RateCurvesError`] where there is no curve, a rate is not positive or not above the one before, `averaging_strain` is not
-    /// positive, or one of several curves begins without slope.
+    /// [`RateCurvesError`] where there is no curve, a rate is not positive or not above the one before,
+    /// `averaging_strain` is not positive, or one of several curves begins without slope.
     pub fn new(curves: Vec<(f64, Curve)>, averaging_strain: f64) -> Result<RateCurves, RateCurvesError> {
         if !(averaging_strain > 0.0 && averaging_strain.is_finite()) {
             return Err(RateCurvesError::InvalidAveragingStrain { strain: averaging_strain });

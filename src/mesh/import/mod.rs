@@ -16,11 +16,11 @@ use super::{Element, Mesh, MeshError, topology};
 
 pub use fault::{Fault, VtuFault};
 
-/// Reads a film: every element is oriented counter-clockwise seen from +z, nodes within a millionth of the extent from a mirror
-/// plane are moved onto it, and nodes without an element are left out.
+/// Reads a film: every element is oriented counter-clockwise seen from +z, nodes within a millionth of the extent from
+/// a mirror plane are moved onto it, and nodes without an element are left out.
 ///
-/// With symmetry the file contains the computed half or quarter only. For elements of three nodes, quadrilaterals are split
-/// along their shorter diagonal; triangles of a file stay triangles.
+/// With symmetry the file contains the computed half or quarter only. For elements of three nodes, quadrilaterals are
+/// split along their shorter diagonal; triangles of a file stay triangles.
 ///
 /// # Errors
 /// [`MeshError::File`].

@@ -40,8 +40,8 @@ fn one(element: Element, fibre: usize) -> Mesh {
     }
 }
 
-/// Returned over initial kinetic energy, the absorbed share, and the largest strain of an element whose one edge is held while
-/// the other moves along MD (0) or TD (1), rebounds, and passes the first as slack film.
+/// Returned over initial kinetic energy, the absorbed share, and the largest strain of an element whose one edge is
+/// held while the other moves along MD (0) or TD (1), rebounds, and passes the first as slack film.
 fn cycle(element: Element, absorption: f64, fibre: usize) -> [f64; 3] {
     let mesh = one(element, fibre);
     let (film, mut nodes) = mounted(&mesh, &face(film(absorption), element, [0.0; 2]));

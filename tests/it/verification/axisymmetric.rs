@@ -254,8 +254,8 @@ pub fn root(f: impl Fn(f64) -> f64, high: f64) -> f64 {
     between(f, low, high)
 }
 
-/// Where `f` becomes positive between `low` and `high`, by false position (Illinois), or by halves where that leaves the
-/// interval or `f` is no number.
+/// Where `f` becomes positive between `low` and `high`, by false position (Illinois), or by halves where that leaves
+/// the interval or `f` is no number.
 fn between(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let [mut low, mut high] = [low, high].map(|x| (x, f(x)));
     let (mut last, mut rose) = (f64::NAN, None);

@@ -107,8 +107,8 @@ const ROUND: [&str; 5] = [
     "loading.impact.duration=150ms",
 ];
 
-/// Largest slip of a node near the pole of the sphere during its contact, over the radius; the search ends at `enough`, or at
-/// the lowest point.
+/// Largest slip of a node near the pole of the sphere during its contact, over the radius; the search ends at `enough`,
+/// or at the lowest point.
 fn creep(friction: &str, enough: f64) -> f64 {
     let model = loading_of_1008(&[&ROUND[..], &[&format!("impactor.friction={friction}")]].concat());
     let mut scene = Scene::impact(&model);

@@ -62,7 +62,8 @@ fn of_height(cells: usize, element: Element, uneven: f64) -> [f64; 2] {
 const RING: [f64; 2] = [0.03, 0.1];
 const EDGES: [[f64; 2]; 2] = [[0.034, -0.04], [0.11, 0.0]];
 
-/// Errors of place (root of the mean square over the outer radius) and of energy of a quarter of the ring at large strain.
+/// Errors of place (root of the mean square over the outer radius) and of energy of a quarter of the ring at large
+/// strain.
 fn of_ring(cells: usize, element: Element, uneven: f64, exact: &axisymmetric::Shape) -> [f64; 2] {
     let cells = [cells, 3 * cells / 2];
     let material = |[u, v]: [f64; 2]| {

@@ -19,8 +19,8 @@ const SPANS: [f64; 2] = [0.2, 0.12];
 /// Pre-strain of the first face along MD and TD; the second has that of MD alone.
 const STRAINED: [f64; 2] = [0.1, 0.05];
 
-/// Pull across a side, N, of a face that is strained by `strain` along its normal and `across` along itself: the engineering
-/// stress on the stress-free section.
+/// Pull across a side, N, of a face that is strained by `strain` along its normal and `across` along itself: the
+/// engineering stress on the stress-free section.
 fn resultant([[strain_1, stress_1], _]: [[f64; 2]; 2], strain: f64, across: f64, side: f64) -> f64 {
     stress_1 * strain / strain_1 * THICKNESS * LAYERS * side / (1.0 + across)
 }
@@ -126,8 +126,8 @@ fn bar() -> String {
     corners.chain(faces).collect()
 }
 
-/// A strip between x- and x+, ν = 0, under a smooth bar at the depth d: both flanks have the slope tan θ = d/(a − b), the stress is
-/// the same all along, and the force on the bar is 2 T sin θ, that on each side of the frame T cos θ.
+/// A strip between x- and x+, ν = 0, under a smooth bar at the depth d: both flanks have the slope tan θ = d/(a − b),
+/// the stress is the same all along, and the force on the bar is 2 T sin θ, that on each side of the frame T cos θ.
 #[test]
 fn a_bar_and_the_frame_are_in_equilibrium() {
     let mut claims = Claims::of("force on the frame, bar");

@@ -1,4 +1,5 @@
-//! Slow indentation of a clamped circular film by a ball, compared with the membrane of revolution with an unknown contact circle.
+//! Slow indentation of a clamped circular film by a ball, compared with the membrane of revolution with an unknown
+//! contact circle.
 
 use std::f64::consts::PI;
 
@@ -34,7 +35,8 @@ fn a_small_ball_is_a_point_load() {
     claims.judge();
 }
 
-/// Farthest that a node is off the membrane of revolution at the end, over the depth; `mounted` is the stretch at the start.
+/// Farthest that a node is off the membrane of revolution at the end, over the depth; `mounted` is the stretch at the
+/// start.
 fn off(outcome: &Outcome, exact: &Shape, mounted: f64) -> f64 {
     let [before, after] = [0, 1].map(|snapshot| &outcome.snapshots[snapshot].films[0].positions);
     let apart = |(before, after): (&[f32; 3], &[f32; 3])| {

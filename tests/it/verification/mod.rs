@@ -1,4 +1,5 @@
-//! Verification of the simulation with closed forms, other methods and the published outcomes. `docs/verification.md` has the table; `cargo test --release verification -- --nocapture` prints its figures.
+//! Verification of the simulation with closed forms, other methods and the published outcomes. `docs/verification.md`
+//! has the table; `cargo test --release verification -- --nocapture` prints its figures.
 
 mod axisymmetric;
 mod claims;

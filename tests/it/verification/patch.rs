@@ -79,8 +79,8 @@ fn mean_stress(force: &[Vector3<f64>], places: &[[f64; 3]]) -> [Vector3<f64>; 2]
     [0, 1].map(|axis| -force.iter().zip(places).map(|(f, x)| f * x[axis]).sum::<Vector3<f64>>() / volume)
 }
 
-/// First Piola–Kirchhoff stress of St. Venant–Kirchhoff film in plane stress; of wrinkled film, whose second principal stress is
-/// zero and the first one Y E.
+/// First Piola–Kirchhoff stress of St. Venant–Kirchhoff film in plane stress; of wrinkled film, whose second principal
+/// stress is zero and the first one Y E.
 fn stress_by_hand(f: &Gradient, wrinkles: bool) -> [Vector3<f64>; 2] {
     let [a, b] = f.map(Vector3::from);
     let green = Matrix2::new(a.norm_squared() - 1.0, a.dot(&b), a.dot(&b), b.norm_squared() - 1.0) * 0.5;

@@ -9,8 +9,8 @@ const YOUNG: f64 = 50e6;
 const SIDE: f64 = 0.03;
 const CELLS: [usize; 2] = [3, 3];
 
-/// A′/A of a sheet stretched by `stretch` on distorted elements, and how far its nodes are off a uniform deformation over
-/// its side.
+/// A′/A of a sheet stretched by `stretch` on distorted elements, and how far its nodes are off a uniform deformation
+/// over its side.
 fn contracted(material: droptower::material::Material, element: droptower::mesh::Element, stretch: f64) -> [f64; 2] {
     let mesh = sheet(CELLS, element, 0.25, |[u, v]| [SIDE * u, SIDE * v]);
     let (film, mut nodes) = mounted(&mesh, &face(material, element, [0.0; 2]));
@@ -47,9 +47,9 @@ fn a_sheet_contracts_as_its_law() {
     claims.judge();
 }
 
-/// A/A0 = 2λ²/((1−ν) + (1+ν)λ²) is the area of another law, the plane neo-Hookean sheet
-/// W = ½μ(λ₁ − λ₂)² + ½K(J − 1)², K/μ = (1+ν)/(1−ν): ∂W/∂λ₂ = 0 is linear in λ₂. droptower does not have that law; its own
-/// agrees with it to first order in the strain, A/A0 = 1 + (1−ν)(λ−1).
+/// A/A0 = 2λ²/((1−ν) + (1+ν)λ²) is the area of another law, the plane neo-Hookean sheet W = ½μ(λ₁ − λ₂)² + ½K(J − 1)²,
+/// K/μ = (1+ν)/(1−ν): ∂W/∂λ₂ = 0 is linear in λ₂. droptower does not have that law; its own agrees with it to first
+/// order in the strain, A/A0 = 1 + (1−ν)(λ−1).
 #[test]
 fn the_area_of_a_neo_hookean_sheet_agrees_to_first_order() {
     let mut claims = Claims::of("Poisson sheet, neo-Hookean");

@@ -12,8 +12,9 @@ use super::tower::{channel, impact, peaks, run, shipped};
 
 const MATERIAL: &str = "specimen.material=scenarios/materials/lldpe-rates.toml";
 
-/// Rates (1/s) and curves (strain, Pa) of lldpe-rates.toml, by hand from its tables; the last with k1 2.968, ke 2.882, ky 0.998:
-/// 0.26/(2.968·2.882) = 0.030396, 0.030396 + (0.84 − 0.26)/2.882 = 0.231645, 1.39 + 0.231645 − 0.84 = 0.781645.
+/// Rates (1/s) and curves (strain, Pa) of lldpe-rates.toml, by hand from its tables; the last with k1 2.968, ke 2.882,
+/// ky 0.998: 0.26/(2.968·2.882) = 0.030396, 0.030396 + (0.84 − 0.26)/2.882 = 0.231645, 1.39 + 0.231645 − 0.84 =
+/// 0.781645.
 const MD: [(f64, [[f64; 2]; 3]); 4] = [
     (0.04, [[0.242, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]]),
     (4.0, [[0.212, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]]),
@@ -55,7 +56,8 @@ fn deviation(outcome: &Outcome, curves: &[(f64, [[f64; 2]; 3])], rate: f64, unti
     within.map(|(e, s)| (s / expected(curves, rate, *e) - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// Jaws 5 mm apart. What is left is the line between two samples across a corner, and the rounding of the printed corners.
+/// Jaws 5 mm apart. What is left is the line between two samples across a corner, and the rounding of the printed
+/// corners.
 #[test]
 fn a_single_element_follows_the_curve_of_its_rate() {
     let mut claims = Claims::of("curves by strain rate");

@@ -14,8 +14,8 @@ use super::scene::set_positions;
 pub const ELEMENTS: [Element; 3] = [Element::Quad4, Element::Quad4Full, Element::Tri3];
 
 /// `cells` elements (pairs of triangles) along both parameters 0 to 1, each node where `place` puts its parameters;
-/// offset by up to `uneven` of a cell, those of nodes on the rim along it, in a pattern of 3×3 cells that is the same on every
-/// mesh.
+/// offset by up to `uneven` of a cell, those of nodes on the rim along it, in a pattern of 3×3 cells that is the same
+/// on every mesh.
 pub fn sheet(cells: [usize; 2], element: Element, uneven: f64, place: impl Fn([f64; 2]) -> [f64; 2]) -> Mesh {
     let [columns, rows] = cells;
     let mut random = Random::new(1);

@@ -81,8 +81,8 @@ fn at_45_degrees_the_force_is_that_of_the_closed_form() {
 const ELASTIC: &str =
     "specimen.material={ density = 915, thickness = 12e-6, elastic = { young = 50e6, poisson = 0.44 } }";
 
-/// Quasi-static equilibrium compared with a run, which has inertia and a time step; with curves by strain rate, at the rate of
-/// the jaws.
+/// Quasi-static equilibrium compared with a run, which has inertia and a time step; with curves by strain rate, at the
+/// rate of the jaws.
 #[test]
 fn the_quasi_static_stress_is_that_of_the_run() {
     let mut claims = Claims::of("single element, quasi-static");
@@ -109,7 +109,8 @@ fn the_quasi_static_stress_is_that_of_the_run() {
     claims.judge();
 }
 
-/// St. Venant–Kirchhoff in plane stress: P = E* (1+e)(e + e²/2), with E* = E/(1−ν²) where the width is held and E where it is free.
+/// St. Venant–Kirchhoff in plane stress: P = E* (1+e)(e + e²/2), with E* = E/(1−ν²) where the width is held and E where
+/// it is free.
 #[test]
 fn quasi_static_stress_of_elastic_film_has_the_closed_form() {
     let mut claims = Claims::of("single element, elastic");

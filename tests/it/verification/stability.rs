@@ -14,7 +14,8 @@ use super::tower::{impact, peaks, shipped};
 
 /// Number of elements of each kind and law.
 const COUNT: usize = 400;
-/// −∂F/∂x by differences, on the side of `sign`, from the history variables of the film; over the square roots of the masses.
+/// −∂F/∂x by differences, on the side of `sign`, from the history variables of the film; over the square roots of the
+/// masses.
 fn hessian(film: &Film, nodes: &Nodes, sign: f64) -> DMatrix<f64> {
     let step = sign * 1e-7 * EDGE;
     let count = 3 * nodes.mass.len();
@@ -82,8 +83,8 @@ fn the_frequency_of_random_elements_is_below_its_bound() {
     claims.judge();
 }
 
-/// The same for the elements of the shipped drop tests. The bound of the mounted film holds for strains within half a percent, so
-/// the element is stretched by as much and slightly unloaded.
+/// The same for the elements of the shipped drop tests. The bound of the mounted film holds for strains within half a
+/// percent, so the element is stretched by as much and slightly unloaded.
 #[test]
 fn the_frequency_of_shipped_elements_is_below_its_bound() {
     let mut claims = Claims::of("bound of the time step");

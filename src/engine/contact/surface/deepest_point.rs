@@ -39,8 +39,8 @@ const SAMPLE_WEIGHTS: [[f64; 4]; 9] = {
     samples
 };
 
-/// Weights of an element's corners at the barycentric coordinates of its triangle between the corners `a`, `b` and the mean
-/// of all corners.
+/// Weights of an element's corners at the barycentric coordinates of its triangle between the corners `a`, `b` and the
+/// mean of all corners.
 fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
     let mut weights = [0.25 * wm; 4];
     weights[a] += wa;
@@ -49,9 +49,9 @@ fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64; 4] {
 }
 
 impl Surface {
-    /// Bound on the penetration (m, negative outside) of any point of an element. No point of a triangle is nearer to the axis of
-    /// a capsule, or the centre of a ball, than √(d² − l²/3), with the distance d of the nearest corner and the longest line l;
-    /// other shapes have no bound.
+    /// Bound on the penetration (m, negative outside) of any point of an element. No point of a triangle is nearer to
+    /// the axis of a capsule, or the centre of a ball, than √(d² − l²/3), with the distance d of the nearest corner and
+    /// the longest line l; other shapes have no bound.
     pub(in crate::engine::contact) fn penetration_bound(
         &self,
         pose: &Isometry3<f64>,
@@ -79,11 +79,11 @@ impl Surface {
         }
     }
 
-    /// The point of an element with the least signed distance from the body at `pose`; `None` where that is not below `within`
-    /// (m). The element is taken as the four triangles between its edges and the mean of its corners.
+    /// The point of an element with the least signed distance from the body at `pose`; `None` where that is not below
+    /// `within` (m). The element is taken as the four triangles between its edges and the mean of its corners.
     ///
-    /// The point is exact for balls and capsules. For other shapes it is the deepest of nine points spread over the element and,
-    /// where the element is coarse relative to the shape, of parry's contact with each triangle.
+    /// The point is exact for balls and capsules. For other shapes it is the deepest of nine points spread over the
+    /// element and, where the element is coarse relative to the shape, of parry's contact with each triangle.
     pub(in crate::engine::contact) fn deepest_point(
         &self,
         pose: &Isometry3<f64>,

@@ -1,5 +1,5 @@
-//! The impactor's surface: its shape, and the projection of points and elements of film onto it. This folder is the only
-//! place that names parry.
+//! The impactor's surface: its shape, and the projection of points and elements of film onto it. This folder is the
+//! only place that names parry.
 
 mod deepest_point;
 mod projection;
@@ -133,7 +133,8 @@ impl Surface {
         self.inertia_per_mass
     }
 
-    /// Whether its curvature is nowhere larger than that of a sphere of its size, so that node contact suffices for a fine mesh.
+    /// Whether its curvature is nowhere larger than that of a sphere of its size, so that node contact suffices for a
+    /// fine mesh.
     pub fn is_round(&self) -> bool {
         matches!(self.shape, Shape::Ball(_) | Shape::Capsule(_))
     }

@@ -42,8 +42,8 @@ impl Surface {
     }
 
     /// Signed distances and outward normals of points at `arm` (m) from the centre of mass of the body at `pose`, as of
-    /// [`Surface::project`]; undefined where `close` is zero. For balls and capsules parry's projection is written out for all
-    /// lanes at once.
+    /// [`Surface::project`]; undefined where `close` is zero. For balls and capsules parry's projection is written out
+    /// for all lanes at once.
     #[inline(always)]
     pub(in crate::engine::contact) fn project_lanes(
         &self,

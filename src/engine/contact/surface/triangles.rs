@@ -46,7 +46,8 @@ fn joined(compound: &Compound, sides: u32) -> Triangles {
 mod tests {
     use super::*;
 
-    /// The volume by the divergence theorem is that of the shape less what flat faces cut off, so that all normals point outwards.
+    /// The volume by the divergence theorem is that of the shape less what flat faces cut off, so that all normals
+    /// point outwards.
     #[test]
     fn triangulations_have_the_volume_of_their_shapes() {
         use std::f64::consts::PI;
