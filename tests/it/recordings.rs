@@ -10,7 +10,7 @@ use droptower::signal::{
 use droptower::units::{Acceleration, Force, Length, Moment, Pressure, STANDARD_GRAVITY, Strain, Unit};
 use proptest::prelude::*;
 
-use crate::workbench::{SHOCK_NAMES, close, data, shocks, unit};
+use crate::workbench::{SHOCK_NAMES, any_text, close, data, shocks, unit};
 
 fn units(pairs: &[(&str, &str)]) -> ReadOptions {
     let units = pairs.iter().map(|(name, symbol)| ((*name).to_owned(), unit(symbol))).collect();
@@ -502,7 +502,7 @@ fn pieces() -> impl Strategy<Value = String> {
         "Name of channel 001",
         "11HEADCG0000ACXP",
     ]);
-    prop_oneof![prop::collection::vec(piece, 0..60).prop_map(|pieces| pieces.concat()), ".{0,80}"]
+    prop_oneof![prop::collection::vec(piece, 0..60).prop_map(|pieces| pieces.concat()), any_text(0..=80)]
 }
 
 proptest! {

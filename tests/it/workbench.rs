@@ -1,9 +1,12 @@
 //! What the tests of the built binary share: the program, the repository, and recordings from outside of it.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use droptower::units::Unit;
+use proptest::collection::vec;
+use proptest::prelude::*;
 use serde_json::Value as Json;
 
 /// The repository.
@@ -71,3 +74,8 @@ pub fn shocks() -> Option<PathBuf> {
 /// Names for those six columns: time, accelerometers 1 to 4, and one of the two that follow; in thousands of g.
 pub const SHOCK_NAMES: [&str; 6] =
     ["time [s]", "accel 1 [kg_n]", "accel 2 [kg_n]", "accel 3 [kg_n]", "accel 4 [kg_n]", "accel 5 [kg_n]"];
+
+/// Text of any characters.
+pub fn any_text(length: RangeInclusive<usize>) -> impl Strategy<Value = String> {
+    vec(any::<char>(), length).prop_map(String::from_iter)
+}
