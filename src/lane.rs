@@ -47,13 +47,19 @@ impl Width {
 
     /// All that this processor has, narrowest first.
     pub fn available() -> impl Iterator<Item = Width> {
+        [Width::Baseline, Width::Avx2, Width::Avx512].into_iter().filter(|width| width.supported() == *width)
+    }
+
+    /// These instructions, or the widest that this processor has where they are wider.
+    pub fn supported(self) -> Width {
         let best = Width::best();
-        [Width::Baseline, Width::Avx2, Width::Avx512].into_iter().filter(move |width| *width as u8 <= best as u8)
+        if self as u8 <= best as u8 { self } else { best }
     }
 }
 
 /// Defines a function that runs `$lanewise`, an `#[inline(always)]` function of the same arguments, compiled for the vector
-/// instructions that its first argument names.
+/// instructions that its first argument names. With `up to AVX2` wider ones run that code too: what is seldom called gains
+/// little by another copy of it.
 macro_rules! at_width {
     (
         $(#[$attribute:meta])*
@@ -67,18 +73,33 @@ macro_rules! at_width {
                 fn avx512<$($generics)*>($($argument: $kind),*) $(-> $result)? {
                     $lanewise($($argument),*)
                 }
+                if width.supported() == $crate::lane::Width::Avx512 {
+                    // SAFETY: the processor was just seen to have these instructions.
+                    return unsafe { avx512($($argument),*) };
+                }
+            }
+            $crate::lane::at_width! {
+                fn up_to_avx2[$($generics)*]($($argument: $kind),*) $(-> $result)? = $lanewise, up to AVX2
+            }
+            up_to_avx2(width, $($argument),*)
+        }
+    };
+    (
+        $(#[$attribute:meta])*
+        $visible:vis fn $name:ident[$($generics:tt)*]($($argument:ident: $kind:ty),* $(,)?) $(-> $result:ty)? = $lanewise:path,
+        up to AVX2
+    ) => {
+        $(#[$attribute])*
+        $visible fn $name<$($generics)*>(width: $crate::lane::Width, $($argument: $kind),*) $(-> $result)? {
+            #[cfg(target_arch = "x86_64")]
+            {
                 #[target_feature(enable = "avx2")]
                 fn avx2<$($generics)*>($($argument: $kind),*) $(-> $result)? {
                     $lanewise($($argument),*)
                 }
-                // A width is only as wide as the processor is, so what is called here exists.
-                let width = if width as u8 <= $crate::lane::Width::best() as u8 { width } else { $crate::lane::Width::best() };
-                match width {
-                    // SAFETY: the processor was just seen to have these instructions.
-                    $crate::lane::Width::Avx512 => return unsafe { avx512($($argument),*) },
-                    // SAFETY: as above.
-                    $crate::lane::Width::Avx2 => return unsafe { avx2($($argument),*) },
-                    $crate::lane::Width::Baseline => {}
+                if width.supported() != $crate::lane::Width::Baseline {
+                    // SAFETY: the processor was just seen to have these instructions or wider ones, which include them.
+                    return unsafe { avx2($($argument),*) };
                 }
             }
             let _ = width;

@@ -93,7 +93,7 @@ impl ThreadPool {
 
     /// The same pool with other vector instructions, as far as the processor has them.
     pub fn at_width(mut self, width: Width) -> ThreadPool {
-        self.width = if width as u8 <= Width::best() as u8 { width } else { Width::best() };
+        self.width = width.supported();
         self
     }
 

@@ -8,23 +8,24 @@ use uom::si::Unit;
 
 use super::Powers;
 
+/// Factor to SI and powers of each unit, by name.
+type Units = HashMap<&'static str, (f64, Powers)>;
+
 /// Factor to SI and powers of the unit with this abbreviation or English name.
 pub(super) fn find(symbol: &str) -> Option<(f64, Powers)> {
     UNITS.get(symbol).copied()
 }
 
 /// Every unit by its abbreviation and by its names in singular and plural; of two units with one name the first counts.
-static UNITS: LazyLock<HashMap<&'static str, (f64, Powers)>> = LazyLock::new(|| {
-    let mut units = HashMap::new();
+static UNITS: LazyLock<Units> = LazyLock::new(|| {
+    let mut units = Units::new();
     // The coefficient alone: to parse a quantity of `uom` instantiates a conversion for each unit, which compiles slowly.
     macro_rules! units {
         ($($quantity:ident: $powers:tt { $($unit:ident),* $(,)? })*) => {
             $($({
                 type This = uom::si::$quantity::$unit;
-                let meaning = (<This as Conversion<f64>>::coefficient(), $powers);
-                for name in [This::abbreviation(), This::singular(), This::plural()] {
-                    units.entry(name).or_insert(meaning);
-                }
+                let names = [This::abbreviation(), This::singular(), This::plural()];
+                insert(&mut units, names, (<This as Conversion<f64>>::coefficient(), $powers));
             })*)*
         };
     }
@@ -79,3 +80,11 @@ static UNITS: LazyLock<HashMap<&'static str, (f64, Powers)>> = LazyLock::new(|| 
     }
     units
 });
+
+// Not inlined: it is called for some hundred units.
+#[inline(never)]
+fn insert(units: &mut Units, names: [&'static str; 3], meaning: (f64, Powers)) {
+    for name in names {
+        units.entry(name).or_insert(meaning);
+    }
+}

@@ -1,8 +1,10 @@
 //! Passes over the blocks of a film, for the vector instructions that the processor has: gather → kernel → scatter.
 
-use super::block::{Block, BlockDetails, BlockStrains, Blocks, Corners};
+use std::ops::Range;
+
+use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, Blocks, Corners};
 use crate::engine::disjoint::Disjoint;
-use crate::lane::{LANES, Lane3, at_width, splat};
+use crate::lane::{LANES, Lane3, Width, at_width, splat};
 use crate::material::MembraneLaw;
 
 /// Nodal forces that several threads add to, each to those of its own nodes.
@@ -141,31 +143,56 @@ impl ElementEnergy {
 }
 
 at_width! {
-    /// Energies of all elements.
-    pub(crate) fn energy[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
-        elements: &Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3],
-    ) -> ElementEnergy = energy_lanewise
+    /// Energies of the elements of `blocks`, J, a lane each: those of the same lane are summed.
+    fn lane_energies[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
+        elements: &Blocks<B, NODES, L>, blocks: Range<usize>, law: &M, position: &[&[f64]; 3],
+    ) -> BlockEnergies<L> = lane_energies_lanewise, up to AVX2
 }
 
 #[inline(always)]
-fn energy_lanewise<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
+fn lane_energies_lanewise<
+    B: Block<NODES, L>,
+    M: MembraneLaw<History<L> = B::History>,
+    const NODES: usize,
+    const L: usize,
+>(
+    elements: &Blocks<B, NODES, L>,
+    blocks: Range<usize>,
+    law: &M,
+    position: &[&[f64]; 3],
+) -> BlockEnergies<L> {
+    let mut x = [[splat(0.0); 3]; NODES];
+    let mut sums = BlockEnergies::NONE;
+    for (corners, block) in elements.corners[blocks.clone()].iter().zip(&elements.blocks[blocks]) {
+        gather(corners, position, &mut x);
+        let energies = block.energies(law, &x);
+        for l in 0..L {
+            sums.stored[l] += energies.stored[l];
+            sums.absorbed[l] += energies.absorbed[l];
+            sums.hourglass[l] += energies.hourglass[l];
+        }
+    }
+    sums
+}
+
+/// Energies of all elements.
+pub(crate) fn energy<
+    B: Block<NODES, L>,
+    M: MembraneLaw<History<L> = B::History>,
+    const NODES: usize,
+    const L: usize,
+>(
+    width: Width,
     elements: &Blocks<B, NODES, L>,
     law: &M,
     position: &[&[f64]; 3],
 ) -> ElementEnergy {
-    let mut x = [[splat(0.0); 3]; NODES];
-    let mut sums = [splat::<L>(0.0); 3];
-    for (corners, block) in elements.corners.iter().zip(&elements.blocks) {
-        gather(corners, position, &mut x);
-        let energies = block.energies(law, &x);
-        for (sum, part) in sums.iter_mut().zip([energies.stored, energies.absorbed, energies.hourglass]) {
-            for l in 0..L {
-                sum[l] += part[l];
-            }
-        }
+    let lanes = lane_energies(width, elements, 0..elements.blocks.len(), law, position);
+    ElementEnergy {
+        stored: lanes.stored.iter().sum(),
+        absorbed: lanes.absorbed.iter().sum(),
+        hourglass: lanes.hourglass.iter().sum(),
     }
-    let [stored, absorbed, hourglass] = sums.map(|lanes| lanes.iter().sum());
-    ElementEnergy { stored, absorbed, hourglass }
 }
 
 /// Energies of the element at `block`, `lane`.
@@ -180,21 +207,15 @@ pub(crate) fn energy_at<
     law: &M,
     position: &[&[f64]; 3],
 ) -> ElementEnergy {
-    let mut x = [[splat(0.0); 3]; NODES];
-    gather(&elements.corners[block], position, &mut x);
-    let energies = elements.blocks[block].energies(law, &x);
-    ElementEnergy {
-        stored: energies.stored[lane],
-        absorbed: energies.absorbed[lane],
-        hourglass: energies.hourglass[lane],
-    }
+    let lanes = lane_energies(Width::best(), elements, block..block + 1, law, position);
+    ElementEnergy { stored: lanes.stored[lane], absorbed: lanes.absorbed[lane], hourglass: lanes.hourglass[lane] }
 }
 
 at_width! {
     /// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
     pub(crate) fn frequency_bound[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         elements: &Blocks<B, NODES, L>, law: &M, density: f64, position: &[&[f64]; 3],
-    ) -> f64 = frequency_bound_lanewise
+    ) -> f64 = frequency_bound_lanewise, up to AVX2
 }
 
 #[inline(always)]
@@ -240,7 +261,7 @@ at_width! {
     /// Strains of all elements, in order.
     pub(crate) fn strains[B: Block<NODES, LANES>, const NODES: usize](
         elements: &Blocks<B, NODES>, position: &[&[f64]; 3], out: &mut [ElementStrain],
-    ) = strains_lanewise
+    ) = strains_lanewise, up to AVX2
 }
 
 #[inline(always)]

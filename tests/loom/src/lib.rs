@@ -20,6 +20,10 @@ mod lane {
         pub fn best() -> Width {
             Width::Baseline
         }
+
+        pub fn supported(self) -> Width {
+            self
+        }
     }
 }
 
