@@ -23,14 +23,24 @@ use crate::signal::{Series, integrate};
 /// Why the time constant of a recording cannot be determined.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum CouplingError {
-    /// Fewer samples than a fit needs; times in s.
+    /// Fewer samples than a fit needs.
     #[error("the fall between {from:.4} s and {to:.4} s has too few samples for a time constant")]
-    TooShort { from: f64, to: f64 },
-    /// The fitted time constant is not positive; times in s.
+    TooShort {
+        /// Start of the fall, s.
+        from: f64,
+        /// End of the fall, s.
+        to: f64,
+    },
+    /// The fitted time constant is not positive.
     #[error(
         "the reading does not recover between {from:.4} s and {to:.4} s, so its time constant cannot be determined"
     )]
-    NoRecovery { from: f64, to: f64 },
+    NoRecovery {
+        /// Start of the fall, s.
+        from: f64,
+        /// End of the fall, s.
+        to: f64,
+    },
 }
 
 /// Fewest samples of a fall to fit a time constant to.

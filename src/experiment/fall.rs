@@ -25,13 +25,30 @@ pub struct Fall {
 pub enum FallError {
     /// A quantity of the fall is not positive.
     #[error("{what} is {value}, but must be positive")]
-    NotPositive { what: &'static str, value: f64 },
-    /// The speed (m/s) is above that of a free fall over the height (m).
+    NotPositive {
+        /// Quantity of the fall, as the message names it.
+        what: &'static str,
+        /// Its value in the SI unit.
+        value: f64,
+    },
+    /// The speed is above that of a free fall over the height.
     #[error("a fall over {height} m does not reach {speed} m/s: {needed:.2} m/s² would be needed, more than gravity")]
-    TooFast { height: f64, speed: f64, needed: f64 },
-    /// The simulated signals end too early, s.
+    TooFast {
+        /// Height of the fall, m.
+        height: f64,
+        /// Speed at first contact, m/s.
+        speed: f64,
+        /// Net acceleration that reaches the speed over the height, m/s².
+        needed: f64,
+    },
+    /// The simulated signals end too early.
     #[error("the simulated impact has no {channel} at {time} s after contact")]
-    NoImpact { channel: &'static str, time: f64 },
+    NoImpact {
+        /// The simulated signal, acceleration or displacement.
+        channel: &'static str,
+        /// Time after first contact at which it has no value, s.
+        time: f64,
+    },
 }
 
 /// The true motion of fall and simulated impact; times count from the release.

@@ -26,12 +26,22 @@ pub struct GravityRamp {
 /// Why the falling flank of a reading is no ramp.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum RampError {
-    /// Fewer samples than a parabola needs; times in s.
+    /// Fewer samples than a parabola needs.
     #[error("acceleration: the reading between {from:.4} s and {to:.4} s has too few samples for the gravity ramp")]
-    TooFew { from: f64, to: f64 },
-    /// The fitted parabola has no vertex at the end of the release; times in s.
+    TooFew {
+        /// Start of the falling flank, s.
+        from: f64,
+        /// End of the falling flank, s.
+        to: f64,
+    },
+    /// The fitted parabola has no vertex at the end of the release.
     #[error("acceleration: the reading between {from:.4} s and {to:.4} s does not flatten out as a gravity ramp does")]
-    NotParabolic { from: f64, to: f64 },
+    NotParabolic {
+        /// Start of the falling flank, s.
+        from: f64,
+        /// End of the falling flank, s.
+        to: f64,
+    },
 }
 
 impl GravityRamp {

@@ -40,26 +40,42 @@ pub enum ReleaseError {
     /// The channel filter cannot be applied.
     #[error("acceleration: {0}")]
     Filter(#[from] FilterError),
-    /// The impact is the most negative reading, m/s².
+    /// The impact is the most negative reading.
     #[error(
         "acceleration: the impact reads {lowest:.1} m/s² downward; deceleration must be positive, so the sign looks reversed"
     )]
-    UpsideDown { lowest: f64 },
-    /// No reading rises by 1 g, m/s².
+    UpsideDown {
+        /// Depth of the impact below the mean of the first samples, m/s².
+        lowest: f64,
+    },
+    /// No reading rises by 1 g.
     #[error(
         "acceleration: there is no contact: the largest reading is {largest:.2} m/s² above the first, less than 1 g"
     )]
-    NoContact { largest: f64 },
-    /// The reading does not fall as a release asks for; time in s, fall in m/s².
+    NoContact {
+        /// Largest rise above the mean of the first samples, m/s².
+        largest: f64,
+    },
+    /// The reading does not fall as a release asks for.
     #[error(
         "acceleration: there is no release before the impact at {blow:.4} s: the reading falls by {fall:.2} m/s² at most"
     )]
-    NoRelease { blow: f64, fall: f64 },
-    /// The rest before the release is too short, s.
+    NoRelease {
+        /// Time at which the reading has risen by one gravity in the impact, s.
+        blow: f64,
+        /// Largest fall below the mean of the first samples before the impact, m/s².
+        fall: f64,
+    },
+    /// The rest before the release is too short.
     #[error(
         "acceleration: {rest:.4} s of rest before the release at {release:.4} s, at least {SHORTEST_REST} s are needed for the sensor's zero"
     )]
-    NoRest { rest: f64, release: f64 },
+    NoRest {
+        /// Duration of the rest, s.
+        rest: f64,
+        /// Time at which the reading begins to fall, s.
+        release: f64,
+    },
 }
 
 impl Release {

@@ -24,13 +24,25 @@ pub const LASER: &str = "laser_m";
 pub enum SensorError {
     /// A quantity of a sensor is out of its range.
     #[error("{what} is {value}, but must be {must_be}")]
-    Value { what: &'static str, value: f64, must_be: &'static str },
+    Value {
+        /// Quantity of the sensor, as the message names it.
+        what: &'static str,
+        /// Its value in the SI unit.
+        value: f64,
+        /// Range that it must lie in, in words.
+        must_be: &'static str,
+    },
     /// The fall before the impact is impossible.
     #[error(transparent)]
     Fall(#[from] FallError),
-    /// The recording is too long: s, and samples a second.
+    /// The recording is too long.
     #[error("{length} s at {rate} samples a second are more than {MOST_SAMPLES} samples")]
-    TooLong { length: f64, rate: f64 },
+    TooLong {
+        /// Duration of the recording, s.
+        length: f64,
+        /// Sample rate, 1/s.
+        rate: f64,
+    },
 }
 
 /// Piezoelectric accelerometer, AC-coupled, digitised.

@@ -90,35 +90,61 @@ impl ZeroOffset {
 /// Why first contact cannot be determined.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ContactError {
-    /// The laser measured too little of the fall; times in s.
+    /// The laser measured too little of the fall.
     #[error(
         "laser: fewer than {FEWEST} samples within any {LASER_LENGTH} s between the release at {release:.4} s and the end at {end:.4} s"
     )]
-    LaserWithoutSamples { release: f64, end: f64 },
+    LaserWithoutSamples {
+        /// Release of the impactor, s.
+        release: f64,
+        /// Last time of the laser, s.
+        end: f64,
+    },
     /// The laser counts downward.
     #[error("laser: it rises while the impactor falls; its values must count upward from the film's upper face")]
     LaserReversed,
-    /// The motion that was fitted to the laser does not reach the film; time in s.
+    /// The motion that was fitted to the laser does not reach the film.
     #[error("laser: the motion fitted to it does not pass the film's upper face near {near:.4} s")]
-    NoCrossing { near: f64 },
-    /// The recorded fall is shorter than the height, m.
+    NoCrossing {
+        /// Contact time about which the motion was fitted, s.
+        near: f64,
+    },
+    /// The recorded fall is shorter than the height.
     #[error("acceleration: integrated from rest it does not fall through {height} m; check the height")]
-    HeightNotCovered { height: f64 },
-    /// The recorded fall is slower than the speed, m/s.
+    HeightNotCovered {
+        /// Height of the fall, m.
+        height: f64,
+    },
+    /// The recorded fall is slower than the speed.
     #[error("acceleration: integrated from rest it does not reach {speed} m/s; check the speed")]
-    SpeedNotReached { speed: f64 },
-    /// The acceleration does not rise at the end of the fall; time in s.
+    SpeedNotReached {
+        /// Impact speed, m/s.
+        speed: f64,
+    },
+    /// The acceleration does not rise at the end of the fall.
     #[error(
         "acceleration: there is no onset of the force near {near:.4} s, where the fall {}; check the {}",
         known.predicate(), known.name()
     )]
-    NoOnset { near: f64, known: FallCondition },
-    /// The offset (m/s²) that closes the fall is too many of its standard errors (m/s²).
+    NoOnset {
+        /// Time near which the onset was sought, s.
+        near: f64,
+        /// Height or speed of the fall.
+        known: FallCondition,
+    },
+    /// The offset that closes the fall is too many of its standard errors.
     #[error(
         "acceleration: a fall that {} would need the sensor's zero {offset:.3} m/s² off its mean at rest, which is known to {error:.4} m/s²; check the {}",
         known.predicate(), known.name()
     )]
-    NotClosed { known: FallCondition, offset: f64, error: f64 },
+    NotClosed {
+        /// Height or speed of the fall.
+        known: FallCondition,
+        /// Change of the sensor's zero that closes the fall, m/s².
+        offset: f64,
+        /// Standard error of its mean at rest, m/s².
+        error: f64,
+    },
     /// The contact time of successive iterations differs.
     #[error("the contact time does not converge within {MOST_ITERATIONS} iterations")]
     NotSettled,

@@ -26,7 +26,12 @@ pub enum AverageError {
     Nothing,
     /// One curve ends before another begins.
     #[error("the curves have no strain in common: one begins at {start}, another ends at {end}")]
-    NoCommonStrain { start: f64, end: f64 },
+    NoCommonStrain {
+        /// Largest strain at which one of the curves begins.
+        start: f64,
+        /// Smallest strain at which one of the curves ends.
+        end: f64,
+    },
 }
 
 impl SampleStatistics {

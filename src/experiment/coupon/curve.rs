@@ -22,16 +22,31 @@ pub struct Curve {
 pub enum CurveError {
     /// Numbers of strains and stresses differ.
     #[error("{strain} strains for {stress} stresses")]
-    Lengths { strain: usize, stress: usize },
+    Lengths {
+        /// Number of strains.
+        strain: usize,
+        /// Number of stresses.
+        stress: usize,
+    },
     /// Fewer than two samples are left.
     #[error("a curve needs two samples of different strain")]
     TooShort,
     /// A strain or a stress is not finite.
     #[error("sample {sample} of the curve is not a number")]
-    NotANumber { sample: usize },
+    NotANumber {
+        /// Number of the sample, from one.
+        sample: usize,
+    },
     /// Strain decreases by more than `JITTER` of its range.
     #[error("strain goes back at sample {sample}: {strain} after {before}")]
-    GoesBack { sample: usize, strain: f64, before: f64 },
+    GoesBack {
+        /// Number of the sample, from one.
+        sample: usize,
+        /// Engineering strain of the sample.
+        strain: f64,
+        /// Largest engineering strain of the samples before it.
+        before: f64,
+    },
 }
 
 impl Curve {

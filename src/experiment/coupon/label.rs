@@ -28,10 +28,20 @@ pub enum LabelError {
     NoVelocity,
     /// Name and header state different directions.
     #[error("its name states {name}, its header {header}")]
-    Directions { name: Direction, header: Direction },
-    /// Name and header state different speeds, m/s.
+    Directions {
+        /// Direction of the coupon that the name of the file states.
+        name: Direction,
+        /// Direction of the coupon that the header states.
+        header: Direction,
+    },
+    /// Name and header state different speeds.
     #[error("its name states {name} m/s, its header {header} m/s")]
-    Velocities { name: f64, header: f64 },
+    Velocities {
+        /// Speed of the jaws that the name of the file states, m/s.
+        name: f64,
+        /// Speed of the jaws that the header states, m/s.
+        header: f64,
+    },
     /// The header states a direction that is none.
     #[error("its header: {0}")]
     Direction(#[from] DirectionError),

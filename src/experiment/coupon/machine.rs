@@ -33,7 +33,12 @@ pub enum MachineError {
     Velocity(f64),
     /// Not as many values of noise as rows.
     #[error("{noise} values of noise for {rows} rows")]
-    Noise { noise: usize, rows: usize },
+    Noise {
+        /// Number of values of noise.
+        noise: usize,
+        /// Number of strains, each a row of the recording.
+        rows: usize,
+    },
     /// A strain lies before the start of the curve.
     #[error("the film has no stress at the strain {0}, where its curve has not begun")]
     BeforeStart(f64),

@@ -25,13 +25,30 @@ pub struct Modulus {
 pub enum ModulusError {
     /// The window has no extent.
     #[error("{from} to {to} is no window of strain")]
-    Window { from: f64, to: f64 },
+    Window {
+        /// Lower limit of engineering strain.
+        from: f64,
+        /// Upper limit of engineering strain, not above the lower one.
+        to: f64,
+    },
     /// Fewer than `FEWEST_SAMPLES` samples in the window.
     #[error("{found} samples between the strains {from} and {to}, where a slope needs {FEWEST_SAMPLES}")]
-    TooFew { found: usize, from: f64, to: f64 },
+    TooFew {
+        /// Samples in the window.
+        found: usize,
+        /// Lower limit of engineering strain.
+        from: f64,
+        /// Upper limit of engineering strain.
+        to: f64,
+    },
     /// The slope is not positive.
     #[error("stress does not rise between the strains {from} and {to}")]
-    NotRising { from: f64, to: f64 },
+    NotRising {
+        /// Lower limit of engineering strain.
+        from: f64,
+        /// Upper limit of engineering strain.
+        to: f64,
+    },
 }
 
 impl Modulus {

@@ -44,7 +44,12 @@ pub enum RecordingError {
     Read(#[from] file::ReadError),
     /// The file is read, but holds no coupon test.
     #[error("{}: {fault}", path.display())]
-    Content { path: PathBuf, fault: Box<RecordingFault> },
+    Content {
+        /// File of the recording.
+        path: PathBuf,
+        /// What is wrong with its channels, its label or its curve.
+        fault: Box<RecordingFault>,
+    },
 }
 
 /// What is wrong with a recording that could be read.

@@ -57,7 +57,10 @@ pub enum SampleError {
     Rupture(#[from] RuptureError),
     /// Fewer than two samples before the break.
     #[error("the coupon broke at the strain {at}, before its second sample")]
-    BrokeAtOnce { at: f64 },
+    BrokeAtOnce {
+        /// Engineering strain at the break.
+        at: f64,
+    },
 }
 
 impl Sample {
@@ -133,12 +136,24 @@ pub enum ReductionError {
     /// No coupon is given.
     #[error("there is no coupon to reduce")]
     Nothing,
-    /// The coupons of one speed (m/s) have no mean.
+    /// The coupons of one speed have no mean.
     #[error("{direction} at {velocity} m/s: {source}")]
-    SpeedMeans { direction: Direction, velocity: f64, source: AverageError },
+    SpeedMeans {
+        /// Direction of the coupons.
+        direction: Direction,
+        /// Speed of the jaws, m/s.
+        velocity: f64,
+        /// Why they have no mean.
+        source: AverageError,
+    },
     /// The speeds of one direction have no mean.
     #[error("{direction}: {source}")]
-    DirectionMeans { direction: Direction, source: AverageError },
+    DirectionMeans {
+        /// Direction of the coupons.
+        direction: Direction,
+        /// Why they have no mean.
+        source: AverageError,
+    },
 }
 
 impl Reduction {

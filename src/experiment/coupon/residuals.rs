@@ -7,7 +7,10 @@ use super::Curve;
 pub enum ResidualError {
     /// The curve is shorter than the reference.
     #[error("the curve has no stress at the strain {strain}, where the reference has one")]
-    NotCovered { strain: f64 },
+    NotCovered {
+        /// Engineering strain of the reference outside the curve.
+        strain: f64,
+    },
     /// Relative residuals of zero stress are undefined.
     #[error("the reference has no stress anywhere")]
     ZeroReference,

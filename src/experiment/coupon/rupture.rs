@@ -32,7 +32,10 @@ pub enum CurveEnd {
 pub enum RuptureError {
     /// The criterion of the break is no share.
     #[error("the share of the largest force at which a coupon is broken lies between 0 and 1, not at {share}")]
-    Share { share: f64 },
+    Share {
+        /// Share of the largest force below which a coupon counts as broken.
+        share: f64,
+    },
     /// The largest force is the first.
     #[error("the force never rises: its largest value is the first")]
     NeverRises,

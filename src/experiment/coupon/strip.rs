@@ -17,15 +17,30 @@ pub struct Coupon {
 /// Why there is no such coupon, or why it has no stress–strain curve.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CouponError {
-    /// A dimension is not positive, m.
+    /// A dimension is not positive.
     #[error("the {what} of a coupon is a positive length, not {value} m")]
-    NotPositive { what: &'static str, value: f64 },
+    NotPositive {
+        /// Gauge length, width or thickness, as the message names it.
+        what: &'static str,
+        /// Its value, m.
+        value: f64,
+    },
     /// Force and displacement have different times.
     #[error("force and displacement have no common time axis ({force} and {displacement} samples)")]
-    Axes { force: usize, displacement: usize },
-    /// A sample is missing, at a time in s.
+    Axes {
+        /// Samples of the force.
+        force: usize,
+        /// Samples of the displacement.
+        displacement: usize,
+    },
+    /// A sample is missing.
     #[error("the {quantity} was not measured at {time} s")]
-    NotMeasured { quantity: &'static str, time: f64 },
+    NotMeasured {
+        /// Force or displacement, as the message names it.
+        quantity: &'static str,
+        /// Time of the first missing sample, s.
+        time: f64,
+    },
     /// The samples make no curve.
     #[error(transparent)]
     Curve(#[from] CurveError),

@@ -46,13 +46,19 @@ pub enum YieldError {
     Elastic(#[from] ModulusError),
     /// Fewer than `FEWEST_SAMPLES` samples beyond the elastic line.
     #[error("{found} samples beyond the elastic part, where yield points need {FEWEST_SAMPLES}")]
-    TooFew { found: usize },
+    TooFew {
+        /// Samples beyond the elastic line.
+        found: usize,
+    },
     /// No bend.
     #[error("the curve has no yield point: beyond the elastic part it is one straight line")]
     None,
     /// One bend.
     #[error("the curve has no second yield point: one bend, at the strain {at:.3}, describes it as well as two")]
-    OnlyOne { at: f64 },
+    OnlyOne {
+        /// Engineering strain of the one bend.
+        at: f64,
+    },
 }
 
 /// The yield points of `curve`: the two bends of the continuous line of three straight pieces that fits it best.

@@ -44,10 +44,18 @@ pub enum DropChannelsError {
     Quantity(#[from] QuantityError),
     /// No channel is an acceleration.
     #[error("none of the channels {} is an acceleration", listed(names))]
-    NoAcceleration { names: Vec<String> },
+    NoAcceleration {
+        /// Names of all channels, in the order of the file.
+        names: Vec<String>,
+    },
     /// No channel is named, and several have the dimension.
     #[error("the channels {} are each {}: name one", listed(names), dimension.name)]
-    Several { dimension: Dimension, names: Vec<String> },
+    Several {
+        /// Acceleration or length.
+        dimension: Dimension,
+        /// Names of the channels of this dimension.
+        names: Vec<String>,
+    },
 }
 
 impl DropChannels {

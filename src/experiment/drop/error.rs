@@ -15,7 +15,12 @@ use crate::signal::resample::ResampleError;
 pub enum DropError {
     /// A quantity of the tower or of the correction is not positive.
     #[error("the {what} is {value}, but must be positive")]
-    NotPositive { what: &'static str, value: f64 },
+    NotPositive {
+        /// Mass, gravity, height or time constant, as the message names it.
+        what: &'static str,
+        /// Its value in the SI unit.
+        value: f64,
+    },
     /// The acceleration has a gap.
     #[error("acceleration: {0}")]
     NotMeasured(Gap),
@@ -37,15 +42,25 @@ pub enum DropError {
     /// First contact cannot be determined.
     #[error(transparent)]
     Contact(#[from] ContactError),
-    /// The impact speed (m/s) is above that of the ideal fall by more than an error of measurement.
+    /// The impact speed is above that of the ideal fall by more than an error of measurement.
     #[error(
         "the impact speed of {speed:.3} m/s is above the {ideal:.3} m/s of a free fall over {height} m; check the height"
     )]
-    FasterThanFall { speed: f64, ideal: f64, height: f64 },
+    FasterThanFall {
+        /// Impact speed, m/s.
+        speed: f64,
+        /// Speed of the ideal fall √(2gH), m/s.
+        ideal: f64,
+        /// Height H of the fall, m.
+        height: f64,
+    },
     /// The correction by the gravity ramp does not close a fall without laser.
     #[error("the gravity ramp needs a laser for the impact speed: use the correction by coupling")]
     LaserNeeded,
-    /// The recording has no samples after first contact, s.
+    /// The recording has no samples after first contact.
     #[error("acceleration: the recording ends with first contact at {contact:.4} s")]
-    EndsAtContact { contact: f64 },
+    EndsAtContact {
+        /// Time of first contact, s.
+        contact: f64,
+    },
 }

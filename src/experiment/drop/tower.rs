@@ -48,7 +48,10 @@ impl Tower {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Correction {
     /// The exact inverse of AC coupling with the time constant in s, or with the one fitted to the fall.
-    Coupling { time_constant: Option<f64> },
+    Coupling {
+        /// Time constant τ of the sensor's high pass, s; fitted to the fall where none is given.
+        time_constant: Option<f64>,
+    },
     /// The release, mirrored and added after contact.
     Ramp,
 }
