@@ -32,12 +32,20 @@ pub struct Clip {
 /// Why a series has no clip.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ClipError {
-    /// The duration is not positive, s.
+    /// The duration is not positive.
     #[error("a duration of {duration} s is not positive")]
-    Duration { duration: f64 },
-    /// The series is shorter than the duration, s.
+    Duration {
+        /// Duration for which the level is to be held, s.
+        duration: f64,
+    },
+    /// The series is shorter than the duration.
     #[error("a series of {span} s holds no level for {duration} s")]
-    TooShort { span: f64, duration: f64 },
+    TooShort {
+        /// Duration of the series, s.
+        span: f64,
+        /// Duration for which the level is to be held, s.
+        duration: f64,
+    },
     /// The series has a gap.
     #[error(transparent)]
     NotMeasured(Gap),

@@ -35,16 +35,27 @@ pub const CLASSES: [f64; 4] = [1000.0, 600.0, 180.0, 60.0];
 pub enum FilterError {
     /// The class is not positive.
     #[error("a channel frequency class of {class} is not positive")]
-    Class { class: f64 },
-    /// The sample rate (1/s) is below ten times the class.
+    Class {
+        /// Channel frequency class.
+        class: f64,
+    },
+    /// The sample rate is below ten times the class.
     #[error("CFC {class} needs at least {} samples a second, found {rate:.1}", 10.0 * class)]
-    RateTooLow { class: f64, rate: f64 },
+    RateTooLow {
+        /// Channel frequency class.
+        class: f64,
+        /// Sample rate, 1/s.
+        rate: f64,
+    },
     /// Time steps differ.
     #[error("the samples are not equally spaced, as the channel filter needs")]
     NotUniform,
-    /// A sample is missing, at a time in s.
+    /// A sample is missing.
     #[error("nothing was measured at {time} s")]
-    NotMeasured { time: f64 },
+    NotMeasured {
+        /// Time of the first missing sample, s.
+        time: f64,
+    },
 }
 
 /// The recursion yᵢ = b·(xᵢ, xᵢ₋₁, xᵢ₋₂) + a·(yᵢ₋₁, yᵢ₋₂), equation 60.

@@ -11,12 +11,22 @@ const HOLE: f64 = 2.5;
 /// The first place at which a series was not measured.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Gap {
-    /// A sample without a value, s.
+    /// A sample without a value.
     #[error("nothing was measured at {time} s")]
-    Sample { time: f64 },
-    /// Rows are missing, s.
+    Sample {
+        /// Time of the sample, s.
+        time: f64,
+    },
+    /// Rows are missing.
     #[error("there are no samples between {from} s and {to} s, where {step} s is the usual step")]
-    Hole { from: f64, to: f64, step: f64 },
+    Hole {
+        /// Time of the last sample before the hole, s.
+        from: f64,
+        /// Time of the first sample after it, s.
+        to: f64,
+        /// Median time step of the series, s.
+        step: f64,
+    },
 }
 
 /// The first gap of `series`, if it has one: a sample without value, or else a hole.

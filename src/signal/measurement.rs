@@ -31,10 +31,22 @@ pub struct MeasuredChannel {
 pub enum QuantityError {
     /// Its unit measures something else.
     #[error("`{name}` is in {found}, which is not {}", expected.name)]
-    OtherDimension { name: String, found: String, expected: Dimension },
+    OtherDimension {
+        /// Name of the channel.
+        name: String,
+        /// Symbol of its unit.
+        found: String,
+        /// Dimension that is asked for.
+        expected: Dimension,
+    },
     /// Neither the file nor the caller gives a unit.
     #[error("the unit of `{name}` is not known")]
-    NoUnit { name: String, expected: Dimension },
+    NoUnit {
+        /// Name of the channel.
+        name: String,
+        /// Dimension that is asked for.
+        expected: Dimension,
+    },
 }
 
 impl MeasuredChannel {
@@ -111,13 +123,28 @@ pub struct Measurement {
 pub enum ChannelError {
     /// No channel has the name.
     #[error("no channel `{name}` among {}", listed(known))]
-    Missing { name: String, known: Vec<String> },
+    Missing {
+        /// Name that is asked for.
+        name: String,
+        /// Names of all channels.
+        known: Vec<String>,
+    },
     /// Several channels have the name, with different labels.
     #[error("several channels are called `{name}`: {}", listed(labels))]
-    Ambiguous { name: String, labels: Vec<String> },
+    Ambiguous {
+        /// Name that is asked for.
+        name: String,
+        /// Labels of the channels that have it.
+        labels: Vec<String>,
+    },
     /// Several channels have the name and the label.
     #[error("{count} channels are called `{name}`, with equal labels")]
-    Alike { name: String, count: usize },
+    Alike {
+        /// Name that is asked for.
+        name: String,
+        /// Number of channels that have it.
+        count: usize,
+    },
 }
 
 impl ChannelError {

@@ -7,15 +7,28 @@ use super::Series;
 /// Why two signals cannot be compared.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NormError {
-    /// The window (s) holds no sample of the reference.
+    /// The window holds no sample of the reference.
     #[error("the reference has no sample between {from} s and {to} s")]
-    NoSamples { from: f64, to: f64 },
-    /// The signal is shorter than the reference, s.
+    NoSamples {
+        /// Start of the window, s.
+        from: f64,
+        /// End of the window, s.
+        to: f64,
+    },
+    /// The signal is shorter than the reference.
     #[error("the signal has no value at {time} s, where the reference has one")]
-    NotCovered { time: f64 },
-    /// A relative error of zero is undefined; window in s.
+    NotCovered {
+        /// Time of the sample of the reference, s.
+        time: f64,
+    },
+    /// A relative error of zero is undefined.
     #[error("the reference is zero everywhere between {from} s and {to} s")]
-    ZeroReference { from: f64, to: f64 },
+    ZeroReference {
+        /// Start of the window, s.
+        from: f64,
+        /// End of the window, s.
+        to: f64,
+    },
 }
 
 /// Relative error ‖s − e‖/‖e‖ over the samples of the reference `e` with `from <= time <= to`.

@@ -12,13 +12,24 @@ pub const MOST_SAMPLES: usize = 20_000_000;
 pub enum ResampleError {
     /// Fewer than two samples.
     #[error("a series of {count} samples cannot be resampled")]
-    TooShort { count: usize },
-    /// More than `MOST_SAMPLES` samples would result; s.
+    TooShort {
+        /// Number of samples.
+        count: usize,
+    },
+    /// More than `MOST_SAMPLES` samples would result.
     #[error("a time step of {step} s over {span} s gives more than {MOST_SAMPLES} samples")]
-    StepTooSmall { step: f64, span: f64 },
-    /// The step is not positive, s.
+    StepTooSmall {
+        /// Time step, s.
+        step: f64,
+        /// Time from the first sample to the last, s.
+        span: f64,
+    },
+    /// The step is not positive.
     #[error("a time step of {step} s is not positive")]
-    StepNotPositive { step: f64 },
+    StepNotPositive {
+        /// Time step, s.
+        step: f64,
+    },
 }
 
 /// The series at other `times`; `NaN` where it has no value.

@@ -29,18 +29,27 @@ pub struct Hic {
 /// Why an acceleration has no head injury criterion.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum HicError {
-    /// The window is not positive, s.
+    /// The window is not positive.
     #[error("a window of {window} s is not positive")]
-    Window { window: f64 },
+    Window {
+        /// Longest interval, s.
+        window: f64,
+    },
     /// Fewer than two samples.
     #[error("the head injury criterion needs two samples, found {count}")]
-    TooShort { count: usize },
+    TooShort {
+        /// Number of samples.
+        count: usize,
+    },
     /// The series has a gap.
     #[error(transparent)]
     NotMeasured(Gap),
-    /// The window (s) is shorter than the time step.
+    /// The window is shorter than the time step.
     #[error("no two samples lie within a window of {window} s")]
-    TooCoarse { window: f64 },
+    TooCoarse {
+        /// Longest interval, s.
+        window: f64,
+    },
     /// Every mean acceleration is zero or negative.
     #[error("the mean acceleration is positive between no two samples (deceleration must be, or give the resultant)")]
     NeverPositive,

@@ -20,19 +20,36 @@ use crate::units::Time;
 pub enum WriteError {
     /// The path has no file name.
     #[error("{} has no name to call the files by", path.display())]
-    NoName { path: PathBuf },
+    NoName {
+        /// Path of the container, `<test>.mme`.
+        path: PathBuf,
+    },
     /// A file of the container exists.
     #[error("{} already exists", path.display())]
-    Exists { path: PathBuf },
+    Exists {
+        /// The file or folder.
+        path: PathBuf,
+    },
     /// A file cannot be written.
     #[error("cannot write {}: {source}", path.display())]
-    Write { path: PathBuf, source: io::Error },
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
     /// A channel has no samples.
     #[error("`{name}` has no samples")]
-    Empty { name: String },
+    Empty {
+        /// Name of the channel.
+        name: String,
+    },
     /// More channels than numbers of files.
     #[error("{count} channels, more than the {MOST_CHANNELS} that can be counted")]
-    TooMany { count: usize },
+    TooMany {
+        /// Number of channels without those of time axes.
+        count: usize,
+    },
 }
 
 /// Most channels: their numbers and those of their time axes have four digits.

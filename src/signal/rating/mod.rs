@@ -93,26 +93,52 @@ impl fmt::Display for Grade {
 pub enum RatingError {
     /// A curve has no samples.
     #[error("the {curve} has no samples")]
-    Empty { curve: Curve },
-    /// The curves have no time in common, s.
+    Empty {
+        /// Which of the two curves.
+        curve: Curve,
+    },
+    /// The curves have no time in common.
     #[error("the curves have no time in common: the reference is from {} s to {} s, the comparison from {} s to {} s",
         reference[0], reference[1], comparison[0], comparison[1])]
-    NoOverlap { reference: [f64; 2], comparison: [f64; 2] },
+    NoOverlap {
+        /// First and last time of the reference, s.
+        reference: [f64; 2],
+        /// First and last time of the comparison, s.
+        comparison: [f64; 2],
+    },
     /// A curve has a gap.
     #[error("{curve}: {gap}")]
-    NotMeasured { curve: Curve, gap: Gap },
+    NotMeasured {
+        /// Which of the two curves.
+        curve: Curve,
+        /// Its first gap in the common time.
+        gap: Gap,
+    },
     /// Fewer than `FEWEST` samples.
     #[error("the curves have {samples} samples at 10 kHz in common, a rating needs at least {FEWEST}")]
-    TooShort { samples: usize },
+    TooShort {
+        /// Samples at 10 kHz in the common time.
+        samples: usize,
+    },
     /// More than `MOST` samples.
     #[error(
         "the curves have {samples} samples at 10 kHz in common, of which at most {MOST} are rated: \
         to warp them would compare {pairs} pairs"
     )]
-    TooLong { samples: usize, pairs: u64 },
-    /// A relative error of zero is undefined; window in s.
+    TooLong {
+        /// Samples at 10 kHz in the common time.
+        samples: usize,
+        /// Pairs of samples that dynamic time warping compares.
+        pairs: u64,
+    },
+    /// A relative error of zero is undefined.
     #[error("the reference is zero everywhere between {from} s and {to} s")]
-    ZeroReference { from: f64, to: f64 },
+    ZeroReference {
+        /// Start of the common time, s.
+        from: f64,
+        /// End of the common time, s.
+        to: f64,
+    },
 }
 
 /// Rates `comparison` against `reference` over the time that both cover.
