@@ -30,13 +30,24 @@ pub struct File {
 pub enum FileError {
     /// The name is not one of a file.
     #[error("`{name}` cannot name a file: folders and names of letters, digits, `-`, `_` and `.`, ending in .{}", ENDINGS.join(", ."))]
-    Name { name: String },
+    Name {
+        /// The name, cut to the longest that is allowed.
+        name: String,
+    },
     /// The name is one of the files of a run folder.
     #[error("`{name}` is a file of droptower's own results")]
-    Reserved { name: String },
+    Reserved {
+        /// Path of the file, as the script gives it.
+        name: String,
+    },
     /// The name of one file is the folder of another.
     #[error("`{name}` would be a file and a folder at once, because of `{other}`")]
-    Folder { name: String, other: String },
+    Folder {
+        /// Path of the file, as the script gives it.
+        name: String,
+        /// Path of the file that was written before it.
+        other: String,
+    },
     /// Too many files, or too large ones.
     #[error("a script leaves at most {MOST_FILES} files of {} MB together", MOST_BYTES >> 20)]
     TooMuch,

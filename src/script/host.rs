@@ -42,10 +42,18 @@ impl Limits {
 pub enum ReadError {
     /// The file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
-    Open { path: PathBuf, source: FileError },
+    Open {
+        /// File of the script.
+        path: PathBuf,
+        /// Why it cannot be read.
+        source: FileError,
+    },
+    /// The script is too long.
     #[error("{} is longer than {LONGEST_SCRIPT} bytes", path.display())]
-    /// It is too long.
-    TooLong { path: PathBuf },
+    TooLong {
+        /// File of the script.
+        path: PathBuf,
+    },
     /// It does not compile, or calls undefined functions.
     #[error("{}", .0.iter().map(Fault::to_string).collect::<Vec<_>>().join("; "))]
     Faults(Vec<Fault>),

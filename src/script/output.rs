@@ -48,13 +48,22 @@ pub struct ScriptOutput {
 pub enum OutputError {
     /// The name has other characters, none or too many.
     #[error("`{name}` is not a name for a figure or a table: use letters, digits and _")]
-    Letters { name: String },
+    Letters {
+        /// Name of the figure or table, as the script gives it.
+        name: String,
+    },
     /// The name belongs to the summary.
     #[error("`{name}` is a field of the summary and cannot be replaced: {}", remedy(name))]
-    Reserved { name: String },
+    Reserved {
+        /// Name of the figure, a field of the summary.
+        name: String,
+    },
     /// The code is not one, see [`is_code`].
     #[error("`{code}` is not the code of a warning: use lower-case words joined by hyphens, such as `coarse-mesh`")]
-    Code { code: String },
+    Code {
+        /// Code of the warning, as the script gives it.
+        code: String,
+    },
     /// There are `MOST_ENTRIES` of a kind.
     #[error("a script leaves at most {MOST_ENTRIES} figures, tables, rows, lines or warnings")]
     TooMany,

@@ -19,10 +19,18 @@ const LONGEST: usize = 200;
 pub enum PlotError {
     /// A text is empty or too long.
     #[error("a title, an axis label or a name of a plot has 1 to {LONGEST} characters, not `{}`", text.chars().take(40).collect::<String>())]
-    Text { text: String },
+    Text {
+        /// The title, name or axis label.
+        text: String,
+    },
     /// A plot has no curves, or too many.
     #[error("the plot `{title}` has {count} curves; a plot has 1 to {MOST_CURVES}")]
-    Curves { title: String, count: usize },
+    Curves {
+        /// Title of the plot.
+        title: String,
+        /// Number of its curves.
+        count: usize,
+    },
     /// All plots together are too large.
     #[error(
         "a script leaves at most {MOST_PLOTS} plots of {MOST_POINTS} points together: take slices, or resample signals"

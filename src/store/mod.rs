@@ -25,28 +25,60 @@ pub use stored_run::{StoredRun, StoredRunError};
 pub enum StoreError {
     /// The name is absolute or leaves the output folder.
     #[error("`{name}` cannot name a run folder: expected plain folder names below the output folder")]
-    Name { name: String },
+    Name {
+        /// Name of the run, as it is given.
+        name: String,
+    },
     /// The path ends without a name, as `.` and `..` do.
     #[error("`{}` does not name a run folder; give --out a new folder, such as {}", path.display(), path.join("results").display())]
-    NoName { path: PathBuf },
+    NoName {
+        /// Path that is to be the run folder.
+        path: PathBuf,
+    },
     /// A file has the name of the run folder.
     #[error("{} is not a folder", path.display())]
-    NotAFolder { path: PathBuf },
+    NotAFolder {
+        /// The file.
+        path: PathBuf,
+    },
     /// A folder that holds no run has the name.
     #[error("{} is not a run folder of droptower and is not replaced; give another --out", path.display())]
-    NotARun { path: PathBuf },
+    NotARun {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The run folder holds a file that droptower did not write.
     #[error("{} holds `{found}`, which droptower did not write; move it or give another --out", path.display())]
-    Foreign { path: PathBuf, found: String },
+    Foreign {
+        /// The run folder.
+        path: PathBuf,
+        /// Path of the file in it, separated by `/`.
+        found: String,
+    },
     /// Two runs have the same run folder.
     #[error("two runs would be stored in {}", path.display())]
-    Twice { path: PathBuf },
+    Twice {
+        /// The run folder.
+        path: PathBuf,
+    },
     /// A file or folder cannot be written.
     #[error("cannot write {}: {source}", path.display())]
-    Write { path: PathBuf, source: io::Error },
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
     /// The former run was moved aside and cannot be moved back.
     #[error("cannot write {}: {source}; the run that was there is in {}", path.display(), former.display())]
-    Stranded { path: PathBuf, former: PathBuf, source: io::Error },
+    Stranded {
+        /// The run folder.
+        path: PathBuf,
+        /// Folder that holds the former run.
+        former: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
 }
 
 impl StoreError {

@@ -33,28 +33,55 @@ pub struct StoredRun {
 pub enum StoredRunError {
     /// The path names nothing.
     #[error("there is no {}", path.display())]
-    Missing { path: PathBuf },
+    Missing {
+        /// Path, as it is given.
+        path: PathBuf,
+    },
     /// The folder has no signals.
     #[error("{} is not a run folder of droptower: it has no signals.csv", path.display())]
-    NotARun { path: PathBuf },
+    NotARun {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A file of the run folder cannot be read.
     #[error("{}: {source}", path.display())]
-    Unreadable { path: PathBuf, source: FileError },
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why it cannot be read.
+        source: FileError,
+    },
     /// The resolved scenario is not TOML.
     #[error("{}: {source}", path.display())]
-    Scenario { path: PathBuf, source: Box<toml::de::Error> },
+    Scenario {
+        /// File of the resolved scenario.
+        path: PathBuf,
+        /// The first syntax error.
+        source: Box<toml::de::Error>,
+    },
     /// The summary is not JSON.
     #[error("{}: {source}", path.display())]
-    Summary { path: PathBuf, source: serde_json::Error },
+    Summary {
+        /// File of the summary.
+        path: PathBuf,
+        /// The first syntax error.
+        source: serde_json::Error,
+    },
     /// The summary is JSON of another kind.
     #[error("{} holds no figures: expected an object of names and values", path.display())]
-    NoFigures { path: PathBuf },
+    NoFigures {
+        /// File of the summary.
+        path: PathBuf,
+    },
     /// The signals cannot be read.
     #[error(transparent)]
     Signals(#[from] signal::file::ReadError),
     /// The recording has several time axes.
     #[error("{}: its channels do not share one time axis", path.display())]
-    NoCommonTime { path: PathBuf },
+    NoCommonTime {
+        /// The table of signals, or the recording.
+        path: PathBuf,
+    },
 }
 
 impl StoredRun {
