@@ -1,16 +1,20 @@
 //! Diagrams as values: axes, curves, and what is marked on them.
 
-/// Words of an axis along which the time of a test runs.
+/// Label of an axis of time.
 pub const TIME: &str = "time (ms)";
 
 /// Curves over a common axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
+    /// Heading of the plot.
     pub title: String,
+    /// Abscissa.
     pub x: Axis,
+    /// Ordinate.
     pub y: Axis,
+    /// In the order of the legend.
     pub curves: Vec<Curve>,
-    /// Stretch of the x axis to be marked, and what it is.
+    /// Interval of the x axis that is marked.
     pub window: Option<Window>,
 }
 
@@ -19,12 +23,14 @@ pub struct Plot {
 pub struct Axis {
     /// Quantity and unit, e.g. `time (ms)`.
     pub words: String,
+    /// Linear or logarithmic.
     pub scale: Scale,
 }
 
 /// How values are laid along an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
+    /// In proportion.
     #[default]
     Linear,
     /// By decades; values that are not positive have no place.
@@ -38,12 +44,14 @@ pub struct Curve {
     pub name: String,
     /// x and y, in the units of the axes.
     pub points: Vec<[f64; 2]>,
+    /// Solid, dashed, or points alone.
     pub look: Look,
 }
 
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Look {
+    /// A solid line through the points.
     #[default]
     Line,
     /// What others are compared with, such as a measured curve.
@@ -52,17 +60,19 @@ pub enum Look {
     Points,
 }
 
-/// A stretch of the x axis.
+/// An interval of the x axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
+    /// Label of the interval.
     pub words: String,
     /// From and to, in the unit of the axis.
     pub range: [f64; 2],
 }
 
-/// How parameters hang together: a square, symmetric table of correlations.
+/// Correlation matrix of parameters: square and symmetric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correlation {
+    /// Heading of the matrix.
     pub title: String,
     /// Of rows and columns.
     pub names: Vec<String>,

@@ -33,14 +33,40 @@ pub struct Dimension {
 /// Why a text is not a quantity of the dimension asked for.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum UnitError {
+    /// The unit measures something else.
     #[error("expected {}, found \"{text}\"", dimension.name)]
-    WrongDimension { dimension: Dimension, text: String },
+    WrongDimension {
+        /// Dimension that is asked for.
+        dimension: Dimension,
+        /// The quantity, as it is written.
+        text: String,
+    },
+    /// The number has no unit.
     #[error("expected {} with its unit, found \"{text}\"", dimension.name)]
-    NoUnit { dimension: Dimension, text: String },
+    NoUnit {
+        /// Dimension that is asked for.
+        dimension: Dimension,
+        /// The quantity, as it is written.
+        text: String,
+    },
+    /// A factor of the unit is not in the table.
     #[error("unknown unit `{unit}` in \"{text}\"")]
-    UnknownUnit { dimension: Dimension, unit: String, text: String },
+    UnknownUnit {
+        /// Dimension that is asked for.
+        dimension: Dimension,
+        /// The factor of the unit that is not known.
+        unit: String,
+        /// The quantity, as it is written.
+        text: String,
+    },
+    /// The text does not start with a number.
     #[error("expected {}, found \"{text}\", which does not start with a number", dimension.name)]
-    NoNumber { dimension: Dimension, text: String },
+    NoNumber {
+        /// Dimension that is asked for.
+        dimension: Dimension,
+        /// The quantity, as it is written.
+        text: String,
+    },
 }
 
 impl UnitError {
@@ -192,6 +218,7 @@ macro_rules! quantities {
             pub struct $type(pub f64);
 
             impl $type {
+                /// Name, SI unit, example and powers of the base units.
                 pub const DIMENSION: Dimension = Dimension {
                     name: $name,
                     unit: $unit,
