@@ -36,6 +36,7 @@
 //! ([`store`], [`report`]); [`signal`] and [`experiment`] reduce recordings, [`identify`] searches. No module uses one that
 //! stands below it, which `tests/it/architecture.rs` checks. `docs/theory.md` has the equations that comments cite,
 //! `docs/glossary.md` the terms.
+#![warn(missing_docs)]
 
 pub mod units;
 pub mod number;
