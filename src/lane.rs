@@ -15,8 +15,8 @@ pub type Lane<const L: usize = LANES> = [f64; L];
 /// Three Cartesian components of a vector in each lane.
 pub type Lane3<const L: usize = LANES> = [Lane<L>; 3];
 
-/// Vector instructions that a kernel is run with. The operations and their order are the same in all of them, and so are the
-/// bits of what comes out.
+/// Vector instructions that a kernel is run with. The operations and their order are the same in all of them, and so
+/// are the bits of what comes out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Width {
     /// What every processor of the platform has.
@@ -57,9 +57,9 @@ impl Width {
     }
 }
 
-/// Defines a function that runs `$lanewise`, an `#[inline(always)]` function of the same arguments, compiled for the vector
-/// instructions that its first argument names. With `up to AVX2` wider ones run that code too: what is seldom called gains
-/// little by another copy of it.
+/// Defines a function that runs `$lanewise`, an `#[inline(always)]` function of the same arguments, compiled for the
+/// vector instructions that its first argument names. With `up to AVX2` wider ones run that code too: what is seldom
+/// called gains little by another copy of it.
 macro_rules! at_width {
     (
         $(#[$attribute:meta])*
@@ -149,11 +149,12 @@ pub fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// Natural logarithm of a normal number above zero, within 3e-16 of itself or of one. Unlike that of the platform's library it has the same
-/// bits on every machine, and a loop over lanes turns it into vector instructions.
+/// Natural logarithm of a normal number above zero, within 3e-16 of itself or of one. Unlike that of the platform's
+/// library it has the same bits on every machine, and a loop over lanes turns it into vector instructions.
 #[inline(always)]
 pub fn ln(x: f64) -> f64 {
-    // x = 2ⁿ m with √½ ≤ m < √2, and ln m = 2 artanh t = 2t (1 + t²/3 + t⁴/5 + …) with |t| < 0.172: what is left out is below 1e-18.
+    // x = 2ⁿ m with √½ ≤ m < √2, and ln m = 2 artanh t = 2t (1 + t²/3 + t⁴/5 + …) with |t| < 0.172: what is left out is
+    // below 1e-18.
     const ROOT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
     let exponent = (x.to_bits().wrapping_sub(ROOT_HALF) as i64) >> 52;
     let m = f64::from_bits(x.to_bits().wrapping_sub((exponent as u64) << 52));

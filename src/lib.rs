@@ -26,16 +26,16 @@
 //! # }
 //! ```
 //!
-//! droptower simulates tests of films by explicit finite elements: impact of a rigid body, stretching between jaws, slow
-//! indentation and inflation. It reduces recordings of such tests, compares both, and searches for the parameters of a
-//! material. The program of the same name is one user of this library; `examples/` has others: a run and its signals, a law
-//! of one's own on a single element, a search.
+//! droptower simulates tests of films by explicit finite elements: impact of a rigid body, stretching between jaws,
+//! slow indentation and inflation. It reduces recordings of such tests, compares both, and searches for the parameters
+//! of a material. The program of the same name is one user of this library; `examples/` has others: a run and its
+//! signals, a law of one's own on a single element, a search.
 //!
 //! The modules stand in the order in which data flows. A scenario file is read ([`scenario`]), checked into SI values
 //! ([`model`]), meshed ([`mesh`]), stepped through time ([`engine`], [`simulate`]), measured ([`post`]) and written
-//! ([`store`], [`report`]); [`signal`] and [`experiment`] reduce recordings, [`identify`] searches. No module uses one that
-//! stands below it, which `tests/it/architecture.rs` checks. `docs/theory.md` has the equations that comments cite,
-//! `docs/glossary.md` the terms.
+//! ([`store`], [`report`]); [`signal`] and [`experiment`] reduce recordings, [`identify`] searches. No module uses one
+//! that stands below it, which `tests/it/architecture.rs` checks. `docs/theory.md` has the equations that comments
+//! cite, `docs/glossary.md` the terms.
 #![warn(missing_docs)]
 
 pub mod units;

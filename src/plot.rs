@@ -111,7 +111,8 @@ impl Curve {
     }
 }
 
-/// At most `most` points, 5 at least: the ends, and of every stretch between them the lowest, the highest and the first gap.
+/// At most `most` points, 5 at least: the ends, and of every stretch between them the lowest, the highest and the first
+/// gap.
 pub fn outline(points: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
     match points {
         [first, between @ .., last] if points.len() > most => {
@@ -123,8 +124,8 @@ pub fn outline(points: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
     }
 }
 
-/// The plots with at most `most` points together, but 3 a curve at least: long curves are thinned, all to the same number of
-/// points.
+/// The plots with at most `most` points together, but 3 a curve at least: long curves are thinned, all to the same
+/// number of points.
 pub fn thinned(plots: Vec<Plot>, most: usize) -> Vec<Plot> {
     let share = share(plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.points.len()).collect(), most);
     let thin = |plot: Plot| Plot { curves: plot.curves.iter().map(|curve| curve.thinned(share)).collect(), ..plot };

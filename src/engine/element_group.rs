@@ -8,7 +8,8 @@ use super::{failure, footprint};
 use crate::lane::{LANES, Width};
 use crate::material::MembraneLaw;
 
-/// Elements of one kind with one law, as many as one thread takes at a time: one virtual call serves hundreds of elements.
+/// Elements of one kind with one law, as many as one thread takes at a time: one virtual call serves hundreds of
+/// elements.
 ///
 /// Positions and forces are those of the film's own nodes.
 pub(super) trait ElementGroup: Send + Sync {
@@ -27,8 +28,8 @@ pub(super) trait ElementGroup: Send + Sync {
     /// The same elements with the same history.
     fn boxed(&self) -> Box<dyn ElementGroup>;
 
-    /// Adds the forces of the elements, whose nodes moved to `position` in `dt` (s), to `force`. Whether a fibre is past its
-    /// break strain.
+    /// Adds the forces of the elements, whose nodes moved to `position` in `dt` (s), to `force`. Whether a fibre is
+    /// past its break strain.
     fn add_forces(&mut self, width: Width, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>) -> bool;
 
     /// Energies, J.

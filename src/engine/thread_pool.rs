@@ -1,9 +1,9 @@
 //! Threads that share the tasks of a step.
 //!
-//! A pass over some thousand elements takes tens of microseconds, less than unparking a thread. Workers therefore spin for a
-//! while before they park. Each begins with its own share of the parts of a task, the same in every step, so that its data
-//! stay in its cache; then it takes parts of the other shares. The caller does not wait for workers that have not joined the
-//! task: on a busy processor the threads that run do the work.
+//! A pass over some thousand elements takes tens of microseconds, less than unparking a thread. Workers therefore spin
+//! for a while before they park. Each begins with its own share of the parts of a task, the same in every step, so that
+//! its data stay in its cache; then it takes parts of the other shares. The caller does not wait for workers that have
+//! not joined the task: on a busy processor the threads that run do the work.
 //!
 //! `cargo test --release -p droptower-loom` runs this file under the model checker loom.
 
@@ -15,8 +15,8 @@ use super::sync::{
 };
 use crate::lane::Width;
 
-/// Threads that share the parts of one task after another. Which thread does which part is not determined, and parts must not
-/// depend on it.
+/// Threads that share the parts of one task after another. Which thread does which part is not determined, and parts
+/// must not depend on it.
 pub struct ThreadPool {
     width: Width,
     shared: Arc<Shared>,
@@ -61,8 +61,8 @@ struct Shared {
     panicked: AtomicBool,
 }
 
-// SAFETY: a task is read only by workers that are counted in `active` and saw the epoch odd after that; the caller makes the
-// epoch even and waits for the count to be zero before it writes the task again.
+// SAFETY: a task is read only by workers that are counted in `active` and saw the epoch odd after that; the caller
+// makes the epoch even and waits for the count to be zero before it writes the task again.
 unsafe impl Send for Shared {}
 // SAFETY: as above.
 unsafe impl Sync for Shared {}

@@ -60,7 +60,8 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     Ok(Scene { engine: Engine::new(films, nodes, impact, loads), mounting })
 }
 
-/// The thread pool of a run of so many elements: at most the threads of the processor, one where runs are simulated in parallel.
+/// The thread pool of a run of so many elements: at most the threads of the processor, one where runs are simulated in
+/// parallel.
 pub(super) fn pool(elements: usize) -> ThreadPool {
     let shared = rayon::current_thread_index().is_some();
     let worth = elements.div_ceil(ELEMENTS_A_THREAD);

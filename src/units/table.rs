@@ -19,7 +19,8 @@ pub(super) fn find(symbol: &str) -> Option<(f64, Powers)> {
 /// Every unit by its abbreviation and by its names in singular and plural; of two units with one name the first counts.
 static UNITS: LazyLock<Units> = LazyLock::new(|| {
     let mut units = Units::new();
-    // The coefficient alone: to parse a quantity of `uom` instantiates a conversion for each unit, which compiles slowly.
+    // The coefficient alone: to parse a quantity of `uom` instantiates a conversion for each unit, which compiles
+    // slowly.
     macro_rules! units {
         ($($quantity:ident: $powers:tt { $($unit:ident),* $(,)? })*) => {
             $($({

@@ -45,7 +45,8 @@ impl Unit {
     }
 
     /// The unit that the last parts of a name stand for, and the name before them: `acceleration_m_s2`, `force_kN`,
-    /// `time_ms`. Only units that names end with in practice are looked for, since `_1`, `_a` or `_md` number and describe.
+    /// `time_ms`. Only units that names end with in practice are looked for, since `_1`, `_a` or `_md` number and
+    /// describe.
     pub fn of_name(name: &str) -> Option<(&str, Unit)> {
         SUFFIXES.iter().find_map(|(suffix, symbol)| {
             let stem = name.strip_suffix(suffix)?.strip_suffix('_').filter(|stem| !stem.is_empty())?;

@@ -91,8 +91,8 @@ fn scatter<const NODES: usize, const L: usize>(
 }
 
 at_width! {
-    /// Adds the forces of all elements, whose nodes moved to `position` in `dt` (s), to `force`, and updates their history
-    /// variables. Whether a fibre is past its break strain.
+    /// Adds the forces of all elements, whose nodes moved to `position` in `dt` (s), to `force`, and updates their
+    /// history variables. Whether a fibre is past its break strain.
     pub(crate) fn add_forces[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
         elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>,
     ) -> bool = add_forces_lanewise

@@ -1,9 +1,9 @@
 //! Recordings as tables in text: a header of names, then a row a sample.
 //!
-//! Separator (comma, semicolon, tab, blanks), decimal mark, encoding, header, units and the column of time are detected.
-//! Lines that start with `#` are comments; those before the numbers become notes. An empty cell means that nothing was
-//! measured. Lines are read one by one with their place, for which the crate `csv` is not suited: it needs the separator
-//! beforehand and supports neither blanks nor positions within a line.
+//! Separator (comma, semicolon, tab, blanks), decimal mark, encoding, header, units and the column of time are
+//! detected. Lines that start with `#` are comments; those before the numbers become notes. An empty cell means that
+//! nothing was measured. Lines are read one by one with their place, for which the crate `csv` is not suited: it needs
+//! the separator beforehand and supports neither blanks nor positions within a line.
 
 mod cell;
 mod fault;
