@@ -13,12 +13,12 @@ pub enum Fault {
     },
     /// A strain is not finite.
     #[error("the strain of element {element} of face {face} is not finite at {time:.6} s")]
-    NotANumber {
+    NotFinite {
         /// Time, s.
         time: f64,
         /// Number of the face, from 1.
         face: usize,
-        /// Index of the element in the face, quads first.
+        /// Number of the element in the face, from 1, quads first.
         element: usize,
     },
     /// The stable time step is a small part of the first one.

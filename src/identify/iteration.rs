@@ -120,7 +120,7 @@ impl fmt::Display for StopReason {
             StopReason::MaxIterations => f.write_str("max_iterations was reached"),
             StopReason::MaxEvaluations => f.write_str("max_evaluations was reached"),
             StopReason::NoImprovement(tolerance) => write!(f, "no improvement is possible ({tolerance})"),
-            StopReason::NotFinite(quantity) => write!(f, "{quantity} is not a number"),
+            StopReason::NotFinite(quantity) => write!(f, "{quantity} is not finite"),
             StopReason::Unavailable(quantity) => write!(f, "{quantity} unavailable"),
             StopReason::Empty => f.write_str("there are no unknowns or no residuals"),
             StopReason::Method(name) => write!(f, "the method stopped ({name})"),

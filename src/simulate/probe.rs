@@ -199,7 +199,7 @@ impl<'a> Probe<'a> {
         self.record.audits += 1;
         let energies = view.energies();
         if !energies.total().is_finite() {
-            return Err(not_a_number(view.time, faces));
+            return Err(not_finite(view.time, faces));
         }
         self.record.monitor.strain(view, faces);
         if let (Some(state), Some(size)) = (view.contact_state(), view.impactor_size()) {
@@ -256,12 +256,12 @@ impl<'a> Probe<'a> {
     }
 }
 
-fn not_a_number(time: f64, faces: &[Vec<ElementStrain>]) -> engine::Fault {
+fn not_finite(time: f64, faces: &[Vec<ElementStrain>]) -> engine::Fault {
     let is_lost = |s: &ElementStrain| !s.strain.iter().all(|e| e.is_finite());
     let found =
         faces.iter().enumerate().find_map(|(face, s)| s.iter().position(is_lost).map(|element| (face, element)));
     match found {
-        Some((face, element)) => engine::Fault::NotANumber { time, face: face + 1, element },
+        Some((face, element)) => engine::Fault::NotFinite { time, face: face + 1, element: element + 1 },
         None => engine::Fault::ImpactorLost { time },
     }
 }
