@@ -20,6 +20,7 @@ pub fn figure(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
+    let value = rounded(value, digits);
     let (magnitude, count) = (value.abs().log10().floor() as i32, digits as i32);
     if !(-count..count + 3).contains(&magnitude) {
         return format!("{value:.*e}", digits.saturating_sub(1));
@@ -93,6 +94,7 @@ mod tests {
             (2.5e6, 4, "2500000"),
             (2.5e7, 4, "2.500e7"),
             (10.712_3, 3, "10.7"),
+            (9.9996, 4, "10.00"),
             (2.5e8, 3, "2.50e8"),
             (0.0, 3, "0"),
             (f64::NAN, 3, "NaN"),
