@@ -98,7 +98,8 @@ impl NodeContacts {
 }
 
 at_width! {
-    /// Finds those of the `listed` nodes that penetrate; each is listed once.
+    /// Finds those of the `listed` nodes that penetrate. The neighbour list has a node once, and `listed` is a range of
+    /// it that is disjoint from all others and that one thread takes.
     pub(super) fn predict[](at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeContacts) = predict_lanewise
 }
 
@@ -172,7 +173,7 @@ fn store_normals(at: &Predictor<'_>, group: &[u32], normal: &Lane3, close: &Lane
     let Some(normals) = &at.normals else { return };
     for (l, n) in group.iter().enumerate() {
         let stored = if close[l] > 0.0 { [0, 1, 2].map(|axis| normal[axis][l]) } else { [0.0; 3] };
-        // SAFETY: a node is listed once.
+        // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
         unsafe { *normals.at(*n as usize) = stored.into() };
     }
 }
@@ -206,7 +207,8 @@ fn couple(at: &Predictor<'_>, block: &Block, sums: &mut [Lane; 2], coupled: &mut
 }
 
 at_width! {
-    /// Gives the penetrating nodes of a range the impulses with which they follow the body.
+    /// Gives the penetrating nodes of a range the impulses with which they follow the body. The neighbour list has a
+    /// node once, and the range is disjoint from all others; one thread takes it.
     pub(super) fn correct[](at: &Corrector<'_>, contacts: &mut NodeContacts) = correct_lanewise
 }
 
@@ -248,7 +250,7 @@ fn correct_lanewise(at: &Corrector<'_>, contacts: &mut NodeContacts) {
                 impulse[axis][l] += tangential[axis][l];
             }
         }
-        // SAFETY: a node is listed once.
+        // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
         let after = unsafe { at.nodes.apply_impulses(&block.nodes, &block.active, &impulse, at.dt) };
         let mut film = at.previous_velocity.gather(&block.nodes);
         let squared = dot(&after, &after);

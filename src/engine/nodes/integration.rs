@@ -113,7 +113,8 @@ impl Integration<'_> {
     /// No other thread may access these nodes.
     pub(in crate::engine) unsafe fn advance(&self, width: Width, nodes: Range<usize>) -> StepSums {
         let mut sums = StepSums::default();
-        self.record(nodes.clone());
+        // SAFETY: by the contract no other thread accesses these nodes.
+        unsafe { self.record(nodes.clone()) };
         for start in nodes.clone().step_by(CACHED) {
             let some = start..nodes.end.min(start + CACHED);
             // SAFETY: by the contract no other thread accesses these nodes.
@@ -133,7 +134,10 @@ impl Integration<'_> {
     }
 
     /// Records the velocities of the nodes of `range` that the record lists.
-    fn record(&self, range: Range<usize>) {
+    ///
+    /// # Safety
+    /// No other thread may access these nodes.
+    unsafe fn record(&self, range: Range<usize>) {
         let Some(VelocityRecord { nodes, velocity }) = &self.record else { return };
         let from = nodes.partition_point(|n| (*n as usize) < range.start);
         for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
