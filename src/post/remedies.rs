@@ -10,7 +10,7 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => "use a smaller specimen.mesh.size".to_owned(),
         Warning::Unfinished => "use a longer loading.impact.duration".to_owned(),
         Warning::FewerSnapshots { .. } => "use a lower output.frames".to_owned(),
-        Warning::NotQuasiStatic { .. } | Warning::NearlyQuasiStatic { .. } => slower(model, mass_scaling),
+        Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
         Warning::MisshapenElements { .. }
         | Warning::FrameHit { .. }
         | Warning::StrainLocalisation { .. }

@@ -101,7 +101,7 @@ impl Monitor {
         out.extend((outside > bounds::RATES).then_some(Warning::StrainRateOutside { share: outside }));
         out.extend(kinetic.and_then(|share| match share {
             share if share > bounds::KINETIC => Some(Warning::NotQuasiStatic { share }),
-            share if share > bounds::NEARLY => Some(Warning::NearlyQuasiStatic { share }),
+            share if share > bounds::BARELY => Some(Warning::BarelyQuasiStatic { share }),
             _ => None,
         }));
         out

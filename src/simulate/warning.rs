@@ -42,7 +42,7 @@ codes! {
     NOT_QUASI_STATIC = "not-quasi-static", Warning,
         "the kinetic energy of the film exceeds 1 % of the energy that it took up: inertia affects the force",
         "load more slowly or set a lower `mass_scaling`";
-    NEARLY_QUASI_STATIC = "nearly-quasi-static", Warning,
+    BARELY_QUASI_STATIC = "barely-quasi-static", Warning,
         "the kinetic energy of the film exceeds 0.2 % of the energy that it took up; the bound is 1 %",
         "load more slowly or set a lower `mass_scaling` where accuracy matters";
 }
@@ -112,7 +112,7 @@ pub enum Warning {
         share: f64,
     },
     /// A slow test whose inertia nearly matters.
-    NearlyQuasiStatic {
+    BarelyQuasiStatic {
         /// Largest share of kinetic energy in the energy that the film took up.
         share: f64,
     },
@@ -137,7 +137,7 @@ pub(super) mod bounds {
     /// Kinetic share of a quasi-static test.
     pub(in crate::simulate) const KINETIC: f64 = 0.01;
     /// Kinetic share of a test that is barely quasi-static.
-    pub(in crate::simulate) const NEARLY: f64 = 0.2 * KINETIC;
+    pub(in crate::simulate) const BARELY: f64 = 0.2 * KINETIC;
 }
 
 impl fmt::Display for Warning {
@@ -196,7 +196,7 @@ impl fmt::Display for Warning {
                     percent(share)
                 )
             }
-            Warning::NearlyQuasiStatic { share } => write!(
+            Warning::BarelyQuasiStatic { share } => write!(
                 f,
                 "barely quasi-static: kinetic energy is up to {:.1} % of the energy that the film took up \
                  (bound {:.0} %)",
@@ -220,7 +220,7 @@ impl Report for Warning {
             Warning::EnergyBalance { .. } => &ENERGY_BALANCE,
             Warning::StrainRateOutside { .. } => &STRAIN_RATE_OUTSIDE,
             Warning::NotQuasiStatic { .. } => &NOT_QUASI_STATIC,
-            Warning::NearlyQuasiStatic { .. } => &NEARLY_QUASI_STATIC,
+            Warning::BarelyQuasiStatic { .. } => &BARELY_QUASI_STATIC,
         }
     }
 
@@ -241,7 +241,7 @@ impl Report for Warning {
             Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
             Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],
             Warning::StrainRateOutside { share } => &[("share", share.into())],
-            Warning::NotQuasiStatic { share } | Warning::NearlyQuasiStatic { share } => {
+            Warning::NotQuasiStatic { share } | Warning::BarelyQuasiStatic { share } => {
                 &[("kinetic_share", share.into())]
             }
         };
