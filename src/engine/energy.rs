@@ -25,7 +25,7 @@ pub struct Energies {
     pub friction: f64,
     /// Dissipated by mass-proportional damping.
     pub damping: f64,
-    /// External work by jaws, pressure or a driven impactor, counted negative.
+    /// External work by jaws, pressure or an impactor with prescribed motion, counted negative.
     pub external: f64,
 }
 

@@ -86,7 +86,7 @@ impl View<'_> {
         if let Some(contact) = &self.contact {
             out.contact = contact.work.impact_loss;
             out.friction = contact.work.friction_loss;
-            if self.body.is_some_and(RigidBody::is_driven) {
+            if self.body.is_some_and(RigidBody::has_prescribed_motion) {
                 out.external -= contact.work.on_film - contact.work.ahead;
             }
         }

@@ -89,7 +89,7 @@ impl RigidBody {
     }
 
     /// A body at `pose` with the prescribed motion along z at `velocity` (m/s, upward).
-    pub fn driven(pose: Isometry3<f64>, velocity: f64) -> RigidBody {
+    pub fn prescribed(pose: Isometry3<f64>, velocity: f64) -> RigidBody {
         RigidBody::guided(pose, velocity, f64::INFINITY)
     }
 
@@ -114,7 +114,7 @@ impl RigidBody {
     }
 
     /// Whether its motion is prescribed: then its energy is not balanced, and its work on the film is external.
-    pub fn is_driven(&self) -> bool {
+    pub fn has_prescribed_motion(&self) -> bool {
         self.mass.is_infinite()
     }
 
@@ -251,7 +251,7 @@ impl RigidBody {
 
     /// Kinetic energy with velocities half a step before and after, J (theory.md, equation 23).
     pub(super) fn kinetic_energy(&self, before: &RigidBody) -> f64 {
-        if self.is_driven() {
+        if self.has_prescribed_motion() {
             return 0.0;
         }
         let rotation = self.spin.dot(&(self.space_inertia() * before.spin));
@@ -260,7 +260,7 @@ impl RigidBody {
 
     /// Potential energy under gravity `g` (m/s², downward), J.
     pub(super) fn potential_energy(&self, g: f64) -> f64 {
-        if self.is_driven() { 0.0 } else { self.mass * g * self.centre().z }
+        if self.has_prescribed_motion() { 0.0 } else { self.mass * g * self.centre().z }
     }
 
     /// Inertia in space axes, kg m².
@@ -298,18 +298,18 @@ mod tests {
         assert!((hit.spin - after.spin).norm() < 1e-13);
     }
 
-    /// Contact does not change the velocity or the energy of a driven body.
+    /// Contact does not change the velocity or the energy of a body with prescribed motion.
     #[test]
-    fn a_driven_body_keeps_its_velocity() {
-        let mut driven = RigidBody::driven(Isometry3::translation(0.0, 0.0, 1.0), -0.5);
+    fn contact_does_not_change_a_prescribed_motion() {
+        let mut body = RigidBody::prescribed(Isometry3::translation(0.0, 0.0, 1.0), -0.5);
         let at = Vector3::new(0.1, 0.0, -0.2);
         let mut coupled = CoupledFilm::default();
-        driven.couple(&mut coupled, &at, 3.0, None, &Vector3::new(1.0, 2.0, 3.0));
-        assert_eq!(driven.after_contact(&coupled).velocity.z, -0.5);
-        driven.apply_impulse_at(&Vector3::new(0.0, 0.0, 7.0), &at);
-        driven.kick(1e-3, 0.0);
-        assert_eq!((driven.velocity.z, driven.inverse_effective_mass(&Vector3::z(), &at)), (-0.5, 0.0));
-        assert_eq!((driven.kinetic_energy(&driven.clone()), driven.potential_energy(9.81)), (0.0, 0.0));
+        body.couple(&mut coupled, &at, 3.0, None, &Vector3::new(1.0, 2.0, 3.0));
+        assert_eq!(body.after_contact(&coupled).velocity.z, -0.5);
+        body.apply_impulse_at(&Vector3::new(0.0, 0.0, 7.0), &at);
+        body.kick(1e-3, 0.0);
+        assert_eq!((body.velocity.z, body.inverse_effective_mass(&Vector3::z(), &at)), (-0.5, 0.0));
+        assert_eq!((body.kinetic_energy(&body.clone()), body.potential_energy(9.81)), (0.0, 0.0));
     }
 
     /// Free rotation about a general axis.
