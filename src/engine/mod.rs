@@ -229,9 +229,9 @@ impl Engine {
         self.add_forces(dt);
         let mut failed = 0;
         for film in &mut self.films {
-            let (count, held) = film.delete_failed(self.nodes.position.axes());
-            self.ledger.rupture += self.loads.multiplicity * (held.stored + held.hourglass);
-            self.ledger.absorbed += self.loads.multiplicity * held.absorbed;
+            let (count, energy) = film.delete_failed(self.nodes.position.axes());
+            self.ledger.rupture += self.loads.multiplicity * (energy.stored + energy.hourglass);
+            self.ledger.absorbed += self.loads.multiplicity * energy.absorbed;
             failed += count;
         }
         if failed > 0 {

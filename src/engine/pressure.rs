@@ -1,7 +1,7 @@
 //! Pressure: a follower load on the present area, along the present normal.
 //!
-//! With the volume `V` between the film and any fixed surface through its edge, the load is the gradient `F_a = p
-//! ∂V/∂x_a`, so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29).
+//! With the volume `V` between the film and any fixed surface through its edge, the load is the gradient
+//! `F_a = p ∂V/∂x_a`, so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29).
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -49,8 +49,8 @@ pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Infla
         film.for_each_intact(|corners| {
             let place = |a: usize| Vector3::from(nodes.position.at(corners[a] as usize));
             volume += match corners.len() {
-                3 => spread(nodes, corners, pressure, triangle([place(0), place(1), place(2)])),
-                _ => spread(nodes, corners, pressure, quad([place(0), place(1), place(2), place(3)])),
+                3 => add_load(nodes, corners, pressure, triangle([place(0), place(1), place(2)])),
+                _ => add_load(nodes, corners, pressure, quad([place(0), place(1), place(2), place(3)])),
             };
         });
     }
@@ -58,36 +58,36 @@ pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Infla
 }
 
 /// Adds an element's load to its nodes and returns its part of the volume.
-fn spread<const N: usize>(nodes: &mut Nodes, corners: &[u32], pressure: f64, patch: Patch<N>) -> f64 {
-    for (n, area) in corners.iter().zip(patch.areas) {
+fn add_load<const N: usize>(nodes: &mut Nodes, corners: &[u32], pressure: f64, load: ElementLoad<N>) -> f64 {
+    for (n, area) in corners.iter().zip(load.areas) {
         nodes.force.add(*n as usize, (pressure * area).into());
     }
-    patch.volume
+    load.volume
 }
 
-/// The part of an element in the load.
-struct Patch<const N: usize> {
+/// The load on an element under unit pressure.
+struct ElementLoad<const N: usize> {
     /// Vector area that belongs to each node, m².
     areas: [Vector3<f64>; N],
     /// Volume of the cone from the origin to the element, m³.
     volume: f64,
 }
 
-fn triangle(x: [Vector3<f64>; 3]) -> Patch<3> {
+fn triangle(x: [Vector3<f64>; 3]) -> ElementLoad<3> {
     let area = (x[1] - x[0]).cross(&(x[2] - x[0])) / 2.0;
-    Patch { areas: [area / 3.0; 3], volume: x[0].dot(&area) / 3.0 }
+    ElementLoad { areas: [area / 3.0; 3], volume: x[0].dot(&area) / 3.0 }
 }
 
 /// ∫ N_a ∂x/∂ξ × ∂x/∂η dξdη (theory.md, equation 29) over the bilinear surface x = c + ξ a + η b + ξη h, in closed
 /// form.
-fn quad(x: [Vector3<f64>; 4]) -> Patch<4> {
+fn quad(x: [Vector3<f64>; 4]) -> ElementLoad<4> {
     const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let a = (x[1] + x[2] - x[0] - x[3]) / 4.0;
     let b = (x[2] + x[3] - x[0] - x[1]) / 4.0;
     let h = (x[0] + x[2] - x[1] - x[3]) / 4.0;
     let (flat, along, across) = (a.cross(&b), a.cross(&h) / 3.0, h.cross(&b) / 3.0);
     let areas = CORNERS.map(|[xi, eta]| flat + along * xi + across * eta);
-    Patch { areas, volume: (x[0] + x[1] + x[2] + x[3]).dot(&flat) / 3.0 }
+    ElementLoad { areas, volume: (x[0] + x[1] + x[2] + x[3]).dot(&flat) / 3.0 }
 }
 
 #[cfg(test)]
@@ -115,8 +115,8 @@ mod tests {
         let x = box_corners();
         let mut load = [Vector3::zeros(); 8];
         for side in SIDES {
-            let patch = quad(side.map(|n| x[n]));
-            side.iter().zip(patch.areas).for_each(|(n, area)| load[*n] += area);
+            let element = quad(side.map(|n| x[n]));
+            side.iter().zip(element.areas).for_each(|(n, area)| load[*n] += area);
         }
         let step = 1e-5;
         for node in 0..8 {
