@@ -1,6 +1,6 @@
 //! Findings: what a run, a search or a reduction reports although it went on.
 //!
-//! Each room has its own `Warning` enum, whose variants carry figures and name a [`Code`]. [`Finding`] is what becomes
+//! Each module has its own `Warning` enum, whose variants carry figures and name a [`Code`]. [`Finding`] is what becomes
 //! of it in `summary.json`, on the page and on the terminal; nothing reads its message back.
 
 use std::fmt;
@@ -40,7 +40,7 @@ pub struct Code {
     pub remedy: &'static str,
 }
 
-/// Defines the codes of a room, one constant each, and `CODES`, the list of them.
+/// Defines the codes of a module, one constant each, and `CODES`, the list of them.
 macro_rules! codes {
     ($($constant:ident = $name:literal, $severity:ident, $meaning:literal, $remedy:literal;)+) => {
         $(pub(crate) const $constant: $crate::finding::Code = $crate::finding::Code {
@@ -49,13 +49,13 @@ macro_rules! codes {
             meaning: $meaning,
             remedy: $remedy,
         };)+
-        /// The codes of this room.
+        /// The codes of this module.
         pub const CODES: &[&$crate::finding::Code] = &[$(&$constant),+];
     };
 }
 pub(crate) use codes;
 
-/// A warning of one room; its message is its `Display` form: lower case, no full stop, the fact first.
+/// A warning of one module; its message is its `Display` form: lower case, no full stop, the fact first.
 pub trait Report: fmt::Display {
     /// Its kind.
     fn code(&self) -> &'static Code;
@@ -81,7 +81,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// The finding that a room reports.
+    /// The finding that a module reports.
     pub fn new(report: &impl Report) -> Finding {
         let code = report.code();
         Finding {

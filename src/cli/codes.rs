@@ -8,7 +8,7 @@ use crate::{experiment, identify, post, script, signal, simulate};
 /// The word in place of a key that lists all codes.
 pub(super) const WORD: &str = "findings";
 
-/// All codes, room by room.
+/// All codes, module by module.
 fn all() -> impl Iterator<Item = &'static Code> {
     [signal::CODES, experiment::CODES, simulate::CODES, script::CODES, post::CODES, identify::CODES]
         .into_iter()

@@ -5,7 +5,7 @@ use rhai::Engine;
 use super::{register_output, register_reading};
 use crate::script::{Limits, OutputCollector};
 
-/// The interpreter with every function of this room.
+/// The interpreter with every function of this module.
 pub(crate) fn engine() -> Engine {
     let mut engine = super::engine(Limits::POST);
     register_reading(&mut engine);

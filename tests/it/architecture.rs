@@ -1,5 +1,5 @@
-//! The one direction of flow: no module names one that stands below it in `lib.rs`, and no files of a room name each
-//! other in a circle.
+//! The one direction of flow: no module names one that stands below it in `lib.rs`, and no files of a module name
+//! each other in a circle.
 
 mod source;
 
@@ -14,7 +14,7 @@ fn folder() -> PathBuf {
 }
 
 /// The modules of `lib.rs`, in its order.
-fn rooms() -> Vec<String> {
+fn modules() -> Vec<String> {
     let text = fs::read_to_string(folder().join("lib.rs")).expect("lib.rs is there");
     let names = text.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'));
     names.map(str::to_owned).collect()
@@ -27,7 +27,7 @@ fn graph(sources: &Crate) -> Graph {
     sources.modules.keys().map(|path| (path.clone(), sources.named_by(path))).collect()
 }
 
-/// The shortest circle through `start` within its room; none where no module that it names leads back.
+/// The shortest circle through `start` within its top-level module; none where no file that it names leads back.
 ///
 /// What the root of a folder defines is shared by the files below it: that they name it does not count.
 fn circle(graph: &Graph, start: &ModulePath) -> Option<Vec<ModulePath>> {
@@ -51,7 +51,7 @@ fn circle(graph: &Graph, start: &ModulePath) -> Option<Vec<ModulePath>> {
     None
 }
 
-/// The circles between modules of each room, each once, in words.
+/// The circles between files of each module, each once, in words.
 fn circles(graph: &Graph) -> BTreeMap<String, Vec<String>> {
     let mut seen = BTreeSet::new();
     let mut found: BTreeMap<String, Vec<String>> = BTreeMap::new();
@@ -74,11 +74,11 @@ fn crate_of(files: &[(&str, &str)]) -> Crate {
 
 #[test]
 fn data_flows_one_way() {
-    let order = rooms();
-    let place = |room: &String| order.iter().position(|other| other == room);
+    let order = modules();
+    let place = |module: &String| order.iter().position(|other| other == module);
     let sources = Crate::read(&folder());
     let mut against = Vec::new();
-    for path in sources.modules.keys().filter(|path| path.first().is_some_and(|room| room != "main")) {
+    for path in sources.modules.keys().filter(|path| path.first().is_some_and(|module| module != "main")) {
         let here = place(&path[0]).unwrap_or_else(|| panic!("{} is not a module of lib.rs", path[0]));
         let named = sources.mentions(path).into_iter();
         let below = named.filter(|name| name.first().and_then(place).is_some_and(|there| there > here));
@@ -88,7 +88,7 @@ fn data_flows_one_way() {
 }
 
 #[test]
-fn no_files_of_a_room_name_each_other_in_a_circle() {
+fn no_files_of_a_module_name_each_other_in_a_circle() {
     let found = circles(&graph(&Crate::read(&folder())));
     let found: Vec<&str> = found.values().flatten().map(String::as_str).collect();
     assert!(found.is_empty(), "in a circle:\n{}", found.join("\n"));
@@ -97,37 +97,37 @@ fn no_files_of_a_room_name_each_other_in_a_circle() {
 #[test]
 fn names_lead_to_the_file_that_defines_them() {
     let sources = crate_of(&[
-        ("lib.rs", "pub mod low; pub mod room;"),
+        ("lib.rs", "pub mod low; pub mod top;"),
         ("low.rs", "pub struct Low;"),
-        ("room/mod.rs", "mod a; mod b; mod deep; pub use a::A; pub use deep::*; pub fn own() {}"),
+        ("top/mod.rs", "mod a; mod b; mod deep; pub use a::A; pub use deep::*; pub fn own() {}"),
         (
-            "room/a.rs",
+            "top/a.rs",
             "use super::{B as Other, own}; use crate::low::Low; // use super::C;\nconst T: &str = \"super::D\";",
         ),
-        ("room/b.rs", "use super::a::{self, A}; fn f() { a::g(); super::Deep::new(); 'x' }"),
-        ("room/deep/mod.rs", "pub struct Deep; impl Deep { fn f() { crate::room::b::h::<u8>() } }"),
+        ("top/b.rs", "use super::a::{self, A}; fn f() { a::g(); super::Deep::new(); 'x' }"),
+        ("top/deep/mod.rs", "pub struct Deep; impl Deep { fn f() { crate::top::b::h::<u8>() } }"),
     ]);
     let named = |path: &[&str]| {
         let path: ModulePath = path.iter().map(|name| (*name).to_owned()).collect();
         sources.named_by(&path).into_keys().map(|path| path.join("::")).collect::<Vec<_>>()
     };
-    assert_eq!(named(&["room"]), [] as [&str; 0], "what is only passed on is not named");
-    assert_eq!(named(&["room", "a"]), ["low", "room"]);
-    assert_eq!(named(&["room", "b"]), ["room::a", "room::deep"]);
-    assert_eq!(named(&["room", "deep"]), ["room::b"]);
+    assert_eq!(named(&["top"]), [] as [&str; 0], "what is only passed on is not named");
+    assert_eq!(named(&["top", "a"]), ["low", "top"]);
+    assert_eq!(named(&["top", "b"]), ["top::a", "top::deep"]);
+    assert_eq!(named(&["top", "deep"]), ["top::b"]);
 }
 
 #[test]
 fn circles_are_found_and_those_of_tests_are_not() {
     let circles_of = |b: &str| {
         let sources = crate_of(&[
-            ("room/mod.rs", "mod a; mod b; #[cfg(test)] mod check; pub use a::A; pub fn f() { a::A::new() }"),
-            ("room/a.rs", "use super::{b::B, f}; pub struct A;"),
-            ("room/b.rs", b),
-            ("room/check.rs", "use super::A; use super::b::B;"),
+            ("top/mod.rs", "mod a; mod b; #[cfg(test)] mod check; pub use a::A; pub fn f() { a::A::new() }"),
+            ("top/a.rs", "use super::{b::B, f}; pub struct A;"),
+            ("top/b.rs", b),
+            ("top/check.rs", "use super::A; use super::b::B;"),
         ]);
-        circles(&graph(&sources)).remove("room").unwrap_or_default()
+        circles(&graph(&sources)).remove("top").unwrap_or_default()
     };
-    assert_eq!(circles_of("fn g(a: &super::A) {}"), ["room::a names room::b::B, room::b names room::A"]);
+    assert_eq!(circles_of("fn g(a: &super::A) {}"), ["top::a names top::b::B, top::b names top::A"]);
     assert!(circles_of("use super::f; #[cfg(test)] mod tests { use super::super::A; }").is_empty());
 }
