@@ -99,7 +99,7 @@ struct EnergyLedger {
     absorbed: f64,
     /// Lost to mass-proportional damping.
     damping: f64,
-    /// Work of jaws and pressure, counted negative.
+    /// Work of jaws and pressure, counted negative; that of an impactor with prescribed motion is in `contact.work`.
     external: f64,
     /// Part of `external` that belongs to the half step after the full one.
     external_ahead: f64,

@@ -1,4 +1,4 @@
-//! Every interleaving of small tasks on the engine's thread pool, by the model checker loom:
+//! Interleavings with at most three preemptions of small tasks on the engine's thread pool, by the model checker loom:
 //! `cargo test --release -p droptower-loom`.
 //!
 //! The pool is compiled from the engine's own file, with loom's primitives in place of those of `engine/sync.rs`.
