@@ -258,7 +258,7 @@ fn parts() {
     let line = |name: &str, cost: f64| println!("| {name} | {cost:.1} | {:.0} % |", 100.0 * cost / everything);
     line("film: forces, nodes, time step", film);
     line("contact", with_contact - film);
-    line("audit, sampling, kept states", everything - with_contact);
+    line("energy balance, sampling, snapshots", everything - with_contact);
     line("everything", everything);
     println!();
 }

@@ -30,8 +30,8 @@ codes! {
         "the run ends while the impactor is still in contact, so that rebound and energy absorption are not final",
         "use a longer `loading.impact.duration`";
     FEWER_SNAPSHOTS = "fewer-snapshots", Warning,
-        "the recording holds fewer states of the film than `output.frames`, because more of so fine a mesh would take \
-         too much memory; signals and figures are not affected",
+        "the recording has fewer snapshots than `output.frames`, because more of so fine a mesh would take too much \
+         memory; signals and figures are not affected",
         "use a lower `output.frames` or a larger `specimen.mesh.size`";
     ENERGY_BALANCE = "energy-balance", Warning,
         "the sum of all energies changed by more than 1 % of the energy exchanged; above 10 % the run stops",
@@ -177,8 +177,8 @@ impl fmt::Display for Warning {
             ),
             Warning::FewerSnapshots { wanted, taken, memory } => write!(
                 f,
-                "the recording holds {taken} states of the film instead of {wanted}: more of so fine a mesh would take \
-                 more than {:.1} GB",
+                "the recording has {taken} snapshots instead of {wanted}: more of so fine a mesh would take more than \
+                 {:.1} GB",
                 1e-9 * memory
             ),
             Warning::EnergyBalance { error } => {

@@ -1,4 +1,4 @@
-//! Stress and thickness of kept states, against what the run itself measures and against a closed form.
+//! Stress and thickness of snapshots, against what the run itself measures and against a closed form.
 
 use droptower::model::Model;
 use droptower::simulate::{self, Detail, FilmState, Outcome, RunOptions};
@@ -20,7 +20,7 @@ fn detail(state: &FilmState) -> &Detail {
 /// The force of the jaws over the stress-free section is the stress along the fibres.
 #[test]
 fn the_stress_of_a_fibre_is_that_of_the_jaws() {
-    let mut claims = Claims::of("stress of kept states");
+    let mut claims = Claims::of("stress of snapshots");
     for (name, fibre) in [("md", 0), ("td", 1)] {
         let model = shipped(&format!("stretch/{name}-0.02.toml"), &[]);
         let outcome = detailed(&model);

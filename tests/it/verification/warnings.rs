@@ -40,7 +40,7 @@ fn the_histogram_has_the_rate_of_a_constant_speed() {
         let rates = &outcome.rates;
         let bin = |rate: f64| rates.edges.partition_point(|edge| *edge <= rate) - 1;
         let near: f64 = (bin(0.98 * rate)..=bin(1.02 * rate)).map(|k| rates.shares[k]).sum();
-        claims.at_most(&format!("{speed} m/s, share of straining not at {rate} 1/s"), 1.0 - near, 1e-2);
+        claims.at_most(&format!("{speed} m/s, share of strain increments not at {rate} 1/s"), 1.0 - near, 1e-2);
     }
     claims.judge();
 }
