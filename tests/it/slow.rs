@@ -54,7 +54,7 @@ fn an_indentation_records_depth_and_force() {
     let (output, signals, summary) = run(bench.path(), &["loading.indent.depth=15mm"]);
     assert_eq!(output.status.code(), Some(0), "{}", standard_error_and_output(&output));
     assert_eq!(header(bench.path()), "time_s,depth_m,force_N");
-    assert_eq!(signals.channel("depth_m").map(|depth| depth[0]), Some(0.0), "the depth starts at first touch");
+    assert_eq!(signals.channel("depth_m").map(|depth| depth[0]), Some(0.0), "the depth starts at first contact");
     assert!((last(&signals, "depth_m") - 0.015).abs() < 1e-12);
     assert_eq!(figure(&summary, "final_force_N"), last(&signals, "force_N"));
     assert!(figure(&summary, "kinetic_share") < 1e-3);

@@ -27,7 +27,7 @@ const STEPS_PER_MARK: f32 = 8.0;
 const STATES_PER_NORMALS: usize = 4;
 
 const FRAME: [u8; 3] = [120, 124, 134];
-const TOUCH: [u8; 3] = [240, 90, 40];
+const CONTACT: [u8; 3] = [240, 90, 40];
 
 /// Logs the snapshots of a film.
 pub(crate) struct Film {
@@ -117,8 +117,8 @@ impl Film {
         let points = snapshot.in_contact.iter().map(|node| rounded(&snapshot.positions[*node as usize], step));
         let points: Vec<_> = points.collect();
         let whole = images(track).flat_map(|image| points.iter().map(move |point| mirrored(*point, image)));
-        let touch = Points3D::new(whole).with_colors([TOUCH]).with_radii([Radius::new_ui_points(2.0)]);
-        stream.log(format!("scene/contact/{}", track.name), &touch)?;
+        let contact = Points3D::new(whole).with_colors([CONTACT]).with_radii([Radius::new_ui_points(2.0)]);
+        stream.log(format!("scene/contact/{}", track.name), &contact)?;
         self.shown.in_contact = !snapshot.in_contact.is_empty();
         Ok(())
     }

@@ -39,7 +39,8 @@ fn motion(signals: &Recording) -> Vec<(f64, String)> {
     [contact, braking].into_iter().flatten().filter_map(timed).chain(lowest).chain(release).collect()
 }
 
-/// Share of the largest contact force below which the impactor is released: slack film may touch it as it rises.
+/// Share of the largest contact force below which the impactor is released: slack film may come into contact with it as it
+/// rises.
 const RELEASED: f64 = 0.01;
 
 /// When contact ends after the lowest point at the time `lowest` (s), and the speed of the impactor then.
@@ -80,7 +81,7 @@ mod tests {
         assert_eq!(texts([0.0, 3.0, 5.0, 1.0, 1.0]).count(), 2, "the impactor stays in contact");
         assert!(
             texts([0.0, 300.0, 500.0, 1.0, 1.0]).any(|line| line == "0.3 release at 1.00 m/s"),
-            "slack film touches it"
+            "slack film may come into contact with it"
         );
         assert_eq!(motion(&Recording::default()), []);
     }
