@@ -145,7 +145,7 @@ pub enum Warning {
         known: FallCondition,
     },
     /// A drift at rest.
-    #[error("the reading at rest drifts by {rate:.2} m/s2 per second, {over_record:.2} m/s2 over the record")]
+    #[error("the reading at rest drifts by {rate:.2} m/s² per second, {over_record:.2} m/s² over the record")]
     ZeroDrift {
         /// m/s³.
         rate: f64,
@@ -164,7 +164,7 @@ pub enum Warning {
         lowest_point: f64,
     },
     /// A constant largest reading.
-    #[error("the accelerometer reads {reading:.1} m/s2 for {:.1} ms, which may be the end of its range", 1e3 * duration)]
+    #[error("the accelerometer reads {reading:.1} m/s² for {:.1} ms, which may be the end of its range", 1e3 * duration)]
     Saturated {
         /// m/s².
         reading: f64,

@@ -304,7 +304,7 @@ fn mistakes_in_coupons_are_reported_and_nothing_is_written() {
         (&good, &["--unit", "force"], "expected a channel and its unit, found `force`"),
         (&good, &["-o", "material.csv"], "a material file ends in .toml"),
         (&good, &["--gauge", "0 mm"], "the gauge length of a coupon is a positive length"),
-        (&good, &["--window", "0.3", "0.1"], "0.3 to 0.1 is no window of strain"),
+        (&good, &["--window", "0.3", "0.1"], "expected a window of strain, found 0.3 to 0.1"),
         ("nothing/*.csv", &[], "no file matches"),
     ] {
         let arguments: Vec<&str> = ["tensile", "reduce", recordings].into_iter().chain(more.iter().copied()).collect();

@@ -18,9 +18,9 @@ pub enum Direction {
     D4,
 }
 
-/// A word that names no direction of the film.
+/// A word that is not a direction of the film.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("`{0}` is no direction of the film: MD, TD, D3 or D4")]
+#[error("`{0}` is not a direction of the film: expected MD, TD, D3 or D4")]
 pub struct DirectionError(pub String);
 
 impl Direction {

@@ -24,7 +24,7 @@ pub struct Modulus {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ModulusError {
     /// The window has no extent.
-    #[error("{from} to {to} is no window of strain")]
+    #[error("expected a window of strain, found {from} to {to}")]
     Window {
         /// Lower limit of engineering strain.
         from: f64,

@@ -326,7 +326,7 @@ mod tests {
         assert_eq!("md".parse(), Ok(Direction::Md));
         assert_eq!(
             "45".parse::<Direction>().unwrap_err().to_string(),
-            "`45` is no direction of the film: MD, TD, D3 or D4"
+            "`45` is not a direction of the film: expected MD, TD, D3 or D4"
         );
         assert_eq!(Reduction::of(&[], &Rules::default()), Err(ReductionError::Nothing));
     }

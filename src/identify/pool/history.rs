@@ -58,7 +58,7 @@ pub enum HistoryError {
         path: PathBuf,
     },
     /// A line cannot be read.
-    #[error("line {line} of the history {} is no trial; move the file away to search anew", path.display())]
+    #[error("line {line} of the history {} is not a trial; move the file away to start a new search", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -66,7 +66,7 @@ pub enum HistoryError {
         line: usize,
     },
     /// The first line is of another search.
-    #[error("the history {} is of another search; move the file away to search anew", path.display())]
+    #[error("the history {} is of another search; move the file away to start a new search", path.display())]
     Other {
         /// The file.
         path: PathBuf,

@@ -125,7 +125,7 @@ pub enum Fault {
     #[error("no channel but time axes")]
     OnlyTime,
     /// Options of a table are given.
-    #[error("a column of time or names of columns are given for what is no table")]
+    #[error("column names are given, but the file is not a table")]
     NoTable,
 }
 
