@@ -13,7 +13,7 @@ use crate::units::Time;
 const LONG: f64 = 3600.0;
 
 /// Wall time that is measured before the forecast: the first steps fill caches and curves.
-const WATCHED: Duration = Duration::from_secs(1);
+const MEASURED: Duration = Duration::from_secs(1);
 
 /// Wall time between two checkpoints that the forecast proposes, s.
 const BETWEEN_CHECKPOINTS: f64 = 600.0;
@@ -42,7 +42,7 @@ impl Forecast {
     /// The time step is taken as constant; yielding film makes it longer.
     pub(super) fn update(&mut self, progress: &Progress, wall: Duration) -> Option<Left> {
         let (before, steps) = *self.first.get_or_insert((wall, progress.steps));
-        if self.done || wall - before < WATCHED || progress.steps == steps {
+        if self.done || wall - before < MEASURED || progress.steps == steps {
             return None;
         }
         self.done = true;

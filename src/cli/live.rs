@@ -13,7 +13,7 @@ use crate::simulate::SnapshotEvent;
 pub(super) struct Viewer {
     address: Address,
     /// Whether it did not answer or stopped responding: then the other runs are not shown either.
-    is_gone: AtomicBool,
+    is_unavailable: AtomicBool,
 }
 
 /// A run that a viewer shows, if one answers.
@@ -28,7 +28,7 @@ pub(super) struct Show<'a> {
 /// # Errors
 /// The text is not an address.
 pub(super) fn viewer(address: &str) -> Result<Viewer, Diagnostic> {
-    let viewer = |address| Viewer { address, is_gone: AtomicBool::new(false) };
+    let viewer = |address| Viewer { address, is_unavailable: AtomicBool::new(false) };
     address.parse().map(viewer).map_err(|error| {
         let mistake = Diagnostic::new(format!("--live: expected the address of a viewer, found `{address}`: {error}"));
         mistake.hint(format!("write it like {}", Address::DEFAULT))
@@ -38,7 +38,7 @@ pub(super) fn viewer(address: &str) -> Result<Viewer, Diagnostic> {
 impl<'a> Show<'a> {
     /// Begins to show the run of `checked`, resolved as `scenario`, if there is a viewer and it answers.
     pub(super) fn begin(viewer: Option<&'a Viewer>, checked: &'a Checked, scenario: &'a str, bar: &'a Bar) -> Show<'a> {
-        let mut show = Show { live: None, viewer: viewer.filter(|viewer| !viewer.is_gone()), bar };
+        let mut show = Show { live: None, viewer: viewer.filter(|viewer| !viewer.is_unavailable()), bar };
         if let Some(viewer) = show.viewer {
             match Live::connect(&viewer.address, &checked.model, checked.plan.comparison(), scenario) {
                 Ok(live) => show.live = Some(live),
@@ -55,7 +55,7 @@ impl<'a> Show<'a> {
 
     /// Shows a state.
     pub(super) fn update(&mut self, event: &SnapshotEvent<'_>) {
-        if self.viewer.is_some_and(Viewer::is_gone) {
+        if self.viewer.is_some_and(Viewer::is_unavailable) {
             self.live = None;
         }
         if let Some(live) = &mut self.live {
@@ -65,24 +65,24 @@ impl<'a> Show<'a> {
 
     /// Shows the results, if there are any.
     pub(super) fn finish(mut self, run: Option<&RunPage>) {
-        let live = self.live.take().filter(|_| !self.viewer.is_some_and(Viewer::is_gone));
+        let live = self.live.take().filter(|_| !self.viewer.is_some_and(Viewer::is_unavailable));
         if let Some(Err(error)) = live.map(|live| live.finish(run)) {
             self.warn(&error);
         }
     }
 
-    /// Warns of a failure of the viewer; of one that is gone, once.
+    /// Warns of a failure of the viewer; of one that is unavailable, once.
     fn warn(&self, error: &LiveError) {
-        let is_gone = matches!(error, LiveError::NoAnswer { .. } | LiveError::NotResponding { .. });
-        let was_gone = is_gone && self.viewer.is_some_and(|viewer| viewer.is_gone.swap(true, Ordering::Relaxed));
-        if !was_gone {
+        let is_unavailable = matches!(error, LiveError::NoAnswer { .. } | LiveError::NotResponding { .. });
+        let was_unavailable = is_unavailable && self.viewer.is_some_and(|viewer| viewer.is_unavailable.swap(true, Ordering::Relaxed));
+        if !was_unavailable {
             self.bar.warn(&format!("--live: {error}; the run continues without the viewer"));
         }
     }
 }
 
 impl Viewer {
-    fn is_gone(&self) -> bool {
-        self.is_gone.load(Ordering::Relaxed)
+    fn is_unavailable(&self) -> bool {
+        self.is_unavailable.load(Ordering::Relaxed)
     }
 }

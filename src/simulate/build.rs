@@ -64,8 +64,8 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
 /// parallel.
 pub(super) fn pool(elements: usize) -> ThreadPool {
     let shared = rayon::current_thread_index().is_some();
-    let worth = elements.div_ceil(ELEMENTS_A_THREAD);
-    ThreadPool::new(if shared { 1 } else { worth.min(rayon::current_num_threads()) })
+    let useful = elements.div_ceil(ELEMENTS_A_THREAD);
+    ThreadPool::new(if shared { 1 } else { useful.min(rayon::current_num_threads()) })
 }
 
 fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {

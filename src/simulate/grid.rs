@@ -9,14 +9,14 @@ use super::rows;
 pub(super) struct Grid<const K: usize> {
     start: f64,
     step: f64,
-    last: Option<Pushed<K>>,
+    last: Option<Sample<K>>,
     #[serde(with = "rows")]
     pub(super) rows: Vec<[f64; K]>,
 }
 
-/// Values and their time, as they were added.
+/// Values at a time, as they were added.
 #[derive(Clone, Copy, Serialize, Deserialize)]
-struct Pushed<const K: usize> {
+struct Sample<const K: usize> {
     time: f64,
     #[serde(with = "rows::one")]
     values: [f64; K],
@@ -35,8 +35,8 @@ impl<const K: usize> Grid<K> {
 
     /// Adds the values at `time` (s), later than all before.
     pub(super) fn push(&mut self, time: f64, values: [f64; K]) {
-        let now = Pushed { time, values };
-        let Pushed { time: before, values: from } = self.last.unwrap_or(now);
+        let now = Sample { time, values };
+        let Sample { time: before, values: from } = self.last.unwrap_or(now);
         loop {
             let at = self.start + self.rows.len() as f64 * self.step;
             if at > time {

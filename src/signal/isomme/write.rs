@@ -238,12 +238,12 @@ impl Sheet<'_> {
     /// The lines of the original header, with the entries that the data determine replaced; then the entries that it
     /// does not have.
     fn lines(&self) -> Vec<Pair> {
-        let (mut anew, mut otherwise) = (self.decided(), self.otherwise());
+        let (mut decided, mut otherwise) = (self.decided(), self.otherwise());
         let mut lines = Vec::new();
         for entry in self.header.map_or(&[][..], Header::entries) {
             let is_it = |pair: &Pair| pair.0.eq_ignore_ascii_case(&entry.key);
             if DECIDED.iter().any(|key| key.eq_ignore_ascii_case(&entry.key)) {
-                lines.extend(anew.iter().position(is_it).map(|place| anew.remove(place)));
+                lines.extend(decided.iter().position(is_it).map(|place| decided.remove(place)));
             } else if !(self.converted && IN_THE_UNIT.contains(&entry.key.to_lowercase().as_str())) {
                 otherwise.retain(|pair| !is_it(pair));
                 lines.push(again(entry));
@@ -251,8 +251,8 @@ impl Sheet<'_> {
         }
         let unit = |pair: &Pair| pair.0 == UNIT && self.unit.is_none();
         let stated = self.header.and_then(|header| header.text(UNIT));
-        anew.extend(otherwise);
-        lines.extend(anew);
+        decided.extend(otherwise);
+        lines.extend(decided);
         // A unit that is not known is that of the values still.
         if let (Some(stated), Some(place)) = (stated, lines.iter().position(unit)) {
             lines[place].1 = stated.to_owned();
