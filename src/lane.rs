@@ -1,4 +1,4 @@
-//! Numbers that are worked on together.
+//! Arithmetic in lanes: the same operation on several elements side by side.
 //!
 //! Kernels are written as loops over lanes without branches, one loop a stage of the arithmetic;
 //! the compiler turns each into vector instructions of whatever width it may use. Every lane runs
@@ -16,7 +16,7 @@ pub type Lane<const L: usize = LANES> = [f64; L];
 pub type Lane3<const L: usize = LANES> = [Lane<L>; 3];
 
 /// Vector instructions that a kernel is run with. The operations and their order are the same in all of them, and so
-/// are the bits of what comes out.
+/// are the bits of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Width {
     /// What every processor of the platform has.

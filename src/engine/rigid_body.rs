@@ -230,8 +230,8 @@ impl RigidBody {
         }
     }
 
-    /// The body with the velocity of the implicit solution for the body and the `coupled` film (theory.md, equation
-    /// 20).
+    /// The body with the velocity of the implicit solution for the body and the `coupled` film (theory.md,
+    /// equation 20).
     pub(super) fn after_contact(&self, coupled: &CoupledFilm) -> RigidBody {
         let mut body = self.clone();
         match self.guided {

@@ -14,8 +14,8 @@ const SAFETY: f64 = 0.9;
 /// limit of the linear theory gains energy at such kinks (theory.md, section 4).
 const TORN_SAFETY: f64 = 0.5;
 
-/// Steps, and time (s), between two updates of the frequency bound: the laws bound the stiffness for strains within 0.5
-/// % of the present ones, which covers rates of 70 1/s.
+/// Steps, and time (s), between two updates of the frequency bound: the laws bound the stiffness for strains within
+/// 0.5 % of the present ones, which covers rates of 70 1/s.
 const INTERVAL: (u32, f64) = (14, 0.005 / 70.0);
 
 /// Largest growth from one step to the next.

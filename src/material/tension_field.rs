@@ -1,8 +1,8 @@
 //! Tension field: an isotropic elastic film that wrinkles under compression.
 //!
 //! The relaxed energy (Pipkin 1986; Steigmann 1990) of St. Venant–Kirchhoff in plane stress is the least energy of film
-//! with the same tangent vectors whose fine wrinkles may take up length. In the principal strains `E₁ ≥ E₂` of `E =
-//! ½(FᵀF − I)`, with `Ȳ = Y/(1 − ν²)` and `⟨x⟩ = max(x, 0)` (theory.md, equation 9b):
+//! with the same tangent vectors whose fine wrinkles may take up length. In the principal strains `E₁ ≥ E₂` of
+//! `E = ½(FᵀF − I)`, with `Ȳ = Y/(1 − ν²)` and `⟨x⟩ = max(x, 0)` (theory.md, equation 9b):
 //!
 //! ```text
 //! W  = ½ Y ⟨E₁⟩² + ½ Ȳ ⟨E₂ + νE₁⟩²

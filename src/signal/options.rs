@@ -13,8 +13,8 @@ pub struct ReadOptions {
     pub units: Vec<(String, Unit)>,
     /// The unit of every channel except the time where the file states none; one that contradicts the file is an error.
     pub unit: Option<Unit>,
-    /// Column names of a table, which replace those of its header, time included; with units as in a header, `accel
-    /// [g]`.
+    /// Column names of a table, which replace those of its header, time included; with units as in a header,
+    /// `accel [g]`.
     pub names: Vec<String>,
 }
 

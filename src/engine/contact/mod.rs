@@ -1,9 +1,9 @@
 //! Kinematic contact between the impactor and the film.
 //!
 //! Predictor: every node whose position at the end of the step lies inside the impactor violates a contact constraint.
-//! Corrector: it gets the impulse that puts it onto the surface, and the impactor gets the opposite (theory.md, section
-//! 6). There is no penalty stiffness: nodes do not penetrate, and the stable time step stays that of the film. Friction
-//! is the tangential impulse that stops the slip of a node, bounded by μ times the normal one, so that a sticking node
+//! Corrector: it gets the impulse that puts it onto the surface, and the impactor gets the opposite (theory.md,
+//! section 6). There is no penalty stiffness: nodes do not penetrate, and the stable time step stays that of the film.
+//! Friction is the tangential impulse that stops the slip of a node, bounded by μ times the normal one, so that a sticking node
 //! does not creep.
 //!
 //! Between its nodes an element penetrates by the sagitta of its edges. Where that may exceed [`FACE_PENETRATION`] of
