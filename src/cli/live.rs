@@ -74,7 +74,8 @@ impl<'a> Show<'a> {
     /// Warns of a failure of the viewer; of one that is unavailable, once.
     fn warn(&self, error: &LiveError) {
         let is_unavailable = matches!(error, LiveError::NoAnswer { .. } | LiveError::NotResponding { .. });
-        let was_unavailable = is_unavailable && self.viewer.is_some_and(|viewer| viewer.is_unavailable.swap(true, Ordering::Relaxed));
+        let was_unavailable =
+            is_unavailable && self.viewer.is_some_and(|viewer| viewer.is_unavailable.swap(true, Ordering::Relaxed));
         if !was_unavailable {
             self.bar.warn(&format!("--live: {error}; the run continues without the viewer"));
         }

@@ -162,7 +162,11 @@ mod tests {
             ("md", &["direction: MD"], "the speed of the jaws is not known"),
             ("md-0.02-1", &["direction: TD"], "its name states MD, its header TD"),
             ("md-0.02-1", &["velocity: 0.2 m/s"], "its name states 0.02 m/s, its header 0.2 m/s"),
-            ("x", &["direction: north"], "its header: `north` is not a direction of the film: expected MD, TD, D3 or D4"),
+            (
+                "x",
+                &["direction: north"],
+                "its header: `north` is not a direction of the film: expected MD, TD, D3 or D4",
+            ),
             ("md", &["velocity: 3 kg"], "its header: expected a velocity, found \"3 kg\""),
         ] {
             assert_eq!(labelled(name, header).unwrap_err().to_string(), expected);

@@ -39,8 +39,8 @@ fn motion(signals: &Recording) -> Vec<(f64, String)> {
     [contact, braking].into_iter().flatten().filter_map(timed).chain(lowest).chain(release).collect()
 }
 
-/// Share of the largest contact force below which the impactor is released: slack film may come into contact with it as it
-/// rises.
+/// Share of the largest contact force below which the impactor is released: slack film may come into contact with it
+/// as it rises.
 const RELEASED: f64 = 0.01;
 
 /// When contact ends after the lowest point at the time `lowest` (s), and the speed of the impactor then.
