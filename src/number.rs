@@ -42,6 +42,20 @@ pub fn duration(seconds: f64) -> String {
     if seconds < 10.0 { format!("{:.1} ms", seconds * 1e3) } else { format!("{seconds:.1} s") }
 }
 
+/// A wall time in s, min, hours and minutes, or days and hours.
+pub fn wall_time(seconds: f64) -> String {
+    let (minutes, hours) = ((seconds / 60.0).round() as u64, (seconds / 3600.0).round() as u64);
+    if seconds < 90.0 {
+        format!("{} s", seconds.ceil())
+    } else if minutes < 60 {
+        format!("{minutes} min")
+    } else if hours < 48 {
+        format!("{} h {:02} min", minutes / 60, minutes % 60)
+    } else {
+        format!("{} d {} h", hours / 24, hours % 24)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,5 +128,19 @@ mod tests {
     fn times_are_in_milliseconds_or_seconds() {
         assert_eq!(duration(0.0573), "57.3 ms");
         assert_eq!(duration(2000.04), "2000.0 s");
+    }
+
+    #[test]
+    fn wall_times_are_in_two_units_from_an_hour_on() {
+        for (seconds, expected) in [
+            (8.2, "9 s"),
+            (240.0, "4 min"),
+            (3600.0, "1 h 00 min"),
+            (7790.0, "2 h 10 min"),
+            (100_000.0, "27 h 47 min"),
+            (180_000.0, "2 d 2 h"),
+        ] {
+            assert_eq!(wall_time(seconds), expected);
+        }
     }
 }

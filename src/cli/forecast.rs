@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::digest::DIGITS;
 use crate::mesh::Outline;
 use crate::model::{Model, Symmetry};
-use crate::number::{self, grouped, rounded};
+use crate::number::{self, grouped, rounded, wall_time};
 use crate::simulate::Progress;
 use crate::units::Time;
 
@@ -73,22 +73,11 @@ impl Left {
         format!(
             "{} will take about {}: {} elements, {} steps of {} us to go, {per_element_step:.0} ns per element step{hint}",
             model.name,
-            in_words(*wall),
+            wall_time(*wall),
             grouped(progress.elements as u64),
             grouped(rounded(*steps, 2) as u64),
             number::figure(1e6 * progress.time_step, DIGITS),
         )
-    }
-}
-
-/// A long time in hours and minutes, or days and hours.
-fn in_words(seconds: f64) -> String {
-    let minutes = (seconds / 60.0).round() as u64;
-    let hours = (seconds / 3600.0).round() as u64;
-    if hours < 48 {
-        format!("{} h {:02} min", minutes / 60, minutes % 60)
-    } else {
-        format!("{} d {} h", hours / 24, hours % 24)
     }
 }
 
@@ -121,15 +110,6 @@ mod tests {
             forecast.update(&after(1), Duration::from_millis(200));
             let left = forecast.update(&after(1 + steps_a_second), Duration::from_millis(1200));
             assert_eq!(left.is_some(), long, "{steps_a_second} steps a second: {left:?}");
-        }
-    }
-
-    #[test]
-    fn long_times_are_in_hours_or_days() {
-        for (seconds, expected) in
-            [(3600.0, "1 h 00 min"), (7790.0, "2 h 10 min"), (100_000.0, "27 h 47 min"), (180_000.0, "2 d 2 h")]
-        {
-            assert_eq!(in_words(seconds), expected);
         }
     }
 }

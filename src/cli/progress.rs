@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::diagnostic::{self, Diagnostic};
-use crate::number::duration;
+use crate::number::{duration, wall_time};
 use crate::simulate::Progress;
 
 /// Steps of the bar for one run.
@@ -115,11 +115,7 @@ fn to_go(elapsed: Duration, before: f64, share: f64) -> Option<String> {
     let own = share - before;
     let enough = own >= 0.02 || (own > 0.0 && elapsed >= Duration::from_millis(500));
     let left = enough.then(|| elapsed.as_secs_f64() * (1.0 - share) / own)?;
-    Some(match left {
-        seconds if seconds < 90.0 => format!("{} s", seconds.ceil()),
-        seconds if seconds < 5400.0 => format!("{:.0} min", seconds / 60.0),
-        seconds => format!("{:.1} h", seconds / 3600.0),
-    })
+    Some(wall_time(left))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::iteration::Iteration;
 use super::options::Search;
+use crate::number::wall_time;
 
 /// Iterations that an estimate looks back on, and how many it needs.
 const LOOK_BACK: usize = 30;
@@ -127,17 +128,9 @@ impl fmt::Display for Remaining {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Remaining::Unknown => Ok(()),
-            Remaining::About(time) => write!(out, "  about {} to go", words(*time)),
-            Remaining::AtMost(time) => write!(out, "  at most {} to go", words(*time)),
+            Remaining::About(time) => write!(out, "  about {} to go", wall_time(time.as_secs_f64())),
+            Remaining::AtMost(time) => write!(out, "  at most {} to go", wall_time(time.as_secs_f64())),
         }
-    }
-}
-
-fn words(time: Duration) -> String {
-    match time.as_secs_f64() {
-        seconds if seconds < 90.0 => format!("{} s", seconds.ceil()),
-        seconds if seconds < 5400.0 => format!("{:.0} min", seconds / 60.0),
-        seconds => format!("{:.1} h", seconds / 3600.0),
     }
 }
 
