@@ -1,5 +1,7 @@
 //! Rerun recordings of deforming films and of searches: plain positions, values and curves in, one `.rrd` file out.
 
+#![warn(missing_docs)]
+
 mod blueprint;
 mod body;
 mod colour;
@@ -43,22 +45,66 @@ pub enum VizError {
     Flush(#[from] SinkFlushError),
     /// A snapshot has another number of nodes than its film.
     #[error("film `{film}` at {time} s: {found} positions or values for {expected} nodes")]
-    Nodes { film: String, time: f64, found: usize, expected: usize },
+    Nodes {
+        /// Name of the film.
+        film: String,
+        /// Time of the snapshot, s.
+        time: f64,
+        /// Number of positions or values.
+        found: usize,
+        /// Number of nodes.
+        expected: usize,
+    },
     /// A snapshot has values of another number of quantities than the scene.
     #[error("film `{film}` at {time} s: values of {found} quantities where there are {expected}")]
-    Quantities { film: String, time: f64, found: usize, expected: usize },
+    Quantities {
+        /// Name of the film.
+        film: String,
+        /// Time of the snapshot, s.
+        time: f64,
+        /// Number of quantities with values.
+        found: usize,
+        /// Number of quantities of the scene.
+        expected: usize,
+    },
     /// The scene has no film of this index.
     #[error("there is no film {index}")]
-    NoFilm { index: usize },
+    NoFilm {
+        /// Index of the film, from zero.
+        index: usize,
+    },
     /// A snapshot has another number of triangles than its film.
     #[error("film `{film}` at {time} s: {found} visibilities for {expected} triangles")]
-    Triangles { film: String, time: f64, found: usize, expected: usize },
+    Triangles {
+        /// Name of the film.
+        film: String,
+        /// Time of the snapshot, s.
+        time: f64,
+        /// Number of visibilities.
+        found: usize,
+        /// Number of triangles.
+        expected: usize,
+    },
     /// A signal has another number of values than of times.
     #[error("signal `{signal}`: {found} values at {expected} times")]
-    Samples { signal: String, found: usize, expected: usize },
+    Samples {
+        /// Path of the signal.
+        signal: String,
+        /// Number of values.
+        found: usize,
+        /// Number of times or iterations.
+        expected: usize,
+    },
     /// The states of a diagram have different numbers of curves.
     #[error("diagram `{diagram}`: {found} curves in one state, {expected} in the first")]
-    Curves { diagram: String, found: usize, expected: usize },
+    Curves {
+        /// Title of the diagram.
+        diagram: String,
+        /// Number of curves of this state.
+        found: usize,
+        /// Number of curves of the first state.
+        expected: usize,
+    },
 }
 
 impl From<RecordingStreamError> for VizError {

@@ -30,10 +30,15 @@ pub struct Playback {
 /// Why a recording cannot be read.
 #[derive(Debug, Error)]
 pub enum PlaybackError {
+    /// The file cannot be opened.
     #[error(transparent)]
     File(#[from] io::Error),
+    /// The file is not a recording, or is damaged.
     #[error("not a recording, or a damaged one: {cause}")]
-    Damaged { cause: String },
+    Damaged {
+        /// The error of the decoder.
+        cause: String,
+    },
 }
 
 impl Playback {

@@ -21,21 +21,28 @@ pub struct Scene {
     pub documents: Vec<Document>,
     /// Quantities that colour the films, the default first.
     pub quantities: Vec<Quantity>,
+    /// Films, in the order by which snapshots name them.
     pub films: Vec<FilmTrack>,
+    /// The impactor, if there is one.
     pub body: Option<BodyTrack>,
+    /// Signals that the charts show.
     pub signals: Vec<SignalTrack>,
     /// Charts beside the films, from top to bottom.
     pub charts: Vec<Chart>,
     /// Further charts, in tabs.
     pub more_charts: Vec<Chart>,
+    /// Diagrams, each in a tab.
     pub diagrams: Vec<Diagram>,
+    /// Events of the log.
     pub events: Vec<Event>,
 }
 
 /// A film; its snapshots are logged one by one.
 #[derive(Clone, Debug, Default)]
 pub struct FilmTrack {
+    /// Name in entity paths, e.g. `face-1`.
     pub name: String,
+    /// Number of nodes.
     pub nodes: usize,
     /// Corners of each triangle, counter-clockwise seen from +z.
     pub triangles: Vec<[u32; 3]>,
@@ -48,10 +55,11 @@ pub struct FilmTrack {
 /// A film at one time.
 #[derive(Clone, Debug, Default)]
 pub struct FilmSnapshot {
+    /// Time, s.
     pub time: f64,
-    /// One entry a node.
+    /// Positions, m, one entry a node.
     pub positions: Vec<[f32; 3]>,
-    /// Values of each of the scene's quantities, one entry a node.
+    /// Values of each of the scene's quantities, in its unit, one entry a node.
     pub values: Vec<Vec<f32>>,
     /// Whether a triangle is intact, one entry a triangle.
     pub visible: Vec<bool>,
@@ -62,18 +70,22 @@ pub struct FilmSnapshot {
 /// A rigid body that moves.
 #[derive(Clone, Debug)]
 pub struct BodyTrack {
+    /// Name in entity paths.
     pub name: String,
-    /// Points of its surface in its own axes.
+    /// Points of its surface in its own axes, m.
     pub points: Vec<[f32; 3]>,
     /// Corners of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// Its poses in ascending time.
     pub poses: Vec<Pose>,
 }
 
 /// The pose of a body at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
+    /// Time, s.
     pub time: f64,
+    /// Position of the origin of its axes, m.
     pub position: [f32; 3],
     /// Unit quaternion i, j, k, w.
     pub rotation: [f32; 4],
@@ -84,6 +96,7 @@ pub struct Pose {
 pub struct Document {
     /// Entity path, e.g. `texts/summary`.
     pub path: String,
+    /// Title of its tab.
     pub title: String,
     /// Markdown.
     pub text: String,
@@ -92,15 +105,20 @@ pub struct Document {
 /// An event for the log.
 #[derive(Clone, Debug)]
 pub struct Event {
+    /// When it happens.
     pub at: Moment,
+    /// How much it matters.
     pub severity: Severity,
+    /// What happens.
     pub text: String,
 }
 
 /// How much an event matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
+    /// Part of the course of a run.
     Info,
+    /// Puts results in doubt.
     Warning,
 }
 

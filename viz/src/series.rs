@@ -37,9 +37,11 @@ pub struct SignalTrack {
     pub path: String,
     /// Label in the legend.
     pub label: String,
+    /// Places of its values.
     pub places: Places,
     /// One value a place; `NaN` leaves a gap.
     pub values: Vec<f32>,
+    /// Colour and width of its line.
     pub stroke: Stroke,
 }
 

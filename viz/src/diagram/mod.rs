@@ -22,6 +22,7 @@ pub(crate) const BOUNDS: [[f64; 2]; 2] = [[-0.2, WIDTH + 0.6], [-0.12, 1.2]];
 pub struct Diagram {
     /// Entity path, e.g. `diagrams/force`; no part of it is the path of another diagram.
     pub path: String,
+    /// Title above it.
     pub title: String,
     /// Across and up.
     pub axes: [Axis; 2],
@@ -29,6 +30,7 @@ pub struct Diagram {
     pub curves: Vec<Curve>,
     /// States, each of which replaces the one before from its moment on.
     pub states: Vec<State>,
+    /// The marked stretch of the axis across, if there is one.
     pub window: Option<Window>,
 }
 
@@ -37,6 +39,7 @@ pub struct Diagram {
 pub struct Window {
     /// Its label.
     pub words: String,
+    /// Its ends, in the unit of the axis.
     pub ends: [f64; 2],
 }
 
@@ -52,14 +55,18 @@ pub struct Axis {
 /// Points in their order; one that is not finite interrupts the curve.
 #[derive(Clone, Debug)]
 pub struct Curve {
+    /// Label in the legend.
     pub name: String,
+    /// Across and up, in the units of the axes.
     pub points: Vec<[f64; 2]>,
+    /// How it is drawn.
     pub look: Look,
 }
 
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Look {
+    /// A continuous line.
     Line,
     /// A reference.
     Dashed,
@@ -70,6 +77,7 @@ pub enum Look {
 /// Curves from one moment on.
 #[derive(Clone, Debug)]
 pub struct State {
+    /// The moment from which it is shown.
     pub at: Moment,
     /// In the same order in every state.
     pub curves: Vec<Curve>,
