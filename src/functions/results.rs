@@ -2,6 +2,7 @@
 
 use rhai::{Array, Dynamic, Engine, Map};
 
+use crate::finding::Finding;
 use crate::script::{Entry, HostResult, OutputCollector, Row, refuse, to_json};
 
 /// Offers `measure`, `table`, `log`, `print` and `warn` to scripts.
@@ -21,8 +22,15 @@ pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
     let own = collector.clone();
     engine.register_fn("warn", move |code: &str, text: &str| own.warn(code, text).map_err(refuse));
     let own = collector.clone();
+    engine.register_fn("warn", move |finding: Map| own.report(finding_of(finding)?).map_err(refuse));
+    let own = collector.clone();
     // The interpreter's own `print` cannot return an error: it drops lines past the limit.
     engine.on_print(move |line| drop(own.log(line)));
+}
+
+fn finding_of(map: Map) -> HostResult<Finding> {
+    let finding = serde_json::from_value(to_json(&map.into())?);
+    finding.map_err(|error| refuse(format!("a finding is a map with `code`, `severity` and `message`: {error}")))
 }
 
 fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> HostResult<Vec<Row>> {
@@ -79,6 +87,12 @@ pub const ENTRIES: &[Entry] = &[
                 lower-case words joined by hyphens",
         example: r#"let peak = 812.0; if peak > 500 { warn("hard-impact", `the peak of ${peak} m/s² exceeds 500 m/s²`); } true"#,
     },
+    Entry {
+        call: "warn(finding)",
+        gives: "the same with a finding of a search, or another map with `code`, `severity` (\"note\" or \"warning\"), \
+                `message` and figures",
+        example: r#"warn(#{ code: "hard-impact", severity: "note", message: "the peak exceeds 500 m/s²", peak_m_s2: 812.0 }); true"#,
+    },
 ];
 
 #[cfg(test)]
@@ -114,6 +128,24 @@ mod tests {
         let fault = run("let a = 1;\n  warn(\"Hard impact\", \"x\")").unwrap_err();
         assert!(fault.message.starts_with("`Hard impact` is not the code of a warning: use lower-case"), "{fault}");
         assert_eq!((fault.line, fault.column), (2, 3));
+    }
+
+    #[test]
+    fn a_finding_keeps_severity_and_figures() {
+        let map = "#{ code: \"late\", severity: \"note\", message: \"the peak is late\", time_s: 0.5, index: 2 }";
+        let found = run(&format!("warn({map}); warn({map} + #{{ message: `a: ${{{map}.message}}` }})")).unwrap();
+        let json = serde_json::json!([
+            { "code": "late", "severity": "note", "message": "the peak is late", "time_s": 0.5, "index": 2 },
+            { "code": "late", "severity": "note", "message": "a: the peak is late", "time_s": 0.5, "index": 2 },
+        ]);
+        assert_eq!(serde_json::to_value(&found.findings).unwrap(), json);
+        for (text, expected) in [
+            ("warn(#{ severity: \"note\", message: \"x\" })", "missing field `code`"),
+            ("warn(#{ code: \"x\", severity: \"grave\", message: \"x\" })", "unknown variant `grave`"),
+            ("warn(#{ code: \"X Y\", severity: \"note\", message: \"x\" })", "`X Y` is not the code"),
+        ] {
+            assert!(run(text).unwrap_err().message.contains(expected), "{text}");
+        }
     }
 
     #[test]

@@ -190,13 +190,20 @@ impl OutputCollector {
     /// # Errors
     /// The code is not one, or there are too many warnings.
     pub fn warn(&self, code: &str, text: &str) -> Result<(), OutputError> {
-        if !is_code(code) {
-            return Err(OutputError::Code { code: code.chars().take(80).collect() });
+        self.report(Finding::of_script(code, text))
+    }
+
+    /// Adds a finding as it is.
+    ///
+    /// # Errors
+    /// Its code is not one, or there are too many findings.
+    pub fn report(&self, finding: Finding) -> Result<(), OutputError> {
+        if !is_code(&finding.code) {
+            return Err(OutputError::Code { code: finding.code.chars().take(80).collect() });
         }
         if self.lock().findings.len() >= MOST_ENTRIES {
             return Err(OutputError::TooMany);
         }
-        let finding = Finding::of_script(code, text);
         (self.listener)(Message::Finding(&finding));
         self.lock().findings.push(finding);
         Ok(())
