@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::faults::{recording, storing};
 use super::scenarios::both;
-use super::{Failure, Shared, digest, folder, print_figures, table};
+use super::{Failure, Shared, digest, findings, folder, print_figures, table};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post::RunComparison;
 use crate::report::compare_page;
@@ -112,7 +112,7 @@ fn check_signals(runs: &[StoredRun], wanted: &[String]) -> Result<(), Diagnostic
     })
 }
 
-/// What differs between the scenarios, then figures, errors of signals and notes; every line ends with a line break.
+/// What differs between the scenarios, then figures, errors of signals and findings; every line ends with a line break.
 fn text(comparison: &RunComparison, all: bool) -> String {
     let names: Vec<String> = comparison.runs.iter().map(|run| run.name.clone()).collect();
     let part = |words: &str, rows: Vec<Vec<String>>| {
@@ -126,7 +126,6 @@ fn text(comparison: &RunComparison, all: bool) -> String {
         true => compare_page::figures(comparison.figures.iter()),
         false => compare_page::figures(comparison.key_figures()),
     };
-    let notes: String = comparison.findings.iter().map(|finding| format!("  note: {finding}\n")).collect();
     [
         part(
             "scenario",
@@ -134,7 +133,7 @@ fn text(comparison: &RunComparison, all: bool) -> String {
         ),
         part("figure", figures),
         part("signal, RMS of the difference over that of the first", compare_page::errors(comparison)),
-        notes,
+        findings::lines("  ", &comparison.findings),
     ]
     .concat()
 }

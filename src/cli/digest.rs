@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::path::Path;
 
+use super::findings;
 use crate::diagnostic::shown_path;
 use crate::model::Model;
 use crate::number::{self, duration, grouped};
@@ -14,7 +15,7 @@ use crate::simulate::Outcome;
 /// Significant digits of a figure.
 pub(super) const DIGITS: usize = 3;
 
-/// Title, cost, figures and warnings of a run; ends with a line break.
+/// Title, cost, figures and findings of a run; ends with a line break.
 pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String {
     let mut text = format!("{}  {}\n", model.name, subject(model));
     text += &cost(results.measures.audit());
@@ -28,9 +29,7 @@ pub(super) fn run(model: &Model, outcome: &Outcome, results: &Results) -> String
     if let Some(time) = outcome.rupture_time {
         let _ = writeln!(text, "  the film ruptured at {}", duration(time));
     }
-    for warning in results.measures.findings().iter() {
-        let _ = writeln!(text, "  warning: {warning}");
-    }
+    text += &findings::lines("  ", results.measures.findings().iter());
     for line in &results.script_output.log {
         let _ = writeln!(text, "  {line}");
     }

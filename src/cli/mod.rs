@@ -8,6 +8,7 @@ mod digest;
 mod explain;
 mod failure;
 mod faults;
+mod findings;
 mod folder;
 mod forecast;
 mod functions;

@@ -125,7 +125,8 @@ impl Report for Warning {
     }
 }
 
-/// The findings of a run. In `summary.json` they are the fields `warnings`, their messages, and `findings`.
+/// The findings of a run. In `summary.json` they are the field `findings`; the
+/// messages of the warnings among them are the field `warnings`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunFindings(Vec<Finding>);
 
@@ -157,7 +158,8 @@ impl RunFindings {
 
 impl Serialize for RunFindings {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let messages: Vec<&str> = self.0.iter().map(|finding| finding.message.as_str()).collect();
+        let warnings = self.0.iter().filter(|finding| finding.is_warning());
+        let messages: Vec<&str> = warnings.map(|finding| finding.message.as_str()).collect();
         let mut fields = to.serialize_map(Some(2))?;
         fields.serialize_entry("warnings", &messages)?;
         fields.serialize_entry("findings", &self.0)?;

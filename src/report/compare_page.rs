@@ -30,7 +30,7 @@ pub fn compare_page(comparison: &RunComparison) -> String {
     let (over_time, against) = plots(comparison);
     let body = [
         format!("<h1>{}</h1>\n<p class=\"lead\">runs compared with the first</p>\n", escape(&title)),
-        html::warnings("Notes", &comparison.findings.iter().map(html::with_code).collect::<Vec<_>>()),
+        html::findings(Vec::new(), &comparison.findings),
         html::section("Runs", &html::table("rows", &header_of_runs(), &runs(comparison))),
         html::section("Scenarios", &html::table("rows", &header("key"), &keys(comparison))),
         html::section("Figures", &html::table("rows", &header("figure"), &figures(comparison.key_figures()))),

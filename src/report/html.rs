@@ -61,16 +61,25 @@ pub fn page(title: &str, body: &str) -> String {
     )
 }
 
-/// Warnings or notes in a box of their own; empty without lines. Heading and lines are text.
-pub(super) fn warnings(heading: &str, lines: &[String]) -> String {
+/// Warnings in a box of their own; empty without lines. Heading and lines are text.
+fn warnings(heading: &str, lines: &[String]) -> String {
     if lines.is_empty() {
         return String::new();
     }
     format!("<div class=\"warnings\">\n<h2>{}</h2>\n{}</div>\n", escape(heading), list(lines))
 }
 
+/// Warnings in their frame below `facts`, which are not findings, and a section of the notes.
+pub(super) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item = &'f Finding>) -> String {
+    let (warned, noted): (Vec<&Finding>, Vec<&Finding>) =
+        findings.into_iter().partition(|finding| finding.is_warning());
+    let lines = |findings: Vec<&Finding>| findings.into_iter().map(with_code).collect::<Vec<_>>();
+    let warned: Vec<String> = facts.into_iter().chain(lines(warned)).collect();
+    [warnings("Warnings", &warned), section("Notes", &list(&lines(noted)))].concat()
+}
+
 /// A finding with its code, which `droptower explain` takes.
-pub(super) fn with_code(finding: &Finding) -> String {
+fn with_code(finding: &Finding) -> String {
     format!("{finding} [{}]", finding.code)
 }
 

@@ -39,7 +39,7 @@ pub fn run_page(run: &RunPage) -> String {
     let summary = results.summary(model);
     let body = [
         format!("<h1>{}</h1>\n{}", escape(&model.title), lead(run)),
-        warnings(run),
+        findings(run),
         key_figures::cards(results, &summary, run.failure.is_some()),
         html::section("Film", &film::figure(model, outcome, &results.signals)),
         html::section("Signals", &plot::figures(&thinned(run_plots::signals(results), MOST_POINTS[0]))),
@@ -67,12 +67,11 @@ fn lead(run: &RunPage) -> String {
     format!("<p class=\"lead\">{}</p>\n", escape(&format!("{}: {}{against}", model.name, subject(model))))
 }
 
-fn warnings(run: &RunPage) -> String {
+/// Failure, rupture and warnings, then notes.
+fn findings(run: &RunPage) -> String {
     let failure = run.failure.map(|cause| format!("The run failed: {cause}"));
     let rupture = run.outcome.rupture_time.map(|time| format!("The film ruptured at {}", duration(time)));
-    let findings = run.results.measures.findings().iter().map(html::with_code);
-    let lines: Vec<String> = failure.into_iter().chain(rupture).chain(findings).collect();
-    html::warnings("Warnings", &lines)
+    html::findings(failure.into_iter().chain(rupture).collect(), run.results.measures.findings().iter())
 }
 
 /// All figures of the summary, those of the machine after the others.

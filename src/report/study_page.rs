@@ -4,7 +4,6 @@ use serde_json::{Map, Value};
 
 use super::html::{self, escape};
 use super::{cell, figure, script_output};
-use crate::finding::Finding;
 use crate::script::ScriptOutput;
 
 /// The content of the page of a study.
@@ -25,13 +24,9 @@ const MOST_POINTS: usize = 120_000;
 
 /// `report.html` of a study.
 pub fn study_page(study: &StudyPage) -> String {
-    let (warnings, notes): (Vec<&Finding>, Vec<&Finding>) =
-        study.output.findings.iter().partition(|finding| finding.is_warning());
-    let messages = |findings: Vec<&Finding>| findings.into_iter().map(html::with_code).collect::<Vec<_>>();
     let body = [
         format!("<h1>{}</h1>\n", escape(study.name)),
-        html::warnings("Warnings", &messages(warnings)),
-        html::section("Notes", &html::list(&messages(notes))),
+        html::findings(Vec::new(), &study.output.findings),
         html::section("What was run", &run(study.call)),
         html::section("Figures", &figure::table(study.output.measures.iter())),
         script_output::sections(study.output, MOST_POINTS),
@@ -86,6 +81,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::finding::Finding;
     use crate::script::Warning;
 
     #[test]

@@ -24,6 +24,11 @@ impl Annotations {
         &self.comments
     }
 
+    /// The comments without the mark of a virtual recording, which is a finding.
+    pub fn free_comments(&self) -> impl Iterator<Item = &String> {
+        self.comments.iter().filter(|comment| Some(*comment) != self.virtual_mark.as_ref())
+    }
+
     /// The comment that marks the recording as virtual: computed, not measured.
     pub fn virtual_mark(&self) -> Option<&str> {
         self.virtual_mark.as_deref()

@@ -65,6 +65,37 @@ fn a_material_is_checked_without_a_scenario() {
 }
 
 #[test]
+fn findings_are_printed_with_their_severity() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    let out = out.to_str().expect("UTF-8");
+    let short = ["--set", "specimen.mesh.size=40mm", "--set", "loading.impact.duration=2ms", "--out", out];
+    let drop = ["signal", "drop", "data/virtual/1509.csv", "--mass", "10.72 kg", "--height", "1.5 m"];
+    let cases: [(Vec<&str>, &[&str]); 3] = [
+        (
+            [&["run", "scenarios/drop/1509.toml"], &short[..]].concat(),
+            &["  note: reference: no laser", "  warning: reference: VIRTUAL drop test"],
+        ),
+        (drop.to_vec(), &["  note: no laser", "  warning: VIRTUAL drop test"]),
+        (vec!["signal", "info", "data/virtual/1509.csv"], &["  warning: VIRTUAL drop test"]),
+    ];
+    for (arguments, expected) in cases {
+        let text = standard_output(&arguments);
+        for start in expected {
+            assert_eq!(text.lines().filter(|line| line.starts_with(start)).count(), 1, "{start}: {text}");
+        }
+    }
+    let read = |file: &str| std::fs::read_to_string(folder.path().join("run").join(file)).expect("a file");
+    let summary: Json = serde_json::from_str(&read("summary.json")).expect("JSON");
+    let has = |list: &str, code: &str| summary[list].as_array().expect(list).iter().any(|found| found["code"] == code);
+    assert!(has("findings", "no-laser") && has("findings", "virtual-reference"), "{summary}");
+    assert!(!summary["warnings"].to_string().contains("no laser"), "a note is no warning: {summary}");
+    let page = read("report.html");
+    let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("no {text}"));
+    assert!(place("[virtual-reference]") < place("<h2>Notes</h2>") && place("<h2>Notes</h2>") < place("[no-laser]"));
+}
+
+#[test]
 fn a_material_is_not_run() {
     let output = droptower(&["run", "tests/it/broken/parts/film.toml"]);
     assert_eq!(output.status.code(), Some(2));

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use droptower::signal::Annotations;
 use droptower::units::Unit;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -45,6 +46,11 @@ pub fn printed(output: &Output) -> String {
 /// The figures that it prints where it succeeds.
 pub fn figures(output: &Output) -> Json {
     serde_json::from_str(&printed(output)).expect("JSON")
+}
+
+/// The codes of what reading a file reported.
+pub fn codes(annotations: &Annotations) -> Vec<String> {
+    annotations.findings().into_iter().map(|finding| finding.code).collect()
 }
 
 /// The unit with this symbol.

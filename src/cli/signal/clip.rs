@@ -4,9 +4,9 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::acceleration::AccelerationArgs;
+use super::remarks::Remarks;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
-use crate::finding::Finding;
 use crate::number::clean_time;
 use crate::signal::Warning;
 use crate::signal::clip::{Counting, clip};
@@ -53,8 +53,8 @@ struct Figures {
     end_s: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     filter_class: Option<f64>,
-    notes: Vec<String>,
-    findings: Vec<Finding>,
+    #[serde(flatten)]
+    remarks: Remarks,
 }
 
 pub(super) fn run(args: &ClipArgs, shared: &Shared) -> Result<(), Failure> {
@@ -77,8 +77,7 @@ fn figures(args: &ClipArgs) -> Result<Figures, Diagnostic> {
         start_s: clean_time(found.start),
         end_s: clean_time(found.end),
         filter_class: args.acceleration.class,
-        notes: read.annotations.notes(),
-        findings: read.annotations.findings(),
+        remarks: (&read.annotations).into(),
     })
 }
 
@@ -88,10 +87,10 @@ fn text(args: &ClipArgs, figures: &Figures) -> String {
         CountingArg::Cumulative => "cumulative",
         CountingArg::Contiguous => "contiguous",
     };
-    let notes = figures.notes.iter().map(|note| format!("\n  note: {note}"));
-    format!(
-        "{duration_ms} ms clip  {clip_g:.3} g  {counting}, between {start_s:.6} s and {end_s:.6} s, {}{}",
+    let text = format!(
+        "{duration_ms} ms clip  {clip_g:.3} g  {counting}, between {start_s:.6} s and {end_s:.6} s, {}\n{}",
         args.acceleration.filtered(),
-        notes.collect::<String>()
-    )
+        figures.remarks.lines()
+    );
+    text.trim_end().to_owned()
 }

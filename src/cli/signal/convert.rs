@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use super::input::FileArgs;
 use super::output;
+use super::remarks::Remarks;
 use crate::cli::output::ends_in;
 use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::finding::Finding;
 use crate::signal::file::ChannelSelection;
 use crate::signal::isomme::{self, Headers, WriteError};
 use crate::signal::{MeasuredChannel, Measurement};
@@ -41,15 +41,14 @@ struct Converted {
     /// Names with the long names of codes, for the terminal.
     #[serde(skip)]
     called: Vec<String>,
-    notes: Vec<String>,
-    findings: Vec<Finding>,
+    #[serde(flatten)]
+    remarks: Remarks,
 }
 
 pub(super) fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
     let done = converted(args)?;
     print_figures(shared, &done, || {
-        let notes: String = done.notes.iter().map(|note| format!("  note: {note}\n")).collect();
-        format!("{}\n{notes}  {}: {}", done.path, done.out, done.called.join(", "))
+        format!("{}\n{}  {}: {}", done.path, done.remarks.lines(), done.out, done.called.join(", "))
     })
 }
 
@@ -87,8 +86,7 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
         path: shown_path(&args.path),
         out: shown_path(&args.out),
         called: found.channels.iter().map(called).collect(),
-        notes: found.annotations.notes(),
-        findings: found.annotations.findings(),
+        remarks: (&found.annotations).into(),
         channels: found.channels.into_iter().map(|channel| channel.name).collect(),
     })
 }

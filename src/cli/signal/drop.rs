@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::input::{self, TableArgs, quantity};
-use super::output;
+use super::{output, remarks};
 use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::experiment::Warning;
@@ -77,7 +77,8 @@ pub(crate) enum Method {
 pub(super) fn run(args: &DropArgs, shared: &Shared) -> Result<(), Failure> {
     let reduced = reduced(args)?;
     let printed = Printed { figures: reduced.figures(), findings: reduced.findings() };
-    print_figures(shared, &printed, || text(args, &printed.figures))
+    let comments: Vec<String> = reduced.annotations.free_comments().cloned().collect();
+    print_figures(shared, &printed, || text(args, &printed.figures, &remarks::lines(&comments, &printed.findings)))
 }
 
 /// A reduced drop with what its file states.
@@ -179,7 +180,7 @@ fn mistake(args: &DropArgs, error: &DropChannelsError) -> Diagnostic {
     }
 }
 
-fn text(args: &DropArgs, figures: &Figures) -> String {
+fn text(args: &DropArgs, figures: &Figures, remarks: &str) -> String {
     let or_none = |value: Option<String>| value.unwrap_or_else(|| "none".into());
     let peak = figures.peak_acceleration_m_s2.zip(figures.time_of_peak_acceleration_s);
     let travel = figures.peak_displacement_m.zip(figures.time_of_peak_displacement_s);
@@ -216,9 +217,8 @@ fn text(args: &DropArgs, figures: &Figures) -> String {
         ("correction", correction),
     ];
     let rows = rows.map(|(name, value)| format!("  {name:<18} {value}\n"));
-    let notes: String = figures.notes.iter().map(|note| format!("  note: {note}\n")).collect();
     let out = args.out.as_ref().map(|out| format!("  {}\n", shown_path(out))).unwrap_or_default();
-    format!("{}\n{}{notes}{out}", shown_path(&args.path), rows.concat()).trim_end().to_owned()
+    format!("{}\n{}{remarks}{out}", shown_path(&args.path), rows.concat()).trim_end().to_owned()
 }
 
 /// Energies of impactor and film.

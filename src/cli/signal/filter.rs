@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use super::input::{self, Chosen, Input};
 use super::output;
+use super::remarks::Remarks;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::finding::Finding;
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::{Channel, MeasuredChannel, Recording, Series, Warning, resample};
 use crate::units::{Dimension, Frequency};
@@ -58,8 +58,8 @@ struct Filtered {
     smallest_before: Option<f64>,
     smallest_after: Option<f64>,
     out: String,
-    notes: Vec<String>,
-    findings: Vec<Finding>,
+    #[serde(flatten)]
+    remarks: Remarks,
 }
 
 pub(super) fn run(args: &FilterArgs, shared: &Shared) -> Result<(), Failure> {
@@ -93,8 +93,7 @@ fn filtered(args: &FilterArgs) -> Result<Filtered, Failure> {
         smallest_before: value(channel.series.smallest()),
         smallest_after: value(series.smallest()),
         out: shown_path(&args.out),
-        notes: annotations.notes(),
-        findings: annotations.findings(),
+        remarks: (&annotations).into(),
     })
 }
 
@@ -136,7 +135,7 @@ fn mistake(args: &FilterArgs, error: &FilterError) -> Diagnostic {
 fn text(done: &Filtered) -> String {
     let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |value| format!("{value:.6}"));
     let unit = done.unit.as_deref().unwrap_or("(unit unknown)");
-    let notes: String = done.notes.iter().map(|note| format!("  note: {note}\n")).collect();
+    let remarks = done.remarks.lines();
     let extremes =
         [("largest", done.largest_before, done.largest_after), ("smallest", done.smallest_before, done.smallest_after)];
     let extremes = extremes.map(|(word, before, after)| {
@@ -144,7 +143,7 @@ fn text(done: &Filtered) -> String {
     });
     let head = format!("{}: `{}` through CFC {} ({})", done.path, done.channel, done.class, done.standard);
     let samples = if done.samples == 1 { "sample" } else { "samples" };
-    format!("{head}\n{}{notes}  {}: {} {samples}", extremes.concat(), done.out, done.samples)
+    format!("{head}\n{}{remarks}  {}: {} {samples}", extremes.concat(), done.out, done.samples)
 }
 
 /// A rate in Hz, or with its unit.

@@ -4,9 +4,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::acceleration::AccelerationArgs;
+use super::remarks::Remarks;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
-use crate::finding::Finding;
 use crate::number::clean_time;
 use crate::signal::hic::head_injury_criterion;
 use crate::units::STANDARD_GRAVITY;
@@ -30,8 +30,8 @@ struct Figures {
     mean_g: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     filter_class: Option<f64>,
-    notes: Vec<String>,
-    findings: Vec<Finding>,
+    #[serde(flatten)]
+    remarks: Remarks,
 }
 
 pub(super) fn run(args: &HicArgs, shared: &Shared) -> Result<(), Failure> {
@@ -51,17 +51,16 @@ fn figures(args: &HicArgs) -> Result<Figures, Diagnostic> {
         duration_ms: clean_time(1e3 * (found.end - found.start)),
         mean_g: found.mean / STANDARD_GRAVITY,
         filter_class: args.acceleration.class,
-        notes: read.annotations.notes(),
-        findings: read.annotations.findings(),
+        remarks: (&read.annotations).into(),
     })
 }
 
 fn text(args: &HicArgs, figures: &Figures) -> String {
     let Figures { hic, window_ms, t1_s, t2_s, duration_ms, mean_g, .. } = figures;
-    let notes = figures.notes.iter().map(|note| format!("\n  note: {note}"));
-    format!(
-        "HIC{window_ms}  {hic:.3}  {mean_g:.2} g over {duration_ms:.3} ms, from {t1_s:.6} s to {t2_s:.6} s, {}{}",
+    let text = format!(
+        "HIC{window_ms}  {hic:.3}  {mean_g:.2} g over {duration_ms:.3} ms, from {t1_s:.6} s to {t2_s:.6} s, {}\n{}",
         args.acceleration.filtered(),
-        notes.collect::<String>()
-    )
+        figures.remarks.lines()
+    );
+    text.trim_end().to_owned()
 }

@@ -6,9 +6,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::input::FileArgs;
+use super::remarks::Remarks;
 use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::finding::Finding;
 use crate::number::{clean_time, significant};
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::gap::{self, Gap};
@@ -28,8 +28,8 @@ pub(crate) struct InfoArgs {
 struct Contents {
     path: String,
     channels: Vec<Contained>,
-    notes: Vec<String>,
-    findings: Vec<Finding>,
+    #[serde(flatten)]
+    remarks: Remarks,
 }
 
 /// One channel of a file; values in `unit`.
@@ -102,8 +102,7 @@ fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
         Ok(found) => Ok(Contents {
             path: shown_path(path),
             channels: found.channels.iter().map(contained).collect(),
-            notes: found.annotations.notes(),
-            findings: found.annotations.findings(),
+            remarks: (&found.annotations).into(),
         }),
         Err(error) if error.lacks_time() => columns(path, &options),
         Err(error) => Err(faults::recording(&error)),
@@ -121,12 +120,7 @@ fn columns(path: &Path, options: &ReadOptions) -> Result<Contents, Diagnostic> {
         let si = unit.map(|unit| unit.si_symbol());
         Contained { name, label, written_unit, unit: si, filtered: None, samples, time: None }
     });
-    Ok(Contents {
-        path: shown_path(path),
-        channels: channels.collect(),
-        notes: annotations.notes(),
-        findings: annotations.findings(),
-    })
+    Ok(Contents { path: shown_path(path), channels: channels.collect(), remarks: (&annotations).into() })
 }
 
 fn contained(channel: &MeasuredChannel) -> Contained {
@@ -201,9 +195,8 @@ fn text(contents: &Contents) -> String {
         format!("{}\n", (0..header.len()).filter(shown).map(cell).collect::<String>())
     };
     let holes = holes(contents).into_iter().map(|hole| format!("  {hole}\n"));
-    let notes = contents.notes.iter().map(|note| format!("  note: {note}\n"));
-    let lines: String = lines.iter().map(line).chain(holes).chain(notes).collect();
-    format!("{}\n{lines}", contents.path)
+    let lines: String = lines.iter().map(line).chain(holes).collect();
+    format!("{}\n{lines}{}", contents.path, contents.remarks.lines())
 }
 
 /// Most holes that are printed one by one; all of them are in the JSON.

@@ -11,6 +11,7 @@ mod hic;
 mod info;
 mod output;
 mod rate;
+mod remarks;
 
 use clap::Subcommand;
 

@@ -6,6 +6,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::input::{Chosen, Input, TableArgs};
+use super::remarks;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::finding::Finding;
@@ -64,6 +65,15 @@ impl Rated {
         };
         let of_rating = self.rating.warnings.iter().map(Warning::to_string);
         self.files.iter().flat_map(of_file).chain(of_rating).collect()
+    }
+
+    /// Comments of the files that are no finding.
+    fn comments(&self) -> Vec<String> {
+        let of_file = |(curve, file): &(Curve, Annotations)| {
+            let prefixed = |comment| format!("{curve}: {comment}");
+            file.free_comments().map(prefixed).collect::<Vec<_>>()
+        };
+        self.files.iter().flat_map(of_file).collect()
     }
 
     fn findings(&self) -> Vec<Finding> {
@@ -140,14 +150,14 @@ fn text(args: &RateArgs, rated: &Rated) -> String {
         late if late > 0.0 => format!("comparison {late:.1} ms late"),
         early => format!("comparison {:.1} ms early", -early),
     };
-    let notes = rated.notes().into_iter().map(|note| format!("\n  note: {note}"));
-    format!(
+    let text = format!(
         "{} rated against {}, ISO/TS 18571, {} samples\n  \
          corridor   {corridor:.3}\n  phase      {phase:.3}  {shift}\n  magnitude  {magnitude:.3}\n  slope      {slope:.3}\n  \
-         overall    {overall:.3}  {grade}{}",
+         overall    {overall:.3}  {grade}\n{}",
         shown_path(&args.comparison),
         shown_path(&args.reference),
         rating.samples,
-        notes.collect::<String>()
-    )
+        remarks::lines(&rated.comments(), &rated.findings())
+    );
+    text.trim_end().to_owned()
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::args::Reduced;
+use crate::cli::findings;
 use crate::diagnostic::shown_path;
 use crate::experiment::Warning;
 use crate::experiment::coupon::average::SampleStatistics;
@@ -93,7 +94,7 @@ impl Figures {
         if let Some(modulus) = self.young_modulus_pa {
             text += &format!("MD and TD  E {:.1} MPa\n", modulus * 1e-6);
         }
-        text.extend(self.notes.iter().map(|note| format!("note: {note}\n")));
+        text += &findings::lines("", &self.findings);
         text.extend(self.written.iter().map(|file| format!("wrote {file}\n")));
         text
     }

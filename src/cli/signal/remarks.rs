@@ -1,0 +1,41 @@
+//! What a file states in comments and what its reading reports, as text and as JSON.
+
+use serde::Serialize;
+
+use crate::cli::findings;
+use crate::finding::Finding;
+use crate::signal::Annotations;
+
+/// Comments and findings of a file.
+#[derive(Serialize)]
+pub(super) struct Remarks {
+    /// Comments that are no finding.
+    #[serde(skip)]
+    comments: Vec<String>,
+    /// Comments and messages of findings.
+    notes: Vec<String>,
+    findings: Vec<Finding>,
+}
+
+impl From<&Annotations> for Remarks {
+    fn from(annotations: &Annotations) -> Remarks {
+        Remarks {
+            comments: annotations.free_comments().cloned().collect(),
+            notes: annotations.notes(),
+            findings: annotations.findings(),
+        }
+    }
+}
+
+impl Remarks {
+    /// The lines of the terminal, each ending with a line break.
+    pub(super) fn lines(&self) -> String {
+        lines(&self.comments, &self.findings)
+    }
+}
+
+/// One line a comment, then one a finding, each ending with a line break.
+pub(super) fn lines<'f>(comments: &[String], findings: impl IntoIterator<Item = &'f Finding>) -> String {
+    let comments: String = comments.iter().map(|comment| format!("  comment: {comment}\n")).collect();
+    [comments, findings::lines("  ", findings)].concat()
+}
