@@ -34,8 +34,8 @@ impl Remarks {
     }
 }
 
-/// One line a comment, then one a finding, each ending with a line break.
+/// One line a finding, then one a comment, each ending with a line break.
 pub(super) fn lines<'f>(comments: &[String], findings: impl IntoIterator<Item = &'f Finding>) -> String {
     let comments: String = comments.iter().map(|comment| format!("  comment: {comment}\n")).collect();
-    [comments, findings::lines("  ", findings)].concat()
+    [findings::lines("  ", findings), comments].concat()
 }
