@@ -112,7 +112,7 @@ fn gather(path: &str, value: toml::Value, leaves: &mut BTreeMap<String, String>)
     }
 }
 
-/// A value of a resolved scenario whose comment says that it is assumed.
+/// A value of a resolved scenario that the comment on its line marks as assumed: by this word, without "not" before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Assumption {
     /// Path of the key, e.g. `impactor.friction`; items of a list share the path of the list.
@@ -132,6 +132,12 @@ pub fn assumptions(scenario: &str) -> Vec<Assumption> {
     found
 }
 
+fn is_marked(comment: &str) -> bool {
+    let words = || comment.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    let before = std::iter::once("").chain(words());
+    words().zip(before).any(|(word, before)| word == "assumed" && before != "not")
+}
+
 fn assumed(path: &str, table: &dyn TableLike, found: &mut Vec<Assumption>) {
     for (key, item) in table.iter() {
         let key = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
@@ -139,7 +145,7 @@ fn assumed(path: &str, table: &dyn TableLike, found: &mut Vec<Assumption>) {
             Item::Value(value) => {
                 let suffix = value.decor().suffix().and_then(|suffix| suffix.as_str()).unwrap_or_default();
                 let comment = suffix.trim().trim_start_matches('#').trim().to_owned();
-                if comment.contains("assumed") {
+                if is_marked(&comment) {
                     let value = value.clone().decorated("", "").to_string();
                     found.push(Assumption { key, value, comment });
                 }
@@ -184,8 +190,8 @@ mod tests {
     use crate::scenario::Document;
 
     #[test]
-    fn assumed_values_are_those_whose_comments_contain_the_word() {
-        let scenario = "title = \"a\"\n[impactor]\nfriction = 0.4  # assumed\nmass = 1.0  # Table 3\n[[layer]]\n\
+    fn comments_mark_values_as_assumed() {
+        let scenario = "title = \"a\"\n[impactor]\nfriction = 0.4  # assumed\nmass = 1.0  # not assumed: Table 3\n[[layer]]\n\
                         height = \"a  # b\"  # distance assumed\n";
         let assumption = |key: &str, value: &str, comment: &str| Assumption {
             key: key.into(),
