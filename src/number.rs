@@ -15,13 +15,14 @@ pub fn significant(value: f64, digits: usize) -> String {
     rounded(value, digits).to_string()
 }
 
-/// The number with exactly so many significant digits; with an exponent below 10^−digits and from 10^(digits + 3) on.
+/// The number with so many significant digits, and all those before the point; with an exponent below 10^−digits and from
+/// 10^(digits + 3) on.
 pub fn figure(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
-    let value = rounded(value, digits);
-    let (magnitude, count) = (value.abs().log10().floor() as i32, digits as i32);
+    // Rounding may add a digit: 9.9996 becomes 10.00.
+    let (magnitude, count) = (rounded(value, digits).abs().log10().floor() as i32, digits as i32);
     if !(-count..count + 3).contains(&magnitude) {
         return format!("{value:.*e}", digits.saturating_sub(1));
     }
@@ -98,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_have_exactly_their_digits() {
+    fn figures_have_their_digits() {
         for (value, digits, expected) in [
             (153.043_21, 4, "153.0"),
             (0.031_234_5, 4, "0.03123"),
@@ -109,6 +110,7 @@ mod tests {
             (2.5e7, 4, "2.500e7"),
             (10.712_3, 3, "10.7"),
             (9.9996, 4, "10.00"),
+            (12_345.6, 4, "12346"),
             (2.5e8, 3, "2.50e8"),
             (0.0, 3, "0"),
             (f64::NAN, 3, "NaN"),
