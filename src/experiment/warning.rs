@@ -10,6 +10,7 @@ use super::contact::FallCondition;
 use super::coupon::{Direction, YieldError};
 use crate::diagnostic::shown_path;
 use crate::finding::{Code, Report, codes};
+use crate::signal::FILTERED_BEFORE;
 
 codes! {
     NO_LASER = "no-laser", Note,
@@ -48,9 +49,10 @@ codes! {
     SATURATED = "saturated-accelerometer", Warning,
         "the accelerometer stays at its largest reading, which may be the end of its range",
         "use a larger range; peak and integrals are too small";
-    FILTERED_ALREADY = "acceleration-filtered-before", Note,
-        "the acceleration passed a channel filter before it was recorded, as its file states",
-        "nothing, if it is not filtered again";
+    NOT_FILTERED_AGAIN = "not-filtered-again", Note,
+        "the acceleration passed a channel filter before it was recorded, as its file states, and the reduction does \
+         not filter it again; where it does, that is `filtered-before`",
+        "none is needed; its cut-off frequency is that of the stated class";
     RECORD_ENDS_UNDER_LOAD = "record-ends-under-load", Warning,
         "a coupon was still under load at the end of its recording, which counts as its break",
         "record until the coupon breaks; strength and elongation may be too small";
@@ -239,7 +241,8 @@ impl Report for Warning {
             Warning::ZeroDrift { .. } => &ZERO_DRIFT,
             Warning::LatePeak { .. } => &LATE_PEAK,
             Warning::Saturated { .. } => &SATURATED,
-            Warning::FilteredAlready { .. } => &FILTERED_ALREADY,
+            Warning::FilteredAlready { again: Some(_), .. } => &FILTERED_BEFORE,
+            Warning::FilteredAlready { again: None, .. } => &NOT_FILTERED_AGAIN,
             Warning::RecordEndsUnderLoad { .. } => &RECORD_ENDS_UNDER_LOAD,
             Warning::MergedSamples { .. } => &MERGED_SAMPLES,
             Warning::NoYieldPoints { .. } => &NO_YIELD_POINTS,

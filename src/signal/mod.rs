@@ -31,5 +31,5 @@ pub use options::{ChannelSelection, ReadOptions};
 pub use recording::{Channel, Recording};
 pub use series::Series;
 pub(crate) use series::interpolated;
-pub(crate) use warning::VIRTUAL_RECORDING;
 pub use warning::{CODES, Warning};
+pub(crate) use warning::{FILTERED_BEFORE, VIRTUAL_RECORDING};

@@ -11,8 +11,9 @@ use crate::finding::{Code, Report, codes};
 
 codes! {
     VIRTUAL_RECORDING = "virtual-recording", Warning,
-        "the file states that its recording is virtual: it was computed, nothing was measured",
-        "use its figures to try a procedure, not as measured values";
+        "a recording is virtual, as its file states: it was computed, nothing was measured; of a script, one that it \
+         read or that its scenarios are compared with",
+        "use its figures to try a procedure, not as measured values; agreement with it is not a validation";
     NO_HEADER = "no-header", Note,
         "a table has no line of column names, so its columns are numbered and the first holds the time",
         "write a header, or name the columns with --columns";
@@ -56,7 +57,7 @@ codes! {
         "this channel frequency class is not one of ISO 6487 and SAE J211-1",
         "use 60, 180, 600 or 1000 where figures are to be compared with others";
     FILTERED_BEFORE = "filtered-before", Warning,
-        "the channel passed a channel filter before it was recorded, as its file states",
+        "a channel is filtered that passed a channel filter before it was recorded, as its file states",
         "do not filter it again; two filters have a lower cut-off frequency than one";
     ALIASING = "aliasing", Warning,
         "a series was resampled to fewer samples without an anti-aliasing filter",
@@ -255,7 +256,7 @@ pub enum Warning {
         /// The class.
         class: f64,
     },
-    /// A channel that was filtered before.
+    /// A channel that was filtered before is filtered again.
     #[error("`{channel}` went through CFC {class} before, as its file states")]
     FilteredBefore {
         /// The channel.

@@ -127,6 +127,7 @@ fn sought<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::finding::Report;
     use crate::units::Unit;
 
     fn measurement(channels: &[(&str, &str)]) -> Measurement {
@@ -147,6 +148,17 @@ mod tests {
         assert_eq!((found.acceleration.values()[0], found.laser.unwrap().values()[0]), (5.0, 10.0));
         let alone = measurement(&[("accel", "g")]);
         assert_eq!(DropChannels::find(&alone, &ChannelNames::default()).unwrap().laser, None);
+    }
+
+    #[test]
+    fn a_second_filter_is_a_warning_and_none_a_note() {
+        let mut filtered = measurement(&[("accel", "g")]);
+        filtered.channels[0].filtered = Some(1000.0);
+        let channels = DropChannels::find(&filtered, &ChannelNames::default()).unwrap();
+        let code = |class| channels.filtered_before(class).map(|warning| warning.code().name);
+        assert_eq!((code(Some(60.0)), code(None)), (Some("filtered-before"), Some("not-filtered-again")));
+        let class = |class| channels.filtered_before(class).unwrap().figures()["class"].clone();
+        assert_eq!((class(Some(60.0)), class(None)), (1000.0.into(), 1000.0.into()));
     }
 
     #[test]
