@@ -1,6 +1,6 @@
 //! `droptower explain findings`: what the codes of findings mean and what to do.
 
-use super::{Failure, Shared, print, print_json};
+use super::{Failure, Shared, checkpoint, print, print_json};
 use crate::diagnostic::closest;
 use crate::finding::Code;
 use crate::{experiment, identify, post, script, signal, simulate};
@@ -10,10 +10,8 @@ pub(super) const WORD: &str = "findings";
 
 /// All codes, module by module.
 fn all() -> impl Iterator<Item = &'static Code> {
-    [signal::CODES, experiment::CODES, simulate::CODES, script::CODES, post::CODES, identify::CODES]
-        .into_iter()
-        .flatten()
-        .copied()
+    let modules = [signal::CODES, experiment::CODES, simulate::CODES, script::CODES, post::CODES, identify::CODES];
+    modules.into_iter().chain([checkpoint::CODES]).flatten().copied()
 }
 
 /// The code `name`.

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::diagnostic::{self, Diagnostic};
+use crate::finding::Report;
 use crate::number::{duration, wall_time};
 use crate::simulate::Progress;
 
@@ -80,7 +81,14 @@ impl Bar {
         self.start.elapsed()
     }
 
-    /// Prints a note above the bar, unless `quiet`.
+    /// Prints a finding with its severity above the bar, unless `quiet`.
+    pub(super) fn report(&self, report: &impl Report) {
+        if !self.quiet {
+            self.print(&format!("{}: {report}", report.code().severity));
+        }
+    }
+
+    /// Prints how the run proceeds above the bar, as a note, unless `quiet`.
     pub(super) fn note(&self, text: &str) {
         if !self.quiet {
             self.print(&format!("note: {text}"));

@@ -79,7 +79,8 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     let viewer = args.live.as_deref().map(live::viewer).transpose();
     let (viewer, jobs) = both(viewer.map_err(|mistake| vec![mistake]), jobs(args))?;
     let bar = Bar::new(jobs.len(), shared.quiet);
-    jobs.iter().filter_map(|job| job.writer.as_ref()).flat_map(|writer| &writer.notes).for_each(|note| bar.note(note));
+    let warnings = jobs.iter().filter_map(|job| job.writer.as_ref()).flat_map(|writer| &writer.warnings);
+    warnings.for_each(|warning| bar.report(warning));
     let run = |(index, job): (usize, &Job)| job.run(&bar, index, viewer.as_ref());
     // One run has all threads to itself; several share them.
     let done: Vec<Done> = match jobs.as_slice() {

@@ -16,8 +16,7 @@ use crate::identify::{self, Identity, SearchEvent, SearchHost};
 use crate::post;
 use crate::report::StudyPage;
 use crate::script::{
-    Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, TooManySearches, Warning,
-    to_json,
+    Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, to_json,
 };
 use crate::store::{self, Draft, StoreError};
 
@@ -83,16 +82,12 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     let collector = OutputCollector::new(RESERVED.map(String::from).into());
     let collector = collector.with_listener(move |message| print_line(&message.to_string()));
     let searches = collector.clone();
-    let note_error = move |added: Result<(), TooManySearches>| {
-        if let Err(error) = added {
-            print_line(&format!("note: {error}"));
-        }
-    };
     let host = SearchHost::new(Some(store::history_of(place)), move |event| match event {
         SearchEvent::Progress(progress) => print_line(&progress.to_string()),
-        SearchEvent::Note(note) => print_line(&format!("note: {note}")),
-        SearchEvent::Finished(convergence) => note_error(searches.add_search(convergence.clone())),
-        SearchEvent::Correlation(correlation) => note_error(searches.add_correlation(correlation.clone())),
+        SearchEvent::OpenPoints(open) => print_line(&format!("note: profiles: {open} points remain")),
+        SearchEvent::Warning(warning) => print_line(&Message::Finding(&Finding::new(warning)).to_string()),
+        SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),
+        SearchEvent::Correlation(correlation) => searches.add_correlation(correlation.clone()),
     });
     let mut engine = functions::engine(Limits::STUDY);
     functions::register_output(&mut engine, &collector);
@@ -227,7 +222,7 @@ mod tests {
             call: Map::new(),
             text: String::new(),
             output: ScriptOutput::default(),
-            virtual_recordings: Some(Finding::of_script("virtual-recordings", "a recording is virtual")),
+            virtual_recordings: Some(Finding::of_script("virtual-recording", "a recording is virtual")),
         };
         let fields: BTreeSet<String> = summary(&studied).into_iter().map(|(name, _)| name).collect();
         assert_eq!(fields, RESERVED.map(String::from).into());

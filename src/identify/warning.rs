@@ -213,6 +213,22 @@ pub enum Warning {
         /// All parameters there.
         x: Vec<f64>,
     },
+    /// The trials of a history were set aside, since a file that they depend on has changed.
+    #[error("{input} has changed: the trials so far are set aside in {renamed}")]
+    HistorySetAside {
+        /// The file that has changed.
+        input: String,
+        /// The file with the trials so far.
+        renamed: String,
+    },
+    /// Trials of an interrupted search are read from its history.
+    #[error("{trials} trials are read from {path}")]
+    TrialsRead {
+        /// How many.
+        trials: usize,
+        /// The history.
+        path: String,
+    },
 }
 
 /// An end of an interval.
@@ -305,6 +321,13 @@ codes! {
     LOWER_THAN_ESTIMATE = "lower-than-estimate", Warning,
         "a profile finds a lower objective value than the estimate: the search stopped before the minimum",
         "search again from the point that the warning gives";
+    HISTORY_SET_ASIDE = "history-set-aside", Note,
+        "a file that an interrupted search read has changed, so its trials are no longer valid: its history was \
+         renamed and the search starts from its beginning",
+        "none is needed; restore the file and the name of the history to continue that search";
+    HISTORY_READ = "history-read", Note,
+        "an interrupted search continues: trials in its history are not repeated",
+        "none is needed; remove the folder `.history` beside the results to repeat all trials";
 }
 
 impl Report for Warning {
@@ -329,6 +352,8 @@ impl Report for Warning {
             Warning::OpenInterval { .. } => &OPEN_INTERVAL,
             Warning::ProfileFailed { .. } => &PROFILE_FAILED,
             Warning::LowerThanEstimate { .. } => &LOWER_THAN_ESTIMATE,
+            Warning::HistorySetAside { .. } => &HISTORY_SET_ASIDE,
+            Warning::TrialsRead { .. } => &HISTORY_READ,
         }
     }
 

@@ -27,7 +27,7 @@ pub use files::{File, FileError, Files};
 pub(crate) use host::LONGEST_SCRIPT;
 pub use host::{Limits, ReadError, STACK, Script, engine};
 pub use options::Options;
-pub use output::{Message, OutputCollector, OutputError, Row, ScriptOutput, TooManySearches};
+pub use output::{Message, OutputCollector, OutputError, Row, ScriptOutput};
 pub use plots::PlotError;
 pub use reference::{Chapter, Entry};
 pub use session::{Session, Trial, fingerprint};

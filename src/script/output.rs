@@ -9,6 +9,7 @@ use thiserror::Error;
 use super::ConvergenceHistory;
 use super::files::{File, FileError, Files};
 use super::plots::{self, PlotError};
+use super::warning::Warning;
 use crate::finding::{Finding, is_code};
 use crate::plot::{Correlation, Plot};
 use crate::store::run_files::RESERVED_NAMES;
@@ -76,17 +77,12 @@ fn remedy(reserved: &str) -> &'static str {
     }
 }
 
-/// There are too many searches to store the plots of one more.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("report and recording show the first {MOST_SEARCHES} searches of a script; later ones have no plots")]
-pub struct TooManySearches;
-
 /// What a script reports while it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message<'a> {
     /// A line of its log.
     Line(&'a str),
-    /// A finding, by `warn`.
+    /// A finding, by `warn` or of the host.
     Finding(&'a Finding),
 }
 
@@ -126,20 +122,28 @@ impl OutputCollector {
         self.lock().clone()
     }
 
-    /// Adds the convergence history of a search.
-    ///
-    /// # Errors
-    /// There are too many.
-    pub fn add_search(&self, convergence: ConvergenceHistory) -> Result<(), TooManySearches> {
-        push(&mut self.lock().searches, convergence)
+    /// Adds the convergence history of a search; where there are too many, a finding says so once.
+    pub fn add_search(&self, convergence: ConvergenceHistory) {
+        self.add(convergence, |output| &mut output.searches);
     }
 
-    /// Adds the correlation of what a search found.
-    ///
-    /// # Errors
-    /// There are too many.
-    pub fn add_correlation(&self, correlation: Correlation) -> Result<(), TooManySearches> {
-        push(&mut self.lock().correlations, correlation)
+    /// Adds the correlation of what a search found; where there are too many, a finding says so once.
+    pub fn add_correlation(&self, correlation: Correlation) {
+        self.add(correlation, |output| &mut output.correlations);
+    }
+
+    fn add<T>(&self, item: T, list: impl FnOnce(&mut ScriptOutput) -> &mut Vec<T>) {
+        let mut output = self.lock();
+        let list = list(&mut output);
+        if list.len() < MOST_SEARCHES {
+            return list.push(item);
+        }
+        let finding = Finding::new(&Warning::SearchesNotShown { shown: MOST_SEARCHES });
+        if !output.findings.contains(&finding) {
+            output.findings.push(finding.clone());
+            drop(output);
+            (self.listener)(Message::Finding(&finding));
+        }
     }
 
     /// Adds a figure, or replaces the one of this name.
@@ -241,10 +245,30 @@ impl OutputCollector {
     }
 }
 
-fn push<T>(stored: &mut Vec<T>, item: T) -> Result<(), TooManySearches> {
-    if stored.len() >= MOST_SEARCHES {
-        return Err(TooManySearches);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn searches_without_plots_are_reported_once() {
+        let messages = Arc::new(Mutex::new(Vec::new()));
+        let collected = Arc::clone(&messages);
+        let collector = OutputCollector::new(vec![]);
+        let collector = collector.with_listener(move |message| collected.lock().unwrap().push(message.to_string()));
+        let search = ConvergenceHistory {
+            title: "a".into(),
+            unknowns: vec![],
+            objectives: vec![],
+            history: vec![],
+            fits: vec![],
+            is_virtual: false,
+        };
+        (0..MOST_SEARCHES + 2).for_each(|_| collector.add_search(search.clone()));
+        let output = collector.output();
+        assert_eq!(output.searches.len(), MOST_SEARCHES);
+        let [finding] = &output.findings[..] else { panic!("{:?}", output.findings) };
+        assert_eq!((finding.code.as_str(), &finding.figures["shown"]), ("searches-not-shown", &MOST_SEARCHES.into()));
+        let expected = "note: report and recording show the first 100 searches of a script; later ones have no plots";
+        assert_eq!(*messages.lock().unwrap(), [expected]);
     }
-    stored.push(item);
-    Ok(())
 }

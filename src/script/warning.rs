@@ -7,23 +7,29 @@ use serde_json::{Map, Value};
 
 use crate::diagnostic::shown_path;
 use crate::finding::{Code, Report, codes};
+use crate::signal::VIRTUAL_RECORDING;
 
 /// Most virtual recordings that the message names one by one.
 const MOST_NAMED: usize = 6;
 
 codes! {
-    VIRTUAL_RECORDINGS = "virtual-recordings", Warning,
-        "recordings that a script read, or that its scenarios are compared with, were computed, not measured",
-        "agreement with them is not a validation";
+    SEARCHES_NOT_SHOWN = "searches-not-shown", Note,
+        "a script makes more searches, or more correlations of estimated parameters, than report and recording show",
+        "none is needed for the results of the script; divide it where each of its searches should have plots";
 }
 
-/// What puts the output of a script in doubt, besides what the script reports itself.
+/// What is reported of the output of a script, besides what the script reports itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Warning {
-    /// Recordings behind it are virtual.
+    /// Recordings that it read, or that its scenarios are compared with, are virtual.
     VirtualRecordings {
         /// Their paths, at least one.
         recordings: Vec<PathBuf>,
+    },
+    /// There are too many searches or correlations to store the plots of one more.
+    SearchesNotShown {
+        /// How many have plots.
+        shown: usize,
     },
 }
 
@@ -36,12 +42,18 @@ impl Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Warning::VirtualRecordings { recordings } = self;
-        let named: Vec<String> = recordings.iter().take(MOST_NAMED).map(|path| shown_path(path)).collect();
-        write!(f, "VIRTUAL recordings, nothing was measured: {}", named.join(", "))?;
-        match recordings.len().saturating_sub(MOST_NAMED) {
-            0 => Ok(()),
-            more => write!(f, " and {more} more"),
+        match self {
+            Warning::VirtualRecordings { recordings } => {
+                let named: Vec<String> = recordings.iter().take(MOST_NAMED).map(|path| shown_path(path)).collect();
+                write!(f, "VIRTUAL recordings, nothing was measured: {}", named.join(", "))?;
+                match recordings.len().saturating_sub(MOST_NAMED) {
+                    0 => Ok(()),
+                    more => write!(f, " and {more} more"),
+                }
+            }
+            Warning::SearchesNotShown { shown } => {
+                write!(f, "report and recording show the first {shown} searches of a script; later ones have no plots")
+            }
         }
     }
 }
@@ -49,14 +61,20 @@ impl fmt::Display for Warning {
 impl Report for Warning {
     fn code(&self) -> &'static Code {
         match self {
-            Warning::VirtualRecordings { .. } => &VIRTUAL_RECORDINGS,
+            Warning::VirtualRecordings { .. } => &VIRTUAL_RECORDING,
+            Warning::SearchesNotShown { .. } => &SEARCHES_NOT_SHOWN,
         }
     }
 
     fn figures(&self) -> Map<String, Value> {
-        let Warning::VirtualRecordings { recordings } = self;
-        let paths: Vec<String> = recordings.iter().map(|path| shown_path(path)).collect();
-        Map::from_iter([("recordings".into(), paths.into())])
+        let (name, value) = match self {
+            Warning::VirtualRecordings { recordings } => {
+                let paths: Vec<String> = recordings.iter().map(|path| shown_path(path)).collect();
+                ("recordings", paths.into())
+            }
+            Warning::SearchesNotShown { shown } => ("shown", (*shown).into()),
+        };
+        Map::from_iter([(name.into(), value)])
     }
 }
 

@@ -1,6 +1,7 @@
 //! Checkpoints of a run: when they are written, and which one a run resumes from.
 
 mod header;
+mod warning;
 
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -8,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use self::header::{CheckpointHeader, OTHER_LAYOUT};
+pub(super) use self::warning::{CODES, Warning};
 use super::faults::storing;
 use super::scenarios::Checked;
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
@@ -35,8 +37,8 @@ pub(super) struct CheckpointWriter {
     header: CheckpointHeader,
     /// The file that the run resumes from.
     start: Option<PathBuf>,
-    /// Notes on that file, for the terminal.
-    pub notes: Vec<String>,
+    /// What is reported of that file.
+    pub warnings: Vec<Warning>,
 }
 
 /// Whether there are checkpoints, complete or damaged, of the run whose results go to `place`.
@@ -88,7 +90,7 @@ impl CheckpointWriter {
         let store = CheckpointStore::beside(place);
         let header = CheckpointHeader::new(&checked.document, model, every, detailed);
         let header = header.map_err(|error| Diagnostic::new(format!("{}: {error}", model.name)))?;
-        let mut writer = CheckpointWriter { store, header, start: None, notes: vec![] };
+        let mut writer = CheckpointWriter { store, header, start: None, warnings: vec![] };
         if or_start && writer.store.checkpoints().is_empty() {
             writer.start_from_beginning(&model.name, place);
         } else if resume {
@@ -110,13 +112,11 @@ impl CheckpointWriter {
     }
 
     fn start_from_beginning(&mut self, name: &str, place: &Path) {
-        let folder = shown_path(self.store.path());
-        let replaced = if place.exists() {
-            format!("; its results in {} will be replaced: leave the scenario out to keep them", shown_path(place))
-        } else {
-            String::new()
-        };
-        self.notes.push(format!("{name} starts from its beginning: there is no checkpoint in {folder}{replaced}"));
+        self.warnings.push(Warning::NoCheckpoint {
+            run: name.into(),
+            folder: self.store.path().into(),
+            replaced: place.exists().then(|| place.into()),
+        });
     }
 
     fn refuse_to_overwrite(&self, name: &str) -> Result<(), Diagnostic> {
@@ -150,13 +150,8 @@ impl CheckpointWriter {
             Err(mistake.hint(why))
         })?;
         self.header.every = self.header.every.or(header.every);
-        for damaged in &found.damaged {
-            let used = file_name(&found.path);
-            self.notes.push(format!(
-                "{name}: {} is damaged; the run resumes from {used}, the one before it",
-                shown_path(damaged)
-            ));
-        }
+        let damaged = |damaged: PathBuf| Warning::Damaged { run: name.into(), damaged, used: found.path.clone() };
+        self.warnings.extend(found.damaged.into_iter().map(damaged));
         self.start = Some(found.path);
         Ok(())
     }

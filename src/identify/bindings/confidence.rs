@@ -106,7 +106,7 @@ fn profiles(host: &SearchHost, context: &NativeCallContext, request: &Request) -
     let profiles = host.run::<_, ProfileError>(context, searches, |evaluator, _| {
         let linearization = request.linearization(evaluator)?;
         let confidence = Confidence::of(&linearization, &request.options)?;
-        let mut observer = |open: usize| host.note(&format!("profiles: {open} points remain"));
+        let mut observer = |open: usize| host.report_open_points(open);
         let search = &request.search.search;
         profile::profiles(search, &linearization, &confidence, request.points, evaluator, &mut observer)
     })?;

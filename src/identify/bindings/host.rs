@@ -20,6 +20,7 @@ use crate::identify::pool::trial_pool::{Evaluator, PoolError, Problem, TrialPool
 use crate::identify::progress::{Progress, ProgressEstimator};
 use crate::identify::result::SearchResult;
 use crate::identify::search::minimize;
+use crate::identify::warning::Warning;
 use crate::plot::Correlation;
 use crate::script::{ConvergenceHistory, HostResult, STACK, Session, numerical_failure, refuse};
 
@@ -37,8 +38,10 @@ pub struct SearchHost {
 pub enum SearchEvent<'a> {
     /// An iteration has ended.
     Progress(&'a Progress),
-    /// A message to the user.
-    Note(&'a str),
+    /// So many points of profiles have no value yet.
+    OpenPoints(usize),
+    /// The history of a search reports this.
+    Warning(&'a Warning),
     /// A search has ended.
     Finished(&'a ConvergenceHistory),
     /// The correlation of estimated parameters is known.
@@ -120,9 +123,9 @@ impl SearchHost {
         (self.observer)(SearchEvent::Correlation(correlation));
     }
 
-    /// Reports a message.
-    pub(super) fn note(&self, note: &str) {
-        (self.observer)(SearchEvent::Note(note));
+    /// Reports how many points of profiles have no value yet.
+    pub(super) fn report_open_points(&self, open: usize) {
+        (self.observer)(SearchEvent::OpenPoints(open));
     }
 
     /// Opens the history of the next search.
@@ -132,11 +135,7 @@ impl SearchHost {
             return Ok(None);
         };
         let history = History::open(folder, identity, number, inputs).map_err(refuse)?;
-        history.notes.iter().for_each(|note| self.note(note));
-        let known = history.trials().len();
-        if known > 0 {
-            self.note(&format!("{known} trials are read from {}", history.path().display()));
-        }
+        history.warnings().iter().for_each(|warning| (self.observer)(SearchEvent::Warning(warning)));
         Ok(Some(history))
     }
 }

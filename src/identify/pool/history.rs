@@ -16,6 +16,7 @@ use thiserror::Error;
 use super::trial_record::{self, CurveRecord, Record};
 use crate::file::{Digest, checksum};
 use crate::identify::objective::{Evaluation, Trial};
+use crate::identify::warning::Warning;
 use crate::script::{self, Compared, Target};
 
 /// What determines the values of the trials of a script, beside the files that it reads and the number of the search.
@@ -36,8 +37,8 @@ pub struct History {
     /// References that trials were compared with, in the order of the file.
     targets: Vec<Arc<Target>>,
     inputs: BTreeMap<PathBuf, String>,
-    /// Messages to the user about the file.
-    pub notes: Vec<String>,
+    /// What opening the file reports.
+    warnings: Vec<Warning>,
 }
 
 /// Why a history cannot be read or written.
@@ -95,14 +96,18 @@ impl History {
         let mut text = history.whole_lines().map_err(failed)?;
         if let Some(changed) = changed_input(&text) {
             let renamed = set_aside(&path).map_err(failed)?;
-            let note = format!("{changed} has changed: the trials so far are set aside in {}", renamed.display());
-            history = History { notes: vec![note], ..History::lock(&path, inputs)? };
+            let warning = Warning::HistorySetAside { input: changed, renamed: renamed.display().to_string() };
+            history = History { warnings: vec![warning], ..History::lock(&path, inputs)? };
             text.clear();
         }
         if text.is_empty() {
             history.append(&head)?;
         } else {
             history.read(&text, &head)?;
+        }
+        if !history.trials.is_empty() {
+            let (trials, path) = (history.trials.len(), history.path.display().to_string());
+            history.warnings.push(Warning::TrialsRead { trials, path });
         }
         Ok(history)
     }
@@ -112,7 +117,9 @@ impl History {
         let failed = |source| HistoryError::Write { path: path.into(), source };
         let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
         match file.try_lock() {
-            Ok(()) => Ok(History { path: path.into(), file, trials: vec![], targets: vec![], inputs, notes: vec![] }),
+            Ok(()) => {
+                Ok(History { path: path.into(), file, trials: vec![], targets: vec![], inputs, warnings: vec![] })
+            }
             Err(TryLockError::WouldBlock) => Err(HistoryError::Locked { path: path.into() }),
             Err(TryLockError::Error(source)) => Err(failed(source)),
         }
@@ -121,6 +128,11 @@ impl History {
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// What opening the file reported: trials that were set aside, and those that were read.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
     }
 
     /// The trials in the file when it was opened, each with its point.
@@ -376,10 +388,14 @@ mod tests {
         fs::write(&read, "1").unwrap();
         let path = written(folder.path());
         open(folder.path()).unwrap().add_inputs(vec![(read.clone(), script::fingerprint(&read))]).unwrap();
-        assert_eq!(open(folder.path()).unwrap().trials().len(), 4);
+        let history = open(folder.path()).unwrap();
+        assert_eq!(history.trials().len(), 4);
+        assert_eq!(history.warnings(), [Warning::TrialsRead { trials: 4, path: path.display().to_string() }]);
+        drop(history);
         fs::write(&read, "2").unwrap();
         let history = open(folder.path()).unwrap();
-        assert!(history.trials().is_empty() && history.notes[0].contains("read.csv has changed"));
-        assert!(path.with_extension("1.old").exists());
+        let (input, renamed) = (read.display().to_string(), path.with_extension("1.old"));
+        assert!(history.trials().is_empty() && renamed.exists());
+        assert_eq!(history.warnings(), [Warning::HistorySetAside { input, renamed: renamed.display().to_string() }]);
     }
 }
