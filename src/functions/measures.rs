@@ -116,7 +116,7 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "signal.times(), signal.values()",
-        gives: "the samples as lists; a value that was not measured is not a number",
+        gives: "the samples as lists; a value that was not measured is NaN",
         example: "let s = signal([0, 1], [5, 6]); s.times() == [0.0, 1.0] && s.values()[1] == 6.0",
     },
 ];

@@ -100,7 +100,7 @@ impl From<ObjectiveValue> for Evaluation {
             ObjectiveValue::Scalar(value) => value.is_finite(),
             ObjectiveValue::Residuals(residuals) => residuals.iter().all(|r| r.is_finite()),
         };
-        if finite { Evaluation::Value(value) } else { Evaluation::failed("the objective is not a number") }
+        if finite { Evaluation::Value(value) } else { Evaluation::failed("the objective is not finite") }
     }
 }
 
@@ -173,6 +173,6 @@ mod tests {
         let positive = |x: &[f64]| if x[0] > 0.0 { Ok(x[0]) } else { Err("not positive") };
         assert_eq!(at(&positive, 2.0), Evaluation::Value(ObjectiveValue::Scalar(2.0)));
         assert_eq!(at(&positive, -2.0), Evaluation::failed("not positive"));
-        assert_eq!(at(&|x: &[f64]| x[0].ln(), -1.0), Evaluation::failed("the objective is not a number"));
+        assert_eq!(at(&|x: &[f64]| x[0].ln(), -1.0), Evaluation::failed("the objective is not finite"));
     }
 }

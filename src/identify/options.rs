@@ -94,7 +94,7 @@ pub enum OptionsError {
         found: usize,
     },
     /// A start is not finite.
-    #[error("the start is not a number: x[{index}] = {value}")]
+    #[error("the start is not finite: x[{index}] = {value}")]
     Start {
         /// The unknown.
         index: usize,

@@ -156,9 +156,9 @@ mod tests {
             let search = Search { max_evaluations: 500, ..Search::new(method, vec![2.0, 1.0]) };
             let best = found(&search, &half, 2).unwrap();
             assert!((best.best.x[0] - 0.5).abs() < 0.02 && best.best.x[0] >= 0.5, "{method:?} {best:?}");
-            let not_a_number = "the objective is not a number";
+            let not_finite = "the objective is not finite";
             let failed =
-                |warning: &Warning| matches!(warning, Warning::FailedTrials { cause, .. } if cause == not_a_number);
+                |warning: &Warning| matches!(warning, Warning::FailedTrials { cause, .. } if cause == not_finite);
             assert!(best.warnings.iter().any(failed), "{best:?}");
         }
         let slope = |x: &[f64]| vec![(x[0] - 0.4).ln(), x[1]];
@@ -203,7 +203,7 @@ mod tests {
                 Err(error) => vec![error.to_string()],
             };
             let one = reported(1);
-            assert!(one[0].contains("not a number"), "{one:?}");
+            assert!(one[0].contains("not finite"), "{one:?}");
             for round in 0..20 {
                 assert_eq!(reported(1 + round % 4), one);
             }
@@ -217,8 +217,8 @@ mod tests {
         let search = Search { fallback, ..Search::new(Method::NelderMead, vec![0.1]) };
         assert_eq!(
             found(&search, &half, 2).unwrap_err().to_string(),
-            "the objective has no value at the start [0.1]: the objective is not a number; nor at any of 3 fallback \
-             starts, the last of them [0.4]: the objective is not a number"
+            "the objective has no value at the start [0.1]: the objective is not finite; nor at any of 3 fallback \
+             starts, the last of them [0.4]: the objective is not finite"
         );
     }
 

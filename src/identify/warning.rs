@@ -263,7 +263,7 @@ codes! {
          are one-sided",
         "move the start inside the bounds";
     FAILED_TRIALS = "failed-trials", Warning,
-        "trials of a search had no value: the objective threw, was not a number, or the film ruptured; they count as \
+        "trials of a search had no value: the objective threw, was not finite, or the film ruptured; they count as \
          worse than all others",
         "tighten the bounds if many failed; use on_failure \"retry\" for a rough objective and on_rupture \"keep\" \
          for tests that rupture";

@@ -11,7 +11,7 @@ const DEEPEST: usize = 8;
 /// The number in `value`, an integer or a float; `what` names it in the error.
 ///
 /// # Errors
-/// It is not a number.
+/// It is neither an integer nor a float.
 pub fn number(value: &Dynamic, what: &str) -> HostResult<f64> {
     if let Ok(float) = value.as_float() {
         return Ok(float);

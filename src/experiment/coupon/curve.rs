@@ -32,8 +32,8 @@ pub enum CurveError {
     #[error("a curve needs two samples of different strain")]
     TooShort,
     /// A strain or a stress is not finite.
-    #[error("sample {sample} of the curve is not a number")]
-    NotANumber {
+    #[error("sample {sample} of the curve is not finite")]
+    NotFinite {
         /// Number of the sample, from one.
         sample: usize,
     },
@@ -56,14 +56,14 @@ impl Curve {
     /// isotonic regression, Barlow et al. 1972), as long as it goes back by no more than [`JITTER`] of its range.
     ///
     /// # Errors
-    /// [`CurveError`] where there are not as many stresses as strains, one is not a number, strain goes back further,
+    /// [`CurveError`] where there are not as many stresses as strains, one is not finite, strain goes back further,
     /// or fewer than two samples are left.
     pub fn new(strain: Vec<f64>, stress: Vec<f64>) -> Result<Curve, CurveError> {
         if strain.len() != stress.len() {
             return Err(CurveError::Lengths { strain: strain.len(), stress: stress.len() });
         }
         if let Some(index) = strain.iter().zip(&stress).position(|(e, s)| !(e.is_finite() && s.is_finite())) {
-            return Err(CurveError::NotANumber { sample: index + 1 });
+            return Err(CurveError::NotFinite { sample: index + 1 });
         }
         check_forward(&strain)?;
         let pools = pooled(&strain, &stress);
@@ -197,7 +197,7 @@ mod tests {
         for (strain, stress, expected) in [
             (vec![0.0, 1.0], vec![0.0], "2 strains for 1 stresses"),
             (vec![0.0, 0.0], vec![0.0, 1.0], "a curve needs two samples of different strain"),
-            (vec![0.0, 1.0], vec![0.0, f64::NAN], "sample 2 of the curve is not a number"),
+            (vec![0.0, 1.0], vec![0.0, f64::NAN], "sample 2 of the curve is not finite"),
             (vec![0.0, 1.0, 0.9], vec![0.0; 3], "strain goes back at sample 3: 0.9 after 1"),
         ] {
             assert_eq!(Curve::new(strain, stress).unwrap_err().to_string(), expected);

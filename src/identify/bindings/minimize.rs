@@ -73,8 +73,10 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry {
         call: "minimize(method, start, options, |x| …)",
         gives: "the minimum of the objective: #{ x, f, iterations, evaluations, converged, reason, simplex_size, \
-            history, starts, warnings, findings }. Methods: \"nelder-mead\" (as MATLAB's fminsearch), \
-            \"levenberg-marquardt\" (residuals), \"cma-es\" (rough objectives). The objective gives a number, or a \
+            history, starts, warnings, findings }; `findings` are maps with code, severity, message and figures, \
+            `warnings` the messages of those of severity \"warning\". Methods: \"nelder-mead\" (as MATLAB's \
+            fminsearch), \"levenberg-marquardt\" (residuals), \"cma-es\" (rough objectives). The objective gives a \
+            number, or a \
             signal or list of residuals, of which \"nelder-mead\" and \"cma-es\" take the norm. It is called from \
             several threads with copies of the variables that it captures, made when the search began. A trial may \
             take 1 000 000 operations; all searches of a script share its time limit of a week",
@@ -114,14 +116,14 @@ pub(super) const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "#{ fallback: [[..], ..] }",
-        gives: "replacements of a start without a value: the first of these with a value is used and noted in warnings",
+        gives: "replacements of a start without a value: the first of these with a value is used and noted in findings",
         example: r#"let large = |x| if x[0] < 1 { throw "too small" } else { x[0] };
                     let best = minimize("nelder-mead", [0.5], #{ fallback: [[2.0]] }, large);
-                    best.history[0].x0 >= 1 && best.warnings[0].contains("started from [2.0] instead")"#,
+                    best.history[0].x0 >= 1 && best.findings[0].message.contains("started from [2.0] instead")"#,
     },
     Entry {
         call: "#{ on_failure: \"worst\" | \"retry\" | \"stop\", on_rupture: \"fail\" | \"keep\" }",
-        gives: "what a trial counts as that throws or is not a number: as worse than all others (noted in warnings), \
+        gives: "what a trial counts as that throws or is not finite: as worse than all others (noted in warnings), \
             as the trial at x (1 + 1e-6), or as an error of the search; and whether a run with a ruptured film is such \
             a trial",
         example: r#"let best = minimize("nelder-mead", [2.0], #{}, |x| if x[0] < 1 { throw "too small" } else { x[0] });
@@ -172,7 +174,7 @@ mod tests {
             ("minimize(\"bfgs\", [1], |x| x[0])".into(), "there are nelder-mead, levenberg-marquardt, cma-es"),
             ("minimize(\"cma-es\", [], |x| 1)".into(), "a search needs 1 to 50 unknowns, the start has 0"),
             ("minimize(\"cma-es\", [1, \"a\"], |x| 1)".into(), "expected a number for start"),
-            ("minimize(\"cma-es\", [0.0 / 0.0], |x| 1)".into(), "the start is not a number: x[0] = NaN"),
+            ("minimize(\"cma-es\", [0.0 / 0.0], |x| 1)".into(), "the start is not finite: x[0] = NaN"),
             (with("tolx: 1e-4"), "unknown option `tolx` (did you mean `tol_x`?)"),
             (with("tol_x: -1"), "`tol_x` is -1, which must be zero or more"),
             (with("tol_f: \"a\""), "expected a number for tol_f"),
@@ -297,6 +299,16 @@ mod tests {
             let found = best.findings[0];
             found.code == \"on-bound\" && found.severity == \"warning\" && found.message == best.warnings[0]
                 && found.index == 0 && found.value == 1.5";
+        assert!(test_engine(Limits::STUDY).eval::<bool>(text).unwrap());
+    }
+
+    #[test]
+    fn a_note_is_among_the_findings_and_not_among_the_warnings() {
+        let text = "let o = #{ fallback: [[2.0]], lower: [1.5] };
+            let best = minimize(\"nelder-mead\", [1.5], o, |x| if x[0] < 1.6 { throw \"no\" } else { x[0] });
+            let notes = best.findings.filter(|found| found.severity == \"note\");
+            notes.len() == 1 && notes[0].code == \"start-replaced\" && best.warnings.len() == best.findings.len() - 1
+                && best.warnings.all(|text| !text.contains(\"started from\"))";
         assert!(test_engine(Limits::STUDY).eval::<bool>(text).unwrap());
     }
 

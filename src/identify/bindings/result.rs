@@ -20,7 +20,7 @@ pub(super) fn of_search(result: &SearchResult, names: &[String]) -> Map {
     let mut map = of_start(&result.best);
     let history = history(&result.starts, names, result.starts.len() > 1);
     map.insert("history".into(), history.into());
-    insert_warnings(&mut map, result.warnings.iter());
+    insert_findings(&mut map, result.warnings.iter());
     let starts: Array = result.starts.iter().map(|start| of_start(start).into()).collect();
     map.insert("starts".into(), starts.into());
     let total: usize = result.starts.iter().map(|start| start.evaluations).sum();
@@ -82,7 +82,7 @@ pub(super) fn of_confidence(confidence: &Confidence) -> Map {
     map.insert("effective_samples".into(), confidence.effective_samples.into());
     map.insert("degrees_of_freedom".into(), confidence.freedom.into());
     map.insert("condition".into(), confidence.condition.into());
-    insert_warnings(&mut map, confidence.warnings.iter());
+    insert_findings(&mut map, confidence.warnings.iter());
     let rows = (0..count).map(|index| confidence_row(confidence, index).into());
     map.insert("table".into(), rows.collect::<Array>().into());
     let correlations = (0..count).map(|index| correlation_row(confidence, index).into());
@@ -121,7 +121,7 @@ pub(super) fn of_profiles(profiles: &[Profile], names: &[String]) -> Map {
     map.insert("lower".into(), side(0).into());
     map.insert("upper".into(), side(1).into());
     map.insert("intervals".into(), intervals.collect::<Array>().into());
-    insert_warnings(&mut map, profiles.iter().flat_map(|profile| &profile.warnings));
+    insert_findings(&mut map, profiles.iter().flat_map(|profile| &profile.warnings));
     let rows = profiles.iter().flat_map(|profile| profile_rows(profile, names));
     map.insert("table".into(), rows.collect::<Array>().into());
     map
@@ -139,12 +139,15 @@ fn profile_rows<'p>(profile: &'p Profile, names: &'p [String]) -> impl Iterator<
     })
 }
 
-/// `warnings`, a list of texts, and `findings`, a list of maps with code, severity, message and figures.
-fn insert_warnings<'w>(map: &mut Map, warnings: impl Iterator<Item = &'w Warning> + Clone) {
-    let texts: Array = warnings.clone().map(|warning| warning.to_string().into()).collect();
-    map.insert("warnings".into(), texts.into());
-    let finding = |warning| serde_json::to_value(Finding::new(warning)).map_or(Dynamic::UNIT, |json| from_json(&json));
-    map.insert("findings".into(), warnings.map(finding).collect::<Array>().into());
+/// `findings`, a list of maps with code, severity, message and figures, and `warnings`, the messages of the warnings
+/// among them.
+fn insert_findings<'w>(map: &mut Map, reports: impl Iterator<Item = &'w Warning>) {
+    let findings: Vec<Finding> = reports.map(|report| Finding::new(report)).collect();
+    let warnings = findings.iter().filter(|finding| finding.is_warning());
+    let warnings: Array = warnings.map(|warning| warning.message.clone().into()).collect();
+    map.insert("warnings".into(), warnings.into());
+    let value = |finding| serde_json::to_value(finding).map_or(Dynamic::UNIT, |json| from_json(&json));
+    map.insert("findings".into(), findings.iter().map(value).collect::<Array>().into());
 }
 
 fn named<'n>(name: &str, figures: impl IntoIterator<Item = (&'n str, f64)>) -> Map {
