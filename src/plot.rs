@@ -22,7 +22,7 @@ pub struct Plot {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Axis {
     /// Quantity and unit, e.g. `time (ms)`.
-    pub words: String,
+    pub label: String,
     /// Linear or logarithmic.
     pub scale: Scale,
 }
@@ -64,7 +64,7 @@ pub enum Look {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
     /// Label of the interval.
-    pub words: String,
+    pub label: String,
     /// From and to, in the unit of the axis.
     pub range: [f64; 2],
 }
@@ -82,8 +82,8 @@ pub struct Correlation {
 
 impl Axis {
     /// A linear axis.
-    pub fn linear(words: impl Into<String>) -> Axis {
-        Axis { words: words.into(), scale: Scale::Linear }
+    pub fn linear(label: impl Into<String>) -> Axis {
+        Axis { label: label.into(), scale: Scale::Linear }
     }
 }
 

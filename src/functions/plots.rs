@@ -134,7 +134,7 @@ fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> HostResult<Axes>
     let has = |kind: fn(&Shape) -> bool| given.iter().any(|given| kind(&given.shape));
     let over_time = has(|shape| matches!(shape, Shape::Signal(_)));
     let over_strain = has(|shape| matches!(shape, Shape::Law(_)));
-    let (x, y) = (words(options, "x")?, words(options, "y")?);
+    let (x, y) = (label(options, "x")?, label(options, "y")?);
     let (x, y, factors) = match (over_time, over_strain) {
         (true, true) => return Err(refuse("a plot shows signals over time or curves over strain, not both")),
         (true, false) => {
@@ -154,12 +154,12 @@ fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> HostResult<Axes>
         }
     };
     let scale = |log| if log { Scale::Logarithmic } else { Scale::Linear };
-    let x = Axis { words: x, scale: scale(options.boolean("log_x", false)?) };
-    let y = Axis { words: y, scale: scale(options.boolean("log_y", false)?) };
+    let x = Axis { label: x, scale: scale(options.boolean("log_x", false)?) };
+    let y = Axis { label: y, scale: scale(options.boolean("log_y", false)?) };
     Ok(Axes { x, y, factors })
 }
 
-fn words(options: &Options<'_>, name: &str) -> HostResult<Option<String>> {
+fn label(options: &Options<'_>, name: &str) -> HostResult<Option<String>> {
     let Some(value) = options.map.get(name) else { return Ok(None) };
     match value.read_lock::<ImmutableString>() {
         Some(text) => Ok(Some(text.to_string())),
@@ -167,12 +167,12 @@ fn words(options: &Options<'_>, name: &str) -> HostResult<Option<String>> {
     }
 }
 
-/// The factor of the unit that `words` end with.
-fn in_unit(words: &str, units: &[(&str, f64)]) -> HostResult<f64> {
-    let found = units.iter().find(|(unit, _)| words.ends_with(unit));
+/// The factor of the unit that `label` ends with.
+fn in_unit(label: &str, units: &[(&str, f64)]) -> HostResult<f64> {
+    let found = units.iter().find(|(unit, _)| label.ends_with(unit));
     found.map(|(_, factor)| *factor).ok_or_else(|| {
         let known: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
-        refuse(format!("`{words}` has no unit at its end: add {}", known.join(" or ")))
+        refuse(format!("`{label}` has no unit at its end: add {}", known.join(" or ")))
     })
 }
 
@@ -183,8 +183,8 @@ fn marked(options: &Options<'_>, factor: f64) -> HostResult<Option<Window>> {
     if !(from.is_finite() && to.is_finite() && from < to) {
         return Err(refuse(format!("the end of a window exceeds its start, which {from} to {to} does not")));
     }
-    let words = words(options, "window_name")?.unwrap_or_else(|| "window".into());
-    Ok(Some(Window { words, range: [from * factor, to * factor] }))
+    let label = label(options, "window_name")?.unwrap_or_else(|| "window".into());
+    Ok(Some(Window { label, range: [from * factor, to * factor] }))
 }
 
 /// The reference of plots.
@@ -244,13 +244,13 @@ mod tests {
         let [a, b, c, d] = &found[..] else { panic!("{found:?}") };
         assert_eq!(a.curves[0].points, [[0.0, 0.0], [50.0, 150.0], [100.0, 20.0]]);
         assert_eq!(
-            (a.x.words.as_str(), a.y.words.as_str(), a.curves[1].look),
+            (a.x.label.as_str(), a.y.label.as_str(), a.curves[1].look),
             ("time (ms)", "acceleration (m/s²)", Look::Dashed)
         );
-        assert_eq!(a.window, Some(Window { words: "window".into(), range: [0.0, 50.0] }));
-        assert_eq!((b.curves[0].points[1][0], b.y.scale, b.y.words.as_str()), (0.05, Scale::Logarithmic, "b"));
+        assert_eq!(a.window, Some(Window { label: "window".into(), range: [0.0, 50.0] }));
+        assert_eq!((b.curves[0].points[1][0], b.y.scale, b.y.label.as_str()), (0.05, Scale::Logarithmic, "b"));
         assert_eq!(
-            (c.curves[0].points[1], c.y.words.as_str(), c.curves[0].name.as_str()),
+            (c.curves[0].points[1], c.y.label.as_str(), c.curves[0].name.as_str()),
             ([50.0, 5.0], "stress (MPa)", "c")
         );
         assert_eq!(d.curves[0].points[1], [1500.0, 2.0]);

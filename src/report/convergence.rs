@@ -2,7 +2,6 @@
 
 use crate::plot::{Axis, Curve, Plot, Scale, TIME};
 use crate::script::{ConvergenceHistory, FitHistory, Improvement, Over};
-use crate::units::{Pressure, Unit};
 
 /// Most iterations whose curves one plot shows.
 const MOST_CURVES: usize = 8;
@@ -15,32 +14,21 @@ pub(super) fn plots(convergence: &ConvergenceHistory) -> Vec<Plot> {
 
 /// The reference of a fit alone.
 pub(super) fn target(convergence: &ConvergenceHistory, fit: &FitHistory) -> Plot {
-    let FitHistory { words, target, .. } = fit;
-    let title = match words.split_once(" (") {
-        Some((quantity, _)) => format!("{}: {quantity}", convergence.title),
-        None => format!("{}: {words}", convergence.title),
-    };
-    let x = match target.over {
+    let x = match fit.target.over {
         Over::Time => TIME,
         Over::Strain => "strain",
     };
     let name = if convergence.is_virtual { "reference (virtual)" } else { "reference" };
-    let (y, _) = ordinate(fit);
-    let reference = Curve::line(name, points(fit, &target.values)).dashed();
-    Plot::new(title, [x, y.as_str()], vec![reference])
+    let reference = Curve::line(name, points(fit, &fit.target.values)).dashed();
+    Plot::new(format!("{}: {}", convergence.title, fit.quantity), [x, fit.label().as_str()], vec![reference])
 }
 
-/// Words of the y axis, and the factor from SI. A script names the words of signals over time; stresses over
-/// strain are in the unit that it names, else in MPa.
-fn ordinate(FitHistory { words, target, .. }: &FitHistory) -> (String, f64) {
-    let named = || words.strip_suffix(')').and_then(|words| words.rsplit_once('(')).map(|(_, symbol)| symbol);
-    let stress = || Unit::parse(named()?).ok().filter(|unit| unit.measures(Pressure::DIMENSION));
+/// Factors from the values of a fit to the units of its axes. Signals over time are in the unit that the script
+/// computes them in, stresses over strain in Pa.
+fn factors(FitHistory { unit, target, .. }: &FitHistory) -> [f64; 2] {
     match target.over {
-        Over::Time => (words.clone(), 1.0),
-        Over::Strain => match stress() {
-            Some(unit) => (words.clone(), 1.0 / unit.to_si(1.0)),
-            None => (format!("{words} (MPa)"), 1e-6),
-        },
+        Over::Time => [1e3, 1.0],
+        Over::Strain => [1.0, unit.as_ref().map_or(1.0, |unit| 1.0 / unit.to_si(1.0))],
     }
 }
 
@@ -105,11 +93,7 @@ fn by_steps(improvements: &[Improvement]) -> Vec<&Improvement> {
 }
 
 fn points(fit: &FitHistory, values: &[f32]) -> Vec<[f64; 2]> {
-    let (_, y) = ordinate(fit);
-    let x = match fit.target.over {
-        Over::Time => 1e3,
-        Over::Strain => 1.0,
-    };
+    let [x, y] = factors(fit);
     fit.target.places.iter().zip(values).map(|(place, value)| [f64::from(*place) * x, f64::from(*value) * y]).collect()
 }
 
@@ -119,6 +103,7 @@ mod tests {
 
     use super::*;
     use crate::script::{Iterate, Target};
+    use crate::units::Unit;
 
     fn search(objectives: &[f64]) -> ConvergenceHistory {
         let target = Arc::new(Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, 150.0] });
@@ -130,7 +115,12 @@ mod tests {
             unknowns: vec!["k1".into()],
             objectives: vec![objectives.iter().enumerate().map(|(place, f)| (place + 1, *f)).collect()],
             history: (0..objectives.len()).map(at).collect(),
-            fits: vec![FitHistory { words: "acceleration (m/s²)".into(), target, improvements }],
+            fits: vec![FitHistory {
+                quantity: "acceleration".into(),
+                unit: Unit::parse("m/s²").ok(),
+                target,
+                improvements,
+            }],
             is_virtual: false,
         }
     }
@@ -142,7 +132,8 @@ mod tests {
         let [objective, unknowns, curves] = &plots[..] else { panic!("{plots:?}") };
         assert_eq!((objective.y.scale, objective.curves[0].points[0]), (Scale::Logarithmic, [1.0, 2.0]));
         assert_eq!(unknowns.curves[0].name, "k1");
-        assert_eq!((curves.title.as_str(), curves.x.words.as_str()), ("1008: acceleration", "time (ms)"));
+        assert_eq!((curves.title.as_str(), curves.x.label.as_str()), ("1008: acceleration", "time (ms)"));
+        assert_eq!(curves.y.label, "acceleration (m/s²)");
         let names: Vec<&str> = curves.curves.iter().map(|curve| curve.name.as_str()).collect();
         assert_eq!((names.len(), names[0], names[7], names[8]), (9, "iteration 1", "best, iteration 60", "reference"));
         let [time, value] = curves.curves[0].points[1];
@@ -152,15 +143,13 @@ mod tests {
     #[test]
     fn stresses_have_the_unit_that_their_axis_names() {
         let target = Arc::new(Target { over: Over::Strain, places: vec![0.0, 0.5], values: vec![0.0, 8e6] });
-        for (words, expected) in [
-            ("stress (MPa)", ("stress (MPa)", 8.0)),
-            ("stress (kPa)", ("stress (kPa)", 8e3)),
-            ("stress (Pa)", ("stress (Pa)", 8e6)),
-            ("MD", ("MD (MPa)", 8.0)),
-        ] {
-            let fit = FitHistory { words: words.into(), target: Arc::clone(&target), improvements: vec![] };
+        for (symbol, expected) in
+            [("MPa", ("stress (MPa)", 8.0)), ("kPa", ("stress (kPa)", 8e3)), ("Pa", ("stress (Pa)", 8e6))]
+        {
+            let (quantity, unit) = ("stress".into(), Unit::parse(symbol).ok());
+            let fit = FitHistory { quantity, unit, target: Arc::clone(&target), improvements: vec![] };
             let plot = super::target(&ConvergenceHistory { is_virtual: true, ..search(&[1.0]) }, &fit);
-            assert_eq!((plot.y.words.as_str(), plot.curves[0].points[1][1]), expected);
+            assert_eq!((plot.y.label.as_str(), plot.curves[0].points[1][1]), expected);
             assert_eq!(plot.curves[0].name, "reference (virtual)");
         }
     }

@@ -39,10 +39,10 @@ pub(super) fn rates(title: &str, histogram: &Histogram) -> String {
     let ends = [[first[0], 0.0], [last[1], 0.0]];
     let outline = shown.iter().flat_map(|(edges, share)| edges.iter().map(|edge| [*edge, **share * 100.0]));
     let points = [ends[0]].into_iter().chain(outline).chain([ends[1]]);
-    let words = "range in which the curves were measured".into();
+    let label = "range in which the curves were measured".into();
     let plot = Plot {
-        x: Axis { words: "strain rate (1/s)".into(), scale: Scale::Logarithmic },
-        window: histogram.measured_1_s.map(|range| crate::plot::Window { words, range }),
+        x: Axis { label: "strain rate (1/s)".into(), scale: Scale::Logarithmic },
+        window: histogram.measured_1_s.map(|range| crate::plot::Window { label, range }),
         ..Plot::new(title, ["", "share (%)"], vec![Curve::line("share of the strain increments", points)])
     };
     drawn(&plot, true)
@@ -83,8 +83,8 @@ fn description(plot: &Plot) -> String {
     let range = |[low, high]: [f64; 2]| format!("{} to {}", significant(low, 4), significant(high, 4));
     let curve = |curve: &Curve| Some(format!("{}: {}", curve.name, range(ends(curve, 1)?)));
     let curves: Vec<String> = plot.curves.iter().filter_map(curve).collect();
-    let window = plot.window.as_ref().map(|window| format!("; marked: {}, {}", window.words, range(window.range)));
-    format!("{} over {}; {}{}", plot.y.words, plot.x.words, curves.join("; "), window.unwrap_or_default())
+    let window = plot.window.as_ref().map(|window| format!("; marked: {}, {}", window.label, range(window.range)));
+    format!("{} over {}; {}{}", plot.y.label, plot.x.label, curves.join("; "), window.unwrap_or_default())
 }
 
 /// The data that the script reads. A curve with the abscissae of an earlier one refers to that curve.
@@ -110,11 +110,11 @@ fn contents(plot: &Plot, filled: bool) -> Value {
         };
         json!({ "name": curve.name, "look": look, "x": written, "y": column(1) })
     };
-    let axis = |axis: &Axis| json!({ "words": axis.words, "log": axis.scale == Scale::Logarithmic });
+    let axis = |axis: &Axis| json!({ "words": axis.label, "log": axis.scale == Scale::Logarithmic });
     json!({
         "x": axis(&plot.x),
         "y": axis(&plot.y),
-        "window": plot.window.as_ref().map(|window| json!({ "words": window.words, "range": window.range })),
+        "window": plot.window.as_ref().map(|window| json!({ "words": window.label, "range": window.range })),
         "filled": filled,
         "curves": plot.curves.iter().map(&mut curve).collect::<Vec<_>>(),
     })
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_window_is_marked_and_described() {
-        let window = Some(Window { words: "error window".into(), range: [0.0, 57.3] });
+        let window = Some(Window { label: "error window".into(), range: [0.0, 57.3] });
         let html = figure(&Plot { window, ..plot(vec![[0.0, 0.0], [1.0, 1.0]]) });
         assert_eq!(block(&html)["window"]["words"], "error window");
         assert!(html.contains("marked: error window, 0 to 57.3"), "{html}");

@@ -45,7 +45,7 @@ fn impact(signals: &Recording, comparison: Option<&ReferenceComparison>) -> Vec<
         Some(over_time(&format!("{name}{}", comparison.label()), of(comparison).as_ref()?, factor).dashed())
     };
     let window = comparison
-        .map(|comparison| Window { words: "error window".into(), range: comparison.window.map(|time| time * 1e3) });
+        .map(|comparison| Window { label: "error window".into(), range: comparison.window.map(|time| time * 1e3) });
     let compared = |title: &str, y: &str, curves: [Option<Curve>; 2]| Plot {
         window: window.clone(),
         ..over_time_plot(title, y, curves)

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Target;
+use crate::units::Unit;
 
 /// The convergence history of one search.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,12 +25,23 @@ pub struct ConvergenceHistory {
 /// Simulated curves that approach one reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitHistory {
-    /// Quantity and unit, such as `acceleration (m/s²)`.
-    pub words: String,
+    /// What the curves are, such as `acceleration`.
+    pub quantity: String,
+    /// Its unit, where one is known; a curve over strain is shown in it.
+    pub unit: Option<Unit>,
     /// The reference.
     pub target: Arc<Target>,
     /// By iteration; the first is the start, the last the best.
     pub improvements: Vec<Improvement>,
+}
+
+impl FitHistory {
+    /// Quantity and unit, such as `acceleration (m/s²)`.
+    pub fn label(&self) -> String {
+        self.unit
+            .as_ref()
+            .map_or_else(|| self.quantity.clone(), |unit| format!("{} ({})", self.quantity, unit.symbol()))
+    }
 }
 
 /// The best trial up to an iteration.

@@ -63,6 +63,6 @@ pub(super) fn put(plots: &mut Vec<Plot>, plot: Plot) -> Result<(), PlotError> {
 /// All its texts.
 fn texts(plot: &Plot) -> impl Iterator<Item = &String> {
     let names = plot.curves.iter().map(|curve| &curve.name);
-    let own = [&plot.title, &plot.x.words, &plot.y.words].into_iter();
-    own.chain(names).chain(plot.window.iter().map(|window| &window.words))
+    let own = [&plot.title, &plot.x.label, &plot.y.label].into_iter();
+    own.chain(names).chain(plot.window.iter().map(|window| &window.label))
 }

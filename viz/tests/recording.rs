@@ -185,7 +185,7 @@ fn a_search_closes_in_along_its_iterations() {
 
 /// A search of three iterations.
 fn search() -> Scene {
-    let axis = |words: &str| Axis { words: words.to_owned(), logarithmic: false };
+    let axis = |label: &str| Axis { label: label.to_owned(), logarithmic: false };
     let line = |height: f64, look| Curve { name: "curve".to_owned(), points: vec![[0.0, 0.0], [1.0, height]], look };
     let state =
         |number: u32| State { at: Moment::Iteration(number), curves: vec![line(1.0 / f64::from(number), Look::Line)] };
@@ -200,7 +200,7 @@ fn search() -> Scene {
         axes: [axis("x"), axis("y")],
         curves: vec![line(0.2, Look::Dashed)],
         states: [1, 2, 4].map(state).to_vec(),
-        window: Some(Window { words: "window".to_owned(), ends: [0.0, 0.5] }),
+        window: Some(Window { label: "window".to_owned(), ends: [0.0, 0.5] }),
     };
     Scene { diagrams: vec![diagram], ..scene(&[], vec![objective, signal("acceleration", 4)]) }
 }

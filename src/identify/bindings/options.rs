@@ -5,7 +5,7 @@ use rhai::{Array, Dynamic, EvalAltResult, FnPtr, INT, Map};
 use super::objective::OnRupture;
 use crate::diagnostic::closest;
 use crate::identify::bounds::Bounds;
-use crate::identify::convergence::Labels;
+use crate::identify::convergence::{Labels, SignalLabel};
 use crate::identify::options::{Method, OnFailure, Search, Starts};
 use crate::script::{HostResult, number, refuse};
 
@@ -57,6 +57,7 @@ impl ScriptSearch {
         let unknowns = search.start.len();
         let names = (0..unknowns).map(|index| format!("x{index}")).collect();
         let mut labels = Labels { names, title: None, signals: vec![] };
+        let mut signals: Vec<String> = vec![];
         let mut sides = [None, None];
         for (option, value) in options {
             let list = || match value.read_lock::<Array>() {
@@ -86,22 +87,23 @@ impl ScriptSearch {
                 "on_rupture" => on_rupture = word(option, &text()?, &ON_RUPTURE)?,
                 "names" => labels.names = list()?.iter().map(Dynamic::to_string).collect(),
                 "title" => labels.title = Some(text()?.to_string()),
-                "signals" => labels.signals = list()?.iter().map(Dynamic::to_string).collect(),
+                "signals" => signals = list()?.iter().map(Dynamic::to_string).collect(),
                 other => return Err(unknown("option", other, OPTIONS)),
             }
         }
         if labels.names.len() != unknowns {
             return Err(refuse(format!("`names` has {} entries for {unknowns} unknowns", labels.names.len())));
         }
-        check_labels(&labels)?;
+        check_labels(&labels, &signals)?;
+        labels.signals = signals.iter().map(|text| SignalLabel::parse(text)).collect();
         let [lower, upper] = sides;
         search.bounds = Bounds::new(unknowns, lower, upper).map_err(refuse)?;
         Ok(ScriptSearch { search, on_rupture, labels, call })
     }
 }
 
-fn check_labels(labels: &Labels) -> HostResult<()> {
-    let mut all = labels.names.iter().chain(&labels.signals).chain(&labels.title);
+fn check_labels(labels: &Labels, signals: &[String]) -> HostResult<()> {
+    let mut all = labels.names.iter().chain(signals).chain(&labels.title);
     let fits = |text: &String| !text.trim().is_empty() && text.chars().count() <= MAX_LENGTH;
     let message = || format!("`title`, `names` and `signals` of a search are texts of 1 to {MAX_LENGTH} characters");
     if all.all(fits) { Ok(()) } else { Err(refuse(message())) }

@@ -61,7 +61,7 @@ fn entity(plot: usize, run: usize) -> String {
 
 fn chart((number, plot): (usize, &Plot)) -> Chart {
     let signals = (0..plot.curves.len()).map(|run| entity(number, run)).collect();
-    Chart { title: plot.y.words.clone(), signals }
+    Chart { title: plot.y.label.clone(), signals }
 }
 
 fn tracks<'a>((number, plot): (usize, &'a Plot)) -> impl Iterator<Item = SignalTrack> + use<'a> {

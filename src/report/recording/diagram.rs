@@ -20,7 +20,7 @@ pub(super) fn diagram(path: String, plot: &Plot) -> Diagram {
         axes: [axis(&plot.x), axis(&plot.y)],
         curves: plot.curves.iter().map(curve).collect(),
         states: vec![],
-        window: plot.window.as_ref().map(|window| viz::Window { words: window.words.clone(), ends: window.range }),
+        window: plot.window.as_ref().map(|window| viz::Window { label: window.label.clone(), ends: window.range }),
     }
 }
 
@@ -35,5 +35,5 @@ pub(super) fn curve(curve: &Curve) -> viz::Curve {
 }
 
 fn axis(axis: &Axis) -> viz::Axis {
-    viz::Axis { words: axis.words.clone(), logarithmic: axis.scale == Scale::Logarithmic }
+    viz::Axis { label: axis.label.clone(), logarithmic: axis.scale == Scale::Logarithmic }
 }

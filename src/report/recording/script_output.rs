@@ -13,7 +13,7 @@ impl StudyRecording {
     /// The same study as its page shows.
     pub(super) fn of(study: &StudyPage) -> StudyRecording {
         let output = study.output;
-        let is_over_time = |plot: &&Plot| plot.x.words == TIME;
+        let is_over_time = |plot: &&Plot| plot.x.label == TIME;
         let (over_time, plots): (Vec<&Plot>, Vec<&Plot>) = output.plots.iter().partition(is_over_time);
         StudyRecording {
             name: study.name.into(),
@@ -63,7 +63,7 @@ fn approaches(search: &ConvergenceHistory) -> Vec<Approach> {
 fn approach(search: &ConvergenceHistory, fit: &FitHistory) -> Approach {
     let name = match search.fits.as_slice() {
         [_] => search.title.clone(),
-        _ => format!("{}, {}", search.title, fit.words),
+        _ => format!("{}, {}", search.title, fit.label()),
     };
     let curves = |improvement| vec![simulated("simulated", fit, improvement)];
     let iterations = fit.improvements.iter();

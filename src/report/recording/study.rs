@@ -132,7 +132,7 @@ fn over_time(plot: &Plot, index: usize) -> (Chart, Vec<SignalTrack>) {
         stroke: if curve.look == Look::Dashed { Stroke::target() } else { Stroke::nth(number) },
     };
     let signals: Vec<SignalTrack> = plot.curves.iter().enumerate().map(track).collect();
-    (chart(&format!("{}: {}", plot.title, plot.y.words), &signals), signals)
+    (chart(&format!("{}: {}", plot.title, plot.y.label), &signals), signals)
 }
 
 fn chart(title: &str, signals: &[SignalTrack]) -> Chart {

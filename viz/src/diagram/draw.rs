@@ -37,8 +37,8 @@ pub(crate) fn log(stream: &RecordingStream, diagram: &Diagram) -> RecordingStrea
     if let Some(window) = &diagram.window {
         let [from, to] = page.ends(window);
         stream.log_static(entity("window"), &outline([from, to]))?;
-        let words = (place(0.5 * (from + to), 0.99), window.words.clone());
-        stream.log_static(entity("window/words"), &texts([words].into_iter(), [GREY]))?;
+        let label = (place(0.5 * (from + to), 0.99), window.label.clone());
+        stream.log_static(entity("window/words"), &texts([label].into_iter(), [GREY]))?;
     }
     for (index, curve) in diagram.curves.iter().enumerate() {
         page.log_curve(stream, &entity(&format!("curves/{index}")), curve, None, stroke(curve, index))?;
@@ -81,12 +81,12 @@ impl Page {
         LineStrips2D::new(strips).with_colors([GREY]).with_radii([Radius::new_ui_points(0.5)])
     }
 
-    /// Numbers at the ticks and the words of both axes.
+    /// Numbers at the ticks and the labels of both axes.
     fn labels(&self, diagram: &Diagram) -> Points2D {
         let below = self.x.ticks().into_iter().map(|(x, words)| (place(x, -BELOW[0]), words));
         let left = self.y.ticks().into_iter().map(|(y, words)| (place(-LEFT / WIDTH, y + LABEL), words));
-        let across = (place(0.5, -BELOW[1]), diagram.axes[0].words.clone());
-        let up = (place(0.0, 1.0 + 4.0 * LABEL), diagram.axes[1].words.clone());
+        let across = (place(0.5, -BELOW[1]), diagram.axes[0].label.clone());
+        let up = (place(0.0, 1.0 + 4.0 * LABEL), diagram.axes[1].label.clone());
         texts(below.chain(left).chain([across, up]), [GREY])
     }
 

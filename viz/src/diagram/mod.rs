@@ -38,7 +38,7 @@ pub struct Diagram {
 #[derive(Clone, Debug)]
 pub struct Window {
     /// Its label.
-    pub words: String,
+    pub label: String,
     /// Its ends, in the unit of the axis.
     pub ends: [f64; 2],
 }
@@ -47,7 +47,7 @@ pub struct Window {
 #[derive(Clone, Debug)]
 pub struct Axis {
     /// Quantity and unit.
-    pub words: String,
+    pub label: String,
     /// Logarithmic; values that are not positive are not drawn.
     pub logarithmic: bool,
 }
