@@ -128,7 +128,7 @@ pub enum Warning {
     /// An integrated fall over another height.
     #[error("integrated from rest the fall covers {covered:.2} m up to contact, not {height} m; check the height")]
     DropHeightDiffers {
-        /// m.
+        /// Distance from rest to contact by integration, m.
         covered: f64,
         /// As stated, m.
         height: f64,
@@ -139,7 +139,7 @@ pub enum Warning {
         known.name()
     )]
     ZeroOffsetDoubtful {
-        /// m/s².
+        /// Change of the sensor's zero that closes the fall, m/s².
         offset: f64,
         /// Standard error of the mean at rest, m/s².
         error: f64,
@@ -149,9 +149,9 @@ pub enum Warning {
     /// A drift at rest.
     #[error("the reading at rest drifts by {rate:.2} m/s² per second, {over_record:.2} m/s² over the record")]
     ZeroDrift {
-        /// m/s³.
+        /// Slope of the reading at rest, m/s³.
         rate: f64,
-        /// m/s².
+        /// Drift from the first to the last sample at that slope, m/s².
         over_record: f64,
     },
     /// A peak after the rebound.
@@ -168,9 +168,9 @@ pub enum Warning {
     /// A constant largest reading.
     #[error("the accelerometer reads {reading:.1} m/s² for {:.1} ms, which may be the end of its range", 1e3 * duration)]
     Saturated {
-        /// m/s².
+        /// The largest reading, m/s².
         reading: f64,
-        /// s.
+        /// Time for which it stays, s.
         duration: f64,
     },
     /// An acceleration that was filtered before.
@@ -179,9 +179,9 @@ pub enum Warning {
         again.map_or_else(|| "is not filtered again".into(), |class| format!("is filtered again with CFC {class}"))
     )]
     FilteredAlready {
-        /// The class that the file states.
+        /// Channel frequency class that the file states.
         class: f64,
-        /// The class of the reduction, where it filters.
+        /// Channel frequency class of the reduction, where it filters.
         again: Option<f64>,
     },
     /// A coupon that did not break.
@@ -211,7 +211,7 @@ pub enum Warning {
     SpeedNotMeasured {
         /// Of the film.
         direction: Direction,
-        /// Of the jaws, m/s.
+        /// Speed of the jaws, m/s.
         velocity: f64,
     },
     /// A material file with an assumed density.

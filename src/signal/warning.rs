@@ -187,7 +187,7 @@ pub enum Warning {
     /// A list of channels that disagrees with its own count.
     #[error("the list of channels states {stated} and has {listed}")]
     ChannelCountDiffers {
-        /// As stated.
+        /// Entries that it states.
         stated: f64,
         /// Entries of the list.
         listed: usize,
@@ -253,7 +253,7 @@ pub enum Warning {
     /// A channel frequency class that no standard defines.
     #[error("CFC {class} is none of the standards' classes (1000, 600, 180, 60)")]
     UnusualFilterClass {
-        /// The class.
+        /// Channel frequency class.
         class: f64,
     },
     /// A channel that was filtered before is filtered again.
@@ -261,7 +261,7 @@ pub enum Warning {
     FilteredBefore {
         /// The channel.
         channel: String,
-        /// The class that its file states.
+        /// Channel frequency class that its file states.
         class: f64,
     },
     /// Resampling to fewer samples.
@@ -286,9 +286,9 @@ pub enum Warning {
         curve: Curve,
         /// Samples before.
         samples: usize,
-        /// s.
+        /// Start of the interval, s.
         from: f64,
-        /// s.
+        /// End of the interval, s.
         to: f64,
     },
     /// A curve that was rated over a part of its time.
@@ -296,9 +296,9 @@ pub enum Warning {
     CurveCut {
         /// Which of the two.
         curve: Curve,
-        /// s.
+        /// Start of the interval, s.
         from: f64,
-        /// s.
+        /// End of the interval, s.
         to: f64,
     },
     /// A comparison that is constant.

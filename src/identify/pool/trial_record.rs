@@ -16,15 +16,17 @@ use crate::script::{Compared, Over, Target};
 pub(super) enum Record {
     /// One trial.
     Trial {
+        /// The point.
         x: Vec<f64>,
         /// Objective value; none of a failed trial.
         f: Option<f64>,
+        /// Why the trial failed, where it did.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         failed: Option<String>,
         /// Whether a simulation failed numerically.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         numerical: bool,
-        /// Wall time.
+        /// Wall time, s.
         seconds: f64,
         /// x, then the scalar or the residuals: little-endian doubles in base64.
         bits: String,
@@ -37,8 +39,17 @@ pub(super) enum Record {
     },
     /// A file that a trial was the first to read, and a description of its content.
     Input { input: PathBuf, content: String },
-    /// A reference that the next trial is the first to be compared with; little-endian floats in base64.
-    Target { target: usize, over: Over, places: String, values: String },
+    /// A reference that the next trial is the first to be compared with.
+    Target {
+        /// Its number, from zero.
+        target: usize,
+        /// What its abscissae are.
+        over: Over,
+        /// Its abscissae, little-endian floats in base64.
+        places: String,
+        /// Its values, likewise.
+        values: String,
+    },
 }
 
 /// A simulated curve: number of its reference, from zero, and values, little-endian floats in base64.

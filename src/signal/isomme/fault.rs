@@ -92,7 +92,7 @@ pub enum Fault {
     Interval {
         /// The channel.
         channel: String,
-        /// As the header states it.
+        /// As the header states it, s.
         interval: f64,
     },
     /// The channel of times that a header names is missing.
