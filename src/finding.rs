@@ -103,9 +103,10 @@ impl Finding {
     }
 }
 
+/// As a terminal shows it: `warning[coarse-contact]: message`.
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
+        write!(f, "{}[{}]: {}", self.severity, self.code, self.message)
     }
 }
 
@@ -148,6 +149,7 @@ mod tests {
         let json = r#"{"code":"deep-contact","severity":"warning","message":"penetration of 0.5 m","depth_m":0.5}"#;
         assert_eq!(serde_json::to_string(&finding).unwrap(), json);
         assert_eq!(serde_json::from_str::<Finding>(json).unwrap(), finding);
+        assert_eq!(finding.to_string(), "warning[deep-contact]: penetration of 0.5 m");
         assert_eq!(CODES, [&DEEP, &USUAL]);
     }
 

@@ -14,14 +14,24 @@ fn all() -> impl Iterator<Item = &'static Code> {
     modules.into_iter().chain([checkpoint::CODES]).flatten().copied()
 }
 
-/// The code `name`.
+/// The code `name`, which may be written as the terminal prints it: `warning[coarse-contact]`.
 pub(super) fn find(name: &str) -> Option<&'static Code> {
+    let name = bare(name);
     all().find(|code| code.name == name)
 }
 
 /// The code whose name is like `name`, as a hint.
 pub(super) fn hint(name: &str) -> Option<String> {
-    closest(name, all().map(|code| code.name)).map(|name| format!("did you mean the finding `{name}`?"))
+    closest(bare(name), all().map(|code| code.name)).map(|name| format!("did you mean the finding `{name}`?"))
+}
+
+/// `coarse-contact` of `warning[coarse-contact]:`, of `[coarse-contact]` and of itself.
+fn bare(text: &str) -> &str {
+    let enclosed = text.trim_end_matches(':').strip_suffix(']').and_then(|text| text.split_once('['));
+    match enclosed {
+        Some(("" | "warning" | "note", name)) => name,
+        _ => text,
+    }
 }
 
 /// Prints the meaning of `code`, or of all codes.
@@ -43,6 +53,15 @@ mod tests {
 
     use super::*;
     use crate::finding::is_code;
+
+    #[test]
+    fn a_code_is_found_as_the_terminal_prints_it() {
+        for written in ["coarse-contact", "[coarse-contact]", "warning[coarse-contact]", "warning[coarse-contact]:"] {
+            assert_eq!(find(written).map(|code| code.name), Some("coarse-contact"), "{written}");
+        }
+        assert_eq!(hint("warning[corse-contact]").as_deref(), Some("did you mean the finding `coarse-contact`?"));
+        assert_eq!(find("frame[coarse-contact]"), None);
+    }
 
     #[test]
     fn codes_are_unique_well_formed_and_explained() {

@@ -281,7 +281,7 @@ mod tests {
     }
 
     fn messages(comparison: &RunComparison) -> Vec<String> {
-        comparison.findings.iter().map(Finding::to_string).collect()
+        comparison.findings.iter().map(|finding| finding.message.clone()).collect()
     }
 
     #[test]

@@ -61,26 +61,21 @@ pub fn page(title: &str, body: &str) -> String {
     )
 }
 
-/// Warnings in a box of their own; empty without lines. Heading and lines are text.
-fn warnings(heading: &str, lines: &[String]) -> String {
-    if lines.is_empty() {
-        return String::new();
-    }
-    format!("<div class=\"warnings\">\n<h2>{}</h2>\n{}</div>\n", escape(heading), list(lines))
-}
-
 /// Warnings in their frame below `facts`, which are not findings, and a section of the notes.
 pub(super) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item = &'f Finding>) -> String {
     let (warned, noted): (Vec<&Finding>, Vec<&Finding>) =
         findings.into_iter().partition(|finding| finding.is_warning());
-    let lines = |findings: Vec<&Finding>| findings.into_iter().map(with_code).collect::<Vec<_>>();
-    let warned: Vec<String> = facts.into_iter().chain(lines(warned)).collect();
-    [warnings("Warnings", &warned), section("Notes", &list(&lines(noted)))].concat()
+    let facts = facts.iter().map(|fact| escape(fact));
+    let warnings = match items(facts.chain(warned.into_iter().map(with_code))) {
+        empty if empty.is_empty() => empty,
+        list => format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{list}</div>\n"),
+    };
+    [warnings, section("Notes", &items(noted.into_iter().map(with_code)))].concat()
 }
 
-/// A finding with its code, which `droptower explain` takes.
+/// The HTML of a finding with its code, which `droptower explain` takes.
 fn with_code(finding: &Finding) -> String {
-    format!("{finding} [{}]", finding.code)
+    format!("{} <code>{}</code>", escape(&finding.message), escape(&finding.code))
 }
 
 /// Data for the page's scripts; no text in it can end the block.
@@ -149,12 +144,14 @@ pub(super) fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> Stri
 }
 
 /// A list; all items are text.
-pub(super) fn list(items: &[String]) -> String {
-    if items.is_empty() {
-        return String::new();
-    }
-    let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escape(item))).collect();
-    format!("<ul>\n{items}</ul>\n")
+pub(super) fn list(lines: &[String]) -> String {
+    items(lines.iter().map(|line| escape(line)))
+}
+
+/// A list of HTML; empty without items.
+fn items(items: impl Iterator<Item = String>) -> String {
+    let items: String = items.map(|item| format!("<li>{item}</li>\n")).collect();
+    if items.is_empty() { items } else { format!("<ul>\n{items}</ul>\n") }
 }
 
 /// Preformatted text.
@@ -172,6 +169,15 @@ mod tests {
         assert!(html.contains("<title>a &lt; b</title>") && html.contains("default-src 'none'"));
         assert_eq!(html.matches("'sha256-").count(), SCRIPTS.len());
         assert!(SCRIPTS.iter().all(|script| !script.contains("</script") && html.contains(script)));
+    }
+
+    #[test]
+    fn a_finding_is_shown_with_its_code() {
+        let finding = Finding::of_script("hard-impact", "the peak is > 500 m/s²");
+        let html = findings(vec!["the run <failed>".into()], [&finding]);
+        let lines = "<li>the run &lt;failed&gt;</li>\n<li>the peak is &gt; 500 m/s² <code>hard-impact</code></li>";
+        assert_eq!(html, format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n<ul>\n{lines}\n</ul>\n</div>\n"));
+        assert_eq!(findings(vec![], []), "");
     }
 
     #[test]

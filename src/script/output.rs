@@ -90,7 +90,7 @@ impl fmt::Display for Message<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Message::Line(line) => f.write_str(line),
-            Message::Finding(finding) => write!(f, "{}: {finding}", finding.severity),
+            Message::Finding(finding) => finding.fmt(f),
         }
     }
 }

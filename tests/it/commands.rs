@@ -65,7 +65,7 @@ fn a_material_is_checked_without_a_scenario() {
 }
 
 #[test]
-fn findings_are_printed_with_their_severity() {
+fn findings_are_printed_with_severity_and_code() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("run");
     let out = out.to_str().expect("UTF-8");
@@ -74,10 +74,10 @@ fn findings_are_printed_with_their_severity() {
     let cases: [(Vec<&str>, &[&str]); 3] = [
         (
             [&["run", "scenarios/drop/1509.toml"], &short[..]].concat(),
-            &["  note: reference: no laser", "  warning: reference: VIRTUAL drop test"],
+            &["  note[no-laser]: reference: no laser", "  warning[virtual-reference]: reference: VIRTUAL drop test"],
         ),
-        (drop.to_vec(), &["  note: no laser", "  warning: VIRTUAL drop test"]),
-        (vec!["signal", "info", "data/virtual/1509.csv"], &["  warning: VIRTUAL drop test"]),
+        (drop.to_vec(), &["  note[no-laser]: no laser", "  warning[virtual-recording]: VIRTUAL drop test"]),
+        (vec!["signal", "info", "data/virtual/1509.csv"], &["  warning[virtual-recording]: VIRTUAL drop test"]),
     ];
     for (arguments, expected) in cases {
         let text = standard_output(&arguments);
@@ -92,7 +92,8 @@ fn findings_are_printed_with_their_severity() {
     assert!(!summary["warnings"].to_string().contains("no laser"), "a note is no warning: {summary}");
     let page = read("report.html");
     let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("no {text}"));
-    assert!(place("[virtual-reference]") < place("<h2>Notes</h2>") && place("<h2>Notes</h2>") < place("[no-laser]"));
+    let (warning, note) = (place("<code>virtual-reference</code>"), place("<code>no-laser</code>"));
+    assert!(warning < place("<h2>Notes</h2>") && place("<h2>Notes</h2>") < note);
 }
 
 #[test]
@@ -139,6 +140,7 @@ fn explain_gives_unit_range_default_and_sentence() {
 fn explain_gives_meaning_and_remedy_of_findings() {
     let one = standard_output(&["explain", "coarse-contact"]);
     assert!(one.starts_with("coarse-contact (warning)\n") && one.contains("what to do: use a smaller"), "{one}");
+    assert_eq!(standard_output(&["explain", "warning[coarse-contact]"]), one);
     let all: Json = serde_json::from_str(&standard_output(&["explain", "findings", "--json"])).expect("JSON");
     let code = |code: &&Json| code["name"] == "coarse-contact" && code["severity"] == "warning";
     assert_eq!(all.as_array().expect("a list").iter().filter(code).count(), 1);

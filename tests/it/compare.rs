@@ -84,9 +84,9 @@ fn signals_and_figures_that_runs_do_not_share_are_noted() {
     assert!(found["notes"].to_string().contains("the runs have no signal in common"));
     let text = printed(&droptower(bench.path(), &["compare", "runs/drop/eight", &raw, "--out", "mixed"]));
     for line in [
-        "  note: only eight has ",
-        "  warning: the runs have no signal in common\n",
-        "  warning: 1008.csv is a VIRTUAL recording: nothing was measured\n",
+        "  note[signals-of-one-run]: only eight has ",
+        "  warning[no-common-signal]: the runs have no signal in common\n",
+        "  warning[virtual-recording]: 1008.csv is a VIRTUAL recording: nothing was measured\n",
     ] {
         assert!(text.contains(line), "{line}: {text}");
     }

@@ -180,7 +180,10 @@ fn text_output_is_one_line_and_quiet_prints_nothing() {
     assert_eq!(printed(&["rate", path, path, "--quiet"]), "");
     let falling = self::folder(&[("f.csv", table("time_s,accel [g]", 1e-3, 81, |t| -square(t)))]);
     let clip = printed(&["clip", falling.path().join("f.csv").to_str().expect("UTF-8")]);
-    assert!(clip.contains("  0.000 g") && clip.contains("warning: no positive level is held that long"), "{clip}");
+    assert!(
+        clip.contains("  0.000 g") && clip.contains("warning[no-positive-level]: no positive level is held that long"),
+        "{clip}"
+    );
 }
 
 #[test]

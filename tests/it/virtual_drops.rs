@@ -278,7 +278,7 @@ fn the_command_prints_figures_and_writes_signals() {
     assert!(text.lines().any(|line| line.starts_with("# VIRTUAL drop test: nothing fell")), "{}", &text[..500]);
     let shown = droptower(&call[..call.len() - 1]);
     let shown = String::from_utf8_lossy(&shown.stdout);
-    assert!(shown.contains("warning: VIRTUAL drop test: nothing fell"), "{shown}");
+    assert!(shown.contains("warning[virtual-recording]: VIRTUAL drop test: nothing fell"), "{shown}");
     let written = file::read(&out, &ReadOptions::default()).expect("the reduced signals");
     let travel = &written.channel("displacement_m").expect("a channel").series;
     assert_eq!((travel.time()[0], travel.values()[0]), (0.0, 0.0));

@@ -30,7 +30,8 @@ impl StudyRecording {
 /// Figures, tables, correlations, script and arguments.
 fn texts(study: &StudyPage) -> Vec<Text> {
     let warnings = study.output.findings.iter().filter(|finding| finding.is_warning());
-    let warnings: String = warnings.map(|warning| format!("{}\n\n", text::escaped(&warning.message))).collect();
+    let warnings: String =
+        warnings.map(|found| format!("{} \\[{}\\]\n\n", text::escaped(&found.message), found.code)).collect();
     let summary = Text { title: "Summary".into(), markdown: warnings + markdown(&study.output.measures).as_str() };
     let given = serde_json::to_string_pretty(study.call).unwrap_or_else(|error| error.to_string());
     let run = [Text::verbatim("Script", study.script), Text::verbatim("What was run", &given)];

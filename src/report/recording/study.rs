@@ -156,7 +156,7 @@ fn events(study: &StudyRecording) -> Vec<Event> {
     let findings = study.findings.iter().map(|finding| Event {
         at: end,
         severity: if finding.is_warning() { Severity::Warning } else { Severity::Info },
-        text: finding.message.clone(),
+        text: format!("{} [{}]", finding.message, finding.code),
     });
     let lines = study.log.iter().map(|line| event(end, line.clone()));
     iterations.map(words).chain(findings).chain(lines).collect()
