@@ -1,5 +1,7 @@
-//! What a user can change in a scenario about a warning or a failure of its run, in the scenario's keys.
+//! What a user can change in a scenario about a warning or a failure of its run, in the scenario's keys. A remedy that
+//! is the same for every scenario is that of the warning's code.
 
+use crate::finding::Report;
 use crate::model::{Loading, Model};
 use crate::number::significant;
 use crate::simulate::{Failure, Fault, Warning};
@@ -7,9 +9,10 @@ use crate::simulate::{Failure, Fault, Warning};
 /// The warning of a run of `model` with its remedy, if there is one; `mass_scaling` is the factor that the run used.
 pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option<f64>) -> String {
     let remedy = match warning {
-        Warning::CoarseContact { .. } | Warning::Penetration { .. } => "use a smaller specimen.mesh.size".to_owned(),
-        Warning::Unfinished => "use a longer loading.impact.duration".to_owned(),
-        Warning::FewerSnapshots { .. } => "use a lower output.frames".to_owned(),
+        Warning::CoarseContact { .. }
+        | Warning::Penetration { .. }
+        | Warning::Unfinished
+        | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
         Warning::MisshapenElements { .. }
         | Warning::FrameHit { .. }
@@ -63,18 +66,42 @@ mod tests {
         path.split('.').try_fold(grammar::scenario(), |rule, key| rule.under(key)).is_some()
     }
 
+    /// Every second part of `text` between `quotes`.
+    fn enclosed(text: &str, quotes: char) -> impl Iterator<Item = &str> {
+        text.split(quotes).skip(1).step_by(2)
+    }
+
     #[test]
     fn every_key_that_a_remedy_names_is_one_of_a_scenario() {
         let (source, _) = include_str!("remedies.rs").split_once("#[cfg(test)]").unwrap();
-        // Every second part between quotes is a text.
-        let named: Vec<&str> = source.split('"').skip(1).step_by(2).flat_map(paths).collect();
-        assert!(named.len() > 5, "{named:?}");
-        let codes = [crate::simulate::CODES, crate::post::CODES].concat();
-        let remedies = codes.iter().flat_map(|code| paths(code.remedy)).filter(|path| !path.ends_with(".csv"));
-        for path in named.into_iter().chain(remedies) {
+        let named: Vec<&str> = enclosed(source, '"').flat_map(paths).collect();
+        assert_eq!(named.len(), 3, "{named:?}");
+        let remedies = || [crate::simulate::CODES, crate::post::CODES].concat().into_iter().map(|code| code.remedy);
+        let of_codes: Vec<&str> = remedies().flat_map(paths).filter(|path| !path.ends_with(".csv")).collect();
+        assert!(of_codes.len() > 5, "{of_codes:?}");
+        for path in named.iter().chain(&of_codes) {
             assert!(is_key(path), "a scenario has no `{path}`");
         }
         assert!(!is_key("specimen.mesh.length"));
+        for remedy in remedies() {
+            let quoted: Vec<&str> = enclosed(remedy, '`').flat_map(paths).collect();
+            assert_eq!(paths(remedy).collect::<Vec<_>>(), quoted, "{remedy}");
+        }
+    }
+
+    #[test]
+    fn the_remedy_of_a_code_follows_the_fact_once() {
+        let warnings = [
+            Warning::CoarseContact { time: 0.01, edge: 0.4 },
+            Warning::Penetration { time: 0.01, depth: 0.02 },
+            Warning::Unfinished,
+            Warning::FewerSnapshots { wanted: 200, taken: 50, memory: 1e9 },
+        ];
+        for warning in warnings {
+            let (fact, remedy) = (warning.to_string(), warning.code().remedy);
+            assert_eq!(with_remedy(&warning, &model(), None), format!("{fact}; {remedy}"));
+            assert!(!fact.contains('`') && remedy.contains('`'), "{fact}; {remedy}");
+        }
     }
 
     #[test]
