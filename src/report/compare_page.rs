@@ -160,15 +160,13 @@ struct Shown {
 }
 
 impl Shown {
-    fn of(column: &str) -> Shown {
-        let (words, unit) = figure::named(column);
-        let (unit, factor) = match unit.as_str() {
-            "m" => ("mm".into(), 1e3),
-            "Pa" if column.starts_with("pressure") => ("kPa".into(), 1e-3),
-            "Pa" => ("MPa".into(), 1e-6),
-            _ => (unit, 1.0),
-        };
-        Shown { words, unit, factor }
+    /// The unit is that of the table of columns, or the one in the name of a column that is not in the table.
+    fn of(name: &str) -> Shown {
+        let (words, unit) = figure::named(name);
+        match column::named(name) {
+            Some(known) => Shown { words, unit: known.axis_unit.into(), factor: known.factor },
+            None => Shown { words, unit, factor: 1.0 },
+        }
     }
 
     fn axis(&self) -> String {
@@ -181,6 +179,20 @@ mod tests {
     use super::*;
     use crate::signal::{Channel, Recording};
     use crate::store::StoredRun;
+
+    #[test]
+    fn columns_are_shown_in_the_units_of_the_table() {
+        for (name, axis, factor) in [
+            ("displacement_m", "displacement (mm)", 1e3),
+            ("pressure_Pa", "pressure (kPa)", 1e-3),
+            ("max_strain_md", "max strain md (%)", 100.0),
+            ("laser_m", "laser (m)", 1.0),
+            ("count", "count", 1.0),
+        ] {
+            let shown = Shown::of(name);
+            assert_eq!((shown.axis().as_str(), shown.factor), (axis, factor));
+        }
+    }
 
     #[test]
     fn the_page_of_many_long_runs_stays_small() {

@@ -54,7 +54,10 @@ fn impact(signals: &Recording, comparison: Option<&ReferenceComparison>) -> Vec<
         compared(
             "Displacement of the impactor",
             column::DISPLACEMENT.axis,
-            [simulated("simulated", column::DISPLACEMENT), measured(|c| &c.displacement, "", 1e3)],
+            [
+                simulated("simulated", column::DISPLACEMENT),
+                measured(|c| &c.displacement, "", column::DISPLACEMENT.factor),
+            ],
         ),
         compared(
             "Acceleration of the impactor",

@@ -11,14 +11,23 @@ pub struct Column {
     pub unit: &'static str,
     /// Words of its axis in plots, with the unit there.
     pub axis: &'static str,
-    /// Unit of the axis over that of the values.
+    /// Unit of the axis.
+    pub axis_unit: &'static str,
+    /// From the unit of the values to that of the axis.
     pub factor: f64,
 }
 
 macro_rules! columns {
-    ($($(#[$doc:meta])* $constant:ident = $name:literal, $short:literal, $unit:literal, $axis:literal, $factor:literal;)+) => {
-        $($(#[$doc])* pub const $constant: Column =
-            Column { name: $name, short: $short, unit: $unit, axis: $axis, factor: $factor };)+
+    ($($(#[$doc:meta])* $constant:ident = $name:literal, $short:literal,
+        $unit:literal, $quantity:literal ($axis_unit:literal), $factor:literal;)+) => {
+        $($(#[$doc])* pub const $constant: Column = Column {
+            name: $name,
+            short: $short,
+            unit: $unit,
+            axis: concat!($quantity, " (", $axis_unit, ")"),
+            axis_unit: $axis_unit,
+            factor: $factor,
+        };)+
         /// All columns, in the order in which scripts list them.
         pub const COLUMNS: &[Column] = &[$($constant),+];
     };
@@ -26,48 +35,54 @@ macro_rules! columns {
 
 columns! {
     /// Vertical position of the impactor from first contact, or travel of the jaws.
-    DISPLACEMENT = "displacement_m", "displacement", "m", "displacement (mm)", 1e3;
+    DISPLACEMENT = "displacement_m", "displacement", "m", "displacement" ("mm"), 1e3;
     /// Vertical velocity of the impactor, positive upwards.
-    VELOCITY = "velocity_m_s", "velocity", "m/s", "velocity (m/s)", 1.0;
+    VELOCITY = "velocity_m_s", "velocity", "m/s", "velocity" ("m/s"), 1.0;
     /// Acceleration of the impactor through the channel filter of the run.
-    ACCELERATION_FILTERED = "acceleration_filtered_m_s2", "acceleration", "m/s2", "acceleration (m/s²)", 1.0;
+    ACCELERATION_FILTERED = "acceleration_filtered_m_s2", "acceleration", "m/s2", "acceleration" ("m/s²"), 1.0;
     /// Acceleration of the impactor before the filter.
-    ACCELERATION = "acceleration_m_s2", "acceleration_raw", "m/s2", "acceleration (m/s²)", 1.0;
+    ACCELERATION = "acceleration_m_s2", "acceleration_raw", "m/s2", "acceleration" ("m/s²"), 1.0;
     /// Vertical force of the film on the impactor.
-    CONTACT_FORCE = "contact_force_N", "contact_force", "N", "force (N)", 1.0;
+    CONTACT_FORCE = "contact_force_N", "contact_force", "N", "force" ("N"), 1.0;
     /// Kinetic energy of the impactor.
-    KINETIC_ENERGY = "kinetic_energy_J", "kinetic_energy", "J", "energy (J)", 1.0;
+    KINETIC_ENERGY = "kinetic_energy_J", "kinetic_energy", "J", "energy" ("J"), 1.0;
     /// Potential energy of the impactor.
-    POTENTIAL_ENERGY = "potential_energy_J", "potential_energy", "J", "energy (J)", 1.0;
+    POTENTIAL_ENERGY = "potential_energy_J", "potential_energy", "J", "energy" ("J"), 1.0;
     /// Energy that the film has taken from the impactor.
-    ABSORBED_ENERGY = "absorbed_energy_J", "absorbed_energy", "J", "energy (J)", 1.0;
+    ABSORBED_ENERGY = "absorbed_energy_J", "absorbed_energy", "J", "energy" ("J"), 1.0;
     /// Sum of kinetic, potential and absorbed energy.
-    TOTAL_ENERGY = "total_energy_J", "total_energy", "J", "energy (J)", 1.0;
+    TOTAL_ENERGY = "total_energy_J", "total_energy", "J", "energy" ("J"), 1.0;
     /// Largest engineering strain of the MD fibres.
-    MAX_STRAIN_MD = "max_strain_md", "max_strain_md", "", "engineering strain (%)", 100.0;
+    MAX_STRAIN_MD = "max_strain_md", "max_strain_md", "", "engineering strain" ("%"), 100.0;
     /// Largest engineering strain of the TD fibres.
-    MAX_STRAIN_TD = "max_strain_td", "max_strain_td", "", "engineering strain (%)", 100.0;
+    MAX_STRAIN_TD = "max_strain_td", "max_strain_td", "", "engineering strain" ("%"), 100.0;
     /// Mean force on the held sides across x.
-    FRAME_FORCE_X = "frame_force_x_N", "frame_force_x", "N", "force (N)", 1.0;
+    FRAME_FORCE_X = "frame_force_x_N", "frame_force_x", "N", "force" ("N"), 1.0;
     /// Mean force on the held sides across y.
-    FRAME_FORCE_Y = "frame_force_y_N", "frame_force_y", "N", "force (N)", 1.0;
+    FRAME_FORCE_Y = "frame_force_y_N", "frame_force_y", "N", "force" ("N"), 1.0;
     /// Force on the jaws, or on the impactor of an indentation.
-    FORCE = "force_N", "force", "N", "force (N)", 1.0;
+    FORCE = "force_N", "force", "N", "force" ("N"), 1.0;
     /// Engineering strain between the jaws.
-    STRAIN = "strain", "strain", "", "engineering strain (%)", 100.0;
+    STRAIN = "strain", "strain", "", "engineering strain" ("%"), 100.0;
     /// Nominal stress between the jaws.
-    STRESS = "stress_Pa", "stress", "Pa", "stress (MPa)", 1e-6;
+    STRESS = "stress_Pa", "stress", "Pa", "stress" ("MPa"), 1e-6;
     /// Depth of an indentation.
-    DEPTH = "depth_m", "depth", "m", "depth (mm)", 1e3;
+    DEPTH = "depth_m", "depth", "m", "depth" ("mm"), 1e3;
     /// Pressure on the film.
-    PRESSURE = "pressure_Pa", "pressure", "Pa", "pressure (kPa)", 1e-3;
+    PRESSURE = "pressure_Pa", "pressure", "Pa", "pressure" ("kPa"), 1e-3;
     /// Deflection of the highest point of a film under pressure.
-    DEFLECTION = "deflection_m", "deflection", "m", "deflection (mm)", 1e3;
+    DEFLECTION = "deflection_m", "deflection", "m", "deflection" ("mm"), 1e3;
+}
+
+/// The column `name` of `signals.csv`.
+pub fn named(name: &str) -> Option<&'static Column> {
+    COLUMNS.iter().find(|column| column.name == name)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::COLUMNS;
+    use super::*;
+    use crate::units::Unit;
 
     #[test]
     fn names_end_with_their_unit_and_differ() {
@@ -76,6 +91,19 @@ mod tests {
             assert!(suffix.is_empty() || column.name.ends_with(&format!("_{suffix}")), "{}", column.name);
             let others = &COLUMNS[..place];
             assert!(others.iter().all(|other| other.name != column.name && other.short != column.short));
+        }
+    }
+    #[test]
+    fn the_factor_is_that_of_the_units() {
+        let scale = |symbol: &str| match symbol.replace('²', "2").as_str() {
+            "" => 1.0,
+            "%" => 0.01,
+            symbol => Unit::parse(symbol).unwrap().to_si(1.0),
+        };
+        for Column { name, unit, axis, axis_unit, factor, .. } in COLUMNS {
+            let expected = scale(unit) / scale(axis_unit);
+            assert!((factor / expected - 1.0).abs() < 1e-12, "{name}: {expected}");
+            assert!(axis.ends_with(&format!(" ({axis_unit})")), "{axis}");
         }
     }
 }

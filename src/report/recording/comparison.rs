@@ -90,7 +90,7 @@ mod tests {
         };
         let scene = scene(&RunComparison::of(&[run("/r/a", 2e6), run("/r/b", 4e6)], &[]));
         let charts: Vec<_> = scene.charts.iter().map(|chart| (chart.title.as_str(), chart.signals.len())).collect();
-        assert_eq!(charts, [("strain", 2), ("stress (MPa)", 2)]);
+        assert_eq!(charts, [("strain (%)", 2), ("stress (MPa)", 2)]);
         let of_b = scene.signals.iter().find(|track| track.path == scene.charts[1].signals[1]).expect("a signal");
         assert_eq!((of_b.label.as_str(), of_b.values.as_slice()), ("b", [0.0, 4.0].as_slice()));
         assert_eq!(of_b.places, Places::Times(vec![0.0, 0.25]));

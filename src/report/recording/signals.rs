@@ -3,7 +3,8 @@
 use droptower_viz::{Chart, Places, SignalTrack, Stroke};
 
 use crate::post::ReferenceComparison;
-use crate::signal::{Recording, Series, column};
+use crate::signal::column::{self, Column};
+use crate::signal::{Recording, Series};
 
 /// The channels of one chart.
 struct Pane {
@@ -30,74 +31,70 @@ struct Shown {
 /// The unfiltered channel behind its filtered one.
 const RAW: &str = "simulated, raw";
 
-const fn shown(channel: &'static str, label: &'static str) -> Shown {
-    Shown { channel, entity: channel, label, factor: 1.0 }
+/// A column in the unit of its values.
+const fn shown(column: Column, label: &'static str) -> Shown {
+    Shown { channel: column.name, entity: column.name, label, factor: 1.0 }
 }
 
-const fn in_mm(channel: &'static str, entity: &'static str) -> Shown {
-    Shown { channel, entity, label: "simulated", factor: 1e3 }
-}
-
-const fn in_units(channel: &'static str, entity: &'static str, factor: f64) -> Shown {
-    Shown { channel, entity, label: "simulated", factor }
+/// A column in the unit of its axis.
+const fn as_plotted(column: Column, entity: &'static str, label: &'static str) -> Shown {
+    Shown { channel: column.name, entity, label, factor: column.factor }
 }
 
 /// Charts beside the film; a run has those for which it has channels.
 const FIRST: [Pane; 7] = [
     Pane {
         title: "Acceleration, m/s²",
-        channels: &[
-            shown(column::ACCELERATION_FILTERED.name, "simulated, filtered"),
-            shown(column::ACCELERATION.name, RAW),
-        ],
-        measured: &[(shown(column::ACCELERATION_FILTERED.name, ""), |c| c.acceleration.as_ref())],
+        channels: &[shown(column::ACCELERATION_FILTERED, "simulated, filtered"), shown(column::ACCELERATION, RAW)],
+        measured: &[(shown(column::ACCELERATION_FILTERED, ""), |c| c.acceleration.as_ref())],
     },
     Pane {
         title: "Displacement, mm",
         channels: &[
-            in_mm(column::DISPLACEMENT.name, "displacement_mm"),
-            in_mm(column::DEPTH.name, "depth_mm"),
-            in_mm(column::DEFLECTION.name, "deflection_mm"),
+            as_plotted(column::DISPLACEMENT, "displacement_mm", "simulated"),
+            as_plotted(column::DEPTH, "depth_mm", "simulated"),
+            as_plotted(column::DEFLECTION, "deflection_mm", "simulated"),
         ],
-        measured: &[(
-            Shown { channel: column::DISPLACEMENT.name, entity: "displacement_mm", label: "", factor: 1e3 },
-            |c| c.displacement.as_ref(),
-        )],
+        measured: &[(as_plotted(column::DISPLACEMENT, "displacement_mm", ""), |c| c.displacement.as_ref())],
     },
     Pane {
         title: "Energy of the impactor, J",
         channels: &[
-            shown(column::KINETIC_ENERGY.name, "kinetic"),
-            shown(column::POTENTIAL_ENERGY.name, "potential"),
-            shown(column::ABSORBED_ENERGY.name, "absorbed by the film"),
-            shown(column::TOTAL_ENERGY.name, "total"),
+            shown(column::KINETIC_ENERGY, "kinetic"),
+            shown(column::POTENTIAL_ENERGY, "potential"),
+            shown(column::ABSORBED_ENERGY, "absorbed by the film"),
+            shown(column::TOTAL_ENERGY, "total"),
         ],
         measured: &[
-            (shown(column::ABSORBED_ENERGY.name, "absorbed by the film, "), |c| c.absorbed_energy.as_ref()),
-            (shown(column::TOTAL_ENERGY.name, "total, "), |c| c.total_energy.as_ref()),
+            (shown(column::ABSORBED_ENERGY, "absorbed by the film, "), |c| c.absorbed_energy.as_ref()),
+            (shown(column::TOTAL_ENERGY, "total, "), |c| c.total_energy.as_ref()),
         ],
     },
-    Pane { title: "Force, N", channels: &[shown(column::FORCE.name, "simulated")], measured: &[] },
-    Pane { title: "Stress, MPa", channels: &[in_units(column::STRESS.name, "stress_MPa", 1e-6)], measured: &[] },
-    Pane { title: "Strain, %", channels: &[in_units(column::STRAIN.name, "strain_percent", 100.0)], measured: &[] },
-    Pane { title: "Pressure, kPa", channels: &[in_units(column::PRESSURE.name, "pressure_kPa", 1e-3)], measured: &[] },
+    Pane { title: "Force, N", channels: &[shown(column::FORCE, "simulated")], measured: &[] },
+    Pane { title: "Stress, MPa", channels: &[as_plotted(column::STRESS, "stress_MPa", "simulated")], measured: &[] },
+    Pane { title: "Strain, %", channels: &[as_plotted(column::STRAIN, "strain_percent", "simulated")], measured: &[] },
+    Pane {
+        title: "Pressure, kPa",
+        channels: &[as_plotted(column::PRESSURE, "pressure_kPa", "simulated")],
+        measured: &[],
+    },
 ];
 
 /// Charts in tabs.
 const MORE: [Pane; 4] = [
-    Pane { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE.name, "simulated")], measured: &[] },
-    Pane { title: "Velocity, m/s", channels: &[shown(column::VELOCITY.name, "simulated")], measured: &[] },
+    Pane { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE, "simulated")], measured: &[] },
+    Pane { title: "Velocity, m/s", channels: &[shown(column::VELOCITY, "simulated")], measured: &[] },
     Pane {
         title: "Largest strain, %",
         channels: &[
-            Shown { channel: column::MAX_STRAIN_MD.name, entity: "max_strain_md_percent", label: "MD", factor: 100.0 },
-            Shown { channel: column::MAX_STRAIN_TD.name, entity: "max_strain_td_percent", label: "TD", factor: 100.0 },
+            as_plotted(column::MAX_STRAIN_MD, "max_strain_md_percent", "MD"),
+            as_plotted(column::MAX_STRAIN_TD, "max_strain_td_percent", "TD"),
         ],
         measured: &[],
     },
     Pane {
         title: "Force on the frame, N",
-        channels: &[shown(column::FRAME_FORCE_X.name, "along x"), shown(column::FRAME_FORCE_Y.name, "along y")],
+        channels: &[shown(column::FRAME_FORCE_X, "along x"), shown(column::FRAME_FORCE_Y, "along y")],
         measured: &[],
     },
 ];
