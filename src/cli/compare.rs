@@ -8,7 +8,7 @@ use super::faults::{recording, storing};
 use super::scenarios::both;
 use super::{Failure, Shared, digest, findings, folder, print_figures, table};
 use crate::diagnostic::{Diagnostic, shown_path};
-use crate::post::RunComparison;
+use crate::post::{FAILED_RUN, RunComparison};
 use crate::report::compare_page;
 use crate::store::{self, Draft, StoredRun, StoredRunError, run_files};
 
@@ -71,6 +71,7 @@ fn unreadable(error: &StoredRunError) -> Diagnostic {
         StoredRunError::Summary { .. } | StoredRunError::NoFigures { .. } | StoredRunError::Scenario { .. } => {
             Diagnostic::new(error.to_string()).hint("run the scenario again, or compare its signals.csv alone")
         }
+        StoredRunError::NoSamples { .. } => Diagnostic::new(error.to_string()).hint(FAILED_RUN.remedy),
         StoredRunError::NoCommonTime { .. } | StoredRunError::Unreadable { .. } => Diagnostic::new(error.to_string()),
     }
 }

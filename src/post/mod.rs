@@ -32,6 +32,7 @@ pub use results::{EvaluateError, HEADER, Measures, Results};
 pub use run::Run;
 pub use stretch::Stretch;
 pub use study::{Study, register as register_studies};
+pub(crate) use warning::FAILED_RUN;
 pub use warning::{CODES, RunFindings, Warning};
 
 /// The reference of runs and scenarios in scripts.

@@ -32,6 +32,12 @@ impl ReadError {
         matches!(self, ReadError::Csv(error) if matches!(error.fault, csv::Fault::NoTime { .. }))
     }
 
+    /// Whether all that is wrong is that a table has no rows of numbers.
+    pub fn lacks_samples(&self) -> bool {
+        use csv::Fault::{Empty, NoNumbers, NoRows};
+        matches!(self, ReadError::Csv(error) if matches!(error.fault, Empty | NoRows | NoNumbers { .. }))
+    }
+
     /// What is wrong, without file and place.
     pub fn fault(&self) -> String {
         match self {

@@ -76,6 +76,14 @@ pub enum StoredRunError {
     /// The signals cannot be read.
     #[error(transparent)]
     Signals(#[from] signal::file::ReadError),
+    /// The run failed before its first sample.
+    #[error("{} has no samples: the run failed before the first: {cause}", path.display())]
+    NoSamples {
+        /// The run folder.
+        path: PathBuf,
+        /// Why the run failed.
+        cause: String,
+    },
     /// The recording has several time axes.
     #[error("{}: its channels do not share one time axis", path.display())]
     NoCommonTime {
@@ -107,13 +115,19 @@ impl StoredRun {
     }
 
     fn of_folder(place: &Path, table: &Path) -> Result<StoredRun, StoredRunError> {
-        let (signals, is_virtual) = signals(table)?;
+        let failure = text(&place.join(run_files::FAILURE))?.map(|cause| cause.trim().to_owned());
+        let (signals, is_virtual) = signals(table).map_err(|error| match (error, &failure) {
+            (StoredRunError::Signals(error), Some(cause)) if error.lacks_samples() => {
+                StoredRunError::NoSamples { path: place.into(), cause: cause.clone() }
+            }
+            (error, _) => error,
+        })?;
         Ok(StoredRun {
             place: place.into(),
             signals,
             summary: summary(&place.join(run_files::SUMMARY))?,
             scenario: scenario(&place.join(run_files::SCENARIO))?,
-            failure: text(&place.join(run_files::FAILURE))?.map(|cause| cause.trim().to_owned()),
+            failure,
             is_virtual,
         })
     }
@@ -181,6 +195,14 @@ mod tests {
         fs::write(place.join("failure.txt"), "lost\n").unwrap();
         let run = StoredRun::read(place).unwrap();
         assert_eq!((run.summary["peak"].as_f64(), run.failure.as_deref()), (Some(1.0), Some("lost")));
+        fs::write(place.join("signals.csv"), "time_s,force_N\n").unwrap();
+        assert!(
+            refusal(place).ends_with(" has no samples: the run failed before the first: lost"),
+            "{}",
+            refusal(place)
+        );
+        fs::remove_file(place.join("failure.txt")).unwrap();
+        assert!(refusal(place).contains("no samples: no line below the header"), "{}", refusal(place));
     }
 
     #[test]

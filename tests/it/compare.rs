@@ -93,6 +93,46 @@ fn signals_and_figures_that_runs_do_not_share_are_noted() {
 }
 
 #[test]
+fn a_failed_run_is_a_warning_and_one_without_samples_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    printed(&droptower(folder.path(), &["new", "drop", "drop.toml"]));
+    let run = |more: &[&str]| {
+        let quick = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=40ms", "--quiet"];
+        droptower(folder.path(), &[&["run", "drop.toml"], &quick[..], more].concat())
+    };
+    printed(&run(&["--out", "runs/whole"]));
+    // Fibres that become stiff at 30 % make the stable step collapse.
+    let wall = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
+    let failed =
+        run(&["--out", "runs/stiff", "--set", wall, "--set", "specimen.material.fabric.scale={k1=1,ke=1,ky=1}"]);
+    assert_eq!(failed.status.code(), Some(3), "{}", error(&failed));
+    let place = folder.path().join("runs/stiff.failed");
+    let cause = fs::read_to_string(place.join("failure.txt")).expect("a cause");
+    assert!(cause.contains("the time step fell"), "{cause}");
+
+    let compare =
+        |more: &[&str]| droptower(folder.path(), &[&["compare", "runs/whole", "runs/stiff.failed"], more].concat());
+    let message = format!("stiff.failed failed: {}", cause.trim());
+    let text = printed(&compare(&[]));
+    assert!(text.contains(&format!("  warning[failed-run]: {message}\n")), "{text}");
+    let found = figures(&compare(&["--json"]));
+    let expected =
+        serde_json::json!({ "code": "failed-run", "severity": "warning", "message": message, "run": "stiff.failed" });
+    assert!(found["findings"].as_array().expect("findings").contains(&expected), "{}", found["findings"]);
+
+    // A run that fails in its first step has the header of its signals alone.
+    let signals = fs::read_to_string(place.join("signals.csv")).expect("signals");
+    let header = signals.lines().next().expect("a header");
+    fs::write(place.join("signals.csv"), format!("{header}\n")).expect("a file");
+    let output = compare(&["--out", "runs/other"]);
+    assert_eq!(output.status.code(), Some(2), "{}", error(&output));
+    let expected = "runs/stiff.failed has no samples: the run failed before the first: the time step fell";
+    assert!(error(&output).contains(expected), "{}", error(&output));
+    assert!(error(&output).contains("run its scenario again once the cause of the failure is removed"));
+    assert!(!folder.path().join("runs/other").exists());
+}
+
+#[test]
 fn all_mistakes_are_reported_and_nothing_is_written() {
     let bench = bench();
     fs::create_dir(bench.path().join("empty")).expect("a folder");
