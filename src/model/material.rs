@@ -51,7 +51,9 @@ fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut Mistakes<'_>) -
 
 /// The curve of a fibre set, or its curves by strain rate.
 enum Curves {
+    /// One for all rates.
     One(Curve),
+    /// One a rate.
     ByRate(RateCurves),
 }
 

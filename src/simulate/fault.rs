@@ -73,7 +73,7 @@ pub enum Fault {
     /// The energy balance is lost.
     #[error("the energy balance is off by {:.1} % of the energy exchanged at {time:.6} s", 100.0 * .error)]
     EnergyBalance {
-        /// s.
+        /// Time of the last balance, s.
         time: f64,
         /// Error over the energy exchanged.
         error: f64,

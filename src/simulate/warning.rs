@@ -47,7 +47,7 @@ codes! {
         "load more slowly or set a lower `mass_scaling` where accuracy matters";
 }
 
-/// What puts figures of a run in doubt. Faces are counted from one, times are in s.
+/// What puts figures of a run in doubt. Faces are counted from one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
     /// The mesh of a face has an element with a small scaled Jacobian.
@@ -59,26 +59,26 @@ pub enum Warning {
     },
     /// Elements in contact are large compared with the impactor.
     CoarseContact {
-        /// When the bound was exceeded first.
+        /// When the bound was exceeded first, s.
         time: f64,
         /// Longest edge in contact over the radius of the impactor.
         edge: f64,
     },
     /// Elements penetrate the impactor.
     Penetration {
-        /// When the bound was exceeded first.
+        /// When the bound was exceeded first, s.
         time: f64,
         /// Largest penetration over the radius of the impactor.
         depth: f64,
     },
     /// The impactor reached the clamped edge.
     FrameHit {
-        /// When it did first.
+        /// When it did first, s.
         time: f64,
     },
     /// One element is strained much more than its neighbours.
     StrainLocalisation {
-        /// When it was found first.
+        /// When it was found first, s.
         time: f64,
         /// Largest engineering strain of the element.
         strain: f64,
