@@ -11,29 +11,12 @@ mod topology;
 
 use std::path::PathBuf;
 
-use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
+pub use crate::engine::Mesh;
 pub use error::MeshError;
 pub use quality::Quality;
 pub use topology::outer_edges;
-
-/// Nodes and elements of one face, flat or as imported, before any motion.
-#[derive(Clone, Debug, Default)]
-pub struct Mesh {
-    /// Positions, m.
-    pub nodes: Vec<Point3<f64>>,
-    /// Four-node elements, counter-clockwise seen from +z.
-    pub quads: Vec<[u32; 4]>,
-    /// Three-node elements, counter-clockwise seen from +z.
-    pub tris: Vec<[u32; 3]>,
-    /// Nodes on the film's own outer edge (not on a mirror plane), each once, ascending.
-    pub rim: Vec<u32>,
-    /// Nodes on the edges x-, x+, y-, y+ of the film, each once, ascending (indexed by `Side as usize`).
-    pub sides: [Vec<u32>; 4],
-    /// Nodes on the mirror planes x = 0 and y = 0; empty without that symmetry.
-    pub mirrors: [Vec<u32>; 2],
-}
 
 /// Outline of a film in the plane z = 0, centred on the origin. Lengths in m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,5 +1,5 @@
-//! The one direction of flow: no module names one that stands below it in `lib.rs`, and no files of a module name
-//! each other in a circle.
+//! The one direction of flow in each package: no module names one that stands below it in `lib.rs`, and no files of a
+//! module name each other in a circle.
 
 mod source;
 
@@ -9,13 +9,14 @@ use std::path::{Path, PathBuf};
 
 use source::{Crate, ModulePath};
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+/// Folders of the packages that are checked.
+fn packages() -> [PathBuf; 2] {
+    ["src", "src/membrane"].map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder))
 }
 
-/// The modules of `lib.rs`, in its order.
-fn modules() -> Vec<String> {
-    let text = fs::read_to_string(folder().join("lib.rs")).expect("lib.rs is there");
+/// The modules of the `lib.rs` in `folder`, in its order.
+fn modules(folder: &Path) -> Vec<String> {
+    let text = fs::read_to_string(folder.join("lib.rs")).expect("lib.rs is there");
     let names = text.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'));
     names.map(str::to_owned).collect()
 }
@@ -74,24 +75,28 @@ fn crate_of(files: &[(&str, &str)]) -> Crate {
 
 #[test]
 fn data_flows_one_way() {
-    let order = modules();
-    let place = |module: &String| order.iter().position(|other| other == module);
-    let sources = Crate::read(&folder());
-    let mut against = Vec::new();
-    for path in sources.modules.keys().filter(|path| path.first().is_some_and(|module| module != "main")) {
-        let here = place(&path[0]).unwrap_or_else(|| panic!("{} is not a module of lib.rs", path[0]));
-        let named = sources.mentions(path).into_iter();
-        let below = named.filter(|name| name.first().and_then(place).is_some_and(|there| there > here));
-        against.extend(below.map(|name| format!("{} names {}", path.join("::"), name.join("::"))));
+    for folder in packages() {
+        let order = modules(&folder);
+        let place = |module: &String| order.iter().position(|other| other == module);
+        let sources = Crate::read(&folder);
+        let mut against = Vec::new();
+        for path in sources.modules.keys().filter(|path| path.first().is_some_and(|module| module != "main")) {
+            let here = place(&path[0]).unwrap_or_else(|| panic!("{} is not a module of lib.rs", path[0]));
+            let named = sources.mentions(path).into_iter();
+            let below = named.filter(|name| name.first().and_then(place).is_some_and(|there| there > here));
+            against.extend(below.map(|name| format!("{} names {}", path.join("::"), name.join("::"))));
+        }
+        assert!(against.is_empty(), "against the flow:\n{}", against.join("\n"));
     }
-    assert!(against.is_empty(), "against the flow:\n{}", against.join("\n"));
 }
 
 #[test]
 fn no_files_of_a_module_name_each_other_in_a_circle() {
-    let found = circles(&graph(&Crate::read(&folder())));
-    let found: Vec<&str> = found.values().flatten().map(String::as_str).collect();
-    assert!(found.is_empty(), "in a circle:\n{}", found.join("\n"));
+    for folder in packages() {
+        let found = circles(&graph(&Crate::read(&folder)));
+        let found: Vec<&str> = found.values().flatten().map(String::as_str).collect();
+        assert!(found.is_empty(), "in a circle:\n{}", found.join("\n"));
+    }
 }
 
 #[test]

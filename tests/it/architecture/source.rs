@@ -10,7 +10,7 @@ const ITEMS: [&str; 9] = ["fn", "struct", "enum", "trait", "type", "const", "sta
 /// Path of a module from the root of the crate: `["script", "host"]`.
 pub type ModulePath = Vec<String>;
 
-/// One file of `src`, without comments, texts and tests.
+/// One file of a package, without comments, texts and tests.
 #[derive(Debug)]
 pub struct Module {
     tokens: Vec<String>,
@@ -35,7 +35,7 @@ pub struct Crate {
 }
 
 impl Crate {
-    /// The crate whose sources lie in `folder`.
+    /// The crate whose sources lie in `folder`, without packages in it.
     pub fn read(folder: &Path) -> Crate {
         let mut files = Vec::new();
         collect(folder, &mut files);
@@ -46,7 +46,7 @@ impl Crate {
         Crate::of(sources)
     }
 
-    /// The crate of files, by their paths in `src`, with their texts.
+    /// The crate of files, by their paths in its folder, with their texts.
     pub fn of(sources: impl IntoIterator<Item = (PathBuf, String)>) -> Crate {
         let mut found = Crate::default();
         let mut tests = BTreeSet::new();
@@ -141,7 +141,9 @@ impl Module {
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     for path in fs::read_dir(folder).expect("a folder of src").map(|entry| entry.expect("an entry").path()) {
         if path.is_dir() {
-            collect(&path, files);
+            if !path.join("Cargo.toml").exists() {
+                collect(&path, files);
+            }
         } else if path.extension().is_some_and(|extension| extension == "rs") {
             files.push(path);
         }

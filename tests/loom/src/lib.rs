@@ -7,7 +7,7 @@
 // The engine uses more of the pool than the tests do, and the limits of its waits are zero here.
 #![allow(dead_code, clippy::absurd_extreme_comparisons)]
 
-#[path = "../../../src/engine/thread_pool.rs"]
+#[path = "../../../src/membrane/engine/thread_pool.rs"]
 mod thread_pool;
 
 /// What the pool needs of the vector instructions: that they have a type.

@@ -23,7 +23,7 @@ pub struct Film {
     /// Thickness of all layers, m.
     pub thickness: f64,
     /// Which of all nodes are this face's; elements count theirs from the first of them.
-    pub(crate) nodes: Range<usize>,
+    pub nodes: Range<usize>,
 }
 
 /// Elements that one thread takes at a time.

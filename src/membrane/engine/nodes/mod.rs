@@ -69,7 +69,7 @@ impl Nodes {
     }
 
     /// Sets all forces to zero.
-    pub(crate) fn clear_forces(&mut self) {
+    pub fn clear_forces(&mut self) {
         self.force.axes_mut().into_iter().for_each(|axis| axis.fill(0.0));
     }
 

@@ -1,10 +1,10 @@
 //! Elements of one law without time integration: single elements, and the kernel at each number of lanes.
 
 use super::element::{self, Forces, Quads, StressFree, UndefinedFibreDirection};
+use super::mesh::Mesh;
 use super::nodes::Vectors;
 use crate::lane::Width;
 use crate::material::MembraneLaw;
-use crate::mesh::Mesh;
 
 /// The one-point quadrilaterals of a mesh with a law, `L` at once; `L` = 1 is the scalar kernel, element by element.
 /// The law need not be one of [`crate::material::Law`].

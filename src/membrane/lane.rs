@@ -60,6 +60,7 @@ impl Width {
 /// Defines a function that runs `$lanewise`, an `#[inline(always)]` function of the same arguments, compiled for the
 /// vector instructions that its first argument names. With `up to AVX2` wider ones run that code too: what is seldom
 /// called gains little by another copy of it.
+#[macro_export]
 macro_rules! at_width {
     (
         $(#[$attribute:meta])*
@@ -107,7 +108,7 @@ macro_rules! at_width {
         }
     };
 }
-pub(crate) use at_width;
+pub use at_width;
 
 /// The same value in every lane.
 #[inline(always)]

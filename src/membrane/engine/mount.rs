@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::element::{self, Block, Blocks, FullQuads, Quads, Shaped, StressFree, Tris, UndefinedFibreDirection};
 use super::element_group::{ElementGroup, group};
 use super::film::Film;
+use super::mesh::Mesh;
 use super::nodes::Nodes;
 use super::section::Section;
 use crate::lane::LANES;
 use crate::material::{LawVisitor, MembraneLaw};
-use crate::mesh::Mesh;
 
 /// Number of chunks of a film, where these stay within [`BLOCKS`].
 const CHUNKS: usize = 12;
