@@ -142,7 +142,7 @@ fn profile_rows<'p>(profile: &'p Profile, names: &'p [String]) -> impl Iterator<
 /// `findings`, a list of maps with code, severity, message and figures, and `warnings`, the messages of the warnings
 /// among them.
 fn insert_findings<'w>(map: &mut Map, reports: impl Iterator<Item = &'w Warning>) {
-    let findings: Vec<Finding> = reports.map(|report| Finding::new(report)).collect();
+    let findings: Vec<Finding> = reports.map(Finding::new).collect();
     let warnings = findings.iter().filter(|finding| finding.is_warning());
     let warnings: Array = warnings.map(|warning| warning.message.clone().into()).collect();
     map.insert("warnings".into(), warnings.into());
