@@ -19,6 +19,9 @@ pub(super) struct Selection {
     /// Change a key: key.path=value
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Leave out a key that the scenario gives or inherits: key.path
+    #[arg(long, value_name = "KEY")]
+    pub unset: Vec<String>,
 }
 
 /// A scenario as written and as checked, with the plan of its results.
@@ -53,7 +56,9 @@ impl Selection {
         &self,
         check: impl Fn(&Path, &[Assignment]) -> T,
     ) -> Result<Vec<(PathBuf, T)>, Vec<Diagnostic>> {
-        let (files, assignments) = both(files(&self.scenarios), assignments(&self.set))?;
+        let (files, set) = both(files(&self.scenarios), assignments(&self.set))?;
+        let unset = self.unset.iter().map(|path| Assignment::unset(path, "--unset"));
+        let assignments: Vec<Assignment> = unset.chain(set).collect();
         let checked = |file: PathBuf| {
             let found = check(&file, &assignments);
             (file, found)

@@ -104,7 +104,10 @@ fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, mistakes: &mu
         (Some(size), false) => size.0,
         (None, true) => 0.0,
         (Some(_), true) => {
-            mistakes.out_of_place(path, "an imported mesh has its own element size");
+            let path = if mistakes.is_written(path) { path } else { "specimen.mesh.size" };
+            let inherited = mistakes.is_inherited(path);
+            let remedy = if inherited { "; `unset = [\"specimen.mesh.size\"]` leaves it out" } else { "" };
+            mistakes.out_of_place(path, format!("an imported mesh has its own element size{remedy}"));
             return None;
         }
         (None, false) => {

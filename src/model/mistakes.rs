@@ -56,6 +56,11 @@ impl<'d> Mistakes<'d> {
         self.document.find(path).is_some()
     }
 
+    /// Whether the value at the key path is written in another text than the file that is checked.
+    pub fn is_inherited(&self, path: &str) -> bool {
+        self.document.span(path).source.name != shown_path(self.document.path())
+    }
+
     /// The existing file named at the key path.
     pub fn file(&mut self, path: &str) -> Option<PathBuf> {
         let file = self.document.file(path)?;

@@ -176,7 +176,11 @@ fn strains(list: &[Dynamic]) -> HostResult<Vec<f64>> {
     list.iter().map(|strain| number(strain, "a strain")).collect()
 }
 
+/// The change of a key; `()` leaves it out.
 fn assignment(key: &str, value: &Dynamic) -> HostResult<Assignment> {
+    if value.is_unit() {
+        return Ok(Assignment::unset(key, "script"));
+    }
     let json = to_json(value)?;
     let value = toml::Value::try_from(&json);
     let value = value.map_err(|error| refuse(format!("`{key}` cannot be written in a scenario: {error}")))?;
@@ -235,8 +239,8 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "scenario.with(#{ \"key.path\": value })",
-        gives: "the same scenario with changed values, checked again",
-        example: "scenario(args.scenario).with(#{ \"output.frames\": 10, title: \"other\" }).title == \"other\"",
+        gives: "the same scenario with changed values, checked again; `()` leaves a key out",
+        example: "scenario(args.scenario).with(#{ \"output.frames\": (), title: \"other\" }).title == \"other\"",
     },
     Entry {
         call: "scenario.reference.acceleration, .displacement, .energy_absorption; scenario.window",

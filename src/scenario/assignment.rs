@@ -1,12 +1,22 @@
-//! One change of a scenario: `key.path = value`, from `--set` or from a script.
+//! One change of a scenario: `key.path = value`, from `--set` or from a script, or a key that is left out.
 
 use super::tree::{self, Node, Value};
+use super::unset::Unset;
 use crate::diagnostic::{Diagnostic, Source, Span};
 
-/// A value for a key path, merged into a scenario by [`Document::with`](super::Document::with).
+/// A value for a key path, or a key path that is left out, for [`Document::with`](super::Document::with).
 #[derive(Clone, Debug)]
 pub struct Assignment {
-    tree: Node,
+    change: Change,
+}
+
+/// What an assignment does.
+#[derive(Clone, Debug)]
+pub(super) enum Change {
+    /// This tree of one key is merged into the scenario.
+    Set(Node),
+    /// This key is left out.
+    Unset(Unset),
 }
 
 impl Assignment {
@@ -17,7 +27,7 @@ impl Assignment {
         if let Ok(tree) = tree::parse(&source)
             && sets_one_key(&tree, argument)
         {
-            return Ok(Assignment { tree });
+            return Ok(Assignment { change: Change::Set(tree) });
         }
         let everything = Span::new(&source, 0..argument.len());
         let malformed = || {
@@ -25,6 +35,10 @@ impl Assignment {
             vec![Diagnostic::new("expected key.path=value").at(&everything).hint(hint)]
         };
         let (key, value) = argument.split_once('=').ok_or_else(malformed)?;
+        if !key.trim().is_empty() && value.trim().is_empty() {
+            let hint = format!("to leave an inherited key out: --unset {}", key.trim());
+            return Err(vec![Diagnostic::new("expected a value after `=`").at(&everything).hint(hint)]);
+        }
         let mut tree = tree::parse_as(&format!("{key}=0"), &source).map_err(|_| malformed())?;
         let text = value.trim();
         if text.is_empty() || text.contains('\n') || !sets_one_key(&tree, argument) {
@@ -33,18 +47,25 @@ impl Assignment {
         let start = key.len() + 1 + (value.len() - value.trim_start().len());
         let span = Span::new(&source, start..start + text.len());
         replace_leaf(&mut tree, Node::new(Value::Text(text.to_owned()), span));
-        Ok(Assignment { tree })
+        Ok(Assignment { change: Change::Set(tree) })
+    }
+
+    /// A key path that is left out; `origin` names where it is written in diagnostics.
+    pub fn unset(path: &str, origin: &str) -> Assignment {
+        let source = Source::unfiled(origin, path.to_owned());
+        let span = Span::new(&source, 0..path.len());
+        Assignment { change: Change::Unset(Unset { path: path.trim().to_owned(), span }) }
     }
 
     /// A value that a script gives for a key path; `origin` names the script in diagnostics.
     pub fn from_value(path: &str, value: &toml::Value, origin: &str) -> Result<Assignment, Vec<Diagnostic>> {
         let source = Source::unfiled(origin, format!("{path} = {value}"));
         let tree = tree::parse(&source)?;
-        Ok(Assignment { tree })
+        Ok(Assignment { change: Change::Set(tree) })
     }
 
-    pub(super) fn tree(&self) -> &Node {
-        &self.tree
+    pub(super) fn change(&self) -> &Change {
+        &self.change
     }
 }
 

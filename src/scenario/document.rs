@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use super::assignment::Assignment;
+use super::assignment::{Assignment, Change};
 use super::grammar::{self, Rule};
 use super::merge::merge;
 use super::reader::Reader;
@@ -58,14 +58,27 @@ impl Document {
         !has("specimen") && ["density", "thickness", "fabric", "elastic"].into_iter().any(has)
     }
 
-    /// The same scenario with `assignments` merged into it.
+    /// The same scenario without the keys that `assignments` leave out, and with the others merged into it. Two that
+    /// exclude each other are a mistake, as in a file.
     pub fn with(&self, assignments: &[Assignment]) -> Document {
         let rule = Some(self.rule);
         let mut reader = Reader::default();
         let mut root = self.root.clone();
+        let mut set: Option<Node> = None;
         for assignment in assignments {
-            let over = reader.include(assignment.tree().clone(), rule);
-            root = merge(root, over, rule);
+            match assignment.change() {
+                Change::Unset(unset) => reader.mistakes.extend(unset.apply(&mut root).err()),
+                Change::Set(tree) => {
+                    let over = reader.include(tree.clone(), rule);
+                    set = Some(match set {
+                        Some(before) => merge(before, over, None),
+                        None => over,
+                    });
+                }
+            }
+        }
+        if let Some(set) = set {
+            root = merge(root, set, rule);
         }
         root.span = self.root.span.clone();
         let mistakes = self.mistakes.iter().cloned().chain(reader.mistakes).collect();

@@ -22,6 +22,9 @@ pub struct Material {
     /// A material file whose keys this one extends and replaces; relative to this file.
     #[schemars(extend("x-path" = true))]
     pub extends: Option<PathBuf>,
+    /// Key paths of the file named by `extends` that are left out, e.g. `["fabric.scale"]`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unset: Vec<String>,
     /// Mass per volume of the stress-free film.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub density: Density,

@@ -4,7 +4,7 @@ use super::grammar::{Rule, TableRule};
 use super::tree::{Entry, Node, Table, Value};
 
 /// `over` merged over `base`: tables key by key; anything else replaces. A key that excludes others
-/// (`drop_height` and `velocity`) replaces them too.
+/// (`drop_height` and `velocity`) replaces them too, but `layers` does not replace `[[layer]]`.
 /// A table whose keys are numbers changes the items of a list.
 pub fn merge(base: Node, over: Node, rule: Option<&Rule>) -> Node {
     if over.included {
@@ -43,12 +43,14 @@ fn merge_entry(base: &mut Table, entry: Entry, rule: Option<&Rule>) {
     base.entries[place] = Entry { node: merge(old, entry.node, rule), ..entry };
 }
 
-/// Removes the groups of keys that `key` excludes, so that a valid base stays valid.
+/// Removes the groups of keys that `key` excludes, so that a valid base stays valid. Of keys that may both be left out,
+/// a list of tables (`[[layer]]`) has more in it than what would replace it: it stays, and the conflict is a mistake.
 fn drop_excluded(base: &mut Table, key: &str, rule: &TableRule) {
     let Some(own) = rule.group_of(key) else {
         return;
     };
-    base.entries.retain(|entry| rule.group_of(&entry.key).is_none_or(|group| group == own));
+    let stays = |entry: &Entry| !rule.group_required && matches!(entry.node.value, Value::List(_));
+    base.entries.retain(|entry| rule.group_of(&entry.key).is_none_or(|group| group == own) || stays(entry));
 }
 
 fn numbers_items_of(items: &[Node], over: &Table) -> bool {

@@ -22,6 +22,7 @@ pub mod schema;
 mod solver;
 mod specimen;
 mod tree;
+mod unset;
 mod validate;
 
 use std::path::PathBuf;
@@ -53,6 +54,9 @@ pub struct Scenario {
     /// A scenario file whose keys this one extends and replaces; relative to this file.
     #[schemars(extend("x-path" = true))]
     pub extends: Option<PathBuf>,
+    /// Key paths of the file named by `extends` that are left out, e.g. `["specimen.mesh.size"]`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unset: Vec<String>,
     /// The film: outline, material, mesh.
     pub specimen: Specimen,
     /// Number and height of layers, all of the specimen's material.

@@ -8,6 +8,7 @@ use super::curve_file;
 use super::grammar::Rule;
 use super::merge::merge;
 use super::tree::{self, Node, Table, Value};
+use super::unset::Unset;
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
 use crate::file::{self, FileError};
 
@@ -57,15 +58,17 @@ impl Reader {
 
     /// The tree merged over what it extends; none where that cannot be read.
     fn extended(&mut self, mut node: Node, rule: Option<&Rule>) -> Option<Node> {
-        let extends = match &mut node.value {
-            Value::Table(table) => take_path(table, rule),
-            _ => None,
+        let (extends, unset) = match &mut node.value {
+            Value::Table(table) => (take_path(table, rule), Unset::take(table, rule)),
+            _ => (None, vec![]),
         };
         let over = self.include_within(node, rule);
         let Some((path, span)) = extends else {
+            self.mistakes.extend(unset.iter().map(Unset::without_base));
             return Some(over);
         };
-        let base = self.read(&path, rule, Some(&span))?;
+        let mut base = self.read(&path, rule, Some(&span))?;
+        self.mistakes.extend(unset.iter().filter_map(|unset| unset.apply(&mut base).err()));
         Some(merge(base, over, rule))
     }
 

@@ -148,6 +148,7 @@ impl Node {
         for step in path.split('.') {
             node = match &mut node.value {
                 Value::Table(table) => &mut table.entries.iter_mut().find(|entry| entry.key == step)?.node,
+                Value::List(items) => items.get_mut(step.parse::<usize>().ok()?)?,
                 _ => return None,
             };
         }

@@ -1,5 +1,7 @@
 //! Checks a tree against the grammar: all mistakes at once, each at its place.
 
+use std::sync::Arc;
+
 use super::grammar::{Key, Range, Rule, TableRule};
 use super::tree::{Entry, Node, Table, Value};
 use crate::diagnostic::{Diagnostic, Span, closest};
@@ -111,9 +113,13 @@ impl Walk {
             [(_, first), others @ ..] => {
                 for (_, other) in others {
                     let message = format!("`{}` and `{}` exclude each other", first.key, other.key);
-                    let hint = format!("keep one of {}", list_groups(rule));
-                    let is_later = other.key_span.range.start > first.key_span.range.start;
-                    let (later, earlier) = if is_later { (other, first) } else { (first, other) };
+                    let (later, earlier) = if is_later(other, first, table) { (other, first) } else { (first, other) };
+                    let hint = match list_of_base(later, earlier) {
+                        Some(list) => format!(
+                            "{list}.0 is its first entry; `unset = [\"{list}\"]` or --unset {list} leaves it out"
+                        ),
+                        None => format!("keep one of {}", list_groups(rule)),
+                    };
                     let label = format!("`{}` is given here", earlier.key);
                     let mistake = Diagnostic::new(message).at(&later.key_span).hint(hint);
                     self.report(mistake.label(&earlier.key_span, label));
@@ -233,6 +239,21 @@ fn takes(rule: &Rule, node: &Node) -> bool {
         Rule::Flag => matches!(node.value, Value::Flag(_)),
         Rule::Either(rules) => rules.iter().any(|rule| takes(rule, node)),
     }
+}
+
+/// Whether `entry` is written after `other`: in the same text, or in one that extends or changes the other's.
+fn is_later(entry: &Entry, other: &Entry, table: &Table) -> bool {
+    if Arc::ptr_eq(&entry.key_span.source, &other.key_span.source) {
+        return entry.key_span.range.start > other.key_span.range.start;
+    }
+    let place = |wanted: &Entry| table.entries.iter().position(|entry| entry.key == wanted.key);
+    place(entry) > place(other)
+}
+
+/// The key of an inherited list of tables that excludes the key `later`.
+fn list_of_base<'t>(later: &Entry, earlier: &'t Entry) -> Option<&'t str> {
+    let is_inherited = !Arc::ptr_eq(&later.key_span.source, &earlier.key_span.source);
+    (is_inherited && matches!(earlier.node.value, Value::List(_))).then_some(earlier.key.as_str())
 }
 
 fn first_of<'t>(table: &'t Table, group: &[String]) -> Option<&'t Entry> {

@@ -150,6 +150,61 @@ fn set_replaces_a_key_that_excludes_it() {
     assert!(set("specimen.shape.circle.radius=20cm").is_ok());
 }
 
+/// The mistakes of a scenario with changes: place, message, hint and labels.
+fn mistakes_with(path: &str, changes: &[Assignment]) -> Vec<Diagnostic> {
+    let document = Document::read(Path::new(path)).expect("it reads").with(changes);
+    model::check(&document).err().unwrap_or_default()
+}
+
+#[test]
+fn set_does_not_drop_a_list_of_layers() {
+    let faces = "tests/it/broken/parts/faces.toml";
+    let count = Assignment::from_argument("layers.count=3").expect("a value");
+    let mistakes = mistakes_with(faces, std::slice::from_ref(&count));
+    let [mistake] = mistakes.as_slice() else { panic!("one mistake, not {mistakes:?}") };
+    assert_eq!(mistake.message, "`layers` and `layer` exclude each other");
+    assert!(mistake.hint.as_ref().is_some_and(|hint| hint.contains("--unset layer")), "{mistake:?}");
+    let label = &mistake.labels[0];
+    assert_eq!((mistake.span.as_ref().map(|span| span.source.name.as_str())), Some("--set"));
+    assert_eq!((label.span.source.name.as_str(), label.span.start().0), (faces, 4));
+    let document = Document::read(Path::new(faces)).expect("it reads");
+    let model = model::check(&document.with(&[Assignment::unset("layer", "--unset"), count])).expect("a model");
+    assert_eq!((model.faces.len(), model.faces[0].layers), (1, 3));
+}
+
+#[test]
+fn changes_that_exclude_each_other_are_a_mistake() {
+    let set = |argument: &str| Assignment::from_argument(argument).expect("a value");
+    let changes = [set("loading.impact.drop_height=1m"), set("loading.impact.velocity=3")];
+    let mistakes = mistakes_with("tests/it/broken/parts/tower.toml", &changes);
+    let messages: Vec<&str> = mistakes.iter().map(|mistake| mistake.message.as_str()).collect();
+    assert_eq!(messages, ["`velocity` and `drop_height` exclude each other"]);
+}
+
+#[test]
+fn a_child_leaves_out_what_it_inherits() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let tower = fs::canonicalize("tests/it/broken/parts/tower.toml").expect("a path");
+    let path = folder.path().join("imported.toml");
+    let text =
+        |unset: &str| format!("extends = '{}'\n{unset}specimen.shape = {{ mesh = \"film.stl\" }}\n", tower.display());
+    fs::write(folder.path().join("film.stl"), "solid\nendsolid\n").expect("writable");
+    fs::write(&path, text("")).expect("writable");
+    let mistakes = check(&path).expect_err("an imported mesh has its own size");
+    assert!(mistakes[0].hint.as_ref().is_some_and(|hint| hint.contains("unset = [\"specimen.mesh.size\"]")));
+    fs::write(&path, text("unset = [\"specimen.mesh.size\"]\n")).expect("writable");
+    let model = check(&path).unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)));
+    assert_eq!(model.faces[0].meshing.size, 0.0);
+    let resolved = Document::read(&path).expect("it reads").resolved();
+    assert!(!resolved.contains("unset") && !resolved.contains("size"), "{resolved}");
+    // What is left out is given anew: nothing of the inherited table is merged.
+    let fresh =
+        "unset = [\"impactor\"]\nimpactor = { shape = { sphere = { radius = \"50 mm\" } }, mass = 1, friction = 0 }\n";
+    fs::write(&path, format!("extends = '{}'\n{fresh}", tower.display())).expect("writable");
+    let impactor = check(&path).unwrap_or_else(|m| panic!("{}", render(&m, false))).impactor.expect("an impactor");
+    assert_eq!((impactor.mass, impactor.friction), (1.0, 0.0));
+}
+
 #[test]
 fn set_changes_entries_of_lists() {
     let document = Document::read(Path::new("tests/it/broken/symmetry-layers.toml")).expect("it reads");
@@ -168,7 +223,7 @@ fn mistakes_in_set_are_reported_at_their_column() {
         ("layers.count", 1, "expected key.path=value"),
         ("=8", 1, "expected key.path=value"),
         ("[layers]", 1, "expected key.path=value"),
-        ("layers.count=", 1, "expected key.path=value"),
+        ("layers.count=", 1, "expected a value after `=`"),
     ] {
         let mistakes = set(argument).expect_err("a mistake");
         let [mistake] = mistakes.as_slice() else { panic!("one mistake, not {mistakes:?}") };
