@@ -183,19 +183,39 @@ pub fn render(mistakes: &[Diagnostic], styled: bool) -> String {
     reports.join("\n\n")
 }
 
-/// The name among `known` that `written` was probably meant to be: alike, or part of one another.
+/// The name among `known` that `written` was probably meant to be: a few edits from it, or one that shares a word with
+/// it. None where two are equally near.
 pub fn closest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let likeness = |name: &str| {
-        let part = written.len() > 3 && (name.contains(written) || written.contains(name));
-        let part = if part { 0.85 } else { 0.0 };
-        strsim::jaro_winkler(written, name).max(part)
-    };
-    known
-        .into_iter()
-        .map(|name| (likeness(name), name))
-        .filter(|(likeness, _)| *likeness > 0.8)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name)
+    let (mut best, mut name) = (0.0, None);
+    for candidate in known {
+        let likeness = likeness(&written.to_lowercase(), &candidate.to_lowercase());
+        if likeness > best {
+            (best, name) = (likeness, Some(candidate));
+        } else if likeness == best && name != Some(candidate) {
+            name = None;
+        }
+    }
+    name
+}
+
+/// How like `name` the misspelt `written` is, up to 1; zero where it hardly stands for it.
+fn likeness(written: &str, name: &str) -> f64 {
+    // `impactor2` is a second impactor.
+    let is_numbered = |rest: &str| !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit());
+    if !name.ends_with(|c: char| c.is_ascii_digit()) && written.strip_prefix(name).is_some_and(is_numbered) {
+        return 0.0;
+    }
+    let length = written.chars().count().max(name.chars().count());
+    let edits = strsim::osa_distance(written, name);
+    if edits <= (length / 4).max(1) && edits < length {
+        return 1.0 - edits as f64 / length as f64;
+    }
+    let words = |text: &str| text.split(|c: char| !c.is_alphanumeric()).map(str::to_owned).collect::<Vec<String>>();
+    let begins = words(name).iter().any(|word| word.starts_with(written));
+    let ends = words(written).iter().any(|word| word == name);
+    let starts = name.starts_with(written);
+    let is_part = (starts && written.len() > 2) || (begins && written.len() > 3) || (ends && name.len() > 3);
+    if is_part { 0.7 } else { 0.0 }
 }
 
 /// Names in a sentence: "`a`, `b`".
@@ -288,6 +308,29 @@ error: `velocity` and `drop_height` exclude each other
         let mistake = Diagnostic::new("no `\u{1b}[1m`").hint("\u{7}");
         for shown in [mistake.clone().at(&Span::position(&source, 1, 7)), mistake] {
             assert!(!shown.render(false).contains(|c: char| c.is_control() && c != '\n'), "{shown:?}");
+        }
+    }
+
+    #[test]
+    fn names_are_proposed_where_they_are_meant() {
+        let known =
+            ["velocity", "drop_height", "gravity", "duration", "half-x", "half-y", "impactor", "quad4", "k1", "ke"];
+        for (written, expected) in [
+            ("direction", None),
+            ("impactor2", None),
+            ("half", None),
+            ("k2", None),
+            ("x", None),
+            ("colour", None),
+            ("quad8", Some("quad4")),
+            ("Velocty", Some("velocity")),
+            ("height", Some("drop_height")),
+            ("vel", Some("velocity")),
+            ("impact_velocity", Some("velocity")),
+            ("durration", Some("duration")),
+            ("duratoin", Some("duration")),
+        ] {
+            assert_eq!(closest(written, known), expected, "{written}");
         }
     }
 

@@ -28,9 +28,22 @@ pub enum FileError {
     /// The bytes are not UTF-8.
     #[error("it is not UTF-8 text")]
     NotText,
+    /// The text is encoded in UTF-16, as some editors for Windows save it.
+    #[error("it is UTF-16 text")]
+    Utf16,
     /// The operating system refused.
     #[error("{0}")]
     Io(io::Error),
+}
+
+impl FileError {
+    /// What to do, where that follows from the error.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            FileError::NotText | FileError::Utf16 => Some("save it as UTF-8, with or without a byte order mark"),
+            _ => None,
+        }
+    }
 }
 
 impl From<io::Error> for FileError {
@@ -59,9 +72,27 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     if bytes.len() as u64 > limit { Err(FileError::TooLarge { limit }) } else { Ok(bytes) }
 }
 
-/// The text of the regular file at `path`, at most `limit` bytes of UTF-8.
+/// The text of the regular file at `path`, at most `limit` bytes of UTF-8, without its byte order mark.
 pub(crate) fn read_text(path: &Path, limit: u64) -> Result<String, FileError> {
-    String::from_utf8(read(path, limit)?).map_err(|_| FileError::NotText)
+    let mut bytes = read(path, limit)?;
+    if is_utf16(&bytes) {
+        return Err(FileError::Utf16);
+    }
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
+    String::from_utf8(bytes).map_err(|_| FileError::NotText)
+}
+
+/// Whether the bytes are text in UTF-16: by its byte order mark, or because one byte of nearly every pair is zero.
+fn is_utf16(bytes: &[u8]) -> bool {
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return true;
+    }
+    let start = &bytes[..bytes.len().min(512)];
+    let zeros = |offset: usize| start.iter().skip(offset).step_by(2).filter(|byte| **byte == 0).count();
+    let (even, odd) = (zeros(0), zeros(1));
+    start.len() >= 4 && 10 * even.max(odd) > 4 * start.len() && 10 * even.min(odd) < start.len()
 }
 
 /// CRC-32 (ISO 3309) of `bytes`.
@@ -119,6 +150,23 @@ mod tests {
         assert!(matches!(read_text(&path, 4), Err(FileError::NotText)));
         assert!(matches!(read(folder.path(), 4), Err(FileError::NotAFile)));
         assert!(matches!(read(&folder.path().join("b.txt"), 4), Err(FileError::NotFound)));
+    }
+
+    #[test]
+    fn utf_16_is_named_and_a_byte_order_mark_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        let text = "title = \"Größe\"\n";
+        let units = || text.encode_utf16();
+        let little: Vec<u8> = units().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = units().flat_map(u16::to_be_bytes).collect();
+        for bytes in [[&b"\xff\xfe"[..], &little].concat(), [&b"\xfe\xff"[..], &big].concat(), little, big] {
+            fs::write(&path, bytes).unwrap();
+            let error = read_text(&path, 100).unwrap_err();
+            assert!(matches!(error, FileError::Utf16) && error.hint().is_some_and(|hint| hint.contains("UTF-8")));
+        }
+        fs::write(&path, format!("\u{feff}{text}")).unwrap();
+        assert_eq!(read_text(&path, 100).unwrap(), text);
     }
 
     #[cfg(unix)]

@@ -59,6 +59,14 @@ pub enum UnitError {
         /// The quantity, as it is written.
         text: String,
     },
+    /// The number has a decimal comma.
+    #[error("decimal comma in \"{text}\"")]
+    DecimalComma {
+        /// The quantity, as it is written.
+        text: String,
+        /// The same with a decimal point.
+        point: String,
+    },
     /// The text does not start with a number.
     #[error("expected {}, found \"{text}\", which does not start with a number", dimension.name)]
     NoNumber {
@@ -72,14 +80,36 @@ pub enum UnitError {
 impl UnitError {
     /// What to write instead.
     pub fn hint(&self) -> String {
-        let dimension = match self {
+        let (dimension, meant) = match self {
+            UnitError::DecimalComma { point, .. } => return format!("write it with a decimal point: \"{point}\""),
+            UnitError::UnknownUnit { dimension, text, .. } => (dimension, dimension.meant(text)),
             UnitError::WrongDimension { dimension, .. }
             | UnitError::NoUnit { dimension, .. }
-            | UnitError::UnknownUnit { dimension, .. }
-            | UnitError::NoNumber { dimension, .. } => dimension,
+            | UnitError::NoNumber { dimension, .. } => (dimension, None),
         };
-        format!("write it like \"{}\", or as a bare number in {}", dimension.example, dimension.unit)
+        match meant {
+            Some(meant) => format!("did you mean \"{meant}\"?"),
+            None => {
+                format!("write it like \"{}\", or as a bare number in {}", dimension.example, dimension.unit)
+            }
+        }
     }
+}
+
+/// The text with a decimal point in place of the comma in the number that it starts with; none without such a comma.
+pub fn with_decimal_point(text: &str) -> Option<String> {
+    let (whole, rest) = text.trim().split_once(',')?;
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let fraction = rest.bytes().take_while(u8::is_ascii_digit).count();
+    let fits =
+        digits(whole.trim_start_matches(['+', '-'])) && fraction > 0 && !rest[fraction..].starts_with([',', '.']);
+    fits.then(|| format!("{whole}.{rest}"))
+}
+
+/// The fraction that a percentage stands for: 0.1 of "10 %".
+pub fn percentage(text: &str) -> Option<f64> {
+    let number = text.trim().strip_suffix('%')?.trim_end();
+    number.parse::<f64>().ok().filter(|number| number.is_finite()).map(|number| number / 100.0)
 }
 
 impl Dimension {
@@ -90,6 +120,9 @@ impl Dimension {
 
     /// The value of `text` in the SI unit.
     pub fn parse(self, text: &str) -> Result<f64, UnitError> {
+        if let Some(point) = with_decimal_point(text) {
+            return Err(UnitError::DecimalComma { text: text.to_owned(), point });
+        }
         let (number, unit) = split_number(text.trim());
         let value: f64 = number.parse().map_err(|_| UnitError::NoNumber { dimension: self, text: text.to_owned() })?;
         if unit.is_empty() {
@@ -104,6 +137,36 @@ impl Dimension {
             return Err(UnitError::WrongDimension { dimension: self, text: text.to_owned() });
         }
         Ok(scale(value, factor))
+    }
+
+    /// Units that are usual for it, in ascending order.
+    pub fn usual_units(self) -> &'static [&'static str] {
+        match self.unit {
+            "m" => &["um", "mm", "cm", "m", "km"],
+            "kg" => &["mg", "g", "kg"],
+            "s" => &["us", "ms", "s", "min", "h"],
+            "m/s" => &["mm/min", "mm/s", "km/h", "m/s"],
+            "m/s2" => &["mm/s2", "m/s2"],
+            "Pa" => &["Pa", "kPa", "MPa", "GPa"],
+            "kg/m3" => &["kg/m3", "g/cm3"],
+            "rad" => &["deg", "rad"],
+            "Hz" => &["Hz", "kHz", "MHz"],
+            "1/s" => &["1/s"],
+            "N" => &["mN", "N", "kN"],
+            "J" => &["mJ", "J", "kJ"],
+            "Nm" => &["Nmm", "Nm", "kNm"],
+            _ => &[],
+        }
+    }
+
+    /// The quantity in the usual unit that its unknown one probably stands for: "12 um" of "12 µ", "8 MPa" of "8 mpa".
+    fn meant(self, text: &str) -> Option<String> {
+        let (number, unit) = split_number(text.trim());
+        let plain = unit.replace(['µ', 'μ'], "u").to_lowercase();
+        let plain = plain.strip_suffix("ec").unwrap_or(&plain);
+        let is_meant = |usual: &&&str| plain == usual.to_lowercase() || (plain == "u" && usual.starts_with('u'));
+        let usual = self.usual_units().iter().find(is_meant)?;
+        Some(format!("{number} {usual}"))
     }
 
     /// `value` (SI) with a prefix that makes the number easy to read, where the unit takes one.
@@ -369,11 +432,38 @@ mod tests {
         for (dimension, text, message) in [
             (Length::DIMENSION, "12 kg", "expected a length, found \"12 kg\""),
             (Length::DIMENSION, "12", "expected a length with its unit, found \"12\""),
+            (Velocity::DIMENSION, "4,16 m/s", "decimal comma in \"4,16 m/s\""),
             (Mass::DIMENSION, "3 foo", "unknown unit `foo` in \"3 foo\""),
             (Angle::DIMENSION, "left", "expected an angle, found \"left\", which does not start with a number"),
         ] {
             let error = dimension.parse(text).expect_err("not a quantity");
             assert_eq!(error.to_string(), message);
+        }
+    }
+
+    #[test]
+    fn hints_name_the_unit_that_is_meant() {
+        for (dimension, text, hint) in [
+            (Length::DIMENSION, "12 µ", "did you mean \"12 um\"?"),
+            (Length::DIMENSION, "12 MM", "did you mean \"12 mm\"?"),
+            (Time::DIMENSION, "12μ", "did you mean \"12 us\"?"),
+            (Time::DIMENSION, "1.5 sec", "did you mean \"1.5 s\"?"),
+            (Velocity::DIMENSION, "4 m/sec", "did you mean \"4 m/s\"?"),
+            (Pressure::DIMENSION, "8.4 mpa", "did you mean \"8.4 MPa\"?"),
+            (Velocity::DIMENSION, "-4,16 m/s", "write it with a decimal point: \"-4.16 m/s\""),
+            (Mass::DIMENSION, "3 foo", "write it like \"10.72 kg\", or as a bare number in kg"),
+        ] {
+            assert_eq!(dimension.parse(text).expect_err("not a quantity").hint(), hint);
+        }
+    }
+
+    #[test]
+    fn decimal_commas_and_percentages() {
+        for (text, point) in [("0,5", Some("0.5")), ("1,2,3", None), ("8, 9", None), ("1,5.2", None), (",5", None)] {
+            assert_eq!(with_decimal_point(text).as_deref(), point, "{text}");
+        }
+        for (text, share) in [("10 %", Some(0.1)), ("-2.5%", Some(-0.025)), ("%", None), ("10", None)] {
+            assert_eq!(percentage(text), share, "{text}");
         }
     }
 

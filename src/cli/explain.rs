@@ -11,7 +11,7 @@ use crate::scenario::grammar::{self, Key, Rule, TableRule};
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {
-    /// Key path, e.g. specimen.mesh [default: the top tables]; a script function, e.g. plot; the code of a finding,
+    /// Key path, e.g. specimen.mesh, or its end, e.g. mesh [default: the top tables]; a script function, e.g. plot; the code of a finding,
     /// e.g. coarse-contact; `functions` or `findings` for all of them
     #[arg(value_name = "KEY")]
     pub path: Option<String>,
@@ -46,9 +46,11 @@ pub(super) fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
         Some(path) => match find(path) {
             Ok((name, key)) => under(&name, key),
             Err(_) if functions::are_called(path) => return functions::run(Some(path), shared),
-            Err(mistake) => match codes::find(path) {
-                Some(code) => return codes::run(Some(code), shared),
-                None => return Err(with_code(mistake, path).into()),
+            Err(mistake) => match (codes::find(path), ending(path).as_slice()) {
+                (Some(code), _) => return codes::run(Some(code), shared),
+                (None, []) => return Err(with_code(mistake, path).into()),
+                (None, [(name, key)]) => under(name, key),
+                (None, several) => several.iter().map(|(name, key)| explanation(name, key)).collect(),
             },
         },
         None => top(),
@@ -56,8 +58,20 @@ pub(super) fn run(args: &ExplainArgs, shared: &Shared) -> Result<(), Failure> {
     if shared.json {
         return print_json(&explanations);
     }
-    let texts: Vec<String> = explanations.iter().map(text).collect();
-    print(&texts.join("\n\n"))
+    print(&texts(&explanations).join("\n\n"))
+}
+
+/// The texts of all; keys that mean the same, as those of the specimen's material and of a layer's, share one.
+fn texts(explanations: &[Explanation]) -> Vec<String> {
+    let mut texts: Vec<(Vec<&str>, String)> = Vec::new();
+    for explanation in explanations {
+        let text = text(explanation);
+        match texts.iter_mut().find(|(_, other)| *other == text) {
+            Some((keys, _)) => keys.push(&explanation.key),
+            None => texts.push((vec![&explanation.key], text)),
+        }
+    }
+    texts.into_iter().map(|(keys, text)| format!("{}\n    {text}", keys.join("\n"))).collect()
 }
 
 /// The mistake with the code of a finding as its hint, where the unknown `path` is like one and is written like one.
@@ -84,13 +98,7 @@ fn find(path: &str) -> Result<(String, &'static Key), Diagnostic> {
     let mut found = None;
     for step in path.split('.').filter(|step| step.parse::<usize>().is_err()) {
         let keys = keys_under(rule).ok_or_else(|| nothing_under(&name))?;
-        let key = keys.key(step).ok_or_else(|| {
-            let mistake = unknown(step, &name, keys);
-            match ending(path) {
-                Some(whole) => mistake.hint(format!("did you mean {whole}?")),
-                None => mistake,
-            }
-        })?;
+        let key = keys.key(step).ok_or_else(|| unknown(step, &name, keys))?;
         name = if name.is_empty() { key.name.clone() } else { format!("{name}.{}", key.name) };
         rule = &key.rule;
         found = Some(key);
@@ -98,19 +106,18 @@ fn find(path: &str) -> Result<(String, &'static Key), Diagnostic> {
     found.map(|key| (name, key)).ok_or_else(|| Diagnostic::new(format!("`{path}` is not a key")))
 }
 
-/// The keys whose paths end with `path`, if there are at most three.
-fn ending(path: &str) -> Option<String> {
+/// The keys at any depth whose paths end with `path`.
+fn ending(path: &str) -> Vec<(String, &'static Key)> {
     let suffix = format!(".{path}");
-    let all = top_keys().flat_map(|key| paths(&key.name, key));
-    let found: Vec<String> = all.filter(|whole| whole.ends_with(&suffix)).map(|whole| format!("`{whole}`")).collect();
-    (1..=3).contains(&found.len()).then(|| found.join(" or "))
+    let all = top_keys().flat_map(|key| paths(key.name.clone(), key));
+    all.filter(|(whole, _)| whole.ends_with(&suffix)).collect()
 }
 
 /// The path of the key and of everything under it.
-fn paths(name: &str, key: &Key) -> Vec<String> {
+fn paths(name: String, key: &'static Key) -> Vec<(String, &'static Key)> {
     let children = keys_under(&key.rule).into_iter().flat_map(|table| &table.keys);
-    let below = children.flat_map(|child| paths(&format!("{name}.{}", child.name), child));
-    std::iter::once(name.to_owned()).chain(below).collect()
+    let below: Vec<_> = children.flat_map(|child| paths(format!("{name}.{}", child.name), child)).collect();
+    std::iter::once((name, key)).chain(below).collect()
 }
 
 fn nothing_under(name: &str) -> Diagnostic {
@@ -159,9 +166,9 @@ fn explanation(name: &str, key: &Key) -> Explanation {
     }
 }
 
+/// The entry of a key without its path.
 fn text(explanation: &Explanation) -> String {
-    let mut lines = vec![explanation.key.clone()];
-    lines.extend(explanation.sentence.clone());
+    let mut lines: Vec<String> = explanation.sentence.iter().cloned().collect();
     let mut facts = vec![explanation.expected.clone()];
     facts.extend(explanation.unit.map(|unit| format!("a bare number is in {unit}")));
     facts.extend(explanation.range.clone());

@@ -24,6 +24,9 @@ pub(super) fn script(fault: &Fault) -> Diagnostic {
 pub(super) fn reading(error: &ReadError) -> Vec<Diagnostic> {
     match error {
         ReadError::Faults(faults) => faults.iter().map(script).collect(),
+        ReadError::Open { source, .. } if source.hint().is_some() => {
+            vec![Diagnostic { hint: source.hint().map(str::to_owned), ..Diagnostic::new(error.to_string()) }]
+        }
         other => vec![Diagnostic::new(other.to_string())],
     }
 }

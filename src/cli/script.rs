@@ -19,6 +19,7 @@ use crate::script::{
     Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, to_json,
 };
 use crate::store::{self, Draft, StoreError};
+use crate::units::with_decimal_point;
 
 #[derive(Debug, Args)]
 pub(super) struct ScriptArgs {
@@ -165,7 +166,15 @@ fn arguments(args: &ScriptArgs) -> Result<rhai::Map, Vec<Diagnostic>> {
     let mut mistakes = Vec::new();
     for argument in &args.arg {
         match argument.split_once('=') {
-            Some((key, value)) => drop(map.insert(key.trim().into(), value_of(value.trim()))),
+            Some((key, value)) => match with_decimal_point(value) {
+                Some(point) if point.parse::<f64>().is_ok() => {
+                    let mistake = Diagnostic::new(format!("decimal comma in --arg {argument}"));
+                    let hint =
+                        format!("write it with a decimal point: {point}; a list with a space: \"{}\"", spaced(value));
+                    mistakes.push(mistake.hint(hint));
+                }
+                _ => drop(map.insert(key.trim().into(), value_of(value.trim()))),
+            },
             None => mistakes.push(Diagnostic::new(format!("expected key=value after --arg, found `{argument}`"))),
         }
     }
@@ -173,6 +182,11 @@ fn arguments(args: &ScriptArgs) -> Result<rhai::Map, Vec<Diagnostic>> {
         map.insert("scenario".into(), scenario.clone().into());
     }
     if mistakes.is_empty() { Ok(map) } else { Err(mistakes) }
+}
+
+/// A list with a space behind its commas.
+fn spaced(list: &str) -> String {
+    list.trim().replace(',', ", ")
 }
 
 fn value_of(text: &str) -> Dynamic {
@@ -214,6 +228,26 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+
+    #[test]
+    fn a_decimal_comma_is_no_text() {
+        let given = |argument: &str| {
+            let args = ScriptArgs {
+                path: "a.rhai".into(),
+                scenario: None,
+                arg: vec![argument.into()],
+                set: vec![],
+                out: None,
+            };
+            arguments(&args)
+        };
+        let mistakes = given("mu=0,5").expect_err("a mistake");
+        assert_eq!(mistakes[0].message, "decimal comma in --arg mu=0,5");
+        assert!(mistakes[0].hint.as_ref().is_some_and(|hint| hint.contains("0.5")), "{mistakes:?}");
+        for list in ["mu=0, 5", "start=2.75,3.41,1", "name=a,b"] {
+            assert!(given(list).is_ok(), "{list}");
+        }
+    }
 
     #[test]
     fn every_field_of_the_summary_is_reserved() {

@@ -4,7 +4,8 @@ use super::specimen::{is_along_axes, symmetry};
 use super::{Face, Loading, Mistakes, Symmetry, material};
 use crate::material::Material;
 use crate::mesh::{Element, Meshing};
-use crate::scenario::{self, Layer, Layers, Scenario};
+use crate::number::significant;
+use crate::scenario::{self, Layer, Layers, Scale, Scenario};
 
 /// The faces; none where a material is missing or no material.
 pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<Vec<Face>> {
@@ -185,11 +186,34 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>)
             if prestrain < end {
                 continue;
             }
-            let end = (1e3 * end).round() / 1e3;
+            let end = significant(end, 4);
             let message = format!("pre-strain {prestrain} breaks the film: {name} breaks at {end}");
-            mistakes.report(&format!("{path}.prestrain.{key}"), message);
+            let path = format!("{path}.prestrain.{key}");
+            match written_material(scenario, place).and_then(|written| scaled_break(written, key)) {
+                Some(hint) => mistakes.report_with(&path, message, hint),
+                None => mistakes.report(&path, message),
+            }
         }
     }
+}
+
+/// The material of a face as written.
+fn written_material(scenario: &Scenario, place: usize) -> Option<&scenario::Material> {
+    let own = scenario.layer.get(place).and_then(|layer| layer.material.as_ref());
+    own.or(scenario.specimen.material.as_ref())
+}
+
+/// The break strain of the fibre set `key` as written, with the multipliers that change it; none where there are none.
+fn scaled_break(written: &scenario::Material, key: &str) -> Option<String> {
+    let fabric = written.fabric.as_ref()?;
+    let fibre = if key == "md" { &fabric.md } else { &fabric.td };
+    let end = fibre.break_point.or_else(|| fibre.curve.as_ref()?.last().copied())?.0;
+    let Scale { k1, ke, .. } = fibre.scale.unwrap_or(fabric.scale);
+    let shown = |value| significant(value, 4);
+    let is_changed = (k1, ke) != (1.0, 1.0);
+    is_changed.then(|| {
+        format!("the multipliers k1 {} and ke {} change its break strain {}", shown(k1), shown(ke), shown(end))
+    })
 }
 
 /// With mirror planes, fibres lie along the axes.

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 
 /// The mounting frame.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("x-future" = {
+    "bars": "the frame has no thickness", "clamp": "clamped edges do not slip: `hold` names them"
+}))]
 pub struct Frame {
     /// Clamped edges: all of them, none, or the sides listed. Under `loading.stretch` the jaws clamp the sides
     /// x- and x+, and no other edge can be clamped.

@@ -56,8 +56,17 @@ pub struct TableRule {
     pub groups: Vec<Vec<String>>,
     /// Whether it must have one of them.
     pub group_required: bool,
-    /// Keys that are reserved for later versions.
-    pub future: Vec<String>,
+    /// Keys that are reserved for later versions, each with what there is instead.
+    pub future: Vec<Future>,
+}
+
+/// What is reserved for later versions.
+#[derive(Clone, Debug)]
+pub struct Future {
+    /// The name of a key, or what a list would be.
+    pub what: String,
+    /// What there is instead; may be empty.
+    pub hint: String,
 }
 
 /// A key of a table.
@@ -73,6 +82,8 @@ pub struct Key {
     pub required: bool,
     /// Its allowed values.
     pub rule: Rule,
+    /// What a list in its place will be.
+    pub future_list: Option<Future>,
 }
 
 /// Bounds of a number, in SI units.
@@ -229,6 +240,11 @@ impl TableRule {
         self.keys.iter().find(|key| key.name == name)
     }
 
+    /// What there is in place of the reserved key `name`; none where the key is not reserved.
+    pub fn future(&self, name: &str) -> Option<&str> {
+        self.future.iter().find(|future| future.what == name).map(|future| future.hint.as_str())
+    }
+
     /// Which of the groups the key belongs to.
     pub fn group_of(&self, name: &str) -> Option<usize> {
         self.groups.iter().position(|group| group.iter().any(|key| key == name))
@@ -300,6 +316,15 @@ fn texts(list: &Json) -> Vec<String> {
     items.filter_map(Json::as_str).map(str::to_owned).collect()
 }
 
+fn future(entries: &Json) -> Vec<Future> {
+    let entries = entries.as_object().into_iter().flatten();
+    let future = |(what, hint): (&String, &Json)| Future {
+        what: what.clone(),
+        hint: hint.as_str().unwrap_or_default().to_owned(),
+    };
+    entries.map(future).collect()
+}
+
 fn range(schema: &Json) -> Range {
     let bound = |key: &str, included: bool| {
         let value = schema[key].as_f64()?;
@@ -330,7 +355,7 @@ fn is_tagged(schema: &Json) -> bool {
 }
 
 fn tagged(schema: &Json) -> TableRule {
-    let mut table = TableRule { group_required: true, future: texts(&schema["x-future"]), ..TableRule::default() };
+    let mut table = TableRule { group_required: true, future: future(&schema["x-future"]), ..TableRule::default() };
     for branch in list_of(schema, "oneOf").into_iter().flatten() {
         for mut key in keys(branch) {
             key.required = false;
@@ -348,7 +373,7 @@ fn table(schema: &Json) -> TableRule {
         Some(branches) => branches.iter().map(|b| texts(&b["required"])).collect(),
         None => texts(&schema["not"]["required"]).into_iter().map(|key| vec![key]).collect(),
     };
-    TableRule { keys: keys(schema), groups, group_required: one_of.is_some(), future: texts(&schema["x-future"]) }
+    TableRule { keys: keys(schema), groups, group_required: one_of.is_some(), future: future(&schema["x-future"]) }
 }
 
 fn keys(schema: &Json) -> Vec<Key> {
@@ -361,6 +386,7 @@ fn keys(schema: &Json) -> Vec<Key> {
             default: property.get("default").cloned(),
             required: required.contains(name),
             rule: compile(property),
+            future_list: future(&property["x-future-list"]).pop(),
         })
         .collect()
 }

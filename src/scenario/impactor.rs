@@ -7,8 +7,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Length, Mass};
 
+/// What there is in place of an oblique impact.
+const DOWN: &str = "the impactor starts straight down: `loading.impact.velocity` is its speed";
+
+/// What there is in place of a rotating or inclined impactor.
+const UPRIGHT: &str = "the impactor starts upright and without rotation; with `guide = \"free\"` contact may rotate it";
+
 /// The rigid body that loads the film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("x-future" = {
+    "velocity": DOWN, "direction": DOWN, "spin": UPRIGHT, "rotation": UPRIGHT, "orientation": UPRIGHT,
+    "name": "there is one impactor", "at": "the impactor is released at the start"
+}))]
 pub struct Impactor {
     /// Shape of the body; its axis is z, its tip points down.
     pub shape: ImpactorShape,
@@ -30,8 +40,12 @@ fn centre() -> [Length; 2] {
     [Length(0.0); 2]
 }
 
+/// The shapes that there are.
+const SHAPES: &str = "a closed surface from STL or OBJ has any shape: `mesh`";
+
 /// Shape of the impactor.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("x-future" = { "capsule": SHAPES, "cone": SHAPES, "box": SHAPES, "compound": SHAPES }))]
 #[serde(rename_all = "lowercase")]
 pub enum ImpactorShape {
     /// A ball.

@@ -7,6 +7,7 @@ use crate::units::{Acceleration, Angle, Length, Pressure, Time, Velocity};
 
 /// The loading of the specimen.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("x-future" = { "volume": "`pressure` inflates the film by a pressure" }))]
 #[serde(rename_all = "lowercase")]
 pub enum Loading {
     /// The impactor starts in contact with the first face and moves freely.
@@ -19,12 +20,18 @@ pub enum Loading {
     Pressure(Inflation),
 }
 
+/// What there is in place of an oblique impact.
+const DOWN: &str = "the impactor moves down along z: `velocity` is its speed, like \"4.16 m/s\"";
+
 /// A free fall that ends on the film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("oneOf" = [{ "required": ["velocity"] }, { "required": ["drop_height"] }]))]
+#[schemars(extend(
+    "oneOf" = [{ "required": ["velocity"] }, { "required": ["drop_height"] }],
+    "x-future" = { "direction": DOWN, "angle": DOWN, "spin": "the impactor starts without rotation" }
+))]
 pub struct Impact {
     /// Speed at first contact, downward positive.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-future-list" = { "an oblique impact": DOWN }))]
     pub velocity: Option<Velocity>,
     /// Drop height of an ideal free fall to first contact, in place of `velocity`.
     #[schemars(extend("exclusiveMinimum" = 0))]

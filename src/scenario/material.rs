@@ -8,10 +8,13 @@ use serde::{Deserialize, Serialize};
 use super::schema;
 use crate::units::{Density, Length, Pressure, Rate};
 
+/// The laws that there are.
+const LAWS: &str = "the laws are `fabric` and `elastic`";
+
 /// Material of one layer of film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend(
-    "x-future" = ["hyperelastic"],
+    "x-future" = { "hyperelastic": LAWS, "plastic": LAWS, "prony": LAWS, "rupture": "a film breaks at the last strain of its curves" },
     "oneOf" = [{ "required": ["fabric"] }, { "required": ["elastic"] }]
 ))]
 pub struct Material {

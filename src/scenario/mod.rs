@@ -47,7 +47,13 @@ pub use tree::{Node, Table, Value};
 
 /// A scenario as written: the film, its loading, and what is recorded.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("not" = { "required": ["layers", "layer"] }))]
+#[schemars(extend(
+    "not" = { "required": ["layers", "layer"] },
+    "x-future" = {
+        "contact": "the impactor is in contact with the faces, which are not in contact with each other",
+        "variation": "a script varies keys: `droptower script`, `scenario.with`"
+    }
+))]
 pub struct Scenario {
     /// One line that describes the scenario; the name of its file where it is left out.
     pub title: Option<String>,
@@ -69,6 +75,7 @@ pub struct Scenario {
     #[serde(default)]
     pub frame: Frame,
     /// The rigid body that loads the film; only where the loading needs one.
+    #[schemars(extend("x-future-list" = { "a scene of several impactors (`[[impactor]]`)": "give one: `[impactor]`" }))]
     pub impactor: Option<Impactor>,
     /// The loading of the specimen.
     pub loading: Loading,

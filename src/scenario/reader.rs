@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::curve_file;
-use super::grammar::Rule;
+use super::grammar::{self, Rule};
 use super::merge::merge;
 use super::tree::{self, Node, Table, Value};
 use super::unset::Unset;
 use crate::diagnostic::{Diagnostic, Source, Span, shown_path};
 use crate::file::{self, FileError};
+use crate::units::percentage;
 
 /// Most bytes of a scenario with the files that it names. They are written by hand; larger files are not scenarios.
 const MOST_BYTES: u64 = 32 << 20;
@@ -46,9 +47,15 @@ impl Reader {
         let source = self.text(path, named)?;
         self.chain.push((identity, named.cloned()));
         let node = match tree::parse(&source) {
-            Ok(node) => self.extended(node, rule),
+            Ok(node) => match unrelated(&node, &source).filter(|_| named.is_none()) {
+                Some(mistake) => {
+                    self.mistakes.push(mistake);
+                    None
+                }
+                None => self.extended(node, rule),
+            },
             Err(mistakes) => {
-                self.mistakes.extend(mistakes);
+                self.mistakes.extend(unparsed(&source, path, mistakes));
                 None
             }
         };
@@ -97,13 +104,16 @@ impl Reader {
             Value::Table(mut table) => {
                 for entry in &mut table.entries {
                     let rule = rule.and_then(|rule| rule.under(&entry.key));
-                    entry.node = self.include(entry.node.clone(), rule);
+                    entry.node = self.include(plain(entry.node.clone(), rule), rule);
                 }
                 Value::Table(table)
             }
             Value::List(items) => {
                 let items = items.into_iter().enumerate();
-                let items = items.map(|(place, item)| self.include(item, rule.and_then(|rule| rule.item(place))));
+                let items = items.map(|(place, item)| {
+                    let rule = rule.and_then(|rule| rule.item(place));
+                    self.include(plain(item, rule), rule)
+                });
                 Value::List(items.collect())
             }
             other => other,
@@ -130,12 +140,13 @@ impl Reader {
                 Some(Source::file(path, text))
             }
             Err(error) => {
+                let hint = error.hint().map(str::to_owned);
                 let why = match error {
                     FileError::TooLarge { .. } => format!("a scenario and its files may have {} MB", MOST_BYTES >> 20),
                     other => other.to_string(),
                 };
                 let message = format!("cannot read {}: {why}", shown_path(path));
-                self.report(Diagnostic::new(message), named);
+                self.report(Diagnostic { hint, ..Diagnostic::new(message) }, named);
                 None
             }
         }
@@ -157,6 +168,50 @@ impl Reader {
             None => mistake,
         });
     }
+}
+
+/// A percentage as its fraction, where a number is expected.
+fn plain(node: Node, rule: Option<&Rule>) -> Node {
+    match (&node.value, rule) {
+        (Value::Text(text), Some(Rule::Number { whole: false, .. })) => match percentage(text) {
+            Some(share) => Node { value: Value::Number(share), ..node },
+            None => node,
+        },
+        _ => node,
+    }
+}
+
+/// Most syntax errors of a file that are reported.
+const MOST_ERRORS: usize = 10;
+
+/// The syntax errors of a file; of one that is hardly TOML, that it is no scenario.
+fn unparsed(source: &Arc<Source>, path: &Path, mut mistakes: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+        return vec![no_scenario(source, "it is not a TOML file")];
+    }
+    let others = mistakes.len().saturating_sub(MOST_ERRORS);
+    if others > 0 {
+        mistakes.truncate(MOST_ERRORS);
+        let message = format!("{} has {others} more lines that are not TOML", source.name);
+        mistakes.push(Diagnostic::new(message).hint("is it a scenario?"));
+    }
+    mistakes
+}
+
+/// The mistake of a file with keys of which none is one of a scenario or a material.
+fn unrelated(node: &Node, source: &Arc<Source>) -> Option<Diagnostic> {
+    let Value::Table(table) = &node.value else { return None };
+    let known = |key: &str| {
+        let rules = [grammar::scenario(), grammar::material()];
+        rules.iter().any(|rule| rule.table().is_some_and(|table| table.key(key).is_some()))
+    };
+    let is_unrelated = table.entries.len() > 1 && !table.entries.iter().any(|entry| known(&entry.key));
+    is_unrelated.then(|| no_scenario(source, "it has none of the keys of one"))
+}
+
+fn no_scenario(source: &Arc<Source>, why: &str) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("{} is no scenario: {why}", source.name));
+    mistake.hint("`droptower new drop my.toml` writes one to start from")
 }
 
 /// Takes `extends` out of a table that may have it.

@@ -43,6 +43,7 @@ fn along_x() -> Angle {
 
 /// Outline of the film in the plane z = 0.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("x-future" = { "polygon": "any other outline is imported: `mesh`" }))]
 #[serde(rename_all = "lowercase")]
 pub enum Shape {
     /// Full side lengths along x and y.
@@ -61,8 +62,12 @@ pub struct Circle {
     pub radius: Length,
 }
 
+/// What there is in place of a graded mesh.
+const EVEN: &str = "elements have one size; an imported mesh may be graded";
+
 /// Element type and size of a face.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("x-future" = { "fine": EVEN, "around": EVEN }))]
 pub struct Meshing {
     /// Type of membrane element.
     #[schemars(extend("default" = "quad4"))]

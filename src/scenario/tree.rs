@@ -1,5 +1,6 @@
 //! The tree of a file: keys and values with their places in the source.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
@@ -85,7 +86,29 @@ pub fn parse_as(text: &str, source: &Arc<Source>) -> Result<Node, Vec<Diagnostic
 fn syntax_error(error: &toml::de::Error, source: &Arc<Source>) -> Diagnostic {
     let message = error.message().lines().next().unwrap_or_default();
     let span = Span::new(source, error.span().unwrap_or(0..0));
+    if let Some(range) = decimal_comma(&source.text, span.range.start) {
+        let point = source.text[range.clone()].replace(',', ".");
+        let mistake = Diagnostic::new("decimal comma").at(&Span::new(source, range));
+        return mistake.hint(format!("write it with a decimal point: {point}"));
+    }
     Diagnostic::new(message.trim().trim_end_matches(", expected nothing")).at(&span)
+}
+
+/// A number with a decimal comma in the line at `at`: digits on both sides of a comma behind an equals sign, which a
+/// comma, a bracket, a comment or nothing follows.
+fn decimal_comma(text: &str, at: usize) -> Option<Range<usize>> {
+    let begin = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    let line = text[begin..].lines().next().unwrap_or_default();
+    let found = line.match_indices(',').find_map(|(comma, _)| {
+        let digit = |c: char| c.is_ascii_digit();
+        let before = line[..comma].trim_end_matches(digit);
+        let is_value = before.trim_end_matches(['+', '-']).trim_end_matches([' ', '\t']).ends_with('=');
+        let after = line[comma + 1..].trim_start_matches(digit);
+        let (start, end) = (before.trim_end_matches(['+', '-']).len(), line.len() - after.len());
+        let is_end = after.trim_start().is_empty() || after.trim_start().starts_with([',', '}', ']', '#']);
+        (before.len() < comma && comma + 1 < end && is_value && is_end).then_some(start..end)
+    });
+    found.map(|range| begin + range.start..begin + range.end)
 }
 
 fn table(table: &DeTable<'_>, source: &Arc<Source>, mistakes: &mut Vec<Diagnostic>) -> Table {
@@ -97,12 +120,7 @@ fn table(table: &DeTable<'_>, source: &Arc<Source>, mistakes: &mut Vec<Diagnosti
     Table { entries: entries.collect() }
 }
 
-fn value(
-    value: &DeValue<'_>,
-    source: &Arc<Source>,
-    range: std::ops::Range<usize>,
-    mistakes: &mut Vec<Diagnostic>,
-) -> Value {
+fn value(value: &DeValue<'_>, source: &Arc<Source>, range: Range<usize>, mistakes: &mut Vec<Diagnostic>) -> Value {
     match value {
         DeValue::String(text) => Value::Text(text.to_string()),
         DeValue::Boolean(flag) => Value::Flag(*flag),

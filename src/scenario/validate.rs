@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::grammar::{Key, Range, Rule, TableRule};
+use super::grammar::{Future, Key, Range, Rule, TableRule};
 use super::tree::{Entry, Node, Table, Value};
 use crate::diagnostic::{Diagnostic, Span, closest};
-use crate::units::{Angle, Dimension};
+use crate::units::{Angle, Dimension, with_decimal_point};
 
 /// Largest magnitude of an angle, rad: 360 deg and its round-off.
 const FULL_TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
@@ -88,8 +88,13 @@ impl Walk {
     fn table(&mut self, table: &Table, rule: &TableRule, place: &Place) {
         for entry in &table.entries {
             match rule.key(&entry.key) {
-                Some(key) => self.node(&entry.node, &key.rule, &place.under(entry)),
-                None => self.report(unknown_key(entry, rule, place)),
+                Some(key) => match (&key.future_list, &entry.node.value) {
+                    (Some(Future { what, hint }), Value::List(_)) => {
+                        self.report(not_yet(what, hint).at(&entry.key_span))
+                    }
+                    _ => self.node(&entry.node, &key.rule, &place.under(entry)),
+                },
+                None => self.report(unknown_key(entry, table, rule, place)),
             }
         }
         for key in rule.keys.iter().filter(|key| key.required) {
@@ -262,13 +267,17 @@ fn first_of<'t>(table: &'t Table, group: &[String]) -> Option<&'t Entry> {
 
 fn has_future(table: &Table, rule: &TableRule) -> bool {
     let entries = &mut table.entries.iter();
-    entries.any(|entry| rule.future.contains(&entry.key))
+    entries.any(|entry| rule.future(&entry.key).is_some())
 }
 
 fn wrong_kind(node: &Node, rule: &Rule) -> Diagnostic {
     let message = format!("expected {rule}, found {}", node.found());
     let mistake = Diagnostic::new(message).at(&node.span);
     match (&node.value, rule) {
+        (Value::Text(text), Rule::Number { .. }) if with_decimal_point(text).is_some() => {
+            let point = with_decimal_point(text).unwrap_or_default();
+            mistake.hint(format!("write it with a decimal point: {point}"))
+        }
         (Value::Text(text), Rule::Number { .. } | Rule::Flag) if text.parse::<f64>().is_ok() => {
             mistake.hint("leave the quotes out")
         }
@@ -293,15 +302,21 @@ fn unknown_word(text: &str, rule: &Rule) -> Diagnostic {
     }
 }
 
-fn unknown_key(entry: &Entry, rule: &TableRule, place: &Place) -> Diagnostic {
-    if rule.future.contains(&entry.key) {
-        let path = place.name(&entry.key);
-        let message = format!("`{path}` is not supported by this version");
-        return Diagnostic::new(message).at(&entry.key_span);
+fn unknown_key(entry: &Entry, table: &Table, rule: &TableRule, place: &Place) -> Diagnostic {
+    if let Some(hint) = rule.future(&entry.key) {
+        return not_yet(&format!("`{}`", place.name(&entry.key)), hint).at(&entry.key_span);
     }
+    // Who gives a value beside this one knows its key.
+    let is_beside = |name: &str| {
+        let other = table.get(name);
+        other.is_some_and(|other| {
+            let is_table = matches!(other.node.value, Value::Table(_));
+            !is_table && Arc::ptr_eq(&other.key_span.source, &entry.key_span.source)
+        })
+    };
     let names = || rule.keys.iter().map(|key| key.name.as_str());
-    let meant = closest(&entry.key, names()).map(str::to_owned).or_else(|| deeper(rule, &entry.key));
-    let hint = match meant {
+    let meant = closest(&entry.key, names().filter(|name| !is_beside(name))).map(str::to_owned);
+    let hint = match meant.or_else(|| deeper(rule, &entry.key)) {
         Some(name) => format!("did you mean `{name}`?"),
         None => {
             let known: Vec<String> = names().map(|name| format!("`{name}`")).collect();
@@ -309,6 +324,12 @@ fn unknown_key(entry: &Entry, rule: &TableRule, place: &Place) -> Diagnostic {
         }
     };
     Diagnostic::new(format!("unknown key `{}`", entry.key)).at(&entry.key_span).hint(hint)
+}
+
+/// Something that is planned: what a user may expect, and what there is instead.
+fn not_yet(what: &str, hint: &str) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("{what} is not supported yet"));
+    if hint.is_empty() { mistake } else { mistake.hint(hint) }
 }
 
 /// The path of a key of this name in a table below.

@@ -126,14 +126,48 @@ fn explain_gives_unit_range_default_and_sentence() {
     let keys: Json = serde_json::from_str(&standard_output(&["explain", "specimen.mesh", "--json"])).expect("JSON");
     assert_eq!(keys[2]["key"], "specimen.mesh.size");
     assert_eq!(keys[2]["unit"], "m");
-    let ending = droptower(&["explain", "mesh.size"]);
-    assert_eq!(ending.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&ending.stderr).contains("did you mean `specimen.mesh.size`"));
+    assert!(
+        standard_output(&["explain", "mesh.size"]).starts_with("specimen.mesh.size\nlayer.mesh.size\n    Target edge")
+    );
     let function = standard_output(&["explain", "write_csv"]);
     assert!(function.contains("write_csv(name,") && !function.contains("measure(name"), "{function}");
     let unknown = droptower(&["explain", "specimen.mehs"]);
     assert_eq!(unknown.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&unknown.stderr).contains("did you mean `mesh`?"));
+}
+
+#[test]
+fn explain_finds_a_key_at_any_depth_by_the_end_of_its_path() {
+    for (end, paths) in [
+        ("mesh", &["specimen.mesh", "specimen.shape.mesh", "impactor.shape.mesh", "layer.mesh"][..]),
+        ("md", &["specimen.material.fabric.md", "layers.prestrain.md"]),
+        ("k1", &["specimen.material.fabric.scale.k1", "layer.material.fabric.td.rates.scale.k1"]),
+        ("scale", &["specimen.material.fabric.scale", "specimen.material.fabric.md.scale"]),
+    ] {
+        let text = standard_output(&["explain", end]);
+        let found: Vec<&str> = text.lines().filter(|line| line.ends_with(end) && !line.starts_with(' ')).collect();
+        assert!(paths.iter().all(|path| found.contains(path)), "{text}");
+    }
+    let one = standard_output(&["explain", "drop_height"]);
+    assert!(one.contains("loading.impact.drop_height\n    Drop height of an ideal"), "{one}");
+}
+
+#[test]
+fn a_file_that_is_no_scenario_has_one_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let utf16 = folder.path().join("utf-16.toml");
+    std::fs::write(&utf16, "title = \"a\"\n".encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>())
+        .expect("writable");
+    for (file, expected) in [
+        ("README.md", "README.md is no scenario: it is not a TOML file"),
+        ("Cargo.toml", "Cargo.toml is no scenario: it has none of the keys of one"),
+        (utf16.to_str().expect("UTF-8"), "utf-16.toml: it is UTF-16 text"),
+    ] {
+        let output = droptower(&["check", file]);
+        let mistakes = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), mistakes.matches("error").count()), (Some(2), 1), "{mistakes}");
+        assert!(mistakes.contains(expected), "{mistakes}");
+    }
 }
 
 #[test]

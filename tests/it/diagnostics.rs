@@ -139,6 +139,8 @@ fn set_accepts_toml_and_bare_text() {
         assert!(matches!(size(argument), Ok(found) if found == 0.02), "{argument}: {:?}", size(argument));
     }
     assert!(matches!(set("frame.hold=none"), Ok(model) if model.frame.hold == model::Hold::None));
+    let friction = |argument: &str| set(argument).map(|model| model.impactor.map(|impactor| impactor.friction));
+    assert!(matches!(friction("impactor.friction=10 %"), Ok(Some(0.1))));
     assert!(matches!(set("layers.faces.1=\"-50 mm\""), Ok(model) if model.faces[1].height == -0.05));
 }
 
@@ -220,6 +222,7 @@ fn mistakes_in_set_are_reported_at_their_column() {
         ("layers.count=ten", 14, "expected a whole number, found \"ten\""),
         ("layers.cuont=10", 8, "unknown key `cuont`"),
         ("specimen.mesh.size=12 kg", 20, "expected a length, found \"12 kg\""),
+        ("impactor.friction=0,5", 19, "expected a number, found \"0,5\""),
         ("layers.count", 1, "expected key.path=value"),
         ("=8", 1, "expected key.path=value"),
         ("[layers]", 1, "expected key.path=value"),
