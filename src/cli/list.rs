@@ -1,18 +1,20 @@
 //! `droptower list`: the scenarios of a folder.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
 
 use super::{Failure, Shared, print, print_json};
-use crate::diagnostic::{Diagnostic, shown_path};
+use crate::diagnostic::{Diagnostic, folder_of, shown_path};
 use crate::scenario::{Document, Value};
+use crate::store::{self, run_files};
 
 #[derive(Debug, Args)]
 pub(super) struct ListArgs {
-    /// The folder to search
-    #[arg(default_value = "scenarios")]
+    /// The folder to search; result folders in it are left out
+    #[arg(default_value = ".")]
     pub folder: PathBuf,
 }
 
@@ -26,12 +28,17 @@ struct Listed {
 }
 
 pub(super) fn run(args: &ListArgs, shared: &Shared) -> Result<(), Failure> {
-    let listed: Vec<Listed> = files(&args.folder)?.iter().filter_map(|file| listed(file)).collect();
+    let (results, files): (Vec<_>, Vec<_>) = files(&args.folder)?.into_iter().partition(|file| is_result(file));
+    let listed: Vec<Listed> = files.iter().filter_map(|file| listed(file)).collect();
     if shared.json {
         return print_json(&listed);
     }
     if listed.is_empty() {
         return Err(Diagnostic::new(format!("no scenarios in {}", shown_path(&args.folder))).into());
+    }
+    if !results.is_empty() && !shared.quiet {
+        // With standard error closed, there is nowhere to print.
+        let _ = writeln!(io::stderr(), "note: the scenarios of result folders are left out: {}", results.len());
     }
     let width = listed.iter().map(|scenario| scenario.path.chars().count()).max().unwrap_or(0);
     let lines: Vec<String> = listed
@@ -48,10 +55,18 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, Diagnostic> {
     if !folder.is_dir() {
         return Err(Diagnostic::new(format!("{} is not a folder", shown_path(folder))));
     }
-    let folder = glob::Pattern::escape(&folder.to_string_lossy());
-    let paths = glob::glob(&format!("{folder}/**/*.toml"))
-        .map_err(|error| Diagnostic::new(format!("cannot search {folder}: {error}")))?;
+    let escaped = glob::Pattern::escape(&folder.to_string_lossy());
+    let below = if folder == Path::new(".") { "**/*.toml".into() } else { format!("{escaped}/**/*.toml") };
+    // Hidden folders hold what other programs keep.
+    let options = glob::MatchOptions { require_literal_leading_dot: true, ..glob::MatchOptions::new() };
+    let paths = glob::glob_with(&below, options)
+        .map_err(|error| Diagnostic::new(format!("cannot search {}: {error}", shown_path(folder))))?;
     Ok(paths.filter_map(Result::ok).collect())
+}
+
+/// Whether the file is the resolved scenario of a stored run.
+fn is_result(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name == run_files::SCENARIO) && store::is_run(folder_of(path))
 }
 
 /// The file as a scenario; none where it is something else, e.g. a material.

@@ -1,5 +1,6 @@
 //! The command line: one file a command, one failure with its exit status, and the one place that prints.
 
+mod argument;
 mod check;
 mod checkpoint;
 mod codes;

@@ -40,6 +40,15 @@ pub enum ReleaseError {
     /// The channel filter cannot be applied.
     #[error("acceleration: {0}")]
     Filter(#[from] FilterError),
+    /// The reading is not at rest when the recording begins.
+    #[error(
+        "acceleration: the recording begins after contact: the reading changes by {change:.1} m/s² in the first {:.0} ms, where the impactor should be at rest",
+        1e3 * SHORTEST_REST
+    )]
+    BeginsAfterContact {
+        /// Largest less smallest reading in the time that a rest lasts at least, m/s².
+        change: f64,
+    },
     /// The impact is the most negative reading.
     #[error(
         "acceleration: the impact reads {lowest:.1} m/s² downward; deceleration must be positive, so the sign looks reversed"
@@ -87,6 +96,11 @@ impl Release {
         let peak = smooth.largest().unwrap_or([f64::NAN, f64::NAN]);
         let largest = peak[1] - level;
         let lowest = level - smooth.smallest().unwrap_or(peak)[1];
+        // A release changes the reading by one gravity at most.
+        let change = change(&smooth);
+        if change > BLOW * gravity {
+            return Err(ReleaseError::BeginsAfterContact { change });
+        }
         if lowest > UPSIDE_DOWN * largest.max(gravity) {
             return Err(ReleaseError::UpsideDown { lowest });
         }
@@ -115,11 +129,22 @@ impl Release {
     }
 }
 
+/// Largest less smallest of the first samples.
+fn change(smooth: &Series) -> f64 {
+    let head = head(smooth);
+    let value = |extreme: Option<[f64; 2]>| extreme.map_or(0.0, |[_, value]| value);
+    value(head.largest()) - value(head.smallest())
+}
+
 /// Mean of the first samples, as long as the length of the rest is unknown.
 fn level(smooth: &Series) -> f64 {
-    let first = smooth.time().first().copied().unwrap_or(0.0);
-    let head = smooth.window([first, first + SHORTEST_REST]);
+    let head = head(smooth);
     head.values().iter().sum::<f64>() / head.len().max(1) as f64
+}
+
+fn head(smooth: &Series) -> Series {
+    let first = smooth.time().first().copied().unwrap_or(0.0);
+    smooth.window([first, first + SHORTEST_REST])
 }
 
 #[cfg(test)]
@@ -159,6 +184,10 @@ mod tests {
         assert!(matches!(Release::find(&fall_only, 9.81), Err(ReleaseError::NoContact { .. })));
         let impact_only = whole.window([0.42, 0.6]);
         assert!(matches!(Release::find(&impact_only, 9.81), Err(ReleaseError::NoRelease { .. })));
+        for begin in [0.502, 0.52, 0.54, 0.56] {
+            let late = whole.window([begin, 0.6]);
+            assert!(matches!(Release::find(&late, 9.81), Err(ReleaseError::BeginsAfterContact { .. })), "{begin}");
+        }
         let no_rest = whole.window([0.09, 0.6]);
         assert!(matches!(Release::find(&no_rest, 9.81), Err(ReleaseError::NoRest { .. })));
         let gap = whole.with_values(whole.samples().map(|[t, v]| if t == 0.2 { f64::NAN } else { v }).collect());

@@ -10,6 +10,7 @@ use super::contact::FallCondition;
 use super::coupon::{Direction, YieldError};
 use crate::diagnostic::shown_path;
 use crate::finding::{Code, Report, codes};
+use crate::number::significant;
 use crate::signal::FILTERED_BEFORE;
 
 codes! {
@@ -47,8 +48,18 @@ codes! {
         "the largest acceleration comes well after the lowest point, so it is not that of the impact",
         "shorten the recording to the impact";
     SATURATED = "saturated-accelerometer", Warning,
-        "the accelerometer stays at its largest reading, which may be the end of its range",
-        "use a larger range; peak and integrals are too small";
+        "the accelerometer stays at its largest reading, which may be the end of its range; figures that rest on these \
+         samples are withheld, peak and displacement are bounds",
+        "use a larger range; contact and impact speed hold, since they precede the samples";
+    GAP_BRIDGED = "gap-bridged", Warning,
+        "gaps of the acceleration are bridged by straight lines, as was asked for",
+        "record again where a gap lies in the impact, since the peak and all integrals after it depend on it";
+    CONTACT_STATED = "contact-stated", Note,
+        "contact and impact speed are those that were given; the recording does not determine them",
+        "nothing, if both are well known";
+    IMPACT_SPEED_DIFFERS = "impact-speed-differs", Warning,
+        "the acceleration integrated from rest to the given contact reaches another speed than the given one",
+        "check contact time and speed, or give the time constant of the accelerometer";
     NOT_FILTERED_AGAIN = "not-filtered-again", Note,
         "the acceleration passed a channel filter before it was recorded, as its file states, and the reduction does \
          not filter it again; where it does, that is `filtered-before`",
@@ -166,12 +177,45 @@ pub enum Warning {
         lowest_point: f64,
     },
     /// A constant largest reading.
-    #[error("the accelerometer reads {reading:.1} m/s² for {:.1} ms, which may be the end of its range", 1e3 * duration)]
+    #[error(
+        "the accelerometer reads {reading:.1} m/s² for {:.1} ms from {start:.4} s on, which may be the end of its range: figures that rest on it are withheld",
+        1e3 * duration
+    )]
     Saturated {
         /// The largest reading, m/s².
         reading: f64,
+        /// First time of this reading on the recording's clock, s.
+        start: f64,
         /// Time for which it stays, s.
         duration: f64,
+        /// Largest filtered acceleration of the clipped signal, m/s²: the true one is not smaller.
+        peak: f64,
+        /// Smallest displacement of the clipped signal, m: the true one is not deeper.
+        deepest: f64,
+    },
+    /// Gaps that were bridged.
+    #[error(
+        "acceleration: {}, {} ms after {} s",
+        bridged(*count), significant(1e3 * duration, 6), significant(*after, 6)
+    )]
+    GapBridged {
+        /// Number of gaps.
+        count: usize,
+        /// Time of the last sample before the longest, s.
+        after: f64,
+        /// Duration of the longest, s.
+        duration: f64,
+    },
+    /// A contact that is known from elsewhere.
+    #[error("contact and impact speed are as given, not determined from the recording")]
+    ContactStated,
+    /// A given speed that the integrated fall does not reach.
+    #[error("integrated from rest the impactor reaches {reached:.3} m/s at contact, not {speed:.3} m/s")]
+    ImpactSpeedDiffers {
+        /// By integration, m/s.
+        reached: f64,
+        /// As given, m/s.
+        speed: f64,
     },
     /// An acceleration that was filtered before.
     #[error(
@@ -219,6 +263,13 @@ pub enum Warning {
     DensityAssumed,
 }
 
+fn bridged(count: usize) -> String {
+    match count {
+        1 => "a gap is bridged by a straight line".into(),
+        several => format!("{several} gaps are bridged by straight lines, the longest"),
+    }
+}
+
 fn without_absorption(reason: AbsorptionError) -> String {
     match reason {
         AbsorptionError::NoUnloading => "the recording ends before the rebound".into(),
@@ -241,6 +292,9 @@ impl Report for Warning {
             Warning::ZeroDrift { .. } => &ZERO_DRIFT,
             Warning::LatePeak { .. } => &LATE_PEAK,
             Warning::Saturated { .. } => &SATURATED,
+            Warning::GapBridged { .. } => &GAP_BRIDGED,
+            Warning::ContactStated => &CONTACT_STATED,
+            Warning::ImpactSpeedDiffers { .. } => &IMPACT_SPEED_DIFFERS,
             Warning::FilteredAlready { again: Some(_), .. } => &FILTERED_BEFORE,
             Warning::FilteredAlready { again: None, .. } => &NOT_FILTERED_AGAIN,
             Warning::RecordEndsUnderLoad { .. } => &RECORD_ENDS_UNDER_LOAD,
@@ -274,8 +328,18 @@ impl Report for Warning {
             Warning::LatePeak { peak, lowest_point } => {
                 named(&[("peak_s", (*peak).into()), ("lowest_point_s", (*lowest_point).into())])
             }
-            Warning::Saturated { reading, duration } => {
-                named(&[("reading_m_s2", (*reading).into()), ("duration_s", (*duration).into())])
+            Warning::Saturated { reading, start, duration, peak, deepest } => named(&[
+                ("reading_m_s2", (*reading).into()),
+                ("start_s", (*start).into()),
+                ("duration_s", (*duration).into()),
+                ("peak_acceleration_at_least_m_s2", (*peak).into()),
+                ("peak_displacement_at_least_m", (*deepest).into()),
+            ]),
+            Warning::GapBridged { count, after, duration } => {
+                named(&[("gaps", (*count).into()), ("after_s", (*after).into()), ("duration_s", (*duration).into())])
+            }
+            Warning::ImpactSpeedDiffers { reached, speed } => {
+                named(&[("reached_m_s", (*reached).into()), ("speed_m_s", (*speed).into())])
             }
             Warning::FilteredAlready { class, .. } => named(&[("class", (*class).into())]),
             Warning::RecordEndsUnderLoad { path } => named(&[("file", shown_path(path).into())]),
@@ -289,6 +353,7 @@ impl Report for Warning {
             Warning::NoLaser
             | Warning::NoLaserNoHeight
             | Warning::NoEnergyAbsorption { .. }
+            | Warning::ContactStated
             | Warning::DensityAssumed => Map::new(),
         }
     }

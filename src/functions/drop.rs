@@ -47,7 +47,7 @@ fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) ->
         Some(none) if none.is_unit() => None,
         _ => Some(about.number("class", 1000.0)?),
     };
-    let reduction = Reduction { correction: correction(about)?, class };
+    let reduction = Reduction { correction: correction(about)?, class, contact: None };
     let drop = drop::reduce(acceleration, laser, &tower, &reduction).map_err(refuse)?;
     reduced(&drop)
 }

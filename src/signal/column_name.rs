@@ -18,11 +18,12 @@ pub struct ColumnName {
 }
 
 impl ColumnName {
-    /// Reads `accel [g]`, `accel (g)`, `accel / g`, `accel_g` or a name without unit.
+    /// Reads `accel [g]`, `accel (g)`, `accel in g`, `accel / g`, `accel_g` or a name without unit.
     pub fn read(label: &str) -> ColumnName {
         let label = label.trim();
         bracketed(label, ['[', ']'])
             .or_else(|| bracketed(label, ['(', ')']))
+            .or_else(|| worded(label))
             .or_else(|| divided(label))
             .or_else(|| Unit::of_name(label).map(|(name, unit)| known(label, name, unit)))
             .unwrap_or_else(|| plain(label))
@@ -49,6 +50,12 @@ fn bracketed(label: &str, [open, close]: [char; 2]) -> Option<ColumnName> {
         Err(_) if open == '(' => return None,
         Err(_) => ColumnName { name: name.trim().into(), unknown_unit: Some(symbol.into()), ..plain(label) },
     })
+}
+
+/// `Zeit in ms`, `accel in g`: the same word in English, German, and other languages.
+fn worded(label: &str) -> Option<ColumnName> {
+    let (name, symbol) = label.rsplit_once(" in ")?;
+    Unit::parse(symbol.trim()).ok().filter(|_| !name.trim().is_empty()).map(|unit| known(label, name, unit))
 }
 
 /// `a / m/s2`: the unit is the longest that stands behind a stroke.
@@ -97,6 +104,11 @@ mod tests {
             ("Kraft / N", "Kraft", Some("N")),
             ("a / m/s2", "a", Some("m/s2")),
             ("F/N", "F", Some("N")),
+            ("Zeit in ms", "Zeit", Some("ms")),
+            ("Beschleunigung in g", "Beschleunigung", Some("g")),
+            ("Kraft in N/mm", "Kraft", Some("N/mm")),
+            ("Kraft [N]", "Kraft", Some("N")),
+            ("load in cell", "load in cell", None),
             ("velocity_m_s", "velocity", Some("m_s")),
             ("strain [-]", "strain", Some("-")),
             ("accel (1)", "accel (1)", None),

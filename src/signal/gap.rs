@@ -29,6 +29,16 @@ pub enum Gap {
     },
 }
 
+impl Gap {
+    /// Samples that are missing at the usual step, or have no value.
+    pub fn missing(&self) -> usize {
+        match self {
+            Gap::Sample { .. } => 1,
+            Gap::Hole { from, to, step } => (((to - from) / step).round() - 1.0).max(1.0) as usize,
+        }
+    }
+}
+
 /// The first gap of `series`, if it has one: a sample without value, or else a hole.
 pub fn first(series: &Series) -> Option<Gap> {
     let unmeasured = series.samples().find(|[_, value]| !value.is_finite());
@@ -39,12 +49,17 @@ pub fn first(series: &Series) -> Option<Gap> {
 /// Steps of `time` (s) that are longer than two and a half of its median.
 pub fn holes(time: &[f64]) -> impl Iterator<Item = Gap> {
     let step = usual_step(time);
-    let long = time.windows(2).filter(move |pair| pair[1] - pair[0] > HOLE * step);
+    let long = time.windows(2).filter(move |pair| is_hole(pair[1] - pair[0], step));
     long.map(move |pair| Gap::Hole { from: pair[0], to: pair[1], step: clean_time(step) })
 }
 
+/// Whether samples are missing within a `duration` (s) between two of them, where `step` (s) is the usual one.
+pub fn is_hole(duration: f64, step: f64) -> bool {
+    duration > HOLE * step
+}
+
 /// The median step; that of all where they are equal.
-fn usual_step(time: &[f64]) -> f64 {
+pub fn usual_step(time: &[f64]) -> f64 {
     if let Some(step) = resample::common_step(time) {
         return step;
     }

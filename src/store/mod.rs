@@ -115,6 +115,11 @@ pub fn check_places(places: &[PathBuf]) -> Result<(), StoreError> {
     Ok(())
 }
 
+/// Whether `folder` holds the results of a run, complete or failed.
+pub fn is_run(folder: &Path) -> bool {
+    [run_files::SUMMARY, run_files::FAILURE].iter().any(|name| folder.join(name).is_file())
+}
+
 /// Results to be stored in the folder `target`; a draft that is dropped unpublished leaves nothing.
 #[derive(Debug)]
 pub struct Draft {

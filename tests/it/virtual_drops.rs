@@ -430,3 +430,133 @@ fn shocks_without_a_fall_are_refused() {
     let refused = drop::reduce(shock, None, &tower, &Reduction::default());
     assert!(matches!(refused, Err(drop::DropError::Release(_))), "{refused:?}");
 }
+
+/// A copy of a shipped recording whose rows `change` has changed or left out.
+fn damaged(folder: &Path, change: impl Fn(f64, f64) -> Option<String>) -> String {
+    let shipped = fs::read_to_string(root().join("data/virtual/1008.csv")).expect("a text");
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        match (cells[0].parse::<f64>(), cells.get(1).and_then(|cell| cell.parse::<f64>().ok())) {
+            (Ok(time), Some(reading)) => Some(format!("{},{},{}\n", cells[0], change(time, reading)?, cells[2])),
+            _ => Some(format!("{line}\n")),
+        }
+    };
+    let path = folder.join("damaged.csv");
+    fs::write(&path, shipped.lines().filter_map(row).collect::<String>()).expect("a recording");
+    path.to_str().expect("UTF-8").to_owned()
+}
+
+const TOWER_OF_1008: [&str; 4] = ["--mass", "10.72 kg", "--height", "1 m"];
+
+#[test]
+fn a_recording_that_begins_after_contact_is_named_as_such() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for begin in [0.62, 0.63, 0.64, 0.65, 0.66, 0.67, 0.68] {
+        let path = damaged(folder.path(), |time, reading| (time >= begin).then(|| reading.to_string()));
+        let output = droptower(&[&["signal", "drop", &path][..], &TOWER_OF_1008].concat());
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{begin}: {error}");
+        assert!(error.contains("the recording begins after contact"), "{begin}: {error}");
+        assert!(error.contains("must begin with the rest before the release"), "{begin}: {error}");
+    }
+}
+
+#[test]
+fn figures_of_a_clipped_accelerometer_are_withheld() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let reduced = |path: &str| -> Json {
+        let output = droptower(&[&["signal", "drop", path][..], &TOWER_OF_1008, &["--json"]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    };
+    let whole = reduced("data/virtual/1008.csv");
+    for level in [110.0, 60.0, 30.0] {
+        let path = damaged(folder.path(), |_, reading| Some(reading.min(level).to_string()));
+        let clipped = reduced(&path);
+        for key in ["peak_acceleration_m_s2", "peak_displacement_m", "final_absorbed_energy_J", "energy_absorption"] {
+            assert!(clipped[key].is_null() && whole[key].is_f64(), "{level}: {key}");
+        }
+        for key in ["contact_time_s", "impact_velocity_m_s", "impact_energy_J"] {
+            assert_eq!(clipped[key], whole[key], "{level}: {key}");
+        }
+        let findings = clipped["findings"].as_array().expect("findings");
+        let finding = findings.iter().find(|finding| finding["code"] == "saturated-accelerometer").expect("a finding");
+        let figure = |finding: &Json, key: &str| finding[key].as_f64().expect("a bound");
+        let bounds = ["peak_acceleration_at_least_m_s2", "peak_displacement_at_least_m"];
+        for (bound, key) in bounds.into_iter().zip(["peak_acceleration_m_s2", "peak_displacement_m"]) {
+            assert!(figure(finding, bound) < whole[key].as_f64().expect("a figure"), "{level}: {key}");
+        }
+        let text = droptower(&[&["signal", "drop", &path][..], &TOWER_OF_1008].concat());
+        let text = String::from_utf8_lossy(&text.stdout).into_owned();
+        assert!(text.contains("at least ") && text.contains("energy absorbed    withheld"), "{text}");
+    }
+}
+
+/// Gaps in the rest, the fall and the impact, as empty cells and as missing rows.
+#[test]
+fn gaps_can_be_bridged_and_spikes_masked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let exact = true_figures().into_iter().find(|(test, _)| test == "1008").expect("a test").1;
+    let reduce = |path: &str, with: &[&str]| droptower(&[&["signal", "drop", path][..], &TOWER_OF_1008, with].concat());
+    let check = |path: &str, with: &[&str]| {
+        let output = reduce(path, &[with, &["--json"]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let found: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+        let number = |key: &str| found[key].as_f64().expect("a number");
+        assert!((number("impact_velocity_m_s") / exact.speed - 1.0).abs() < 5e-3, "{found}");
+        assert!((number("energy_absorption") - exact.absorption).abs() < 0.02, "{found}");
+        let findings = found["findings"].as_array().expect("findings");
+        assert!(findings.iter().any(|finding| finding["code"] == "gap-bridged"), "{found}");
+    };
+    for [from, to] in [[0.05, 0.052], [0.4, 0.406], [0.65, 0.653]] {
+        for is_missing in [true, false] {
+            let path = damaged(folder.path(), |time, reading| match (from..=to).contains(&time) {
+                true if is_missing => None,
+                true => Some(String::new()),
+                false => Some(reading.to_string()),
+            });
+            let error = String::from_utf8_lossy(&reduce(&path, &[]).stderr).into_owned();
+            assert!(error.contains("--bridge \""), "{error}");
+            check(&path, &["--bridge", "7 ms"]);
+            let info = droptower(&["signal", "info", &path, "--json"]);
+            let info: Json = serde_json::from_slice(&info.stdout).expect("JSON");
+            let count = ((to - from) * 1e4).round() as u64 + 1;
+            assert_eq!(info[0]["channels"][0]["gaps"], count, "{from}");
+        }
+    }
+    let spike = |time: f64, reading: f64| if (0.3..0.3003).contains(&time) { 400.0 } else { reading };
+    let path = damaged(folder.path(), |time, reading| Some(spike(time, reading).to_string()));
+    check(&path, &["--mask", "299 ms..301 ms"]);
+}
+
+#[test]
+fn a_given_contact_takes_the_place_of_laser_and_height() {
+    let call = ["signal", "drop", "data/virtual/1008.csv", "--mass", "10.72 kg", "--json"];
+    let reduce = |with: &[&str]| droptower(&[&call[..], with].concat());
+    let found = |with: &[&str]| -> Json {
+        let output = reduce(with);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    };
+    let by_laser = found(&["--height", "1 m"]);
+    for with in [&["--speed", "4.159 m/s"][..], &["--speed", "4.159 m/s", "--contact-time", "617.26 ms"]] {
+        let given = found(with);
+        assert_eq!(given["impact_velocity_m_s"], 4.159, "{with:?}");
+        for key in ["peak_displacement_m", "energy_absorption"] {
+            let [given, laser] = [&given, &by_laser].map(|drop| drop[key].as_f64().expect("a figure"));
+            assert!((given / laser - 1.0).abs() < 0.02, "{with:?}: {key} {given} {laser}");
+        }
+    }
+    for (with, expected) in [
+        (&["--speed", "4.159 m/s", "--contact-time", "0.7 s"][..], "lies outside the fall"),
+        (&["--contact-time", "0.6 s"], "--speed"),
+        (&["--speed", "4.159"], "expected a velocity with its unit"),
+    ] {
+        let output = reduce(with);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && error.contains(expected), "{error}");
+    }
+    let doubtful = found(&["--speed", "3 m/s", "--contact-time", "617.26 ms"]);
+    let findings = doubtful["findings"].as_array().expect("findings");
+    assert!(findings.iter().any(|finding| finding["code"] == "impact-speed-differs"), "{doubtful}");
+}

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::acceleration::AccelerationArgs;
 use super::remarks::Remarks;
+use crate::cli::argument::milliseconds;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
 use crate::number::clean_time;
@@ -17,7 +18,7 @@ pub(crate) struct ClipArgs {
     #[command(flatten)]
     pub acceleration: AccelerationArgs,
     /// How long the level is held, ms
-    #[arg(long, value_name = "MS", default_value_t = 3.0)]
+    #[arg(long, value_name = "MS", default_value_t = 3.0, value_parser = milliseconds)]
     pub duration: f64,
     /// Whether intervals add up (49 CFR 571.208, UN R94) or one has to last
     #[arg(long, value_enum, default_value_t)]

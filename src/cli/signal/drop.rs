@@ -5,20 +5,24 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::input::{self, TableArgs, quantity};
+use super::input::{self, TableArgs};
 use super::{output, remarks};
+use crate::cli::argument::quantity;
 use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::experiment::Warning;
 use crate::experiment::absorption::Body;
-use crate::experiment::contact::SpeedSource;
+use crate::experiment::contact::{ContactError, SpeedSource};
 use crate::experiment::drop::{
-    ChannelNames, Correction, Drop, DropChannels, DropChannelsError, Figures, Height, Reduction, Tower,
+    self, ChannelNames, Correction, Drop, DropChannels, DropChannelsError, DropError, Figures, Height, KnownContact,
+    Reduction, Tower,
 };
+use crate::experiment::release::ReleaseError;
 use crate::finding::Finding;
+use crate::number::significant;
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::{self, Annotations, QuantityError};
-use crate::units::{Acceleration, Length, Mass, STANDARD_GRAVITY, Time};
+use crate::units::{Acceleration, Length, Mass, STANDARD_GRAVITY, Time, Velocity};
 
 #[derive(Debug, Args)]
 pub(crate) struct DropArgs {
@@ -28,8 +32,21 @@ pub(crate) struct DropArgs {
     #[arg(long, value_parser = |text: &str| quantity(Mass::DIMENSION, text))]
     pub mass: f64,
     /// Height of fall, e.g. "1 m"
-    #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
-    pub height: f64,
+    #[arg(long, required_unless_present = "speed", value_parser = |text: &str| quantity(Length::DIMENSION, text))]
+    pub height: Option<f64>,
+    /// Impact speed that is known, e.g. "4.16 m/s", in place of height and laser
+    #[arg(long, value_name = "SPEED", conflicts_with_all = ["height", "laser"],
+          value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
+    pub speed: Option<f64>,
+    /// Time of first contact on the recording's clock where it is known too, e.g. "617.3 ms"
+    #[arg(long, value_name = "TIME", requires = "speed", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
+    pub contact_time: Option<f64>,
+    /// Bridge gaps of the acceleration that last no longer than this by straight lines, e.g. "5 ms"
+    #[arg(long, value_name = "TIME", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
+    pub bridge: Option<f64>,
+    /// Replace the acceleration between two times by a straight line, e.g. "212 ms..215 ms"; several times
+    #[arg(long, value_name = "FROM..TO", value_parser = interval)]
+    pub mask: Vec<[f64; 2]>,
     /// The channel of the accelerometer, where there are several
     #[arg(long, value_name = "NAME")]
     pub column: Option<String>,
@@ -78,7 +95,9 @@ pub(super) fn run(args: &DropArgs, shared: &Shared) -> Result<(), Failure> {
     let reduced = reduced(args)?;
     let printed = Printed { figures: reduced.figures(), findings: reduced.findings() };
     let comments: Vec<String> = reduced.annotations.free_comments().cloned().collect();
-    print_figures(shared, &printed, || text(args, &printed.figures, &remarks::lines(&comments, &printed.findings)))
+    print_figures(shared, &printed, || {
+        text(args, &reduced.drop, &printed.figures, &remarks::lines(&comments, &printed.findings))
+    })
 }
 
 /// A reduced drop with what its file states.
@@ -121,10 +140,16 @@ fn reduced(args: &DropArgs) -> Result<Reduced, Failure> {
         output::check_table(out, &args.path, args.force)?;
     }
     let mut sensed = sensed(args)?;
-    sensed.laser = sensed.laser.filter(|_| !args.without_laser);
+    sensed.laser = sensed.laser.filter(|_| !args.without_laser && args.speed.is_none());
+    let bridged = bridge(args, &mut sensed);
     let class = args.class.or_else(|| sensed.class_to_apply(Some(1000.0)));
-    let drop = sensed.reduce(&tower, &Reduction { correction, class });
-    let drop = drop.map_err(|error| Diagnostic::new(format!("{}: {error}", shown_path(&args.path))))?;
+    let contact = args.contact_time.zip(args.speed).map(|(time, speed)| KnownContact { time, speed });
+    let drop = sensed.reduce(&tower, &Reduction { correction, class, contact });
+    let mut drop = drop.map_err(|error| {
+        let mistake = Diagnostic::new(format!("{}: {error}", shown_path(&args.path)));
+        Diagnostic { hint: remedy(&error, &sensed), ..mistake }
+    })?;
+    drop.warnings.extend(bridged);
     let unusual_class = args.class.and_then(input::unusual_class);
     let reduced = Reduced { drop, annotations: sensed.annotations, unusual_class };
     if let Some(out) = &args.out {
@@ -146,7 +171,53 @@ fn conditions(args: &DropArgs) -> Result<(Tower, Correction), Diagnostic> {
         }
     };
     let body = Body { mass: args.mass, gravity: args.gravity };
-    Ok((Tower { body, height: Height::Known(args.height) }, correction))
+    let height = match (args.height, args.speed) {
+        (Some(height), _) => Height::Known(height),
+        (None, speed) => Height::OfSpeed(0.5 * speed.unwrap_or(f64::NAN).powi(2) / args.gravity),
+    };
+    Ok((Tower { body, height }, correction))
+}
+
+/// Two times, s: `212 ms..215 ms`.
+fn interval(text: &str) -> Result<[f64; 2], String> {
+    let expected = || format!("expected two times such as \"212 ms..215 ms\", found \"{text}\"");
+    let (from, to) = text.split_once("..").ok_or_else(expected)?;
+    let [from, to] = [quantity(Time::DIMENSION, from)?, quantity(Time::DIMENSION, to)?];
+    if from < to { Ok([from, to]) } else { Err(format!("{}; the second is the later one", expected())) }
+}
+
+/// Bridges the gaps of the acceleration that the user names or that are short enough.
+fn bridge(args: &DropArgs, sensed: &mut DropChannels) -> Option<Warning> {
+    if args.bridge.is_none() && args.mask.is_empty() {
+        return None;
+    }
+    let bridged = drop::bridged(&sensed.acceleration, args.bridge.unwrap_or(0.0), &args.mask);
+    sensed.acceleration = bridged.series;
+    bridged.warning
+}
+
+/// What the user can do about a recording that cannot be reduced.
+fn remedy(error: &DropError, sensed: &DropChannels) -> Option<String> {
+    const KNOWN: &str =
+        "where speed and time of contact are known, give both: --speed \"4.16 m/s\" --contact-time \"0.617 s\"";
+    match error {
+        DropError::NotMeasured(_) => {
+            let longest = significant(1e3 * drop::longest_gap(&sensed.acceleration)?, 6);
+            Some(format!("straight lines replace its gaps up to {longest} ms with --bridge \"{longest} ms\""))
+        }
+        DropError::Release(ReleaseError::UpsideDown { .. }) => {
+            Some("write the acceleration with the other sign into the table".into())
+        }
+        DropError::Release(
+            ReleaseError::BeginsAfterContact { .. } | ReleaseError::NoRelease { .. } | ReleaseError::NoRest { .. },
+        ) => Some("the recording must begin with the rest before the release".into()),
+        DropError::Contact(ContactError::HeightNotCovered { .. } | ContactError::SpeedNotReached { .. }) => None,
+        DropError::Contact(_) if sensed.laser.is_some() => {
+            Some(format!("leave out the laser: --without-laser; {KNOWN}"))
+        }
+        DropError::Contact(_) => Some(KNOWN.into()),
+        _ => None,
+    }
 }
 
 fn sensed(args: &DropArgs) -> Result<DropChannels, Diagnostic> {
@@ -180,7 +251,12 @@ fn mistake(args: &DropArgs, error: &DropChannelsError) -> Diagnostic {
     }
 }
 
-fn text(args: &DropArgs, figures: &Figures, remarks: &str) -> String {
+fn text(args: &DropArgs, drop: &Drop, figures: &Figures, remarks: &str) -> String {
+    let bounds = drop.warnings.iter().find_map(|warning| match warning {
+        Warning::Saturated { peak, deepest, .. } => Some([*peak, *deepest]),
+        _ => None,
+    });
+    let withheld = "withheld (accelerometer at the end of its range)";
     let or_none = |value: Option<String>| value.unwrap_or_else(|| "none".into());
     let peak = figures.peak_acceleration_m_s2.zip(figures.time_of_peak_acceleration_s);
     let travel = figures.peak_displacement_m.zip(figures.time_of_peak_displacement_s);
@@ -188,7 +264,7 @@ fn text(args: &DropArgs, figures: &Figures, remarks: &str) -> String {
         (SpeedSource::Laser, Some(residual)) => format!("laser, residual {:.3} mm", 1e3 * residual),
         (SpeedSource::Laser, None) => "laser".into(),
         (SpeedSource::Fall, _) => "the known height".into(),
-        (SpeedSource::Given, _) => "given".into(),
+        (SpeedSource::Given | SpeedSource::Stated, _) => "the command line".into(),
     };
     let correction = match (figures.time_constant_s, figures.ramp_duration_s) {
         (Some(time_constant), _) => format!("AC coupling, time constant {:.1} ms", 1e3 * time_constant),
@@ -208,11 +284,30 @@ fn text(args: &DropArgs, figures: &Figures, remarks: &str) -> String {
         ),
         (
             "peak deceleration",
-            or_none(peak.map(|(a, t)| format!("{:.2} g at {:.1} ms", a / STANDARD_GRAVITY, 1e3 * t))),
+            match bounds {
+                Some([at_least, _]) => {
+                    format!("at least {:.2} g (accelerometer at the end of its range)", at_least / STANDARD_GRAVITY)
+                }
+                None => or_none(peak.map(|(a, t)| format!("{:.2} g at {:.1} ms", a / STANDARD_GRAVITY, 1e3 * t))),
+            },
         ),
-        ("displacement", or_none(travel.map(|(d, t)| format!("{:.1} mm at {:.1} ms", 1e3 * d, 1e3 * t)))),
-        ("energy", energy(figures)),
-        ("energy absorbed", or_none(figures.energy_absorption.map(|d| format!("{:.1} %", 100.0 * d)))),
+        (
+            "displacement",
+            match (travel, bounds) {
+                (None, Some([_, deepest])) => {
+                    format!("{:.1} mm at the lowest (accelerometer at the end of its range)", 1e3 * deepest)
+                }
+                (travel, _) => or_none(travel.map(|(d, t)| format!("{:.1} mm at {:.1} ms", 1e3 * d, 1e3 * t))),
+            },
+        ),
+        ("energy", energy(figures, bounds.is_some())),
+        (
+            "energy absorbed",
+            match (figures.energy_absorption, bounds) {
+                (None, Some(_)) => withheld.into(),
+                (absorbed, _) => or_none(absorbed.map(|d| format!("{:.1} %", 100.0 * d))),
+            },
+        ),
         ("filtering", format!("changes the total energy by {:.4} % at most", 100.0 * figures.total_energy_drift)),
         ("correction", correction),
     ];
@@ -222,12 +317,13 @@ fn text(args: &DropArgs, figures: &Figures, remarks: &str) -> String {
 }
 
 /// Energies of impactor and film.
-fn energy(figures: &Figures) -> String {
+fn energy(figures: &Figures, is_clipped: bool) -> String {
     let joule = |energy: Option<f64>| energy.map_or_else(|| "none".into(), |energy| format!("{energy:.2} J"));
-    format!(
-        "{} at contact; absorbed by the film {} at most, {} at the end",
-        joule(figures.impact_energy),
-        joule(figures.peak_absorbed_energy),
-        joule(figures.final_absorbed_energy)
-    )
+    let at_contact = joule(figures.impact_energy);
+    match (figures.peak_absorbed_energy, figures.final_absorbed_energy) {
+        (None, None) if is_clipped => format!("{at_contact} at contact; absorbed by the film: withheld"),
+        (most, last) => {
+            format!("{at_contact} at contact; absorbed by the film {} at most, {} at the end", joule(most), joule(last))
+        }
+    }
 }

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::acceleration::AccelerationArgs;
 use super::remarks::Remarks;
+use crate::cli::argument::milliseconds;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
 use crate::number::clean_time;
@@ -16,7 +17,7 @@ pub(crate) struct HicArgs {
     #[command(flatten)]
     pub acceleration: AccelerationArgs,
     /// Longest interval, ms; 15 and 36 are usual
-    #[arg(long, value_name = "MS", default_value_t = 15.0)]
+    #[arg(long, value_name = "MS", default_value_t = 15.0, value_parser = milliseconds)]
     pub window: f64,
 }
 

@@ -54,7 +54,7 @@ struct Contained {
 #[derive(Serialize)]
 struct Figures {
     samples: usize,
-    /// Samples that were not measured.
+    /// Samples that were not measured: without value, or missing altogether.
     gaps: usize,
     smallest: Option<f64>,
     largest: Option<f64>,
@@ -134,13 +134,15 @@ fn contained(channel: &MeasuredChannel) -> Contained {
         time_of_largest_s: time_of(series.largest()),
         holes: gap::holes(series.time()).filter_map(hole).collect(),
     };
+    let missing: usize = gap::holes(series.time()).map(|gap| gap.missing()).sum();
+    let of_values = Figures::of(series.values());
     Contained {
         name: name.clone(),
         label: label.clone(),
         written_unit: unit.as_ref().map(|unit| unit.symbol().to_owned()),
         unit: channel.value_unit(),
         filtered: *filtered,
-        samples: Figures::of(series.values()),
+        samples: Figures { gaps: of_values.gaps + missing, ..of_values },
         time: Some(time),
     }
 }

@@ -103,11 +103,6 @@ impl Input {
     }
 }
 
-/// The number in SI of a quantity with its unit, for clap.
-pub(crate) fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
-    dimension.parse(text).map_err(|error| format!("{error}; {}", error.hint()))
-}
-
 /// A channel frequency class as the user wrote it: `1000`, `CFC1000`, `CFC 1000`.
 pub(crate) fn class(text: &str) -> Result<f64, String> {
     let text = text.trim();

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::signal::input::{FileArgs, quantity};
+use crate::cli::argument::{number, quantity};
+use crate::cli::signal::input::FileArgs;
 use crate::experiment::coupon::{BREAK_SHARE, Coupon, CouponTest, Direction, Reduction, WINDOW};
 use crate::units::{Density, Length, Velocity};
 
@@ -38,10 +39,10 @@ pub(crate) struct ReduceArgs {
     #[arg(long, value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
     pub velocity: Option<f64>,
     /// Strains between which the modulus is fitted
-    #[arg(long, num_args = 2, value_names = ["FROM", "TO"], default_values_t = WINDOW)]
+    #[arg(long, num_args = 2, value_names = ["FROM", "TO"], default_values_t = WINDOW, value_parser = number)]
     pub window: Vec<f64>,
     /// Share of the largest force below which a coupon is broken
-    #[arg(long, value_name = "SHARE", default_value_t = BREAK_SHARE)]
+    #[arg(long, value_name = "SHARE", default_value_t = BREAK_SHARE, value_parser = number)]
     pub break_share: f64,
     /// Count strain from where the elastic line meets zero stress (ASTM D882), not from the recording's zero
     #[arg(long)]

@@ -27,6 +27,8 @@ pub enum SpeedSource {
     Fall,
     /// The known speed, which the acceleration, integrated from rest, reaches at contact.
     Given,
+    /// Both are known, and nothing is determined from the recording.
+    Stated,
 }
 
 /// First contact of impactor and film.

@@ -54,6 +54,18 @@ pub enum DropError {
         /// Height H of the fall, m.
         height: f64,
     },
+    /// The contact time that is known is not one of this fall.
+    #[error(
+        "the contact time of {contact:.4} s lies outside the fall, from the release at {release:.4} s to the impact at {impact:.4} s"
+    )]
+    ContactOutsideFall {
+        /// As known, s.
+        contact: f64,
+        /// Release of the impactor, s.
+        release: f64,
+        /// Time at which the reading has risen by one gravity in the impact, s.
+        impact: f64,
+    },
     /// The correction by the gravity ramp does not close a fall without laser.
     #[error("the gravity ramp needs a laser for the impact speed: use the correction by coupling")]
     LaserNeeded,

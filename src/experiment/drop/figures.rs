@@ -8,7 +8,8 @@ use crate::experiment::contact::SpeedSource;
 use crate::number::clean_time;
 use crate::signal::{Series, column};
 
-/// Figures of a drop, units in their names; times of peaks count from contact.
+/// Figures of a drop, units in their names; times of peaks count from contact. Those that rest on an accelerometer at the
+/// end of its range are none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
     /// On the recording's clock.
@@ -60,6 +61,13 @@ impl Drop {
         let channel = |name| self.signals.series(name).unwrap_or_else(|| Series::new([], []));
         let peak = channel(column::ACCELERATION_FILTERED.name).largest();
         let deepest = channel(column::DISPLACEMENT.name).smallest();
+        let absorbed = channel(column::ABSORBED_ENERGY.name);
+        let last = absorbed.samples().last();
+        let is_measured = |sample: &[f64; 2]| self.clipped_from.is_none_or(|clipped| sample[0] < clipped);
+        let [peak, deepest, most, last] =
+            [peak, deepest, absorbed.largest(), last].map(|sample| sample.filter(is_measured));
+        // A clipped peak is not exceeded by the rest of its reading.
+        let peak = peak.filter(|_| self.clipped_from.is_none());
         Figures {
             contact_time_s: self.contact.time,
             impact_velocity_m_s: -self.contact.velocity,
@@ -69,8 +77,8 @@ impl Drop {
             peak_displacement_m: deepest.map(|[_, value]| value),
             time_of_peak_displacement_s: deepest.map(|[time, _]| clean_time(time)),
             impact_energy: channel(column::KINETIC_ENERGY.name).values().first().copied(),
-            peak_absorbed_energy: channel(column::ABSORBED_ENERGY.name).largest().map(|[_, work]| work),
-            final_absorbed_energy: channel(column::ABSORBED_ENERGY.name).values().last().copied(),
+            peak_absorbed_energy: most.map(|[_, work]| work),
+            final_absorbed_energy: last.map(|[_, work]| work),
             energy_absorption: self.energy_absorption,
             total_energy_drift: self.total_energy_drift,
             iterations: self.contact.iterations,

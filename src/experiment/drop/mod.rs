@@ -1,6 +1,8 @@
 //! The reduction of a drop test: from the readings of the sensors to contact, speed, travel and energies.
 
+mod bridge;
 mod channels;
+mod clipping;
 mod error;
 mod figures;
 mod laser;
@@ -12,9 +14,10 @@ mod result;
 mod tests;
 mod tower;
 
+pub use bridge::{Bridged, bridged, longest_gap};
 pub use channels::{ChannelNames, DropChannels, DropChannelsError};
 pub use error::DropError;
 pub use figures::Figures;
 pub use reduce::reduce;
 pub use result::Drop;
-pub use tower::{Correction, Height, Reduction, Tower};
+pub use tower::{Correction, Height, KnownContact, Reduction, Tower};

@@ -9,8 +9,6 @@ use crate::signal::{Series, column};
 const LASER_APART: f64 = 1e-3;
 /// Share of the ideal fall's speed below which friction would have dissipated most of the energy.
 const SLOW: f64 = 0.5;
-/// Duration of a constant largest reading (s) beyond which it is the end of the range.
-const FLAT: f64 = 2e-3;
 /// Change of the zero over the record (m/s²) that is reported, and how many of its standard errors it must be.
 const ZERO_MOVES: f64 = 0.1;
 const STANDARD_ERRORS: f64 = 5.0;
@@ -18,7 +16,7 @@ const STANDARD_ERRORS: f64 = 5.0;
 /// What puts `drop` in doubt, from its figures and from the `reading` (m/s²) that it was reduced from, at rest until
 /// `rest_end` (s).
 pub(super) fn warnings(drop: &Drop, reading: &Series, rest_end: f64) -> Vec<Warning> {
-    [absorption(drop), laser(drop), slow(drop), late_peak(drop), saturated(reading), moving_zero(reading, rest_end)]
+    [absorption(drop), laser(drop), slow(drop), late_peak(drop), moving_zero(reading, rest_end)]
         .into_iter()
         .flatten()
         .collect()
@@ -43,18 +41,6 @@ fn late_peak(drop: &Drop) -> Option<Warning> {
     let [lowest_point, _] = drop.signals.series(column::DISPLACEMENT.name)?.smallest()?;
     let [peak, _] = drop.signals.series(column::ACCELERATION_FILTERED.name)?.largest()?;
     (peak > 1.2 * lowest_point).then_some(Warning::LatePeak { peak, lowest_point })
-}
-
-fn saturated(reading: &Series) -> Option<Warning> {
-    let [_, largest] = reading.largest()?;
-    let (time, values) = (reading.time(), reading.values());
-    let runs = values.chunk_by(|a, b| a == b).scan(0, |first, run| {
-        *first += run.len();
-        Some((*first - run.len(), run))
-    });
-    let flat = runs.filter(|(_, run)| run[0] == largest);
-    let longest = flat.map(|(first, run)| time[first + run.len() - 1] - time[first]).fold(0.0, f64::max);
-    (longest > FLAT).then_some(Warning::Saturated { reading: largest, duration: longest })
 }
 
 /// A zero that drifts at rest drifts later too.

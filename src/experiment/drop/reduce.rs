@@ -1,9 +1,10 @@
 //! From the readings of the sensors to contact, speed, travel and energies.
 
+use super::clipping::Clipping;
 use super::error::DropError;
 use super::laser::Cleaned;
 use super::result::Drop;
-use super::tower::{Correction, Reduction, Tower};
+use super::tower::{Correction, KnownContact, Reduction, Tower};
 use super::{motion, plausibility};
 use crate::experiment::Warning;
 use crate::experiment::absorption::energy_absorption;
@@ -37,7 +38,10 @@ pub fn reduce(
         Correction::Coupling { time_constant } => fall.by_coupling(time_constant),
         Correction::Ramp => fall.by_ramp(),
     }?;
+    // A laser that is not used needs no report.
+    let cleaned = cleaned.filter(|_| drop.contact.speed_from == SpeedSource::Laser);
     drop.warnings.extend(cleaned.as_ref().and_then(Cleaned::warning));
+    drop = drop.withholding(Clipping::of(&reading));
     let implausible = plausibility::warnings(&drop, &reading, rest_end);
     drop.warnings.extend(implausible);
     Ok(drop)
@@ -45,6 +49,8 @@ pub fn reduce(
 
 /// Share by which the covered height may differ from the stated one; an error of 1 % in the time constant makes 1 %.
 const OTHER_HEIGHT: f64 = 0.05;
+/// The same of the impact speed.
+const OTHER_SPEED: f64 = 0.05;
 /// Share by which a speed may exceed that of the ideal fall; a laser determines it to half of that.
 const FASTER: f64 = 0.01;
 
@@ -65,6 +71,12 @@ impl Fall<'_> {
             None => coupling::time_constant(&self.zeroed, self.undisturbed())?,
         };
         let restored = |offset: f64| restored(&self.zeroed, offset, time_constant);
+        if let Some(known) = self.reduction.contact {
+            let restored = restored(0.0);
+            let mut drop = Drop::of(&restored, self.known(known)?, self.tower, self.reduction)?;
+            drop.warnings.extend(other_speed(&restored, known));
+            return Ok(Drop { time_constant: Some(time_constant), offset: self.release.offset, ..drop });
+        }
         let Some(laser) = self.laser else {
             let closed = contact::by_fall(restored, self.tower.known(), self.release.zero)?;
             let mut drop = Drop::of(&restored(closed.offset), closed.contact, self.tower, self.reduction)?;
@@ -82,6 +94,16 @@ impl Fall<'_> {
         Ok(Drop { time_constant: Some(time_constant), offset: self.release.offset, ..drop })
     }
 
+    /// The contact that is known, which ends the fall.
+    fn known(&self, KnownContact { time, speed }: KnownContact) -> Result<Contact, DropError> {
+        let (release, impact) = (self.start(), self.release.blow);
+        if time <= release || time > impact {
+            return Err(DropError::ContactOutsideFall { contact: time, release, impact });
+        }
+        let speed_from = SpeedSource::Stated;
+        Ok(Contact { time, velocity: -speed, iterations: 0, laser_residual: None, speed_from })
+    }
+
     /// An offset that closes the fall without a laser but lies beyond the scatter of the rest.
     fn doubtful_offset(&self, offset: f64) -> Warning {
         Warning::ZeroOffsetDoubtful { offset, error: self.release.zero.error(), known: self.tower.known() }
@@ -96,10 +118,13 @@ impl Fall<'_> {
     }
 
     fn by_ramp(&self) -> Result<Drop, DropError> {
-        let laser = self.laser.ok_or(DropError::LaserNeeded)?;
         let ramp = GravityRamp::fit(&self.zeroed, self.release.flank)?;
         let ramped = |contact: f64| ramped(&self.zeroed, &ramp, contact);
-        let contact = contact::by_laser(ramped, laser, self.start(), self.ideal_contact())?;
+        let contact = match (self.reduction.contact, self.laser) {
+            (Some(known), _) => self.known(known)?,
+            (None, Some(laser)) => contact::by_laser(ramped, laser, self.start(), self.ideal_contact())?,
+            (None, None) => return Err(DropError::LaserNeeded),
+        };
         let drop = Drop::of(&ramped(contact.time), contact, self.tower, self.reduction)?;
         Ok(Drop { ramp: Some(ramp), offset: self.release.offset, ..drop })
     }
@@ -126,6 +151,9 @@ fn check(tower: &Tower, reduction: &Reduction) -> Result<(), DropError> {
         vec![("mass", tower.body.mass), ("gravity", tower.body.gravity), ("height", tower.height.metres())];
     if let Correction::Coupling { time_constant: Some(given) } = reduction.correction {
         values.push(("time constant", given));
+    }
+    if let Some(KnownContact { speed, .. }) = reduction.contact {
+        values.push(("impact speed", speed));
     }
     let wrong = values.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0 || value.is_infinite());
     wrong.map_or(Ok(()), |(what, value)| Err(DropError::NotPositive { what, value }))
@@ -194,9 +222,36 @@ impl Drop {
             energy_absorption,
             total_energy_drift,
             signals,
+            clipped_from: None,
             warnings,
         })
     }
+
+    /// The drop without the energy absorption where the accelerometer was at the end of its range in the impact.
+    fn withholding(mut self, clipping: Option<Clipping>) -> Drop {
+        let Some(Clipping { level, start, duration }) = clipping.filter(|clip| clip.start >= self.contact.time) else {
+            return self;
+        };
+        self.clipped_from = Some(start - self.contact.time);
+        self.energy_absorption = None;
+        self.warnings.retain(|warning| !matches!(warning, Warning::NoEnergyAbsorption { .. }));
+        let extreme = |name: &str, of: fn(&Series) -> Option<[f64; 2]>| of(&self.signals.series(name)?).map(|[_, v]| v);
+        self.warnings.push(Warning::Saturated {
+            reading: level,
+            start,
+            duration,
+            peak: extreme(column::ACCELERATION_FILTERED.name, Series::largest).unwrap_or(f64::NAN),
+            deepest: extreme(column::DISPLACEMENT.name, Series::smallest).unwrap_or(f64::NAN),
+        });
+        self
+    }
+}
+
+/// An impact speed that is known and that the `restored` acceleration, integrated from rest, does not reach.
+fn other_speed(restored: &Series, KnownContact { time, speed }: KnownContact) -> Option<Warning> {
+    let reached = -integrate::once(restored, 0.0).at(time)?;
+    let differs = (reached / speed - 1.0).abs() > OTHER_SPEED;
+    differs.then_some(Warning::ImpactSpeedDiffers { reached, speed })
 }
 
 /// Friction only lowers the speed: one above that of the free fall is reported, or refused where no error of
@@ -217,5 +272,6 @@ fn without_laser(speed_from: SpeedSource) -> Option<Warning> {
         SpeedSource::Laser => None,
         SpeedSource::Fall => Some(Warning::NoLaser),
         SpeedSource::Given => Some(Warning::NoLaserNoHeight),
+        SpeedSource::Stated => Some(Warning::ContactStated),
     }
 }

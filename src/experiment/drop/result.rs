@@ -21,10 +21,14 @@ pub struct Drop {
     /// Time from contact on (s): `displacement_m`, `velocity_m_s`, `acceleration_m_s2`, `acceleration_filtered_m_s2`,
     /// `kinetic_energy_J`, `potential_energy_J`, `absorbed_energy_J`, `total_energy_J`.
     pub signals: Recording,
-    /// D of the paper's equation 11; none where the recording ends before the rebound.
+    /// D of the paper's equation 11; none where the recording ends before the rebound, and where the
+    /// accelerometer is at the end of its range.
     pub energy_absorption: Option<f64>,
     /// Largest deviation of the total energy (equation 10) from its first value, over that.
     pub total_energy_drift: f64,
+    /// First time from contact on (s) at which the accelerometer is at the end of its range: what rests on the signals
+    /// from there on is no figure of the drop.
+    pub clipped_from: Option<f64>,
     /// What was assumed, and what puts the figures in doubt.
     pub warnings: Vec<Warning>,
 }

@@ -164,7 +164,7 @@ fn doubtful_figures_have_warnings() {
 fn a_time_constant_that_is_known_is_used() {
     let (recording, ..) = recorded(&Sensors::default(), 1);
     let given = Correction::Coupling { time_constant: Some(0.15) };
-    let drop = reduced(&recording, &Reduction { correction: given, class: None }).unwrap();
+    let drop = reduced(&recording, &Reduction { correction: given, class: None, contact: None }).unwrap();
     assert_eq!(drop.time_constant, Some(0.15));
     let raw = drop.signals.channel("acceleration_m_s2");
     assert_eq!(raw, drop.signals.channel("acceleration_filtered_m_s2"));
@@ -178,7 +178,7 @@ fn the_ramp_gives_travel_but_errs_in_absorption_by_the_time_constant() {
     let error = |time_constant| {
         let accelerometer = Accelerometer { time_constant, ..Accelerometer::default() };
         let (recording, contact_time, absorption) = recorded(&Sensors { accelerometer, ..Sensors::default() }, 3);
-        let ramp = Reduction { correction: Correction::Ramp, class: Some(1000.0) };
+        let ramp = Reduction { correction: Correction::Ramp, class: Some(1000.0), contact: None };
         let drop = reduced(&recording, &ramp).unwrap();
         assert!((drop.contact.time - contact_time).abs() < 2e-4, "{:?}", drop.contact);
         assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "{:?}", drop.contact);
@@ -199,7 +199,7 @@ fn the_ramp_lasts_as_long_as_the_reading_falls() {
     for time_constant in [0.15, 0.3, 1.0, 20.0] {
         let accelerometer = Accelerometer { time_constant, ..quiet };
         let (recording, ..) = recorded(&Sensors { accelerometer, ..Sensors::default() }, 3);
-        let ramp = Reduction { correction: Correction::Ramp, class: Some(1000.0) };
+        let ramp = Reduction { correction: Correction::Ramp, class: Some(1000.0), contact: None };
         let found = reduced(&recording, &ramp).unwrap().ramp.unwrap().duration;
         let falls = time_constant * (0.032 / time_constant).ln_1p();
         assert!((found - falls).abs() < 1e-3, "{found} for {falls} with {time_constant}");
@@ -212,7 +212,7 @@ fn the_total_energy_drifts_by_the_work_that_the_filter_removes() {
     let (recording, ..) = recorded(&Sensors::default(), 6);
     let drift = |class| {
         let correction = Correction::Coupling { time_constant: None };
-        reduced(&recording, &Reduction { correction, class }).unwrap().total_energy_drift
+        reduced(&recording, &Reduction { correction, class, contact: None }).unwrap().total_energy_drift
     };
     let [none, cfc_1000, cfc_60] = [None, Some(1000.0), Some(60.0)].map(drift);
     assert!(none < 1e-10 && none < cfc_1000 && 10.0 * cfc_1000 < cfc_60, "{none} {cfc_1000} {cfc_60}");

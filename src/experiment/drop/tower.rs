@@ -56,6 +56,15 @@ pub enum Correction {
     Ramp,
 }
 
+/// First contact as it is known from elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownContact {
+    /// s, on the recording's clock.
+    pub time: f64,
+    /// Impact speed, m/s, positive.
+    pub speed: f64,
+}
+
 /// How a recording is reduced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
@@ -63,11 +72,13 @@ pub struct Reduction {
     pub correction: Correction,
     /// Channel frequency class of the filtered acceleration; none leaves it as corrected.
     pub class: Option<f64>,
+    /// First contact where it is known; laser and fall are not used for it then.
+    pub contact: Option<KnownContact>,
 }
 
 impl Default for Reduction {
     /// Coupling with the fall's own time constant, CFC 1000.
     fn default() -> Reduction {
-        Reduction { correction: Correction::Coupling { time_constant: None }, class: Some(1000.0) }
+        Reduction { correction: Correction::Coupling { time_constant: None }, class: Some(1000.0), contact: None }
     }
 }

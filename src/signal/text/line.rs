@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use encoding_rs::WINDOWS_1252;
+use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
 use super::error::{Mistake, TextError};
 use crate::file;
@@ -36,34 +36,78 @@ pub struct Lines<R> {
     source: R,
     bytes: Vec<u8>,
     number: usize,
+    /// The encoding that a byte order mark of UTF-16 states.
+    utf_16: Option<&'static Encoding>,
 }
 
 impl<R: BufRead> Lines<R> {
     /// The lines of `source` from its first.
     pub fn new(source: R) -> Lines<R> {
-        Lines { source, bytes: Vec::new(), number: 0 }
+        Lines { source, bytes: Vec::new(), number: 0, utf_16: None }
     }
 
-    /// The next line, none at the end: UTF-8 with or without byte order mark, or else Windows-1252.
+    /// The next line, none at the end: UTF-8 with or without byte order mark, UTF-16 with it, or else
+    /// Windows-1252.
     pub fn line<F: From<TextError>>(&mut self) -> Result<Option<Line<'_>>, Mistake<F>> {
         self.bytes.clear();
         self.number += 1;
         let number = self.number;
         let at = |error: TextError| Mistake { line: number, column: 1, fault: F::from(error) };
-        let read = self.source.by_ref().take(LONGEST).read_until(b'\n', &mut self.bytes);
-        let read = read.map_err(|error| at(TextError::Read(error)))?;
+        let read = self.read().map_err(|error| at(TextError::Read(error)))?;
         if read == 0 {
             return Ok(None);
         }
-        let ended = self.bytes.ends_with(b"\n");
-        if !ended && read as u64 == LONGEST {
+        let text = match self.utf_16 {
+            Some(encoding) => Cow::Owned(encoding.decode_without_bom_handling(&self.bytes).0.into_owned()),
+            None => decoded(without_mark(&self.bytes, number)),
+        };
+        let ended = text.ends_with('\n');
+        if !ended && read as u64 >= LONGEST {
             return Err(at(TextError::LineTooLong));
         }
-        let bytes = without_mark(&self.bytes, self.number);
-        if bytes.contains(&0) || (self.number == 1 && UTF_16.iter().any(|mark| bytes.starts_with(mark))) {
+        if text.contains('\0') {
             return Err(at(TextError::NotText));
         }
-        Ok(Some(Line { number: self.number, text: decoded(without_end(bytes)), ended }))
+        Ok(Some(Line { number, text: without_end(text), ended }))
+    }
+
+    /// Reads the bytes of one line, and their number with those of a byte order mark.
+    fn read(&mut self) -> io::Result<usize> {
+        if self.utf_16.is_some() {
+            return self.read_units();
+        }
+        let read = self.source.by_ref().take(LONGEST).read_until(b'\n', &mut self.bytes)?;
+        let encoding = UTF_16.into_iter().find(|(mark, _)| self.number == 1 && self.bytes.starts_with(mark));
+        let Some((mark, encoding)) = encoding else {
+            return Ok(read);
+        };
+        // The byte of a line feed may be half of another character, and the line go on behind it.
+        self.utf_16 = Some(encoding);
+        self.bytes.drain(..mark.len());
+        let rest = if self.ends_within_unit() || !self.at_line_feed() { self.read_units()? } else { 0 };
+        Ok(read + rest)
+    }
+
+    /// Reads up to a line feed of two bytes.
+    fn read_units(&mut self) -> io::Result<usize> {
+        let before = self.bytes.len();
+        while (self.bytes.len() as u64) < LONGEST {
+            let odd = self.ends_within_unit();
+            let wanted = if odd { 1 } else { 2 };
+            if self.source.by_ref().take(wanted).read_to_end(&mut self.bytes)? == 0 || self.at_line_feed() {
+                break;
+            }
+        }
+        Ok(self.bytes.len() - before)
+    }
+
+    fn ends_within_unit(&self) -> bool {
+        self.bytes.len() % 2 == 1
+    }
+
+    fn at_line_feed(&self) -> bool {
+        let feed: &[u8] = if self.utf_16 == Some(UTF_16BE) { b"\0\n" } else { b"\n\0" };
+        !self.ends_within_unit() && self.bytes.ends_with(feed)
     }
 }
 
@@ -73,8 +117,8 @@ pub fn open<F: From<TextError>>(path: &Path) -> Result<Lines<BufReader<File>>, M
     Ok(Lines::new(BufReader::with_capacity(1 << 16, file)))
 }
 
-/// Byte order marks of an encoding that is not read.
-const UTF_16: [[u8; 2]; 2] = [[0xff, 0xfe], [0xfe, 0xff]];
+/// The byte order marks of UTF-16.
+const UTF_16: [([u8; 2], &Encoding); 2] = [([0xff, 0xfe], UTF_16LE), ([0xfe, 0xff], UTF_16BE)];
 
 fn without_mark(bytes: &[u8], line: usize) -> &[u8] {
     match bytes.strip_prefix(b"\xef\xbb\xbf") {
@@ -83,9 +127,15 @@ fn without_mark(bytes: &[u8], line: usize) -> &[u8] {
     }
 }
 
-fn without_end(bytes: &[u8]) -> &[u8] {
-    let bytes = bytes.strip_suffix(b"\n").unwrap_or(bytes);
-    bytes.strip_suffix(b"\r").unwrap_or(bytes)
+fn without_end(mut text: Cow<'_, str>) -> Cow<'_, str> {
+    let kept = text.strip_suffix('\n').map_or(text.len(), |text| text.strip_suffix('\r').unwrap_or(text).len());
+    match &mut text {
+        Cow::Borrowed(text) => Cow::Borrowed(&text[..kept]),
+        Cow::Owned(text) => {
+            text.truncate(kept);
+            Cow::Owned(std::mem::take(text))
+        }
+    }
 }
 
 fn decoded(bytes: &[u8]) -> Cow<'_, str> {
@@ -115,9 +165,22 @@ mod tests {
     }
 
     #[test]
+    fn utf_16_is_read_by_its_mark() {
+        // The bytes of `\u{10a}` and `\u{a01}` hold that of a line feed.
+        let text = "Zeit in ms;µ\u{10a}\u{a01}\r\n0,5;1\r\n\u{a01}";
+        let expected = ["Zeit in ms;µ\u{10a}\u{a01}", "0,5;1", "\u{a01}"];
+        let units = || text.encode_utf16();
+        let little = [0xfe_ff].into_iter().chain(units()).flat_map(u16::to_le_bytes);
+        let big = [0xfe_ff].into_iter().chain(units()).flat_map(u16::to_be_bytes);
+        assert_eq!(texts(&little.collect::<Vec<_>>()), expected);
+        assert_eq!(texts(&big.collect::<Vec<_>>()), expected);
+        assert_eq!(texts(b"\xff\xfe"), [""]);
+    }
+
+    #[test]
     fn binary_files_and_endless_lines_are_refused() {
         assert!(matches!(
-            Lines::new(&b"\xff\xfea\0"[..]).line::<TextError>(),
+            Lines::new(&b"\xff\xfea\0\0\0"[..]).line::<TextError>(),
             Err(Mistake { fault: TextError::NotText, .. })
         ));
         assert!(matches!(
