@@ -10,7 +10,7 @@ use super::{Failure, Shared, digest, findings, folder, print_figures, table};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::post::{FAILED_RUN, RunComparison};
 use crate::report::compare_page;
-use crate::store::{self, Draft, StoredRun, StoredRunError, run_files};
+use crate::store::{self, Draft, Origin, StoredRun, StoredRunError, run_files};
 
 #[derive(Debug, Args)]
 pub(super) struct CompareArgs {
@@ -20,6 +20,9 @@ pub(super) struct CompareArgs {
     /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "runs/compare")]
     pub out: PathBuf,
+    /// Replace results of another scenario or script in the same folder
+    #[arg(long)]
+    pub force: bool,
     /// Compare this signal alone, by its name in signals.csv; may be given several times
     #[arg(long, value_name = "NAME")]
     pub signal: Vec<String>,
@@ -29,7 +32,7 @@ pub(super) struct CompareArgs {
 }
 
 pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
-    let (runs, ()) = both(stored(&args.runs), free(args))?;
+    let (runs, ()) = both(stored(&args.runs), free(args).and_then(|()| of_another(args)))?;
     check_signals(&runs, &args.signal)?;
     let comparison = RunComparison::of(&runs, &args.signal);
     let stored = Draft::begin(&args.out).and_then(|draft| {
@@ -89,6 +92,12 @@ fn free(args: &CompareArgs) -> Result<(), Vec<Diagnostic>> {
         None => return Ok(()),
     };
     Err(mistake(Diagnostic::new(message).hint("give another --out")))
+}
+
+/// Checks that the results do not replace those of a script.
+fn of_another(args: &CompareArgs) -> Result<(), Vec<Diagnostic>> {
+    let checked = if args.force { Ok(()) } else { Origin::Comparison.check(&args.out) };
+    checked.map_err(|error| vec![storing(&error)])
 }
 
 fn is_same(one: &Path, other: &Path) -> bool {

@@ -1,5 +1,6 @@
 //! A progress bar over all runs with the remaining time, on a terminal only.
 
+use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -26,7 +27,13 @@ pub(super) struct Bar {
     before: Vec<AtomicU64>,
     quiet: bool,
     start: Instant,
-    drawn: Mutex<Instant>,
+    drawn: Mutex<Drawn>,
+}
+
+/// The last update of the bar, and what it knows of the pace.
+struct Drawn {
+    at: Instant,
+    pace: Pace,
 }
 
 impl Bar {
@@ -39,7 +46,14 @@ impl Bar {
         }
         let start = Instant::now();
         let none = || (0..runs).map(|_| AtomicU64::new(0)).collect();
-        Bar { bar, done: none(), before: none(), quiet, start, drawn: Mutex::new(start) }
+        Bar {
+            bar,
+            done: none(),
+            before: none(),
+            quiet,
+            start,
+            drawn: Mutex::new(Drawn { at: start, pace: Pace::default() }),
+        }
     }
 
     /// Sets the share of the run at `index` that was done before it resumed.
@@ -57,10 +71,10 @@ impl Bar {
         let Ok(mut drawn) = self.drawn.try_lock() else {
             return;
         };
-        if drawn.elapsed() < REFRESH {
+        if drawn.at.elapsed() < REFRESH {
             return;
         }
-        *drawn = Instant::now();
+        drawn.at = Instant::now();
         let sum = |shares: &[AtomicU64]| shares.iter().map(|share| share.load(Ordering::Relaxed)).sum::<u64>();
         let (total, before) = (sum(&self.done), sum(&self.before));
         let state = if self.done.len() == 1 {
@@ -69,9 +83,8 @@ impl Bar {
             String::new()
         };
         let whole = self.done.len() as f64 * PER_RUN;
-        let to_go = to_go(self.start.elapsed(), before as f64 / whole, total as f64 / whole)
-            .map(|time| format!("{time} to go  "))
-            .unwrap_or_default();
+        let to_go = drawn.pace.remaining(self.start.elapsed(), before as f64 / whole, total as f64 / whole);
+        let to_go = to_go.map(|time| format!("{time} to go  ")).unwrap_or_default();
         self.bar.set_message(format!("{to_go}{state}"));
         self.bar.set_position(total);
     }
@@ -117,13 +130,32 @@ impl Bar {
     }
 }
 
-/// The remaining wall time, once enough is done for an estimate: the share done went from `before` to `share` in
-/// `elapsed`.
-fn to_go(elapsed: Duration, before: f64, share: f64) -> Option<String> {
-    let own = share - before;
-    let enough = own >= 0.02 || (own > 0.0 && elapsed >= Duration::from_millis(500));
-    let left = enough.then(|| elapsed.as_secs_f64() * (1.0 - share) / own)?;
-    Some(wall_time(left))
+/// The pace of the last part of the runs: a step in contact may cost many times one of the flight before it.
+#[derive(Default)]
+struct Pace {
+    /// Wall times and the shares done then, the oldest first.
+    marks: VecDeque<(Duration, f64)>,
+}
+
+/// Shortest time over which the pace is taken, and its share of the time so far.
+const PACE_OVER: (Duration, f64) = (Duration::from_secs(3), 0.25);
+
+impl Pace {
+    /// The remaining wall time at `elapsed`, once enough is done for an estimate; the share done went from `before` to
+    /// `share`.
+    fn remaining(&mut self, elapsed: Duration, before: f64, share: f64) -> Option<String> {
+        let since = elapsed.saturating_sub(PACE_OVER.0.max(elapsed.mul_f64(PACE_OVER.1)));
+        while self.marks.get(1).is_some_and(|(time, _)| *time <= since) {
+            self.marks.pop_front();
+        }
+        let own = share - before;
+        let enough = own >= 0.02 || (own > 0.0 && elapsed >= Duration::from_millis(500));
+        let (from, done) =
+            self.marks.front().copied().filter(|_| since > Duration::ZERO).unwrap_or((Duration::ZERO, before));
+        self.marks.push_back((elapsed, share));
+        let left = (enough && share > done).then(|| (elapsed - from).as_secs_f64() * (1.0 - share) / (share - done))?;
+        Some(wall_time(left))
+    }
 }
 
 #[cfg(test)]
@@ -132,7 +164,7 @@ mod tests {
 
     #[test]
     fn the_remaining_time_waits_for_enough_progress() {
-        let after = |millis, share| to_go(Duration::from_millis(millis), 0.0, share);
+        let after = |millis, share| Pace::default().remaining(Duration::from_millis(millis), 0.0, share);
         assert_eq!(after(100, 0.0), None);
         assert_eq!(after(100, 0.01), None);
         assert_eq!(after(900, 0.0), None);
@@ -142,8 +174,25 @@ mod tests {
 
     #[test]
     fn the_remaining_time_of_a_resumed_run_counts_from_there() {
-        let after = |millis, share| to_go(Duration::from_millis(millis), 0.5, share);
+        let after = |millis, share| Pace::default().remaining(Duration::from_millis(millis), 0.5, share);
         assert_eq!(after(100, 0.501), None);
         assert_eq!(after(10_000, 0.75).as_deref(), Some("10 s"));
+    }
+
+    /// Half of a run in 10 s, then a tenth of that pace: 100 s to go, where the mean would give 10 s, then more and more.
+    #[test]
+    fn the_remaining_time_follows_a_pace_that_falls() {
+        let mut pace = Pace::default();
+        let mut shown = Vec::new();
+        for tenths in 1..1090_u32 {
+            let time = 0.1 * f64::from(tenths);
+            let share = if time < 10.0 { 0.05 * time } else { 0.5 + 0.005 * (time - 10.0) };
+            shown.push(pace.remaining(Duration::from_millis(u64::from(tenths) * 100), 0.0, share));
+        }
+        assert_eq!(shown[50].as_deref(), Some("15 s"));
+        assert_eq!(shown[199].as_deref(), Some("2 min"));
+        assert_eq!(shown[799].as_deref(), Some("30 s"));
+        assert_eq!(shown[999].as_deref(), Some("10 s"));
+        assert!(pace.marks.len() < 300, "the bar holds the last quarter alone");
     }
 }

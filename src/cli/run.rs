@@ -19,7 +19,7 @@ use crate::number::duration;
 use crate::post;
 use crate::report::RunPage;
 use crate::simulate::{self, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent};
-use crate::store::{self, Draft, run_files};
+use crate::store::{self, Draft, Origin, run_files};
 
 #[derive(Debug, Args)]
 pub(super) struct RunArgs {
@@ -28,6 +28,9 @@ pub(super) struct RunArgs {
     /// Folder for the results, in place of runs/<name of the scenario>
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Replace results of another scenario or script in the same folder
+    #[arg(long)]
+    pub force: bool,
     /// Write a checkpoint after every such simulated time ("5 ms"), from which --resume continues an interrupted run
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub checkpoint_every: Option<String>,
@@ -101,6 +104,13 @@ fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     let places = scenarios.iter().map(|checked| place(args.out.as_deref(), &checked.model.name, several));
     let places: Vec<PathBuf> = places.collect::<Result<_, _>>().map_err(|error| vec![storing(&error)])?;
     store::check_places(&places).map_err(|error| vec![storing(&error)])?;
+    let of_another =
+        |(checked, place): (&Checked, &PathBuf)| Origin::of_run(checked.document.path()).check(place).err();
+    let of_others = scenarios.iter().zip(&places).filter(|_| !args.force).filter_map(of_another);
+    let mistakes: Vec<Diagnostic> = of_others.map(|error| storing(&error)).collect();
+    if !mistakes.is_empty() {
+        return Err(mistakes);
+    }
     // An interrupted batch leaves complete runs, runs with checkpoints, and runs that had not started.
     let or_start = args.resume && several && places.iter().any(|place| checkpoint::are_beside(place));
     let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.vtu };
@@ -247,8 +257,9 @@ impl Job {
 
     fn resolved(&self) -> String {
         format!(
-            "# droptower {}\n{}",
+            "# droptower {}\n{}{}",
             env!("CARGO_PKG_VERSION"),
+            Origin::of_run(self.checked.document.path()).line(),
             self.checked.document.resolved_beside_script(run_files::POST_SCRIPT)
         )
     }

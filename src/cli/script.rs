@@ -18,7 +18,7 @@ use crate::report::StudyPage;
 use crate::script::{
     Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, to_json,
 };
-use crate::store::{self, Draft, StoreError};
+use crate::store::{self, Draft, Origin, StoreError};
 use crate::units::with_decimal_point;
 
 #[derive(Debug, Args)]
@@ -37,6 +37,9 @@ pub(super) struct ScriptArgs {
     /// Folder for the results, in place of runs/<name of the script>
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Replace results of another scenario or script in the same folder
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Names that belong to a study's summary.
@@ -63,6 +66,10 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     }
     let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| storing(&error))?;
+    let origin = Origin::Study { script: shown_path(&args.path), scenario: args.scenario.clone() };
+    if !args.force {
+        origin.check(&place).map_err(|error| storing(&error))?;
+    }
     let studied = studied(args, name, &place, shared.quiet)?;
     let files = store_results(&studied, &place).map_err(|error| Failure::output(storing(&error)))?;
     print_figures(shared, &summary(&studied), || {

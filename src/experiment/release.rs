@@ -19,6 +19,11 @@ const UPSIDE_DOWN: f64 = 2.0;
 /// Rise above the rest, in gravities, that is an impact.
 const BLOW: f64 = 1.0;
 
+/// Change from the rest, in gravities, that no release makes.
+const LEAVES: f64 = 1.3;
+/// Shortest time from the beginning of a recording to its impact, s: that of a rest, a release and a fall of 3 cm.
+const SHORTEST_FALL: f64 = 0.1;
+
 /// Landmarks of a drop in the reading of an accelerometer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Release {
@@ -42,12 +47,14 @@ pub enum ReleaseError {
     Filter(#[from] FilterError),
     /// The reading is not at rest when the recording begins.
     #[error(
-        "acceleration: the recording begins after contact: the reading changes by {change:.1} m/s² in the first {:.0} ms, where the impactor should be at rest",
-        1e3 * SHORTEST_REST
+        "acceleration: the recording begins after contact: the reading changes by {change:.1} m/s² in the first {:.0} ms, where the impactor should be at rest or fall",
+        1e3 * within
     )]
     BeginsAfterContact {
-        /// Largest less smallest reading in the time that a rest lasts at least, m/s².
+        /// Change of the reading, m/s²: more than a release makes.
         change: f64,
+        /// Time from the first sample on in which it changes so, s.
+        within: f64,
     },
     /// The impact is the most negative reading.
     #[error(
@@ -99,9 +106,14 @@ impl Release {
         // A release changes the reading by one gravity at most.
         let change = change(&smooth);
         if change > BLOW * gravity {
-            return Err(ReleaseError::BeginsAfterContact { change });
+            return Err(ReleaseError::BeginsAfterContact { change, within: SHORTEST_REST });
         }
         if lowest > UPSIDE_DOWN * largest.max(gravity) {
+            let leaves = smooth.samples().find(|[_, v]| (v - level).abs() > LEAVES * gravity);
+            let within = leaves.map_or(f64::INFINITY, |[t, _]| t - time[0]);
+            if within < SHORTEST_FALL {
+                return Err(ReleaseError::BeginsAfterContact { change: LEAVES * gravity, within });
+            }
             return Err(ReleaseError::UpsideDown { lowest });
         }
         if largest.is_nan() || largest < BLOW * gravity {

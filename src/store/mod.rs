@@ -1,5 +1,6 @@
 //! The run folder: written under a temporary name beside its target and renamed when complete.
 
+mod origin;
 mod stored_run;
 pub mod checkpoints;
 pub mod run_files;
@@ -18,6 +19,7 @@ use crate::diagnostic::folder_of;
 use crate::file;
 
 pub use checkpoints::CheckpointStore;
+pub use origin::Origin;
 pub use stored_run::{StoredRun, StoredRunError};
 
 /// Why results cannot be stored; nothing that was there before is lost.
@@ -54,6 +56,14 @@ pub enum StoreError {
         path: PathBuf,
         /// Path of the file in it, separated by `/`.
         found: String,
+    },
+    /// The folder holds results of another scenario or script.
+    #[error("{} holds {stored} and is not replaced; give another --out, or --force", path.display())]
+    OfAnother {
+        /// The run folder.
+        path: PathBuf,
+        /// What its results were made from.
+        stored: String,
     },
     /// Two runs have the same run folder.
     #[error("two runs would be stored in {}", path.display())]

@@ -1,5 +1,6 @@
 //! The built binary, for the commands that do not simulate.
 
+use std::fs;
 use std::path::Path;
 use std::process::Output;
 
@@ -218,4 +219,62 @@ fn list_prints_scenarios_without_materials() {
     assert_eq!(named("tower").map(|entry| &entry["title"]), Some(&Json::from("Drop tower")));
     assert!(named("film").is_none());
     assert!(!Path::new("runs").join("tower").exists());
+}
+
+#[test]
+fn list_without_a_folder_searches_below_the_working_directory() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (path, text) in [
+        ("mine/drop.toml", "title = \"Mine\"\n[specimen]\n"),
+        ("runs/drop/scenario.toml", "title = \"Stored\"\n[specimen]\n"),
+        ("runs/drop/summary.json", "{}"),
+        (".hidden/drop.toml", "[specimen]\n"),
+    ] {
+        let path = folder.path().join(path);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        fs::write(path, text).expect("a file");
+    }
+    let output = workbench::droptower(folder.path(), &["list"]);
+    let lines = workbench::printed(&output);
+    assert_eq!(lines.lines().collect::<Vec<_>>(), ["mine/drop.toml  Mine"]);
+    assert!(workbench::error(&output).contains("the scenarios of result folders are left out: 1"));
+}
+
+#[test]
+fn results_of_another_script_are_replaced_with_force_only() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b"] {
+        fs::write(folder.path().join(format!("{name}.rhai")), format!("measure(\"{name}\", 1);")).expect("a script");
+    }
+    let script = |name: &str, with: &[&str]| {
+        workbench::droptower(folder.path(), &[&["script", name, "--out", "out"][..], with].concat())
+    };
+    let stored = || fs::read_to_string(folder.path().join("out/summary.json")).expect("a summary");
+    workbench::printed(&script("a.rhai", &[]));
+    workbench::printed(&script("./a.rhai", &[]));
+    let refused = script("b.rhai", &[]);
+    assert_eq!(refused.status.code(), Some(2));
+    let error = workbench::error(&refused);
+    assert!(error.contains("out holds the results of ./a.rhai and is not replaced"), "{error}");
+    assert!(error.contains("give another --out, or --force"), "{error}");
+    assert!(stored().contains("\"a\": 1"));
+    workbench::printed(&script("b.rhai", &["--force"]));
+    assert!(stored().contains("\"b\": 1"));
+}
+
+#[test]
+fn quantities_of_options_are_refused_with_the_form_that_is_expected() {
+    let drop = ["signal", "drop", "data/virtual/1008.csv", "--height", "1 m", "--mass"];
+    let hic = ["signal", "hic", "data/virtual/1008.csv", "--column", "accelerometer", "--window"];
+    for (call, value, expected) in [
+        (drop, "10.72", "expected a mass with its unit, such as \"10.72 kg\", found \"10.72\""),
+        (drop, "10,72 kg", "has a decimal comma; write a decimal point: \"10.72 kg\""),
+        (hic, "15,5", "has a decimal comma; write a decimal point: \"15.5\""),
+        (hic, "15 mm", "expected a time in ms, such as 15 or \"15 ms\", found \"15 mm\""),
+    ] {
+        let output = droptower(&[&call[..], &[value]].concat());
+        assert_eq!(output.status.code(), Some(2));
+        assert!(workbench::error(&output).contains(expected), "{}", workbench::error(&output));
+    }
+    assert_eq!(standard_output(&[&hic[..], &["15 ms"]].concat()), standard_output(&[&hic[..], &["15"]].concat()));
 }

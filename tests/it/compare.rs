@@ -163,3 +163,25 @@ fn all_mistakes_are_reported_and_nothing_is_written() {
     assert!(misspelt.contains("did you mean `displacement_m`?"), "{misspelt}");
     assert!(bench.path().join("runs/coupon/summary.json").exists());
 }
+
+#[test]
+fn results_of_another_scenario_are_replaced_with_force_only() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = |name: &str| root().join("scenarios/stretch").join(name).display().to_string();
+    let run =
+        |name: &str, with: &[&str]| droptower(folder.path(), &[&["run", name, "--out", "out"][..], with].concat());
+    let coupon = scenario("md-0.2.toml");
+    printed(&run(&coupon, &[]));
+    printed(&run(&coupon, &["--set", "solver.step_factor=0.5"]));
+    let refused = run(&scenario("td-0.2.toml"), &[]);
+    assert_eq!(refused.status.code(), Some(2));
+    let message = error(&refused);
+    assert!(
+        message.contains("out holds the run of") && message.contains("md-0.2.toml and is not replaced"),
+        "{message}"
+    );
+    printed(&run("out/scenario.toml", &[]));
+    printed(&run(&scenario("td-0.2.toml"), &["--force"]));
+    let compared = droptower(folder.path(), &["compare", "out", &scenario("md-0.2.toml"), "--out", "out"]);
+    assert_eq!(compared.status.code(), Some(2));
+}

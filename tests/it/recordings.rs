@@ -533,3 +533,21 @@ proptest! {
         }
     }
 }
+
+/// As LabVIEW and spreadsheets export tables: UTF-16 with its byte order mark, units in words.
+#[test]
+fn tables_in_utf_16_with_units_in_words_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("export.txt");
+    let text = "\u{feff}Zeit in ms\tBeschleunigung in g\tKraft [N]\r\n0,0\t1,0\t2\r\n0,5\t-1,0\t3\r\n";
+    let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+    for bytes in [little, big, text.as_bytes().to_vec()] {
+        fs::write(&path, bytes).expect("a file");
+        let found = file::read(&path, &ReadOptions::default()).expect("a recording");
+        let acceleration = found.channel("Beschleunigung").expect("a channel");
+        assert_eq!(acceleration.series.time(), [0.0, 0.5e-3]);
+        assert_eq!(acceleration.series.values(), [9.80665, -9.80665]);
+        assert_eq!(found.channel("Kraft").expect("a channel").series.values(), [2.0, 3.0]);
+    }
+}
