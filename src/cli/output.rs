@@ -39,8 +39,12 @@ pub(super) fn check(out: &Path, ending: &str, input: Option<&Path>, force: Optio
     if there.len() == 0 || force == Some(true) || is_sealed(&place, &there) {
         return Ok(());
     }
-    let hint = if force.is_some() { ", remove it first, or give --force" } else { ", or remove it first" };
-    refused(format!("{shown} already exists and is not replaced"), &format!("give another name{hint}"))
+    let (why, hint) = match force {
+        Some(_) => ("already exists", ", remove it first, or give --force"),
+        None if was_sealed(&place, &there) => ("was edited since droptower wrote it", ", or remove it first"),
+        None => ("already exists and was not written by droptower", ", or remove it first"),
+    };
+    refused(format!("{shown} {why} and is not replaced"), &format!("give another name{hint}"))
 }
 
 /// Whether the name ends in `.{ending}`, however it is capitalised.
@@ -138,6 +142,11 @@ fn is_sealed(place: &Path, there: &Metadata) -> bool {
     there.len() < LONGEST_SEALED && file::read_text(place, LONGEST_SEALED).is_ok_and(|text| has_seal(&text))
 }
 
+/// Whether the file was sealed when it was written.
+fn was_sealed(place: &Path, there: &Metadata) -> bool {
+    there.len() < LONGEST_SEALED && file::read_text(place, LONGEST_SEALED).is_ok_and(|text| text.contains(SEAL))
+}
+
 fn has_seal(content: &str) -> bool {
     content.rfind(SEAL).is_some_and(|place| sealed(&content[..place]) == content)
 }
@@ -181,6 +190,8 @@ mod tests {
         assert!(refusal(&out, Some(&folder.path().join(".").join("o.csv")), Some(true)).contains("is the input"));
         write_sealed(&[(out.clone(), "a\n".into())]).unwrap();
         assert!(check(&out, "csv", None, None).is_ok());
+        fs::write(&out, fs::read_to_string(&out).unwrap().replace('a', "b")).unwrap();
+        assert!(refusal(&out, None, None).contains("was edited since droptower wrote it"));
         fs::create_dir(place("d.csv")).unwrap();
         assert!(refusal(&place("d.csv"), None, Some(true)).contains("is not a file"));
     }

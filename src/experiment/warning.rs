@@ -76,6 +76,10 @@ codes! {
     SPEED_NOT_MEASURED = "speed-not-measured", Note,
         "a direction was not measured at a speed at which others were, so their means are over other speeds",
         "measure it, or leave out the speed for all directions";
+    NO_ABSORPTION = "no-absorption", Note,
+        "the material file states no energy absorption, since coupons pulled to their break do not show it; film of this \
+         material returns all energy on unloading",
+        "set `absorption` in the file from a drop test (`droptower signal drop` prints it)";
     DENSITY_ASSUMED = "density-assumed", Warning,
         "no density was given, so the material file states that of LLDPE",
         "give --density";
@@ -258,6 +262,11 @@ pub enum Warning {
         /// Speed of the jaws, m/s.
         velocity: f64,
     },
+    /// A material file without energy absorption.
+    #[error(
+        "the material file has no `absorption`: coupons pulled to their break do not show the energy absorbed on unloading, so a run returns all of it"
+    )]
+    NoAbsorption,
     /// A material file with an assumed density.
     #[error("the density in the material file is assumed (LLDPE); give --density")]
     DensityAssumed,
@@ -301,6 +310,7 @@ impl Report for Warning {
             Warning::MergedSamples { .. } => &MERGED_SAMPLES,
             Warning::NoYieldPoints { .. } => &NO_YIELD_POINTS,
             Warning::SpeedNotMeasured { .. } => &SPEED_NOT_MEASURED,
+            Warning::NoAbsorption => &NO_ABSORPTION,
             Warning::DensityAssumed => &DENSITY_ASSUMED,
         }
     }
@@ -354,6 +364,7 @@ impl Report for Warning {
             | Warning::NoLaserNoHeight
             | Warning::NoEnergyAbsorption { .. }
             | Warning::ContactStated
+            | Warning::NoAbsorption
             | Warning::DensityAssumed => Map::new(),
         }
     }

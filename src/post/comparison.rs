@@ -10,7 +10,7 @@ use super::{COST, HEADER, Warning};
 use crate::finding::Finding;
 use crate::scenario;
 use crate::signal::norm::relative_error;
-use crate::signal::{Annotations, Series};
+use crate::signal::{Annotations, Series, column};
 use crate::store::StoredRun;
 
 /// Several runs, compared with the first of them.
@@ -252,8 +252,15 @@ fn warnings<'a>(runs: &'a [StoredRun], names: &'a [String]) -> impl Iterator<Ite
         let failure = run.failure.as_ref().map(|cause| Warning::FailedRun { run: name(), cause: cause.clone() });
         let recording = run.is_virtual.then(|| Warning::VirtualRecording { run: name() });
         let errors = is_against_virtual(run).then(|| Warning::ErrorsAgainstVirtual { run: name() });
-        failure.into_iter().chain(recording).chain(errors)
+        let raw = is_raw(run).then(|| Warning::RawRecording { run: name() });
+        failure.into_iter().chain(recording).chain(raw).chain(errors)
     })
+}
+
+/// Whether it is the file of a recording none of whose channels has the name of a signal of a run.
+fn is_raw(run: &StoredRun) -> bool {
+    let is_file = run.summary.is_empty() && run.scenario.is_empty() && run.failure.is_none();
+    is_file && !run.signals.channels.iter().any(|channel| column::named(&channel.name).is_some())
 }
 
 /// Whether a run was compared with a virtual recording.

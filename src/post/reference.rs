@@ -38,6 +38,10 @@ pub struct ReferenceComparison {
     pub reduction_warnings: Vec<experiment::Warning>,
 }
 
+/// Why a file of other columns is reduced.
+const RAW: &str = "the file has no column `acceleration_m_s2`, `acceleration_filtered_m_s2` or `displacement_m` and is \
+                   read as a raw recording, from the rest before the release on";
+
 /// Why a recording cannot be compared with a run.
 #[derive(Debug, Error)]
 pub enum ReferenceError {
@@ -45,7 +49,7 @@ pub enum ReferenceError {
     #[error(transparent)]
     Read(#[from] file::ReadError),
     /// A raw recording lacks a channel, or has several that could be it.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}; {RAW}", path.display())]
     Channels {
         /// The recording.
         path: PathBuf,
@@ -53,7 +57,7 @@ pub enum ReferenceError {
         source: Box<DropChannelsError>,
     },
     /// A raw recording cannot be reduced.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}; {RAW}", path.display())]
     Drop {
         /// The recording.
         path: PathBuf,

@@ -30,6 +30,10 @@ codes! {
     NO_COMMON_SIGNAL = "no-common-signal", Warning,
         "no two of the runs that are compared have a signal in common, of those that were asked for",
         "compare runs of one loading, and recordings whose columns have the names of `signals.csv`";
+    RAW_RECORDING = "raw-recording", Note,
+        "a file that is compared is a raw recording: its channels are what sensors read, none of them a signal of a run",
+        "reduce it first, e.g. with `droptower signal drop RECORDING --mass MASS --height HEIGHT -o reduced.csv`, and \
+         compare that";
 }
 
 /// What puts a comparison in doubt: that of a run with its reference, or that of several runs.
@@ -73,6 +77,11 @@ pub enum Warning {
         /// Columns of `signals.csv`.
         signals: Vec<String>,
     },
+    /// A file that is compared has channels of no other one.
+    RawRecording {
+        /// Its name.
+        run: String,
+    },
     /// The compared runs have no signal in common.
     NoCommonSignal,
 }
@@ -92,6 +101,10 @@ impl fmt::Display for Warning {
                 let names: Vec<String> = signals.iter().map(|name| format!("`{name}`")).collect();
                 write!(f, "only {run} has {}", names.join(", "))
             }
+            Warning::RawRecording { run } => write!(
+                f,
+                "{run} is a raw recording with no signal of a run; that of a drop is reduced with `droptower signal drop {run} -o FILE`"
+            ),
             Warning::NoCommonSignal => f.write_str("the runs have no signal in common"),
         }
     }
@@ -106,6 +119,7 @@ impl Report for Warning {
             Warning::FailedRun { .. } => &FAILED_RUN,
             Warning::VirtualRecording { .. } => &VIRTUAL_RECORDING,
             Warning::SignalsOfOneRun { .. } => &SIGNALS_OF_ONE_RUN,
+            Warning::RawRecording { .. } => &RAW_RECORDING,
             Warning::NoCommonSignal => &NO_COMMON_SIGNAL,
         }
     }
@@ -117,6 +131,7 @@ impl Report for Warning {
             Warning::ReferenceReduction(warning) => warning.figures(),
             Warning::FailedRun { run, .. }
             | Warning::VirtualRecording { run }
+            | Warning::RawRecording { run }
             | Warning::ErrorsAgainstVirtual { run } => Map::from_iter([("run".into(), run.as_str().into())]),
             Warning::SignalsOfOneRun { run, signals } => {
                 Map::from_iter([("run".into(), run.as_str().into()), ("signals".into(), signals.clone().into())])

@@ -24,6 +24,21 @@ impl Annotations {
         &self.comments
     }
 
+    /// The comment that states the channel frequency class with which the channel called `name` was filtered, for tables,
+    /// which have no other place for it.
+    pub fn filter_comment(name: &str, class: f64) -> String {
+        format!("filtered before: {name} with CFC {class}")
+    }
+
+    /// The channel frequency class that such a comment states.
+    pub fn filter_class(&self, name: &str) -> Option<f64> {
+        let stated = |comment: &String| {
+            let (channel, class) = comment.strip_prefix("filtered before: ")?.rsplit_once(" with CFC ")?;
+            class.parse::<f64>().ok().filter(|class| channel == name && class.is_finite() && *class > 0.0)
+        };
+        self.comments.iter().find_map(stated)
+    }
+
     /// The comments without the mark of a virtual recording, which is a finding.
     pub fn free_comments(&self) -> impl Iterator<Item = &String> {
         self.comments.iter().filter(|comment| Some(*comment) != self.virtual_mark.as_ref())

@@ -255,7 +255,7 @@ fn results_of_another_script_are_replaced_with_force_only() {
     let refused = script("b.rhai", &[]);
     assert_eq!(refused.status.code(), Some(2));
     let error = workbench::error(&refused);
-    assert!(error.contains("out holds the results of ./a.rhai and is not replaced"), "{error}");
+    assert!(error.contains("out holds the results of a.rhai and is not replaced"), "{error}");
     assert!(error.contains("give another --out, or --force"), "{error}");
     assert!(stored().contains("\"a\": 1"));
     workbench::printed(&script("b.rhai", &["--force"]));

@@ -44,6 +44,6 @@ impl AccelerationArgs {
 
     /// How it was filtered, for the terminal.
     pub(crate) fn filtered(&self) -> String {
-        self.class.map_or_else(|| "as recorded".into(), |class| format!("CFC {class}"))
+        self.class.map_or_else(|| "no filter".into(), |class| format!("CFC {class}"))
     }
 }

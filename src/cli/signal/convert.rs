@@ -1,6 +1,7 @@
 //! `droptower signal convert`: a recording in another format.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
@@ -10,10 +11,10 @@ use super::output;
 use super::remarks::Remarks;
 use crate::cli::output::ends_in;
 use crate::cli::{Failure, Shared, faults, print_figures};
-use crate::diagnostic::{Diagnostic, shown_path};
+use crate::diagnostic::{Diagnostic, folder_of, shown_path};
 use crate::signal::file::ChannelSelection;
 use crate::signal::isomme::{self, Headers, WriteError};
-use crate::signal::{MeasuredChannel, Measurement};
+use crate::signal::{Annotations, MeasuredChannel, Measurement};
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
@@ -41,6 +42,8 @@ struct Converted {
     /// Names with the long names of codes, for the terminal.
     #[serde(skip)]
     called: Vec<String>,
+    /// Files that were written.
+    written: Vec<String>,
     #[serde(flatten)]
     remarks: Remarks,
 }
@@ -48,7 +51,8 @@ struct Converted {
 pub(super) fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
     let done = converted(args)?;
     print_figures(shared, &done, || {
-        format!("{}\n{}  {}: {}", done.path, done.remarks.lines(), done.out, done.called.join(", "))
+        let beside: String = done.written.iter().skip(1).map(|file| format!("\n  {file}")).collect();
+        format!("{}\n{}  {}: {}{beside}", done.path, done.remarks.lines(), done.out, done.called.join(", "))
     })
 }
 
@@ -85,18 +89,32 @@ fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
     Ok(Converted {
         path: shown_path(&args.path),
         out: shown_path(&args.out),
+        written: std::iter::once(shown_path(&args.out))
+            .chain(beside(&args.out).filter(|_| as_test).into_iter().flatten())
+            .collect(),
         called: found.channels.iter().map(called).collect(),
         remarks: (&found.annotations).into(),
         channels: found.channels.into_iter().map(|channel| channel.name).collect(),
     })
 }
 
-/// The comments of the file, and the long names of codes. What reading it assumed is explicit in the table.
+/// The channel files beside a test, and the list of them.
+fn beside(test: &Path) -> Option<Vec<String>> {
+    let files = fs::read_dir(folder_of(test).join("Channel")).ok()?.flatten();
+    let mut files: Vec<String> = files.map(|file| shown_path(&file.path())).collect();
+    files.sort();
+    Some(files)
+}
+
+/// The comments of the file, the long names of codes, and the classes of filters. What reading it assumed is explicit in the table.
 fn comments(found: &Measurement) -> Vec<String> {
     let is_long = |channel: &&MeasuredChannel| !channel.label.starts_with(&channel.name);
     let names: Vec<String> = found.channels.iter().filter(is_long).map(called).collect();
     let names = (!names.is_empty()).then(|| format!("channels: {}", names.join(", ")));
-    found.annotations.comments().iter().cloned().chain(names).collect()
+    let class = |channel: &MeasuredChannel| Some(Annotations::filter_comment(&channel.name, channel.filtered?));
+    let classes = found.channels.iter().filter(|channel| found.annotations.filter_class(&channel.name).is_none());
+    let classes: Vec<String> = classes.filter_map(class).collect();
+    found.annotations.comments().iter().cloned().chain(names).chain(classes).collect()
 }
 
 /// A channel by its name, and by its long name where that is another.

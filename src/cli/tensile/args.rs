@@ -23,7 +23,7 @@ pub(crate) struct ReduceArgs {
     /// Thickness of the coupons: "12 um"
     #[arg(long, value_parser = |text: &str| quantity(Length::DIMENSION, text))]
     pub thickness: f64,
-    /// The material file to write; the shear curve goes beside it
+    /// The material file to write, FILE.toml; its shear curve goes beside it, as FILE-shear.csv
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// A shear curve for the material file, in place of one from D3: CSV with strain (shear angle, rad) and stress

@@ -72,6 +72,7 @@ impl Figures {
     pub(super) fn of(reduced: &Reduced, is_density_assumed: bool, written: &[PathBuf]) -> Figures {
         let mut warnings = warnings(reduced);
         warnings.extend((is_density_assumed && !written.is_empty()).then_some(Warning::DensityAssumed));
+        warnings.extend((!written.is_empty()).then_some(Warning::NoAbsorption));
         Figures {
             recordings: reduced.reduction.recordings(),
             virtual_recordings: reduced.reduction.virtual_recordings(),

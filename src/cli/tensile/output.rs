@@ -15,8 +15,10 @@ pub(super) fn places(material: &Path) -> Result<[PathBuf; 2], Failure> {
     let stem = material.file_stem().unwrap_or_default().to_string_lossy();
     let shear = material.with_file_name(format!("{stem}-shear.csv"));
     let check = |place: &Path, ending| output::check(place, ending, None, None);
-    check(material, "toml")?;
-    check(&shear, "csv")?;
+    let checked = [check(material, "toml"), check(&shear, "csv")];
+    if let Some(failure) = Failure::all(checked.into_iter().filter_map(Result::err)) {
+        return Err(failure);
+    }
     Ok([material.to_path_buf(), shear])
 }
 

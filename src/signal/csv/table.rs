@@ -88,7 +88,8 @@ pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, ReadEr
         let channels = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
             let column = &layout.columns[*place];
             let series = Series::new(Arc::clone(&time), in_si(values, unit.as_ref()));
-            MeasuredChannel { name: column.name.clone(), label: column.label.clone(), unit, filtered: None, series }
+            let filtered = layout.annotations.filter_class(&column.name);
+            MeasuredChannel { name: column.name.clone(), label: column.label.clone(), unit, filtered, series }
         });
         Ok(Measurement { channels: channels.collect(), annotations: layout.annotations })
     })
