@@ -160,7 +160,7 @@ impl Dimension {
     }
 
     /// The quantity in the usual unit that its unknown one probably stands for: "12 um" of "12 µ", "8 MPa" of "8 mpa".
-    fn meant(self, text: &str) -> Option<String> {
+    pub(crate) fn meant(self, text: &str) -> Option<String> {
         let (number, unit) = split_number(text.trim());
         let plain = unit.replace(['µ', 'μ'], "u").to_lowercase();
         let plain = plain.strip_suffix("ec").unwrap_or(&plain);

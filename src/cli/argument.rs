@@ -1,49 +1,38 @@
 //! Numbers and quantities on the command line.
 
-use crate::units::{Dimension, Time, UnitError};
+use crate::units::{Dimension, Time, UnitError, with_decimal_point};
 
 /// The number in SI of a quantity with its unit, for clap.
 pub(super) fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
-    let such_as = || format!("such as \"{}\"", dimension.example);
+    let expected = || format!("expected {} with its unit, such as \"{}\"", dimension.name, dimension.example);
     dimension.parse(text).map_err(|error| match error {
-        _ if is_quantity_with_comma(dimension, text) => decimal_comma(text),
-        UnitError::UnknownUnit { .. } => format!("{error}; expected {} with its unit, {}", dimension.name, such_as()),
-        _ => format!("expected {} with its unit, {}, found \"{text}\"", dimension.name, such_as()),
+        UnitError::DecimalComma { .. } => format!("{error}; {}", error.hint()),
+        UnitError::UnknownUnit { .. } => match dimension.meant(text) {
+            Some(meant) => format!("{error}; did you mean \"{meant}\"?"),
+            None => format!("{error}; {}", expected()),
+        },
+        _ => format!("{}, found \"{text}\"", expected()),
     })
 }
 
 /// A number without unit.
 pub(super) fn number(text: &str) -> Result<f64, String> {
     let found = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
-    found.ok_or_else(|| match point(text).parse::<f64>() {
-        Ok(_) if text.contains(',') => decimal_comma(text),
-        _ => format!("expected a number without unit, found \"{text}\""),
+    found.ok_or_else(|| {
+        decimal_comma(text).unwrap_or_else(|| format!("expected a number without unit, found \"{text}\""))
     })
 }
 
 /// A time in ms, as a number or with its unit: `15`, `15 ms`, `0.015 s`.
 pub(super) fn milliseconds(text: &str) -> Result<f64, String> {
-    if let Ok(number) = number(text) {
-        return Ok(number);
-    }
-    Time::DIMENSION.parse(text).map(|seconds| 1e3 * seconds).map_err(|_| match point(text).parse::<f64>() {
-        Ok(_) => decimal_comma(text),
-        _ if is_quantity_with_comma(Time::DIMENSION, text) => decimal_comma(text),
-        _ => format!("expected a time in ms, such as 15 or \"15 ms\", found \"{text}\""),
-    })
+    let with_unit = || Time::DIMENSION.parse(text).map(|seconds| 1e3 * seconds);
+    let expected = || format!("expected a time in ms, such as 15 or \"15 ms\", found \"{text}\"");
+    number(text).or_else(|_| with_unit()).map_err(|_| decimal_comma(text).unwrap_or_else(expected))
 }
 
-fn is_quantity_with_comma(dimension: Dimension, text: &str) -> bool {
-    text.contains(',') && dimension.parse(&point(text)).is_ok()
-}
-
-/// The text with its first comma as a decimal point.
-fn point(text: &str) -> String {
-    text.trim().replacen(',', ".", 1)
-}
-
-fn decimal_comma(text: &str) -> String {
-    format!("\"{text}\" has a decimal comma; write a decimal point: \"{}\"", point(text))
+fn decimal_comma(text: &str) -> Option<String> {
+    let point = with_decimal_point(text)?;
+    Some(format!("decimal comma in \"{text}\"; write it with a decimal point: \"{point}\""))
 }
 
 #[cfg(test)]
@@ -55,9 +44,9 @@ mod tests {
     fn mistakes_state_the_form_that_is_expected() {
         for (text, expected) in [
             ("10.72", "expected a mass with its unit, such as \"10.72 kg\", found \"10.72\""),
-            ("10,72 kg", "\"10,72 kg\" has a decimal comma; write a decimal point: \"10.72 kg\""),
+            ("10,72 kg", "decimal comma in \"10,72 kg\"; write it with a decimal point: \"10.72 kg\""),
             ("10 mm", "expected a mass with its unit, such as \"10.72 kg\", found \"10 mm\""),
-            ("10 kgg", "unknown unit `kgg` in \"10 kgg\"; expected a mass with its unit, such as \"10.72 kg\""),
+            ("10 qq", "unknown unit `qq` in \"10 qq\"; expected a mass with its unit, such as \"10.72 kg\""),
         ] {
             assert_eq!(quantity(Mass::DIMENSION, text).unwrap_err(), expected);
         }
@@ -65,13 +54,13 @@ mod tests {
             assert!((milliseconds(text).unwrap() - 15.0).abs() < 1e-12);
         }
         for (text, expected) in [
-            ("15,5", "\"15,5\" has a decimal comma; write a decimal point: \"15.5\""),
-            ("15,5 ms", "\"15,5 ms\" has a decimal comma; write a decimal point: \"15.5 ms\""),
+            ("15,5", "decimal comma in \"15,5\"; write it with a decimal point: \"15.5\""),
+            ("15,5 ms", "decimal comma in \"15,5 ms\"; write it with a decimal point: \"15.5 ms\""),
             ("15 mm", "expected a time in ms, such as 15 or \"15 ms\", found \"15 mm\""),
         ] {
             assert_eq!(milliseconds(text).unwrap_err(), expected);
         }
-        assert_eq!(number("0,5").unwrap_err(), "\"0,5\" has a decimal comma; write a decimal point: \"0.5\"");
+        assert_eq!(number("0,5").unwrap_err(), "decimal comma in \"0,5\"; write it with a decimal point: \"0.5\"");
         assert_eq!(number("5 %").unwrap_err(), "expected a number without unit, found \"5 %\"");
     }
 }

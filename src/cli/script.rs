@@ -245,6 +245,7 @@ mod tests {
                 arg: vec![argument.into()],
                 set: vec![],
                 out: None,
+                force: false,
             };
             arguments(&args)
         };

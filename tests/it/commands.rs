@@ -268,8 +268,8 @@ fn quantities_of_options_are_refused_with_the_form_that_is_expected() {
     let hic = ["signal", "hic", "data/virtual/1008.csv", "--column", "accelerometer", "--window"];
     for (call, value, expected) in [
         (drop, "10.72", "expected a mass with its unit, such as \"10.72 kg\", found \"10.72\""),
-        (drop, "10,72 kg", "has a decimal comma; write a decimal point: \"10.72 kg\""),
-        (hic, "15,5", "has a decimal comma; write a decimal point: \"15.5\""),
+        (drop, "10,72 kg", "; write it with a decimal point: \"10.72 kg\""),
+        (hic, "15,5", "; write it with a decimal point: \"15.5\""),
         (hic, "15 mm", "expected a time in ms, such as 15 or \"15 ms\", found \"15 mm\""),
     ] {
         let output = droptower(&[&call[..], &[value]].concat());
