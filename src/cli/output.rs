@@ -190,7 +190,7 @@ mod tests {
         assert!(refusal(&out, Some(&folder.path().join(".").join("o.csv")), Some(true)).contains("is the input"));
         write_sealed(&[(out.clone(), "a\n".into())]).unwrap();
         assert!(check(&out, "csv", None, None).is_ok());
-        fs::write(&out, fs::read_to_string(&out).unwrap().replace('a', "b")).unwrap();
+        fs::write(&out, format!("mine\n{}", fs::read_to_string(&out).unwrap())).unwrap();
         assert!(refusal(&out, None, None).contains("was edited since droptower wrote it"));
         fs::create_dir(place("d.csv")).unwrap();
         assert!(refusal(&place("d.csv"), None, Some(true)).contains("is not a file"));

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::number::significant;
 use crate::signal::Series;
 
 /// The fall before a simulated impact: rest, the release by the magnet, then a constant net acceleration.
@@ -32,7 +33,10 @@ pub enum FallError {
         value: f64,
     },
     /// The speed is above that of a free fall over the height.
-    #[error("a fall over {height} m does not reach {speed} m/s: {needed:.2} m/s² would be needed, more than gravity")]
+    #[error(
+        "a fall over {} m does not reach {} m/s: {needed:.2} m/s² would be needed, more than gravity",
+        significant(*height, 6), significant(*speed, 6)
+    )]
     TooFast {
         /// Height of the fall, m.
         height: f64,
@@ -42,7 +46,7 @@ pub enum FallError {
         needed: f64,
     },
     /// The simulated signals end too early.
-    #[error("the simulated impact has no {channel} at {time} s after contact")]
+    #[error("the simulated impact has no {channel} at {} s after contact", significant(*time, 9))]
     NoImpact {
         /// The simulated signal, acceleration or displacement.
         channel: &'static str,

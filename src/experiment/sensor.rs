@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::coupling::high_pass;
 use super::fall::{Fall, FallError, Motion};
-use crate::number::clean_time;
+use crate::number::{clean_time, significant};
 use crate::signal::{Channel, Recording, Series};
 use crate::units::STANDARD_GRAVITY;
 
@@ -36,7 +36,10 @@ pub enum SensorError {
     #[error(transparent)]
     Fall(#[from] FallError),
     /// The recording is too long.
-    #[error("{length} s at {rate} samples a second are more than {MOST_SAMPLES} samples")]
+    #[error(
+        "{} s at {} samples a second are more than {MOST_SAMPLES} samples",
+        significant(*length, 6), significant(*rate, 6)
+    )]
     TooLong {
         /// Duration of the recording, s.
         length: f64,

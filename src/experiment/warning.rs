@@ -127,7 +127,10 @@ pub enum Warning {
         absorption: f64,
     },
     /// A speed above that of a free fall.
-    #[error("the impact speed is {:.2} % above that of a free fall over {height} m; check the height", 100.0 * excess)]
+    #[error(
+        "the impact speed is {:.2} % above that of a free fall over {} m; check the height",
+        100.0 * excess, significant(*height, 6)
+    )]
     FasterThanFreeFall {
         /// Share of the free fall's speed.
         excess: f64,
@@ -141,7 +144,10 @@ pub enum Warning {
         share: f64,
     },
     /// An integrated fall over another height.
-    #[error("integrated from rest the fall covers {covered:.2} m up to contact, not {height} m; check the height")]
+    #[error(
+        "integrated from rest the fall covers {covered:.2} m up to contact, not {} m; check the height",
+        significant(*height, 6)
+    )]
     DropHeightDiffers {
         /// Distance from rest to contact by integration, m.
         covered: f64,
@@ -255,7 +261,7 @@ pub enum Warning {
         reason: YieldError,
     },
     /// A speed without coupons of a direction.
-    #[error("{direction} was not measured at {velocity} m/s")]
+    #[error("{direction} was not measured at {} m/s", significant(*velocity, 6))]
     SpeedNotMeasured {
         /// Of the film.
         direction: Direction,

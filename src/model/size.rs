@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::{Face, ImpactorShape, Mistakes, Model};
 use crate::mesh::{Element, Outline};
+use crate::number::{grouped, rounded, significant};
 
 /// Most memory of the film of a run, bytes. The bound is the same on every machine: a film finer than this is a mistake
 /// in the unit of `specimen.mesh.size`.
@@ -41,8 +42,11 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
         film += elements * per_element(face.meshing.element);
         memory = film + (total * SNAPSHOT_BYTES * model.output.frames as f64).min(SNAPSHOT_MEMORY);
         if memory > MOST_MEMORY {
-            let message =
-                format!("the mesh is too large for memory: {total:.2e} elements need about {:.0} GB", memory / 1e9);
+            let message = format!(
+                "the mesh is too large for memory: {} elements need about {} GB",
+                grouped(rounded(total, 3) as u64),
+                significant(memory * 1e-9, 2)
+            );
             mistakes.report_with(&path, message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
             return;
         }

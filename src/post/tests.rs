@@ -203,7 +203,9 @@ fn a_reference_without_signals_is_refused_before_the_run() {
     let (_folder, model) = reference(|t| format!("{t},1\n"), "time_s,force_N");
     let error = Plan::prepare(&model).unwrap_err();
     assert!(matches!(error, PrepareError::Reference(ReferenceError::Channels { .. })), "{error}");
-    assert!(error.to_string().ends_with("none of the channels `force` is an acceleration"), "{error}");
+    let message = error.to_string();
+    assert!(message.contains("none of the channels `force` is an acceleration; the file has no column"), "{message}");
+    assert!(message.contains("is read as a raw recording"), "{message}");
 }
 
 #[test]

@@ -32,8 +32,7 @@ codes! {
         "compare runs of one loading, and recordings whose columns have the names of `signals.csv`";
     RAW_RECORDING = "raw-recording", Note,
         "a file that is compared is a raw recording: its channels are what sensors read, none of them a signal of a run",
-        "reduce it first, e.g. with `droptower signal drop RECORDING --mass MASS --height HEIGHT -o reduced.csv`, and \
-         compare that";
+        "reduce it first with `droptower signal drop`, and compare the table that it writes";
 }
 
 /// What puts a comparison in doubt: that of a run with its reference, or that of several runs.
@@ -103,7 +102,7 @@ impl fmt::Display for Warning {
             }
             Warning::RawRecording { run } => write!(
                 f,
-                "{run} is a raw recording with no signal of a run; that of a drop is reduced with `droptower signal drop {run} -o FILE`"
+                "{run} is a raw recording with no signal of a run; that of a drop is reduced with `droptower signal drop`"
             ),
             Warning::NoCommonSignal => f.write_str("the runs have no signal in common"),
         }

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::Series;
 use super::gap::{self, Gap};
+use crate::number::significant;
 
 /// How the time above a level is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,13 +34,13 @@ pub struct Clip {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ClipError {
     /// The duration is not positive.
-    #[error("a duration of {duration} s is not positive")]
+    #[error("a duration of {} s is not positive", significant(*duration, 9))]
     Duration {
         /// Duration for which the level is to be held, s.
         duration: f64,
     },
     /// The series is shorter than the duration.
-    #[error("a series of {span} s holds no level for {duration} s")]
+    #[error("a series of {} s holds no level for {} s", significant(*span, 9), significant(*duration, 9))]
     TooShort {
         /// Duration of the series, s.
         span: f64,

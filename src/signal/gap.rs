@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::{Series, resample};
-use crate::number::clean_time;
+use crate::number::{clean_time, significant};
 
 /// A step that is longer than this many usual ones is a hole.
 const HOLE: f64 = 2.5;
@@ -12,13 +12,16 @@ const HOLE: f64 = 2.5;
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Gap {
     /// A sample without a value.
-    #[error("nothing was measured at {time} s")]
+    #[error("nothing was measured at {} s", significant(*time, 9))]
     Sample {
         /// Time of the sample, s.
         time: f64,
     },
     /// Rows are missing.
-    #[error("there are no samples between {from} s and {to} s, where {step} s is the usual step")]
+    #[error(
+        "there are no samples between {} s and {} s, where {} s is the usual step",
+        significant(*from, 9), significant(*to, 9), significant(*step, 9)
+    )]
     Hole {
         /// Time of the last sample before the hole, s.
         from: f64,
@@ -83,6 +86,17 @@ mod tests {
         for whole in [&[0.0, 1.0, 2.0][..], &[0.0, 0.8, 2.1, 3.0, 5.0], &[0.0], &[]] {
             assert_eq!(first(&series(whole)), None, "{whole:?}");
         }
+    }
+
+    #[test]
+    fn times_are_printed_without_their_noise() {
+        let sample = Gap::Sample { time: 0.030_100_000_000_000_002 };
+        assert_eq!(sample.to_string(), "nothing was measured at 0.0301 s");
+        let hole = Gap::Hole { from: 0.1 + 0.2, to: 0.4, step: 1e-6 };
+        assert_eq!(
+            hole.to_string(),
+            "there are no samples between 0.3 s and 0.4 s, where 0.000001 s is the usual step"
+        );
     }
 
     #[test]

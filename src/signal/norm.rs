@@ -3,12 +3,13 @@
 use thiserror::Error;
 
 use super::Series;
+use crate::number::significant;
 
 /// Why two signals cannot be compared.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NormError {
     /// The window holds no sample of the reference.
-    #[error("the reference has no sample between {from} s and {to} s")]
+    #[error("the reference has no sample between {} s and {} s", significant(*from, 9), significant(*to, 9))]
     NoSamples {
         /// Start of the window, s.
         from: f64,
@@ -16,13 +17,13 @@ pub enum NormError {
         to: f64,
     },
     /// The signal is shorter than the reference.
-    #[error("the signal has no value at {time} s, where the reference has one")]
+    #[error("the signal has no value at {} s, where the reference has one", significant(*time, 9))]
     NotCovered {
         /// Time of the sample of the reference, s.
         time: f64,
     },
     /// A relative error of zero is undefined.
-    #[error("the reference is zero everywhere between {from} s and {to} s")]
+    #[error("the reference is zero everywhere between {} s and {} s", significant(*from, 9), significant(*to, 9))]
     ZeroReference {
         /// Start of the window, s.
         from: f64,

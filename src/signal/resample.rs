@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::Series;
+use crate::number::significant;
 
 /// Most samples a resampled series may have; a smaller step is taken for a mistake.
 pub const MOST_SAMPLES: usize = 20_000_000;
@@ -17,7 +18,10 @@ pub enum ResampleError {
         count: usize,
     },
     /// More than `MOST_SAMPLES` samples would result.
-    #[error("a time step of {step} s over {span} s gives more than {MOST_SAMPLES} samples")]
+    #[error(
+        "a time step of {} s over {} s gives more than {MOST_SAMPLES} samples",
+        significant(*step, 9), significant(*span, 9)
+    )]
     StepTooSmall {
         /// Time step, s.
         step: f64,
@@ -25,7 +29,7 @@ pub enum ResampleError {
         span: f64,
     },
     /// The step is not positive.
-    #[error("a time step of {step} s is not positive")]
+    #[error("a time step of {} s is not positive", significant(*step, 9))]
     StepNotPositive {
         /// Time step, s.
         step: f64,

@@ -8,6 +8,7 @@ use thiserror::Error;
 use super::curve::Curve;
 use crate::diagnostic::listed;
 use crate::finding::{Code, Report, codes};
+use crate::number::significant;
 
 codes! {
     VIRTUAL_RECORDING = "virtual-recording", Warning,
@@ -227,7 +228,10 @@ pub enum Warning {
         channel: String,
     },
     /// A stated extreme that the samples do not have.
-    #[error("{channel}: the header states the {extreme} {stated}, the samples have {found}")]
+    #[error(
+        "{channel}: the header states the {extreme} {}, the samples have {}",
+        significant(*stated, 9), significant(*found, 9)
+    )]
     ExtremeDiffers {
         /// The channel.
         channel: String,
@@ -239,7 +243,10 @@ pub enum Warning {
         found: f64,
     },
     /// An extreme at another time than stated.
-    #[error("{channel}: the header states the {extreme} at {stated} s, the samples at {found} s")]
+    #[error(
+        "{channel}: the header states the {extreme} at {} s, the samples at {} s",
+        significant(*stated, 9), significant(*found, 9)
+    )]
     ExtremeTimeDiffers {
         /// The channel.
         channel: String,
@@ -279,7 +286,8 @@ pub enum Warning {
     NoPositiveLevel,
     /// A curve that was interpolated before it was rated.
     #[error(
-        "{curve}: {samples} samples, read linearly between them at 10 kHz from {from} s to {to} s, without a filter"
+        "{curve}: {samples} samples, read linearly between them at 10 kHz from {} s to {} s, without a filter",
+        significant(*from, 9), significant(*to, 9)
     )]
     CurveResampled {
         /// Which of the two.
@@ -292,7 +300,7 @@ pub enum Warning {
         to: f64,
     },
     /// A curve that was rated over a part of its time.
-    #[error("{curve}: cut to the common {from} s to {to} s")]
+    #[error("{curve}: cut to the common {} s to {} s", significant(*from, 9), significant(*to, 9))]
     CurveCut {
         /// Which of the two.
         curve: Curve,

@@ -86,6 +86,7 @@ fn signals_and_figures_that_runs_do_not_share_are_noted() {
     for line in [
         "  note[signals-of-one-run]: only eight has ",
         "  warning[no-common-signal]: the runs have no signal in common\n",
+        "  note[raw-recording]: 1008.csv is a raw recording with no signal of a run; that of a drop is reduced with `droptower signal drop`\n",
         "  warning[virtual-recording]: 1008.csv is a VIRTUAL recording: nothing was measured\n",
     ] {
         assert!(text.contains(line), "{line}: {text}");

@@ -347,3 +347,22 @@ fn units_and_names_survive_conversion() {
     let picked = droptower(bench.path(), &["filter", "m/T.mme", "--column", "accel", "--class", "60", "-o", "f.csv"]);
     assert!(picked.status.success(), "{}", workbench::error(&picked));
 }
+
+/// A table has no place for the class of a filter but its comments.
+#[test]
+fn the_class_of_a_filter_survives_a_table_and_channel_files_are_named() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let fixture = data("isomme_fixture/test.mme").display().to_string();
+    let convert = |from: &str, to: &str| printed(&droptower(bench.path(), &["convert", from, "-o", to]));
+    convert(&fixture, "t.csv");
+    let text = convert("t.csv", "back.mme");
+    for name in ["back.mme", "Channel/back.001", "Channel/back.002", "Channel/back.chn"] {
+        assert!(text.lines().any(|line| line.trim().starts_with(name)), "{name}: {text}");
+    }
+    let classes = |path: &Path| -> Vec<Option<f64>> {
+        let found = file::read(path, &ReadOptions::default()).expect("readable");
+        found.channels.iter().map(|channel| channel.filtered).collect()
+    };
+    assert_eq!(classes(&bench.path().join("t.csv")), [Some(1000.0), Some(600.0)]);
+    assert_eq!(classes(&bench.path().join("back.mme")), [Some(1000.0), Some(600.0)]);
+}

@@ -227,7 +227,10 @@ fn coupons_become_a_material_that_a_scenario_uses() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let figures: Json = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!((&figures["recordings"], &figures["virtual_recordings"]), (&66.into(), &66.into()));
-    assert_eq!(figures["notes"], serde_json::json!(["D4 was not measured at 0.2 m/s"]));
+    let notes: Vec<&str> = figures["notes"].as_array().expect("notes").iter().filter_map(Json::as_str).collect();
+    assert!(notes.len() == 2 && notes[0] == "D4 was not measured at 0.2 m/s", "{notes:?}");
+    assert!(notes[1].starts_with("the material file has no `absorption`"), "{notes:?}");
+    assert_eq!(figures["findings"][1]["code"], "no-absorption");
     assert_eq!(figures["findings"][0]["code"], "speed-not-measured");
     assert_eq!(figures["findings"][0]["velocity_m_s"], 0.2);
     let elongation = figures["directions"][1]["break_elongation"]["mean"].as_f64().unwrap();
@@ -504,7 +507,7 @@ fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
     let assignment = format!("specimen.material={:?}", material.to_str().unwrap());
     for (direction, scenario) in [(Direction::Md, "md-0.2"), (Direction::Td, "td-0.2")] {
         let scenario = format!("scenarios/stretch/{scenario}.toml");
-        succeed(&["run", &scenario, "--quiet", "--set", &assignment, "--out", out.to_str().unwrap()]);
+        succeed(&["run", &scenario, "--quiet", "--force", "--set", &assignment, "--out", out.to_str().unwrap()]);
         let table = file::columns(&out.join("signals.csv"), &ReadOptions::default()).unwrap();
         let column = |name: &str| table.columns.iter().find(|column| column.label == name).unwrap().values.clone();
         let simulated = Curve::new(column("strain"), column("stress_Pa")).unwrap();

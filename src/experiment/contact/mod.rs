@@ -12,6 +12,7 @@ mod tests;
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::number::significant;
 use crate::signal::Series;
 
 pub use fall::{ClosedFall, by_fall};
@@ -59,7 +60,7 @@ impl FallCondition {
     /// The condition with its figure, as a predicate of the fall.
     fn predicate(self) -> String {
         match self {
-            FallCondition::Height(height) => format!("covers {height} m"),
+            FallCondition::Height(height) => format!("covers {} m", significant(height, 6)),
             FallCondition::Speed(speed) => format!("reaches {speed:.3} m/s"),
         }
     }
@@ -112,13 +113,16 @@ pub enum ContactError {
         near: f64,
     },
     /// The recorded fall is shorter than the height.
-    #[error("acceleration: integrated from rest it does not fall through {height} m; check the height")]
+    #[error(
+        "acceleration: integrated from rest it does not fall through {} m; check the height",
+        significant(*height, 6)
+    )]
     HeightNotCovered {
         /// Height of the fall, m.
         height: f64,
     },
     /// The recorded fall is slower than the speed.
-    #[error("acceleration: integrated from rest it does not reach {speed} m/s; check the speed")]
+    #[error("acceleration: integrated from rest it does not reach {} m/s; check the speed", significant(*speed, 6))]
     SpeedNotReached {
         /// Impact speed, m/s.
         speed: f64,

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::direction::{Direction, DirectionError};
+use crate::number::significant;
 use crate::units::{UnitError, Velocity};
 
 /// Largest speed of jaws in the name of a file, m/s: tensile machines reach some 20 m/s, larger numbers are years.
@@ -35,7 +36,7 @@ pub enum LabelError {
         header: Direction,
     },
     /// Name and header state different speeds.
-    #[error("its name states {name} m/s, its header {header} m/s")]
+    #[error("its name states {} m/s, its header {} m/s", significant(*name, 6), significant(*header, 6))]
     Velocities {
         /// Speed of the jaws that the name of the file states, m/s.
         name: f64,

@@ -6,6 +6,7 @@ use super::label::is_same_speed;
 use super::{
     BREAK_SHARE, Curve, Modulus, ModulusError, Rupture, RuptureError, WINDOW, YieldError, YieldPoints, yield_points,
 };
+use crate::number::significant;
 
 /// How curves are read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,7 +138,7 @@ pub enum ReductionError {
     #[error("there is no coupon to reduce")]
     Nothing,
     /// The coupons of one speed have no mean.
-    #[error("{direction} at {velocity} m/s: {source}")]
+    #[error("{direction} at {} m/s: {source}", significant(*velocity, 6))]
     SpeedMeans {
         /// Direction of the coupons.
         direction: Direction,

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use super::curve::{Curve, CurveError};
 use super::shear;
+use crate::number::significant;
 use crate::signal::Series;
 
 /// A strip of film between two jaws, unstretched.
@@ -18,7 +19,7 @@ pub struct Coupon {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CouponError {
     /// A dimension is not positive.
-    #[error("the {what} of a coupon is a positive length, not {value} m")]
+    #[error("the {what} of a coupon is a positive length, not {} m", significant(*value, 6))]
     NotPositive {
         /// Gauge length, width or thickness, as the message names it.
         what: &'static str,
@@ -34,7 +35,7 @@ pub enum CouponError {
         displacement: usize,
     },
     /// A sample is missing.
-    #[error("the {quantity} was not measured at {time} s")]
+    #[error("the {quantity} was not measured at {} s", significant(*time, 9))]
     NotMeasured {
         /// Force or displacement, as the message names it.
         quantity: &'static str,

@@ -6,6 +6,7 @@ use crate::experiment::contact::ContactError;
 use crate::experiment::coupling::CouplingError;
 use crate::experiment::ramp::RampError;
 use crate::experiment::release::ReleaseError;
+use crate::number::significant;
 use crate::signal::filter::FilterError;
 use crate::signal::gap::Gap;
 use crate::signal::resample::ResampleError;
@@ -14,7 +15,7 @@ use crate::signal::resample::ResampleError;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DropError {
     /// A quantity of the tower or of the correction is not positive.
-    #[error("the {what} is {value}, but must be positive")]
+    #[error("the {what} is {}, but must be positive", significant(*value, 6))]
     NotPositive {
         /// Mass, gravity, height or time constant, as the message names it.
         what: &'static str,
@@ -44,7 +45,8 @@ pub enum DropError {
     Contact(#[from] ContactError),
     /// The impact speed is above that of the ideal fall by more than an error of measurement.
     #[error(
-        "the impact speed of {speed:.3} m/s is above the {ideal:.3} m/s of a free fall over {height} m; check the height"
+        "the impact speed of {speed:.3} m/s is above the {ideal:.3} m/s of a free fall over {} m; check the height",
+        significant(*height, 6)
     )]
     FasterThanFall {
         /// Impact speed, m/s.

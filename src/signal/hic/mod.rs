@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use super::Series;
 use super::gap::{self, Gap};
+use crate::number::significant;
 use crate::units::STANDARD_GRAVITY;
 use pulse::Pulse;
 use search::Search;
@@ -30,7 +31,7 @@ pub struct Hic {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum HicError {
     /// The window is not positive.
-    #[error("a window of {window} s is not positive")]
+    #[error("a window of {} s is not positive", significant(*window, 9))]
     Window {
         /// Longest interval, s.
         window: f64,
@@ -45,7 +46,7 @@ pub enum HicError {
     #[error(transparent)]
     NotMeasured(Gap),
     /// The window is shorter than the time step.
-    #[error("no two samples lie within a window of {window} s")]
+    #[error("no two samples lie within a window of {} s", significant(*window, 9))]
     TooCoarse {
         /// Longest interval, s.
         window: f64,

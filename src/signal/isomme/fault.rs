@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::diagnostic::listed;
+use crate::number::significant;
 use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
 use crate::signal::text::{self, TextError};
 
@@ -88,7 +89,7 @@ pub enum Fault {
         channel: String,
     },
     /// The sampling interval is not positive, or too small for its number of samples.
-    #[error("the sampling interval of `{channel}` is {interval} s")]
+    #[error("the sampling interval of `{channel}` is {} s", significant(*interval, 9))]
     Interval {
         /// The channel.
         channel: String,

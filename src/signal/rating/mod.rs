@@ -16,7 +16,7 @@ use thiserror::Error;
 use super::gap::{self, Gap};
 use super::warning::Warning;
 use super::{Series, resample};
-use crate::number::clean_time;
+use crate::number::{clean_time, significant};
 
 pub use super::curve::Curve;
 
@@ -99,7 +99,8 @@ pub enum RatingError {
     },
     /// The curves have no time in common.
     #[error("the curves have no time in common: the reference is from {} s to {} s, the comparison from {} s to {} s",
-        reference[0], reference[1], comparison[0], comparison[1])]
+        significant(reference[0], 9), significant(reference[1], 9),
+        significant(comparison[0], 9), significant(comparison[1], 9))]
     NoOverlap {
         /// First and last time of the reference, s.
         reference: [f64; 2],
@@ -132,7 +133,7 @@ pub enum RatingError {
         pairs: u64,
     },
     /// A relative error of zero is undefined.
-    #[error("the reference is zero everywhere between {from} s and {to} s")]
+    #[error("the reference is zero everywhere between {} s and {} s", significant(*from, 9), significant(*to, 9))]
     ZeroReference {
         /// Start of the common time, s.
         from: f64,
