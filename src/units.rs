@@ -159,6 +159,18 @@ impl Dimension {
         }
     }
 
+    /// What `number` without its unit, of which the value is `value` (SI), may have been meant for: the same number in
+    /// the unit nearest to the written one that makes it one of the `likely` values.
+    pub fn likelier(self, number: &str, value: f64, likely: [f64; 2]) -> Option<String> {
+        let (number, _) = split_number(number.trim());
+        let units = self.usual_units().iter().filter(|unit| !matches!(**unit, "cm" | "km" | "min" | "h" | "mm/min"));
+        let quantities = units.map(|unit| format!("{number} {unit}"));
+        let found = quantities.filter_map(|text| Some((self.parse(&text).ok()?, text)));
+        let fits = found.filter(|(other, _)| (likely[0]..=likely[1]).contains(other));
+        let distance = |other: f64| (other / value).abs().ln().abs();
+        fits.min_by(|a, b| distance(a.0).total_cmp(&distance(b.0))).map(|(_, text)| text)
+    }
+
     /// The quantity in the usual unit that its unknown one probably stands for: "12 um" of "12 µ", "8 MPa" of "8 mpa".
     pub(crate) fn meant(self, text: &str) -> Option<String> {
         let (number, unit) = split_number(text.trim());
@@ -446,7 +458,7 @@ mod tests {
         for (dimension, text, hint) in [
             (Length::DIMENSION, "12 µ", "did you mean \"12 um\"?"),
             (Length::DIMENSION, "12 MM", "did you mean \"12 mm\"?"),
-            (Time::DIMENSION, "12μ", "did you mean \"12 us\"?"),
+            (Time::DIMENSION, "12\u{b5}", "did you mean \"12 us\"?"),
             (Time::DIMENSION, "1.5 sec", "did you mean \"1.5 s\"?"),
             (Velocity::DIMENSION, "4 m/sec", "did you mean \"4 m/s\"?"),
             (Pressure::DIMENSION, "8.4 mpa", "did you mean \"8.4 MPa\"?"),

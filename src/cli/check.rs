@@ -6,8 +6,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::scenarios::{self, Selection};
-use super::{Failure, Shared, print, print_json};
+use super::{Failure, Shared, findings, print, print_json};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::finding::Finding;
 use crate::model;
 use crate::scenario::{Assignment, Document};
 
@@ -17,13 +18,17 @@ pub(super) struct CheckArgs {
     pub selection: Selection,
 }
 
-/// The mistakes of one file.
+/// The mistakes of one file, or what is reported of it without them.
 #[derive(Serialize)]
 struct Verdict {
     path: String,
     ok: bool,
     mistakes: Vec<Mistake>,
+    findings: Vec<Finding>,
 }
+
+/// Findings of a file, or its mistakes.
+type Checked = Result<Vec<Finding>, Vec<Diagnostic>>;
 
 #[derive(Serialize)]
 struct Mistake {
@@ -35,33 +40,42 @@ struct Mistake {
 }
 
 pub(super) fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
-    let found = args.selection.each(mistakes)?.into_iter();
-    let found: Vec<(String, Vec<Diagnostic>)> = found.map(|(file, mistakes)| (shown_path(&file), mistakes)).collect();
-    let wrong: Vec<Diagnostic> = found.iter().flat_map(|(_, mistakes)| mistakes.clone()).collect();
+    let found = args.selection.each(check)?.into_iter();
+    let found: Vec<(String, Checked)> = found.map(|(file, checked)| (shown_path(&file), checked)).collect();
+    let mistakes = found.iter().filter_map(|(_, checked)| checked.as_ref().err());
+    let wrong: Vec<Diagnostic> = mistakes.flatten().cloned().collect();
     if shared.json {
-        print_json(&found.iter().map(|(path, mistakes)| verdict(path, mistakes)).collect::<Vec<_>>())?;
+        print_json(&found.into_iter().map(verdict).collect::<Vec<_>>())?;
         return if wrong.is_empty() { Ok(()) } else { Err(Failure::from(vec![])) };
     }
-    let good = found.iter().filter(|(_, mistakes)| mistakes.is_empty());
-    let good: Vec<String> = good.map(|(path, _)| format!("ok  {path}")).collect();
+    let good = found.iter().filter_map(|(path, checked)| Some((path, checked.as_ref().ok()?)));
+    let good: String = good.map(|(path, found)| format!("ok  {path}\n{}", findings::lines("  ", found))).collect();
     if !shared.quiet && !good.is_empty() {
-        print(&good.join("\n"))?;
+        print(good.trim_end())?;
     }
     if wrong.is_empty() { Ok(()) } else { Err(wrong.into()) }
 }
 
-/// The mistakes of a scenario or a material.
-fn mistakes(path: &Path, assignments: &[Assignment]) -> Vec<Diagnostic> {
+/// Checks a scenario or a material.
+fn check(path: &Path, assignments: &[Assignment]) -> Checked {
     let is_material = Document::read(path).is_ok_and(|document| document.is_material());
     if !is_material {
-        return scenarios::check(path, assignments).err().unwrap_or_default();
+        return Ok(scenarios::check(path, assignments)?.plan.findings().to_vec());
     }
-    let material = Document::read_material(path).map(|document| document.with(assignments));
-    material.and_then(|material| model::check_material(&material)).err().unwrap_or_default()
+    let material = Document::read_material(path)?.with(assignments);
+    model::check_material(&material)?;
+    let implausible = material.implausible().into_iter();
+    Ok(implausible.map(|value| Finding::new(&model::Warning::Value(value))).collect())
 }
 
-fn verdict(path: &str, mistakes: &[Diagnostic]) -> Verdict {
-    Verdict { path: path.into(), ok: mistakes.is_empty(), mistakes: mistakes.iter().map(mistake).collect() }
+fn verdict((path, checked): (String, Checked)) -> Verdict {
+    match checked {
+        Ok(findings) => Verdict { path, ok: true, mistakes: vec![], findings },
+        Err(mistakes) => {
+            let mistakes = mistakes.iter().map(mistake).collect();
+            Verdict { path, ok: false, mistakes, findings: vec![] }
+        }
+    }
 }
 
 fn mistake(found: &Diagnostic) -> Mistake {

@@ -25,6 +25,7 @@ struct Explanation {
     expected: String,
     unit: Option<&'static str>,
     range: Option<String>,
+    likely: Option<String>,
     default: Option<Json>,
     required: bool,
     choices: Vec<Choice>,
@@ -158,6 +159,11 @@ fn explanation(name: &str, key: &Key) -> Explanation {
         expected: key.rule.to_string(),
         unit: dimension.map(|d| d.unit),
         range: key.rule.range().and_then(|range| range.describe(show)),
+        likely: key
+            .rule
+            .range()
+            .and_then(|range| range.likely)
+            .map(|[low, high]| format!("{} to {}", show(low), show(high))),
         default: key.default.clone().filter(|default| !default.is_object()),
         required: key.required,
         choices: choices
@@ -172,6 +178,7 @@ fn text(explanation: &Explanation) -> String {
     let mut facts = vec![explanation.expected.clone()];
     facts.extend(explanation.unit.map(|unit| format!("a bare number is in {unit}")));
     facts.extend(explanation.range.clone());
+    facts.extend(explanation.likely.as_ref().map(|likely| format!("usually {likely}")));
     facts.extend(explanation.default.as_ref().map(|default| format!("default {default}")));
     if explanation.required {
         facts.push("required".to_owned());

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::faults::preparing;
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::finding::Finding;
 use crate::model::{self, Model};
 use crate::post::Plan;
 use crate::scenario::{Assignment, Document};
@@ -79,6 +80,8 @@ pub(super) fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
     let document = document.with(assignments);
     let model = model::check(&document)?;
     let plan = Plan::prepare(&model).map_err(|error| preparing(&error))?;
+    let warnings = model::warnings(&document, &model);
+    let plan = plan.with_findings(warnings.iter().map(Finding::new).collect());
     Ok(Checked { document, model, plan })
 }
 

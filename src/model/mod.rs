@@ -13,6 +13,7 @@ mod reference;
 mod size;
 mod solver;
 mod specimen;
+mod warning;
 
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,7 @@ use crate::mesh::{Meshing, Outline, Side};
 use crate::scenario::{Document, Scenario};
 use mistakes::Mistakes;
 pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
+pub use warning::{CODES, Warning, warnings};
 
 /// Checks a scenario and converts it to SI values.
 ///

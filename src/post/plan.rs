@@ -4,6 +4,7 @@ use rhai::Engine;
 use thiserror::Error;
 
 use super::{EvaluateError, ReferenceComparison, ReferenceError, Results, Run, run};
+use crate::finding::Finding;
 use crate::functions;
 use crate::model::Model;
 use crate::script::{self, Limits, OutputCollector, Script};
@@ -15,6 +16,8 @@ use crate::simulate::Outcome;
 pub struct Plan {
     comparison: Option<ReferenceComparison>,
     script: Option<Script>,
+    /// What is reported of the scenario itself.
+    findings: Vec<Finding>,
 }
 
 /// Why the evaluation of a run cannot be prepared.
@@ -46,7 +49,17 @@ impl Plan {
         let stand_in = run::scope(Run::empty());
         let read = |path| Script::read(&engine, &stand_in, path);
         let script = model.post.as_deref().map(read).transpose()?;
-        Ok(Plan { comparison, script })
+        Ok(Plan { comparison, script, findings: vec![] })
+    }
+
+    /// The same plan, whose results have these findings of the scenario besides their own.
+    pub fn with_findings(self, findings: Vec<Finding>) -> Plan {
+        Plan { findings, ..self }
+    }
+
+    /// What is reported of the scenario itself.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
     }
 
     /// Whether the plan of one model is also that of the other.
@@ -73,7 +86,9 @@ impl Plan {
 
     /// Measures the run without its script.
     pub fn measure(&self, model: &Model, outcome: &Outcome) -> Result<Results, EvaluateError> {
-        Results::measure(model, outcome, self.comparison.clone())
+        let mut results = Results::measure(model, outcome, self.comparison.clone())?;
+        results.measures.findings_mut().extend(&self.findings);
+        Ok(results)
     }
 
     /// The text of the post script.

@@ -159,7 +159,7 @@ impl RunFindings {
         self.0.push(Finding::new(warning));
     }
 
-    /// Adds findings of the post script.
+    /// Adds findings of the scenario or of the post script.
     pub(super) fn extend(&mut self, findings: &[Finding]) {
         self.0.extend_from_slice(findings);
     }

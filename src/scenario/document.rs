@@ -9,7 +9,7 @@ use super::grammar::{self, Rule};
 use super::merge::merge;
 use super::reader::Reader;
 use super::tree::{Node, Value};
-use super::{Material, Scenario, resolved, validate};
+use super::{Implausible, Material, Scenario, plausible, resolved, validate};
 use crate::diagnostic::{Diagnostic, Span, tidy_path};
 
 /// A scenario or a material as written, merged along `extends`, with the source of each part.
@@ -108,6 +108,11 @@ impl Document {
             }
             Err(_) => (None, mistakes),
         }
+    }
+
+    /// Values that are hardly meant, although a run could use them.
+    pub fn implausible(&self) -> Vec<Implausible> {
+        plausible::implausible(&self.root, self.rule)
     }
 
     /// The whole scenario as one TOML text that runs from any folder: paths absolute, materials and

@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 
 use serde_json::Value as Json;
 
+use super::tree::Value;
 use super::{Material, Scenario, schema};
 use crate::units::Dimension;
 
@@ -93,6 +94,8 @@ pub struct Range {
     pub from: Option<Bound>,
     /// The upper bound.
     pub to: Option<Bound>,
+    /// Values outside of these are probably in another unit; zero is not asked.
+    pub likely: Option<[f64; 2]>,
 }
 
 /// One end of a range.
@@ -173,6 +176,19 @@ impl Rule {
             Rule::Quantity(_, range) | Rule::Number { range, .. } => Some(*range),
             Rule::List { item, .. } => item.range(),
             _ => None,
+        }
+    }
+
+    /// Whether the value is of a kind that can be allowed.
+    pub fn takes(&self, value: &Value) -> bool {
+        match self {
+            Rule::Table(_) => matches!(value, Value::Table(_)),
+            Rule::List { .. } | Rule::Tuple(_) => matches!(value, Value::List(_)),
+            Rule::Choice(_) | Rule::Text { .. } => matches!(value, Value::Text(_)),
+            Rule::Quantity(..) => matches!(value, Value::Text(_) | Value::Whole(_) | Value::Number(_)),
+            Rule::Number { .. } => matches!(value, Value::Whole(_) | Value::Number(_)),
+            Rule::Flag => matches!(value, Value::Flag(_)),
+            Rule::Either(rules) => rules.iter().any(|rule| rule.takes(value)),
         }
     }
 
@@ -259,6 +275,11 @@ impl Range {
         above && below
     }
 
+    /// Whether the value is one that is meant: within the likely ones, or zero.
+    pub fn is_likely(&self, value: f64) -> bool {
+        value == 0.0 || self.likely.is_none_or(|[low, high]| (low..=high).contains(&value))
+    }
+
     /// In words, each bound as `show` writes it; `None` where every number is allowed.
     pub fn describe(&self, show: impl Fn(f64) -> String) -> Option<String> {
         let from = self.from.map(|b| {
@@ -333,7 +354,12 @@ fn range(schema: &Json) -> Range {
     Range {
         from: bound("exclusiveMinimum", false).or(bound("minimum", true)),
         to: bound("exclusiveMaximum", false).or(bound("maximum", true)),
+        likely: likely(schema),
     }
+}
+
+fn likely(schema: &Json) -> Option<[f64; 2]> {
+    Some([schema["x-likely"][0].as_f64()?, schema["x-likely"][1].as_f64()?])
 }
 
 /// The words of a plain `enum` and of a `oneOf` of constants, which may be mixed.
@@ -396,8 +422,12 @@ fn list(schema: &Json) -> Rule {
         return Rule::Tuple(items.iter().map(compile).collect());
     }
     let length = |key: &str| schema[key].as_u64().and_then(|n| usize::try_from(n).ok());
+    let mut item = compile(&schema["items"]);
+    if let Rule::Quantity(_, range) = &mut item {
+        range.likely = likely(schema).or(range.likely);
+    }
     Rule::List {
-        item: Box::new(compile(&schema["items"])),
+        item: Box::new(item),
         shortest: length("minItems").unwrap_or(0),
         longest: length("maxItems").unwrap_or(usize::MAX),
     }

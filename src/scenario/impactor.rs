@@ -23,16 +23,17 @@ pub struct Impactor {
     /// Shape of the body; its axis is z, its tip points down.
     pub shape: ImpactorShape,
     /// Mass of the body and all that moves with it; required where it falls.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 2e3]))]
     pub mass: Option<Mass>,
     /// Its degrees of freedom.
     #[serde(default)]
     pub guide: Guide,
     /// Coulomb coefficient between impactor and film.
-    #[schemars(range(min = 0, max = 10))]
+    #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
     pub friction: f64,
     /// Position of its axis over the film at the start: x, y.
     #[serde(default = "centre")]
+    #[schemars(extend("x-likely" = [-10.0, 10.0]))]
     pub position: [Length; 2],
 }
 
@@ -51,25 +52,25 @@ pub enum ImpactorShape {
     /// A ball.
     Sphere {
         /// Radius of the ball.
-        #[schemars(extend("exclusiveMinimum" = 0))]
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         radius: Length,
     },
     /// A dart: a shaft with a hemispherical tip (ASTM D1709).
     Hemisphere {
         /// Radius of tip and shaft.
-        #[schemars(extend("exclusiveMinimum" = 0))]
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         radius: Length,
         /// Length of the shaft behind the tip; four radii where it is left out.
-        #[schemars(extend("exclusiveMinimum" = 0))]
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         length: Option<Length>,
     },
     /// A flat-ended cylinder, axis along z.
     Cylinder {
         /// Radius of the flat end.
-        #[schemars(extend("exclusiveMinimum" = 0))]
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         radius: Length,
         /// Length along z.
-        #[schemars(extend("exclusiveMinimum" = 0))]
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         length: Length,
     },
     /// A closed surface from an STL or OBJ file, coordinates in m.

@@ -17,7 +17,7 @@ pub struct Layers {
     pub count: u32,
     /// Height of every face, the highest first.
     #[serde(default = "ground")]
-    #[schemars(length(min = 1, max = 64))]
+    #[schemars(length(min = 1, max = 64), extend("x-likely" = [-10.0, 10.0]))]
     pub faces: Vec<Length>,
     /// Engineering strain with which the film is mounted on the frame.
     #[serde(default)]
@@ -35,6 +35,7 @@ impl Default for Layers {
 pub struct Layer {
     /// Height of the undeformed face.
     #[serde(default = "level")]
+    #[schemars(extend("x-likely" = [-10.0, 10.0]))]
     pub height: Length,
     /// Layers in this face.
     #[serde(default = "one")]
@@ -59,11 +60,11 @@ pub struct Layer {
 pub struct Prestrain {
     /// Along the machine direction.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 100))]
+    #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 100, "x-likely" = [-1.0, 5.0]))]
     pub md: f64,
     /// Along the transverse direction.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 100))]
+    #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 100, "x-likely" = [-1.0, 5.0]))]
     pub td: f64,
 }
 

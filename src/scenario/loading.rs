@@ -31,17 +31,19 @@ const DOWN: &str = "the impactor moves down along z: `velocity` is its speed, li
 ))]
 pub struct Impact {
     /// Speed at first contact, downward positive.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-future-list" = { "an oblique impact": DOWN }))]
+    #[schemars(extend(
+        "exclusiveMinimum" = 0, "x-likely" = [1e-3, 500.0], "x-future-list" = { "an oblique impact": DOWN }
+    ))]
     pub velocity: Option<Velocity>,
     /// Drop height of an ideal free fall to first contact, in place of `velocity`.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 100.0]))]
     pub drop_height: Option<Length>,
     /// Acceleration of free fall.
     #[serde(default = "standard_gravity")]
-    #[schemars(range(min = 0))]
+    #[schemars(range(min = 0), extend("x-likely" = [1e-3, 300.0]))]
     pub gravity: Acceleration,
     /// Simulated time from first contact.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-6, 5.0]))]
     pub duration: Time,
 }
 
@@ -70,7 +72,7 @@ pub struct Stretch {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Indent {
     /// Travel of the impactor from first contact, downward, at which the test ends.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-5, 2.0]))]
     pub depth: Length,
     /// Speed of the impactor.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -85,7 +87,7 @@ pub struct Indent {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Inflation {
     /// Final difference of the pressures below and above the film.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1.0, 1e8]))]
     pub pressure: Pressure,
     /// Time in which the pressure rises, smoothly at both ends; it is then constant for half as long.
     #[schemars(extend("exclusiveMinimum" = 0))]

@@ -29,10 +29,10 @@ pub struct Material {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unset: Vec<String>,
     /// Mass per volume of the stress-free film.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e5, "x-likely" = [20.0, 25e3]))]
     pub density: Density,
     /// Thickness of one layer.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 0.1, "x-likely" = [1e-6, 2e-3]))]
     pub thickness: Length,
     /// Two fibre sets at 90° and a shear curve; carries no compression.
     pub fabric: Option<Fabric>,
@@ -54,7 +54,7 @@ pub struct Fabric {
     pub scale: Scale,
     /// Share of the stored energy that is lost on unloading.
     #[serde(default)]
-    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-likely" = [0.0, 1.0]))]
     pub absorption: f64,
     /// Lowest and highest strain rate at which the curves were measured; where a fibre set has `rates`, from the lowest
     /// to the highest of these, of both sets where both have them, where it is left out.
@@ -131,7 +131,10 @@ pub struct Shear {
 
 /// One point of a curve: engineering strain (or shear angle in rad) and stress.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Point(#[schemars(range(min = 0))] pub f64, #[schemars(range(min = 0))] pub Pressure);
+pub struct Point(
+    #[schemars(range(min = 0))] pub f64,
+    #[schemars(range(min = 0), extend("x-likely" = [1e5, 1e11]))] pub Pressure,
+);
 
 /// The multipliers of a dynamic curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -164,10 +167,10 @@ fn unchanged() -> f64 {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Elastic {
     /// Young's modulus.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e5, 1e12]))]
     pub young: Pressure,
     /// Poisson's ratio.
-    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5, "x-likely" = [-1.0, 0.5]))]
     pub poisson: f64,
     /// Whether the film wrinkles under compression, so that it carries tension only (tension field).
     #[serde(default)]

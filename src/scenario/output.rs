@@ -10,7 +10,7 @@ use crate::units::Frequency;
 pub struct Output {
     /// Samples per second in `signals.csv`.
     #[serde(default = "ten_kilohertz")]
-    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e7))]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e7, "x-likely" = [0.01, 1e7]))]
     pub sample_rate: Frequency,
     /// Number of snapshots for pages and recordings. Of a film so fine that they would take more than 0.4 GB, fewer are
     /// taken, and a warning gives their number.

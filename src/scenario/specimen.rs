@@ -47,7 +47,7 @@ fn along_x() -> Angle {
 #[serde(rename_all = "lowercase")]
 pub enum Shape {
     /// Full side lengths along x and y.
-    Rectangle(#[schemars(transform = schema::positive_items)] [Length; 2]),
+    Rectangle(#[schemars(transform = schema::positive_items, extend("x-likely" = [1e-4, 20.0]))] [Length; 2]),
     /// A disc.
     Circle(Circle),
     /// Nodes and elements from an STL, OBJ or VTU file, coordinates in m.
@@ -58,7 +58,7 @@ pub enum Shape {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Circle {
     /// Radius of the free span.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-4, 10.0]))]
     pub radius: Length,
 }
 
@@ -73,7 +73,7 @@ pub struct Meshing {
     #[schemars(extend("default" = "quad4"))]
     pub element: Option<Element>,
     /// Target edge length; required unless the mesh is imported.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-6, 0.5]))]
     pub size: Option<Length>,
 }
 

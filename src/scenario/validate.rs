@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::grammar::{Future, Key, Range, Rule, TableRule};
+use super::grammar::{Future, Key, Rule, TableRule};
+use super::plausible;
 use super::tree::{Entry, Node, Table, Value};
 use crate::diagnostic::{Diagnostic, Span, closest};
 use crate::units::{Angle, Dimension, with_decimal_point};
@@ -73,11 +74,11 @@ impl Walk {
                     self.report(unknown_word(text, rule).at(&node.span));
                 }
             }
-            (Rule::Quantity(dimension, range), value) => {
-                self.quantity(value, *dimension, *range, node);
+            (Rule::Quantity(dimension, _), value) => {
+                self.quantity(value, *dimension, rule, node);
             }
-            (Rule::Number { whole, range }, Value::Whole(_) | Value::Number(_)) => {
-                self.number(node, *whole, *range);
+            (Rule::Number { whole, .. }, Value::Whole(_) | Value::Number(_)) => {
+                self.number(node, *whole, rule);
             }
             (Rule::Text { .. }, Value::Text(_)) | (Rule::Flag, Value::Flag(_)) => {}
             (Rule::Either(rules), _) => self.either(node, rules, place),
@@ -159,7 +160,7 @@ impl Walk {
         self.report(Diagnostic::new(format!("expected {expected}, found {found}")).at(span));
     }
 
-    fn quantity(&mut self, value: &Value, dimension: Dimension, range: Range, node: &Node) {
+    fn quantity(&mut self, value: &Value, dimension: Dimension, rule: &Rule, node: &Node) {
         let number = match value {
             Value::Whole(whole) => Ok(*whole as f64),
             Value::Number(number) => Ok(*number),
@@ -174,23 +175,24 @@ impl Walk {
             Ok(angle) if dimension == Angle::DIMENSION && angle.is_finite() && angle.abs() > FULL_TURN => {
                 self.report(beyond_a_turn(node));
             }
-            Ok(number) => self.range(number, range, node, |bound| dimension.show(bound)),
+            Ok(number) => self.range(number, rule, node, |bound| dimension.show(bound)),
             Err(mistake) => self.report(mistake.at(&node.span)),
         }
     }
 
-    fn number(&mut self, node: &Node, whole: bool, range: Range) {
+    fn number(&mut self, node: &Node, whole: bool, rule: &Rule) {
         match node.value {
-            Value::Whole(number) => self.range(number as f64, range, node, |b| b.to_string()),
+            Value::Whole(number) => self.range(number as f64, rule, node, |b| b.to_string()),
             Value::Number(_) if whole => {
                 self.report(Diagnostic::new(format!("expected a whole number, found {}", node.found())).at(&node.span))
             }
-            Value::Number(number) => self.range(number, range, node, |b| b.to_string()),
+            Value::Number(number) => self.range(number, rule, node, |b| b.to_string()),
             _ => {}
         }
     }
 
-    fn range(&mut self, number: f64, range: Range, node: &Node, show: impl Fn(f64) -> String) {
+    fn range(&mut self, number: f64, rule: &Rule, node: &Node, show: impl Fn(f64) -> String) {
+        let Some(range) = rule.range() else { return };
         let found = node.found();
         if !number.is_finite() {
             let message = format!("expected a finite number, found {found}");
@@ -199,13 +201,17 @@ impl Walk {
             && let Some(bounds) = range.describe(show)
         {
             let message = format!("out of range: expected {bounds}, found {found}");
-            self.report(Diagnostic::new(message).at(&node.span));
+            let mistake = Diagnostic::new(message).at(&node.span);
+            self.report(match plausible::meant(number, rule, node) {
+                Some(meant) => mistake.hint(format!("did you mean \"{meant}\"?")),
+                None => mistake,
+            });
         }
     }
 
     /// The mistakes of the one branch that takes values of this kind; of several, whether one fits.
     fn either(&mut self, node: &Node, rules: &[Rule], place: &Place) {
-        let meant: Vec<&Rule> = rules.iter().filter(|rule| takes(rule, node)).collect();
+        let meant: Vec<&Rule> = rules.iter().filter(|rule| rule.takes(&node.value)).collect();
         if let [only] = meant.as_slice() {
             return self.node(node, only, place);
         }
@@ -228,21 +234,6 @@ fn beyond_a_turn(node: &Node) -> Diagnostic {
     match node.value {
         Value::Text(_) => mistake.hint("write it like \"45 deg\""),
         _ => mistake.hint(format!("write it like \"{} deg\"; a bare number is in rad", node.found())),
-    }
-}
-
-/// Whether the value is of a kind that the rule can take.
-fn takes(rule: &Rule, node: &Node) -> bool {
-    match rule {
-        Rule::Table(_) => matches!(node.value, Value::Table(_)),
-        Rule::List { .. } | Rule::Tuple(_) => matches!(node.value, Value::List(_)),
-        Rule::Choice(_) | Rule::Text { .. } => matches!(node.value, Value::Text(_)),
-        Rule::Quantity(..) => {
-            matches!(node.value, Value::Text(_) | Value::Whole(_) | Value::Number(_))
-        }
-        Rule::Number { .. } => matches!(node.value, Value::Whole(_) | Value::Number(_)),
-        Rule::Flag => matches!(node.value, Value::Flag(_)),
-        Rule::Either(rules) => rules.iter().any(|rule| takes(rule, node)),
     }
 }
 

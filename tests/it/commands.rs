@@ -138,6 +138,73 @@ fn explain_gives_unit_range_default_and_sentence() {
 }
 
 #[test]
+fn implausible_values_are_findings_of_check_and_run() {
+    let tower = "tests/it/broken/parts/tower.toml";
+    let warning = "  warning[implausible-value]: ";
+    for (set, expected) in [
+        (
+            "specimen.material.thickness=12 mm",
+            "is 12 mm, which is implausible: usual are 1 um to 2 mm; did you mean \"12 um\"?",
+        ),
+        (
+            "loading.impact.duration=120 s",
+            "is 120 s, which is implausible: usual are 1 us to 5 s; did you mean \"120 ms\"?",
+        ),
+        (
+            "impactor.mass=10720",
+            "is 10720 kg, which is implausible: usual are 0.001 kg to 2000 kg; did you mean \"10720 g\"?",
+        ),
+        (
+            "specimen.material.density=0.92",
+            "is 0.92 kg/m3, which is implausible: usual are 20 kg/m3 to 25000 kg/m3; did you mean \"0.92 g/cm3\"?",
+        ),
+        ("specimen.material.elastic={ young = 10, poisson = 0.4 }", "did you mean \"10 MPa\"?"),
+        ("specimen.material.fabric.md.curve=[[1.39, 29.3]]", "did you mean \"29.3 MPa\"?"),
+        ("layers.faces=[0, -30]", "did you mean \"-30 mm\"?"),
+    ] {
+        let text = standard_output(&["check", tower, "--set", set]);
+        let found: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix(warning)).collect();
+        assert!(matches!(found.as_slice(), [one] if one.contains(expected)), "{set}: {text}");
+    }
+    let checked = standard_output(&["check", "--json", tower, "--set", "impactor.mass=5000"]);
+    let checked: Json = serde_json::from_str(&checked).expect("JSON");
+    assert_eq!(
+        (&checked[0]["ok"], &checked[0]["findings"][0]["key"]),
+        (&Json::from(true), &Json::from("impactor.mass"))
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    let short = ["--set", "specimen.mesh.size=40mm", "--set", "loading.impact.duration=2ms", "--out"];
+    let heavy = [&["run", tower, "--set", "impactor.mass=5000"], &short[..], &[out.to_str().expect("UTF-8")]].concat();
+    assert!(standard_output(&heavy).contains(warning));
+}
+
+#[test]
+fn a_mesh_in_millimetres_is_a_finding() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let square = "v 0 0 0\nv 80 0 0\nv 80 80 0\nv 0 80 0\nf 1 2 3 4\n";
+    std::fs::write(folder.path().join("film.obj"), square).expect("writable");
+    let tower = workbench::root().join("tests/it/broken/parts/tower.toml");
+    let text = format!(
+        "extends = '{}'\nunset = [\"specimen.mesh.size\", \"specimen.symmetry\"]\nspecimen.shape.mesh = 'film.obj'\n",
+        tower.display()
+    );
+    let path = folder.path().join("imported.toml");
+    std::fs::write(&path, text).expect("writable");
+    let text = standard_output(&["check", path.to_str().expect("UTF-8")]);
+    let expected = "the mesh of `specimen.shape.mesh` is 80 m wide, which is implausible; did you mean 80 mm?";
+    assert!(text.contains(expected), "{text}");
+}
+
+#[test]
+fn shipped_scenarios_are_plausible() {
+    for pattern in ["scenarios/*/*.toml", "tests/golden/*/scenario.toml"] {
+        let text = standard_output(&["check", pattern]);
+        assert!(text.lines().count() > 2 && !text.contains("implausible"), "{text}");
+    }
+}
+
+#[test]
 fn explain_finds_a_key_at_any_depth_by_the_end_of_its_path() {
     for (end, paths) in [
         ("mesh", &["specimen.mesh", "specimen.shape.mesh", "impactor.shape.mesh", "layer.mesh"][..]),

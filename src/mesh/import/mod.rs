@@ -57,6 +57,23 @@ pub fn surface(path: &Path) -> Result<Surface, MeshError> {
     read().map_err(|fault| in_file(path, fault))
 }
 
+/// Largest extent of the nodes along x, y or z, m.
+///
+/// # Errors
+/// [`MeshError::File`].
+pub fn extent(path: &Path) -> Result<f64, MeshError> {
+    let mesh = checked(path).map_err(|fault| in_file(path, fault))?;
+    let along = |axis: usize| {
+        let range = mesh
+            .nodes
+            .iter()
+            .map(|node| node[axis])
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+        range[1] - range[0]
+    };
+    Ok((0..3).map(along).fold(0.0, f64::max))
+}
+
 fn in_file(path: &Path, fault: Fault) -> MeshError {
     let path = path.to_owned();
     MeshError::File { path, fault }
