@@ -59,9 +59,9 @@ fn displacement(document: &Document, ke: f64, cancellation: &Cancellation) -> Re
 
 /// Fits `objective` from `start`: one line for each parameter with its interval of 95 %, and the warnings.
 pub fn fit(objective: &dyn Objective, names: &[&str], start: Vec<f64>) -> Result<String, Box<dyn Error>> {
-    let search = Search { difference: 0.01, ..Search::new(Method::LevenbergMarquardt, start) };
-    let result = with_evaluator(Problem::new(objective), 2, |evaluator| minimize(&search, evaluator, &mut |_| {}))?;
     let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    let search = Search { difference: 0.01, names: names.clone(), ..Search::new(Method::LevenbergMarquardt, start) };
+    let result = with_evaluator(Problem::new(objective), 2, |evaluator| minimize(&search, evaluator, &mut |_| {}))?;
     let options = ConfidenceOptions { names, colour: Colour::White, relative: true };
     let estimate = Search { start: result.best.x.clone(), ..search };
     let confidence = with_evaluator(Problem::new(objective), 2, |evaluator| {

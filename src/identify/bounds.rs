@@ -10,17 +10,41 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use serde::Serialize;
 use thiserror::Error;
 
 /// Share of the box, or of the value, by which a start on a bound is moved inwards for the transform, whose derivative
 /// vanishes on the bound.
 const INWARDS: f64 = 0.01;
 
+/// Distance from a bound, over its size, at which a point counts as on it. Towards a bound the transform gains as the
+/// square of u, so that a search meets its tolerances before it.
+const CLOSE: f64 = 1e-4;
+
 /// A box: lower and upper bounds of the unknowns, infinite where there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounds {
     lower: Vec<f64>,
     upper: Vec<f64>,
+}
+
+/// A side of an interval.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// The lower end.
+    Lower,
+    /// The upper end.
+    Upper,
+}
+
+impl std::fmt::Display for Side {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Side::Lower => "lower",
+            Side::Upper => "upper",
+        })
+    }
 }
 
 /// Why bounds are invalid.
@@ -37,20 +61,20 @@ pub enum BoundsError {
         unknowns: usize,
     },
     /// The interval of an unknown is empty.
-    #[error("the bounds of x[{index}] are empty: {lower} to {upper}")]
+    #[error("the bounds of {unknown} are empty: {lower} to {upper}")]
     Empty {
         /// The unknown.
-        index: usize,
+        unknown: String,
         /// Its lower bound.
         lower: f64,
         /// Its upper bound.
         upper: f64,
     },
     /// A point lies outside.
-    #[error("the start lies outside the bounds: x[{index}] = {value}, which may be {lower} to {upper}")]
+    #[error("the start lies outside the bounds: {unknown} = {value}, which may be {lower} to {upper}")]
     Outside {
         /// The unknown.
-        index: usize,
+        unknown: String,
         /// Its value.
         value: f64,
         /// Its lower bound.
@@ -66,11 +90,12 @@ impl Bounds {
         Bounds { lower: vec![f64::NEG_INFINITY; unknowns], upper: vec![f64::INFINITY; unknowns] }
     }
 
-    /// Bounds of `unknowns`; `None` leaves a side unbounded.
+    /// Bounds of the unknowns with these `names`; `None` leaves a side unbounded.
     ///
     /// # Errors
     /// A side has the wrong number of entries, or an interval is empty.
-    pub fn new(unknowns: usize, lower: Option<Vec<f64>>, upper: Option<Vec<f64>>) -> Result<Bounds, BoundsError> {
+    pub fn new(names: &[String], lower: Option<Vec<f64>>, upper: Option<Vec<f64>>) -> Result<Bounds, BoundsError> {
+        let unknowns = names.len();
         let none = Bounds::none(unknowns);
         let bounds = Bounds { lower: lower.unwrap_or(none.lower), upper: upper.unwrap_or(none.upper) };
         for (which, side) in [("lower", &bounds.lower), ("upper", &bounds.upper)] {
@@ -78,10 +103,13 @@ impl Bounds {
                 return Err(BoundsError::Count { which, found: side.len(), unknowns });
             }
         }
-        let room = |[lower, upper]: [f64; 2]| lower < upper;
-        let tight = bounds.pairs().position(|pair| !room(pair));
+        let is_wide = |[lower, upper]: [f64; 2]| lower < upper;
+        let tight = bounds.pairs().position(|pair| !is_wide(pair));
         match tight {
-            Some(index) => Err(BoundsError::Empty { index, lower: bounds.lower[index], upper: bounds.upper[index] }),
+            Some(index) => {
+                let (unknown, [lower, upper]) = (names[index].clone(), [bounds.lower[index], bounds.upper[index]]);
+                Err(BoundsError::Empty { unknown, lower, upper })
+            }
             None => Ok(bounds),
         }
     }
@@ -101,26 +129,22 @@ impl Bounds {
         self.pairs().flatten().all(f64::is_finite)
     }
 
-    /// Whether `x` lies in the box.
+    /// Whether `x`, whose entries have these `names`, lies in the box.
     ///
     /// # Errors
     /// The first unknown that lies outside.
-    pub fn check(&self, x: &[f64]) -> Result<(), BoundsError> {
+    pub fn check(&self, x: &[f64], names: &[String]) -> Result<(), BoundsError> {
         let outside = x.iter().zip(self.pairs()).position(|(x, [lower, upper])| *x < lower || *x > upper);
         outside.map_or(Ok(()), |index| {
             let [lower, upper] = [self.lower[index], self.upper[index]];
-            Err(BoundsError::Outside { index, value: x[index], lower, upper })
+            Err(BoundsError::Outside { unknown: names[index].clone(), value: x[index], lower, upper })
         })
     }
 
-    /// The unknowns of `x` that lie on a bound, or as close to one as the transform comes.
-    pub fn active(&self, x: &[f64]) -> Vec<usize> {
-        /// Over the size of the bound.
-        const CLOSE: f64 = 1e-6;
-        let close = |x: f64, bound: f64| bound.is_finite() && (x - bound).abs() <= CLOSE * bound.abs();
-        let on =
-            |(x, [lower, upper]): (&f64, [f64; 2])| *x <= lower || *x >= upper || close(*x, lower) || close(*x, upper);
-        x.iter().zip(self.pairs()).enumerate().filter(|(_, pair)| on(*pair)).map(|(index, _)| index).collect()
+    /// The unknowns of `x` that lie on a bound, or as close to one as the transform comes, and which bound that is.
+    pub fn active(&self, x: &[f64]) -> Vec<(usize, Side)> {
+        let side = |(index, (x, pair)): (usize, (&f64, [f64; 2]))| Some((index, side(*x, pair)?));
+        x.iter().zip(self.pairs()).enumerate().filter_map(side).collect()
     }
 
     /// Projects `x` onto the box.
@@ -130,14 +154,31 @@ impl Bounds {
         }
     }
 
+    /// `x` with the unknowns on a bound that are as close to it as a start on it is moved inwards; none where no unknown
+    /// is, or all of these are on it.
+    pub fn snapped(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let snapped = |(x, [lower, upper]): (&f64, [f64; 2])| {
+            let near = INWARDS * room(*x, [lower, upper]);
+            if x - lower <= near {
+                lower
+            } else if upper - x <= near {
+                upper
+            } else {
+                *x
+            }
+        };
+        let snapped: Vec<f64> = x.iter().zip(self.pairs()).map(snapped).collect();
+        (snapped != x).then_some(snapped)
+    }
+
     /// Moves the unknowns of `x` that lie on a bound inwards.
     pub fn inwards(&self, x: &mut [f64]) {
         for (x, [lower, upper]) in x.iter_mut().zip(self.pairs()) {
-            let room = if (upper - lower).is_finite() { upper - lower } else { x.abs().max(1.0) };
-            if *x <= lower {
-                *x = lower + INWARDS * room;
-            } else if *x >= upper {
-                *x = upper - INWARDS * room;
+            let room = room(*x, [lower, upper]);
+            match side(*x, [lower, upper]) {
+                Some(Side::Lower) => *x = lower + INWARDS * room,
+                Some(Side::Upper) => *x = upper - INWARDS * room,
+                None => {}
             }
         }
     }
@@ -165,40 +206,55 @@ impl Bounds {
     }
 }
 
+/// Width of the interval of an unknown at `x`, or its size where that is infinite.
+fn room(x: f64, [lower, upper]: [f64; 2]) -> f64 {
+    if (upper - lower).is_finite() { upper - lower } else { x.abs().max(1.0) }
+}
+
+/// The bound on which `x` lies, or to which it is as close as the transform comes.
+fn side(x: f64, [lower, upper]: [f64; 2]) -> Option<Side> {
+    let close = |bound: f64| bound.is_finite() && (x - bound).abs() <= CLOSE * bound.abs();
+    if x <= lower || close(lower) { Some(Side::Lower) } else { (x >= upper || close(upper)).then_some(Side::Upper) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::point::unnamed;
 
     const NONE: f64 = f64::INFINITY;
 
     #[test]
     fn the_inverse_of_the_transform_is_exact() {
-        let bounds = Bounds::new(4, Some(vec![0.5, -2.0, -NONE, -NONE]), Some(vec![4.0, NONE, 7.0, NONE])).unwrap();
+        let bounds =
+            Bounds::new(&unnamed(4), Some(vec![0.5, -2.0, -NONE, -NONE]), Some(vec![4.0, NONE, 7.0, NONE])).unwrap();
         let x = [1.25, 3.0, -5.0, 11.0];
         for (found, expected) in bounds.x_of(&bounds.u_of(&x)).iter().zip(x) {
             assert!((found - expected).abs() < 1e-12);
         }
         for far in [-1e3, -2.0, 0.0, 1.3, 77.0] {
-            assert_eq!(bounds.check(&bounds.x_of(&[far; 4])), Ok(()));
+            assert_eq!(bounds.check(&bounds.x_of(&[far; 4]), &unnamed(4)), Ok(()));
         }
     }
 
     #[test]
     fn points_outside_are_projected_onto_the_box() {
-        let bounds = Bounds::new(2, Some(vec![0.0, 1.0]), None).unwrap();
+        let bounds = Bounds::new(&unnamed(2), Some(vec![0.0, 1.0]), None).unwrap();
         let mut x = [-3.0, 5.0];
         bounds.project(&mut x);
-        assert_eq!((x, bounds.active(&x)), ([0.0, 5.0], vec![0]));
+        assert_eq!((x, bounds.active(&x)), ([0.0, 5.0], vec![(0, Side::Lower)]));
         bounds.inwards(&mut x);
         assert_eq!(x, [0.01, 5.0]);
+        assert_eq!((bounds.snapped(&[0.005, 5.0]), bounds.snapped(&[0.5, 5.0])), (Some(vec![0.0, 5.0]), None));
     }
 
     #[test]
     fn invalid_bounds_are_errors() {
-        let error = |lower, upper| Bounds::new(2, lower, upper).unwrap_err().to_string();
+        let error = |lower, upper| Bounds::new(&unnamed(2), lower, upper).unwrap_err().to_string();
         assert_eq!(error(Some(vec![1.0]), None), "`lower` has 1 entries for 2 unknowns");
-        assert_eq!(error(Some(vec![0.0; 2]), Some(vec![1.0, 0.0])), "the bounds of x[1] are empty: 0 to 0");
-        let outside = Bounds::new(1, Some(vec![0.5]), Some(vec![4.0])).unwrap().check(&[0.2]).unwrap_err();
-        assert_eq!(outside.to_string(), "the start lies outside the bounds: x[0] = 0.2, which may be 0.5 to 4");
+        assert_eq!(error(Some(vec![0.0; 2]), Some(vec![1.0, 0.0])), "the bounds of x1 are empty: 0 to 0");
+        let outside =
+            Bounds::new(&unnamed(1), Some(vec![0.5]), Some(vec![4.0])).unwrap().check(&[0.2], &unnamed(1)).unwrap_err();
+        assert_eq!(outside.to_string(), "the start lies outside the bounds: x0 = 0.2, which may be 0.5 to 4");
     }
 }

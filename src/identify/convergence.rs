@@ -12,11 +12,9 @@ const MAX_ITERATIONS: usize = 500;
 /// Largest number of improvements whose curves are stored.
 const MAX_IMPROVEMENTS: usize = 200;
 
-/// Title of a search, and names of its unknowns and signals.
+/// Title of a search, and names of its signals.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Labels {
-    /// Names of the unknowns.
-    pub(crate) names: Vec<String>,
     /// Title of the search.
     pub(crate) title: Option<String>,
     /// The signals that the objective compares, as many as are given.
@@ -62,11 +60,12 @@ impl SignalLabel {
     }
 }
 
-/// The convergence history of `result`; the curves that its objective compared come from `evaluator`, and `is_virtual`
+/// The convergence history of `result` over unknowns with these `names`; the curves that its objective compared come from `evaluator`, and `is_virtual`
 /// says whether all references are virtual recordings.
 pub(crate) fn convergence_history(
     result: &SearchResult,
     title: String,
+    names: &[String],
     labels: &Labels,
     is_virtual: bool,
     evaluator: &Evaluator<'_, '_>,
@@ -74,7 +73,7 @@ pub(crate) fn convergence_history(
     let objective = |start: &StartResult| thinned(&start.history, MAX_ITERATIONS).map(|i| (i.iteration, i.f)).collect();
     ConvergenceHistory {
         title,
-        unknowns: labels.names.clone(),
+        unknowns: names.to_vec(),
         objectives: result.starts.iter().map(objective).collect(),
         history: thinned(&result.best.history, MAX_ITERATIONS).map(iterate).collect(),
         fits: fits(&result.best, labels, evaluator),
@@ -161,7 +160,7 @@ mod tests {
             (&[], Over::Time, ("signal 1", None)),
         ] {
             let signals = texts.iter().map(|text| SignalLabel::parse(text)).collect();
-            let labels = Labels { names: vec![], title: None, signals };
+            let labels = Labels { title: None, signals };
             assert_eq!(parts(&SignalLabel::of(&labels, 0, over)), expected, "{texts:?}");
         }
     }

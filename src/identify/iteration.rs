@@ -88,6 +88,10 @@ pub enum StopReason {
     MaxIterations,
     /// The limit of evaluations was reached.
     MaxEvaluations,
+    /// The tolerances are met at a point on a bound.
+    OnBound,
+    /// The tolerances are met, and a profile finds a point with a lower objective value.
+    LowerInProfile,
     /// Levenberg–Marquardt: a tolerance is below what rounding allows; its name in MINPACK.
     NoImprovement(&'static str),
     /// Levenberg–Marquardt: this quantity is not finite.
@@ -119,6 +123,8 @@ impl fmt::Display for StopReason {
             StopReason::DistributionTolerance => f.write_str("the distribution is narrower than tol_x"),
             StopReason::MaxIterations => f.write_str("max_iterations was reached"),
             StopReason::MaxEvaluations => f.write_str("max_evaluations was reached"),
+            StopReason::OnBound => f.write_str("the best point lies on a bound"),
+            StopReason::LowerInProfile => f.write_str("a profile finds a lower objective value"),
             StopReason::NoImprovement(tolerance) => write!(f, "no improvement is possible ({tolerance})"),
             StopReason::NotFinite(quantity) => write!(f, "{quantity} is not finite"),
             StopReason::Unavailable(quantity) => write!(f, "{quantity} unavailable"),

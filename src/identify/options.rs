@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::bounds::{Bounds, BoundsError};
+use super::point::unnamed;
 
 /// The method of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +56,8 @@ pub struct Search {
     pub method: Method,
     /// The first start, one value for each unknown.
     pub start: Vec<f64>,
+    /// Names of the unknowns; `x0`, `x1`, … where none are given.
+    pub names: Vec<String>,
     /// Nelder–Mead: largest distance of a vertex from the best along an axis. Levenberg–Marquardt: relative change of
     /// x. CMA-ES: standard deviation in units of the first one.
     pub tol_x: f64,
@@ -93,11 +96,19 @@ pub enum OptionsError {
         /// Their number.
         found: usize,
     },
+    /// There is not one name for each unknown.
+    #[error("`names` has {found} entries for {unknowns} unknowns")]
+    Names {
+        /// Number of names.
+        found: usize,
+        /// Number of unknowns.
+        unknowns: usize,
+    },
     /// A start is not finite.
-    #[error("the start is not finite: x[{index}] = {value}")]
+    #[error("the start is not finite: {unknown} = {value}")]
     Start {
         /// The unknown.
-        index: usize,
+        unknown: String,
         /// Its value.
         value: f64,
     },
@@ -126,6 +137,17 @@ pub enum OptionsError {
     },
 }
 
+impl Starts {
+    /// Number of starts, that of the search included.
+    pub fn count(&self) -> usize {
+        match self {
+            Starts::One => 1,
+            Starts::Spread(count) => *count,
+            Starts::Given(others) => 1 + others.len(),
+        }
+    }
+}
+
 impl Search {
     /// Largest number of unknowns; more need gradients.
     pub const MAX_UNKNOWNS: usize = 50;
@@ -148,6 +170,7 @@ impl Search {
             on_failure: OnFailure::Worst,
             difference: 1e-3,
             spread: 0.25,
+            names: unnamed(unknowns),
             start,
         }
     }
@@ -160,6 +183,9 @@ impl Search {
         let unknowns = self.start.len();
         if !(1..=Search::MAX_UNKNOWNS).contains(&unknowns) {
             return Err(OptionsError::Unknowns { found: unknowns });
+        }
+        if self.names.len() != unknowns {
+            return Err(OptionsError::Names { found: self.names.len(), unknowns });
         }
         for (option, found) in [("tol_x", self.tol_x), ("tol_f", self.tol_f)] {
             if !(found.is_finite() && found >= 0.0) {
@@ -198,9 +224,9 @@ impl Search {
                 return Err(OptionsError::Count { number: number + 1, found: start.len(), unknowns });
             }
             if let Some(index) = start.iter().position(|x| !x.is_finite()) {
-                return Err(OptionsError::Start { index, value: start[index] });
+                return Err(OptionsError::Start { unknown: self.names[index].clone(), value: start[index] });
             }
-            self.bounds.check(start)?;
+            self.bounds.check(start, &self.names)?;
         }
         Ok(())
     }

@@ -18,44 +18,38 @@ pub struct Progress {
     pub search: Option<String>,
     /// Names of the unknowns.
     pub names: Vec<String>,
+    /// Number of starts.
+    pub starts: usize,
     /// The iteration.
     pub iteration: Iteration,
-    /// Remaining wall time.
-    pub remaining: Remaining,
-}
-
-/// Remaining wall time of a search.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Remaining {
-    /// There are too few iterations for an estimate.
-    Unknown,
-    /// An estimate: simplex and values keep shrinking at their mean rate.
-    About(Duration),
-    /// Time for all iterations that the limits allow.
-    AtMost(Duration),
+    /// Limit of evaluations of one start.
+    pub max_evaluations: usize,
+    /// Remaining wall time of this start, if simplex and values keep shrinking at their mean rate; none where they do
+    /// not shrink, or so slowly that the end recedes.
+    pub remaining: Option<Duration>,
 }
 
 /// Estimates the remaining time of a search from its iterations.
 pub(crate) struct ProgressEstimator<'s> {
     search: &'s Search,
     title: Option<String>,
-    names: &'s [String],
     iterations: Vec<Observation>,
+    /// The end as the last iteration estimated it.
+    end: Option<Instant>,
 }
 
 /// What the estimate needs of one iteration.
 struct Observation {
     time: Instant,
     iteration: usize,
-    evaluations: usize,
     /// Size and spread over their tolerances.
     excess: Option<[f64; 2]>,
 }
 
 impl<'s> ProgressEstimator<'s> {
-    /// An estimator for a search with this title and these names of unknowns.
-    pub(crate) fn new(search: &'s Search, title: Option<String>, names: &'s [String]) -> ProgressEstimator<'s> {
-        ProgressEstimator { search, title, names, iterations: vec![] }
+    /// An estimator for a search with this title.
+    pub(crate) fn new(search: &'s Search, title: Option<String>) -> ProgressEstimator<'s> {
+        ProgressEstimator { search, title, iterations: vec![], end: None }
     }
 
     /// Progress after an iteration that ended now.
@@ -66,35 +60,38 @@ impl<'s> ProgressEstimator<'s> {
     fn update_at(&mut self, iteration: &Iteration, time: Instant) -> Progress {
         if self.iterations.last().is_some_and(|last| iteration.iteration < last.iteration) {
             self.iterations.clear();
+            self.end = None;
         }
         let excess = iteration.size.zip(iteration.spread);
         let excess = excess.map(|(size, spread)| [size / self.search.tol_x, spread / self.search.tol_f]);
-        let Iteration { iteration: number, evaluations, .. } = *iteration;
-        self.iterations.push(Observation { time, iteration: number, evaluations, excess });
+        self.iterations.push(Observation { time, iteration: iteration.iteration, excess });
         if self.iterations.len() > LOOK_BACK {
             self.iterations.remove(0);
         }
-        let (search, names) = (self.title.clone(), self.names.to_vec());
-        Progress { search, names, iteration: iteration.clone(), remaining: self.remaining() }
+        let left = self.left();
+        let end = left.and_then(|left| time.checked_add(left));
+        let recedes = self.end.zip(end).is_some_and(|(before, now)| now > before);
+        self.end = end;
+        Progress {
+            search: self.title.clone(),
+            names: self.search.names.clone(),
+            starts: self.search.starts.count(),
+            iteration: iteration.clone(),
+            max_evaluations: self.search.max_evaluations,
+            remaining: left.filter(|_| !recedes),
+        }
     }
 
-    fn remaining(&self) -> Remaining {
-        let [first, .., last] = self.iterations.as_slice() else {
-            return Remaining::Unknown;
-        };
+    /// The estimated time to the end of this start.
+    fn left(&self) -> Option<Duration> {
+        let [first, .., last] = self.iterations.as_slice() else { return None };
         let done = last.iteration.saturating_sub(first.iteration);
         if done < MIN_ITERATIONS {
-            return Remaining::Unknown;
+            return None;
         }
-        let pace = last.time.duration_since(first.time) / done as u32;
-        let per_iteration = (last.evaluations - first.evaluations) as f64 / done as f64;
-        let evaluations = self.search.max_evaluations.saturating_sub(last.evaluations) as f64;
-        let most = (evaluations / per_iteration.max(1.0)).ceil();
-        let most = most.min(self.search.max_iterations.saturating_sub(last.iteration) as f64);
-        match first.excess.zip(last.excess).and_then(|(before, now)| left(before, now, done as f64)) {
-            Some(left) if left < most => Remaining::About(pace.mul_f64(left)),
-            _ => Remaining::AtMost(pace.mul_f64(most)),
-        }
+        let pace = last.time.duration_since(first.time).as_secs_f64() / done as f64;
+        let (before, now) = first.excess.zip(last.excess)?;
+        Duration::try_from_secs_f64(pace * left(before, now, done as f64)?).ok()
     }
 }
 
@@ -115,21 +112,19 @@ impl fmt::Display for Progress {
         if let Some(name) = &self.search {
             write!(out, "{name}")?;
         }
+        if self.starts > 1 {
+            write!(out, " start {} of {}", self.iteration.start + 1, self.starts)?;
+        }
         let x: Vec<String> = self.names.iter().zip(x).map(|(name, x)| format!("{name} {x:.5}")).collect();
         write!(out, "{iteration:>5}  f {f:<11.6}  {}", x.join("  "))?;
         if let Some(size) = size {
             write!(out, "  size {size:.2e}")?;
         }
-        write!(out, "  {evaluations} evaluations{}", self.remaining)
-    }
-}
-
-impl fmt::Display for Remaining {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Remaining::Unknown => Ok(()),
-            Remaining::About(time) => write!(out, "  about {} to go", wall_time(time.as_secs_f64())),
-            Remaining::AtMost(time) => write!(out, "  at most {} to go", wall_time(time.as_secs_f64())),
+        write!(out, "  {evaluations} of at most {} evaluations", self.max_evaluations)?;
+        match self.remaining {
+            Some(time) if self.starts == 1 => write!(out, "  about {} to go", wall_time(time.as_secs_f64())),
+            Some(time) => write!(out, "  about {} to the end of this start", wall_time(time.as_secs_f64())),
+            None => Ok(()),
         }
     }
 }
@@ -140,12 +135,12 @@ mod tests {
     use crate::identify::iteration::Step;
     use crate::identify::options::Method;
 
-    /// Estimates after each iteration of a search that takes 2 s for each and may halve its simplex.
-    fn remaining(search: &Search, halves: bool) -> Vec<Remaining> {
+    /// Estimates after each iteration of a search that takes 2 s for each, with these sizes of its simplex.
+    fn remaining(search: &Search, size: impl Fn(i32) -> f64) -> Vec<Option<Duration>> {
         let begin = Instant::now();
-        let mut estimator = ProgressEstimator::new(search, None, &[]);
+        let mut estimator = ProgressEstimator::new(search, None);
         let update = |number: usize| {
-            let size = if halves { 0.5_f64.powi(number as i32) } else { 1.0 };
+            let size = size(number as i32);
             let evaluations = 2 * number;
             let (size, spread) = (Some(size), Some(size * 1e-3));
             let iteration = Iteration {
@@ -166,10 +161,10 @@ mod tests {
     #[test]
     fn a_simplex_that_shrinks_steadily_has_an_estimate() {
         let search = Search { tol_x: 0.5_f64.powi(20), tol_f: 1.0, ..Search::new(Method::NelderMead, vec![1.0]) };
-        let estimates = remaining(&search, true);
-        assert_eq!(estimates[6], Remaining::Unknown);
+        let estimates = remaining(&search, |number| 0.5_f64.powi(number));
+        assert_eq!(estimates[6], None);
         for (index, remaining) in estimates.iter().enumerate().skip(8) {
-            let Remaining::About(time) = remaining else { panic!("{remaining:?}") };
+            let time = remaining.expect("an estimate");
             let left = 2.0 * (20.0 - (index as f64 + 1.0));
             assert!((time.as_secs_f64() - left).abs() < 0.01, "{time:?} for {left}");
         }
@@ -177,19 +172,38 @@ mod tests {
 
     #[test]
     fn progress_shows_the_names_of_unknowns() {
-        let (search, names) = (Search::new(Method::CmaEs, vec![1.0, 2.0]), ["k1".to_owned(), "ke".to_owned()]);
-        let mut estimator = ProgressEstimator::new(&search, Some("1008".into()), &names);
+        let names = vec!["k1".into(), "ke".into()];
+        let search = Search { names, ..Search::new(Method::CmaEs, vec![1.0, 2.0]) };
+        let mut estimator = ProgressEstimator::new(&search, Some("1008".into()));
         let (x, step) = (vec![2.75, 1.0 / 3.0], Step::Shrunk);
         let iteration =
             Iteration { start: 0, iteration: 7, evaluations: 15, x, f: 0.1, size: None, spread: None, step };
         let text = estimator.update(&iteration).to_string();
-        assert_eq!(text, "1008    7  f 0.100000     k1 2.75000  ke 0.33333  15 evaluations");
+        assert_eq!(text, "1008    7  f 0.100000     k1 2.75000  ke 0.33333  15 of at most 400 evaluations");
+        let several = Progress { starts: 3, remaining: Some(Duration::from_secs(7)), ..estimator.update(&iteration) };
+        let text = several.to_string();
+        assert!(
+            text.starts_with("1008 start 1 of 3 ") && text.ends_with("  about 7 s to the end of this start"),
+            "{text}"
+        );
     }
 
     #[test]
-    fn a_simplex_that_does_not_shrink_has_a_limit() {
-        let estimates = remaining(&Search::new(Method::NelderMead, vec![1.0]), false);
-        // 200 evaluations, two an iteration, 24 used.
-        assert_eq!(estimates[11], Remaining::AtMost(Duration::from_secs(2 * 88)));
+    fn a_simplex_that_does_not_shrink_has_no_estimate() {
+        let estimates = remaining(&Search::new(Method::NelderMead, vec![1.0]), |_| 1.0);
+        assert_eq!(estimates, [None; 12]);
+    }
+
+    /// From an iteration with an estimate to the next, the time to go falls at least by the time that has passed.
+    #[test]
+    fn the_time_to_go_falls() {
+        let slower = |number: i32| (1.0 / f64::from(number)).powi(2) * (1.0 + 0.3 * f64::from(number % 3));
+        let estimates = remaining(&Search::new(Method::NelderMead, vec![1.0]), slower);
+        assert!(estimates[8..].iter().any(Option::is_none), "{estimates:?}");
+        for pair in estimates.windows(2) {
+            if let [Some(before), Some(after)] = pair {
+                assert!(*after + Duration::from_secs(2) <= *before + Duration::from_millis(1), "{estimates:?}");
+            }
+        }
     }
 }

@@ -1,13 +1,14 @@
 //! A search: one method from one or several starts.
 
+use super::bounds::Side;
 use super::error::SearchError;
-use super::iteration::Iteration;
+use super::iteration::{Iteration, StopReason};
 use super::method::trials::{Failures, SearchContext, Trials};
 use super::method::{cma_es, levenberg_marquardt, nelder_mead};
 use super::objective::FatalError;
-use super::options::{Method, Search};
+use super::options::{Method, Search, Starts};
 use super::pool::trial_pool::{Evaluator, PoolError};
-use super::result::SearchResult;
+use super::result::{SearchResult, StartResult};
 use super::starts;
 use super::warning::Warning;
 
@@ -26,31 +27,45 @@ pub fn minimize(
     let mut results = Vec::new();
     let mut warnings = Vec::new();
     let mut failures = Failures::default();
+    let mut left_out = Vec::new();
     for (number, start) in starts::all(search).into_iter().enumerate() {
         let trials = Trials::new(search, evaluator);
-        let (start, replaced) = trials.beginning(start)?;
+        let (start, replaced) = match trials.beginning(start) {
+            Err(error) if number > 0 && matches!(search.starts, Starts::Spread(_)) => {
+                left_out.push(starts::without_value(error)?);
+                continue;
+            }
+            beginning => beginning?,
+        };
         warnings.extend(replaced);
-        if let [index, ..] = search.bounds.active(&start)[..] {
-            warnings.push(Warning::StartOnBound { start: number, index });
+        if let [(index, side), ..] = search.bounds.active(&start)[..] {
+            warnings.push(Warning::StartOnBound { start: number, parameter: search.names[index].clone(), side });
         }
         let context = SearchContext { search, trials: &trials, start: number, observer };
-        results.push(match search.method {
+        let result = match search.method {
             Method::NelderMead => nelder_mead::search(&start, context)?,
             Method::LevenbergMarquardt => levenberg_marquardt::search(&start, context)?,
             Method::CmaEs => cma_es::search(&start, context)?,
+        };
+        results.push(match result.converged && !search.bounds.active(&result.x).is_empty() {
+            true => StartResult { converged: false, reason: StopReason::OnBound, ..result },
+            false => result,
         });
         failures.add(trials.failures());
     }
-    warnings.extend(failures.warning(search.on_failure));
+    warnings.extend(starts::left_out(search, left_out));
+    warnings.extend(failures.warning(search));
     let Some(best) = results.iter().min_by(|a, b| a.f.total_cmp(&b.f)).cloned() else {
         return Err(PoolError::Fatal(FatalError::from("there is no start")).into());
     };
-    if !best.converged {
+    if !best.converged && best.reason != StopReason::OnBound {
         warnings.push(Warning::NotConverged { reason: best.reason.clone() });
     }
-    warnings.extend(
-        search.bounds.active(&best.x).into_iter().map(|index| Warning::OnBound { index, value: best.x[index] }),
-    );
+    let on_bound = |(index, side): (usize, Side)| {
+        let (parameter, value) = (search.names[index].clone(), best.x[index]);
+        Warning::OnBound { parameter, value, side }
+    };
+    warnings.extend(search.bounds.active(&best.x).into_iter().map(on_bound));
     warnings.extend(starts::disagreement(search, &best, &results));
     Ok(SearchResult { best, starts: results, warnings })
 }
@@ -59,9 +74,9 @@ pub fn minimize(
 mod tests {
     use super::*;
     use crate::identify::bounds::Bounds;
-    use crate::identify::iteration::StopReason;
     use crate::identify::objective::Objective;
-    use crate::identify::options::{OnFailure, Starts};
+    use crate::identify::options::OnFailure;
+    use crate::identify::point::unnamed;
     use crate::identify::pool::trial_pool::{Problem, with_evaluator};
 
     fn banana(x: &[f64]) -> f64 {
@@ -119,7 +134,7 @@ mod tests {
         // Smallest at (2, 3) without bounds; with x₀ ≤ 1 at (1, 2.5).
         let bowl = |x: &[f64]| vec![x[0] - 2.0, x[1] - 3.0, 1.0 * (x[0] - x[1] + 1.0)];
         let at_bound = [1.0, 2.5];
-        let bounds = Bounds::new(2, Some(vec![0.0, -10.0]), Some(vec![1.0, 10.0])).unwrap();
+        let bounds = Bounds::new(&unnamed(2), Some(vec![0.0, -10.0]), Some(vec![1.0, 10.0])).unwrap();
         for method in [Method::NelderMead, Method::LevenbergMarquardt, Method::CmaEs] {
             let search = Search {
                 bounds: bounds.clone(),
@@ -132,8 +147,10 @@ mod tests {
             let best = found(&search, &bowl, 2).unwrap();
             let near = best.best.x.iter().zip(at_bound).all(|(x, e)| (x - e).abs() < 2e-3);
             assert!(near, "{method:?}: {best:?}");
-            let on_bound = best.warnings.iter().any(|warning| matches!(warning, Warning::OnBound { index: 0, .. }));
+            let on_bound =
+                best.warnings.iter().any(|warning| matches!(warning, Warning::OnBound { side: Side::Upper, .. }));
             assert!(on_bound || method == Method::CmaEs, "{method:?}: {:?}", best.warnings);
+            assert!(!on_bound || !best.best.converged && best.best.reason == StopReason::OnBound, "{best:?}");
         }
     }
 
@@ -141,12 +158,26 @@ mod tests {
     #[test]
     fn a_collapsed_simplex_restarts() {
         let valley = |x: &[f64]| (x[0] - 3.0).powi(2) + (x[1] - 0.2 * (x[0] - 1.0).max(0.0)).powi(2) + 0.05 * x[1];
-        let bounds = Bounds::new(2, Some(vec![-5.0, 0.0]), None).unwrap();
+        let bounds = Bounds::new(&unnamed(2), Some(vec![-5.0, 0.0]), None).unwrap();
         let search = Search { bounds, tol_x: 1e-7, tol_f: 1e-12, ..Search::new(Method::NelderMead, vec![-4.0, 0.0]) };
         let free = Search { bounds: Bounds::none(2), start: vec![3.0, 0.4], ..search.clone() };
         let (best, free) = (found(&search, &valley, 1).unwrap(), found(&free, &valley, 1).unwrap());
         assert!((best.best.f - free.best.f).abs() < 1e-6, "{best:?} {free:?}");
-        assert_eq!(best.warnings, [Warning::StartOnBound { start: 0, index: 1 }]);
+        assert_eq!(best.warnings, [Warning::StartOnBound { start: 0, parameter: "x1".into(), side: Side::Lower }]);
+    }
+
+    /// Half of the box has no value: the starts there are left out, and one that is given there is an error.
+    #[test]
+    fn spread_starts_without_a_value_are_left_out() {
+        let half = |x: &[f64]| if x[0] > 5.0 { f64::NAN } else { (x[0] - 2.0).powi(2) };
+        let bounds = Bounds::new(&unnamed(1), Some(vec![0.0]), Some(vec![10.0])).unwrap();
+        let search = Search { bounds, starts: Starts::Spread(5), ..Search::new(Method::NelderMead, vec![1.0]) };
+        let best = found(&search, &half, 2).unwrap();
+        assert_eq!((best.starts.len(), best.best.converged), (3, true), "{best:?}");
+        let left_out = |warning: &Warning| matches!(warning, Warning::StartsLeftOut { count: 2, starts: 5, .. });
+        assert!(best.warnings.iter().any(left_out), "{:?}", best.warnings);
+        let given = Search { starts: Starts::Given(vec![vec![7.0]]), ..search };
+        assert!(matches!(found(&given, &half, 2), Err(SearchError::Start { .. })));
     }
 
     #[test]
@@ -229,7 +260,7 @@ mod tests {
         let corner = |x: &[f64]| vec![x[0], x[1]];
         let cases: [(&[f64], &dyn Objective); 2] = [(&[1.5001], &flat), (&[2.0, 3.0], &corner)];
         for (start, objective) in cases {
-            let bounds = Bounds::new(start.len(), Some(vec![1.5; start.len()]), None).unwrap();
+            let bounds = Bounds::new(&unnamed(start.len()), Some(vec![1.5; start.len()]), None).unwrap();
             let search = Search { bounds, ..Search::new(Method::NelderMead, start.into()) };
             let one = found(&search, objective, 1).unwrap();
             assert!(one.best.x.iter().all(|x| *x == 1.5), "{one:?}");

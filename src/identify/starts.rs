@@ -4,7 +4,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardUniform};
 
+use super::error::SearchError;
 use super::options::{Search, Starts};
+use super::point::Point;
 use super::result::StartResult;
 use super::warning::Warning;
 
@@ -40,6 +42,25 @@ fn spread(search: &Search, count: usize) -> Vec<Vec<f64>> {
     points
 }
 
+/// A start without a value, and why its trial failed.
+///
+/// # Errors
+/// The search fails for another reason.
+pub(super) fn without_value(error: SearchError) -> Result<(Vec<f64>, String), SearchError> {
+    match error {
+        SearchError::Start { x, cause, .. } => Ok((x, cause)),
+        SearchError::Fallback { start, .. } => without_value(*start),
+        error => Err(error),
+    }
+}
+
+/// A warning where starts of `search` are left out.
+pub(super) fn left_out(search: &Search, left_out: Vec<(Vec<f64>, String)>) -> Option<Warning> {
+    let (count, starts) = (left_out.len(), search.starts.count());
+    let (x, cause) = left_out.into_iter().next()?;
+    Some(Warning::StartsLeftOut { count, starts, first: Point::new(&search.names, &x), cause })
+}
+
 /// Warnings where not all `results` are the best one.
 pub(super) fn disagreement(search: &Search, best: &StartResult, results: &[StartResult]) -> Vec<Warning> {
     let is_higher = |other: &&StartResult| other.f - best.f > (DIFFERENT * best.f.abs()).max(10.0 * search.tol_f);
@@ -60,10 +81,11 @@ mod tests {
     use super::*;
     use crate::identify::bounds::Bounds;
     use crate::identify::options::Method;
+    use crate::identify::point::unnamed;
 
     #[test]
     fn every_part_of_every_axis_holds_one_start() {
-        let bounds = Bounds::new(2, Some(vec![-1.0, 10.0]), Some(vec![1.0, 20.0])).unwrap();
+        let bounds = Bounds::new(&unnamed(2), Some(vec![-1.0, 10.0]), Some(vec![1.0, 20.0])).unwrap();
         let starts = Starts::Spread(9);
         let search = Search { bounds, starts, seed: 7, ..Search::new(Method::NelderMead, vec![0.0, 11.0]) };
         let points = all(&search);

@@ -4,36 +4,51 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use thiserror::Error;
 
+use super::bounds::Side;
 use super::iteration::StopReason;
+use super::point::Point;
 use crate::finding::{Code, Report, codes};
 use crate::number;
 
-/// A warning about a search, a confidence interval or a profile. `index` counts unknowns and `start` starts, both from
-/// zero.
+/// A warning about a search, a confidence interval or a profile. `start` counts starts from zero.
 #[derive(Clone, Debug, PartialEq, Error, Serialize)]
 #[serde(untagged)]
 pub enum Warning {
     /// A start without a value was replaced by a fallback.
-    #[error("the objective has no value at the start {start:?}: {cause}; started from {fallback:?} instead")]
+    #[error("the objective has no value at the start {start}: {cause}; started from {fallback} instead")]
     StartReplaced {
         /// The start.
-        start: Vec<f64>,
+        start: Point,
         /// Why its trial failed.
         cause: String,
         /// The fallback.
-        fallback: Vec<f64>,
+        fallback: Point,
+    },
+    /// Starts spread over the bounds have no value.
+    #[error("{count} of {starts} starts have no value and are left out, the first at {first}: {cause}")]
+    StartsLeftOut {
+        /// How many.
+        count: usize,
+        /// Number of starts.
+        starts: usize,
+        /// The first of them.
+        first: Point,
+        /// Why its trial failed.
+        cause: String,
     },
     /// A start lies on a bound.
-    #[error("start {} lies on the bound of x[{index}]", .start + 1)]
+    #[error("start {} lies on the {side} bound of {parameter}", .start + 1)]
     StartOnBound {
         /// Number of the start.
         start: usize,
         /// The unknown.
-        index: usize,
+        parameter: String,
+        /// Which bound.
+        side: Side,
     },
     /// Trials had no value.
     #[error(
-        "{count} trials failed{} and counted as worst, the first at {first:?}: {cause}",
+        "{count} trials failed{} and counted as worst, the first at {first}: {cause}",
         if *.retried { ", also when repeated," } else { "" }
     )]
     FailedTrials {
@@ -42,7 +57,7 @@ pub enum Warning {
         /// Whether each was repeated at a point beside.
         retried: bool,
         /// The first of them.
-        first: Vec<f64>,
+        first: Point,
         /// Why the first failed.
         cause: String,
     },
@@ -53,18 +68,21 @@ pub enum Warning {
         reason: StopReason,
     },
     /// The best point lies on a bound.
-    #[error("the best x[{index}] = {value} lies on its bound")]
+    #[error("not converged: {parameter} = {} lies on its {side} bound", number::significant(*.value, 5))]
     OnBound {
         /// The unknown.
-        index: usize,
+        parameter: String,
         /// Its value.
         value: f64,
+        /// Which bound.
+        side: Side,
     },
     /// Some starts ended at a higher objective value.
     #[error(
-        "{} of {starts} starts ended higher than {best:.6}, at {}: there are local minima",
+        "{} of {starts} starts ended higher than {}, at {}: there are local minima",
         .values.len(),
-        listed(.values, 6)
+        number::significant(*.best, 5),
+        listed(.values)
     )]
     StartsDisagree {
         /// Number of starts.
@@ -164,8 +182,9 @@ pub enum Warning {
     },
     /// The profile of a parameter does not reach the threshold on one side.
     #[error(
-        "{parameter} has no {side} bound within {limit:.4}: it is not practically identifiable, the objective rises by \
-         less than noise"
+        "{parameter} has no {side} bound within {}: it is not practically identifiable, the objective rises by less \
+         than noise",
+        number::significant(*.limit, 4)
     )]
     NoBound {
         /// The parameter.
@@ -177,7 +196,8 @@ pub enum Warning {
     },
     /// Failed trials end the profile of a parameter before the threshold.
     #[error(
-        "{parameter} has no {side} bound before {limit:.4}, where trials failed: its interval is open on that side"
+        "{parameter} has no {side} bound before {}, where trials failed: its interval is open on that side",
+        number::significant(*.limit, 4)
     )]
     OpenInterval {
         /// The parameter.
@@ -188,7 +208,7 @@ pub enum Warning {
         limit: f64,
     },
     /// Points of a profile have no value.
-    #[error("trials failed where {parameter} is fixed at {}", listed(.values, 4))]
+    #[error("trials failed where {parameter} is fixed at {}", listed(.values))]
     ProfileFailed {
         /// The parameter.
         parameter: String,
@@ -197,21 +217,38 @@ pub enum Warning {
     },
     /// A profile finds a lower objective value than the estimate.
     #[error(
-        "with {parameter} fixed at {value:.4} the objective is lower than at the estimate, {found:.6} instead of \
-         {estimate:.6}, at [{}]: the search stopped before the minimum",
-        listed(.x, 4)
+        "not converged: the profile of {parameter} finds {} instead of {} at {x}",
+        number::significant(*.found, 5),
+        number::significant(*.estimate, 5)
     )]
     LowerThanEstimate {
         /// The parameter.
         parameter: String,
-        /// Its value.
-        value: f64,
         /// Norm of the residuals there.
         found: f64,
         /// Norm of the residuals at the estimate.
         estimate: f64,
         /// All parameters there.
-        x: Vec<f64>,
+        x: Point,
+    },
+    /// A search continued from a point of a profile.
+    #[error(
+        "the profile of {parameter} finds {} instead of {} at {x}: the search continued from there to {}",
+        number::significant(*.found, 5),
+        number::significant(*.estimate, 5),
+        number::significant(*.continued, 5)
+    )]
+    Continued {
+        /// The parameter.
+        parameter: String,
+        /// Norm of the residuals at the point of the profile.
+        found: f64,
+        /// Norm of the residuals at the estimate.
+        estimate: f64,
+        /// The point of the profile.
+        x: Point,
+        /// Norm of the residuals at the end of the continued search.
+        continued: f64,
     },
     /// The trials of a history were set aside, since a file that they depend on has changed.
     #[error("{input} has changed: the trials so far are set aside in {renamed}")]
@@ -231,33 +268,17 @@ pub enum Warning {
     },
 }
 
-/// An end of an interval.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Side {
-    /// The lower end.
-    Lower,
-    /// The upper end.
-    Upper,
-}
-
-impl std::fmt::Display for Side {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Side::Lower => "lower",
-            Side::Upper => "upper",
-        })
-    }
-}
-
-fn listed(values: &[f64], decimals: usize) -> String {
-    values.iter().map(|value| format!("{value:.decimals$}")).collect::<Vec<_>>().join(", ")
+fn listed(values: &[f64]) -> String {
+    values.iter().map(|value| number::significant(*value, 5)).collect::<Vec<_>>().join(", ")
 }
 
 codes! {
     START_REPLACED = "start-replaced", Note,
         "the objective has no value at a start of a search, which began at a fallback instead",
         "none is needed where the fallback is a good start; otherwise choose another start";
+    STARTS_LEFT_OUT = "starts-left-out", Note,
+        "the objective has no value at some of the starts that are spread over the bounds; the search has the others",
+        "none is needed where enough starts are left; otherwise tighten the bounds, or give the starts as a list";
     START_ON_BOUND = "start-on-bound", Note,
         "a start of a search lies on a bound of an unknown, where the initial simplex and the transform of bounds \
          are one-sided",
@@ -271,8 +292,8 @@ codes! {
         "a search stopped before its tolerances were met",
         "raise max_iterations and max_evaluations, or loosen tol_x and tol_f if the objective is rough";
     ON_BOUND = "on-bound", Warning,
-        "the best point of a search lies on a bound: the minimum is probably outside",
-        "widen the bound if larger or smaller values are physical";
+        "the best point of a search lies on a bound, so that it is no minimum and the search has not converged",
+        "search from another start or from several; widen the bound if larger or smaller values are physical";
     STARTS_DISAGREE = "starts-disagree", Warning,
         "some starts of a search ended at a higher objective value than the best: there are local minima",
         "use more starts, and compare the points at which they ended";
@@ -319,8 +340,14 @@ codes! {
         "trials failed at some points of a profile",
         "find out why these trials fail; the profile has gaps there";
     LOWER_THAN_ESTIMATE = "lower-than-estimate", Warning,
-        "a profile finds a lower objective value than the estimate: the search stopped before the minimum",
-        "search again from the point that the warning gives";
+        "a profile finds a lower objective value than the estimate, also after three searches that continued from \
+         such a point: the search has not converged",
+        "search again from the point that the warning gives, or from several starts; loosen tol_f if the objective is \
+         rough";
+    CONTINUED = "continued-from-profile", Note,
+        "a profile found a lower objective value than the estimate: the search continued from there, and the profiles \
+         are those about its result",
+        "none is needed; several starts find out whether there are other minima";
     HISTORY_SET_ASIDE = "history-set-aside", Note,
         "a file that an interrupted search read has changed, so its trials are no longer valid: its history was \
          renamed and the search starts from its beginning",
@@ -334,6 +361,7 @@ impl Report for Warning {
     fn code(&self) -> &'static Code {
         match self {
             Warning::StartReplaced { .. } => &START_REPLACED,
+            Warning::StartsLeftOut { .. } => &STARTS_LEFT_OUT,
             Warning::StartOnBound { .. } => &START_ON_BOUND,
             Warning::FailedTrials { .. } => &FAILED_TRIALS,
             Warning::NotConverged { .. } => &NOT_CONVERGED,
@@ -352,6 +380,7 @@ impl Report for Warning {
             Warning::OpenInterval { .. } => &OPEN_INTERVAL,
             Warning::ProfileFailed { .. } => &PROFILE_FAILED,
             Warning::LowerThanEstimate { .. } => &LOWER_THAN_ESTIMATE,
+            Warning::Continued { .. } => &CONTINUED,
             Warning::HistorySetAside { .. } => &HISTORY_SET_ASIDE,
             Warning::TrialsRead { .. } => &HISTORY_READ,
         }
@@ -378,7 +407,12 @@ mod tests {
         assert_eq!(warning.figures()["reason"], "max_evaluations was reached");
         let warning = Warning::NoBound { parameter: "k1".into(), side: Side::Lower, limit: 0.5 };
         assert_eq!(Value::Object(warning.figures()), json!({ "parameter": "k1", "side": "lower", "limit": 0.5 }));
-        let warning = Warning::FailedTrials { count: 2, retried: false, first: vec![1.0], cause: "no".into() };
-        assert_eq!(warning.to_string(), "2 trials failed and counted as worst, the first at [1.0]: no");
+        let warning = Warning::FailedTrials {
+            count: 2,
+            retried: false,
+            first: Point::new(&["k1".into()], &[1.0]),
+            cause: "no".into(),
+        };
+        assert_eq!(warning.to_string(), "2 trials failed and counted as worst, the first at k1 = 1: no");
     }
 }

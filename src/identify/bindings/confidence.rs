@@ -6,10 +6,9 @@ use super::host::SearchHost;
 use super::options::{self, ScriptSearch, count, unknown, word};
 use super::result;
 use crate::identify::confidence::estimate::{Confidence, ConfidenceOptions};
-use crate::identify::confidence::linearization::{Linearization, LinearizationError};
 use crate::identify::confidence::noise::Colour;
-use crate::identify::confidence::profile::{self, ProfileError};
-use crate::identify::pool::trial_pool::Evaluator;
+use crate::identify::confidence::profile::ProfileError;
+use crate::identify::confidence::refinement::{ProfileOptions, linearization};
 use crate::plot::Correlation;
 use crate::script::{Entry, HostResult, refuse};
 
@@ -26,11 +25,9 @@ const MAX_POINTS: INT = 20;
 struct Request {
     /// A search that starts at the estimate.
     search: ScriptSearch,
-    options: ConfidenceOptions,
-    /// Points of a profile on each side.
-    points: usize,
-    /// Lengths of the lists that the residuals are joined from.
-    parts: Option<Vec<usize>>,
+    options: ProfileOptions,
+    /// What `minimize` gave; none where the estimate is a list.
+    best: Map,
 }
 
 impl Request {
@@ -44,29 +41,23 @@ impl Request {
         let search = ScriptSearch::new("levenberg-marquardt", &estimate(best)?, &others, call)?;
         search.search.check().map_err(refuse)?;
         let (colour, relative) = (Colour::default(), false);
-        let options = ConfidenceOptions { names: search.labels.names.clone(), colour, relative };
-        let mut request = Request { search, options, points: POINTS, parts: None };
+        let confidence = ConfidenceOptions { names: search.search.names.clone(), colour, relative };
+        let options = ProfileOptions { confidence, points: POINTS, parts: None };
+        let best = best.read_lock::<Map>().map(|map| map.clone()).unwrap_or_default();
+        let mut request = Request { search, options, best };
         for (option, value) in &own {
             match option.as_str() {
-                "noise" => request.options.colour = word(option, &value.to_string(), &COLOURS)?,
+                "noise" => request.options.confidence.colour = word(option, &value.to_string(), &COLOURS)?,
                 "relative" => {
                     let boolean = value.as_bool();
-                    request.options.relative =
+                    request.options.confidence.relative =
                         boolean.map_err(|found| refuse(format!("`relative` is true or false, not {found}")))?;
                 }
-                "parts" => request.parts = Some(parts(value)?),
-                _ => request.points = count(value, "points", MAX_POINTS)?,
+                "parts" => request.options.parts = Some(parts(value)?),
+                _ => request.options.points = count(value, "points", MAX_POINTS)?,
             }
         }
         Ok(request)
-    }
-
-    fn linearization(&self, evaluator: &Evaluator<'_, '_>) -> Result<Linearization, LinearizationError> {
-        let linearization = Linearization::at_start(&self.search.search, evaluator)?;
-        match &self.parts {
-            Some(parts) => linearization.joined_from(parts),
-            None => Ok(linearization),
-        }
     }
 }
 
@@ -90,7 +81,8 @@ fn estimate(best: &Dynamic) -> HostResult<Array> {
 
 fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request) -> HostResult<Map> {
     let confidences = host.run::<_, ProfileError>(context, std::slice::from_ref(&request.search), |evaluator, _| {
-        Ok(Confidence::of(&request.linearization(evaluator)?, &request.options)?)
+        let linearization = linearization(&request.search.search, &request.options, evaluator)?;
+        Ok(Confidence::of(&linearization, &request.options.confidence)?)
     })?;
     let confidence = first(confidences)?;
     let title = match &request.search.labels.title {
@@ -102,15 +94,11 @@ fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request)
 }
 
 fn profiles(host: &SearchHost, context: &NativeCallContext, request: &Request) -> HostResult<Map> {
-    let searches = std::slice::from_ref(&request.search);
-    let profiles = host.run::<_, ProfileError>(context, searches, |evaluator, _| {
-        let linearization = request.linearization(evaluator)?;
-        let confidence = Confidence::of(&linearization, &request.options)?;
-        let mut observer = |open: usize| host.report_open_points(open);
-        let search = &request.search.search;
-        profile::profiles(search, &linearization, &confidence, request.points, evaluator, &mut observer)
-    })?;
-    first(profiles).map(|profiles| result::of_profiles(&profiles, &request.options.names))
+    let Request { search, options, best } = request;
+    let refinement = host.profiles(context, search, options)?;
+    let mut map = result::of_profiles(&refinement.profiles, &search.search.names);
+    map.insert("best".into(), result::of_refinement(&refinement, best, &search.search).into());
+    Ok(map)
 }
 
 fn plotted(confidence: &Confidence, title: String) -> Correlation {
@@ -162,13 +150,16 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry {
         call: "profiles(best, options, |x| residuals)",
         gives: "the objective along each parameter, all others fitted again: #{ table, intervals, lower, upper, \
-            warnings, findings }; `table` has parameter, value, f and all parameters, `intervals` the ends of 95 %, \
-            () where the objective does not rise enough. Two or three trials for each value",
+            warnings, findings, best }; `table` has parameter, value, f and all parameters, `intervals` the ends of \
+            95 %, () where the objective does not rise enough, and why in the columns lower_note and upper_note. Two \
+            or three trials for each value. A profile that finds a lower value than the estimate continues the search \
+            from there, three times at most, and the profiles are those about its result; `best` is what `minimize` \
+            gave, or the result of the continued search",
         example: r#"let read = [3.0, 2.2, 1.5, 1.2, 0.8, 0.6, 0.4, 0.3];
                     let decay = |x| read.map(|y, i| x[0] * exp(-x[1] * i) - y);
                     let best = minimize("levenberg-marquardt", [2.0, 0.2], decay);
                     let p = profiles(best, #{ relative: true }, decay);
-                    p.table.len() == 14 && p.lower[1] < best.x[1] && p.upper[1] > best.x[1]"#,
+                    p.table.len() == 14 && p.lower[1] < best.x[1] && p.upper[1] > best.x[1] && p.best.x == best.x"#,
     },
     Entry {
         call: "#{ noise: \"coloured\" | \"white\", relative: false, points: 3, parts: [n1, n2, …] }",
@@ -215,6 +206,53 @@ mod tests {
         assert!(joined > 5.0 * along, "{found:?}");
     }
 
+    /// The minimum of this objective is at (7, 1.5). A search from (9, 1) ends in another valley, on the bound of k1.
+    const TWO_VALLEYS: &str = r#"
+        let flat = []; for i in 0..40 { flat.push(if i % 2 == 0 { 1 } else { -1 } / (40.0).sqrt()); }
+        let valley = |p, q, depth| [p, q] + flat.map(|sample| depth * sample);
+        let square = |r| r.reduce(|sum, r| sum + r * r, 0.0);
+        let misfit = |k| {
+            let deep = valley.call(3 * (k[0] - 7), k[1] - 1.5, 0.05);
+            let shallow = valley.call(0.3 * (12 - k[0]), 0.5 * (k[1] - 0.5), 2.0);
+            if square.call(deep) < square.call(shallow) { deep } else { shallow }
+        };
+        let o = #{ names: ["k1", "ke"], lower: [0.2, 0.2], upper: [10, 10], difference: 0.01 };
+        let best = minimize("levenberg-marquardt", [9.0, 1.0], o, misfit);
+    "#;
+
+    /// A search that ends on a bound has not converged; a profile that finds less continues it, and all that the script
+    /// gets is about the better point.
+    #[test]
+    fn a_profile_that_finds_less_continues_the_search() {
+        let text = TWO_VALLEYS.to_owned()
+            + r#"
+            let along = profiles(best, o + #{ relative: true, noise: "white" }, misfit);
+            let better = along.best;
+            [best, better, along]
+        "#;
+        let found = test_engine(Limits::STUDY).eval::<Array>(&text).unwrap();
+        let [best, better, along] = [0, 1, 2].map(|index: usize| found[index].clone().cast::<Map>());
+        let codes = |map: &Map| -> Vec<String> {
+            let findings = map["findings"].clone().cast::<Array>();
+            findings.iter().map(|found| found.clone().cast::<Map>()["code"].to_string()).collect()
+        };
+        let reason = |map: &Map| map["reason"].to_string();
+        let converged = |map: &Map| map["converged"].as_bool().unwrap();
+        assert_eq!((converged(&best), reason(&best).as_str()), (false, "the best point lies on a bound"));
+        assert_eq!(codes(&best), ["on-bound"]);
+        assert_eq!(
+            best["warnings"].clone().cast::<Array>()[0].to_string(),
+            "not converged: k1 = 10 lies on its upper bound"
+        );
+        let [k1, ke] = [0, 1].map(|index: usize| better["x"].clone().cast::<Array>()[index].as_float().unwrap());
+        assert!((k1 - 7.0).abs() < 1e-3 && (ke - 1.5).abs() < 1e-3, "{k1} {ke}");
+        assert!(converged(&better), "{}", reason(&better));
+        assert!(codes(&better).iter().all(|code| code == "continued-from-profile"), "{:?}", codes(&better));
+        assert!(better["history"].clone().cast::<Array>().len() > best["history"].clone().cast::<Array>().len());
+        let lower = codes(&along).contains(&"lower-than-estimate".to_owned());
+        assert!(!lower, "{:?}", codes(&along));
+    }
+
     #[test]
     fn mistakes_are_reported() {
         let engine = test_engine(Limits::STUDY);
@@ -233,11 +271,11 @@ mod tests {
             ("confidence([1], |x| throw \"no\")", "the objective has no value at the estimate [1.0]: no"),
             (
                 "confidence([1], |x| if x[0] == 1 { [1, 2] } else { throw \"no\" })",
-                "the trials beside x[0] failed, there is no derivative: at [0.999]: no",
+                "the trials beside x0 failed, there is no derivative: at [0.999]: no",
             ),
             (
                 "confidence([1], #{ on_failure: \"stop\" }, |x| if x[0] <= 1 { [x[0], 2] } else { throw \"no\" })",
-                "the trials beside x[0] failed, there is no derivative: at [1.001]: no",
+                "the trials beside x0 failed, there is no derivative: at [1.001]: no",
             ),
             (
                 "confidence([1], #{ relativ: true }, |x| [x[0], 1])",

@@ -11,10 +11,13 @@ use rhai::{EvalAltResult, NativeCallContext};
 
 use super::objective::{ScriptError, ScriptObjective};
 use super::options::ScriptSearch;
+use crate::identify::confidence::profile::ProfileError;
+use crate::identify::confidence::refinement::{ProfileEvent, ProfileOptions, Refinement};
 use crate::identify::convergence::convergence_history;
 use crate::identify::error::{SearchError, SearchFailure};
 use crate::identify::iteration::Iteration;
 use crate::identify::objective::FatalError;
+use crate::identify::options::{Search, Starts};
 use crate::identify::pool::history::{History, Identity};
 use crate::identify::pool::trial_pool::{Evaluator, PoolError, Problem, TrialPool};
 use crate::identify::progress::{Progress, ProgressEstimator};
@@ -72,17 +75,50 @@ impl SearchHost {
         let results = self.run(context, searches, |evaluator, number| {
             let ScriptSearch { search, labels, .. } = &searches[number];
             let name = labels.title.clone().or_else(|| several.then(|| format!("search {}", number + 1)));
-            let mut progress = ProgressEstimator::new(search, name, &labels.names);
+            let mut progress = ProgressEstimator::new(search, name);
             let mut observer =
                 |iteration: &Iteration| (self.observer)(SearchEvent::Progress(&progress.update(iteration)));
             let result = minimize(search, evaluator, &mut observer)?;
             let title = labels.title.clone().unwrap_or_else(|| format!("search {}", begun + number + 1));
-            let history = convergence_history(&result, title, labels, session.is_all_virtual(), evaluator);
+            let history =
+                convergence_history(&result, title, &search.names, labels, session.is_all_virtual(), evaluator);
             Ok::<_, SearchError>((result, history))
         })?;
         let (results, histories): (Vec<_>, Vec<_>) = results.into_iter().unzip();
         histories.iter().for_each(|history| (self.observer)(SearchEvent::Finished(history)));
         Ok(results)
+    }
+
+    /// Profiles about the start of `search`, or about the result of searches that they continue.
+    pub(super) fn profiles(
+        &self,
+        context: &NativeCallContext,
+        search: &ScriptSearch,
+        options: &ProfileOptions,
+    ) -> HostResult<Refinement> {
+        let session = Session::of(context);
+        let ScriptSearch { search: from, labels, .. } = search;
+        let found = self.run::<_, ProfileError>(context, std::slice::from_ref(search), |evaluator, _| {
+            let continued = Search { starts: Starts::One, ..from.clone() };
+            let mut progress = ProgressEstimator::new(&continued, labels.title.clone());
+            let mut observer = |event: ProfileEvent<'_>| match event {
+                ProfileEvent::OpenPoints(open) => (self.observer)(SearchEvent::OpenPoints(open)),
+                ProfileEvent::Iteration(at) => (self.observer)(SearchEvent::Progress(&progress.update(at))),
+            };
+            let refinement = Refinement::of(from, options, evaluator, &mut observer)?;
+            let title = |number: usize| {
+                let title = labels.title.as_deref().unwrap_or("search");
+                if number == 0 { format!("{title}, continued") } else { format!("{title}, continued {}", number + 1) }
+            };
+            let history = |(number, result): (usize, &SearchResult)| {
+                convergence_history(result, title(number), &from.names, labels, session.is_all_virtual(), evaluator)
+            };
+            let histories: Vec<ConvergenceHistory> = refinement.continued.iter().enumerate().map(history).collect();
+            Ok((refinement, histories))
+        })?;
+        let (refinement, histories) = found.into_iter().next().ok_or_else(|| refuse("the profiles have no result"))?;
+        histories.iter().for_each(|history| (self.observer)(SearchEvent::Finished(history)));
+        Ok(refinement)
     }
 
     /// Runs `job` for each of `searches` with a pool that evaluates their objectives and writes their histories.
@@ -121,11 +157,6 @@ impl SearchHost {
     /// Reports the correlation of parameters.
     pub(super) fn report_correlation(&self, correlation: &Correlation) {
         (self.observer)(SearchEvent::Correlation(correlation));
-    }
-
-    /// Reports how many points of profiles have no value yet.
-    pub(super) fn report_open_points(&self, open: usize) {
-        (self.observer)(SearchEvent::OpenPoints(open));
     }
 
     /// Opens the history of the next search.

@@ -38,7 +38,7 @@ fn minimize(host: &SearchHost, context: &NativeCallContext, search: ScriptSearch
 
 fn minimize_all(host: &SearchHost, context: &NativeCallContext, searches: &[ScriptSearch]) -> HostResult<Vec<Map>> {
     let results = host.minimize(context, searches)?;
-    let map = |(found, search): (_, &ScriptSearch)| result::of_search(found, &search.labels.names);
+    let map = |(found, search): (_, &ScriptSearch)| result::of_search(found, &search.search.names);
     Ok(results.iter().zip(searches).map(map).collect())
 }
 
@@ -119,7 +119,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         gives: "replacements of a start without a value: the first of these with a value is used and noted in findings",
         example: r#"let large = |x| if x[0] < 1 { throw "too small" } else { x[0] };
                     let best = minimize("nelder-mead", [0.5], #{ fallback: [[2.0]] }, large);
-                    best.history[0].x0 >= 1 && best.findings[0].message.contains("started from [2.0] instead")"#,
+                    best.history[0].x0 >= 1 && best.findings[0].message.contains("started from x0 = 2 instead")"#,
     },
     Entry {
         call: "#{ on_failure: \"worst\" | \"retry\" | \"stop\", on_rupture: \"fail\" | \"keep\" }",
@@ -174,7 +174,7 @@ mod tests {
             ("minimize(\"bfgs\", [1], |x| x[0])".into(), "there are nelder-mead, levenberg-marquardt, cma-es"),
             ("minimize(\"cma-es\", [], |x| 1)".into(), "a search needs 1 to 50 unknowns, the start has 0"),
             ("minimize(\"cma-es\", [1, \"a\"], |x| 1)".into(), "expected a number for start"),
-            ("minimize(\"cma-es\", [0.0 / 0.0], |x| 1)".into(), "the start is not finite: x[0] = NaN"),
+            ("minimize(\"cma-es\", [0.0 / 0.0], |x| 1)".into(), "the start is not finite: x0 = NaN"),
             (with("tolx: 1e-4"), "unknown option `tolx` (did you mean `tol_x`?)"),
             (with("tol_x: -1"), "`tol_x` is -1, which must be zero or more"),
             (with("tol_f: \"a\""), "expected a number for tol_f"),
@@ -182,11 +182,11 @@ mod tests {
             (with("max_evaluations: 1.5"), "`max_evaluations` is a whole number, not f64"),
             (with("lower: 1"), "`lower` is a list, not i64"),
             (with("lower: [0]"), "`lower` has 1 entries for 2 unknowns"),
-            (with("lower: [0, 1], upper: [1, 1]"), "the bounds of x[1] are empty: 1 to 1"),
-            (with("lower: [2, ()]"), "the start lies outside the bounds: x[0] = 1, which may be 2 to inf"),
+            (with("lower: [0, 1], upper: [1, 1]"), "the bounds of x1 are empty: 1 to 1"),
+            (with("lower: [2, ()]"), "the start lies outside the bounds: x0 = 1, which may be 2 to inf"),
             (with("starts: 3"), "starts spread over the bounds need `lower` and `upper` for every unknown"),
             (with("starts: [[1]]"), "start 2 has 1 entries for 2 unknowns"),
-            (with("starts: [[1, 5]], upper: [2, 3]"), "the start lies outside the bounds: x[1] = 5"),
+            (with("starts: [[1, 5]], upper: [2, 3]"), "the start lies outside the bounds: x1 = 5"),
             (with("fallback: [[1]]"), "start 2 has 1 entries for 2 unknowns"),
             (with("fallback: [1]"), "`fallback` is a list of lists, with i64 in it"),
             ("minimize_all(\"cma-es\", [[1]], #{}, [])".into(), "minimize_all has 1 starts for 0 objectives"),
@@ -298,7 +298,7 @@ mod tests {
         let text = "let best = minimize(\"nelder-mead\", [2.0], #{ lower: [1.5] }, |x| x[0] ** 2);
             let found = best.findings[0];
             found.code == \"on-bound\" && found.severity == \"warning\" && found.message == best.warnings[0]
-                && found.index == 0 && found.value == 1.5";
+                && found.parameter == \"x0\" && found.side == \"lower\" && found.value == 1.5";
         assert!(test_engine(Limits::STUDY).eval::<bool>(text).unwrap());
     }
 

@@ -6,7 +6,7 @@ use super::objective::OnRupture;
 use crate::diagnostic::closest;
 use crate::identify::bounds::Bounds;
 use crate::identify::convergence::{Labels, SignalLabel};
-use crate::identify::options::{Method, OnFailure, Search, Starts};
+use crate::identify::options::{Method, OnFailure, OptionsError, Search, Starts};
 use crate::script::{HostResult, number, refuse};
 
 /// Largest limit of iterations or evaluations.
@@ -55,8 +55,7 @@ impl ScriptSearch {
         let mut search = Search::new(method, numbers(start, "start")?);
         let mut on_rupture = OnRupture::default();
         let unknowns = search.start.len();
-        let names = (0..unknowns).map(|index| format!("x{index}")).collect();
-        let mut labels = Labels { names, title: None, signals: vec![] };
+        let mut labels = Labels { title: None, signals: vec![] };
         let mut signals: Vec<String> = vec![];
         let mut sides = [None, None];
         for (option, value) in options {
@@ -85,25 +84,25 @@ impl ScriptSearch {
                 "fallback" => search.fallback = points(&list()?, "a list", option)?,
                 "on_failure" => search.on_failure = word(option, &text()?, &ON_FAILURE)?,
                 "on_rupture" => on_rupture = word(option, &text()?, &ON_RUPTURE)?,
-                "names" => labels.names = list()?.iter().map(Dynamic::to_string).collect(),
+                "names" => search.names = list()?.iter().map(Dynamic::to_string).collect(),
                 "title" => labels.title = Some(text()?.to_string()),
                 "signals" => signals = list()?.iter().map(Dynamic::to_string).collect(),
                 other => return Err(unknown("option", other, OPTIONS)),
             }
         }
-        if labels.names.len() != unknowns {
-            return Err(refuse(format!("`names` has {} entries for {unknowns} unknowns", labels.names.len())));
+        if search.names.len() != unknowns {
+            return Err(refuse(OptionsError::Names { found: search.names.len(), unknowns }));
         }
-        check_labels(&labels, &signals)?;
+        check_labels(&search.names, &labels, &signals)?;
         labels.signals = signals.iter().map(|text| SignalLabel::parse(text)).collect();
         let [lower, upper] = sides;
-        search.bounds = Bounds::new(unknowns, lower, upper).map_err(refuse)?;
+        search.bounds = Bounds::new(&search.names, lower, upper).map_err(refuse)?;
         Ok(ScriptSearch { search, on_rupture, labels, call })
     }
 }
 
-fn check_labels(labels: &Labels, signals: &[String]) -> HostResult<()> {
-    let mut all = labels.names.iter().chain(signals).chain(&labels.title);
+fn check_labels(names: &[String], labels: &Labels, signals: &[String]) -> HostResult<()> {
+    let mut all = names.iter().chain(signals).chain(&labels.title);
     let fits = |text: &String| !text.trim().is_empty() && text.chars().count() <= MAX_LENGTH;
     let message = || format!("`title`, `names` and `signals` of a search are texts of 1 to {MAX_LENGTH} characters");
     if all.all(fits) { Ok(()) } else { Err(refuse(message())) }

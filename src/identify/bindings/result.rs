@@ -2,13 +2,16 @@
 
 use rhai::{Array, Dynamic, INT, Map};
 
-use crate::finding::Finding;
+use crate::finding::{Finding, Severity};
+use crate::identify::bounds::Side;
 use crate::identify::confidence::estimate::Confidence;
 use crate::identify::confidence::profile::Profile;
+use crate::identify::confidence::refinement::Refinement;
 use crate::identify::convergence::thinned;
 use crate::identify::iteration::Iteration;
+use crate::identify::options::Search;
 use crate::identify::result::{SearchResult, StartResult};
-use crate::identify::warning::Warning;
+use crate::identify::warning::{NOT_CONVERGED, ON_BOUND, Warning};
 use crate::script::from_json;
 
 /// Largest number of values in the history of a result, which a longer one is thinned to: values of scripts are
@@ -55,7 +58,9 @@ fn history_row(iteration: &Iteration, names: &[String], several: bool) -> Map {
     map.insert("iteration".into(), integer(iteration.iteration));
     map.insert("evaluations".into(), integer(iteration.evaluations));
     map.insert("f".into(), iteration.f.into());
-    map.insert("size".into(), or_unit(iteration.size));
+    if let Some(size) = iteration.size {
+        map.insert("size".into(), size.into());
+    }
     map.insert("step".into(), iteration.step.name().into());
     for (name, x) in names.iter().zip(&iteration.x) {
         map.insert(name.as_str().into(), (*x).into());
@@ -115,6 +120,9 @@ pub(super) fn of_profiles(profiles: &[Profile], names: &[String]) -> Map {
         map.insert("lower_95".into(), or_unit(profile.interval[0]));
         map.insert("upper_95".into(), or_unit(profile.interval[1]));
         map.insert("threshold".into(), profile.threshold.sqrt().into());
+        for (name, side) in [("lower_note", Side::Lower), ("upper_note", Side::Upper)] {
+            map.insert(name.into(), profile.why_open(side).unwrap_or_default().into());
+        }
         Dynamic::from(map)
     });
     let mut map = Map::new();
@@ -125,6 +133,48 @@ pub(super) fn of_profiles(profiles: &[Profile], names: &[String]) -> Map {
     let rows = profiles.iter().flat_map(|profile| profile_rows(profile, names));
     map.insert("table".into(), rows.collect::<Array>().into());
     map
+}
+
+/// What profiles leave of the result `best` of a search, whose map may be empty.
+pub(super) fn of_refinement(refinement: &Refinement, best: &Map, search: &Search) -> Map {
+    let mut map = best.clone();
+    map.insert("x".into(), list(refinement.x.iter().copied()).into());
+    map.insert("f".into(), refinement.f.into());
+    let Some((converged, reason)) = refinement.state(&search.bounds) else { return map };
+    map.insert("converged".into(), converged.into());
+    map.insert("reason".into(), reason.to_string().into());
+    for result in &refinement.continued {
+        let start = &result.best;
+        let [iterations, evaluations] = ["iterations", "evaluations"].map(|name| count(&map, name));
+        let rows = history(&result.starts, &search.names, false).into_iter().map(|row| {
+            let mut row = row.cast::<Map>();
+            for (name, before) in [("iteration", iterations), ("evaluations", evaluations)] {
+                row.insert(name.into(), (before + count(&row, name)).into());
+            }
+            Dynamic::from(row)
+        });
+        let before = map.get("history").and_then(|history| history.read_lock::<Array>().map(|rows| rows.clone()));
+        map.insert("history".into(), before.unwrap_or_default().into_iter().chain(rows).collect::<Array>().into());
+        let total = count(&map, "total_evaluations") + start.evaluations as INT;
+        map.insert("iterations".into(), (iterations + start.iterations as INT).into());
+        map.insert("evaluations".into(), (evaluations + start.evaluations as INT).into());
+        map.insert("total_evaluations".into(), total.into());
+    }
+    let obsolete = [NOT_CONVERGED.name, ON_BOUND.name];
+    let code = |found: &Dynamic| found.read_lock::<Map>().and_then(|map| map.get("code").map(Dynamic::to_string));
+    let before = map.get("findings").and_then(|found| found.read_lock::<Array>().map(|found| found.clone()));
+    let before = before.unwrap_or_default().into_iter();
+    let kept = before.filter(|found| code(found).is_none_or(|code| !obsolete.contains(&code.as_str())));
+    let last = refinement.continued.last().map(|result| &result.warnings);
+    let own = refinement.warnings.iter().chain(last.into_iter().flatten()).map(Finding::new);
+    let findings: Array = kept.chain(own.map(|finding| map_of(&finding))).collect();
+    insert(&mut map, findings);
+    map
+}
+
+/// The whole number `name` of a map; zero where there is none.
+fn count(map: &Map, name: &str) -> INT {
+    map.get(name).and_then(|count| count.as_int().ok()).unwrap_or(0)
 }
 
 /// The points of a profile as rows of a table.
@@ -142,12 +192,22 @@ fn profile_rows<'p>(profile: &'p Profile, names: &'p [String]) -> impl Iterator<
 /// `findings`, a list of maps with code, severity, message and figures, and `warnings`, the messages of the warnings
 /// among them.
 fn insert_findings<'w>(map: &mut Map, reports: impl Iterator<Item = &'w Warning>) {
-    let findings: Vec<Finding> = reports.map(Finding::new).collect();
-    let warnings = findings.iter().filter(|finding| finding.is_warning());
-    let warnings: Array = warnings.map(|warning| warning.message.clone().into()).collect();
-    map.insert("warnings".into(), warnings.into());
-    let value = |finding| serde_json::to_value(finding).map_or(Dynamic::UNIT, |json| from_json(&json));
-    map.insert("findings".into(), findings.iter().map(value).collect::<Array>().into());
+    insert(map, reports.map(|warning| map_of(&Finding::new(warning))).collect());
+}
+
+fn insert(map: &mut Map, findings: Array) {
+    let message = |found: &Dynamic| {
+        let found = found.read_lock::<Map>()?;
+        let is_warning =
+            found.get("severity").is_some_and(|severity| severity.to_string() == Severity::Warning.to_string());
+        is_warning.then(|| found.get("message").cloned()).flatten()
+    };
+    map.insert("warnings".into(), findings.iter().filter_map(message).collect::<Array>().into());
+    map.insert("findings".into(), findings.into());
+}
+
+fn map_of(finding: &Finding) -> Dynamic {
+    serde_json::to_value(finding).map_or(Dynamic::UNIT, |json| from_json(&json))
 }
 
 fn named<'n>(name: &str, figures: impl IntoIterator<Item = (&'n str, f64)>) -> Map {

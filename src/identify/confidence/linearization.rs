@@ -80,10 +80,10 @@ pub enum LinearizationError {
         found: usize,
     },
     /// The trials on both sides of a parameter failed.
-    #[error("the trials beside x[{index}] failed, there is no derivative: at {x:?}: {cause}")]
+    #[error("the trials beside {parameter} failed, there is no derivative: at {x:?}: {cause}")]
     NoDerivative {
         /// The parameter.
-        index: usize,
+        parameter: String,
         /// The point of the last failed trial.
         x: Vec<f64>,
         /// Why it failed.
@@ -169,6 +169,7 @@ impl Linearization {
         index: usize,
         sides: Vec<(f64, Evaluation)>,
     ) -> Result<(), LinearizationError> {
+        let parameter = || search.names[index].clone();
         let mut slopes = Vec::new();
         let mut failure = None;
         for (step, found) in sides {
@@ -176,7 +177,7 @@ impl Linearization {
             match residuals(found)? {
                 Ok(there) => slopes.push((step, self.difference(&x, there)?)),
                 Err(Failed { cause, numerical }) => {
-                    failure = Some(LinearizationError::NoDerivative { index, x, cause, numerical });
+                    failure = Some(LinearizationError::NoDerivative { parameter: parameter(), x, cause, numerical });
                 }
             }
         }
@@ -195,7 +196,12 @@ impl Linearization {
         };
         if slope.iter().any(|slope| !slope.is_finite()) {
             let cause = "the differences of the residuals overflow".into();
-            return Err(LinearizationError::NoDerivative { index, x: self.x.clone(), cause, numerical: false });
+            return Err(LinearizationError::NoDerivative {
+                parameter: parameter(),
+                x: self.x.clone(),
+                cause,
+                numerical: false,
+            });
         }
         self.jacobian.set_column(index, &slope);
         Ok(())

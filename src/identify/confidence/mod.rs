@@ -8,3 +8,4 @@ mod interval;
 pub(super) mod linearization;
 pub(super) mod noise;
 pub(super) mod profile;
+pub(super) mod refinement;

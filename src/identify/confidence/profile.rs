@@ -13,11 +13,14 @@ use super::constrained_fit::{ConstrainedFit, NEGLIGIBLE, rise};
 use super::estimate::{Confidence, ConfidenceError};
 use super::interval::Interval;
 use super::linearization::{Failed, Linearization, LinearizationError, residuals};
-use crate::identify::error::SearchFailure;
+use crate::identify::bounds::Side;
+use crate::identify::error::{SearchError, SearchFailure};
 use crate::identify::objective::Evaluation;
 use crate::identify::options::{OnFailure, Search};
+use crate::identify::point::Point;
 use crate::identify::pool::trial_pool::{Evaluator, PoolError};
-use crate::identify::warning::{Side, Warning};
+use crate::identify::warning::Warning;
+use crate::number;
 
 /// Farthest value, in half-widths of the interval.
 const FARTHEST: f64 = 2.0;
@@ -45,6 +48,21 @@ pub struct Profile {
     pub warnings: Vec<Warning>,
 }
 
+impl Profile {
+    /// Why the interval has no end on this side; none where it has one.
+    pub fn why_open(&self, end: Side) -> Option<String> {
+        self.warnings.iter().find_map(|warning| match warning {
+            Warning::NoBound { side, limit, .. } if *side == end => {
+                Some(format!("rises too little to {}", number::significant(*limit, 4)))
+            }
+            Warning::OpenInterval { side, limit, .. } if *side == end => {
+                Some(format!("trials failed at {}", number::significant(*limit, 4)))
+            }
+            _ => None,
+        })
+    }
+}
+
 /// The smallest objective value for one value of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfilePoint {
@@ -68,6 +86,9 @@ pub enum ProfileError {
     /// There are no confidence intervals.
     #[error(transparent)]
     Confidence(#[from] ConfidenceError),
+    /// A search that continued from a lower point has no result.
+    #[error(transparent)]
+    Search(#[from] SearchError),
     /// A trial failed where failures stop the search.
     #[error("a trial failed at {x:?}: {cause}")]
     Failed {
@@ -84,6 +105,7 @@ impl SearchFailure for ProfileError {
     fn is_numerical(&self) -> bool {
         match self {
             ProfileError::Linearization(error) => error.is_numerical(),
+            ProfileError::Search(error) => error.is_numerical(),
             ProfileError::Failed { numerical, .. } => *numerical,
             ProfileError::Pool(_) | ProfileError::Confidence(_) => false,
         }
@@ -183,8 +205,8 @@ fn profile<'f>(
         crossing(downwards, linearization.norm(), rise(confidence, parameter)),
         crossing(upwards, linearization.norm(), rise(confidence, parameter)),
     ];
-    let name = &confidence.names[parameter];
-    let warnings = warnings(name, estimate, &points, interval, [linearization.norm(), threshold]);
+    let warnings =
+        warnings(&confidence.names, parameter, estimate, &points, interval, [linearization.norm(), threshold]);
     Profile { parameter, points, threshold, interval, warnings }
 }
 
@@ -203,13 +225,14 @@ fn crossing<'p>(points: impl Iterator<Item = &'p ProfilePoint>, least: f64, rise
 }
 
 fn warnings(
-    name: &str,
+    names: &[String],
+    index: usize,
     estimate: f64,
     points: &[ProfilePoint],
     interval: [Option<f64>; 2],
     [least, threshold]: [f64; 2],
 ) -> Vec<Warning> {
-    let parameter = || name.to_owned();
+    let parameter = || names[index].clone();
     let mut warnings = Vec::new();
     let ends = [points.first(), points.last()];
     let below = points.iter().rev().find(|point| point.f.is_none() && point.value < estimate);
@@ -230,15 +253,27 @@ fn warnings(
     if !values.is_empty() {
         warnings.push(Warning::ProfileFailed { parameter: parameter(), values });
     }
-    let square = |point: &ProfilePoint| point.f.map(|f| f * f);
-    let lowest = points.iter().filter_map(|point| Some((square(point)?, point))).min_by(|a, b| a.0.total_cmp(&b.0));
-    let is_lower = |found: f64| least * least - found > NEGLIGIBLE * (threshold - least * least);
-    if let Some((found, point)) = lowest.filter(|(found, _)| is_lower(*found)) {
-        let (value, x) = (point.value, point.x.clone());
-        let found = found.sqrt();
-        warnings.push(Warning::LowerThanEstimate { parameter: parameter(), value, found, estimate: least, x });
+    if let Some((found, x)) = lower(points, least, threshold) {
+        let x = Point::new(names, x);
+        warnings.push(Warning::LowerThanEstimate { parameter: parameter(), found, estimate: least, x });
     }
     warnings
+}
+
+/// The lowest of `points` and its ‖r‖, where it is lower than the estimate by more than a negligible share of the rise.
+fn lower(points: &[ProfilePoint], least: f64, threshold: f64) -> Option<(f64, &[f64])> {
+    let lowest = points.iter().filter_map(|point| Some((point.f?, &point.x[..]))).min_by(|a, b| a.0.total_cmp(&b.0));
+    lowest.filter(|(found, _)| least * least - found * found > NEGLIGIBLE * (threshold - least * least))
+}
+
+/// The lowest point of all `profiles` with its parameter and its ‖r‖, where it is lower than the estimate, whose ‖r‖ is
+/// `least`.
+pub(super) fn lowest(profiles: &[Profile], least: f64) -> Option<(usize, f64, &[f64])> {
+    let lower = profiles.iter().filter_map(|profile| {
+        let (found, x) = lower(&profile.points, least, profile.threshold)?;
+        Some((profile.parameter, found, x))
+    });
+    lower.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 #[cfg(test)]
@@ -251,6 +286,7 @@ mod tests {
     use super::*;
     use crate::identify::bounds::Bounds;
     use crate::identify::options::Method;
+    use crate::identify::point::unnamed;
     use crate::identify::pool::trial_pool::{Problem, with_evaluator};
 
     fn options(names: &[&str], relative: bool) -> ConfidenceOptions {
@@ -358,7 +394,7 @@ mod tests {
     fn a_product_has_no_bounds_on_its_factors() {
         let noise = normals(3, 20);
         let model = |x: &[f64]| (0..20).map(|t| (x[0] * x[1] - 6.0) * f64::from(t) - noise[t as usize]).collect();
-        let bounds = Bounds::new(2, Some(vec![0.5; 2]), Some(vec![20.0; 2])).unwrap();
+        let bounds = Bounds::new(&unnamed(2), Some(vec![0.5; 2]), Some(vec![20.0; 2])).unwrap();
         let slope: f64 = noise.iter().enumerate().map(|(t, e)| t as f64 * e).sum::<f64>() / 2470.0;
         let search = Search { bounds, ..at(&[2.0, (6.0 + slope) / 2.0]) };
         let (profiles, _) = found(&search, &options(&["a", "b"], true), model);

@@ -9,19 +9,65 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationRe
 // The version of nalgebra that the crate uses.
 use nalgebra_of_lm::{DMatrix, DVector, Dyn, Owned};
 
-use super::trials::SearchContext;
+use super::trials::{SearchContext, Trials};
 use crate::identify::error::SearchError;
 use crate::identify::iteration::{Iteration, Step, StopReason};
 use crate::identify::objective::ObjectiveValue;
+use crate::identify::options::Search;
 use crate::identify::result::StartResult;
 
 /// Norm of the residuals of a failed trial over that at the start.
 const WORST: f64 = 1e3;
 
+/// Largest number of restarts with the best point on a bound.
+const MAX_RESTARTS: usize = 5;
+
 /// Searches from `start`.
+///
+/// The transform has no slope on a bound, which a search cannot leave. Where one converges there, it restarts beside
+/// the bound until a restart brings no improvement.
 pub(in crate::identify) fn search(
     start: &[f64],
     context: SearchContext<'_, '_, '_>,
+) -> Result<StartResult, SearchError> {
+    let SearchContext { search, trials, start: number, observer } = context;
+    let context = SearchContext { search, trials, start: number, observer: &mut *observer };
+    let mut result = onto_bound(descend(start, context, None)?, search, trials)?;
+    for _ in 0..MAX_RESTARTS {
+        if !result.converged || search.bounds.active(&result.x).is_empty() {
+            break;
+        }
+        let before = result.f;
+        let context = SearchContext { search, trials, start: number, observer: &mut *observer };
+        result = match descend(&result.x.clone(), context, Some(&result)) {
+            Err(SearchError::Start { .. }) => break,
+            restarted => onto_bound(restarted?, search, trials)?,
+        };
+        if before * before - result.f * result.f <= search.tol_f * before * before {
+            break;
+        }
+    }
+    Ok(result)
+}
+
+/// The same on a bound near which it converged, where the objective is no higher there: towards a bound the transform
+/// flattens, and the tolerances are met before it.
+fn onto_bound(result: StartResult, search: &Search, trials: &Trials<'_, '_>) -> Result<StartResult, SearchError> {
+    let Some(x) = search.bounds.snapped(&result.x).filter(|_| result.converged) else { return Ok(result) };
+    let Some(value) = trials.value(&x)? else { return Ok(result) };
+    let evaluations = trials.evaluations();
+    let f = value.value();
+    match f <= result.f {
+        true => Ok(StartResult { x, f, evaluations, ..result }),
+        false => Ok(StartResult { evaluations, ..result }),
+    }
+}
+
+/// One descent from `start`, which continues the iterations of `before`.
+fn descend(
+    start: &[f64],
+    context: SearchContext<'_, '_, '_>,
+    before: Option<&StartResult>,
 ) -> Result<StartResult, SearchError> {
     let search = context.search;
     let mut start = start.to_vec();
@@ -38,10 +84,11 @@ pub(in crate::identify) fn search(
         count: first.len(),
         state: RefCell::new(State {
             context,
-            best: (start, f64::INFINITY),
+            best: before.map_or((start, f64::INFINITY), |before| (before.x.clone(), before.f)),
             here: vec![],
-            iterations: 0,
-            history: vec![],
+            before: before.map_or(0, |before| before.iterations),
+            iterations: before.map_or(0, |before| before.iterations),
+            history: before.map_or_else(Vec::new, |before| before.history.clone()),
             end: None,
         }),
     };
@@ -77,6 +124,8 @@ struct State<'s, 'c, 'a> {
     best: (Vec<f64>, f64),
     /// Residuals of the last trial that did not fail.
     here: Vec<f64>,
+    /// Iterations before this descent.
+    before: usize,
     iterations: usize,
     history: Vec<Iteration>,
     end: Option<End>,
@@ -223,7 +272,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for LeastSquares<'_, '_, '_> {
         let ended = {
             let mut state = self.state.borrow_mut();
             state.iterations += 1;
-            let step = if state.iterations == 1 { Step::Initial } else { Step::Accepted };
+            let step = if state.iterations == state.before + 1 { Step::Initial } else { Step::Accepted };
             state.observe(step);
             state.iterations >= state.context.search.max_iterations
         };

@@ -7,6 +7,7 @@ use crate::identify::error::SearchError;
 use crate::identify::iteration::Iteration;
 use crate::identify::objective::{Evaluation, ObjectiveValue};
 use crate::identify::options::{OnFailure, Search};
+use crate::identify::point::Point;
 use crate::identify::pool::trial_pool::{Evaluator, PoolError};
 use crate::identify::warning::Warning;
 
@@ -66,9 +67,10 @@ impl Failures {
     }
 
     /// A warning if there are any.
-    pub(in crate::identify) fn warning(self, rule: OnFailure) -> Option<Warning> {
+    pub(in crate::identify) fn warning(self, search: &Search) -> Option<Warning> {
         let Failure { x, cause, .. } = self.first?;
-        Some(Warning::FailedTrials { count: self.count, retried: rule == OnFailure::Retry, first: x, cause })
+        let (first, retried) = (Point::new(&search.names, &x), search.on_failure == OnFailure::Retry);
+        Some(Warning::FailedTrials { count: self.count, retried, first, cause })
     }
 }
 
@@ -87,8 +89,8 @@ impl<'c, 'a> Trials<'c, 'a> {
         for fallback in &self.search.fallback {
             match self.at_start(fallback) {
                 Ok(_) => {
-                    let fallback = fallback.clone();
-                    return Ok((fallback.clone(), Some(Warning::StartReplaced { start, cause, fallback })));
+                    let [start, named] = [&start, fallback].map(|x| Point::new(&self.search.names, x));
+                    return Ok((fallback.clone(), Some(Warning::StartReplaced { start, cause, fallback: named })));
                 }
                 Err(SearchError::Start { x, cause, .. }) => last = Some((x, cause)),
                 Err(error) => return Err(error),
