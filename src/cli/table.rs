@@ -6,6 +6,9 @@ use crate::script::{Row, ScriptOutput};
 /// Most rows of a table that are printed; its file has all of them.
 const MOST_ROWS: usize = 40;
 
+/// The rows of a longer table that are printed from its beginning; the others are from its end.
+const FIRST_ROWS: usize = 10;
+
 /// Figures and tables; every line ends with a line break.
 pub(super) fn script_output(output: &ScriptOutput) -> String {
     let figures = output.measures.iter().filter_map(|(name, value)| Figure::of(name, value));
@@ -17,12 +20,17 @@ pub(super) fn script_output(output: &ScriptOutput) -> String {
 /// The rows under the names of their columns, aligned to the right.
 fn table(rows: &[Row]) -> String {
     let columns = columns(rows);
-    let shown = rows.iter().take(MOST_ROWS);
-    let cells = shown.map(|row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect());
-    let lines: Vec<Vec<String>> = std::iter::once(columns.clone()).chain(cells).collect();
-    let rest = rows.len().saturating_sub(MOST_ROWS);
-    let rest = if rest > 0 { format!("    and {rest} more\n") } else { String::new() };
-    aligned(&lines, 0) + rest.as_str()
+    let left_out = rows.len().saturating_sub(MOST_ROWS);
+    let (head, tail) = if left_out > 0 { (FIRST_ROWS, FIRST_ROWS + left_out) } else { (rows.len(), rows.len()) };
+    let cells = |row: &Row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect();
+    let shown = rows[..head].iter().chain(&rows[tail..]).map(cells);
+    let text = aligned(&std::iter::once(columns.clone()).chain(shown).collect::<Vec<Vec<String>>>(), 0);
+    if left_out == 0 {
+        return text;
+    }
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    let (before, after) = lines.split_at(1 + head);
+    format!("{}    {left_out} rows not shown\n{}", before.concat(), after.concat())
 }
 
 /// Lines of equally many cells in columns, the first `words` columns aligned to the left, the others to the right.
@@ -56,7 +64,13 @@ mod tests {
             table(&[row(8, -169.4413), row(10, -15.0)]),
             "    layers  travel\n         8  -169.4\n        10  -15.00\n"
         );
-        let many = table(&vec![row(1, 1.0); 45]);
-        assert!(many.ends_with("and 5 more\n") && many.lines().count() == 42);
+        let rows: Vec<Row> = (1..=45).map(|layers| row(layers, 1.0)).collect();
+        let many = table(&rows);
+        let lines: Vec<&str> = many.lines().map(str::trim_start).collect();
+        assert_eq!(
+            (lines.len(), lines[10], lines[11], lines[12]),
+            (42, "10   1.000", "5 rows not shown", "16   1.000")
+        );
+        assert_eq!(lines[41], "45   1.000");
     }
 }

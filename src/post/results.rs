@@ -15,6 +15,68 @@ use crate::simulate::Outcome;
 /// Entries of a summary that are no figures: which scenario, and by which droptower.
 pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
 
+/// The fields that a summary may have in a script: those of all kinds of loading.
+pub(super) const SUMMARY: [&str; 52] = [
+    "scenario",
+    "title",
+    "droptower",
+    // Impact.
+    "peak_acceleration_m_s2",
+    "time_of_peak_acceleration_s",
+    "peak_displacement_m",
+    "time_of_peak_displacement_s",
+    "rebound_velocity_m_s",
+    "energy_absorption",
+    "break_strain_md",
+    "break_strain_td",
+    "acceleration_error",
+    "displacement_error",
+    "reference_notes",
+    // Stretch.
+    "peak_force_N",
+    "peak_stress_Pa",
+    "strain_at_peak_stress",
+    "strain_at_break",
+    "stress_at_break_Pa",
+    "final_strain",
+    // Indent.
+    "depth_at_peak_force_m",
+    "work_J",
+    "depth_at_break_m",
+    "final_depth_m",
+    "final_force_N",
+    // Inflation.
+    "peak_pressure_Pa",
+    "peak_deflection_m",
+    "final_deflection_m",
+    "settling",
+    "burst_pressure_Pa",
+    // All.
+    "energy_balance_error",
+    "ruptured",
+    "rupture_time_s",
+    "elements",
+    "bytes_per_element",
+    "steps",
+    "time_step_s",
+    "wall_s",
+    "ns_per_element_step",
+    "threads",
+    "instructions",
+    "mass_scaling",
+    "kinetic_share",
+    "damping_share",
+    "penetration",
+    "meshes",
+    "strain_rates",
+    "warnings",
+    "findings",
+    // Of a post script.
+    "tables",
+    "plots",
+    "files",
+];
+
 /// Figures by kind of loading.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measures {

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Scope};
 use serde_json::{Value, json};
 
+use super::results::SUMMARY;
 use super::{ReferenceComparison, Results};
 use crate::model::{Loading, Model};
-use crate::script::{Entry, from_json, refuse};
+use crate::script::{Entry, Fields, Session, from_json, refuse};
 use crate::signal::column::{COLUMNS, Column};
 use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
@@ -149,6 +150,7 @@ pub(super) fn facts(model: &Model) -> serde_json::Map<String, Value> {
 
 /// Offers the type of `run` to scripts.
 pub(super) fn register(engine: &mut Engine) {
+    Session::of_engine(engine).declare(Fields { map: "summary", names: &SUMMARY });
     engine
         .register_type_with_name::<Run>("run")
         .register_indexer_get(Run::property)

@@ -15,7 +15,9 @@ use crate::experiment::coupon::Curve;
 use crate::material::Law;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
-use crate::script::{Entry, HostResult, Options, Session, from_json, number, numerical_failure, refuse, to_json};
+use crate::script::{
+    Entry, HostResult, Options, Session, from_json, number, numerical_failure, refuse, refuse_key, to_json,
+};
 use crate::simulate::{self, Across, RunError, RunOptions};
 
 /// A checked scenario in a script. Cheap to clone.
@@ -184,13 +186,29 @@ fn assignment(key: &str, value: &Dynamic) -> HostResult<Assignment> {
     let json = to_json(value)?;
     let value = toml::Value::try_from(&json);
     let value = value.map_err(|error| refuse(format!("`{key}` cannot be written in a scenario: {error}")))?;
-    Assignment::from_value(key, &value, "script").map_err(mistakes)
+    Assignment::from_value(key, &value, &format!("{CHANGED}{key}")).map_err(mistakes)
 }
 
+/// Beginning of the name of the source of a changed value, before its key.
+const CHANGED: &str = "script: ";
+
+/// One mistake in a changed value is reported at its key, several with their keys.
 fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
+    let key = |mistake: &Diagnostic| {
+        let source = mistake.span.as_ref().map(|span| span.source.name.clone())?;
+        source.strip_prefix(CHANGED).map(str::to_owned)
+    };
+    if let [mistake] = &mistakes[..]
+        && let Some(key) = key(mistake)
+    {
+        return refuse_key(&key, &mistake.message, mistake.hint.clone());
+    }
     let line = |mistake: &Diagnostic| {
         let hint = mistake.hint.as_ref().map(|hint| format!(" ({hint})")).unwrap_or_default();
         match &mistake.span {
+            Some(_) if key(mistake).is_some() => {
+                format!("`{}`: {}{hint}", key(mistake).unwrap_or_default(), mistake.message)
+            }
             Some(span) => format!("{span:?}: {}{hint}", mistake.message),
             None => format!("{}{hint}", mistake.message),
         }
@@ -231,6 +249,13 @@ pub const ENTRIES: &[Entry] = &[
         call: "args.<name>",
         gives: "the arguments of --scenario and --arg: numbers, truth values and text",
         example: r#""scenario" in args"#,
+    },
+    Entry {
+        call: "args.number(name, default), args.numbers(name, [default, …]), args.text(name, default)",
+        gives: "an argument, or the default where it is not given: a number, a list of as many numbers as the default \
+                has (separated by commas), a text; a mistake names the argument",
+        example: r#"args.number("most", 12) == 12 && args.numbers("start", [1, 1]).len() == 2
+                    && args.text("method", "nelder-mead") == "nelder-mead""#,
     },
     Entry {
         call: "scenario(path)",

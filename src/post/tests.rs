@@ -5,11 +5,12 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
+use super::results::SUMMARY;
 use super::*;
 use crate::material::{Elastic, Law, Material};
 use crate::mesh::{Element, Meshing, Outline};
 use crate::model::*;
-use crate::script::Fault;
+use crate::script::{Fault, ReadError};
 use crate::signal::{Channel, Recording};
 use crate::simulate::{Outcome, RateHistogram};
 
@@ -246,7 +247,7 @@ fn a_post_script_can_neither_replace_a_figure_nor_read_a_missing_one() {
         ("table(\"findings\", #{ n: 1 })", "`findings` is a field of the summary"),
         ("run.nosuch", "a run has no `nosuch`; it has displacement, velocity, acceleration"),
         ("run.signals.nosuch", "a recording has no `nosuch`; it has displacement_m"),
-        ("run.summary.nosuch", "property not found: nosuch"),
+        ("let s = run.summary; s.nosuch", "there is no property `nosuch`"),
     ] {
         let Err(EvaluateError::Script(Fault { message, line, .. })) = with_script(text) else {
             panic!("{text} was accepted");
@@ -263,6 +264,55 @@ fn a_script_that_does_not_compile_is_refused_before_the_run() {
     fs::write(&path, "let a = 1;\nlet b = nosuch;").unwrap();
     let error = Plan::prepare(&Model { post: Some(path), ..model() }).unwrap_err().to_string();
     assert!(error.ends_with("post.rhai:2:9: undefined variable: nosuch"), "{error}");
+    fs::write(folder.path().join("post.rhai"), "let a = 1;\nlet b = run.summary.peak_acceleration;").unwrap();
+    let Err(PrepareError::Script(ReadError::Faults(faults))) =
+        Plan::prepare(&Model { post: Some(folder.path().join("post.rhai")), ..model() })
+    else {
+        panic!("the script was accepted");
+    };
+    assert_eq!(faults[0].message, "a summary has no `peak_acceleration`");
+    assert_eq!(faults[0].hint.as_deref(), Some("did you mean `peak_acceleration_m_s2`?"));
+}
+
+/// Scripts are checked against these names before they run.
+#[test]
+fn every_figure_of_a_summary_is_a_known_field() {
+    let (audit, findings) = (Audit::of(&outcome()), RunFindings::of(&model(), &outcome()));
+    let stretch = Stretch {
+        peak_force: None,
+        peak_stress: None,
+        strain_at_peak_stress: None,
+        strain_at_break: None,
+        stress_at_break: None,
+        final_strain: None,
+        audit: audit.clone(),
+        findings: findings.clone(),
+    };
+    let indent = Indent {
+        peak_force: None,
+        depth_at_peak_force: None,
+        work: 0.0,
+        depth_at_break: None,
+        final_depth: None,
+        final_force: None,
+        audit: audit.clone(),
+        findings: findings.clone(),
+    };
+    let inflation = Inflation {
+        peak_pressure: None,
+        peak_deflection: None,
+        final_deflection: None,
+        settling: None,
+        burst_pressure: None,
+        audit,
+        findings,
+    };
+    let measures = [Measures::Stretch(stretch), Measures::Indent(indent), Measures::Inflation(inflation)];
+    let impact = with_script("").unwrap().summary(&model());
+    for figures in measures.iter().map(Measures::figures).chain([impact]) {
+        let unknown: Vec<&String> = figures.keys().filter(|name| !SUMMARY.contains(&name.as_str())).collect();
+        assert!(unknown.is_empty(), "{unknown:?}");
+    }
 }
 
 #[test]

@@ -17,14 +17,90 @@ impl Arguments {
         engine
             .register_type_with_name::<Arguments>("arguments")
             .register_indexer_get(Arguments::get)
+            .register_fn("number", Arguments::number)
+            .register_fn("numbers", Arguments::numbers)
+            .register_fn("text", Arguments::text)
             .register_fn("contains", |args: &mut Arguments, name: &str| args.0.contains_key(name))
             .register_fn("keys", |args: &mut Arguments| {
                 args.0.keys().map(|name| name.as_str().into()).collect::<Array>()
             });
     }
 
+    /// The number `name`, or else `otherwise`.
+    fn number(&mut self, name: &str, otherwise: Dynamic) -> HostResult<Dynamic> {
+        match self.0.get(name) {
+            None => Ok(otherwise),
+            Some(value) if value.is_int() || value.is_float() => Ok(value.clone()),
+            Some(value) => Err(refuse(format!("--arg {name}: expected a number, found `{value}`{}", comma(value)))),
+        }
+    }
+
+    /// The numbers `name`, as many as `otherwise` has, which these are where the argument is not given.
+    fn numbers(&mut self, name: &str, otherwise: Array) -> HostResult<Array> {
+        let Some(value) = self.0.get(name) else { return Ok(otherwise) };
+        let text = value.to_string();
+        let numbers: Option<Array> =
+            text.split(',').map(|number| number.trim().parse::<f64>().ok().map(Dynamic::from)).collect();
+        let count = otherwise.len();
+        numbers.filter(|numbers| numbers.len() == count).ok_or_else(|| {
+            let example = otherwise.iter().map(Dynamic::to_string).collect::<Vec<_>>().join(",");
+            refuse(format!("--arg {name}: expected {count} numbers, such as {example}, found `{text}`"))
+        })
+    }
+
+    /// The text `name`, or else `otherwise`.
+    fn text(&mut self, name: &str, otherwise: &str) -> ImmutableString {
+        self.0.get(name).map_or_else(|| otherwise.into(), |value| value.to_string().into())
+    }
+
     fn get(&mut self, name: ImmutableString) -> HostResult<Dynamic> {
         let how = if name == "scenario" { "--scenario FILE".into() } else { format!("--arg {name}=…") };
         self.0.get(name.as_str()).cloned().ok_or_else(|| refuse(format!("the script needs `{name}`: give {how}")))
+    }
+}
+
+/// A hint where the value is a number with a decimal comma.
+fn comma(value: &Dynamic) -> &'static str {
+    let text = value.to_string();
+    let is_decimal = text.matches(',').count() == 1 && text.replace(',', ".").parse::<f64>().is_ok();
+    if is_decimal { " (write a decimal point)" } else { "" }
+}
+
+#[cfg(test)]
+mod tests {
+    use rhai::Scope;
+
+    use super::*;
+
+    #[test]
+    fn an_argument_of_another_kind_is_named() {
+        let given = [("most", "abc"), ("mu", "0,5"), ("start", "1,2"), ("method", "cma-es")];
+        let mut given: Map = given.into_iter().map(|(name, value)| (name.into(), value.into())).collect();
+        given.insert("one".into(), 5_i64.into());
+        let mut engine = Engine::new_raw();
+        Arguments::register(&mut engine);
+        let eval = |text: &str| {
+            let mut scope = Scope::new();
+            scope.push_constant("args", Arguments::new(given.clone()));
+            engine.eval_with_scope::<Dynamic>(&mut scope, text).map(|value| value.to_string())
+        };
+        for (text, expected) in [
+            ("args.number(\"most\", 12)", "--arg most: expected a number, found `abc`"),
+            ("args.number(\"mu\", 1.0)", "--arg mu: expected a number, found `0,5` (write a decimal point)"),
+            ("args.numbers(\"start\", [1, 1, 1])", "--arg start: expected 3 numbers, such as 1,1,1, found `1,2`"),
+            ("args.numbers(\"one\", [1, 1])", "--arg one: expected 2 numbers, such as 1,1, found `5`"),
+        ] {
+            let error = eval(text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text} gave: {error}");
+        }
+        for (text, expected) in [
+            ("args.number(\"one\", 2)", "5"),
+            ("args.number(\"none\", 2)", "2"),
+            ("args.numbers(\"start\", [0, 0])", "[1.0, 2.0]"),
+            ("args.text(\"method\", \"a\")", "cma-es"),
+            ("args.text(\"none\", \"a\")", "a"),
+        ] {
+            assert_eq!(eval(text).unwrap(), expected, "{text}");
+        }
     }
 }

@@ -2,8 +2,11 @@ use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, ParseError, Position};
+use rhai::{AST, Dynamic, Engine, EvalAltResult, FuncInfo, ImmutableString, ParseError, ParseErrorType, Position};
 use thiserror::Error;
+
+use super::{Session, places};
+use crate::diagnostic::closest;
 
 /// A mistake in a script, found while reading or while running it.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -25,19 +28,39 @@ pub struct Fault {
 
 impl Fault {
     pub(super) fn parsing(file: &Path, error: &ParseError) -> Fault {
-        Fault::at(file, error.position(), error.err_type().to_string())
+        match error.err_type() {
+            ParseErrorType::Reserved(word) if UNSUPPORTED.contains(&word.as_str()) => {
+                let hint = (word == "import").then(|| "write the functions into this script".into());
+                Fault::at(file, error.position(), format!("`{word}` is not supported in scripts")).with_hint(hint)
+            }
+            other => Fault::at(file, error.position(), other.to_string()),
+        }
     }
 
-    /// The innermost cause of a nested error.
-    pub(super) fn running(file: &Path, error: &EvalAltResult) -> Fault {
+    /// The innermost cause of a nested error in `program`.
+    pub(super) fn running(engine: &Engine, program: &AST, file: &Path, error: &EvalAltResult) -> Fault {
         let culprit = error.unwrap_inner();
         let position = culprit.position();
-        let message = match culprit {
-            EvalAltResult::ErrorRuntime(value, _) => thrown(value),
-            EvalAltResult::ErrorTerminated(reason, _) => reason.to_string(),
-            other => without_position(&other.to_string(), position),
-        };
-        Fault { numerical: is_numerical(error), ..Fault::at(file, position, message) }
+        let at = |message: String| Fault::at(file, position, message);
+        match culprit {
+            EvalAltResult::ErrorRuntime(value, _) => of_value(file, program, position, value),
+            EvalAltResult::ErrorTerminated(reason, _) => at(reason.to_string()),
+            EvalAltResult::ErrorFunctionNotFound(signature, _) => at(not_taken(signature)),
+            EvalAltResult::ErrorPropertyNotFound(name, _) => {
+                let fields = Session::of_engine(engine).fields();
+                let names = fields.iter().flat_map(|fields| fields.names.iter().copied());
+                let hint = closest(name, names).map(|name| format!("did you mean `{name}`?"));
+                at(format!("there is no property `{name}`")).with_hint(hint)
+            }
+            EvalAltResult::ErrorDotExpr(..) => match places::property_at(program, position) {
+                Some(name) if is_function(engine, &name) => {
+                    at(format!("`{name}` is a function and has no brackets here"))
+                        .with_hint(Some(format!("call it as `.{name}()`")))
+                }
+                _ => at(without_position(&culprit.to_string(), position)),
+            },
+            other => at(without_position(&other.to_string(), position)),
+        }
     }
 
     pub(super) fn starting(file: &Path, error: &io::Error) -> Fault {
@@ -72,9 +95,77 @@ fn lower_first(message: &str) -> String {
     first.unwrap_or_default() + letters.as_str()
 }
 
+/// Words of the language that scripts are not offered.
+const UNSUPPORTED: [&str; 4] = ["import", "export", "eval", "curry"];
+
+/// The fault of a thrown value: at the key of a map where it names one.
+fn of_value(file: &Path, program: &AST, position: Position, value: &Dynamic) -> Fault {
+    let numerical = value.is::<NumericalFailure>();
+    match value.read_lock::<KeyMistake>() {
+        Some(mistake) => {
+            let place = places::place_of_key(program, &mistake.key, position).unwrap_or(position);
+            Fault::at(file, place, mistake.message.to_string()).with_hint(mistake.hint.clone())
+        }
+        None => Fault { numerical, ..Fault::at(file, position, thrown(value)) },
+    }
+}
+
+fn is_function(engine: &Engine, name: &str) -> bool {
+    let found = |function: FuncInfo<'_>| (function.metadata.name == name).then_some(());
+    !engine.collect_fn_metadata(None, found, true).is_empty()
+}
+
+/// A call that no function takes, from its signature `range (i64, string)`.
+fn not_taken(signature: &str) -> String {
+    let Some((name, types)) = signature.split_once(" (") else {
+        return format!("undefined function `{signature}`");
+    };
+    let types = types.strip_suffix(')').unwrap_or(types).split(", ");
+    let words: Vec<&str> = types.filter(|name| !name.is_empty()).map(in_words).collect();
+    match words[..] {
+        [] => format!("`{name}` takes values, and has none here"),
+        _ => format!("`{name}` does not take ({})", words.join(", ")),
+    }
+}
+
+/// A type of the interpreter in words.
+fn in_words(name: &str) -> &str {
+    match name {
+        "i64" => "whole number",
+        "f64" => "number",
+        "bool" => "true or false",
+        "string" | "&str | ImmutableString | String" => "text",
+        "array" => "list",
+        "Fn" => "function",
+        "()" => "nothing",
+        other => other,
+    }
+}
+
 /// What a script catches where a simulation failed numerically: a text whose type distinguishes it from a mistake.
 #[derive(Clone, Debug)]
 struct NumericalFailure(ImmutableString);
+
+/// What a script catches where a host function refuses a key of a map.
+#[derive(Clone, Debug)]
+struct KeyMistake {
+    key: String,
+    message: ImmutableString,
+    hint: Option<String>,
+}
+
+/// The error of a host function that refuses the key `key` of a map: the script is shown there.
+pub fn refuse_key(key: &str, message: &str, hint: Option<String>) -> Box<EvalAltResult> {
+    let thrown = KeyMistake { key: key.into(), message: message.into(), hint };
+    Box::new(EvalAltResult::ErrorRuntime(Dynamic::from(thrown), Position::NONE))
+}
+
+impl KeyMistake {
+    fn text(&self) -> String {
+        let hint = self.hint.as_ref().map(|hint| format!(" ({hint})")).unwrap_or_default();
+        format!("{}{hint}", self.message)
+    }
+}
 
 /// The error of a host function whose simulation failed numerically.
 pub fn numerical_failure(message: impl Display) -> Box<EvalAltResult> {
@@ -89,12 +180,21 @@ pub fn is_numerical(error: &EvalAltResult) -> bool {
 
 /// The thrown value as text.
 pub fn thrown(value: &Dynamic) -> String {
+    if let Some(mistake) = value.read_lock::<KeyMistake>() {
+        return mistake.text();
+    }
     value.read_lock::<NumericalFailure>().map_or_else(|| value.to_string(), |failure| failure.0.to_string())
 }
 
 /// Registers the text operations on such a failure.
 pub(super) fn register(engine: &mut Engine) {
     engine
+        .register_type_with_name::<KeyMistake>("mistake")
+        .register_fn("to_string", |mistake: &mut KeyMistake| mistake.text())
+        .register_fn("to_debug", |mistake: &mut KeyMistake| mistake.text())
+        .register_fn("+", |text: ImmutableString, mistake: KeyMistake| text + mistake.text())
+        .register_fn("+", |mistake: KeyMistake, text: ImmutableString| mistake.text() + text.as_str())
+        .register_fn("contains", |mistake: &mut KeyMistake, text: &str| mistake.text().contains(text))
         .register_type_with_name::<NumericalFailure>("numerical failure")
         .register_fn("to_string", |failure: &mut NumericalFailure| failure.0.clone())
         .register_fn("to_debug", |failure: &mut NumericalFailure| failure.0.clone())

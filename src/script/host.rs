@@ -12,7 +12,7 @@ use rhai::packages::{
 use rhai::{AST, Engine, OptimizationLevel, Scope, Token, TokenizeState};
 use thiserror::Error;
 
-use super::{Fault, Session, calls};
+use super::{Fault, Session, calls, fields, places};
 use crate::file::{self, FileError};
 
 /// Longest script that is read, bytes.
@@ -141,11 +141,12 @@ impl Script {
     /// Compiles `text`; faults name `path` as its file.
     ///
     /// # Errors
-    /// The first syntax error, or else every call of an undefined function.
+    /// The first syntax error, or else every call of an undefined function and every access to an unknown field.
     pub fn compile(engine: &Engine, scope: &Scope, path: &Path, text: &str) -> Result<Script, Vec<Fault>> {
         let program = engine.compile_with_scope(scope, text).map_err(|error| vec![Fault::parsing(path, &error)])?;
-        let undefined = calls::undefined(engine, &program, path);
-        if undefined.is_empty() { Ok(Script { path: path.into(), text: text.into(), program }) } else { Err(undefined) }
+        let mut faults = calls::undefined(engine, &program, path);
+        faults.extend(fields::unknown(&Session::of_engine(engine).fields(), &program, path));
+        if faults.is_empty() { Ok(Script { path: path.into(), text: text.into(), program }) } else { Err(faults) }
     }
 
     /// The source text.
@@ -153,10 +154,10 @@ impl Script {
         &self.text
     }
 
-    /// Whether the script may read `args.<name>`: it has the name as a word, or reads all keys.
+    /// Whether the script may read `args.<name>`: it reads a property of that name, has the name as a text, or reads
+    /// all arguments.
     pub fn mentions_argument(&self, name: &str) -> bool {
-        let mut words = self.text.split(|letter: char| !letter.is_alphanumeric() && letter != '_');
-        words.any(|word| word == name) || self.text.contains("args.keys(")
+        places::mentions(&self.program, name)
     }
 
     /// Runs the script with the constants in `scope` and drops its last value.
@@ -169,7 +170,7 @@ impl Script {
     pub fn run(&self, engine: &Engine, mut scope: Scope<'static>) -> Result<(), Fault> {
         let work = move || {
             let result = engine.run_ast_with_scope(&mut scope, &self.program);
-            result.map_err(|error| Fault::running(&self.path, &error))
+            result.map_err(|error| Fault::running(engine, &self.program, &self.path, &error))
         };
         thread::scope(|threads| {
             let interpreter = thread::Builder::new().name("script".into());
@@ -194,7 +195,7 @@ mod tests {
         for (text, expected) in [
             ("let a = 1;\nlet b = a +;", "s.rhai:2:12: "),
             ("let a = 1;\n  nosuch + 1", "s.rhai:2:3: undefined variable: nosuch"),
-            ("fn f(x) {\n x.sqrt(2)\n}\nf(1)", "s.rhai:2:4: function not found: sqrt"),
+            ("fn f(x) {\n x.sqrt(2)\n}\nf(1)", "s.rhai:2:4: `sqrt` does not take (whole number, whole number)"),
             ("let a = [1];\na[7]", "s.rhai:2:3: array index 7 out of bounds"),
             ("throw \"enough\"", "s.rhai:1:1: enough"),
             ("let m = #{};\nm.nosuch", "s.rhai:2:3: "),

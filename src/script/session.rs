@@ -14,6 +14,15 @@ use crate::simulate::Cancellation;
 /// Most comparisons of one trial that are stored for plots.
 const MOST_COMPARED: usize = 12;
 
+/// The fields of the maps that host values have under one name.
+#[derive(Clone, Copy, Debug)]
+pub struct Fields {
+    /// The name of the map, as in `run.<map>.<field>`.
+    pub map: &'static str,
+    /// The names of its fields.
+    pub names: &'static [&'static str],
+}
+
 /// State that host functions share while a script runs; each engine has one, as its tag. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub struct Session {
@@ -21,6 +30,7 @@ pub struct Session {
     recordings: Arc<Mutex<BTreeMap<PathBuf, bool>>>,
     trial: Option<Arc<Mutex<Trial>>>,
     cancellation: Cancellation,
+    fields: Arc<Mutex<Vec<Fields>>>,
 }
 
 /// What host functions record during one evaluation of an objective.
@@ -47,6 +57,16 @@ impl Session {
 
     fn in_tag(tag: &Dynamic) -> Option<Session> {
         tag.read_lock::<Session>().map(|session| session.clone())
+    }
+
+    /// Declares the fields of maps of the host, which scripts are checked against before they run.
+    pub fn declare(&self, fields: Fields) {
+        lock(&self.fields).push(fields);
+    }
+
+    /// The declared fields.
+    pub(super) fn fields(&self) -> Vec<Fields> {
+        lock(&self.fields).clone()
     }
 
     /// The same session within an evaluation of an objective, which may be cancelled.

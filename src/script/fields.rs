@@ -1,0 +1,135 @@
+//! Fields of host maps with known names, such as `run.summary`: misspelt ones are found before the script runs.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use rhai::{AST, ASTNode, Expr, Position};
+
+use super::{Fault, Fields};
+use crate::diagnostic::closest;
+
+/// Every access `.<map>.<field>` in `program` to a field that the map cannot have, in the order of the text. A script
+/// that has the name of the map, or of the field, as a key or a text may make such a map itself.
+pub(super) fn unknown(known: &[Fields], program: &AST, file: &Path) -> Vec<Fault> {
+    let mut own: HashSet<String> = HashSet::new();
+    let mut found: Vec<(String, String, Position)> = Vec::new();
+    program.walk(&mut |path: &[ASTNode]| {
+        match path.last() {
+            Some(ASTNode::Expr(Expr::Map(map, _))) => own.extend(map.0.iter().map(|(key, _)| key.name.to_string())),
+            Some(ASTNode::Expr(Expr::StringConstant(text, _))) => drop(own.insert(text.to_string())),
+            Some(ASTNode::Expr(Expr::Dot(pair, ..))) => {
+                if let (Some((map, _)), Some((field, position))) = (property(&pair.lhs), first_property(&pair.rhs)) {
+                    found.push((map, field, position));
+                }
+            }
+            _ => {}
+        }
+        true
+    });
+    found.sort_by_key(|(_, _, position)| (position.line(), position.position()));
+    let fault = |(map, field, position): (String, String, Position)| {
+        let known = known.iter().find(|known| known.map == map && !known.names.contains(&field.as_str()))?;
+        if own.contains(&map) || own.contains(&field) {
+            return None;
+        }
+        let fault = Fault::at(file, position, format!("a {map} has no `{field}`"));
+        Some(
+            fault.with_hint(closest(&field, known.names.iter().copied()).map(|name| format!("did you mean `{name}`?"))),
+        )
+    };
+    found.into_iter().filter_map(fault).collect()
+}
+
+fn property(expression: &Expr) -> Option<(String, Position)> {
+    match expression {
+        Expr::Property(property, position) => Some((property.2.to_string(), *position)),
+        _ => None,
+    }
+}
+
+/// The property that an access begins with.
+fn first_property(expression: &Expr) -> Option<(String, Position)> {
+    match expression {
+        Expr::Dot(pair, ..) | Expr::Index(pair, ..) => property(&pair.lhs),
+        other => property(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use rhai::{Dynamic, Map, Scope};
+
+    use super::*;
+    use crate::script::{Limits, Script, Session, engine, refuse_key};
+
+    fn faults(text: &str) -> Vec<(usize, usize, String, Option<String>)> {
+        let mut engine = engine(Limits::POST);
+        Session::of_engine(&engine).declare(Fields { map: "summary", names: &["peak_force_N", "elements"] });
+        engine.register_fn("start", || -> Map { [("summary".into(), Dynamic::from(Map::new()))].into() });
+        engine.register_fn("with", |changes: Map| match changes.contains_key("b.c") {
+            true => Err(refuse_key("b.c", "unknown key `c`", Some("did you mean `d`?".into()))),
+            false => Ok(1_i64),
+        });
+        let of = |fault: Fault| (fault.line, fault.column, fault.message, fault.hint);
+        match Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), text) {
+            Err(faults) => faults.into_iter().map(of).collect(),
+            Ok(script) => script.run(&engine, Scope::new()).err().into_iter().map(of).collect(),
+        }
+    }
+
+    /// Where the map is reached at once, before the script runs; in a variable, when it is read.
+    #[test]
+    fn a_misspelt_field_is_reported_with_the_closest_name() {
+        let hint = Some("did you mean `peak_force_N`?".to_owned());
+        for (text, line, column, message) in [
+            ("throw 1;\nstart().summary.peak_forc_N", 2, 17, "a summary has no `peak_forc_N`"),
+            ("throw 1; [start()][0].summary.peak_forc_N.max()", 1, 31, "a summary has no `peak_forc_N`"),
+            ("let s = start().summary; s.peak_forc_N", 1, 28, "there is no property `peak_forc_N`"),
+        ] {
+            assert_eq!(faults(text), [(line, column, message.to_owned(), hint.clone())], "{text}");
+        }
+        assert_eq!(faults("let m = #{ summary: #{ own: 1 } }; m.summary.own"), []);
+    }
+
+    #[test]
+    fn a_function_without_brackets_has_a_hint() {
+        let [(1, 11, message, hint)] = &faults("let a = 1.sqrt;")[..] else {
+            panic!("{:?}", faults("let a = 1.sqrt;"))
+        };
+        assert_eq!(message, "`sqrt` is a function and has no brackets here");
+        assert_eq!(hint.as_deref(), Some("call it as `.sqrt()`"));
+    }
+
+    #[test]
+    fn a_refused_key_is_reported_at_its_place() {
+        let text = "with(#{ a: 1 });\nwith(#{\n  a: 1,\n  \"b.c\": 2,\n});";
+        let expected = (4, 3, "unknown key `c`".to_owned(), Some("did you mean `d`?".to_owned()));
+        assert_eq!(faults(text), [expected]);
+        assert_eq!(faults("try { with(#{ \"b.c\": 2 }) } catch (e) { if !e.contains(\"mean\") { throw 1 } }"), []);
+    }
+
+    #[test]
+    fn import_is_not_supported() {
+        let expected = (2, 1, "`import` is not supported in scripts".to_owned());
+        let (line, column, message, hint) = faults("let a = 1;\nimport \"b\" as b;").remove(0);
+        assert_eq!(((line, column, message), hint.is_some()), (expected, true));
+    }
+
+    #[test]
+    fn a_comment_or_a_key_does_not_read_an_argument() {
+        let read = |text: &str| {
+            let engine = engine(Limits::POST);
+            let mut scope = Scope::new();
+            scope.push_constant("args", Map::new());
+            Script::compile(&engine, &scope, Path::new("s.rhai"), text).unwrap().mentions_argument("mu")
+        };
+        for text in ["args.mu", "\"mu\" in args", "args[\"mu\"]", "args.keys()", "let f = |x| args.mu * x;"] {
+            assert!(read(text), "{text}");
+        }
+        for text in ["// mu", "let m = #{ mu: 1 };", "let mu = 1;", "\"of mu\""] {
+            assert!(!read(text), "{text}");
+        }
+    }
+}
