@@ -273,7 +273,7 @@ fn mesh_files_are_bounded_before_they_are_read() {
     let square = r#"{ rectangle = ["1 m", "1 m"] }, mesh = { size = "10 mm" }"#;
     let sphere = r#"{ sphere = { radius = "0.1 m" } }"#;
     for (length, specimen, impactor, expected) in [
-        (800_000_000, film.as_str(), sphere, "the mesh is too large for memory: 16 000 000 elements need about 8 GB"),
+        (800_000_000, film.as_str(), sphere, "the mesh is too large for memory: 16 000 000 elements need about 8.4 GB"),
         (2_000_000_000, square, film.as_str(), "the mesh file is too long: 2.0 GB"),
     ] {
         file.set_len(length).expect("room");
