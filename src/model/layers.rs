@@ -60,6 +60,7 @@ fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut Mista
         md_angle: scenario.specimen.md_angle.0,
         prestrain: [layers.prestrain.md, layers.prestrain.td],
         meshing,
+        settle: layers.settle,
     };
     Some(layers.faces.iter().map(|height| face(height.0)).collect())
 }
@@ -91,6 +92,7 @@ fn single(
         md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
         prestrain: [layer.prestrain.md, layer.prestrain.td],
         meshing: meshing?,
+        settle: layer.settle,
     })
 }
 

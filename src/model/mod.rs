@@ -175,6 +175,8 @@ pub struct Face {
     pub prestrain: [f64; 2],
     /// Kind and size of its elements.
     pub meshing: Meshing,
+    /// Whether it is brought to equilibrium with its pre-strain and its weight before the test.
+    pub settle: bool,
 }
 
 /// The mounting frame.

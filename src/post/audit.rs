@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::engine::Relaxation;
 use crate::lane::Width;
 use crate::mesh::Quality;
 use crate::number::clean_time;
@@ -38,7 +39,7 @@ pub struct Audit {
     pub time_step_s: f64,
     /// Wall time.
     pub wall_s: f64,
-    /// Wall time over elements and steps.
+    /// Wall time over elements and steps, with those of the relaxation before the test.
     pub ns_per_element_step: f64,
     /// Threads of the engine.
     pub threads: usize,
@@ -50,12 +51,34 @@ pub struct Audit {
     pub kinetic_share: Option<f64>,
     /// Energy lost to damping over the energy that the film took up; only quasi-static loadings.
     pub damping_share: Option<f64>,
+    /// How the film came to equilibrium before the test; none where nothing holds it.
+    pub relaxation: Option<RelaxationFigures>,
     /// Largest penetration over the impactor's radius.
     pub penetration: Option<f64>,
     /// The mesh of each face.
     pub meshes: Vec<MeshFigures>,
     /// Strain increments by strain rate.
     pub strain_rates: Histogram,
+}
+
+/// How the film came to equilibrium before the test (theory.md, section 18).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RelaxationFigures {
+    /// Forces out of balance over the reactions, of the film as mounted.
+    pub mounted_residual: f64,
+    /// The same at the start of the test.
+    pub residual: f64,
+    /// Steps of the relaxation; zero where the film was mounted in equilibrium.
+    pub steps: u64,
+    /// Largest displacement of a node in it.
+    pub displacement_m: f64,
+}
+
+impl RelaxationFigures {
+    fn of(relaxation: Relaxation) -> RelaxationFigures {
+        let Relaxation { mounted, residual, steps, displacement, .. } = relaxation;
+        RelaxationFigures { mounted_residual: mounted, residual, steps, displacement_m: displacement }
+    }
 }
 
 /// Shape of the elements of one face, the worst of them.
@@ -105,7 +128,8 @@ impl Audit {
     /// The figures of a finished or failed run.
     pub fn of(outcome: &Outcome) -> Audit {
         let wall_s = outcome.wall.as_secs_f64();
-        let element_steps = outcome.elements as f64 * outcome.steps as f64;
+        let relaxed = outcome.relaxation.map_or(0, |relaxation| relaxation.steps);
+        let element_steps = outcome.elements as f64 * (outcome.steps + relaxed) as f64;
         Audit {
             energy_balance_error: outcome.energy_balance_error,
             ruptured: outcome.rupture_time.is_some(),
@@ -121,6 +145,7 @@ impl Audit {
             mass_scaling: outcome.mass_scaling,
             kinetic_share: outcome.kinetic_share,
             damping_share: outcome.damping_share,
+            relaxation: outcome.relaxation.map(RelaxationFigures::of),
             penetration: outcome.penetration,
             meshes: outcome.films.iter().map(|film| MeshFigures::of(&film.quality)).collect(),
             strain_rates: Histogram::of(&outcome.rates),

@@ -16,7 +16,7 @@ use crate::simulate::Outcome;
 pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
 
 /// The fields that a summary may have in a script: those of all kinds of loading.
-pub(super) const SUMMARY: [&str; 52] = [
+pub(super) const SUMMARY: [&str; 53] = [
     "scenario",
     "title",
     "droptower",
@@ -66,6 +66,7 @@ pub(super) const SUMMARY: [&str; 52] = [
     "mass_scaling",
     "kinetic_share",
     "damping_share",
+    "relaxation",
     "penetration",
     "meshes",
     "strain_rates",

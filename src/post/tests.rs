@@ -34,6 +34,7 @@ pub(super) fn model() -> Model {
         md_angle: 0.0,
         prestrain: [0.0; 2],
         meshing: Meshing { element: Element::Quad4, size: 0.01 },
+        settle: true,
     };
     Model {
         name: "drop/pulse".into(),
@@ -96,6 +97,7 @@ fn outcome() -> Outcome {
         kinetic_share: None,
         damping_share: None,
         settling: None,
+        relaxation: None,
         mass_scaling: None,
         penetration: Some(f64::NAN),
         elements: 400,

@@ -22,11 +22,14 @@ pub struct Layers {
     /// Engineering strain with which the film is mounted on the frame.
     #[serde(default)]
     pub prestrain: Prestrain,
+    /// Whether film is brought to equilibrium with its pre-strain and its weight before the test.
+    #[serde(default = "yes")]
+    pub settle: bool,
 }
 
 impl Default for Layers {
     fn default() -> Layers {
-        Layers { count: one(), faces: ground(), prestrain: Prestrain::default() }
+        Layers { count: one(), faces: ground(), prestrain: Prestrain::default(), settle: yes() }
     }
 }
 
@@ -50,6 +53,9 @@ pub struct Layer {
     /// Engineering strain with which this face is mounted.
     #[serde(default)]
     pub prestrain: Prestrain,
+    /// Whether this face is brought to equilibrium with its pre-strain and its weight before the test.
+    #[serde(default = "yes")]
+    pub settle: bool,
     /// Element type and size; what is left out is the specimen's.
     #[serde(default)]
     pub mesh: Meshing,
@@ -70,6 +76,10 @@ pub struct Prestrain {
 
 fn one() -> u32 {
     1
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn level() -> Length {

@@ -24,8 +24,8 @@ mod warning;
 
 use std::time::{Duration, Instant};
 
-use crate::engine::{self, Engine, Surface, ThreadPool};
-use crate::model::Model;
+use crate::engine::{self, Engine, Relaxation, Surface, ThreadPool};
+use crate::model::{Hold, Model};
 use crate::signal::Recording;
 pub use cancellation::Cancellation;
 pub use checkpoint::{Checkpoint, Checkpoints, Restart};
@@ -119,18 +119,23 @@ pub fn run_with(
 ) -> Result<Outcome, RunError> {
     let RunOptions { restart, checkpoints, pool, cancellation, on_snapshot, detailed } = options;
     let begin = Instant::now();
-    let scene = build::scene(model)?;
+    let mut scene = build::scene(model)?;
     let pool = pool.unwrap_or_else(|| build::pool(scene.engine.elements()));
     let mut engine = scene.engine.with_pool(pool);
     let mut probe = Probe::new(model, &scene.mounting, detailed);
     let mut before = Duration::ZERO;
+    let mut settled = Ok(());
     if let Some(restart) = restart {
         before = restart.wall;
         restart.restore(&mut engine, &mut probe)?;
+    } else {
+        settled = settle(model, &mut engine, &cancellation).map(|relaxation| probe.record_relaxation(relaxation));
     }
+    scene.mounting.start += probe.lift();
     let wall = || before + begin.elapsed();
     let mut events = SnapshotEvents { on_snapshot, mounting: &scene.mounting, reported: 0 };
-    let stepped = advance(&mut engine, &mut probe, checkpoints, progress, &wall, &cancellation, &mut events);
+    let stepped = settled
+        .and_then(|()| advance(&mut engine, &mut probe, checkpoints, progress, &wall, &cancellation, &mut events));
     if cancellation.is_cancelled() {
         return Err(RunError::Cancelled);
     }
@@ -143,6 +148,19 @@ pub fn run_with(
         None => Ok(outcome),
         Some(cause) => Err(RunError::Failure(Box::new(Failure { cause, so_far: outcome }))),
     }
+}
+
+/// Brings the film to equilibrium before its first step, unless nothing holds it or its model leaves that out.
+fn settle(
+    model: &Model,
+    engine: &mut Engine,
+    cancellation: &Cancellation,
+) -> Result<Option<Relaxation>, engine::Fault> {
+    if model.frame.hold == Hold::None {
+        return Ok(None);
+    }
+    let wanted: Vec<bool> = model.faces.iter().map(|face| face.settle).collect();
+    engine.relax(&wanted, || !cancellation.is_cancelled()).map(Some)
 }
 
 /// Reports snapshots to [`RunOptions::on_snapshot`].

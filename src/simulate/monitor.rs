@@ -4,11 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use super::film::Film;
 use super::warning::{Warning, bounds};
-use crate::engine::{self, ContactState, ElementStrain, View};
+use crate::engine::{self, ContactState, ElementStrain, Relaxation, View};
 use crate::model::SNAPSHOT_MEMORY;
 
 /// Figures that are known only at the end of a run.
 pub(super) struct Figures {
+    /// Whether the impactor reached the end of the test without contact.
+    pub(super) missed: bool,
+    /// How the film came to equilibrium.
+    pub(super) relaxation: Option<Relaxation>,
     /// Error of the energy balance.
     pub(super) balance: f64,
     /// Share of the strain increments outside the measured rates.
@@ -86,11 +90,18 @@ impl Monitor {
 
     /// The warnings of a run on `films` that ended with `figures`.
     pub(super) fn finish(self, figures: &Figures, films: &[Film]) -> Vec<Warning> {
-        let Figures { balance, outside, kinetic, snapshots: [wanted, taken], unfinished } = *figures;
+        let Figures { missed, relaxation, balance, outside, kinetic, snapshots: [wanted, taken], unfinished } =
+            *figures;
         let misshapen = films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < bounds::JACOBIAN);
         let mut out: Vec<Warning> = misshapen
             .map(|(face, film)| Warning::MisshapenElements { face: face + 1, quality: film.quality })
             .collect();
+        out.extend(relaxation.and_then(|relaxation| match relaxation {
+            relaxation if !relaxation.is_in_equilibrium() => Some(Warning::NotInEquilibrium(relaxation)),
+            relaxation if relaxation.steps > 0 => Some(Warning::Settled(relaxation)),
+            _ => None,
+        }));
+        out.extend(missed.then_some(Warning::NoContact));
         out.extend(self.edge.map(|(time, edge)| Warning::CoarseContact { time, edge }));
         out.extend(self.penetration.map(|(time, depth)| Warning::Penetration { time, depth }));
         out.extend(self.frame_hit.map(|time| Warning::FrameHit { time }));
@@ -98,7 +109,7 @@ impl Monitor {
         out.extend(unfinished.then_some(Warning::Unfinished));
         out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));
         out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));
-        out.extend((outside > bounds::RATES).then_some(Warning::StrainRateOutside { share: outside }));
+        out.extend((outside > bounds::RATES && !missed).then_some(Warning::StrainRateOutside { share: outside }));
         out.extend(kinetic.and_then(|share| match share {
             share if share > bounds::KINETIC => Some(Warning::NotQuasiStatic { share }),
             share if share > bounds::BARELY => Some(Warning::BarelyQuasiStatic { share }),

@@ -6,7 +6,7 @@ use super::film::Film;
 use super::rates::RateHistogram;
 use super::snapshot::Snapshot;
 use super::warning::Warning;
-use crate::engine::Surface;
+use crate::engine::{Relaxation, Surface};
 use crate::lane::Width;
 use crate::signal::Recording;
 
@@ -39,6 +39,8 @@ pub struct Outcome {
     /// Change of an inflated film's deflection over the last tenth of the test, over the deflection; none after a
     /// rupture.
     pub settling: Option<f64>,
+    /// How the film came to equilibrium before the test; none where nothing holds it.
+    pub relaxation: Option<Relaxation>,
     /// Factor on the film's mass that the run used (only quasi-static loadings).
     pub mass_scaling: Option<f64>,
     /// Largest penetration over the impactor's radius.

@@ -16,7 +16,7 @@ use super::rise::{self, Rise};
 use super::snapshot::{self, Snapshot};
 use super::tracks::Tracks;
 use super::warning::bounds::KINETIC;
-use crate::engine::{self, ElementStrain, Engine, Observer, Track, View};
+use crate::engine::{self, ElementStrain, Engine, Observer, Relaxation, Track, View};
 use crate::model::Model;
 use crate::signal::{Recording, column};
 
@@ -61,6 +61,7 @@ pub(super) struct Record {
     rupture_time: Option<f64>,
     penetration: Option<f64>,
     lowest: f64,
+    relaxation: Option<Relaxation>,
 }
 
 impl<'a> Probe<'a> {
@@ -83,6 +84,7 @@ impl<'a> Probe<'a> {
             rupture_time: None,
             penetration: None,
             lowest: f64::INFINITY,
+            relaxation: None,
         };
         Probe {
             model,
@@ -106,6 +108,16 @@ impl<'a> Probe<'a> {
     /// Resumes from the record of a checkpoint.
     pub(super) fn resume(&mut self, record: Record) {
         self.record = record;
+    }
+
+    /// Records how the film came to equilibrium before the first step.
+    pub(super) fn record_relaxation(&mut self, relaxation: Option<Relaxation>) {
+        self.record.relaxation = relaxation;
+    }
+
+    /// Height by which the impactor was lifted over settled film, m.
+    pub(super) fn lift(&self) -> f64 {
+        self.record.relaxation.map_or(0.0, |relaxation| relaxation.lift)
     }
 
     /// Snapshots so far.
@@ -218,10 +230,21 @@ impl<'a> Probe<'a> {
         let settling = self.settling();
         let signals = self.signals(&mounting);
         let energies = self.energies();
+        let missed =
+            self.model.impactor.is_some() && self.record.tracks.first_contact.is_none() && self.is_done(engine.time());
         let rates = self.record.rates.finish();
         let unfinished = signals.channel(column::CONTACT_FORCE.name).is_some_and(loading::ends_loaded);
         let snapshots = [self.model.output.frames, self.snapshots];
-        let figures = Figures { balance, outside: rates.outside, kinetic: kinetic_share, snapshots, unfinished };
+        let relaxation = self.record.relaxation;
+        let figures = Figures {
+            missed,
+            relaxation,
+            balance,
+            outside: rates.outside,
+            kinetic: kinetic_share,
+            snapshots,
+            unfinished,
+        };
         Outcome {
             signals,
             energies,
@@ -235,6 +258,7 @@ impl<'a> Probe<'a> {
             kinetic_share,
             damping_share,
             settling,
+            relaxation,
             mass_scaling: mounting.mass_scaling,
             penetration: self.record.penetration,
             elements: engine.elements(),

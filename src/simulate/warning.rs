@@ -4,14 +4,27 @@ use std::fmt;
 
 use serde_json::{Map, Value};
 
+use crate::engine::Relaxation;
 use crate::finding::{Code, Report, codes};
 use crate::mesh::Quality;
+use crate::number;
 
 codes! {
     MISSHAPEN_ELEMENTS = "misshapen-elements", Warning,
         "an element of the mesh has a small scaled Jacobian: it is far from a square or an equilateral triangle, and \
          its strains and its stable time step are poor",
         "mesh the outline again with better shaped elements; `droptower check` names the worst of them";
+    SETTLED = "settled", Note,
+        "the film was not mounted in equilibrium with its pre-strain and its weight, and was brought to it before the \
+         test, without impactor; strains and energies count from there",
+        "nothing; `settle = false` in `[layers]` or a `[[layer]]` starts from film as mounted";
+    NOT_IN_EQUILIBRIUM = "not-in-equilibrium", Warning,
+        "the film is out of balance with its pre-strain or its weight when the test starts, so that it moves by itself",
+        "leave out `settle = false`; where the film has no equilibrium, such as slack film under its weight, give \
+         it a pre-strain";
+    NO_CONTACT = "no-contact", Warning,
+        "the impactor passed the film, or did not reach it, without touching it: its signals are those of a free fall",
+        "correct `impactor.position` or the outline of the film, or use a longer duration";
     COARSE_CONTACT = "coarse-contact", Warning,
         "elements in contact are large compared with the impactor, so that the film takes its shape only approximately",
         "use a smaller `specimen.mesh.size`";
@@ -57,6 +70,12 @@ pub enum Warning {
         /// Shape of its elements, the worst of them.
         quality: Quality,
     },
+    /// The film was brought to equilibrium before the test.
+    Settled(Relaxation),
+    /// The test starts with film out of balance.
+    NotInEquilibrium(Relaxation),
+    /// The impactor did not touch the film.
+    NoContact,
     /// Elements in contact are large compared with the impactor.
     CoarseContact {
         /// When the bound was exceeded first, s.
@@ -145,6 +164,22 @@ impl fmt::Display for Warning {
         let (ms, percent) = (|t: &f64| 1e3 * t, |share: &f64| 100.0 * share);
         match self {
             Warning::MisshapenElements { face, quality } => write!(f, "misshapen elements in face {face}: {quality}"),
+            Warning::Settled(Relaxation { mounted, residual, steps, displacement, .. }) => {
+                let [mounted, residual] = [mounted, residual].map(|residual| number::figure(*residual, 2));
+                write!(
+                    f,
+                    "settled before the test: forces out of balance fell from {mounted} to {residual} of the reactions \
+                     in {} steps, in which the film moved by up to {} mm",
+                    number::grouped(*steps),
+                    number::figure(1e3 * displacement, 3)
+                )
+            }
+            Warning::NotInEquilibrium(Relaxation { residual, .. }) => write!(
+                f,
+                "not in equilibrium: at the start forces out of balance are {} of the reactions",
+                number::figure(*residual, 2)
+            ),
+            Warning::NoContact => f.write_str("no contact: the impactor did not touch the film during the whole test"),
             Warning::CoarseContact { time, edge } => write!(
                 f,
                 "coarse contact: from {:.1} ms edges in contact are up to {edge:.2} of the impactor's radius \
@@ -211,6 +246,9 @@ impl Report for Warning {
     fn code(&self) -> &'static Code {
         match self {
             Warning::MisshapenElements { .. } => &MISSHAPEN_ELEMENTS,
+            Warning::Settled(_) => &SETTLED,
+            Warning::NotInEquilibrium(_) => &NOT_IN_EQUILIBRIUM,
+            Warning::NoContact => &NO_CONTACT,
             Warning::CoarseContact { .. } => &COARSE_CONTACT,
             Warning::Penetration { .. } => &PENETRATION,
             Warning::FrameHit { .. } => &FRAME_HIT,
@@ -229,6 +267,15 @@ impl Report for Warning {
             Warning::MisshapenElements { face, quality } => {
                 &[("face", face.into()), ("scaled_jacobian", quality.jacobian.into())]
             }
+            Warning::Settled(relaxation) | Warning::NotInEquilibrium(relaxation) => {
+                let Relaxation { mounted, residual, steps, displacement, .. } = relaxation;
+                &[
+                    ("mounted_residual", mounted.into()),
+                    ("residual", residual.into()),
+                    ("steps", steps.into()),
+                    ("displacement_m", displacement.into()),
+                ]
+            }
             Warning::CoarseContact { time, edge } => &[("time_s", time.into()), ("edge_over_radius", edge.into())],
             Warning::Penetration { time, depth } => {
                 &[("time_s", time.into()), ("penetration_over_radius", depth.into())]
@@ -237,7 +284,7 @@ impl Report for Warning {
             Warning::StrainLocalisation { time, strain, face } => {
                 &[("time_s", time.into()), ("strain", strain.into()), ("face", face.into())]
             }
-            Warning::Unfinished => &[],
+            Warning::NoContact | Warning::Unfinished => &[],
             Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
             Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],
             Warning::StrainRateOutside { share } => &[("share", share.into())],

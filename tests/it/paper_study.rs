@@ -95,8 +95,8 @@ fn coarse(script: &str, more: &[&str]) -> Json {
 }
 
 /// Six multipliers from one acceleration have wider intervals than three, and each further signal or test narrows them;
-/// with a drop onto a strip along TD they are independent. The search from one signal ends far off although its misfit
-/// is small.
+/// with a drop onto a strip along TD they depend least on each other. The search from one signal ends far off although
+/// its misfit is small.
 #[test]
 fn further_signals_make_multipliers_identifiable() {
     let scenario = ["--scenario", "scenarios/drop/1008.toml", "--arg", "mesh=40 mm"];
@@ -112,7 +112,10 @@ fn further_signals_make_multipliers_identifiable() {
         }
     }
     let held_in_td = others.last().expect("a strip along TD");
-    assert!(figure(held_in_td, "condition") < 10.0 && figure(six, "condition") > 30.0);
+    for row in others {
+        assert!(figure(held_in_td, "condition") <= figure(row, "condition"), "{row}");
+    }
+    assert!(figure(held_in_td, "condition") < 0.5 * figure(six, "condition"), "{held_in_td}");
     for (row, papers) in rows(&summary, "half_width").iter().zip(rows(&summary, "half_width_at_papers_misfit")) {
         assert_eq!(row["data"], papers["data"]);
         assert!(row["ke_md"].is_null() || figure(papers, "ke_md") > figure(row, "ke_md"));

@@ -9,10 +9,10 @@ use droptower::identify::{self, SearchHost};
 use droptower::model::{self, Loading, Model};
 use droptower::post::{self, Plan, Results};
 use droptower::scenario::{Assignment, Document};
-use droptower::script::{Limits, OutputCollector, Script};
+use droptower::script::{Arguments, Limits, OutputCollector, Script};
 use droptower::simulate;
 use droptower::units::DIMENSIONS;
-use rhai::{Map, Scope};
+use rhai::Scope;
 
 fn files(pattern: &str) -> Vec<PathBuf> {
     let root = env!("CARGO_MANIFEST_DIR");
@@ -116,8 +116,9 @@ fn study_scripts_compile() {
     post::register_studies(&mut engine, Vec::new());
     identify::register(&mut engine, &SearchHost::new(None, |_| {}));
     functions::register_reading(&mut engine);
+    Arguments::register(&mut engine);
     let mut scope = Scope::new();
-    scope.push_constant("args", Map::new());
+    scope.push_constant("args", Arguments::default());
     for path in files("scripts/*.rhai") {
         let compiled = Script::read(&engine, &scope, &path);
         assert!(compiled.is_ok(), "{}", compiled.err().map(|error| error.to_string()).unwrap_or_default());

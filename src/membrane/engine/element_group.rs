@@ -6,7 +6,7 @@ use super::element::{self, Block, Blocks, ElementDetail, ElementEnergy, ElementS
 use super::film_history::{FilmHistory, Reader};
 use super::{failure, footprint};
 use crate::lane::{LANES, Width};
-use crate::material::MembraneLaw;
+use crate::material::{History, MembraneLaw};
 
 /// Elements of one kind with one law, as many as one thread takes at a time: one virtual call serves hundreds of
 /// elements.
@@ -52,6 +52,9 @@ pub(super) trait ElementGroup: Send + Sync {
 
     /// Restores the history variables.
     fn restore(&mut self, reader: &mut Reader<'_>);
+
+    /// Resets the history variables to those of virgin film; deleted elements stay deleted.
+    fn reset(&mut self);
 
     /// Calls `show` with the nodes of every element, counted from `first`; of intact ones alone or of all.
     fn for_each(&self, first: u32, intact: bool, show: &mut dyn FnMut(&[u32]));
@@ -128,6 +131,12 @@ where
 
     fn restore(&mut self, reader: &mut Reader<'_>) {
         reader.restore(&mut self.elements);
+    }
+
+    fn reset(&mut self) {
+        for (history, _) in self.elements.blocks.iter_mut().flat_map(B::history_mut) {
+            *history = M::History::virgin();
+        }
     }
 
     fn for_each(&self, first: u32, intact: bool, show: &mut dyn FnMut(&[u32])) {

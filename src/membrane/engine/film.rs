@@ -56,6 +56,11 @@ impl Film {
         Film { chunks, density, thickness, nodes }
     }
 
+    /// Density with mass scaling, kg/m³.
+    pub(super) fn density(&self) -> f64 {
+        self.density
+    }
+
     /// Number of elements.
     pub fn elements(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.group.len()).sum()
@@ -87,6 +92,11 @@ impl Film {
     pub(super) fn restore(&mut self, history: &FilmHistory) {
         let mut reader = history.reader();
         self.chunks.iter_mut().for_each(|chunk| chunk.group.restore(&mut reader));
+    }
+
+    /// Resets the history variables of its elements to those of virgin film; deleted elements stay deleted.
+    pub(super) fn reset(&mut self) {
+        self.chunks.iter_mut().for_each(|chunk| chunk.group.reset());
     }
 
     /// Calls `show` with the nodes of every element that is not deleted, counted among all nodes.

@@ -12,6 +12,7 @@ mod absorption;
 mod contact;
 mod convergence;
 mod drop;
+mod equilibrium;
 mod frame_force;
 mod gradient;
 mod indentation;

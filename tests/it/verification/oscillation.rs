@@ -70,7 +70,8 @@ impl Film {
             Film::Square => PRESTRAIN,
         };
         let prestrain = [PRESTRAIN, across];
-        let face = Face { height: 0.0, layers: 1, material, md_angle: 0.0, prestrain, meshing, film: None };
+        let face =
+            Face { height: 0.0, layers: 1, material, md_angle: 0.0, prestrain, meshing, settle: true, film: None };
         let shape = Outline::Rectangle { x: SPAN, y: self.width(edge) };
         let mesh = mesh::build(&shape, [false; 2], &face.meshing).expect("a mesh");
         let (film, mut nodes) = mounted(&mesh, &face);

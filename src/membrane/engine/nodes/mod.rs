@@ -9,6 +9,8 @@ pub(super) use integration::{Kick, StepSums, VelocityRecord};
 pub use vectors::Vectors;
 pub(super) use vectors::gather;
 
+use std::ops::Range;
+
 use nalgebra::{Point3, Vector3};
 
 use super::disjoint::Disjoint;
@@ -93,6 +95,49 @@ impl Nodes {
         let Nodes { position, velocity, force, mass, inverse_mass, effective_inverse_mass, constrained } = self;
         let vectors = position.bytes() + velocity.bytes() + force.bytes() + effective_inverse_mass.bytes();
         vectors + bytes(mass) + bytes(inverse_mass) + bytes(constrained)
+    }
+
+    /// Sums of squares of the forces on some nodes, with their weight under `gravity` (m/s²), along free directions and
+    /// along held ones, N².
+    pub(super) fn squared_forces(&self, nodes: Range<usize>, gravity: f64) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for n in nodes {
+            let ([x, y, z], free) = (self.force.at(n), self.effective_inverse_mass.at(n));
+            for (force, free) in [x, y, z - self.mass[n] * gravity].into_iter().zip(free) {
+                sums[usize::from(free == 0.0)] += force * force;
+            }
+        }
+        sums
+    }
+
+    /// Kicks some nodes over `kick` (s), without damping, and moves them by `dt` (s); the mass against vertical motion is
+    /// divided by `lightness`. Returns their kinetic energy with these masses, J.
+    pub(super) fn relax(&mut self, nodes: Range<usize>, kick: f64, dt: f64, gravity: f64, lightness: f64) -> f64 {
+        let mut kinetic = 0.0;
+        for n in nodes {
+            let (mut v, mut x) = (self.velocity.at(n), self.position.at(n));
+            let (force, inverse_mass) = (self.force.at(n), self.effective_inverse_mass.at(n));
+            for axis in (0..3).filter(|axis| inverse_mass[*axis] > 0.0) {
+                let (factor, field) = if axis == 2 { (lightness, -gravity) } else { (1.0, 0.0) };
+                v[axis] += kick * factor * (force[axis] * inverse_mass[axis] + field);
+                x[axis] += v[axis] * dt;
+                kinetic += 0.5 * self.mass[n] / factor * v[axis] * v[axis];
+            }
+            self.velocity.set(n, v);
+            self.position.set(n, x);
+        }
+        kinetic
+    }
+
+    /// Multiplies all velocities along z.
+    pub(super) fn scale_vertical_velocity(&mut self, factor: f64) {
+        let [_, _, z] = self.velocity.axes_mut();
+        z.iter_mut().for_each(|velocity| *velocity *= factor);
+    }
+
+    /// Sets all velocities to zero.
+    pub(super) fn stop(&mut self) {
+        self.velocity.axes_mut().into_iter().for_each(|axis| axis.fill(0.0));
     }
 
     /// Sum of the forces on some nodes along an axis, N.

@@ -1,0 +1,181 @@
+//! Equilibrium before a test, by dynamic relaxation with kinetic damping (theory.md, section 18).
+
+use std::ops::Range;
+
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
+
+use super::{EnergyLedger, Engine, Fault, Film, TimeStep, Vectors, film};
+
+/// Residual below which film counts as mounted in equilibrium.
+const MOUNTED: f64 = 1e-3;
+
+/// Residual at which relaxation ends.
+const TOLERANCE: f64 = 1e-6;
+
+/// Strain of film whose forces count as round-off.
+const ROUND_OFF: f64 = 1e-9;
+
+/// Steps between two updates of the masses against vertical motion, where these are hardly reduced; else every step is.
+const LIGHTNESS_INTERVAL: u64 = 10;
+
+/// Vertical stiffness over that along the film, with the reduced mass: well below one, so that the time step is stable.
+const VERTICAL_SHARE: f64 = 0.1;
+
+/// Largest factor by which mass against vertical motion is reduced.
+const MOST_LIGHTNESS: f64 = 1e3;
+
+/// Steps after which it ends without equilibrium.
+const MOST_STEPS: u64 = 200_000;
+
+/// How film came to equilibrium before a test. Residuals are forces out of balance over reactions (theory.md,
+/// equation 172).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Relaxation {
+    /// Residual of the film as mounted.
+    pub mounted: f64,
+    /// Residual at the start of the test.
+    pub residual: f64,
+    /// Steps taken; zero where the film was mounted in equilibrium.
+    pub steps: u64,
+    /// Largest displacement of a node, m.
+    pub displacement: f64,
+    /// Rise of the highest point of all film, by which the impactor was lifted, m: slack film may settle above the plane
+    /// in which it was mounted.
+    pub lift: f64,
+}
+
+impl Relaxation {
+    /// Whether the test starts from equilibrium.
+    pub fn is_in_equilibrium(&self) -> bool {
+        self.residual <= MOUNTED
+    }
+}
+
+impl Engine {
+    /// Brings the films that are `wanted`, one entry each, to equilibrium with their pre-strain and their weight before
+    /// the first step; jaws stand still and nothing touches the film, above which the impactor stays. Where the residual
+    /// of these films as mounted is below 10⁻³, nothing is changed. Histories and energies count from the equilibrium;
+    /// initial velocities stay as they are.
+    ///
+    /// Each step calls `proceed`, which ends the relaxation by `false`.
+    ///
+    /// # Errors
+    /// The time step collapses.
+    pub fn relax(&mut self, wanted: &[bool], mut proceed: impl FnMut() -> bool) -> Result<Relaxation, Fault> {
+        let all = vec![true; self.films.len()];
+        self.virgin_forces();
+        let mounted = self.residual(&all);
+        let mut residual = self.residual(wanted);
+        // A residual that is not finite is reported by the first step.
+        if residual <= MOUNTED || residual.is_nan() {
+            self.nodes.clear_forces();
+            return Ok(Relaxation { mounted, residual: mounted, steps: 0, displacement: 0.0, lift: 0.0 });
+        }
+        let (position, velocity) = (self.nodes.position.clone(), self.nodes.velocity.clone());
+        self.nodes.stop();
+        let ranges: Vec<Range<usize>> = chosen(&self.films, wanted).map(|film| film.nodes.clone()).collect();
+        let (mut steps, mut kinetic, mut at_rest, mut lightness) = (0, 0.0, true, 1.0);
+        while steps < MOST_STEPS && proceed() {
+            let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.pool, self.time)?;
+            if at_rest {
+                residual = self.residual(wanted);
+                if residual <= TOLERANCE {
+                    break;
+                }
+            }
+            if at_rest || lightness > 10.0 || steps % LIGHTNESS_INTERVAL == 0 {
+                let allowed = self.lightness();
+                if at_rest {
+                    lightness = allowed;
+                } else if allowed < lightness {
+                    // Heavier nodes keep their kinetic energy.
+                    self.nodes.scale_vertical_velocity((allowed / lightness).sqrt());
+                    lightness = allowed;
+                }
+            }
+            let over = if at_rest { 0.5 * dt } else { 0.5 * (last + dt) };
+            let drift = |range: &Range<usize>| self.nodes.relax(range.clone(), over, dt, self.loads.gravity, lightness);
+            let now: f64 = ranges.iter().map(drift).sum();
+            steps += 1;
+            at_rest = now < kinetic;
+            kinetic = if at_rest { 0.0 } else { now };
+            if at_rest {
+                self.nodes.stop();
+            }
+            self.virgin_forces();
+        }
+        let residual = self.residual(&all);
+        let moved = |n: usize| (self.nodes.position_of(n) - Point3::from(position.at(n))).norm();
+        let displacement = (0..self.nodes.mass.len()).map(moved).fold(0.0, f64::max);
+        let highest = |position: &Vectors| position.axes()[2].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let lift = (highest(&self.nodes.position) - highest(&position)).max(0.0);
+        self.impact.iter_mut().for_each(|impact| impact.body.pose.translation.vector.z += lift);
+        self.nodes.velocity = velocity;
+        self.start_from_here();
+        Ok(Relaxation { mounted, residual, steps, displacement, lift })
+    }
+
+    /// Factor by which mass against vertical motion may be lower: film of small strain and slope has little vertical
+    /// stiffness, and its slowest motions are vertical (theory.md, equation 173).
+    fn lightness(&self) -> f64 {
+        let (mut strains, position) = (vec![], &self.nodes.position);
+        film::strains(&self.films, &self.pool, position.axes(), &mut strains);
+        let intact = strains.iter().flatten().filter(|element| element.volume > 0.0);
+        let strain =
+            intact.flat_map(|element| [element.strain[0], element.strain[1]]).fold(0.0, |most, e| e.abs().max(most));
+        let mut slope_squared: f64 = 0.0;
+        for film in &self.films {
+            film.for_each_intact(|corners| {
+                for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                    let [x, y, z] = [0, 1, 2].map(|k| position.at(*b as usize)[k] - position.at(*a as usize)[k]);
+                    slope_squared = slope_squared.max(z * z / (x * x + y * y));
+                }
+            });
+        }
+        (VERTICAL_SHARE / (strain + slope_squared)).clamp(1.0, MOST_LIGHTNESS)
+    }
+
+    /// Sets the forces at the nodes to those of virgin film at the present positions.
+    fn virgin_forces(&mut self) {
+        self.films.iter_mut().for_each(Film::reset);
+        self.nodes.clear_forces();
+        self.add_forces(0.0);
+    }
+
+    /// Largest residual of any `wanted` film with the forces at the nodes (theory.md, equation 172).
+    fn residual(&self, wanted: &[bool]) -> f64 {
+        let of_film = |film: &Film| {
+            let [free, held] = self.nodes.squared_forces(film.nodes.clone(), self.loads.gravity);
+            if free == 0.0 { 0.0 } else { (free / held.max(self.squared_round_off(film))).sqrt() }
+        };
+        let larger = |most: f64, residual: f64| if residual > most || residual.is_nan() { residual } else { most };
+        chosen(&self.films, wanted).map(of_film).fold(0.0, larger)
+    }
+
+    /// Sum of squares of the nodal forces of `film` under a strain of [`ROUND_OFF`], N²: mass over the square of the step
+    /// is a stiffness, and the root of a node's area a length.
+    fn squared_round_off(&self, film: &Film) -> f64 {
+        let per_strain = ROUND_OFF / self.time_step.now().powi(2);
+        let force = |mass: &f64| per_strain * mass * (mass / (film.density() * film.thickness)).sqrt();
+        self.nodes.mass[film.nodes.clone()].iter().map(|mass| force(mass).powi(2)).sum()
+    }
+
+    /// Makes the present positions those at the start.
+    fn start_from_here(&mut self) {
+        self.films.iter_mut().for_each(Film::reset);
+        self.nodes.clear_forces();
+        self.ledger = EnergyLedger::default();
+        self.inflated = None;
+        self.failed = 0;
+        self.forces(0.0);
+        self.nodes.clear_forces();
+        self.impact.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
+        self.time_step = TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads);
+    }
+}
+
+/// The `films` that are `wanted`.
+fn chosen<'a>(films: &'a [Film], wanted: &'a [bool]) -> impl Iterator<Item = &'a Film> {
+    films.iter().zip(wanted).filter_map(|(film, wanted)| wanted.then_some(film))
+}
