@@ -105,7 +105,7 @@ impl Release {
         let lowest = level - smooth.smallest().unwrap_or(peak)[1];
         // A release changes the reading by one gravity at most.
         let change = change(&smooth);
-        if change > BLOW * gravity {
+        if change > LEAVES * gravity {
             return Err(ReleaseError::BeginsAfterContact { change, within: SHORTEST_REST });
         }
         if lowest > UPSIDE_DOWN * largest.max(gravity) {

@@ -292,7 +292,8 @@ codes! {
         "a search stopped before its tolerances were met",
         "raise max_iterations and max_evaluations, or loosen tol_x and tol_f if the objective is rough";
     ON_BOUND = "on-bound", Warning,
-        "the best point of a search lies on a bound, so that it is no minimum and the search has not converged",
+        "the best point of a search lies on a bound: without it the minimum may lie beyond, so that the search counts as not \
+         converged",
         "search from another start or from several; widen the bound if larger or smaller values are physical";
     STARTS_DISAGREE = "starts-disagree", Warning,
         "some starts of a search ended at a higher objective value than the best: there are local minima",

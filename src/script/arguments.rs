@@ -43,7 +43,7 @@ impl Arguments {
             text.split(',').map(|number| number.trim().parse::<f64>().ok().map(Dynamic::from)).collect();
         let count = otherwise.len();
         numbers.filter(|numbers| numbers.len() == count).ok_or_else(|| {
-            let example = otherwise.iter().map(Dynamic::to_string).collect::<Vec<_>>().join(",");
+            let example = otherwise.iter().map(Dynamic::to_string).collect::<Vec<_>>().join(", ");
             refuse(format!("--arg {name}: expected {count} numbers, such as {example}, found `{text}`"))
         })
     }
@@ -87,8 +87,8 @@ mod tests {
         for (text, expected) in [
             ("args.number(\"most\", 12)", "--arg most: expected a number, found `abc`"),
             ("args.number(\"mu\", 1.0)", "--arg mu: expected a number, found `0,5` (write a decimal point)"),
-            ("args.numbers(\"start\", [1, 1, 1])", "--arg start: expected 3 numbers, such as 1,1,1, found `1,2`"),
-            ("args.numbers(\"one\", [1, 1])", "--arg one: expected 2 numbers, such as 1,1, found `5`"),
+            ("args.numbers(\"start\", [1, 1, 1])", "--arg start: expected 3 numbers, such as 1, 1, 1, found `1,2`"),
+            ("args.numbers(\"one\", [1, 1])", "--arg one: expected 2 numbers, such as 1, 1, found `5`"),
         ] {
             let error = eval(text).unwrap_err().to_string();
             assert!(error.contains(expected), "{text} gave: {error}");

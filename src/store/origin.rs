@@ -109,12 +109,12 @@ fn scenario_line(path: &Path) -> Option<String> {
     text.lines().take(FEW_LINES).find_map(|line| line.strip_prefix(SCENARIO_LINE)).map(String::from)
 }
 
-/// Whether two paths name one file; of a file that is not found from here the name counts.
+/// Whether two paths name one file; where one is not found from here they must be the same text.
 fn is_same_file(one: &str, other: &str) -> bool {
     let [one, other] = [one, other].map(Path::new);
     match (fs::canonicalize(one), fs::canonicalize(other)) {
         (Ok(one), Ok(other)) => one == other,
-        _ => one.file_name() == other.file_name(),
+        _ => one == other,
     }
 }
 

@@ -63,7 +63,10 @@ impl Refinement {
         if self.is_lower {
             return Some((false, StopReason::LowerInProfile));
         }
-        let last = &self.continued.last()?.best;
+        let Some(last) = self.continued.last().map(|result| &result.best) else {
+            // The search that should have continued from a lower point had no value beside it.
+            return (!self.warnings.is_empty()).then_some((false, StopReason::LowerInProfile));
+        };
         match last.converged && !bounds.active(&self.x).is_empty() {
             true => Some((false, StopReason::OnBound)),
             false => Some((last.converged, last.reason.clone())),

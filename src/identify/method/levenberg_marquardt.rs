@@ -54,13 +54,12 @@ pub(in crate::identify) fn search(
 /// flattens, and the tolerances are met before it.
 fn onto_bound(result: StartResult, search: &Search, trials: &Trials<'_, '_>) -> Result<StartResult, SearchError> {
     let Some(x) = search.bounds.snapped(&result.x).filter(|_| result.converged) else { return Ok(result) };
-    let Some(value) = trials.value(&x)? else { return Ok(result) };
-    let evaluations = trials.evaluations();
-    let f = value.value();
-    match f <= result.f {
-        true => Ok(StartResult { x, f, evaluations, ..result }),
-        false => Ok(StartResult { evaluations, ..result }),
-    }
+    // Not a trial that the search asks for: without a value there, the point beside the bound stands.
+    let f = match trials.at_start(&x) {
+        Err(SearchError::Start { .. }) => return Ok(result),
+        value => value?.value(),
+    };
+    Ok(if f <= result.f { StartResult { x, f, ..result } } else { result })
 }
 
 /// One descent from `start`, which continues the iterations of `before`.
