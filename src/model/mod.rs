@@ -113,17 +113,17 @@ pub struct Model {
 }
 
 impl Model {
-    /// Files of the specimen's and the impactor's meshes.
-    pub fn meshes(&self) -> impl Iterator<Item = &Path> {
+    /// Key and file of the specimen's and the impactor's meshes.
+    pub fn meshes(&self) -> impl Iterator<Item = (&'static str, &Path)> {
         let specimen = match &self.specimen.shape {
-            Outline::Mesh(path) => Some(path),
+            Outline::Mesh(path) => Some(("specimen.shape.mesh", path.as_path())),
             _ => None,
         };
         let impactor = match self.impactor.as_ref().map(|impactor| &impactor.shape) {
-            Some(ImpactorShape::Mesh(path)) => Some(path),
+            Some(ImpactorShape::Mesh(path)) => Some(("impactor.shape.mesh", path.as_path())),
             _ => None,
         };
-        [specimen, impactor].into_iter().flatten().map(PathBuf::as_path)
+        [specimen, impactor].into_iter().flatten()
     }
 
     /// Name of the film in reports: that of all faces where they have one in common, else "film".

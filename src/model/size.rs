@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use super::{Face, ImpactorShape, Mistakes, Model};
+use super::{Face, Mistakes, Model};
 use crate::mesh::{Element, Outline};
 use crate::number::{grouped, rounded, significant};
 
@@ -58,15 +58,7 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
 
 /// Refuses mesh files that are too large to be read.
 fn files(model: &Model, mistakes: &mut Mistakes<'_>) {
-    let film = match &model.specimen.shape {
-        Outline::Mesh(path) => Some(("specimen.shape.mesh", path)),
-        _ => None,
-    };
-    let impactor = match model.impactor.as_ref().map(|impactor| &impactor.shape) {
-        Some(ImpactorShape::Mesh(path)) => Some(("impactor.shape.mesh", path)),
-        _ => None,
-    };
-    for (key, path) in [film, impactor].into_iter().flatten() {
+    for (key, path) in model.meshes() {
         let length = length(path);
         if length > LONGEST_FILE {
             let message = format!("the mesh file is too long: {:.1} GB", length / 1e9);

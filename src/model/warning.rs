@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde_json::{Map, Value};
 
-use super::{ImpactorShape, Model};
+use super::Model;
 use crate::finding::{Code, Report, codes};
-use crate::mesh::{Outline, import};
+use crate::mesh::import;
 use crate::number::significant;
 use crate::scenario::{Document, Implausible};
 
@@ -69,16 +69,8 @@ impl Report for Warning {
 
 /// What is hardly meant in the scenario `document`, which was checked to be `model`.
 pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
-    let film = match &model.specimen.shape {
-        Outline::Mesh(path) => Some(("specimen.shape.mesh", path)),
-        _ => None,
-    };
-    let impactor = match model.impactor.as_ref().map(|impactor| &impactor.shape) {
-        Some(ImpactorShape::Mesh(path)) => Some(("impactor.shape.mesh", path)),
-        _ => None,
-    };
     let values = document.implausible().into_iter().map(Warning::Value);
-    values.chain([film, impactor].into_iter().flatten().filter_map(|(key, path)| wide(key, path))).collect()
+    values.chain(model.meshes().filter_map(|(key, path)| wide(key, path))).collect()
 }
 
 /// The warning of a mesh that is too wide. A file that cannot be read is a mistake of its own.

@@ -61,7 +61,7 @@ impl CheckpointHeader {
         every: Option<f64>,
         detailed: bool,
     ) -> io::Result<CheckpointHeader> {
-        let meshes = model.meshes().map(digest).collect::<io::Result<_>>()?;
+        let meshes = model.meshes().map(|(_, path)| digest(path)).collect::<io::Result<_>>()?;
         let (scenario, model) = (document.resolved(), decisive(model));
         Ok(CheckpointHeader { version: VERSION.into(), every, detailed, scenario, model, meshes })
     }
