@@ -162,16 +162,16 @@ impl Draft {
     pub fn publish(self) -> Result<PathBuf, StoreError> {
         let target = self.target.clone();
         self.publish_at(&target, fs::rename)?;
-        discard(&failed(&target));
+        discard(&failed(&target, &target));
         Ok(target)
     }
 
     /// Renames the draft of a failed run to `<target>.failed`, or `<target>.failed-2` and so on where a file or folder
-    /// of the user has that name.
+    /// of the user, or a failed run of another scenario, has that name.
     ///
     /// A complete run at `target` stays.
     pub fn publish_failed(self) -> Result<PathBuf, StoreError> {
-        let target = failed(&self.target);
+        let target = failed(&self.target, self.path());
         self.publish_at(&target, fs::rename)?;
         Ok(target)
     }
@@ -199,14 +199,15 @@ impl Draft {
     }
 }
 
-/// Path of a failed run: the first of the names that is free or a run folder of droptower.
-fn failed(target: &Path) -> PathBuf {
+/// Path of the failed run beside `target` whose results are in `own`: the first of the names that is free or a run folder
+/// of droptower, and not of another scenario.
+fn failed(target: &Path, own: &Path) -> PathBuf {
     let numbered = |number: usize| {
         let suffix = if number == 1 { ".failed".to_owned() } else { format!(".failed-{number}") };
         sibling_name(target, &suffix)
     };
     let mut number = 1;
-    while check_replaceable(&numbered(number)).is_err() {
+    while check_replaceable(&numbered(number)).is_err() || Origin::differ(&numbered(number), own) {
         number += 1;
     }
     numbered(number)
@@ -357,6 +358,29 @@ mod tests {
         }
         stored(&target, "1").unwrap();
         assert_eq!(names(root.path()), ["1008", "1008.failed"]);
+    }
+
+    #[test]
+    fn a_failed_run_of_another_scenario_stays() {
+        let root = tempfile::tempdir().unwrap();
+        let target = root.path().join("out");
+        let draft = |scenario: &str| {
+            let draft = Draft::begin(&target).unwrap();
+            draft.write("summary.json", "{}").unwrap();
+            draft.write("scenario.toml", format!("# scenario: {scenario}\n")).unwrap();
+            draft
+        };
+        let fail = |scenario: &str| {
+            let draft = draft(scenario);
+            draft.write("failure.txt", "at 3 ms").unwrap();
+            draft.publish_failed().unwrap()
+        };
+        assert_eq!(fail("a.toml"), root.path().join("out.failed"));
+        assert_eq!(fail("b.toml"), root.path().join("out.failed-2"));
+        draft("b.toml").publish().unwrap();
+        assert_eq!(names(root.path()), ["out", "out.failed"]);
+        draft("a.toml").publish().unwrap();
+        assert_eq!(names(root.path()), ["out"]);
     }
 
     #[test]

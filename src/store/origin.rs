@@ -77,6 +77,11 @@ impl Origin {
         text("script").map(|script| Origin::Study { script, scenario: text("scenario") })
     }
 
+    /// Whether two folders state that their results are of different scenarios or scripts.
+    pub(super) fn differ(one: &Path, other: &Path) -> bool {
+        matches!((Origin::stored(one), Origin::stored(other)), (Some(one), Some(other)) if !one.is_same(&other))
+    }
+
     /// Whether both are of the same scenario and script.
     fn is_same(&self, other: &Origin) -> bool {
         match (self, other) {
