@@ -35,7 +35,7 @@ pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     let (runs, ()) = both(stored(&args.runs), free(args).and_then(|()| of_another(args)))?;
     check_signals(&runs, &args.signal)?;
     let comparison = RunComparison::of(&runs, &args.signal);
-    let stored = Draft::begin(&args.out).and_then(|draft| {
+    let stored = Draft::begin(&args.out, Origin::Comparison, args.force).and_then(|draft| {
         let files = folder::fill_comparison(&draft, &comparison)?;
         Ok((draft.publish()?, files))
     });

@@ -60,6 +60,8 @@ struct Job {
     writer: Option<CheckpointWriter>,
     /// Whether the snapshots are also written for ParaView.
     vtu: bool,
+    /// Whether results of another scenario are replaced.
+    force: bool,
 }
 
 /// The result of a job, for the terminal.
@@ -117,7 +119,7 @@ fn jobs(args: &RunArgs) -> Result<Vec<Job>, Vec<Diagnostic>> {
     let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
     for (checked, place) in scenarios.into_iter().zip(places) {
         match CheckpointWriter::new(policy, &checked, &place) {
-            Ok(writer) => jobs.push(Job { checked, place, writer, vtu: args.vtu }),
+            Ok(writer) => jobs.push(Job { checked, place, writer, vtu: args.vtu, force: args.force }),
             Err(mistake) => mistakes.push(mistake),
         }
     }
@@ -210,7 +212,7 @@ impl Job {
             failure: None,
             vtu: self.vtu,
         };
-        let stored = Draft::begin(&self.place).and_then(|draft| {
+        let stored = Draft::begin(&self.place, self.origin(), self.force).and_then(|draft| {
             let files = folder::fill(&draft, &contents)?;
             Ok((draft.publish()?, files))
         });
@@ -236,7 +238,7 @@ impl Job {
             failure: Some(&cause),
             vtu: self.vtu,
         };
-        let stored = Draft::begin(&self.place).and_then(|draft| {
+        let stored = Draft::begin(&self.place, self.origin(), self.force).and_then(|draft| {
             folder::fill(&draft, &contents)?;
             draft.publish_failed()
         });
@@ -255,11 +257,15 @@ impl Job {
         }
     }
 
+    fn origin(&self) -> Origin {
+        Origin::of_run(self.checked.document.path())
+    }
+
     fn resolved(&self) -> String {
         format!(
             "# droptower {}\n{}{}",
             env!("CARGO_PKG_VERSION"),
-            Origin::of_run(self.checked.document.path()).line(),
+            self.origin().line(&self.place),
             self.checked.document.resolved_beside_script(run_files::POST_SCRIPT)
         )
     }

@@ -18,7 +18,7 @@ use crate::report::StudyPage;
 use crate::script::{
     Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, to_json,
 };
-use crate::store::{self, Draft, Origin, StoreError};
+use crate::store::{self, Draft, Origin, StoreError, run_files};
 use crate::units::with_decimal_point;
 
 #[derive(Debug, Args)]
@@ -66,12 +66,13 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     }
     let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let place = place(args.out.as_deref(), &name).map_err(|error| storing(&error))?;
-    let origin = Origin::Study { script: shown_path(&args.path), scenario: args.scenario.clone() };
+    let origin = Origin::of_script(&args.path, args.scenario.as_deref().map(Path::new));
     if !args.force {
         origin.check(&place).map_err(|error| storing(&error))?;
     }
     let studied = studied(args, name, &place, shared.quiet)?;
-    let files = store_results(&studied, &place).map_err(|error| Failure::output(storing(&error)))?;
+    let files =
+        store_results(&studied, &place, origin, args.force).map_err(|error| Failure::output(storing(&error)))?;
     print_figures(shared, &summary(&studied), || {
         let Studied { name, output, .. } = &studied;
         format!("{name}\n{}{}", table::script_output(output), digest::folder(&place, &files))
@@ -105,7 +106,7 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     Arguments::register(&mut engine);
     let mut scope = Scope::new();
     let given = arguments(args)?;
-    let call = call(args, &given)?;
+    let call = call(args, &given, place)?;
     scope.push_constant("args", Arguments::new(given.clone()));
     let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
     check_read(&program, &given)?;
@@ -137,8 +138,8 @@ fn check_read(script: &Script, given: &rhai::Map) -> Result<(), Vec<Diagnostic>>
     if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
 }
 
-/// Script, scenario, changes and arguments as they were given.
-fn call(args: &ScriptArgs, given: &rhai::Map) -> Result<Map<String, Value>, Vec<Diagnostic>> {
+/// Script, scenario, changes and arguments as they were given, and the working folder seen from the results at `place`.
+fn call(args: &ScriptArgs, given: &rhai::Map, place: &Path) -> Result<Map<String, Value>, Vec<Diagnostic>> {
     let mut own = Map::new();
     for (name, value) in given.iter().filter(|(name, _)| *name != "scenario") {
         let value = to_json(value).map_err(|error| vec![Diagnostic::new(format!("--arg {name}: {error}"))])?;
@@ -149,13 +150,15 @@ fn call(args: &ScriptArgs, given: &rhai::Map) -> Result<Map<String, Value>, Vec<
         ("scenario", json!(args.scenario)),
         ("set", json!(args.set)),
         ("args", Value::Object(own)),
+        (run_files::STUDY_FOLDER, json!(store::path_from(place, Path::new(".")))),
     ];
     Ok(call.map(|(name, value)| (name.into(), value)).into_iter().collect())
 }
 
-/// The part of the call on which trials of a search depend: all but the path of the script.
+/// The part of the call on which trials of a search depend: all but the path of the script and the working folder.
 fn decisive(call: &Map<String, Value>) -> Map<String, Value> {
-    call.iter().filter(|(name, _)| *name != "script").map(|(name, value)| (name.clone(), value.clone())).collect()
+    let decisive = call.iter().filter(|(name, _)| *name != "script" && *name != run_files::STUDY_FOLDER);
+    decisive.map(|(name, value)| (name.clone(), value.clone())).collect()
 }
 
 fn place(out: Option<&Path>, name: &str) -> Result<PathBuf, StoreError> {
@@ -221,9 +224,9 @@ fn summary(studied: &Studied) -> Map<String, Value> {
     summary
 }
 
-fn store_results(studied: &Studied, place: &Path) -> Result<Vec<String>, StoreError> {
+fn store_results(studied: &Studied, place: &Path, origin: Origin, force: bool) -> Result<Vec<String>, StoreError> {
     let Studied { name, call, text, output, .. } = studied;
-    let draft = Draft::begin(place)?;
+    let draft = Draft::begin(place, origin, force)?;
     let page = StudyPage { name, call, output, script: text };
     let files = folder::fill_study(&draft, &page, &summary(studied))?;
     draft.publish()?;

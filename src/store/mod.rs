@@ -19,7 +19,7 @@ use crate::diagnostic::folder_of;
 use crate::file;
 
 pub use checkpoints::CheckpointStore;
-pub use origin::Origin;
+pub use origin::{Origin, path_from};
 pub use stored_run::{StoredRun, StoredRunError};
 
 /// Why results cannot be stored; nothing that was there before is lost.
@@ -65,6 +65,14 @@ pub enum StoreError {
         /// What its results were made from.
         stored: String,
     },
+    /// While the results were made, others took their folder, which stay; these are beside it.
+    #[error("{reason}; the results are in {}", place.display())]
+    Beside {
+        /// Why the folder is not replaced.
+        reason: Box<StoreError>,
+        /// Folder that holds the results.
+        place: PathBuf,
+    },
     /// Two runs have the same run folder.
     #[error("two runs would be stored in {}", path.display())]
     Twice {
@@ -95,6 +103,12 @@ impl StoreError {
     /// The file at `path` could not be written.
     pub fn write(path: impl Into<PathBuf>, source: io::Error) -> StoreError {
         StoreError::Write { path: path.into(), source }
+    }
+
+    /// Whether a folder is not replaced for what it holds.
+    fn is_refusal(&self) -> bool {
+        use StoreError::{Foreign, NotAFolder, NotARun, OfAnother};
+        matches!(self, NotAFolder { .. } | NotARun { .. } | Foreign { .. } | OfAnother { .. })
     }
 }
 
@@ -135,14 +149,17 @@ pub fn is_run(folder: &Path) -> bool {
 pub struct Draft {
     folder: TempDir,
     target: PathBuf,
+    origin: Origin,
+    force: bool,
 }
 
 impl Draft {
-    /// An empty draft beside `target`, which must be free or a run folder of droptower.
-    pub fn begin(target: &Path) -> Result<Draft, StoreError> {
-        check_replaceable(target)?;
-        let folder = sibling(target)?;
-        Ok(Draft { folder, target: target.into() })
+    /// An empty draft beside `target` of results made from `origin`; by `force` it replaces those of any other.
+    pub fn begin(target: &Path, origin: Origin, force: bool) -> Result<Draft, StoreError> {
+        if target.file_name().is_none() {
+            return Err(StoreError::NoName { path: target.into() });
+        }
+        Ok(Draft { folder: sibling(target)?, target: target.into(), origin, force })
     }
 
     /// The temporary folder.
@@ -159,58 +176,109 @@ impl Draft {
     }
 
     /// Renames the draft to its target and removes what it replaces.
-    pub fn publish(self) -> Result<PathBuf, StoreError> {
+    ///
+    /// # Errors
+    /// [`StoreError::Beside`] where the target meanwhile holds files of the user or results of another scenario or
+    /// script: the results are stored under the next free name, `<target>-2` and so on.
+    pub fn publish(mut self) -> Result<PathBuf, StoreError> {
         let target = self.target.clone();
-        self.publish_at(&target, fs::rename)?;
-        discard(&failed(&target, &target));
-        Ok(target)
+        match self.publish_at(&target, self.force, fs::rename) {
+            Ok(()) => {
+                self.discard_failed();
+                Ok(target)
+            }
+            Err(reason) if reason.is_refusal() => {
+                let names = (2..).map(|number| sibling_name(&target, &format!("-{number}")));
+                let place = self.publish_first(names)?;
+                Err(StoreError::Beside { reason: Box::new(reason), place })
+            }
+            Err(error) => Err(error),
+        }
     }
 
     /// Renames the draft of a failed run to `<target>.failed`, or `<target>.failed-2` and so on where a file or folder
     /// of the user, or a failed run of another scenario, has that name.
     ///
     /// A complete run at `target` stays.
-    pub fn publish_failed(self) -> Result<PathBuf, StoreError> {
-        let target = failed(&self.target, self.path());
-        self.publish_at(&target, fs::rename)?;
-        Ok(target)
+    pub fn publish_failed(mut self) -> Result<PathBuf, StoreError> {
+        let target = self.target.clone();
+        self.publish_first(failed(&target))
+    }
+
+    /// Renames the draft to the first of `places` that is free or holds results of its own origin.
+    fn publish_first(&mut self, places: impl Iterator<Item = PathBuf>) -> Result<PathBuf, StoreError> {
+        for place in places {
+            match self.publish_at(&place, false, fs::rename) {
+                Err(error) if error.is_refusal() => {}
+                published => return published.map(|()| place),
+            }
+        }
+        Err(StoreError::NoName { path: self.target.clone() })
+    }
+
+    /// Checks that the draft may replace what is in `folder` and was moved there from `place`.
+    fn check(&self, folder: &Path, place: &Path, force: bool) -> Result<(), StoreError> {
+        check_moved(folder, place)?;
+        if force { Ok(()) } else { self.origin.check_moved(folder, place) }
     }
 
     /// Moves the draft to `target`, and what was there away before, by `rename`.
-    fn publish_at(self, target: &Path, rename: impl Fn(PathBuf, PathBuf) -> io::Result<()>) -> Result<(), StoreError> {
+    ///
+    /// What was there is checked again once it is moved away, when no other process replaces it.
+    fn publish_at(
+        &mut self,
+        target: &Path,
+        force: bool,
+        rename: impl Fn(PathBuf, PathBuf) -> io::Result<()>,
+    ) -> Result<(), StoreError> {
         let write = |error| StoreError::write(target, error);
-        let former = sibling(target)?;
-        let former_run = former.path().join("former");
-        let replaced = target.exists();
-        if replaced {
-            rename(target.into(), former_run.clone()).map_err(write)?;
-        }
-        if let Err(source) = rename(self.path().into(), target.into()) {
-            if replaced && rename(former_run, target.into()).is_err() {
+        loop {
+            self.check(target, target, force)?;
+            let former = sibling(target)?;
+            let former_run = former.path().join("former");
+            let replaced = match rename(target.into(), former_run.clone()) {
+                Ok(()) => true,
+                Err(error) if error.kind() == io::ErrorKind::NotFound => false,
+                Err(error) => return Err(write(error)),
+            };
+            let moved = match replaced {
+                true => self.check(&former_run, target, force),
+                false => Ok(()),
+            };
+            let moved = moved.and_then(|()| rename(self.path().into(), target.into()).map_err(write));
+            let Err(error) = moved else {
+                // The temporary folder was renamed: there is nothing left to remove.
+                self.folder.disable_cleanup(true);
+                return Ok(());
+            };
+            // Another process may have stored its results there since; both are checked by the next turn.
+            let taken = matches!(error, StoreError::Write { .. }) && target.exists();
+            if taken {
+                continue;
+            }
+            if replaced && let Err(source) = rename(former_run, target.into()) {
                 // Dropping the temporary folder would delete the former run.
                 let former = former.keep().join("former");
                 return Err(StoreError::Stranded { path: target.into(), former, source });
             }
-            return Err(write(source));
+            return Err(error);
         }
-        // The temporary folder was renamed: there is nothing left to remove.
-        let _ = self.folder.keep();
-        Ok(())
+    }
+
+    /// Removes the folder of an earlier failure of the same origin, which a complete run makes obsolete.
+    fn discard_failed(&self) {
+        if let Some(place) = failed(&self.target).find(|place| self.check(place, place, false).is_ok())
+            && place.is_dir()
+        {
+            let _ = fs::remove_dir_all(place);
+        }
     }
 }
 
-/// Path of the failed run beside `target` whose results are in `own`: the first of the names that is free or a run folder
-/// of droptower, and not of another scenario.
-fn failed(target: &Path, own: &Path) -> PathBuf {
-    let numbered = |number: usize| {
-        let suffix = if number == 1 { ".failed".to_owned() } else { format!(".failed-{number}") };
-        sibling_name(target, &suffix)
-    };
-    let mut number = 1;
-    while check_replaceable(&numbered(number)).is_err() || Origin::differ(&numbered(number), own) {
-        number += 1;
-    }
-    numbered(number)
+/// The names of a failed run beside `target`, in the order in which they are tried.
+fn failed(target: &Path) -> impl Iterator<Item = PathBuf> {
+    let first = std::iter::once(sibling_name(target, ".failed"));
+    first.chain((2..).map(|number: usize| sibling_name(target, &format!(".failed-{number}"))))
 }
 
 /// `target` with `suffix` appended to its name.
@@ -218,13 +286,6 @@ fn sibling_name(target: &Path, suffix: &str) -> PathBuf {
     let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
     name.push(suffix);
     target.with_file_name(name)
-}
-
-/// Removes the folder of an earlier failure, which a complete run makes obsolete.
-fn discard(folder: &Path) {
-    if folder.is_dir() {
-        let _ = fs::remove_dir_all(folder);
-    }
 }
 
 fn sibling(target: &Path) -> Result<TempDir, StoreError> {
@@ -242,24 +303,29 @@ fn sibling(target: &Path) -> Result<TempDir, StoreError> {
 }
 
 fn check_replaceable(target: &Path) -> Result<(), StoreError> {
+    check_moved(target, target)
+}
+
+/// Checks that what is in `folder`, and was moved there from `target`, is nothing or a run folder of droptower.
+fn check_moved(folder: &Path, target: &Path) -> Result<(), StoreError> {
     let path = || target.to_path_buf();
     // A folder is renamed by its name, which `.`, `..` and `/` do not have.
     if target.file_name().is_none() {
         return Err(StoreError::NoName { path: path() });
     }
-    if fs::symlink_metadata(target).is_err() {
+    if fs::symlink_metadata(folder).is_err() {
         return Ok(());
     }
-    let Ok(entries) = fs::read_dir(target) else {
+    let Ok(entries) = fs::read_dir(folder) else {
         return Err(StoreError::NotAFolder { path: path() });
     };
     let names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     if !names.is_empty() && !names.iter().any(|name| run_files::MARKERS.contains(&name.as_str())) {
         return Err(StoreError::NotARun { path: path() });
     }
-    let listed = listed(target);
+    let listed = listed(folder);
     let is_ours = |name: &String| run_files::is_written_by_run(name) || listed.contains(name);
-    match files(target).into_iter().find(|name| !is_ours(name)) {
+    match files(folder).into_iter().find(|name| !is_ours(name)) {
         Some(found) => Err(StoreError::Foreign { path: path(), found }),
         None => Ok(()),
     }
@@ -304,10 +370,25 @@ mod tests {
         names
     }
 
+    /// A draft of results that do not state what they were made from.
+    fn begun(target: &Path) -> Draft {
+        Draft::begin(target, Origin::Comparison, false).unwrap()
+    }
+
     fn stored(target: &Path, text: &str) -> Result<PathBuf, StoreError> {
-        let draft = Draft::begin(target)?;
+        let draft = begun(target);
         draft.write("summary.json", text)?;
         draft.publish()
+    }
+
+    /// A draft of a run of `scenario` beside the folder `target`.
+    fn run_of(scenario: &str, target: &Path) -> Draft {
+        let origin = Origin::of_run(&target.with_file_name(scenario));
+        let line = origin.line(target);
+        let draft = Draft::begin(target, origin, false).unwrap();
+        draft.write("summary.json", "{}").unwrap();
+        draft.write("scenario.toml", line).unwrap();
+        draft
     }
 
     #[test]
@@ -325,7 +406,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let target = root.path().join("1008");
         stored(&target, "1").unwrap();
-        let draft = Draft::begin(&target).unwrap();
+        let draft = begun(&target);
         draft.write("summary.json", "half").unwrap();
         drop(draft);
         assert_eq!(fs::read_to_string(target.join("summary.json")).unwrap(), "1");
@@ -336,7 +417,7 @@ mod tests {
     fn a_failed_run_is_stored_beside_and_removed_by_a_complete_one() {
         let root = tempfile::tempdir().unwrap();
         let target = root.path().join("1008");
-        let draft = Draft::begin(&target).unwrap();
+        let draft = begun(&target);
         draft.write("failure.txt", "at 3 ms").unwrap();
         assert_eq!(draft.publish_failed().unwrap(), root.path().join("1008.failed"));
         assert_eq!(names(root.path()), ["1008.failed"]);
@@ -350,7 +431,7 @@ mod tests {
         let target = root.path().join("1008");
         fs::write(root.path().join("1008.failed"), "mine").unwrap();
         for text in ["at 3 ms", "at 4 ms"] {
-            let draft = Draft::begin(&target).unwrap();
+            let draft = begun(&target);
             draft.write("failure.txt", text).unwrap();
             let place = draft.publish_failed().unwrap();
             assert_eq!(place, root.path().join("1008.failed-2"));
@@ -364,12 +445,7 @@ mod tests {
     fn a_failed_run_of_another_scenario_stays() {
         let root = tempfile::tempdir().unwrap();
         let target = root.path().join("out");
-        let draft = |scenario: &str| {
-            let draft = Draft::begin(&target).unwrap();
-            draft.write("summary.json", "{}").unwrap();
-            draft.write("scenario.toml", format!("# scenario: {scenario}\n")).unwrap();
-            draft
-        };
+        let draft = |scenario: &str| run_of(scenario, &target);
         let fail = |scenario: &str| {
             let draft = draft(scenario);
             draft.write("failure.txt", "at 3 ms").unwrap();
@@ -384,15 +460,57 @@ mod tests {
     }
 
     #[test]
+    fn of_two_runs_with_one_folder_the_later_is_stored_beside() {
+        let root = tempfile::tempdir().unwrap();
+        let target = root.path().join("out");
+        let [first, second, again] = ["a.toml", "b.toml", "a.toml"].map(|scenario| run_of(scenario, &target));
+        let text = |place: &Path| fs::read_to_string(place.join("scenario.toml")).unwrap();
+        assert_eq!(first.publish().unwrap(), target);
+        match second.publish() {
+            Err(StoreError::Beside { place, reason }) => {
+                assert_eq!(place, root.path().join("out-2"));
+                assert!(matches!(*reason, StoreError::OfAnother { .. }), "{reason}");
+                assert_eq!(text(&place), "# scenario: ../b.toml\n");
+            }
+            other => panic!("{other:?}"),
+        }
+        assert_eq!(text(&target), "# scenario: ../a.toml\n");
+        again.publish().unwrap();
+        let forced = Draft { force: true, ..run_of("b.toml", &target) };
+        forced.publish().unwrap();
+        assert_eq!(text(&target), "# scenario: ../b.toml\n");
+        assert_eq!(names(root.path()), ["out", "out-2"]);
+    }
+
+    #[test]
+    fn what_another_process_stores_between_two_renames_stays() {
+        let root = tempfile::tempdir().unwrap();
+        let target = root.path().join("out");
+        let text = |place: &Path| fs::read_to_string(place.join("scenario.toml")).unwrap();
+        let mut draft = run_of("a.toml", &target);
+        let refused = draft.publish_at(&target, false, |from, to| {
+            // Another run is stored as soon as the folder was found free.
+            if !target.exists() {
+                run_of("b.toml", &target).publish().unwrap();
+            }
+            fs::rename(from, to)
+        });
+        assert!(matches!(refused, Err(StoreError::OfAnother { .. })), "{refused:?}");
+        assert_eq!(text(&target), "# scenario: ../b.toml\n");
+        drop(draft);
+        assert_eq!(names(root.path()), ["out"]);
+    }
+
+    #[test]
     fn a_former_run_survives_renames_that_fail() {
         for (renames_that_work, stays) in [(1, false), (0, true)] {
             let root = tempfile::tempdir().unwrap();
             let target = root.path().join("1008");
             stored(&target, "1").unwrap();
-            let draft = Draft::begin(&target).unwrap();
+            let mut draft = begun(&target);
             draft.write("summary.json", "2").unwrap();
             let done = std::cell::Cell::new(0);
-            let error = draft.publish_at(&target, |from, to| {
+            let error = draft.publish_at(&target, false, |from, to| {
                 done.set(done.get() + 1);
                 if done.get() > renames_that_work { Err(io::Error::other("no")) } else { fs::rename(from, to) }
             });
@@ -412,11 +530,18 @@ mod tests {
         fs::create_dir(&theirs).unwrap();
         stored(&theirs, "an empty folder may be taken").unwrap();
         fs::write(theirs.join("notes.txt"), "mine").unwrap();
-        assert!(matches!(stored(&theirs, "1"), Err(StoreError::Foreign { found, .. }) if found == "notes.txt"));
+        let refusal = |target: &Path| match stored(target, "1") {
+            Err(StoreError::Beside { reason, place }) => {
+                assert_eq!(fs::read_to_string(place.join("summary.json")).unwrap(), "1");
+                *reason
+            }
+            other => panic!("{other:?}"),
+        };
+        assert!(matches!(refusal(&theirs), StoreError::Foreign { found, .. } if found == "notes.txt"));
         fs::remove_file(theirs.join("summary.json")).unwrap();
-        assert!(matches!(stored(&theirs, "1"), Err(StoreError::NotARun { .. })));
+        assert!(matches!(refusal(&theirs), StoreError::NotARun { .. }));
         let file = theirs.join("notes.txt");
-        assert!(matches!(stored(&file, "1"), Err(StoreError::NotAFolder { .. })));
+        assert!(matches!(refusal(&file), StoreError::NotAFolder { .. }));
         assert_eq!(fs::read_to_string(file).unwrap(), "mine");
     }
 
@@ -426,7 +551,7 @@ mod tests {
         let target = root.path().join("virtual");
         let summary = r#"{"tables":{"drops":[]},"files":["1008.csv","coupons/md.csv"]}"#;
         for _ in 0..2 {
-            let draft = Draft::begin(&target).unwrap();
+            let draft = begun(&target);
             for name in ["1008.csv", "coupons/md.csv", "tables/drops.csv"] {
                 draft.write(name, "x").unwrap();
             }

@@ -1,13 +1,17 @@
 //! What results were made from: those of another scenario or script are replaced only where that was asked for.
+//!
+//! A folder names its scenario and script by their paths from itself, so that a project which is moved or copied as a
+//! whole still owns its results, and equal names in two projects do not. Results that were moved without their scenario
+//! are those of another.
 
 use std::fmt;
 use std::fs;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
 
 use super::{StoreError, is_run, run_files};
-use crate::diagnostic::{folder_of, shown_path};
+use crate::diagnostic::{folder_of, shown_path, tidy_path};
 use crate::file;
 
 /// Begins the line of a stored scenario that names the file it was read from.
@@ -16,20 +20,20 @@ const SCENARIO_LINE: &str = "# scenario: ";
 /// Lines of a stored scenario among which that one is.
 const FEW_LINES: usize = 4;
 
-/// What results were made from. Paths are as they were given.
+/// What results were made from. Paths are absolute and without links.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// A run.
     Run {
         /// File of its scenario.
-        scenario: String,
+        scenario: PathBuf,
     },
     /// The output of a script.
     Study {
         /// File of the script.
-        script: String,
+        script: PathBuf,
         /// File of the scenario that the script was given.
-        scenario: Option<String>,
+        scenario: Option<PathBuf>,
     },
     /// A comparison of runs.
     Comparison,
@@ -38,9 +42,11 @@ pub enum Origin {
 impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Origin::Run { scenario } => write!(f, "the run of {scenario}"),
-            Origin::Study { script, scenario: None } => write!(f, "the results of {script}"),
-            Origin::Study { script, scenario: Some(scenario) } => write!(f, "the results of {script} with {scenario}"),
+            Origin::Run { scenario } => write!(f, "the run of {}", shown_path(scenario)),
+            Origin::Study { script, scenario: None } => write!(f, "the results of {}", shown_path(script)),
+            Origin::Study { script, scenario: Some(scenario) } => {
+                write!(f, "the results of {} with {}", shown_path(script), shown_path(scenario))
+            }
             Origin::Comparison => write!(f, "a comparison of runs"),
         }
     }
@@ -49,59 +55,54 @@ impl fmt::Display for Origin {
 impl Origin {
     /// Of a run of the scenario at `path`; that of a run folder is the scenario which was run first.
     pub fn of_run(path: &Path) -> Origin {
-        let is_stored = path.file_name().is_some_and(|name| name == run_files::SCENARIO) && is_run(folder_of(path));
+        let folder = folder_of(path);
+        let is_stored = path.file_name().is_some_and(|name| name == run_files::SCENARIO) && is_run(folder);
         let first = is_stored.then(|| scenario_line(path)).flatten();
-        Origin::Run { scenario: first.unwrap_or_else(|| shown_path(path)) }
+        Origin::Run { scenario: first.map_or_else(|| full(path), |first| full(&full(folder).join(first))) }
     }
 
-    /// The line that names the scenario in its stored text; empty of other results.
-    pub fn line(&self) -> String {
+    /// Of a script at `script` that was given the scenario at `scenario`.
+    pub fn of_script(script: &Path, scenario: Option<&Path>) -> Origin {
+        Origin::Study { script: full(script), scenario: scenario.map(full) }
+    }
+
+    /// The line that names the scenario in its stored text, by its path from the run folder `place`; empty of other
+    /// results.
+    pub fn line(&self, place: &Path) -> String {
         match self {
-            Origin::Run { scenario } => format!("{SCENARIO_LINE}{scenario}\n"),
+            Origin::Run { scenario } => format!("{SCENARIO_LINE}{}\n", path_from(place, scenario)),
             _ => String::new(),
         }
     }
 
-    /// Of the results in `folder`; none where they do not state it.
-    fn stored(folder: &Path) -> Option<Origin> {
+    /// Of the results in `folder`, which are to be read as if they were at `place`; none where they do not state it.
+    fn stored(folder: &Path, place: &Path) -> Option<Origin> {
+        let place = full(place);
         let scenario = folder.join(run_files::SCENARIO);
         if scenario.is_file() {
-            return scenario_line(&scenario).map(|scenario| Origin::Run { scenario });
+            return scenario_line(&scenario).map(|scenario| Origin::Run { scenario: full(&place.join(scenario)) });
         }
         let text = file::read(&folder.join(run_files::SUMMARY), run_files::MOST_BYTES).ok()?;
         let summary: Value = serde_json::from_slice(&text).ok()?;
         if summary.get("runs").is_some() && summary.get("study").is_none() {
             return Some(Origin::Comparison);
         }
-        let text = |name: &str| summary["study"][name].as_str().map(String::from);
-        text("script").map(|script| Origin::Study { script, scenario: text("scenario") })
-    }
-
-    /// Whether two folders state that their results are of different scenarios or scripts.
-    pub(super) fn differ(one: &Path, other: &Path) -> bool {
-        matches!((Origin::stored(one), Origin::stored(other)), (Some(one), Some(other)) if !one.is_same(&other))
-    }
-
-    /// Whether both are of the same scenario and script.
-    fn is_same(&self, other: &Origin) -> bool {
-        match (self, other) {
-            (Origin::Run { scenario: one }, Origin::Run { scenario: other }) => is_same_file(one, other),
-            (Origin::Study { script, scenario }, Origin::Study { script: other_script, scenario: other_scenario }) => {
-                is_same_file(script, other_script)
-                    && match (scenario, other_scenario) {
-                        (Some(one), Some(other)) => is_same_file(one, other),
-                        (one, other) => one == other,
-                    }
-            }
-            (Origin::Comparison, Origin::Comparison) => true,
-            _ => false,
-        }
+        let text = |name: &str| summary["study"][name].as_str();
+        // Files are named from the working folder of the call.
+        let called_in = place.join(text(run_files::STUDY_FOLDER).unwrap_or_default());
+        let file = |name: &str| text(name).map(|name| full(&called_in.join(name)));
+        file("script").map(|script| Origin::Study { script, scenario: file("scenario") })
     }
 
     /// Checks that `place` is free, or holds results of the same scenario or script, or some that do not state theirs.
     pub fn check(&self, place: &Path) -> Result<(), StoreError> {
-        match Origin::stored(place) {
-            Some(stored) if !self.is_same(&stored) => {
+        self.check_moved(place, place)
+    }
+
+    /// The same of the results in `folder`, which were moved there from `place`.
+    pub(super) fn check_moved(&self, folder: &Path, place: &Path) -> Result<(), StoreError> {
+        match Origin::stored(folder, place) {
+            Some(stored) if stored != *self => {
                 Err(StoreError::OfAnother { path: place.into(), stored: stored.to_string() })
             }
             _ => Ok(()),
@@ -109,17 +110,33 @@ impl Origin {
     }
 }
 
+/// The path of `file` from the folder `place`, with `/` between its parts; absolute where no such path exists.
+pub fn path_from(place: &Path, file: &Path) -> String {
+    let (place, file) = (full(place), full(file));
+    let (from, to): (Vec<Component>, Vec<Component>) = (place.components().collect(), file.components().collect());
+    let common = from.iter().zip(&to).take_while(|(one, other)| one == other).count();
+    if common == 0 {
+        return file.display().to_string();
+    }
+    let up = from[common..].iter().map(|_| "..".into());
+    let down = to[common..].iter().map(|part| part.as_os_str().to_string_lossy());
+    let parts: Vec<_> = up.chain(down).collect();
+    if parts.is_empty() { ".".into() } else { parts.join("/") }
+}
+
 fn scenario_line(path: &Path) -> Option<String> {
     let text = file::read_text(path, run_files::MOST_BYTES).ok()?;
     text.lines().take(FEW_LINES).find_map(|line| line.strip_prefix(SCENARIO_LINE)).map(String::from)
 }
 
-/// Whether two paths name one file; where one is not found from here they must be the same text.
-fn is_same_file(one: &str, other: &str) -> bool {
-    let [one, other] = [one, other].map(Path::new);
-    match (fs::canonicalize(one), fs::canonicalize(other)) {
-        (Ok(one), Ok(other)) => one == other,
-        _ => one == other,
+/// The absolute path without links, as far as the folders on it exist.
+fn full(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.into());
+    let there = absolute.ancestors().find_map(|ancestor| Some((ancestor, fs::canonicalize(ancestor).ok()?)));
+    match there.and_then(|(ancestor, there)| Some(there.join(absolute.strip_prefix(ancestor).ok()?))) {
+        // Joined with an empty path, a path would end in a separator.
+        Some(path) => tidy_path(&path),
+        None => tidy_path(&absolute),
     }
 }
 
@@ -131,16 +148,16 @@ mod tests {
     fn results_of_another_scenario_or_script_are_not_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        let text = |name: &str| path(name).to_str().unwrap().to_owned();
         for name in ["a.toml", "b.toml", "a.rhai", "b.rhai"] {
             fs::write(path(name), "").unwrap();
         }
         let place = path("out");
         let study =
-            |script: &str, scenario: Option<&str>| Origin::Study { script: text(script), scenario: scenario.map(text) };
+            |script: &str, scenario: Option<&str>| Origin::of_script(&path(script), scenario.map(path).as_deref());
         let summary = |origin: &Origin| match origin {
             Origin::Study { script, scenario } => {
-                serde_json::json!({ "study": { "script": script, "scenario": scenario } }).to_string()
+                let study = serde_json::json!({ "script": script, "scenario": scenario, "folder": ".." });
+                serde_json::json!({ "study": study }).to_string()
             }
             _ => r#"{"runs": []}"#.into(),
         };
@@ -159,7 +176,7 @@ mod tests {
             assert!(stored.check(&place).is_ok(), "an empty folder");
             match stored {
                 Origin::Run { .. } => {
-                    fs::write(place.join("scenario.toml"), format!("# droptower\n{}", stored.line())).unwrap();
+                    fs::write(place.join("scenario.toml"), format!("# droptower\n{}", stored.line(&place))).unwrap();
                     fs::write(place.join("summary.json"), "{}").unwrap();
                     assert_eq!(Origin::of_run(&place.join("scenario.toml")), *stored);
                 }
@@ -171,5 +188,43 @@ mod tests {
         }
         fs::write(place.join("summary.json"), "{}").unwrap();
         assert!(origins[0].check(&place).is_ok(), "results that do not state what they were made from");
+    }
+
+    #[test]
+    fn a_project_owns_its_results_wherever_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let store = |place: &Path, origin: &Origin| {
+            fs::create_dir_all(place).unwrap();
+            fs::write(place.join("scenario.toml"), format!("# droptower\n{}", origin.line(place))).unwrap();
+        };
+        for project in ["one", "other"] {
+            fs::create_dir(path(project)).unwrap();
+            fs::write(path(project).join("film.toml"), "").unwrap();
+        }
+        let origin = |project: &str| Origin::of_run(&path(project).join("film.toml"));
+        let (shared, own) = (path("shared"), path("one/runs/film"));
+        for place in [&shared, &own] {
+            store(place, &origin("one"));
+            assert!(origin("one").check(place).is_ok());
+            assert!(origin("other").check(place).is_err(), "the same name in another project");
+        }
+        fs::rename(path("one"), path("moved")).unwrap();
+        assert!(origin("moved").check(&path("moved/runs/film")).is_ok(), "moved as a whole");
+        assert!(origin("moved").check(&shared).is_err(), "moved without its results");
+    }
+
+    #[test]
+    fn paths_lead_from_a_folder_to_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for (place, file, expected) in [
+            ("runs/drop/1008", "scenarios/1008.toml", "../../../scenarios/1008.toml"),
+            ("runs", "runs/a.toml", "a.toml"),
+            ("runs/1008", "", "../.."),
+            ("runs", "runs", "."),
+        ] {
+            assert_eq!(path_from(&path(place), &path(file)), expected, "{file} from {place}");
+        }
     }
 }

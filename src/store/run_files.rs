@@ -28,6 +28,9 @@ pub const TABLES: &str = "tables";
 /// Folder of the snapshots that [`FILM_SERIES`] and [`IMPACTOR_SERIES`] collect.
 pub const SNAPSHOTS: &str = "vtu";
 
+/// Field of the call in the summary of a study: the working folder, as a path from the folder of the results.
+pub const STUDY_FOLDER: &str = "folder";
+
 /// Every file that droptower writes, and its description on a page. The files of a script are listed in
 /// [`SUMMARY`]; anything else belongs to the user.
 pub const RUN_FILES: [(&str, &str); 10] = [

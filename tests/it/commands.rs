@@ -330,6 +330,24 @@ fn results_of_another_script_are_replaced_with_force_only() {
 }
 
 #[test]
+fn equal_names_in_two_projects_are_two_scripts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for project in ["one", "other"] {
+        fs::create_dir(folder.path().join(project)).expect("a folder");
+        fs::write(folder.path().join(project).join("a.rhai"), "measure(\"a\", 1);").expect("a script");
+    }
+    let script = |project: &str| {
+        let out = folder.path().join("out").display().to_string();
+        workbench::droptower(&folder.path().join(project), &["script", "a.rhai", "--out", &out])
+    };
+    workbench::printed(&script("one"));
+    workbench::printed(&script("one"));
+    let refused = script("other");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(workbench::error(&refused).contains("one/a.rhai and is not replaced"), "{}", workbench::error(&refused));
+}
+
+#[test]
 fn quantities_of_options_are_refused_with_the_form_that_is_expected() {
     let drop = ["signal", "drop", "data/virtual/1008.csv", "--height", "1 m", "--mass"];
     let hic = ["signal", "hic", "data/virtual/1008.csv", "--column", "accelerometer", "--window"];
