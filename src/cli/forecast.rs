@@ -41,6 +41,10 @@ impl Forecast {
     /// The rest of a run that has taken `wall` so far, if it is long; given once, after the first second of stepping.
     /// The time step is taken as constant; yielding film makes it longer.
     pub(super) fn update(&mut self, progress: &Progress, wall: Duration) -> Option<Left> {
+        // Equilibrium before the first step has another pace, and its end is not known.
+        if progress.settling.is_some() {
+            return None;
+        }
         let (before, steps) = *self.first.get_or_insert((wall, progress.steps));
         if self.done || wall - before < MEASURED || progress.steps == steps {
             return None;
@@ -88,7 +92,7 @@ mod tests {
     /// A run of 0.1 s in steps of 1 us over 100 000 elements after so many steps.
     fn after(steps: u64) -> Progress {
         let time = 1e-6 * steps as f64;
-        Progress { time, duration: 0.1, steps, time_step: 1e-6, elements: 100_000 }
+        Progress { time, duration: 0.1, steps, time_step: 1e-6, elements: 100_000, settling: None }
     }
 
     #[test]

@@ -9,8 +9,9 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::diagnostic::{self, Diagnostic};
-use crate::finding::Report;
-use crate::number::{duration, wall_time};
+use crate::engine::Settling;
+use crate::finding::{Finding, Report};
+use crate::number::{duration, figure, wall_time};
 use crate::simulate::Progress;
 
 /// Steps of the bar for one run.
@@ -77,11 +78,7 @@ impl Bar {
         drawn.at = Instant::now();
         let sum = |shares: &[AtomicU64]| shares.iter().map(|share| share.load(Ordering::Relaxed)).sum::<u64>();
         let (total, before) = (sum(&self.done), sum(&self.before));
-        let state = if self.done.len() == 1 {
-            format!("{}, {} steps", duration(progress.time), progress.steps)
-        } else {
-            String::new()
-        };
+        let state = if self.done.len() == 1 { state(&progress) } else { String::new() };
         let whole = self.done.len() as f64 * PER_RUN;
         let to_go = drawn.pace.remaining(self.start.elapsed(), before as f64 / whole, total as f64 / whole);
         let to_go = to_go.map(|left| format!("{} to go  ", wall_time(left))).unwrap_or_default();
@@ -98,6 +95,14 @@ impl Bar {
     pub(super) fn report(&self, report: &impl Report) {
         if !self.quiet {
             self.print(&format!("{}: {report}", report.code().severity));
+        }
+    }
+
+    /// Prints a finding of the scenario of a run, with its name where there are several, unless `quiet`.
+    pub(super) fn finding(&self, run: &str, finding: &Finding) {
+        let several = self.done.len() > 1;
+        if !self.quiet {
+            self.print(&if several { format!("{run}: {finding}") } else { finding.to_string() });
         }
     }
 
@@ -127,6 +132,17 @@ impl Bar {
     /// Removes the bar.
     pub(super) fn finish(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// The present state of a run: its time, or how far its film is from equilibrium before its first step.
+fn state(progress: &Progress) -> String {
+    match progress.settling {
+        Some(Settling { residual, tolerance, steps }) => {
+            let [residual, tolerance] = [residual, tolerance].map(|value| figure(value, 2));
+            format!("settling: residual {residual}, ends at {tolerance}, {steps} steps")
+        }
+        None => format!("{}, {} steps", duration(progress.time), progress.steps),
     }
 }
 
@@ -169,6 +185,15 @@ mod tests {
         assert_eq!(after(900, 0.0), None);
         assert_eq!(after(1000, 0.1).as_deref(), Some("9 s"));
         assert_eq!(after(60_000, 0.2).as_deref(), Some("4 min"));
+    }
+
+    #[test]
+    fn film_that_settles_shows_its_residual() {
+        let settling = Some(Settling { residual: 3.21e-4, tolerance: 1e-6, steps: 1200 });
+        let progress = Progress { time: 0.0, duration: 0.1, steps: 0, time_step: 1e-6, elements: 100, settling };
+        assert_eq!(state(&progress), "settling: residual 3.2e-4, ends at 1.0e-6, 1200 steps");
+        let stepping = Progress { time: 2e-3, steps: 5, settling: None, ..progress };
+        assert_eq!(state(&stepping), "2.0 ms, 5 steps");
     }
 
     #[test]

@@ -86,6 +86,9 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     let bar = Bar::new(jobs.len(), shared.quiet);
     let warnings = jobs.iter().filter_map(|job| job.writer.as_ref()).flat_map(|writer| &writer.warnings);
     warnings.for_each(|warning| bar.report(warning));
+    for Checked { model, plan, .. } in jobs.iter().map(|job| &job.checked) {
+        plan.findings().iter().for_each(|finding| bar.finding(&model.name, finding));
+    }
     let run = |(index, job): (usize, &Job)| job.run(&bar, index, viewer.as_ref());
     // One run has all threads to itself; several share them.
     let done: Vec<Done> = match jobs.as_slice() {

@@ -57,9 +57,7 @@ impl Selection {
         &self,
         check: impl Fn(&Path, &[Assignment]) -> T,
     ) -> Result<Vec<(PathBuf, T)>, Vec<Diagnostic>> {
-        let (files, set) = both(files(&self.scenarios), assignments(&self.set))?;
-        let unset = self.unset.iter().map(|path| Assignment::unset(path, "--unset"));
-        let assignments: Vec<Assignment> = unset.chain(set).collect();
+        let (files, assignments) = both(files(&self.scenarios), changes(&self.set, &self.unset))?;
         let checked = |file: PathBuf| {
             let found = check(&file, &assignments);
             (file, found)
@@ -91,8 +89,13 @@ fn material(path: &Path) -> Diagnostic {
     mistake.hint(format!("name it in a scenario under [specimen]: material = \"{shown}\""))
 }
 
-/// The changes of `--set`.
-pub(super) fn assignments(set: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
+/// The changes of `--unset` and `--set`.
+pub(super) fn changes(set: &[String], unset: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
+    let unset = unset.iter().map(|path| Assignment::unset(path, "--unset"));
+    Ok(unset.chain(assignments(set)?).collect())
+}
+
+fn assignments(set: &[String]) -> Result<Vec<Assignment>, Vec<Diagnostic>> {
     let (mut assignments, mut mistakes) = (Vec::new(), Vec::new());
     for argument in set {
         match Assignment::from_argument(argument) {

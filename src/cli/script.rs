@@ -34,6 +34,9 @@ pub(super) struct ScriptArgs {
     /// Change a key of every scenario: key.path=value
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Leave out a key that every scenario gives or inherits: key.path
+    #[arg(long, value_name = "KEY")]
+    pub unset: Vec<String>,
     /// Folder for the results, in place of runs/<name of the script>
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -81,7 +84,7 @@ pub(super) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
 
 /// Runs the script, whose results go to `place`; its messages are printed at once.
 fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result<Studied, Failure> {
-    let changes = scenarios::assignments(&args.set)?;
+    let changes = scenarios::changes(&args.set, &args.unset)?;
     let print_line = move |line: &str| {
         if !quiet {
             // The report has every message, so one that cannot be printed is dropped.
@@ -101,6 +104,7 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     let mut engine = functions::engine(Limits::STUDY);
     functions::register_output(&mut engine, &collector);
     functions::register_reading(&mut engine);
+    Session::of_engine(&engine).report_to(&collector);
     post::register_studies(&mut engine, changes);
     identify::register(&mut engine, &host);
     Arguments::register(&mut engine);
@@ -149,6 +153,7 @@ fn call(args: &ScriptArgs, given: &rhai::Map, place: &Path) -> Result<Map<String
         ("script", json!(shown_path(&args.path))),
         ("scenario", json!(args.scenario)),
         ("set", json!(args.set)),
+        ("unset", json!(args.unset)),
         ("args", Value::Object(own)),
         (run_files::STUDY_FOLDER, json!(store::path_from(place, Path::new(".")))),
     ];
@@ -247,6 +252,7 @@ mod tests {
                 scenario: None,
                 arg: vec![argument.into()],
                 set: vec![],
+                unset: vec![],
                 out: None,
                 force: false,
             };

@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use super::{Face, Mistakes, Model};
+use super::{Face, Mistakes, Model, Warning};
 use crate::mesh::{Element, Outline};
 use crate::number::{grouped, rounded, significant};
+use crate::scenario::Implausible;
 
 /// Most memory of the film of a run, bytes. The bound is the same on every machine: a film finer than this is a mistake
 /// in the unit of `specimen.mesh.size`.
@@ -47,12 +48,26 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
                 grouped(rounded(total, 3) as u64),
                 significant(memory * 1e-9, 2)
             );
-            mistakes.report_with(&path, message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
+            too_large(&path, message, mistakes);
             return;
         }
     }
     if mistakes.mistakes.is_empty() {
         samples(model, memory, mistakes);
+    }
+}
+
+/// Reports a mesh that is too large, at the sizes that are hardly meant where there are any: they are its cause.
+fn too_large(path: &str, message: String, mistakes: &mut Mistakes<'_>) {
+    let is_size = |value: &Implausible| value.key.starts_with("specimen.shape.") || value.key.ends_with("mesh.size");
+    let sizes: Vec<Implausible> = mistakes.document.implausible().into_iter().filter(is_size).collect();
+    let hint = format!("a run may take {} GB", MOST_MEMORY / 1e9);
+    if sizes.is_empty() {
+        return mistakes.report_with(path, message, hint);
+    }
+    for size in sizes {
+        let key = size.key.clone();
+        mistakes.report_with(&key, Warning::Value(size).to_string(), format!("{message}; {hint}"));
     }
 }
 

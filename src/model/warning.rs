@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value};
 
-use super::Model;
+use super::{Loading, Model};
 use crate::finding::{Code, Report, codes};
 use crate::mesh::import;
 use crate::number::significant;
@@ -15,6 +15,10 @@ codes! {
     IMPLAUSIBLE_VALUE = "implausible-value", Warning,
         "a value of the scenario, or the extent of a mesh, is far from what such tests have",
         "check its unit: a bare number is in the SI unit, coordinates of meshes are in m; no change is needed where it is meant";
+    ABSORPTION_NOT_GIVEN = "absorption-not-given", Note,
+        "an impactor rebounds from film whose fabric gives no `absorption`: it is zero, so that all energy that the film stored \
+         is returned, and rebound and energy absorption say nothing about a test",
+        "give the `absorption` of the fabric, from the rebound of a drop test (`droptower signal drop`), or 0 where it is meant";
 }
 
 /// Largest extent of a mesh that is likely, m.
@@ -35,6 +39,11 @@ pub enum Warning {
         /// Largest extent along x, y or z, m.
         extent: f64,
     },
+    /// A fabric that an impactor falls on has no energy absorption.
+    AbsorptionNotGiven {
+        /// Path of the key that is left out.
+        key: String,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -49,28 +58,51 @@ impl fmt::Display for Warning {
                 write!(f, "the mesh of `{key}` is {metres} m wide, which is implausible; did you mean {metres} mm? ")?;
                 write!(f, "coordinates are read in m: scale the file by 0.001")
             }
+            Warning::AbsorptionNotGiven { key } => {
+                write!(
+                    f,
+                    "`{key}` is not given and taken as zero: the rebound of the impactor says nothing about a test"
+                )
+            }
         }
     }
 }
 
 impl Report for Warning {
     fn code(&self) -> &'static Code {
-        &IMPLAUSIBLE_VALUE
+        match self {
+            Warning::Value(_) | Warning::Extent { .. } => &IMPLAUSIBLE_VALUE,
+            Warning::AbsorptionNotGiven { .. } => &ABSORPTION_NOT_GIVEN,
+        }
     }
 
     fn figures(&self) -> Map<String, Value> {
-        let figures: [(&str, Value); 2] = match self {
-            Warning::Value(value) => [("key", value.key.as_str().into()), ("value", value.value.into())],
-            Warning::Extent { key, extent } => [("key", (*key).into()), ("extent_m", (*extent).into())],
+        let figures: Vec<(&str, Value)> = match self {
+            Warning::Value(value) => vec![("key", value.key.as_str().into()), ("value", value.value.into())],
+            Warning::Extent { key, extent } => vec![("key", (*key).into()), ("extent_m", (*extent).into())],
+            Warning::AbsorptionNotGiven { key } => vec![("key", key.as_str().into())],
         };
-        figures.map(|(name, value)| (name.into(), value)).into_iter().collect()
+        figures.into_iter().map(|(name, value)| (name.into(), value)).collect()
     }
 }
 
 /// What is hardly meant in the scenario `document`, which was checked to be `model`.
 pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
     let values = document.implausible().into_iter().map(Warning::Value);
-    values.chain(model.meshes().filter_map(|(key, path)| wide(key, path))).collect()
+    let meshes = model.meshes().filter_map(|(key, path)| wide(key, path));
+    values.chain(meshes).chain(without_absorption(document, model)).collect()
+}
+
+/// The fabrics without `absorption` that an impactor falls on, by the paths of their keys.
+fn without_absorption(document: &Document, model: &Model) -> Vec<Warning> {
+    if !matches!(model.loading, Loading::Impact { .. }) {
+        return vec![];
+    }
+    let layers = (0..model.faces.len()).map(|place| format!("layer.{place}.material.fabric"));
+    let fabrics = std::iter::once("specimen.material.fabric".to_owned()).chain(layers);
+    let is_left_out =
+        |path: &String| document.find(path).is_some() && document.find(&format!("{path}.absorption")).is_none();
+    fabrics.filter(is_left_out).map(|path| Warning::AbsorptionNotGiven { key: format!("{path}.absorption") }).collect()
 }
 
 /// The warning of a mesh that is too wide. A file that cannot be read is a mistake of its own.

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::{EvaluateError, ReferenceComparison, ReferenceError, Results, Run, run};
 use crate::finding::Finding;
 use crate::functions;
-use crate::model::Model;
+use crate::model::{self, Model};
 use crate::script::{self, Limits, OutputCollector, Script};
 use crate::signal::filter::{ChannelFilter, FilterError, Standard};
 use crate::simulate::Outcome;
@@ -87,7 +87,10 @@ impl Plan {
     /// Measures the run without its script.
     pub fn measure(&self, model: &Model, outcome: &Outcome) -> Result<Results, EvaluateError> {
         let mut results = Results::measure(model, outcome, self.comparison.clone())?;
-        results.measures.findings_mut().extend(&self.findings);
+        let rebounds = results.measures.rebounds();
+        let findings =
+            self.findings.iter().filter(|finding| rebounds || finding.code != model::ABSORPTION_NOT_GIVEN.name);
+        results.measures.findings_mut().extend(findings);
         Ok(results)
     }
 

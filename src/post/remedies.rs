@@ -2,6 +2,7 @@
 //! is the same for every scenario is that of the warning's code.
 
 use crate::finding::Report;
+use crate::mesh::Outline;
 use crate::model::{Loading, Model};
 use crate::number::significant;
 use crate::simulate::{Failure, Fault, Warning};
@@ -9,12 +10,10 @@ use crate::simulate::{Failure, Fault, Warning};
 /// The warning of a run of `model` with its remedy, if there is one; `mass_scaling` is the factor that the run used.
 pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option<f64>) -> String {
     let remedy = match warning {
-        Warning::NotInEquilibrium(_)
-        | Warning::NoContact
-        | Warning::CoarseContact { .. }
-        | Warning::Penetration { .. }
-        | Warning::Unfinished
-        | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
+        Warning::NotInEquilibrium(_) | Warning::NoContact | Warning::Unfinished | Warning::FewerSnapshots { .. } => {
+            warning.code().remedy.to_owned()
+        }
+        Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
         Warning::Settled(_)
         | Warning::MisshapenElements { .. }
@@ -24,6 +23,18 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::StrainRateOutside { .. } => return warning.to_string(),
     };
     format!("{warning}; {remedy}")
+}
+
+/// The remedy of elements that are too large.
+fn finer(warning: &Warning, model: &Model) -> String {
+    let first = model.faces.first().map(|face| face.meshing.size);
+    match &model.specimen.shape {
+        Outline::Mesh(_) => "give a finer mesh in `specimen.shape.mesh`".into(),
+        _ if model.faces.iter().any(|face| Some(face.meshing.size) != first) => {
+            format!("{} or `mesh.size` of the `[[layer]]`", warning.code().remedy)
+        }
+        _ => warning.code().remedy.to_owned(),
+    }
 }
 
 /// The cause of a failed run of `model` with its remedy, if there is one.
@@ -78,11 +89,12 @@ mod tests {
     fn every_key_that_a_remedy_names_is_one_of_a_scenario() {
         let (source, _) = include_str!("remedies.rs").split_once("#[cfg(test)]").unwrap();
         let named: Vec<&str> = enclosed(source, '"').flat_map(paths).collect();
-        assert_eq!(named.len(), 3, "{named:?}");
+        assert_eq!(named.len(), 5, "{named:?}");
         let remedies = || [crate::simulate::CODES, crate::post::CODES].concat().into_iter().map(|code| code.remedy);
         let of_codes: Vec<&str> = remedies().flat_map(paths).filter(|path| !path.ends_with(".csv")).collect();
         assert!(of_codes.len() > 5, "{of_codes:?}");
-        for path in named.iter().chain(&of_codes) {
+        let of_layers = |path: &str| path == "mesh.size";
+        for path in named.iter().chain(&of_codes).filter(|path| !of_layers(path)) {
             assert!(is_key(path), "a scenario has no `{path}`");
         }
         assert!(!is_key("specimen.mesh.length"));
@@ -105,6 +117,19 @@ mod tests {
             assert_eq!(with_remedy(&warning, &model(), None), format!("{fact}; {remedy}"));
             assert!(!fact.contains('`') && remedy.contains('`'), "{fact}; {remedy}");
         }
+    }
+
+    #[test]
+    fn the_remedy_of_coarse_elements_names_what_gives_their_size() {
+        let warning = Warning::CoarseContact { time: 0.01, edge: 0.4 };
+        let mut model = model();
+        let mut finer = model.faces[0].clone();
+        finer.meshing.size *= 0.5;
+        let two = Model { faces: vec![model.faces[0].clone(), finer], ..model.clone() };
+        assert!(with_remedy(&warning, &two, None).ends_with("`specimen.mesh.size` or `mesh.size` of the `[[layer]]`"));
+        model.specimen.shape = Outline::Mesh("film.stl".into());
+        let remedy = with_remedy(&warning, &model, None);
+        assert!(remedy.ends_with("give a finer mesh in `specimen.shape.mesh`"), "{remedy}");
     }
 
     #[test]

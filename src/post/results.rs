@@ -187,6 +187,11 @@ impl Measures {
         }
     }
 
+    /// Whether an impactor rebounded.
+    pub(super) fn rebounds(&self) -> bool {
+        matches!(self, Measures::Impact(Impact { rebound_velocity_m_s: Some(velocity), .. }) if *velocity > 0.0)
+    }
+
     /// What the run, its comparison with a reference and its post script reported.
     pub fn findings(&self) -> &RunFindings {
         match self {

@@ -12,6 +12,7 @@ use super::run::{self, ReferenceSignals};
 use super::{Plan, Run, failure_message, trial};
 use crate::diagnostic::Diagnostic;
 use crate::experiment::coupon::Curve;
+use crate::finding::Finding;
 use crate::material::Law;
 use crate::model::{self, Model};
 use crate::scenario::{Assignment, Document};
@@ -47,6 +48,7 @@ impl Study {
         if let Some(reference) = &model.reference {
             session.add_recording_files(&reference.signals);
         }
+        session.report(model::warnings(&document, &model).iter().map(Finding::new));
         let plan = match other.filter(|other| Plan::is_common(&model, &other.model)) {
             Some(other) => other.plan.clone(),
             None => Plan::prepare(&model).map_err(refuse)?,

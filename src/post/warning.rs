@@ -160,8 +160,8 @@ impl RunFindings {
     }
 
     /// Adds findings of the scenario or of the post script.
-    pub(super) fn extend(&mut self, findings: &[Finding]) {
-        self.0.extend_from_slice(findings);
+    pub(super) fn extend<'f>(&mut self, findings: impl IntoIterator<Item = &'f Finding>) {
+        self.0.extend(findings.into_iter().cloned());
     }
 
     /// All of them.

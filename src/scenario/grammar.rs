@@ -83,8 +83,10 @@ pub struct Key {
     pub required: bool,
     /// Its allowed values.
     pub rule: Rule,
-    /// What a list in its place will be.
+    /// What a list in its place, or one that is longer than allowed, will be.
     pub future_list: Option<Future>,
+    /// What a table in its place will be.
+    pub future_table: Option<Future>,
 }
 
 /// Bounds of a number, in SI units.
@@ -413,6 +415,7 @@ fn keys(schema: &Json) -> Vec<Key> {
             required: required.contains(name),
             rule: compile(property),
             future_list: future(&property["x-future-list"]).pop(),
+            future_table: future(&property["x-future-table"]).pop(),
         })
         .collect()
 }

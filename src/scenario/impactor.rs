@@ -13,6 +13,13 @@ const DOWN: &str = "the impactor starts straight down: `loading.impact.velocity`
 /// What there is in place of a rotating or inclined impactor.
 const UPRIGHT: &str = "the impactor starts upright and without rotation; with `guide = \"free\"` contact may rotate it";
 
+/// What there is in place of a guide as a table.
+const GUIDES: &str = "`guide = \"z\"` lets it move along z without friction, `guide = \"free\"` in all six directions";
+
+/// What there is in place of a third coordinate.
+const HEIGHT: &str =
+    "the impactor starts in contact with the film: `position` is x, y; `loading.impact.drop_height` its fall";
+
 /// The rigid body that loads the film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend("x-future" = {
@@ -27,13 +34,14 @@ pub struct Impactor {
     pub mass: Option<Mass>,
     /// Its degrees of freedom.
     #[serde(default)]
+    #[schemars(extend("x-future-table" = { "a guide with an axis or friction of its own": GUIDES }))]
     pub guide: Guide,
     /// Coulomb coefficient between impactor and film.
     #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
     pub friction: f64,
     /// Position of its axis over the film at the start: x, y.
     #[serde(default = "centre")]
-    #[schemars(extend("x-likely" = [-10.0, 10.0]))]
+    #[schemars(extend("x-likely" = [-10.0, 10.0], "x-future-list" = { "a height of the impactor": HEIGHT }))]
     pub position: [Length; 2],
 }
 

@@ -213,6 +213,16 @@ impl OutputCollector {
         Ok(())
     }
 
+    /// Adds a finding of the host, unless there is one of the same code and key, or there are too many.
+    pub(super) fn report_once(&self, finding: Finding) {
+        let same =
+            |other: &Finding| other.code == finding.code && other.figures.get("key") == finding.figures.get("key");
+        if !self.lock().findings.iter().any(same) {
+            // Too many findings are an error of the script that gives them.
+            let _ = self.report(finding);
+        }
+    }
+
     /// Adds a file, or replaces the one of this name.
     ///
     /// # Errors

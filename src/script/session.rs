@@ -1,14 +1,16 @@
 //! The state that host functions share while one script runs: the files that it read, and the trial they are called in.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rhai::{Dynamic, Engine, NativeCallContext};
 
-use super::Compared;
+use super::{Compared, OutputCollector};
 use crate::file::{Digest, FileError};
+use crate::finding::Finding;
 use crate::simulate::Cancellation;
 
 /// Most comparisons of one trial that are stored for plots.
@@ -24,13 +26,20 @@ pub struct Fields {
 }
 
 /// State that host functions share while a script runs; each engine has one, as its tag. Cheap to clone.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Session {
     inputs: Arc<Mutex<BTreeMap<PathBuf, String>>>,
     recordings: Arc<Mutex<BTreeMap<PathBuf, bool>>>,
     trial: Option<Arc<Mutex<Trial>>>,
     cancellation: Cancellation,
     fields: Arc<Mutex<Vec<Fields>>>,
+    output: Arc<Mutex<Option<OutputCollector>>>,
+}
+
+impl fmt::Debug for Session {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Session").field("inputs", &self.inputs).field("trial", &self.trial).finish_non_exhaustive()
+    }
 }
 
 /// What host functions record during one evaluation of an objective.
@@ -57,6 +66,20 @@ impl Session {
 
     fn in_tag(tag: &Dynamic) -> Option<Session> {
         tag.read_lock::<Session>().map(|session| session.clone())
+    }
+
+    /// Findings of the host are reported in the output of `collector` from now on.
+    pub fn report_to(&self, collector: &OutputCollector) {
+        *lock(&self.output) = Some(collector.clone());
+    }
+
+    /// Reports findings of a scenario that the script reads or changes, each kind once of a key. Those of the trials of a
+    /// search are left out: their number and order depend on the threads.
+    pub fn report(&self, findings: impl IntoIterator<Item = Finding>) {
+        let output = lock(&self.output).clone();
+        if let Some(output) = output.filter(|_| !self.is_trial()) {
+            findings.into_iter().for_each(|finding| output.report_once(finding));
+        }
     }
 
     /// Declares the fields of maps of the host, which scripts are checked against before they run.

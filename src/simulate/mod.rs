@@ -24,7 +24,7 @@ mod warning;
 
 use std::time::{Duration, Instant};
 
-use crate::engine::{self, Engine, Relaxation, Surface, ThreadPool};
+use crate::engine::{self, Engine, Relaxation, Settling, Surface, ThreadPool};
 use crate::model::{Hold, Model};
 use crate::signal::Recording;
 pub use cancellation::Cancellation;
@@ -54,6 +54,8 @@ pub struct Progress {
     pub time_step: f64,
     /// Number of elements.
     pub elements: usize,
+    /// While the film is brought to equilibrium before its first step: how far it is.
+    pub settling: Option<Settling>,
 }
 
 /// Element steps between two reports of progress: about a millisecond.
@@ -117,7 +119,7 @@ pub fn run_with(
     options: RunOptions<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Outcome, RunError> {
-    let RunOptions { restart, checkpoints, pool, cancellation, on_snapshot, detailed } = options;
+    let RunOptions { restart, mut checkpoints, pool, cancellation, on_snapshot, detailed } = options;
     let begin = Instant::now();
     let mut scene = build::scene(model)?;
     let pool = pool.unwrap_or_else(|| build::pool(scene.engine.elements()));
@@ -129,7 +131,14 @@ pub fn run_with(
         before = restart.wall;
         restart.restore(&mut engine, &mut probe)?;
     } else {
-        settled = settle(model, &mut engine, &cancellation).map(|relaxation| probe.record_relaxation(relaxation));
+        settled = settle(model, &mut engine, progress, &cancellation).map(|relaxation| {
+            probe.record_relaxation(relaxation);
+            let took_steps = relaxation.is_some_and(|relaxation| relaxation.steps > 0);
+            // Equilibrium of a fine mesh takes longer than its test: a run that resumes does not repeat it.
+            if let Some(checkpoints) = checkpoints.as_mut().filter(|_| took_steps && !cancellation.is_cancelled()) {
+                (checkpoints.write)(&Checkpoint::of(&engine, &probe, begin.elapsed()));
+            }
+        });
     }
     scene.mounting.start += probe.lift();
     let wall = || before + begin.elapsed();
@@ -154,13 +163,27 @@ pub fn run_with(
 fn settle(
     model: &Model,
     engine: &mut Engine,
+    progress: &mut dyn FnMut(Progress),
     cancellation: &Cancellation,
 ) -> Result<Option<Relaxation>, engine::Fault> {
     if model.frame.hold == Hold::None {
         return Ok(None);
     }
     let wanted: Vec<bool> = model.faces.iter().map(|face| face.settle).collect();
-    engine.relax(&wanted, || !cancellation.is_cancelled()).map(Some)
+    let (elements, time_step, duration) = (engine.elements(), engine.time_step(), model.run_time());
+    let stride = stride(elements);
+    let proceed = |settling: Settling| {
+        if settling.steps.is_multiple_of(stride) {
+            progress(Progress { time: 0.0, duration, steps: 0, time_step, elements, settling: Some(settling) });
+        }
+        !cancellation.is_cancelled()
+    };
+    engine.relax(&wanted, proceed).map(Some)
+}
+
+/// Steps of so many elements between two reports of progress.
+fn stride(elements: usize) -> u64 {
+    (REPORT_AFTER / elements.max(1)).max(1) as u64
 }
 
 /// Reports snapshots to [`RunOptions::on_snapshot`].
@@ -195,7 +218,7 @@ fn advance(
     events: &mut SnapshotEvents<'_, '_>,
 ) -> Result<(), engine::Fault> {
     let elements = engine.elements();
-    let stride = (REPORT_AFTER / elements.max(1)).max(1) as u64;
+    let stride = stride(elements);
     let after = |time: f64, every: f64| ((time / every).floor() + 1.0) * every;
     let mut due = checkpoints.as_ref().map_or(f64::INFINITY, |c| after(engine.time(), c.every));
     while !probe.is_done(engine.time()) && !cancellation.is_cancelled() {
@@ -210,7 +233,7 @@ fn advance(
         events.report(probe, engine.impactor());
         if engine.steps().is_multiple_of(stride) {
             let (time, steps, time_step) = (engine.time(), engine.steps(), engine.time_step());
-            progress(Progress { time, duration: probe.duration(), steps, time_step, elements });
+            progress(Progress { time, duration: probe.duration(), steps, time_step, elements, settling: None });
         }
     }
     Ok(())

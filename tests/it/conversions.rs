@@ -348,9 +348,9 @@ fn units_and_names_survive_conversion() {
     assert!(picked.status.success(), "{}", workbench::error(&picked));
 }
 
-/// A table has no place for the class of a filter but its comments.
+/// A table has no place for the class of a filter and the long name of a code but its comments.
 #[test]
-fn the_class_of_a_filter_survives_a_table_and_channel_files_are_named() {
+fn class_and_long_name_survive_a_table_and_channel_files_are_named() {
     let bench = tempfile::tempdir().expect("a folder");
     let fixture = data("isomme_fixture/test.mme").display().to_string();
     let convert = |from: &str, to: &str| printed(&droptower(bench.path(), &["convert", from, "-o", to]));
@@ -363,6 +363,16 @@ fn the_class_of_a_filter_survives_a_table_and_channel_files_are_named() {
         let found = file::read(path, &ReadOptions::default()).expect("readable");
         found.channels.iter().map(|channel| channel.filtered).collect()
     };
+    let labels = |path: &Path| -> Vec<(String, String)> {
+        let found = file::read(path, &ReadOptions::default()).expect("readable");
+        found.channels.into_iter().map(|channel| (channel.name, channel.label)).collect()
+    };
+    let stated = labels(Path::new(&fixture));
+    assert!(stated.iter().all(|(name, label)| !label.starts_with(name.as_str())), "{stated:?}");
+    assert_eq!(labels(&bench.path().join("back.mme")), stated);
+    convert(&bench.path().join("back.mme").display().to_string(), "again.csv");
+    let text = fs::read_to_string(bench.path().join("again.csv")).expect("the table");
+    assert_eq!(text.matches("long name of ").count(), stated.len(), "{text}");
     assert_eq!(classes(&bench.path().join("t.csv")), [Some(1000.0), Some(600.0)]);
     assert_eq!(classes(&bench.path().join("back.mme")), [Some(1000.0), Some(600.0)]);
 }

@@ -279,14 +279,46 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
         let through = through.unwrap_or_else(|error: RunError| panic!("{case}: {error}"));
         let (outcome, written) = with_checkpoints(&model, every, None);
         assert_same(&through, &outcome, case);
-        assert_eq!(written.len(), 4, "{case}");
-        for (number, bytes) in written.iter().enumerate().skip(1).step_by(2) {
+        let settled = outcome.relaxation.is_some_and(|relaxation| relaxation.steps > 0);
+        assert_eq!(written.len(), 4 + usize::from(settled), "{case}");
+        for (number, bytes) in written.iter().enumerate().skip(usize::from(!settled)).step_by(2) {
             let restart: Restart = postcard::from_bytes(bytes).expect("what was written");
             let (resumed, again) = with_checkpoints(&model, every, Some(restart));
             assert_same(&through, &resumed, &format!("{case} from checkpoint {number}"));
             assert_eq!(again.len(), written.len() - number - 1, "{case}: the checkpoints that were left");
         }
     }
+}
+
+/// A run resumed from the checkpoint behind the equilibrium of its film does not settle again; one that is cancelled
+/// while it settles ends there.
+#[test]
+fn film_settles_once() {
+    let model = golden("drop-different-faces", &[]);
+    let (outcome, written) = with_checkpoints(&model, 1.0, None);
+    let settled = outcome.relaxation.expect("held film");
+    assert!(settled.steps > 0);
+    assert_eq!(written.len(), 1, "the equilibrium has a checkpoint");
+    let settling = |restart: Option<Restart>| {
+        let mut seen: Vec<f64> = vec![];
+        let options = RunOptions { restart, ..RunOptions::default() };
+        let mut progress = |progress: simulate::Progress| seen.extend(progress.settling.map(|s| s.residual));
+        simulate::run_with(&model, options, &mut progress).expect("a run");
+        seen
+    };
+    let seen = settling(None);
+    assert!(seen.first() > seen.last(), "{seen:?}");
+    let restart: Restart = postcard::from_bytes(&written[0]).expect("what was written");
+    assert_eq!(settling(Some(restart)), Vec::<f64>::new());
+    let cancellation = simulate::Cancellation::default();
+    let mut stepped = false;
+    let mut cancel = |progress: simulate::Progress| {
+        stepped |= progress.settling.is_none();
+        cancellation.cancel();
+    };
+    let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
+    let cancelled = simulate::run_with(&model, options, &mut cancel);
+    assert!(matches!(cancelled, Err(RunError::Cancelled)) && !stepped);
 }
 
 #[test]

@@ -108,9 +108,11 @@ fn beside(test: &Path) -> Option<Vec<String>> {
 
 /// The comments of the file, the long names of codes, and the classes of filters. What reading it assumed is explicit in the table.
 fn comments(found: &Measurement) -> Vec<String> {
-    let is_long = |channel: &&MeasuredChannel| !channel.label.starts_with(&channel.name);
-    let names: Vec<String> = found.channels.iter().filter(is_long).map(called).collect();
-    let names = (!names.is_empty()).then(|| format!("channels: {}", names.join(", ")));
+    let is_new = |channel: &&MeasuredChannel| {
+        !channel.label.starts_with(&channel.name) && found.annotations.long_name(&channel.name).is_none()
+    };
+    let names = found.channels.iter().filter(is_new);
+    let names: Vec<String> = names.map(|channel| Annotations::name_comment(&channel.name, &channel.label)).collect();
     let class = |channel: &MeasuredChannel| Some(Annotations::filter_comment(&channel.name, channel.filtered?));
     let classes = found.channels.iter().filter(|channel| found.annotations.filter_class(&channel.name).is_none());
     let classes: Vec<String> = classes.filter_map(class).collect();

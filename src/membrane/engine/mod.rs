@@ -43,7 +43,7 @@ pub use nodes::{Nodes, Vectors};
 pub use observer::{Observer, Track, View};
 pub use patch::Patch;
 pub use pressure::Inflation;
-pub use relaxation::Relaxation;
+pub use relaxation::{Relaxation, Settling};
 pub use rigid_body::RigidBody;
 pub use section::Section;
 pub use state::{State, StateMismatch};

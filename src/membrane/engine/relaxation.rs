@@ -45,6 +45,17 @@ pub struct Relaxation {
     pub lift: f64,
 }
 
+/// How far film is from equilibrium while it is brought there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settling {
+    /// Residual when the film was last at rest.
+    pub residual: f64,
+    /// Residual at which it counts as settled.
+    pub tolerance: f64,
+    /// Steps so far.
+    pub steps: u64,
+}
+
 impl Relaxation {
     /// Whether the test starts from equilibrium.
     pub fn is_in_equilibrium(&self) -> bool {
@@ -58,11 +69,11 @@ impl Engine {
     /// of these films as mounted is below 10⁻³, nothing is changed. Histories and energies count from the equilibrium;
     /// initial velocities stay as they are.
     ///
-    /// Each step calls `proceed`, which ends the relaxation by `false`.
+    /// Each step calls `proceed` with its progress, which ends the relaxation by `false`.
     ///
     /// # Errors
     /// The time step collapses.
-    pub fn relax(&mut self, wanted: &[bool], mut proceed: impl FnMut() -> bool) -> Result<Relaxation, Fault> {
+    pub fn relax(&mut self, wanted: &[bool], mut proceed: impl FnMut(Settling) -> bool) -> Result<Relaxation, Fault> {
         let all = vec![true; self.films.len()];
         self.virgin_forces();
         let mounted = self.residual(&all);
@@ -76,7 +87,7 @@ impl Engine {
         self.nodes.stop();
         let ranges: Vec<Range<usize>> = chosen(&self.films, wanted).map(|film| film.nodes.clone()).collect();
         let (mut steps, mut kinetic, mut at_rest, mut lightness) = (0, 0.0, true, 1.0);
-        while steps < MOST_STEPS && proceed() {
+        while steps < MOST_STEPS && proceed(Settling { residual, tolerance: TOLERANCE, steps }) {
             let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.pool, self.time)?;
             if at_rest {
                 residual = self.residual(wanted);

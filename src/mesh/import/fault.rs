@@ -120,8 +120,14 @@ pub enum VtuFault {
         element: &'static str,
     },
     /// The arrays are compressed.
-    #[error("the arrays are compressed; save the file without compression")]
+    #[error("the arrays are compressed; open the file in ParaView and save it as VTU with data mode ASCII")]
     Compressed,
+    /// A snapshot that droptower wrote: it is compressed, and mirror images have nodes of their own.
+    #[error(
+        "this is a snapshot of a run, with compressed arrays and mirror images that do not share nodes; give the mesh of \
+         that run, or in ParaView apply Clean to Grid, which joins the nodes, and save it as VTU with data mode ASCII"
+    )]
+    Snapshot,
     /// An array is not inline.
     #[error("array format `{format}` is not supported; save the file as ASCII or as inline binary")]
     Format {

@@ -6,8 +6,11 @@ mod obj;
 mod stl;
 mod vtu;
 
-use std::collections::HashMap;
-use std::path::Path;
+use std::collections::{HashMap, VecDeque};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::SystemTime;
 
 use nalgebra::Point3;
 
@@ -26,7 +29,7 @@ pub use fault::{Fault, VtuFault};
 /// [`MeshError::File`].
 pub fn film(path: &Path, mirrored: [bool; 2], element: Element) -> Result<Mesh, MeshError> {
     let read = || -> Result<Mesh, Fault> {
-        let mut mesh = checked(path)?;
+        let mut mesh = Mesh::clone(&*checked(path)?);
         checks::snap_to_mirrors(&mut mesh, mirrored)?;
         checks::face_up(&mut mesh)?;
         checks::convex(&mesh)?;
@@ -48,7 +51,7 @@ pub type Surface = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 /// [`MeshError::File`].
 pub fn surface(path: &Path) -> Result<Surface, MeshError> {
     let read = || -> Result<Surface, Fault> {
-        let mut mesh = checked(path)?;
+        let mut mesh = Mesh::clone(&*checked(path)?);
         split_quads(&mut mesh);
         checks::closed(&mesh)?;
         checks::face_out(&mut mesh);
@@ -79,8 +82,55 @@ fn in_file(path: &Path, fault: Fault) -> MeshError {
     MeshError::File { path, fault }
 }
 
-/// The mesh of a file, its elements and edges checked.
-fn checked(path: &Path) -> Result<Mesh, Fault> {
+/// The mesh of a file, its elements and edges checked; of a file that did not change since it was read last, that mesh.
+fn checked(path: &Path) -> Result<Arc<Mesh>, Fault> {
+    let state = FileState::of(path);
+    let is_same = |(known, _): &&(FileState, Arc<Mesh>)| Some(known) == state.as_ref();
+    if let Some((_, mesh)) = stored().iter().find(is_same) {
+        return Ok(Arc::clone(mesh));
+    }
+    let mesh = Arc::new(read(path)?);
+    // A file that changed while it was read is read again the next time.
+    if let Some(state) =
+        state.filter(|before| before.length <= LONGEST_STORED && FileState::of(path).as_ref() == Some(before))
+    {
+        let mut stored = stored();
+        if stored.len() >= MOST_STORED {
+            stored.pop_front();
+        }
+        stored.push_back((state, Arc::clone(&mesh)));
+    }
+    Ok(mesh)
+}
+
+/// Length of the longest file whose mesh is stored after it was read, bytes.
+const LONGEST_STORED: u64 = 64 << 20;
+
+/// Most meshes that are stored.
+const MOST_STORED: usize = 4;
+
+/// The meshes that were read last: a check, a run and the trials of a search read the same files.
+fn stored() -> MutexGuard<'static, VecDeque<(FileState, Arc<Mesh>)>> {
+    static STORED: Mutex<VecDeque<(FileState, Arc<Mesh>)>> = Mutex::new(VecDeque::new());
+    STORED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// By what a file is known again.
+#[derive(Debug, PartialEq)]
+struct FileState {
+    path: PathBuf,
+    length: u64,
+    changed: SystemTime,
+}
+
+impl FileState {
+    fn of(path: &Path) -> Option<FileState> {
+        let found = fs::metadata(path).ok()?;
+        Some(FileState { path: fs::canonicalize(path).ok()?, length: found.len(), changed: found.modified().ok()? })
+    }
+}
+
+fn read(path: &Path) -> Result<Mesh, Fault> {
     let raw = match extension(path).as_str() {
         "stl" => merge_equal(stl::read(path)?),
         "obj" => merge_equal(obj::read(path)?),
@@ -150,4 +200,25 @@ fn split_quads(mesh: &mut Mesh) {
     let tris: Vec<_> = tris.collect();
     mesh.tris.extend(tris);
     mesh.quads.clear();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_is_read_once_until_its_file_changes() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("film.obj");
+        let write = |side: f64| {
+            let text = format!("v 0 0 0\nv {side} 0 0\nv {side} 1 0\nv 0 1 0\nf 1 2 3 4\n");
+            fs::write(&path, text).unwrap();
+        };
+        write(2.0);
+        let first = checked(&path).unwrap();
+        assert!((extent(&path).unwrap() - 2.0).abs() < 1e-12);
+        assert!(Arc::ptr_eq(&first, &checked(&path).unwrap()), "the check of the extent and the run read it once");
+        write(30.5);
+        assert!((extent(&path).unwrap() - 30.5).abs() < 1e-12);
+    }
 }

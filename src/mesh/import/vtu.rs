@@ -13,6 +13,8 @@ use crate::mesh::Mesh;
 
 /// Longest file that is read, bytes.
 const MOST_BYTES: u64 = 1 << 30;
+/// An array that every snapshot of droptower's film has.
+const SNAPSHOT_ARRAY: &str = "reference_thickness_m";
 /// VTK's numbers of the cell types that a film is made of.
 const TRIANGLE: f64 = 5.0;
 const QUAD: f64 = 9.0;
@@ -27,7 +29,8 @@ fn parse(text: &str) -> Result<Mesh, VtuFault> {
     let document = Document::parse(text)?;
     let file = document.root_element();
     if file.has_attribute("compressor") {
-        return Err(VtuFault::Compressed);
+        let is_own = |node: Node| node.attribute("Name") == Some(SNAPSHOT_ARRAY);
+        return Err(if document.descendants().any(is_own) { VtuFault::Snapshot } else { VtuFault::Compressed });
     }
     let layout = Layout {
         big_endian: file.attribute("byte_order") == Some("BigEndian"),

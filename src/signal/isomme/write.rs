@@ -167,7 +167,7 @@ fn sheets<'a>(measurement: &'a Measurement, headers: &'a Headers) -> Vec<Sheet<'
                 }))
             }
         };
-        let (header, label) = (headers.of(channel), long_name(channel, &measurement.channels));
+        let (header, label) = (headers.of(channel), long_name(channel, measurement));
         let converted = channel.unit.as_ref().is_some_and(|unit| !unit.is_si());
         let (unit, class, values) = (channel.value_unit(), channel.filtered, channel.series.values());
         sheets.push(Sheet { code, header, converted, label, unit, class, axis, time, values });
@@ -175,11 +175,14 @@ fn sheets<'a>(measurement: &'a Measurement, headers: &'a Headers) -> Vec<Sheet<'
     sheets
 }
 
-/// What a channel is called: without the unit that a table writes behind the name, where no other channel has that
+/// What a channel is called: as a comment of the table states, or without the unit that a table writes behind the name, where no other channel has that
 /// name.
-fn long_name(channel: &MeasuredChannel, all: &[MeasuredChannel]) -> String {
+fn long_name(channel: &MeasuredChannel, measurement: &Measurement) -> String {
     let MeasuredChannel { name, label, .. } = channel;
-    let alone = all.iter().filter(|other| other.name == *name).count() == 1;
+    if let Some(stated) = measurement.annotations.long_name(name) {
+        return stated.to_owned();
+    }
+    let alone = measurement.channels.iter().filter(|other| other.name == *name).count() == 1;
     let is_short = channel.unit.is_some() && label.starts_with(name.as_str()) && ChannelCode::parse(name).is_none();
     if alone && is_short { name.clone() } else { label.clone() }
 }
