@@ -114,6 +114,7 @@ fn studied(args: &ScriptArgs, name: String, place: &Path, quiet: bool) -> Result
     scope.push_constant("args", Arguments::new(given.clone()));
     let program = Script::read(&engine, &scope, &args.path).map_err(|error| reading(&error))?;
     check_read(&program, &given)?;
+    check_commas(&program, &given)?;
     host.identify(Identity { script: program.text().into(), given: decisive(&call) });
     let stopped = |fault: Fault| match fault.numerical {
         true => Failure::numerical(script(&fault)),
@@ -139,6 +140,22 @@ fn check_read(script: &Script, given: &rhai::Map) -> Result<(), Vec<Diagnostic>>
             .hint(format!("leave {how} out, or correct it"))
     };
     let mistakes: Vec<Diagnostic> = unread.map(mistake).collect();
+    if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
+}
+
+/// Refuses `8,9`, which may be one number or two, unless the script reads a list of numbers or a text.
+fn check_commas(script: &Script, given: &rhai::Map) -> Result<(), Vec<Diagnostic>> {
+    let mistake = |(name, value): (&rhai::Identifier, &Dynamic)| {
+        let value = value.to_string();
+        let point = with_decimal_point(&value).filter(|point| point.parse::<f64>().is_ok())?;
+        if name == "scenario" || script.reads_list_or_text(name) {
+            return None;
+        }
+        let hint =
+            format!("write one number with a decimal point: {point}; a list with a space: \"{}\"", spaced(&value));
+        Some(Diagnostic::new(format!("decimal comma in --arg {name}={value}")).hint(hint))
+    };
+    let mistakes: Vec<Diagnostic> = given.iter().filter_map(mistake).collect();
     if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
 }
 
@@ -181,15 +198,7 @@ fn arguments(args: &ScriptArgs) -> Result<rhai::Map, Vec<Diagnostic>> {
     let mut mistakes = Vec::new();
     for argument in &args.arg {
         match argument.split_once('=') {
-            Some((key, value)) => match with_decimal_point(value) {
-                Some(point) if point.parse::<f64>().is_ok() => {
-                    let mistake = Diagnostic::new(format!("decimal comma in --arg {argument}"));
-                    let hint =
-                        format!("write it with a decimal point: {point}; a list with a space: \"{}\"", spaced(value));
-                    mistakes.push(mistake.hint(hint));
-                }
-                _ => drop(map.insert(key.trim().into(), value_of(value.trim()))),
-            },
+            Some((key, value)) => drop(map.insert(key.trim().into(), value_of(value.trim()))),
             None => mistakes.push(Diagnostic::new(format!("expected key=value after --arg, found `{argument}`"))),
         }
     }
@@ -244,25 +253,29 @@ mod tests {
 
     use super::*;
 
+    /// One comma between digits is a list where the script reads a list, a text where it reads a text, and otherwise one
+    /// number or two.
     #[test]
-    fn a_decimal_comma_is_no_text() {
-        let given = |argument: &str| {
-            let args = ScriptArgs {
-                path: "a.rhai".into(),
-                scenario: None,
-                arg: vec![argument.into()],
-                set: vec![],
-                unset: vec![],
-                out: None,
-                force: false,
-            };
-            arguments(&args)
+    fn a_comma_between_digits_is_what_the_script_reads() {
+        let given = |script: &str, value: &str| {
+            let mut engine = functions::engine(Limits::STUDY);
+            Arguments::register(&mut engine);
+            let mut scope = Scope::new();
+            scope.push_constant("args", Arguments::default());
+            let script = Script::compile(&engine, &scope, Path::new("s.rhai"), script).expect("a script");
+            check_commas(&script, &[("a".into(), value_of(value))].into())
         };
-        let mistakes = given("mu=0,5").expect_err("a mistake");
-        assert_eq!(mistakes[0].message, "decimal comma in --arg mu=0,5");
-        assert!(mistakes[0].hint.as_ref().is_some_and(|hint| hint.contains("0.5")), "{mistakes:?}");
-        for list in ["mu=0, 5", "start=2.75,3.41,1", "name=a,b"] {
-            assert!(given(list).is_ok(), "{list}");
+        for script in ["args.a", "args.number(\"a\", 1)", "args.a; args.numbers(\"b\", [1, 2])"] {
+            let mistakes = given(script, "8,9").expect_err("a mistake");
+            assert_eq!(mistakes[0].message, "decimal comma in --arg a=8,9");
+            let hint = "write one number with a decimal point: 8.9; a list with a space: \"8, 9\"";
+            assert_eq!(mistakes[0].hint.as_deref(), Some(hint));
+            for value in ["8, 9", "2.75,3.41", "2,3,4", "a,b", "8"] {
+                assert!(given(script, value).is_ok(), "{script} {value}");
+            }
+        }
+        for script in ["args.numbers(\"a\", [1, 2])", "let f = || { let t = args.text(\"a\", \"\"); t };"] {
+            assert!(given(script, "8,9").is_ok(), "{script}");
         }
     }
 

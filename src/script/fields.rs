@@ -105,8 +105,16 @@ mod tests {
     #[test]
     fn a_refused_key_is_reported_at_its_place() {
         let text = "with(#{ a: 1 });\nwith(#{\n  a: 1,\n  \"b.c\": 2,\n});";
-        let expected = (4, 3, "unknown key `c`".to_owned(), Some("did you mean `d`?".to_owned()));
-        assert_eq!(faults(text), [expected]);
+        let hint = Some("did you mean `d`?".to_owned());
+        assert_eq!(faults(text), [(4, 3, "unknown key `c`".to_owned(), hint.clone())]);
+        for (text, line, column) in [
+            ("let a = #{ \"b.c\": 1 };\nwith(a);\nlet later = #{ \"b.c\": 2 };", 2, 1),
+            ("let a = #{ \"b.c\": 1 };\nwith(a); [#{ \"b.c\": 2 }];", 2, 1),
+            ("let f = || with(#{ a: 1 } + #{\n \"b.c\": 1 });\nlet later = #{ \"b.c\": 2 };\nf.call()", 2, 2),
+            ("if true {\n  let made = 1 + with(#{ \"b.c\": 1 });\n}", 2, 26),
+        ] {
+            assert_eq!(faults(text), [(line, column, "unknown key `c`".to_owned(), hint.clone())], "{text}");
+        }
         assert_eq!(faults("try { with(#{ \"b.c\": 2 }) } catch (e) { if !e.contains(\"mean\") { throw 1 } }"), []);
     }
 

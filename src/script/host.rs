@@ -160,6 +160,11 @@ impl Script {
         places::mentions(&self.program, name)
     }
 
+    /// Whether the script reads `args.numbers("<name>", …)` or `args.text("<name>", …)`.
+    pub fn reads_list_or_text(&self, name: &str) -> bool {
+        places::reads_with(&self.program, &["numbers", "text"], name)
+    }
+
     /// Runs the script with the constants in `scope` and drops its last value.
     ///
     /// # Errors
