@@ -138,7 +138,7 @@ mod tests {
             let loading = Loading::Indent { depth: 0.01, velocity: 1.0, mass_scaling };
             with_remedy(&Warning::NotQuasiStatic { share: 0.02 }, &Model { loading, ..model() }, used)
         };
-        let fact = "not quasi-static: kinetic energy is up to 2.0 % of the energy that the film took up; ";
+        let fact = "not quasi-static: kinetic energy is up to 2 % of the energy that the film took up; ";
         let key = "set `loading.indent.mass_scaling` lower than";
         for (written, used, expected) in [
             (None, Some(1.0), "load it more slowly".to_owned()),

@@ -5,6 +5,7 @@ use thiserror::Error;
 use super::outcome::Outcome;
 use crate::engine::{self, StateMismatch, SurfaceError, UndefinedFibreDirection};
 use crate::mesh::MeshError;
+use crate::number;
 
 /// Why there is no outcome.
 #[derive(Debug, Error)]
@@ -50,8 +51,8 @@ pub enum Fault {
     Engine(#[from] engine::Fault),
     /// Inertia matters in a test that must be quasi-static.
     #[error(
-        "not quasi-static: at {time:.6} s the film's kinetic energy is {:.1} % of the energy that it took up",
-        100.0 * .share
+        "not quasi-static: at {time:.6} s the film's kinetic energy is {} % of the energy that it took up",
+        number::significant(100.0 * .share, 2)
     )]
     NotQuasiStatic {
         /// Time of the largest share, s.
@@ -61,8 +62,8 @@ pub enum Fault {
     },
     /// An inflated film still moves at the end.
     #[error(
-        "not at rest: at the end, {time:.6} s, the deflection still changed by {:.2} % in the last tenth of the run",
-        100.0 * .change
+        "not at rest: at the end, {time:.6} s, the deflection still changed by {} % in the last tenth of the run",
+        number::significant(100.0 * .change, 2)
     )]
     NotAtRest {
         /// End of the run, s.
@@ -71,7 +72,10 @@ pub enum Fault {
         change: f64,
     },
     /// The energy balance is lost.
-    #[error("the energy balance is off by {:.1} % of the energy exchanged at {time:.6} s", 100.0 * .error)]
+    #[error(
+        "the energy balance is off by {} % of the energy exchanged at {time:.6} s",
+        number::significant(100.0 * .error, 2)
+    )]
     EnergyBalance {
         /// Time of the last balance, s.
         time: f64,

@@ -161,7 +161,7 @@ pub(super) mod bounds {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (ms, percent) = (|t: &f64| 1e3 * t, |share: &f64| 100.0 * share);
+        let percent = |share: &f64| number::significant(100.0 * share, 2);
         match self {
             Warning::MisshapenElements { face, quality } => write!(f, "misshapen elements in face {face}: {quality}"),
             Warning::Settled(Relaxation { mounted, residual, steps, displacement, .. }) => {
@@ -182,30 +182,30 @@ impl fmt::Display for Warning {
             Warning::NoContact => f.write_str("no contact: the impactor did not touch the film during the whole test"),
             Warning::CoarseContact { time, edge } => write!(
                 f,
-                "coarse contact: from {:.1} ms edges in contact are up to {edge:.2} of the impactor's radius \
-                 (bound {})",
-                ms(time),
+                "coarse contact: from {} edges in contact are up to {} of the impactor's radius (bound {})",
+                number::duration(*time),
+                number::figure(*edge, 2),
                 bounds::EDGE
             ),
             Warning::Penetration { time, depth } => write!(
                 f,
-                "penetration: from {:.1} ms elements penetrate the impactor by up to {:.1} % of its radius \
-                 (bound {:.0} %)",
-                ms(time),
+                "penetration: from {} elements penetrate the impactor by up to {} % of its radius (bound {} %)",
+                number::duration(*time),
                 percent(depth),
                 percent(&bounds::PENETRATION)
             ),
             Warning::FrameHit { time } => write!(
                 f,
-                "the impactor reached the clamped edge at {:.1} ms: the frame itself is not modelled",
-                ms(time)
+                "the impactor reached the clamped edge at {}: the frame itself is not modelled",
+                number::duration(*time)
             ),
             Warning::StrainLocalisation { time, strain, face } => write!(
                 f,
-                "strain localisation: at {:.1} ms one element of face {face} is strained to {strain:.2}, over {} times \
-                 its neighbours; the result depends on the mesh from there on",
-                ms(time),
-                bounds::LOCALISATION
+                "strain localisation: at {} one element of face {face} is strained to {}, over {} times its \
+                 neighbours; the result depends on the mesh from there on",
+                number::duration(*time),
+                number::figure(*strain, 2),
+                number::figure(bounds::LOCALISATION, 2)
             ),
             Warning::Unfinished => f.write_str(
                 "the run ends while the impactor is still in contact: rebound and energy absorption are not final",
@@ -213,28 +213,27 @@ impl fmt::Display for Warning {
             Warning::FewerSnapshots { wanted, taken, memory } => write!(
                 f,
                 "the recording has {taken} snapshots instead of {wanted}: more of so fine a mesh would take more than \
-                 {:.1} GB",
-                1e-9 * memory
+                 {} GB",
+                number::figure(1e-9 * memory, 2)
             ),
             Warning::EnergyBalance { error } => {
-                write!(f, "energy balance error {:.1} % of the energy exchanged", percent(error))
+                write!(f, "energy balance error {} % of the energy exchanged", percent(error))
             }
             Warning::StrainRateOutside { share } => write!(
                 f,
-                "strain rate: {:.0} % of the strain increments lie outside the rates at which the curves were measured",
+                "strain rate: {} % of the strain increments lie outside the rates at which the curves were measured",
                 percent(share)
             ),
             Warning::NotQuasiStatic { share } => {
                 write!(
                     f,
-                    "not quasi-static: kinetic energy is up to {:.1} % of the energy that the film took up",
+                    "not quasi-static: kinetic energy is up to {} % of the energy that the film took up",
                     percent(share)
                 )
             }
             Warning::BarelyQuasiStatic { share } => write!(
                 f,
-                "barely quasi-static: kinetic energy is up to {:.1} % of the energy that the film took up \
-                 (bound {:.0} %)",
+                "barely quasi-static: kinetic energy is up to {} % of the energy that the film took up (bound {} %)",
                 percent(share),
                 percent(&bounds::KINETIC)
             ),
@@ -307,6 +306,19 @@ mod tests {
         let message =
             "coarse contact: from 12.3 ms edges in contact are up to 0.40 of the impactor's radius (bound 0.25)";
         assert_eq!((finding.code.as_str(), finding.message.as_str()), ("coarse-contact", message));
+        for (warning, expected) in [
+            (
+                Warning::StrainLocalisation { time: 0.0412, strain: 0.687, face: 1 },
+                "strain localisation: at 41.2 ms one element of face 1 is strained to 0.69, over 2.0 times its \
+                 neighbours; the result depends on the mesh from there on",
+            ),
+            (
+                Warning::BarelyQuasiStatic { share: 0.00213 },
+                "barely quasi-static: kinetic energy is up to 0.21 % of the energy that the film took up (bound 1 %)",
+            ),
+        ] {
+            assert_eq!(warning.to_string(), expected);
+        }
         assert_eq!(serde_json::to_string(&finding.figures).unwrap(), r#"{"time_s":0.0123,"edge_over_radius":0.4}"#);
     }
 }
