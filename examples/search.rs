@@ -62,7 +62,7 @@ pub fn fit(objective: &dyn Objective, names: &[&str], start: Vec<f64>) -> Result
     let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
     let search = Search { difference: 0.01, names: names.clone(), ..Search::new(Method::LevenbergMarquardt, start) };
     let result = with_evaluator(Problem::new(objective), 2, |evaluator| minimize(&search, evaluator, &mut |_| {}))?;
-    let options = ConfidenceOptions { names, colour: Colour::White, relative: true };
+    let options = ConfidenceOptions { colour: Colour::White, relative: true, ..ConfidenceOptions::new(names) };
     let estimate = Search { start: result.best.x.clone(), ..search };
     let confidence = with_evaluator(Problem::new(objective), 2, |evaluator| {
         Ok::<_, ProfileError>(Confidence::of(&Linearization::at_start(&estimate, evaluator)?, &options)?)

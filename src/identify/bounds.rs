@@ -17,8 +17,8 @@ use thiserror::Error;
 /// vanishes on the bound.
 const INWARDS: f64 = 0.01;
 
-/// Distance from a bound, over its size, at which a point counts as on it. Towards a bound the transform gains as the
-/// square of u, so that a search meets its tolerances before it.
+/// Distance from a bound, as a share of the box, or of the value where only one side is bounded, at which a point counts
+/// as on it. Towards a bound the transform gains as the square of u, so that a search meets its tolerances before it.
 const CLOSE: f64 = 1e-4;
 
 /// A box: lower and upper bounds of the unknowns, infinite where there is none.
@@ -154,21 +154,14 @@ impl Bounds {
         }
     }
 
-    /// `x` with the unknowns on a bound that are as close to it as a start on it is moved inwards; none where no unknown
-    /// is, or all of these are on it.
-    pub fn snapped(&self, x: &[f64]) -> Option<Vec<f64>> {
-        let snapped = |(x, [lower, upper]): (&f64, [f64; 2])| {
+    /// The unknowns of `x` beside a bound, as close to it as a start on it is moved inwards, and that bound.
+    pub fn beside(&self, x: &[f64]) -> Vec<(usize, f64)> {
+        let bound = |(index, (x, [lower, upper])): (usize, (&f64, [f64; 2]))| {
             let near = INWARDS * room(*x, [lower, upper]);
-            if x - lower <= near {
-                lower
-            } else if upper - x <= near {
-                upper
-            } else {
-                *x
-            }
+            let close = [lower, upper].into_iter().find(|bound| (x - bound).abs() <= near)?;
+            (close != *x).then_some((index, close))
         };
-        let snapped: Vec<f64> = x.iter().zip(self.pairs()).map(snapped).collect();
-        (snapped != x).then_some(snapped)
+        x.iter().zip(self.pairs()).enumerate().filter_map(bound).collect()
     }
 
     /// Moves the unknowns of `x` that lie on a bound inwards.
@@ -206,15 +199,15 @@ impl Bounds {
     }
 }
 
-/// Width of the interval of an unknown at `x`, or its size where that is infinite.
+/// Width of the interval of an unknown; its size at `x`, at least one, where that is infinite.
 fn room(x: f64, [lower, upper]: [f64; 2]) -> f64 {
     if (upper - lower).is_finite() { upper - lower } else { x.abs().max(1.0) }
 }
 
 /// The bound on which `x` lies, or to which it is as close as the transform comes.
 fn side(x: f64, [lower, upper]: [f64; 2]) -> Option<Side> {
-    let close = |bound: f64| bound.is_finite() && (x - bound).abs() <= CLOSE * bound.abs();
-    if x <= lower || close(lower) { Some(Side::Lower) } else { (x >= upper || close(upper)).then_some(Side::Upper) }
+    let near = CLOSE * room(x, [lower, upper]);
+    if x - lower <= near { Some(Side::Lower) } else { (upper - x <= near).then_some(Side::Upper) }
 }
 
 #[cfg(test)]
@@ -245,7 +238,31 @@ mod tests {
         assert_eq!((x, bounds.active(&x)), ([0.0, 5.0], vec![(0, Side::Lower)]));
         bounds.inwards(&mut x);
         assert_eq!(x, [0.01, 5.0]);
-        assert_eq!((bounds.snapped(&[0.005, 5.0]), bounds.snapped(&[0.5, 5.0])), (Some(vec![0.0, 5.0]), None));
+        assert_eq!((bounds.beside(&[0.005, 1.001]), bounds.beside(&[0.0, 5.0])), (vec![(0, 0.0), (1, 1.0)], vec![]));
+    }
+
+    /// On a bound is what lies within 10⁻⁴ of the box, wherever the box lies; of the value where one side is bounded.
+    #[test]
+    fn nearness_to_a_bound_is_relative_to_the_box() {
+        let narrow = Bounds::new(&unnamed(1), Some(vec![1000.0]), Some(vec![1000.1])).unwrap();
+        let around_zero = Bounds::new(&unnamed(1), Some(vec![0.0]), Some(vec![10.0])).unwrap();
+        let [above, below] = [(Some(vec![0.0]), None), (None, Some(vec![500.0]))];
+        let above = Bounds::new(&unnamed(1), above.0, above.1).unwrap();
+        let below = Bounds::new(&unnamed(1), below.0, below.1).unwrap();
+        for (bounds, x, expected) in [
+            (&narrow, 1000.05, None),
+            (&narrow, 1000.000_005, Some(Side::Lower)),
+            (&narrow, 1000.099_995, Some(Side::Upper)),
+            (&around_zero, 5e-4, Some(Side::Lower)),
+            (&around_zero, 2e-3, None),
+            (&above, 5e-5, Some(Side::Lower)),
+            (&above, 2e-4, None),
+            (&below, 499.96, Some(Side::Upper)),
+            (&below, 499.9, None),
+        ] {
+            let found = bounds.active(&[x]).first().map(|(_, side)| *side);
+            assert_eq!(found, expected, "{x} in {bounds:?}");
+        }
     }
 
     #[test]

@@ -77,6 +77,9 @@ pub enum SearchError {
 pub(crate) trait SearchFailure: Error + 'static {
     /// Whether a simulation failed numerically.
     fn is_numerical(&self) -> bool;
+
+    /// Why the trial failed without which there is no result; none where no trial did.
+    fn cause_of_trial(&self) -> Option<&str>;
 }
 
 impl SearchFailure for SearchError {
@@ -85,6 +88,14 @@ impl SearchFailure for SearchError {
             SearchError::Start { numerical, .. } | SearchError::Failed { numerical, .. } => *numerical,
             SearchError::Fallback { start, .. } => start.is_numerical(),
             _ => false,
+        }
+    }
+
+    fn cause_of_trial(&self) -> Option<&str> {
+        match self {
+            SearchError::Start { cause, .. } | SearchError::Failed { cause, .. } => Some(cause),
+            SearchError::Fallback { start, .. } => start.cause_of_trial(),
+            _ => None,
         }
     }
 }

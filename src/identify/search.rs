@@ -1,10 +1,9 @@
 //! A search: one method from one or several starts.
 
-use super::bounds::Side;
 use super::error::SearchError;
 use super::iteration::{Iteration, StopReason};
 use super::method::trials::{Failures, SearchContext, Trials};
-use super::method::{cma_es, levenberg_marquardt, nelder_mead};
+use super::method::{bounded, cma_es, levenberg_marquardt, nelder_mead};
 use super::objective::FatalError;
 use super::options::{Method, Search, Starts};
 use super::pool::trial_pool::{Evaluator, PoolError};
@@ -61,11 +60,15 @@ pub fn minimize(
     if !best.converged && best.reason != StopReason::OnBound {
         warnings.push(Warning::NotConverged { reason: best.reason.clone() });
     }
-    let on_bound = |(index, side): (usize, Side)| {
+    let trials = Trials::new(search, evaluator);
+    for (index, side) in search.bounds.active(&best.x) {
         let (parameter, value) = (search.names[index].clone(), best.x[index]);
-        Warning::OnBound { parameter, value, side }
-    };
-    warnings.extend(search.bounds.active(&best.x).into_iter().map(on_bound));
+        let falls_beyond = match search.method {
+            Method::LevenbergMarquardt => bounded::falls_beyond((index, side), &best.x, search, &trials)?,
+            Method::NelderMead | Method::CmaEs => None,
+        };
+        warnings.push(Warning::OnBound { parameter, value, side, falls_beyond });
+    }
     warnings.extend(starts::disagreement(search, &best, &results));
     Ok(SearchResult { best, starts: results, warnings })
 }
@@ -73,7 +76,7 @@ pub fn minimize(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::bounds::Bounds;
+    use crate::identify::bounds::{Bounds, Side};
     use crate::identify::objective::Objective;
     use crate::identify::options::OnFailure;
     use crate::identify::point::unnamed;
@@ -147,10 +150,38 @@ mod tests {
             let best = found(&search, &bowl, 2).unwrap();
             let near = best.best.x.iter().zip(at_bound).all(|(x, e)| (x - e).abs() < 2e-3);
             assert!(near, "{method:?}: {best:?}");
-            let on_bound =
-                best.warnings.iter().any(|warning| matches!(warning, Warning::OnBound { side: Side::Upper, .. }));
-            assert!(on_bound || method == Method::CmaEs, "{method:?}: {:?}", best.warnings);
-            assert!(!on_bound || !best.best.converged && best.best.reason == StopReason::OnBound, "{best:?}");
+            let falls_beyond = (method == Method::LevenbergMarquardt).then_some(true);
+            let parameter = "x0".to_owned();
+            let on_bound = Warning::OnBound { parameter, value: 1.0, side: Side::Upper, falls_beyond };
+            assert_eq!(best.warnings, [on_bound], "{method:?}");
+            assert!(!best.best.converged && best.best.reason == StopReason::OnBound, "{best:?}");
+        }
+    }
+
+    /// The unknowns of the minimum are 0 and 0.004: the first lies on its bound, the second beside it.
+    #[test]
+    fn each_unknown_beside_a_bound_is_moved_onto_it_on_its_own() {
+        let corner = |x: &[f64]| vec![x[0] + 1.0, 10.0 * (x[1] - 0.004)];
+        let bounds = Bounds::new(&unnamed(2), Some(vec![0.0; 2]), Some(vec![1.0; 2])).unwrap();
+        let (tol_x, tol_f, max_evaluations, max_iterations) = (1e-6, 1e-8, 2000, 1000);
+        let start = Search::new(Method::CmaEs, vec![0.5, 0.5]);
+        let search = Search { bounds, tol_x, tol_f, max_evaluations, max_iterations, ..start };
+        let best = found(&search, &corner, 1).unwrap();
+        assert!(best.best.x[0] == 0.0 && (best.best.x[1] - 0.004).abs() < 1e-3, "{best:?}");
+        assert!(matches!(&best.warnings[..], [Warning::OnBound { parameter, .. }] if parameter == "x0"), "{best:?}");
+    }
+
+    /// Both end on the bound of x₀: a minimum of all values, beyond which the objective rises again, and one of those
+    /// within the bounds.
+    #[test]
+    fn the_gradient_tells_whether_the_objective_falls_beyond_a_bound() {
+        let bounds = Bounds::new(&unnamed(1), Some(vec![0.0]), Some(vec![3.0])).unwrap();
+        for (least, expected) in [(0.0, false), (-0.5, true), (3.0, false), (3.5, true)] {
+            let bowl = |x: &[f64]| vec![x[0] - least, 1.0];
+            let search = Search { bounds: bounds.clone(), ..Search::new(Method::LevenbergMarquardt, vec![1.0]) };
+            let best = found(&search, &bowl, 1).unwrap();
+            let [Warning::OnBound { falls_beyond, .. }] = &best.warnings[..] else { panic!("{best:?}") };
+            assert_eq!(*falls_beyond, Some(expected), "{least}: {best:?}");
         }
     }
 

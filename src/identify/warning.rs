@@ -68,7 +68,15 @@ pub enum Warning {
         reason: StopReason,
     },
     /// The best point lies on a bound.
-    #[error("not converged: {parameter} = {} lies on its {side} bound", number::significant(*.value, 5))]
+    #[error(
+        "not converged: {parameter} = {} lies on its {side} bound{}",
+        number::significant(*.value, 5),
+        match .falls_beyond {
+            Some(true) => ", and the objective still falls beyond it",
+            Some(false) => ", and the objective does not fall beyond it",
+            None => "",
+        }
+    )]
     OnBound {
         /// The unknown.
         parameter: String,
@@ -76,6 +84,8 @@ pub enum Warning {
         value: f64,
         /// Which bound.
         side: Side,
+        /// Whether the gradient points outwards, where it is known: a minimum within the bounds.
+        falls_beyond: Option<bool>,
     },
     /// Some starts ended at a higher objective value.
     #[error(
@@ -106,13 +116,12 @@ pub enum Warning {
         /// The combination, such as `k1·ke^-0.8`.
         combination: String,
     },
-    /// The confidence interval of a combination of parameters is too wide.
+    /// The confidence interval of a combination of parameters is wide in the linear model.
     #[error(
-        "{combination} is not practically identifiable: a change by a factor {} has less effect on the residuals \
-         than noise",
+        "{combination} is poorly determined: in the linear model its interval of 95 % reaches a factor {}",
         number::figure(*.factor, 2)
     )]
-    NotIdentifiable {
+    PoorlyDetermined {
         /// The combination.
         combination: String,
         /// Half-width of its interval of 95 %, as a factor.
@@ -120,8 +129,9 @@ pub enum Warning {
     },
     /// The effect of a combination is small beside that of the best-determined one.
     #[error(
-        "{combination} is weakly identifiable: its effect on the residuals is {ratio:.0} times smaller than that of \
-         the best-determined combination, and small errors of model or sensor change it"
+        "{combination} is weakly identifiable: its effect on the residuals is {} times smaller than that of the \
+         best-determined combination, and small errors of model or sensor change it",
+        number::figure(*.ratio, 2)
     )]
     WeaklyIdentifiable {
         /// The combination.
@@ -130,7 +140,7 @@ pub enum Warning {
         ratio: f64,
     },
     /// Two parameters are strongly correlated.
-    #[error("{} and {} are correlated by {correlation:.3}", .parameters[0], .parameters[1])]
+    #[error("{} and {} are correlated by {}", .parameters[0], .parameters[1], number::figure(*.correlation, 3))]
     Correlated {
         /// The two.
         parameters: [String; 2],
@@ -139,8 +149,9 @@ pub enum Warning {
     },
     /// The residuals are so strongly correlated that few independent ones are left.
     #[error(
-        "the {samples} residuals are correlated and count as {effective_samples:.1} independent ones for {parameters} \
-         parameters: they show model error rather than noise, which the intervals do not cover"
+        "the {samples} residuals are correlated and count as {} independent ones for {parameters} parameters: they \
+         show model error rather than noise, which the intervals do not cover",
+        number::significant(*.effective_samples, 3)
     )]
     FewIndependentResiduals {
         /// Number of residuals.
@@ -152,8 +163,10 @@ pub enum Warning {
     },
     /// The residuals are no larger than the roughness of the model.
     #[error(
-        "the residuals ({norm:.3e}) are no larger than the roughness of the model or its curvature over the step of \
-         the differences ({roughness:.3e}): the intervals do not show the scatter of measurements"
+        "the residuals ({}) are no larger than the roughness of the model or its curvature over the step of the \
+         differences ({}): the intervals do not show the scatter of measurements",
+        number::figure(*.norm, 3),
+        number::figure(*.roughness, 3)
     )]
     ResidualsBelowRoughness {
         /// Norm of the residuals.
@@ -172,7 +185,8 @@ pub enum Warning {
     },
     /// The gradient along a parameter is not zero at the estimate.
     #[error(
-        "{parameter} is not at its minimum: a Gauss-Newton step would move it by {standard_errors:.1} standard errors"
+        "{parameter} is not at its minimum: a Gauss-Newton step would move it by {} standard errors",
+        number::figure(*.standard_errors, 2)
     )]
     NotAtMinimum {
         /// The parameter.
@@ -182,8 +196,8 @@ pub enum Warning {
     },
     /// The profile of a parameter does not reach the threshold on one side.
     #[error(
-        "{parameter} has no {side} bound within {}: it is not practically identifiable, the objective rises by less \
-         than noise",
+        "{parameter} has no {side} bound within {}: its profile rises by less than noise up to there, so that it is not \
+         practically identifiable in that range",
         number::significant(*.limit, 4)
     )]
     NoBound {
@@ -231,12 +245,16 @@ pub enum Warning {
         /// All parameters there.
         x: Point,
     },
-    /// A search continued from a point of a profile.
+    /// A search continued from a point of a profile, or could not.
     #[error(
-        "the profile of {parameter} finds {} instead of {} at {x}: the search continued from there to {}",
+        "the profile of {parameter} finds {} instead of {} at {x}: {}",
         number::significant(*.found, 5),
         number::significant(*.estimate, 5),
-        number::significant(*.continued, 5)
+        match .continued {
+            Some(end) if end < .found => format!("the search continued from there to {}", number::significant(*end, 5)),
+            Some(_) => "the search continued from there and found no lower value".into(),
+            None => "the search could not continue from there, the objective has no value at its start".into(),
+        }
     )]
     Continued {
         /// The parameter.
@@ -247,8 +265,8 @@ pub enum Warning {
         estimate: f64,
         /// The point of the profile.
         x: Point,
-        /// Norm of the residuals at the end of the continued search.
-        continued: f64,
+        /// Norm of the residuals at the end of the continued search; none where it has no value at its start.
+        continued: Option<f64>,
     },
     /// The trials of a history were set aside, since a file that they depend on has changed.
     #[error("{input} has changed: the trials so far are set aside in {renamed}")]
@@ -293,8 +311,9 @@ codes! {
         "raise max_iterations and max_evaluations, or loosen tol_x and tol_f if the objective is rough";
     ON_BOUND = "on-bound", Warning,
         "the best point of a search lies on a bound: without it the minimum may lie beyond, so that the search counts as not \
-         converged",
-        "search from another start or from several; widen the bound if larger or smaller values are physical";
+         converged. Levenberg-Marquardt tells by the gradient whether the objective still falls beyond the bound: the \
+         point is then the minimum within the bounds",
+        "widen the bound if larger or smaller values are physical; otherwise search from another start or from several";
     STARTS_DISAGREE = "starts-disagree", Warning,
         "some starts of a search ended at a higher objective value than the best: there are local minima",
         "use more starts, and compare the points at which they ended";
@@ -305,10 +324,10 @@ codes! {
     NO_EFFECT = "no-effect", Warning,
         "the residuals do not depend on a combination of parameters, which is structurally not identifiable",
         "fix one parameter of the combination, or add data that depend on it";
-    NOT_IDENTIFIABLE = "not-identifiable", Warning,
-        "the confidence interval of a combination of parameters reaches a factor of 1.5: it is practically not \
-         identifiable",
-        "fix one parameter of the combination, or add signals or tests to the objective";
+    POORLY_DETERMINED = "poorly-determined", Warning,
+        "the confidence interval of a combination of parameters reaches a factor of 1.5 in the linear model; whether it \
+         has an end at all is what profiles tell",
+        "compute profiles; fix one parameter of the combination, or add signals or tests to the objective";
     WEAKLY_IDENTIFIABLE = "weakly-identifiable", Warning,
         "the effect of a combination of parameters on the residuals is below 1 % of the largest: errors of model and \
          sensor determine it",
@@ -331,8 +350,8 @@ codes! {
         "a Gauss-Newton step from the estimate moves a parameter by more than half a standard error",
         "search again from the estimate with tighter tolerances";
     NO_BOUND = "no-bound", Warning,
-        "the objective along a parameter does not rise to the threshold of 95 % on one side: it is not practically \
-         identifiable",
+        "the profile of a parameter has an open end: the objective does not rise to the threshold of 95 % on one side, and \
+         the parameter is not practically identifiable as far as the profile goes",
         "fix another parameter, or add signals or tests to the objective";
     OPEN_INTERVAL = "open-interval", Warning,
         "trials failed along a parameter before the objective rose to the threshold of 95 %",
@@ -347,7 +366,7 @@ codes! {
          rough";
     CONTINUED = "continued-from-profile", Note,
         "a profile found a lower objective value than the estimate: the search continued from there, and the profiles \
-         are those about its result",
+         are those about its result, or about the point itself where the search has no value beside it",
         "none is needed; several starts find out whether there are other minima";
     HISTORY_SET_ASIDE = "history-set-aside", Note,
         "a file that an interrupted search read has changed, so its trials are no longer valid: its history was \
@@ -370,7 +389,7 @@ impl Report for Warning {
             Warning::StartsDisagree { .. } => &STARTS_DISAGREE,
             Warning::NotUnique { .. } => &NOT_UNIQUE,
             Warning::NoEffect { .. } => &NO_EFFECT,
-            Warning::NotIdentifiable { .. } => &NOT_IDENTIFIABLE,
+            Warning::PoorlyDetermined { .. } => &POORLY_DETERMINED,
             Warning::WeaklyIdentifiable { .. } => &WEAKLY_IDENTIFIABLE,
             Warning::Correlated { .. } => &CORRELATED,
             Warning::FewIndependentResiduals { .. } => &FEW_INDEPENDENT_RESIDUALS,
@@ -415,5 +434,21 @@ mod tests {
             cause: "no".into(),
         };
         assert_eq!(warning.to_string(), "2 trials failed and counted as worst, the first at k1 = 1: no");
+    }
+
+    #[test]
+    fn a_search_that_could_not_continue_is_not_said_to_have() {
+        let text = |continued| {
+            let x = Point::new(&["k1".into()], &[1.0]);
+            Warning::Continued { parameter: "k1".into(), found: 0.5, estimate: 0.7, x, continued }.to_string()
+        };
+        let found = "the profile of k1 finds 0.5 instead of 0.7 at k1 = 1: ";
+        for (continued, expected) in [
+            (Some(0.3), "the search continued from there to 0.3"),
+            (Some(0.5), "the search continued from there and found no lower value"),
+            (None, "the search could not continue from there, the objective has no value at its start"),
+        ] {
+            assert_eq!(text(continued), format!("{found}{expected}"));
+        }
     }
 }

@@ -178,6 +178,14 @@ pub fn is_numerical(error: &EvalAltResult) -> bool {
     matches!(error.unwrap_inner(), EvalAltResult::ErrorRuntime(value, _) if value.is::<NumericalFailure>())
 }
 
+/// The text of an uncaught mistake in a key of a map, which [`thrown`] gives.
+pub fn key_mistake(error: &EvalAltResult) -> Option<String> {
+    match error.unwrap_inner() {
+        EvalAltResult::ErrorRuntime(value, _) => value.read_lock::<KeyMistake>().map(|mistake| mistake.text()),
+        _ => None,
+    }
+}
+
 /// The thrown value as text.
 pub fn thrown(value: &Dynamic) -> String {
     if let Some(mistake) = value.read_lock::<KeyMistake>() {

@@ -5,15 +5,19 @@ use rhai::{Array, Dynamic, Engine, FnPtr, INT, Map, NativeCallContext};
 use super::host::SearchHost;
 use super::options::{self, ScriptSearch, count, unknown, word};
 use super::result;
-use crate::identify::confidence::estimate::{Confidence, ConfidenceOptions};
-use crate::identify::confidence::noise::Colour;
+use crate::identify::confidence::estimate::Confidence;
+use crate::identify::confidence::noise::{Colour, Misfit};
+use crate::identify::confidence::options::ConfidenceOptions;
 use crate::identify::confidence::profile::ProfileError;
 use crate::identify::confidence::refinement::{ProfileOptions, linearization};
 use crate::plot::Correlation;
-use crate::script::{Entry, HostResult, refuse};
+use crate::script::{Entry, HostResult, number, refuse};
 
 /// Options beside those of `minimize`.
-const OPTIONS: [&str; 4] = ["noise", "relative", "points", "parts"];
+const OPTIONS: [&str; 7] = ["noise", "relative", "points", "parts", "misfit", "prior", "held"];
+
+/// Options of an assumed misfit.
+const MISFIT: [&str; 3] = ["error", "correlation", "interval"];
 
 const COLOURS: [(&str, Colour); 2] = [("coloured", Colour::Coloured), ("white", Colour::White)];
 
@@ -40,10 +44,10 @@ impl Request {
             options.clone().into_iter().partition(|(option, _)| OPTIONS.contains(&option.as_str()));
         let search = ScriptSearch::new("levenberg-marquardt", &estimate(best)?, &others, call)?;
         search.search.check().map_err(refuse)?;
-        let (colour, relative) = (Colour::default(), false);
-        let confidence = ConfidenceOptions { names: search.search.names.clone(), colour, relative };
+        let confidence = ConfidenceOptions::new(search.search.names.clone());
         let options = ProfileOptions { confidence, points: POINTS, parts: None };
         let best = best.read_lock::<Map>().map(|map| map.clone()).unwrap_or_default();
+        let unknowns = options.confidence.names.len();
         let mut request = Request { search, options, best };
         for (option, value) in &own {
             match option.as_str() {
@@ -54,8 +58,25 @@ impl Request {
                         boolean.map_err(|found| refuse(format!("`relative` is true or false, not {found}")))?;
                 }
                 "parts" => request.options.parts = Some(parts(value)?),
+                "misfit" if own.contains_key("noise") => {
+                    return Err(refuse(
+                        "`noise` has no effect beside `misfit`, which says what the noise is: leave one out",
+                    ));
+                }
+                "misfit" => request.options.confidence.misfit = Some(misfits(value)?),
+                "prior" => request.options.confidence.prior = deviations(option, value, unknowns)?,
+                "held" => request.options.confidence.held = deviations(option, value, unknowns)?,
                 _ => request.options.points = count(value, "points", MAX_POINTS)?,
             }
+        }
+        let ConfidenceOptions { prior, held, .. } = &request.options.confidence;
+        if prior.iter().zip(held).any(|(prior, held)| prior.is_some() && held.is_some()) {
+            return Err(refuse(
+                "a parameter has a `prior` where it is fitted and is `held` where it is not: leave one out",
+            ));
+        }
+        if !held.is_empty() && held.iter().all(Option::is_some) {
+            return Err(refuse("all parameters are `held`: one at least must be fitted, ()"));
         }
         Ok(request)
     }
@@ -66,6 +87,67 @@ fn parts(value: &Dynamic) -> HostResult<Vec<usize>> {
     let list = value.read_lock::<Array>().map(|list| list.clone()).ok_or_else(wrong)?;
     let length = |item: &Dynamic| item.as_int().ok().and_then(|length| usize::try_from(length).ok());
     list.iter().map(|item| length(item).filter(|length| *length > 0).ok_or_else(wrong)).collect()
+}
+
+/// The assumed errors of the parts: one for all, or a list of the option that differs.
+fn misfits(value: &Dynamic) -> HostResult<Vec<Misfit>> {
+    let kind =
+        || refuse(format!("`misfit` is a map, such as #{{ error: 0.03, correlation: 20 }}, not {}", value.type_name()));
+    let map = value.read_lock::<Map>().map(|map| map.clone()).ok_or_else(kind)?;
+    if let Some(other) = map.keys().find(|option| !MISFIT.contains(&option.as_str())) {
+        return Err(unknown("option of `misfit`", other, MISFIT));
+    }
+    let values = |name: &str, otherwise: Option<f64>, fits: fn(f64) -> bool, range: &str| {
+        let values = match (map.get(name), otherwise) {
+            (None, Some(otherwise)) => vec![otherwise],
+            (None, None) => {
+                return Err(refuse(format!("`misfit` has no `{name}`, the norm of the error of the residuals")));
+            }
+            (Some(value), _) => match value.read_lock::<Array>() {
+                Some(list) => list.iter().map(|item| number(item, name)).collect::<HostResult<Vec<f64>>>()?,
+                None => vec![number(value, name)?],
+            },
+        };
+        match values.iter().find(|value| !(value.is_finite() && fits(**value))) {
+            Some(found) => Err(refuse(format!("`{name}` of `misfit` is {found}, which must be {range}"))),
+            None => Ok(values),
+        }
+    };
+    let errors = values("error", None, |error| error > 0.0, "above zero")?;
+    let correlations = values("correlation", Some(0.0), |length| length >= 0.0, "zero or more")?;
+    let intervals = values("interval", Some(1.0), |interval| interval > 0.0, "above zero")?;
+    let lists = [&errors, &correlations, &intervals];
+    let count = lists.iter().map(|list| list.len()).max().unwrap_or(1);
+    if lists.iter().any(|list| ![1, count].contains(&list.len())) {
+        return Err(refuse(
+            "the lists of `misfit` have different lengths: expected one entry for each part of the residuals",
+        ));
+    }
+    let of = |list: &[f64], part: usize| list[part % list.len()];
+    let misfit =
+        |part: usize| Misfit { error: of(&errors, part), correlation: of(&correlations, part) / of(&intervals, part) };
+    Ok((0..count).map(misfit).collect())
+}
+
+/// Standard deviations of parameters; `()` for those without one.
+fn deviations(option: &str, value: &Dynamic, unknowns: usize) -> HostResult<Vec<Option<f64>>> {
+    let wrong = || {
+        refuse(format!(
+            "`{option}` is a list of standard deviations, () for parameters without one, such as [(), 0.1], not {value}"
+        ))
+    };
+    let list = value.read_lock::<Array>().map(|list| list.clone()).ok_or_else(wrong)?;
+    if list.len() != unknowns {
+        return Err(refuse(format!("`{option}` has {} entries for {unknowns} unknowns", list.len())));
+    }
+    let deviation = |item: &Dynamic| match item.is_unit() {
+        true => Ok(None),
+        false => match number(item, option)? {
+            deviation if deviation.is_finite() && deviation > 0.0 => Ok(Some(deviation)),
+            found => Err(refuse(format!("a standard deviation of `{option}` is {found}, which must be above zero"))),
+        },
+    };
+    list.iter().map(deviation).collect()
 }
 
 /// The point of a result of `minimize` or `confidence`, or a list.
@@ -95,6 +177,11 @@ fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request)
 
 fn profiles(host: &SearchHost, context: &NativeCallContext, request: &Request) -> HostResult<Map> {
     let Request { search, options, best } = request;
+    if !options.confidence.prior.is_empty() || !options.confidence.held.is_empty() {
+        return Err(refuse(
+            "`prior` and `held` are options of `confidence`: for profiles, add (x - expected) / deviation to the residuals",
+        ));
+    }
     let refinement = host.profiles(context, search, options)?;
     let mut map = result::of_profiles(&refinement.profiles, &search.search.names);
     map.insert("best".into(), result::of_refinement(&refinement, best, &search.search).into());
@@ -173,6 +260,34 @@ pub(super) const ENTRIES: &[Entry] = &[
                     (c.lower[0] * c.upper[0] - 4).abs() < 1e-9 && (c.standard_errors[0] - 0.1).abs() < 1e-9
                         && (d.standard_errors[0] - 0.1).abs() < 1e-9 && (d.standard_errors[1] - 2).abs() < 1e-9"#,
     },
+    Entry {
+        call: "#{ misfit: #{ error: 0.03, correlation: 2e-3, interval: 1e-4 } }",
+        gives: "an assumed error of the residuals, such as that of a model, instead of the noise that they show: its norm, \
+            the time over which its correlation decays to 1/e, and the time between two residuals (one otherwise, so that \
+            `correlation` is a number of residuals); a list of any of these has an entry for each of `parts`. Intervals \
+            are those of the normal distribution",
+        example: r#"let mean = |x| { let all = []; for i in 0..400 { all.push(x[0]); } all };
+                    let width = |correlation| {
+                        let c = confidence([1.0], #{ misfit: #{ error: 0.4, correlation: correlation } }, mean);
+                        c.standard_errors[0]
+                    };
+                    (width.call(0) - 0.001).abs() < 1e-9 && width.call(20) > 6 * width.call(0)"#,
+    },
+    Entry {
+        call: "#{ prior: [(), 0.1], held: [(), 0.1] }",
+        gives: "standard deviations of what is known of parameters besides the residuals, in their units; () for those that \
+            the residuals alone determine. With `prior` these are fitted together with the others, about their values in \
+            `best`; with `held` the fit held them at these values, as an objective holds the dimensions of a tower: the \
+            result is about the others, and `shift_table` has what one standard deviation of each changes them by. Of \
+            `confidence` only",
+        example: r#"let sum = |x| { let all = []; for i in 0..100 { all.push(x[0] + x[1]); } all };
+                    let o = #{ misfit: #{ error: 1.0 }, prior: [(), 0.3] };
+                    let c = confidence([2.0, 0.0], o, sum);
+                    let h = confidence([2.0, 0.0], #{ misfit: #{ error: 1.0 }, held: [(), 0.3] }, sum);
+                    (c.standard_errors[0] - (0.01 ** 2 + 0.3 ** 2).sqrt()).abs() < 1e-9
+                        && (h.standard_errors[0] - c.standard_errors[0]).abs() < 1e-9 && h.names == ["x0"]
+                        && h.shift_table[0].parameter == "x1" && (h.shift_table[0].x0 + 0.3).abs() < 1e-9"#,
+    },
 ];
 
 #[cfg(test)]
@@ -242,7 +357,7 @@ mod tests {
         assert_eq!(codes(&best), ["on-bound"]);
         assert_eq!(
             best["warnings"].clone().cast::<Array>()[0].to_string(),
-            "not converged: k1 = 10 lies on its upper bound"
+            "not converged: k1 = 10 lies on its upper bound, and the objective still falls beyond it"
         );
         let [k1, ke] = [0, 1].map(|index: usize| better["x"].clone().cast::<Array>()[index].as_float().unwrap());
         assert!((k1 - 7.0).abs() < 1e-3 && (ke - 1.5).abs() < 1e-3, "{k1} {ke}");
@@ -299,6 +414,40 @@ mod tests {
             (
                 "confidence([1], #{ parts: 2 }, |x| [x[0], 1])",
                 "`parts` is a list of lengths, such as [400, 400], not 2",
+            ),
+            ("confidence([1], #{ misfit: 0.03 }, |x| [x[0], 1])", "`misfit` is a map, such as #{ error: 0.03"),
+            ("confidence([1], #{ misfit: #{} }, |x| [x[0], 1])", "`misfit` has no `error`"),
+            (
+                "confidence([1], #{ misfit: #{ error: 0 } }, |x| [x[0], 1])",
+                "`error` of `misfit` is 0, which must be above zero",
+            ),
+            (
+                "confidence([1], #{ misfit: #{ error: 1, correlations: 2 } }, |x| [x[0], 1])",
+                "unknown option of `misfit` `correlations` (did you mean `correlation`?)",
+            ),
+            (
+                "confidence([1], #{ misfit: #{ error: [1, 2], correlation: [1, 2, 3] } }, |x| [x[0], 1])",
+                "the lists of `misfit` have different lengths",
+            ),
+            (
+                "confidence([1], #{ misfit: #{ error: [1, 2] } }, |x| [x[0], 1])",
+                "`misfit` has 2 errors for 1 parts of the residuals",
+            ),
+            (
+                "confidence([1], #{ misfit: #{ error: 1 }, noise: \"white\" }, |x| [x[0], 1])",
+                "`noise` has no effect beside",
+            ),
+            ("confidence([1], #{ prior: 1 }, |x| [x[0], 1])", "`prior` is a list of standard deviations"),
+            ("confidence([1], #{ prior: [1, 2] }, |x| [x[0], 1])", "`prior` has 2 entries for 1 unknowns"),
+            (
+                "confidence([1], #{ prior: [0] }, |x| [x[0], 1])",
+                "a standard deviation of `prior` is 0, which must be above",
+            ),
+            ("profiles([1], #{ prior: [1] }, |x| [x[0], 1])", "`prior` and `held` are options of `confidence`"),
+            ("confidence([1], #{ held: [1] }, |x| [x[0], 1])", "all parameters are `held`"),
+            (
+                "confidence([1, 2], #{ prior: [(), 1], held: [(), 1] }, |x| [x[0], x[1], 1])",
+                "a parameter has a `prior` where it is fitted and is `held` where it is not",
             ),
             ("confidence([1], #{ lower: [2] }, |x| [x[0], 1])", "the start lies outside the bounds"),
             ("confidence([1, 2], #{ names: [\"a\"] }, |x| [x[0], 1])", "`names` has 1 entries for 2 unknowns"),

@@ -151,7 +151,10 @@ impl SearchHost {
         });
         let pool = TrialPool::new(problems.collect(), rayon::current_num_threads()).with_stack(STACK);
         let results = pool.run(job);
-        results.map_err(|(number, error)| script_error(&error).unwrap_or_else(|| failure(&error, &prefix(number))))
+        results.map_err(|(number, error)| {
+            let key_mistake = || objectives[number].take_key_mistake(error.cause_of_trial()?);
+            script_error(&error).or_else(key_mistake).unwrap_or_else(|| failure(&error, &prefix(number)))
+        })
     }
 
     /// Reports the correlation of parameters.

@@ -150,11 +150,13 @@ pub(super) const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use rhai::INT;
+    use std::path::Path;
+
+    use rhai::{INT, Scope};
 
     use super::super::{confidence, test_engine};
     use super::*;
-    use crate::script::Limits;
+    use crate::script::{Limits, Script, refuse_key};
 
     #[test]
     fn the_examples_of_the_reference_are_true() {
@@ -242,6 +244,26 @@ mod tests {
         let error =
             test_engine(Limits::STUDY).run("let a = 1;\nminimize(\"nelder-mead\", [1], |x| {\n  x[7]\n})").unwrap_err();
         assert_eq!(error.unwrap_inner().position().line(), Some(3));
+    }
+
+    /// At the start, where it stands in the objective; a later trial with it counts as failed.
+    #[test]
+    fn a_misspelt_key_in_an_objective_is_reported_at_its_place() {
+        let mut engine = test_engine(Limits::STUDY);
+        engine.register_fn("with", |changes: Map| match changes["k"].as_float() {
+            Ok(k) if k >= 1.0 => Ok(k),
+            _ => Err(refuse_key("k", "`k` must be at least 1", None)),
+        });
+        let fault = |text: &str| {
+            let script = Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), text).expect("a script");
+            script.run(&engine, Scope::new()).map_err(|fault| (fault.line, fault.column, fault.message))
+        };
+        for call in ["minimize(\"nelder-mead\", [0.5]", "confidence([0.5]", "profiles([0.5]"] {
+            let text =
+                format!("let far = #{{ k: 1 }};\n{call}, |x| {{\n  [with(#{{ k: x[0] }}), 1, 2]\n}});\n#{{ k: 2 }};");
+            assert_eq!(fault(&text), Err((3, 12, "`k` must be at least 1".into())), "{text}");
+        }
+        assert_eq!(fault("minimize(\"nelder-mead\", [1.04], |x| with(#{ k: x[0] }))"), Ok(()));
     }
 
     /// A speculative trial at 1.2 or below has the index out of range; the search stops at 1.4.

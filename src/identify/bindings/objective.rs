@@ -7,7 +7,7 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, GlobalRuntimeState, Map
 use thiserror::Error;
 
 use crate::identify::objective::{Evaluation, FatalError, Objective, ObjectiveValue, Trial};
-use crate::script::{HostResult, Session, is_numerical, number, refuse, thrown};
+use crate::script::{HostResult, Session, is_numerical, key_mistake, number, refuse, thrown};
 use crate::signal::Series;
 use crate::simulate::Cancellation;
 
@@ -58,6 +58,8 @@ pub(super) struct ScriptObjective<'c> {
     session: Session,
     on_rupture: OnRupture,
     call: FnPtr,
+    /// The first trial that failed by a mistake in a key: its text, and the error with its position.
+    key_mistake: Mutex<Option<(String, Box<EvalAltResult>)>>,
 }
 
 impl<'c> ScriptObjective<'c> {
@@ -78,7 +80,14 @@ impl<'c> ScriptObjective<'c> {
             session,
             on_rupture,
             call: unshared(call),
+            key_mistake: Mutex::default(),
         }
+    }
+
+    /// The mistake in a key of a map that is the cause of a failed trial, with its position; none the second time.
+    pub(super) fn take_key_mistake(&self, cause: &str) -> Option<Box<EvalAltResult>> {
+        let mut first = self.key_mistake.lock().unwrap_or_else(PoisonError::into_inner);
+        first.take_if(|(text, _)| text == cause).map(|(_, error)| error)
     }
 
     fn call(&self, x: &[f64], session: &Session) -> HostResult<Dynamic> {
@@ -92,13 +101,23 @@ impl<'c> ScriptObjective<'c> {
     fn evaluation(&self, returned: HostResult<Dynamic>, session: &Session) -> Evaluation {
         let returned = match returned {
             Ok(returned) => returned,
-            Err(error) => return failure(error),
+            Err(error) => return self.failure(error),
         };
         match (value(&returned), session.trial().ruptures.first()) {
             (Err(error), _) => fatal(error),
             (Ok(_), Some(rupture)) if self.on_rupture == OnRupture::Fail => Evaluation::failed(rupture),
             (Ok(value), _) => value.into(),
         }
+    }
+
+    /// A thrown value is a failed trial, any other error one of the script.
+    fn failure(&self, error: Box<EvalAltResult>) -> Evaluation {
+        let EvalAltResult::ErrorRuntime(value, _) = error.unwrap_inner() else { return fatal(error) };
+        let failed = Evaluation::Failed { cause: thrown(value), numerical: is_numerical(&error) };
+        if let Some(text) = key_mistake(&error) {
+            self.key_mistake.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert((text, error));
+        }
+        failed
     }
 }
 
@@ -116,16 +135,6 @@ impl Objective for ScriptObjective<'_> {
 
     fn inputs(&self) -> Vec<(PathBuf, String)> {
         self.session.inputs().into_iter().collect()
-    }
-}
-
-/// A thrown value is a failed trial, any other error one of the script.
-fn failure(error: Box<EvalAltResult>) -> Evaluation {
-    match error.unwrap_inner() {
-        EvalAltResult::ErrorRuntime(value, _) => {
-            Evaluation::Failed { cause: thrown(value), numerical: is_numerical(&error) }
-        }
-        _ => fatal(error),
     }
 }
 

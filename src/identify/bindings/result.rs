@@ -92,6 +92,11 @@ pub(super) fn of_confidence(confidence: &Confidence) -> Map {
     map.insert("table".into(), rows.collect::<Array>().into());
     let correlations = (0..count).map(|index| correlation_row(confidence, index).into());
     map.insert("correlation_table".into(), correlations.collect::<Array>().into());
+    let shifts = confidence.shifts.iter().map(|(held, shifts)| {
+        let names = names.iter().map(String::as_str);
+        Dynamic::from(named(held, names.zip(shifts.iter().copied())))
+    });
+    map.insert("shift_table".into(), shifts.collect::<Array>().into());
     map
 }
 

@@ -5,15 +5,21 @@
 //!
 //! C = V Σ⁻¹ (Σ_parts γ Uᵀ R U) Σ⁻¹ Vᵀ
 //!
-//! the sandwich (Huber 1967) with an autoregressive estimate of R, see [`Noise`]. The fit absorbs tr(Uᵀ R U) samples of
-//! the noise of a part, hence γ = ‖r‖²/(n − tr(Uᵀ R U)). White noise in one part gives the textbook's s² (JᵀJ)⁻¹.
+//! the sandwich (Huber 1967). R and γ are assumed, see [`Misfit`], or those of the residuals, see [`Noise`]: R is an
+//! autoregressive estimate, and the fit absorbs tr(Uᵀ R U) samples of the noise of a part, hence
+//! γ = ‖r‖²/(n − tr(Uᵀ R U)). White noise in one part gives the textbook's s² (JᵀJ)⁻¹.
+//!
+//! A parameter that the fit held adds its own effect on the residuals to R, and a Gaussian prior of a fitted one is a further
+//! row of S: equations (126) and (127) of docs/theory.md.
 
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
 use super::identifiability::Direction;
 use super::linearization::Linearization;
-use super::noise::{Colour, Noise};
+use super::noise::{Colour, Misfit, Noise};
+use super::options::ConfidenceOptions;
+use crate::number::significant;
 
 /// Singular values below this share of the largest are rounding errors.
 const ROUNDING: f64 = 1e-7;
@@ -35,8 +41,8 @@ pub enum CovarianceError {
     Singular,
     /// The fit absorbs all samples of a part.
     #[error(
-        "part {number} of the residuals has {samples}, of which the fit absorbs {absorbed:.1}: its noise is \
-         undetermined"
+        "part {number} of the residuals has {samples}, of which the fit absorbs {}: its noise is undetermined",
+        significant(*.absorbed, 2)
     )]
     Absorbed {
         /// The part, from one.
@@ -46,49 +52,76 @@ pub enum CovarianceError {
         /// Number of residuals that the fit absorbs.
         absorbed: f64,
     },
+    /// There is neither one assumed misfit nor one for each part.
+    #[error("`misfit` has {found} errors for {parts} parts of the residuals: expected one, or one for each part")]
+    Misfits {
+        /// Number of misfits.
+        found: usize,
+        /// Number of parts.
+        parts: usize,
+    },
 }
 
 /// The noise of one part of the residuals.
-pub(super) struct Part {
+pub(super) struct PartNoise {
+    noise: Noise,
     /// γ
     variance: f64,
-    /// Uᵀ R U over the part.
-    between: DMatrix<f64>,
     /// Number of independent samples with the same information.
     pub(super) effective_samples: f64,
-    /// Degrees of freedom of γ Uᵀ R U.
+    /// Degrees of freedom of γ Uᵀ R U; infinite where it is assumed.
     freedom: f64,
 }
 
-impl Part {
-    /// From the rows of U of part `number`, from one; the first `rank` columns have an effect.
-    fn of(
+impl PartNoise {
+    /// The noise that the residuals of part `number`, from one, show, of which the fit absorbs some; from the rows of U,
+    /// whose first `rank` columns have an effect.
+    fn of_residuals(
         number: usize,
         residuals: &[f64],
         left: &DMatrix<f64>,
         rank: usize,
         colour: Colour,
-    ) -> Result<Part, CovarianceError> {
+    ) -> Result<PartNoise, CovarianceError> {
         let noise = Noise::of(residuals, colour);
-        let between = noise.covariance(left);
-        let trace = |between: &DMatrix<f64>| between.diagonal().rows(0, rank).sum();
         let samples = residuals.len() as f64;
-        let parameters = trace(&Noise::white().covariance(left));
+        let parameters = trace(&Noise::white(), left, rank);
         if samples - parameters < MIN_LEFT {
             return Err(CovarianceError::Absorbed { number, samples: residuals.len(), absorbed: parameters });
         }
-        // Noise power along a direction over that of white noise.
-        let inflation = if parameters == 0.0 { 1.0 } else { trace(&between) / parameters };
-        let effective_samples = (samples / inflation).min(samples);
+        let effective_samples = effective_samples(&noise, left, rank);
         let independent = (effective_samples - parameters).max(MIN_FREEDOM);
         let power = residuals.iter().map(|r| r * r).sum::<f64>() / samples;
-        Ok(Part {
+        Ok(PartNoise {
             variance: power / (independent / effective_samples).min(1.0),
-            between,
             effective_samples,
             freedom: freedom(samples, effective_samples, independent, noise.order()),
+            noise,
         })
     }
+
+    /// The assumed noise of a part, whose size is no estimate.
+    fn assumed(misfit: Misfit, left: &DMatrix<f64>, rank: usize) -> PartNoise {
+        let noise = Noise::exponential(misfit.correlation);
+        PartNoise {
+            variance: misfit.error * misfit.error / left.nrows() as f64,
+            effective_samples: effective_samples(&noise, left, rank),
+            freedom: f64::INFINITY,
+            noise,
+        }
+    }
+}
+
+/// tr(Uᵀ R U) over the directions with an effect.
+fn trace(noise: &Noise, left: &DMatrix<f64>, rank: usize) -> f64 {
+    noise.covariance(left).diagonal().rows(0, rank).sum()
+}
+
+fn effective_samples(noise: &Noise, left: &DMatrix<f64>, rank: usize) -> f64 {
+    let (samples, parameters) = (left.nrows() as f64, trace(&Noise::white(), left, rank));
+    // Noise power along a direction over that of white noise.
+    let inflation = if parameters == 0.0 { 1.0 } else { trace(noise, left, rank) / parameters };
+    (samples / inflation).min(samples)
 }
 
 /// Degrees of freedom of the noise of a part. The logarithm of the power of an autoregression at low frequencies has
@@ -101,18 +134,54 @@ fn freedom(samples: f64, effective_samples: f64, independent: f64, order: usize)
     freedom.max(MIN_FREEDOM)
 }
 
+/// The noise that a part of the residuals, or the priors, contribute to the covariance.
+struct Part {
+    /// γ
+    variance: f64,
+    /// Uᵀ R U over the part.
+    between: DMatrix<f64>,
+    /// Degrees of freedom of γ Uᵀ R U.
+    freedom: f64,
+}
+
+/// A singular value decomposition U Σ Vᵀ.
+struct Decomposition {
+    singular: DVector<f64>,
+    left: DMatrix<f64>,
+    right: DMatrix<f64>,
+    /// Number of directions with an effect on the residuals.
+    rank: usize,
+}
+
+impl Decomposition {
+    fn of(matrix: DMatrix<f64>) -> Result<Decomposition, CovarianceError> {
+        if matrix.ncols() == 0 {
+            let (left, right) = (matrix, DMatrix::zeros(0, 0));
+            return Ok(Decomposition { singular: DVector::zeros(0), left, right, rank: 0 });
+        }
+        let svd = matrix.try_svd(true, true, f64::EPSILON, MAX_ITERATIONS).ok_or(CovarianceError::Singular)?;
+        let singular = svd.singular_values;
+        let left = svd.u.ok_or(CovarianceError::Singular)?;
+        let right = svd.v_t.ok_or(CovarianceError::Singular)?.transpose();
+        let rank = singular.iter().filter(|value| **value > ROUNDING * singular[0]).count();
+        Ok(Decomposition { singular, left, right, rank })
+    }
+}
+
 /// The covariance in the logarithms of the parameters.
 pub(super) struct Covariance {
     /// Unit of every parameter: its size, or one where it is zero.
     scale: Vec<f64>,
     singular: DVector<f64>,
-    /// U
+    /// U, with the rows of the priors behind those of the residuals.
     left: DMatrix<f64>,
     /// Directions in the logarithms of the parameters, one a column.
     right: DMatrix<f64>,
     /// Number of directions with an effect on the residuals.
     rank: usize,
-    pub(super) parts: Vec<Part>,
+    /// The noise of the parts of the residuals.
+    pub(super) noise: Vec<PartNoise>,
+    parts: Vec<Part>,
     /// Mean variance of the noise.
     variance: f64,
     /// Σ γ Uᵀ R U over the mean variance.
@@ -120,31 +189,58 @@ pub(super) struct Covariance {
 }
 
 impl Covariance {
-    pub(super) fn of(linearization: &Linearization, colour: Colour) -> Result<Covariance, CovarianceError> {
+    /// The covariance of the estimate at `linearization`, whose noise and priors `options` give. A column of
+    /// `disturbances` is the change of the residuals by one standard deviation of a parameter that the fit held.
+    pub(super) fn of(
+        linearization: &Linearization,
+        disturbances: &DMatrix<f64>,
+        options: &ConfidenceOptions,
+    ) -> Result<Covariance, CovarianceError> {
         let scale: Vec<f64> = linearization.x.iter().map(|x| if *x == 0.0 { 1.0 } else { x.abs() }).collect();
         let mut scaled = linearization.jacobian.clone();
         scaled.column_iter_mut().zip(&scale).for_each(|(mut column, scale)| column *= *scale);
-        let svd = scaled.try_svd(true, true, f64::EPSILON, MAX_ITERATIONS).ok_or(CovarianceError::Singular)?;
-        let singular = svd.singular_values;
-        let left = svd.u.ok_or(CovarianceError::Singular)?;
-        let right = svd.v_t.ok_or(CovarianceError::Singular)?.transpose();
-        let rank = singular.iter().filter(|value| **value > ROUNDING * singular[0]).count();
+        let prior = |index: usize| options.prior.get(index).copied().flatten();
+        let known: Vec<(usize, f64)> = (0..scale.len()).filter_map(|index| Some((index, prior(index)?))).collect();
+        // The fit that left the residuals held the parameters with a prior at their values.
+        let fitted: Vec<usize> = (0..scale.len()).filter(|index| prior(*index).is_none()).collect();
+        let fit = Decomposition::of(scaled.select_columns(&fitted))?;
+        let noise = noise(linearization, options, &fit)?;
+        let weight = if known.is_empty() { 0.0 } else { power(&noise, linearization, &fit).sqrt() };
+        let Decomposition { singular, left, right, rank } = match known.is_empty() {
+            true => fit,
+            false => {
+                let samples = scaled.nrows();
+                let mut rows = scaled.insert_rows(samples, known.len(), 0.0);
+                for (row, (index, deviation)) in known.iter().enumerate() {
+                    rows[(samples + row, *index)] = weight * scale[*index] / deviation;
+                }
+                Decomposition::of(rows)?
+            }
+        };
         let mut parts = Vec::new();
         let mut first = 0;
-        for (index, length) in linearization.parts.iter().enumerate() {
-            let residuals = &linearization.residuals.as_slice()[first..first + length];
-            parts.push(Part::of(index + 1, residuals, &left.rows(first, *length).into_owned(), rank, colour)?);
+        for (noise, length) in noise.iter().zip(&linearization.parts) {
+            let between = noise.noise.covariance(&left.rows(first, *length).into_owned());
+            parts.push(Part { variance: noise.variance, between, freedom: noise.freedom });
             first += length;
         }
         let lengths = linearization.parts.iter().map(|length| *length as f64);
-        let variance =
-            parts.iter().zip(lengths).map(|(part, length)| length * part.variance).sum::<f64>() / first as f64;
+        let mean = parts.iter().zip(lengths).map(|(part, length)| length * part.variance).sum::<f64>() / first as f64;
+        let variance = if mean == 0.0 && disturbances.ncols() > 0 { 1.0 } else { mean };
+        if disturbances.ncols() > 0 {
+            let along = left.rows(0, first).transpose() * disturbances;
+            parts.push(Part { variance: 1.0, between: &along * along.transpose(), freedom: f64::INFINITY });
+        }
+        if !known.is_empty() {
+            let between = Noise::white().covariance(&left.rows(first, known.len()).into_owned());
+            parts.push(Part { variance: weight * weight, between, freedom: f64::INFINITY });
+        }
         let mut between = DMatrix::zeros(left.ncols(), left.ncols());
         for part in &parts {
             // Parts of an exact fit all have zero variance.
             between += &part.between * if variance == 0.0 { 1.0 } else { part.variance / variance };
         }
-        Ok(Covariance { scale, singular, left, right, rank, parts, variance, between })
+        Ok(Covariance { scale, singular, left, right, rank, noise, parts, variance, between })
     }
 
     /// Degrees of freedom of the variance of a parameter, which is a sum over the parts (Satterthwaite, Biometrics
@@ -165,7 +261,7 @@ impl Covariance {
         };
         let scattered = (0..all.len()).filter(|index| all[*index] > 0.0);
         let freedom = scattered.map(of).fold(f64::INFINITY, f64::min);
-        let fewest = self.parts.iter().map(|part| part.freedom).fold(f64::INFINITY, f64::min);
+        let fewest = self.noise.iter().map(|part| part.freedom).fold(f64::INFINITY, f64::min);
         if freedom.is_finite() { freedom } else { fewest }
     }
 
@@ -250,15 +346,57 @@ impl Covariance {
         (0..self.singular.len()).map(direction).collect()
     }
 
-    /// The Gauss–Newton step −V Σ⁻¹ Uᵀ r over the standard errors.
+    /// The Gauss–Newton step over the standard errors.
     pub(super) fn gauss_newton_step(&self, linearization: &Linearization, standard_errors: &[f64]) -> Vec<f64> {
-        let along: Vec<f64> =
-            (0..self.rank).map(|i| -self.left.column(i).dot(&linearization.residuals) / self.singular[i]).collect();
+        let relative = |(step, error): (f64, &f64)| if *error > 0.0 { step / error } else { 0.0 };
+        self.step(&linearization.residuals).into_iter().zip(standard_errors).map(relative).collect()
+    }
+
+    /// The step −V Σ⁻¹ Uᵀ r of the parameters, in their units, that compensates the residuals r; the priors are centred at
+    /// the estimate.
+    pub(super) fn step(&self, residuals: &DVector<f64>) -> Vec<f64> {
+        let along = |i: usize| -self.left.column(i).rows(0, residuals.len()).dot(residuals) / self.singular[i];
+        let along: Vec<f64> = (0..self.rank).map(along).collect();
         let step = |index: usize| -> f64 {
             let parts = along.iter().enumerate().map(|(i, along)| self.right[(index, i)] * along);
             self.scale[index] * parts.sum::<f64>()
         };
-        let relative = |(index, error): (usize, &f64)| if *error > 0.0 { step(index) / error } else { 0.0 };
-        standard_errors.iter().enumerate().map(relative).collect()
+        (0..self.scale.len()).map(step).collect()
     }
+}
+
+/// The noise of all parts, as assumed or as the residuals show it beside `fit`.
+fn noise(
+    linearization: &Linearization,
+    options: &ConfidenceOptions,
+    fit: &Decomposition,
+) -> Result<Vec<PartNoise>, CovarianceError> {
+    let count = linearization.parts.len();
+    if let Some(found) = options.misfit.as_ref().map(Vec::len).filter(|found| ![1, count].contains(found)) {
+        return Err(CovarianceError::Misfits { found, parts: count });
+    }
+    let mut noise = Vec::new();
+    let mut first = 0;
+    for (index, length) in linearization.parts.iter().enumerate() {
+        let left = fit.left.rows(first, *length).into_owned();
+        let residuals = &linearization.residuals.as_slice()[first..first + length];
+        noise.push(match &options.misfit {
+            Some(misfits) => PartNoise::assumed(misfits[index % misfits.len()], &left, fit.rank),
+            None => PartNoise::of_residuals(index + 1, residuals, &left, fit.rank, options.colour)?,
+        });
+        first += length;
+    }
+    Ok(noise)
+}
+
+/// Mean power of the noise along the directions of `fit`, or of all samples where it has none.
+fn power(noise: &[PartNoise], linearization: &Linearization, fit: &Decomposition) -> f64 {
+    let mut first = 0;
+    let (mut along, mut all) = (0.0, 0.0);
+    for (part, length) in noise.iter().zip(&linearization.parts) {
+        along += part.variance * trace(&part.noise, &fit.left.rows(first, *length).into_owned(), fit.rank);
+        all += part.variance * *length as f64;
+        first += length;
+    }
+    if fit.rank == 0 { all / first as f64 } else { along / fit.rank as f64 }
 }

@@ -1,34 +1,26 @@
 //! Confidence intervals of estimated parameters.
 
 use nalgebra::DMatrix;
-use statrs::distribution::{ContinuousCDF, StudentsT, StudentsTError};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT, StudentsTError};
 use thiserror::Error;
 
 use super::covariance::{Covariance, CovarianceError};
 use super::identifiability::{self, Direction};
 use super::interval::Interval;
 use super::linearization::Linearization;
-use super::noise::Colour;
+use super::options::ConfidenceOptions;
 use crate::identify::warning::Warning;
 
 /// Probability of a value below the upper end of a two-sided interval of 95 %.
 const BELOW_UPPER: f64 = 0.975;
 
-/// Options of confidence intervals.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ConfidenceOptions {
-    /// Names of the parameters.
-    pub names: Vec<String>,
-    /// Assumed noise of the residuals.
-    pub colour: Colour,
-    /// Whether intervals are symmetric in the logarithm, as for multipliers.
-    pub relative: bool,
-}
+/// Degrees of freedom above which Student's quantile is the normal distribution's in seven digits.
+const NORMAL: f64 = 1e7;
 
 /// Standard errors, intervals and correlation of estimated parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Confidence {
-    /// Names of the parameters.
+    /// Names of the fitted parameters.
     pub names: Vec<String>,
     /// The estimate.
     pub x: Vec<f64>,
@@ -46,7 +38,8 @@ pub struct Confidence {
     pub samples: usize,
     /// Number of independent residuals with the same information about the parameters.
     pub effective_samples: f64,
-    /// Degrees of freedom of the standard errors; the smallest where parts have noise of their own.
+    /// Degrees of freedom of the standard errors; the smallest where parts have noise of their own, infinite where the noise
+    /// is assumed.
     pub freedom: f64,
     /// Student's quantile of the intervals.
     pub quantile: f64,
@@ -56,6 +49,8 @@ pub struct Confidence {
     pub condition: f64,
     /// Combinations of parameters, the best-determined first.
     pub directions: Vec<Direction>,
+    /// The parameters that the fit held, and what one standard deviation of each changes the others by, in their units.
+    pub shifts: Vec<(String, Vec<f64>)>,
     /// A Gauss–Newton step from the estimate, standard errors; zero at a minimum.
     pub gauss_newton_step: Vec<f64>,
     /// What puts the intervals in doubt.
@@ -84,7 +79,14 @@ impl Confidence {
     /// # Errors
     /// The Jacobian has no singular value decomposition, or the fit absorbs all samples of a part.
     pub fn of(linearization: &Linearization, options: &ConfidenceOptions) -> Result<Confidence, ConfidenceError> {
-        let sandwich = Covariance::of(linearization, options.colour)?;
+        let (held, deviations): (Vec<usize>, Vec<f64>) = options.held().unzip();
+        let (linearization, mut disturbances) = linearization.without(&held);
+        let (linearization, fitted) = (&linearization, options.of_fitted());
+        disturbances.column_iter_mut().zip(&deviations).for_each(|(mut column, deviation)| column *= *deviation);
+        let sandwich = Covariance::of(linearization, &disturbances, &fitted)?;
+        let shift = |column: usize, index: usize| {
+            (options.names[index].clone(), sandwich.step(&disturbances.column(column).into_owned()))
+        };
         let covariance = sandwich.matrix();
         let standard_errors: Vec<f64> = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
         let freedom = sandwich.freedom();
@@ -93,13 +95,14 @@ impl Confidence {
         let intervals =
             linearization.x.iter().zip(half_widths).map(|(x, width)| Interval::new(*x, width, options.relative));
         let mut confidence = Confidence {
-            names: options.names.clone(),
+            names: fitted.names,
+            shifts: held.iter().enumerate().map(|(column, index)| shift(column, *index)).collect(),
             x: linearization.x.clone(),
             intervals: intervals.map(|interval| [interval.at(-1.0), interval.at(1.0)]).collect(),
             relative: options.relative,
             correlation: sandwich.correlation(),
             samples: linearization.residuals.len(),
-            effective_samples: sandwich.parts.iter().map(|part| part.effective_samples).sum(),
+            effective_samples: sandwich.noise.iter().map(|part| part.effective_samples).sum(),
             freedom,
             quantile,
             increases: sandwich.increases(),
@@ -110,17 +113,20 @@ impl Confidence {
             covariance,
             standard_errors,
         };
-        confidence.warnings = confidence.check(linearization);
+        confidence.warnings = confidence.check(linearization, options);
         Ok(confidence)
     }
 
-    fn check(&self, linearization: &Linearization) -> Vec<Warning> {
+    fn check(&self, linearization: &Linearization, options: &ConfidenceOptions) -> Vec<Warning> {
         let names = &self.names;
         let weak = self.directions.iter().filter_map(|direction| direction.check(names, &self.x));
         let mut warnings: Vec<Warning> = weak.collect();
         warnings.extend(identifiability::correlated(names, &self.correlation));
-        warnings.extend(identifiability::few_independent(self.samples, self.effective_samples, names.len()));
-        warnings.extend(identifiability::below_roughness(linearization));
+        // An assumed misfit says what the residuals would show.
+        if options.misfit.is_none() {
+            warnings.extend(identifiability::few_independent(self.samples, self.effective_samples, names.len()));
+            warnings.extend(identifiability::below_roughness(linearization));
+        }
         let one_sided = linearization.one_sided.iter().map(|index| names[*index].clone());
         warnings.extend(one_sided.map(|parameter| Warning::OneSided { parameter }));
         warnings.extend(identifiability::not_at_minimum(names, &self.gauss_newton_step));
@@ -128,8 +134,11 @@ impl Confidence {
     }
 }
 
-/// Student's quantile of a two-sided interval of 95 %.
+/// Student's quantile of a two-sided interval of 95 %; that of the normal distribution for noise of a known variance.
 fn quantile(freedom: f64) -> Result<f64, ConfidenceError> {
+    if freedom > NORMAL {
+        return Ok(Normal::standard().inverse_cdf(BELOW_UPPER));
+    }
     let student = StudentsT::new(0.0, 1.0, freedom);
     student
         .map(|student| student.inverse_cdf(BELOW_UPPER))
@@ -141,11 +150,12 @@ mod tests {
     use nalgebra::DVector;
 
     use super::super::noise::tests::{neighbours, normals};
+    use super::super::noise::{Colour, Misfit};
     use super::*;
 
     fn confidence(linearization: &Linearization, colour: Colour) -> Confidence {
         let names = ["a", "b", "c"].iter().take(linearization.x.len()).map(|name| (*name).to_owned()).collect();
-        Confidence::of(linearization, &ConfidenceOptions { names, colour, relative: false }).unwrap()
+        Confidence::of(linearization, &ConfidenceOptions { colour, ..ConfidenceOptions::new(names) }).unwrap()
     }
 
     fn linearization(x: &[f64], residuals: &[f64], jacobian: DMatrix<f64>) -> Linearization {
@@ -324,9 +334,147 @@ mod tests {
         let residuals = [1.0, -1.0, 2.0, -1.0, -1.0, 0.0];
         let found = linearization(&[1.0, 2.0], &residuals, jacobian).joined_from(&[5, 1]).unwrap();
         let question =
-            ConfidenceOptions { names: vec!["a".into(), "b".into()], colour: Colour::White, relative: false };
+            ConfidenceOptions { colour: Colour::White, ..ConfidenceOptions::new(vec!["a".into(), "b".into()]) };
         let error = Confidence::of(&found, &question).unwrap_err().to_string();
-        assert!(error.starts_with("part 2 of the residuals has 1, of which the fit absorbs 1.0"), "{error}");
+        assert!(error.starts_with("part 2 of the residuals has 1, of which the fit absorbs 1:"), "{error}");
+    }
+
+    /// A parabola at 200 places in parts of these lengths, and the correlation e^(−|i − j|/θ) of the error of each.
+    fn parabola(parts: &[(usize, f64)]) -> (Linearization, DMatrix<f64>) {
+        let jacobian = DMatrix::from_fn(200, 3, |row, column| (row as f64 / 50.0 - 1.0).powi(column as i32));
+        let residuals: Vec<f64> = normals(1, 200).iter().map(|e| 1e-3 * e).collect();
+        let mut correlation = DMatrix::zeros(200, 200);
+        let mut first = 0;
+        for (length, theta) in parts {
+            let rho = |row: usize, column: usize| (-(row.abs_diff(column) as f64) / theta).exp();
+            correlation
+                .view_mut((first, first), (*length, *length))
+                .copy_from(&DMatrix::from_fn(*length, *length, rho));
+            first += length;
+        }
+        let lengths: Vec<usize> = parts.iter().map(|(length, _)| *length).collect();
+        let found = linearization(&[1.0, -2.0, 0.5], &residuals, jacobian).joined_from(&lengths).unwrap();
+        (found, correlation)
+    }
+
+    fn abc() -> ConfidenceOptions {
+        ConfidenceOptions::new(["a", "b", "c"].map(str::to_owned).into())
+    }
+
+    /// The covariance of least squares with noise of the covariance K is (JᵀJ)⁻¹ JᵀKJ (JᵀJ)⁻¹, whatever the residuals are.
+    #[test]
+    fn an_assumed_misfit_has_the_covariance_of_its_correlation_matrix() {
+        let (found, correlation) = parabola(&[(150, 20.0), (50, 3.0)]);
+        let error = [0.3, 0.1];
+        let variance = |row: usize| if row < 150 { error[0] * error[0] / 150.0 } else { error[1] * error[1] / 50.0 };
+        let noise = DMatrix::from_fn(200, 200, |row, column| variance(row) * correlation[(row, column)]);
+        let jacobian = &found.jacobian;
+        let inverse = (jacobian.transpose() * jacobian).try_inverse().unwrap();
+        let expected = &inverse * jacobian.transpose() * noise * jacobian * &inverse;
+        let misfit = [(error[0], 20.0), (error[1], 3.0)].map(|(error, correlation)| Misfit { error, correlation });
+        let options = ConfidenceOptions { misfit: Some(misfit.into()), ..abc() };
+        let confidence = Confidence::of(&found, &options).unwrap();
+        assert!((&confidence.covariance - &expected).amax() < 1e-12 * expected.amax(), "{confidence:?}");
+        // The normal distribution's, since the noise is known.
+        assert!((confidence.quantile - 1.959_964).abs() < 1e-6 && confidence.freedom == f64::INFINITY);
+        let half_width = confidence.quantile * expected[(2, 2)].sqrt();
+        assert!((confidence.intervals[2][1] - 0.5 - half_width).abs() < 1e-12);
+        let white = ConfidenceOptions { misfit: Some(vec![Misfit { error: 0.3, correlation: 0.0 }]), ..abc() };
+        let white = Confidence::of(&found, &white).unwrap();
+        assert!(confidence.standard_errors[0] > 4.0 * white.standard_errors[0]);
+        let three = ConfidenceOptions { misfit: Some(vec![misfit[0]; 3]), ..abc() };
+        let refused = Confidence::of(&found, &three).unwrap_err().to_string();
+        assert!(refused.starts_with("`misfit` has 3 errors for 2 parts of the residuals"), "{refused}");
+    }
+
+    /// A known prior of c, white noise: by the Schur complement the covariance of a and b is
+    /// [AᵀA − Aᵀg (gᵀg + σ²/s²)⁻¹ gᵀA]⁻¹ σ², with A the columns of a and b and g that of c.
+    #[test]
+    fn a_nuisance_parameter_with_a_prior_leaves_the_marginal_covariance_of_the_others() {
+        let (found, _) = parabola(&[(200, 1.0)]);
+        let (columns, g) = (found.jacobian.columns(0, 2).into_owned(), found.jacobian.column(2).into_owned());
+        let variance = 0.2_f64.powi(2) / 200.0;
+        let misfit = Some(vec![Misfit { error: 0.2, correlation: 0.0 }]);
+        for deviation in [1e-6, 3e-3, 0.02, 1e6] {
+            let information = g.norm_squared() + variance / (deviation * deviation);
+            let along = columns.transpose() * &g;
+            let schur = columns.transpose() * &columns - &along * along.transpose() / information;
+            let expected = schur.try_inverse().unwrap() * variance;
+            let options =
+                ConfidenceOptions { misfit: misfit.clone(), prior: vec![None, None, Some(deviation)], ..abc() };
+            let confidence = Confidence::of(&found, &options).unwrap();
+            let marginal = confidence.covariance.view((0, 0), (2, 2)).into_owned();
+            assert!((&marginal - &expected).amax() < 1e-9 * expected.amax(), "{deviation}: {marginal} {expected}");
+            assert!(confidence.standard_errors[2] <= deviation * (1.0 + 1e-9), "{deviation}");
+        }
+    }
+
+    /// With correlated noise: the covariance of the estimate that the rows of the prior weight, written out.
+    #[test]
+    fn priors_and_a_coloured_misfit_have_the_sandwich_of_all_rows() {
+        let (found, correlation) = parabola(&[(200, 20.0)]);
+        let noise = correlation * (0.2_f64.powi(2) / 200.0);
+        let free = found.jacobian.columns(0, 2).into_owned();
+        let q = free.clone().svd(true, false).u.unwrap();
+        let power = (q.transpose() * &noise * &q).trace() / 2.0;
+        let deviation = 0.02;
+        let rows = found.jacobian.clone().insert_row(200, 0.0);
+        let rows = DMatrix::from_fn(201, 3, |row, column| match (row, column) {
+            (200, 2) => power.sqrt() / deviation,
+            _ => rows[(row, column)],
+        });
+        let mut all = noise.insert_row(200, 0.0).insert_column(200, 0.0);
+        all[(200, 200)] = power;
+        let inverse = (rows.transpose() * &rows).try_inverse().unwrap();
+        let expected = &inverse * rows.transpose() * all * rows * &inverse;
+        let misfit = Some(vec![Misfit { error: 0.2, correlation: 20.0 }]);
+        let options = ConfidenceOptions { misfit, prior: vec![None, None, Some(deviation)], ..abc() };
+        let confidence = Confidence::of(&found, &options).unwrap();
+        assert!((&confidence.covariance - &expected).amax() < 1e-9 * expected.amax(), "{confidence:?} {expected}");
+    }
+
+    /// A fit that holds c adds to the noise K what it does not know of c: (JᵀJ)⁻¹ Jᵀ (K + s² g gᵀ) J (JᵀJ)⁻¹.
+    #[test]
+    fn a_held_parameter_adds_its_own_covariance() {
+        let (found, correlation) = parabola(&[(200, 20.0)]);
+        let deviation = 0.02;
+        let (columns, g) = (found.jacobian.columns(0, 2).into_owned(), found.jacobian.column(2).into_owned());
+        let noise = correlation * (0.2_f64.powi(2) / 200.0) + deviation * deviation * &g * g.transpose();
+        let inverse = (columns.transpose() * &columns).try_inverse().unwrap();
+        let expected = &inverse * columns.transpose() * noise * &columns * &inverse;
+        let misfit = Some(vec![Misfit { error: 0.2, correlation: 20.0 }]);
+        let options = ConfidenceOptions { misfit, held: vec![None, None, Some(deviation)], ..abc() };
+        let confidence = Confidence::of(&found, &options).unwrap();
+        assert_eq!((confidence.names.len(), confidence.x.len()), (2, 2));
+        assert!((&confidence.covariance - &expected).amax() < 1e-9 * expected.amax(), "{confidence:?}");
+        let shift = -deviation * &inverse * columns.transpose() * &g;
+        let [(name, found_shift)] = &confidence.shifts[..] else { panic!("{confidence:?}") };
+        assert!(name == "c" && (found_shift[1] / shift[1] - 1.0).abs() < 1e-9, "{found_shift:?} {shift}");
+        // Of an exact fit, only what is not known of c.
+        let exact = Linearization { residuals: DVector::zeros(200), ..found };
+        let options = ConfidenceOptions { held: vec![None, None, Some(deviation)], ..abc() };
+        let exact = Confidence::of(&exact, &options).unwrap();
+        assert!((exact.standard_errors[1] / shift[1].abs() - 1.0).abs() < 1e-9, "{exact:?}");
+    }
+
+    /// The noise is that which the fit of a and b left; the prior of c then widens their intervals.
+    #[test]
+    fn a_prior_beside_noise_of_the_residuals_widens_intervals() {
+        let (found, _) = parabola(&[(200, 1.0)]);
+        let at = |prior: Vec<Option<f64>>| {
+            Confidence::of(&found, &ConfidenceOptions { colour: Colour::White, prior, ..abc() }).unwrap()
+        };
+        let held = linearization(&[1.0, -2.0], found.residuals.as_slice(), found.jacobian.columns(0, 2).into_owned());
+        let held = confidence(&held, Colour::White);
+        let [narrow, wide, free] = [vec![None, None, Some(1e-9)], vec![None, None, Some(1.0)], vec![]].map(at);
+        for index in 0..2 {
+            assert!((narrow.standard_errors[index] / held.standard_errors[index] - 1.0).abs() < 1e-6);
+            assert!((wide.standard_errors[index] / free.standard_errors[index] - 1.0).abs() < 0.01);
+        }
+        assert!(free.standard_errors[1] > 1.2 * held.standard_errors[1]);
+        // All with a prior: the residuals are noise that no parameter has fitted.
+        let all = at(vec![Some(1e-9); 3]);
+        assert!(all.standard_errors.iter().all(|error| (error / 1e-9 - 1.0).abs() < 1e-3), "{all:?}");
     }
 
     #[test]
@@ -339,7 +487,7 @@ mod tests {
         assert!(["a·b^-1", "a^-1·b"].contains(&combination.as_str()), "{combination}");
         assert_eq!(found.standard_errors, [f64::INFINITY; 2]);
         assert_eq!(found.condition, f64::INFINITY);
-        assert_eq!(found.warnings[1].to_string(), "a and b are correlated by -1.000");
+        assert_eq!(found.warnings[1].to_string(), "a and b are correlated by -1.00");
     }
 
     #[test]
@@ -350,7 +498,7 @@ mod tests {
         let found = confidence(&linearization(&[1.0, 1.0], &[0.0, 0.0, 1.0, -1.0], jacobian), Colour::White);
         // t(2) = 4.3027, s = 1; the logarithm of a/b has the deviation 1/0.05.
         let factor = (4.3027_f64 * 20.0).exp();
-        let Warning::NotIdentifiable { combination, factor: found } = &found.warnings[0] else { panic!("{found:?}") };
+        let Warning::PoorlyDetermined { combination, factor: found } = &found.warnings[0] else { panic!("{found:?}") };
         assert!(["a·b^-1", "a^-1·b"].contains(&combination.as_str()), "{combination}");
         assert_eq!(format!("{found:.0e}"), format!("{factor:.0e}"));
     }

@@ -1,15 +1,16 @@
 //! Identifiability of the parameters of an estimate.
 //!
 //! Directions in the logarithms of the parameters are the right singular vectors of ∂r/∂ln x (Belsley, Kuh and Welsch,
-//! *Regression Diagnostics*, 1980). One below the noise is practically not identifiable, one without
-//! effect on the residuals structurally (Raue et al., Bioinformatics 25, 2009).
+//! *Regression Diagnostics*, 1980). One without effect on the residuals is not identifiable; one with a wide interval of
+//! the linear model is poorly determined. Whether a parameter is practically identifiable is what its profile tells (Raue
+//! et al., Bioinformatics 25, 2009).
 
 use nalgebra::DMatrix;
 
 use super::linearization::Linearization;
 use crate::identify::warning::Warning;
 
-/// Half-width of the interval of 95 % of a combination, as a factor, above which it is not identifiable.
+/// Half-width of the interval of 95 % of a combination, as a factor, above which it is poorly determined.
 const TOO_WIDE: f64 = 1.5;
 
 /// Singular value over the largest below which errors of model and sensor determine a combination, whatever the noise.
@@ -63,14 +64,14 @@ impl Direction {
         self.exponents.iter().zip(names).zip(x).filter_map(factor).collect::<Vec<_>>().join("·")
     }
 
-    /// A warning if the combination is not or only weakly identifiable.
+    /// A warning if the combination is not identifiable, poorly determined, or weakly identifiable.
     pub(super) fn check(&self, names: &[String], x: &[f64]) -> Option<Warning> {
         let combination = self.name(names, x);
         let factor = self.factor();
         if self.share == 0.0 {
             Some(Warning::NoEffect { combination })
         } else if factor > TOO_WIDE {
-            Some(Warning::NotIdentifiable { combination, factor })
+            Some(Warning::PoorlyDetermined { combination, factor })
         } else {
             (self.share < TOO_WEAK).then(|| Warning::WeaklyIdentifiable { combination, ratio: 1.0 / self.share })
         }

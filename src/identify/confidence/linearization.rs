@@ -101,6 +101,13 @@ impl SearchFailure for LinearizationError {
                 | LinearizationError::NoDerivative { numerical: true, .. }
         )
     }
+
+    fn cause_of_trial(&self) -> Option<&str> {
+        match self {
+            LinearizationError::Estimate { cause, .. } | LinearizationError::NoDerivative { cause, .. } => Some(cause),
+            _ => None,
+        }
+    }
 }
 
 impl Linearization {
@@ -155,6 +162,19 @@ impl Linearization {
             return Err(LinearizationError::Parts { parts: parts.into(), sum, found });
         }
         Ok(Linearization { parts: parts.into(), ..self })
+    }
+
+    /// The linearization in the parameters that are not `held`, and the columns of the Jacobian of those that are.
+    pub(super) fn without(&self, held: &[usize]) -> (Linearization, DMatrix<f64>) {
+        let fitted: Vec<usize> = (0..self.x.len()).filter(|index| !held.contains(index)).collect();
+        let place = |index: &usize| fitted.iter().position(|fitted| fitted == index);
+        let linearization = Linearization {
+            x: fitted.iter().map(|index| self.x[*index]).collect(),
+            jacobian: self.jacobian.select_columns(&fitted),
+            one_sided: self.one_sided.iter().filter_map(place).collect(),
+            ..self.clone()
+        };
+        (linearization, self.jacobian.select_columns(held))
     }
 
     /// The norm of the residuals, ‖r(x̂)‖.

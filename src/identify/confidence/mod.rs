@@ -7,5 +7,6 @@ pub(super) mod identifiability;
 mod interval;
 pub(super) mod linearization;
 pub(super) mod noise;
+pub(super) mod options;
 pub(super) mod profile;
 pub(super) mod refinement;

@@ -18,6 +18,15 @@ pub enum Colour {
     White,
 }
 
+/// An assumed error of a part of the residuals, such as that of a model, with a correlation that decays exponentially.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Misfit {
+    /// Its norm, in the unit of the residuals' norm.
+    pub error: f64,
+    /// Number of residuals over which the correlation decays to 1/e; zero where all are independent.
+    pub correlation: f64,
+}
+
 /// Stationary noise: an autoregression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
@@ -29,6 +38,11 @@ impl Noise {
     /// Independent samples.
     pub fn white() -> Noise {
         Noise { reflections: vec![] }
+    }
+
+    /// Noise whose correlation e^(−l/`length`) decays with the lag l; independent samples where the length is zero.
+    pub fn exponential(length: f64) -> Noise {
+        if length == 0.0 { Noise::white() } else { Noise { reflections: vec![(-1.0 / length).exp()] } }
     }
 
     /// The noise of `residuals`. Their mean is part of it.
@@ -246,6 +260,14 @@ pub(super) mod tests {
         let ones = DMatrix::from_element(fit.len(), 1, 1.0);
         let samples = fit.len() as f64;
         assert!(noise.covariance(&ones)[(0, 0)] > 1e3 * samples, "{noise:?}");
+    }
+
+    #[test]
+    fn exponential_noise_has_the_correlation_that_decays_over_its_length() {
+        for (lag, found) in correlations(&Noise::exponential(20.0), 60).into_iter().enumerate() {
+            assert!((found - (-(lag as f64) / 20.0).exp()).abs() < 1e-12, "{found} at lag {lag}");
+        }
+        assert_eq!(Noise::exponential(0.0), Noise::white());
     }
 
     #[test]

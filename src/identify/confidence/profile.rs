@@ -110,6 +110,15 @@ impl SearchFailure for ProfileError {
             ProfileError::Pool(_) | ProfileError::Confidence(_) => false,
         }
     }
+
+    fn cause_of_trial(&self) -> Option<&str> {
+        match self {
+            ProfileError::Linearization(error) => error.cause_of_trial(),
+            ProfileError::Search(error) => error.cause_of_trial(),
+            ProfileError::Failed { cause, .. } => Some(cause),
+            ProfileError::Pool(_) | ProfileError::Confidence(_) => None,
+        }
+    }
 }
 
 /// Profiles along all parameters, with `count` values on each side of the estimate as far as the bounds allow;
@@ -280,9 +289,9 @@ pub(super) fn lowest(profiles: &[Profile], least: f64) -> Option<(usize, f64, &[
 mod tests {
     use nalgebra::DMatrix;
 
-    use super::super::estimate::ConfidenceOptions;
     use super::super::noise::Colour;
     use super::super::noise::tests::normals;
+    use super::super::options::ConfidenceOptions;
     use super::*;
     use crate::identify::bounds::Bounds;
     use crate::identify::options::Method;
@@ -290,11 +299,8 @@ mod tests {
     use crate::identify::pool::trial_pool::{Problem, with_evaluator};
 
     fn options(names: &[&str], relative: bool) -> ConfidenceOptions {
-        ConfidenceOptions {
-            names: names.iter().map(|name| (*name).to_owned()).collect(),
-            colour: Colour::White,
-            relative,
-        }
+        let names = names.iter().map(|name| (*name).to_owned()).collect();
+        ConfidenceOptions { colour: Colour::White, relative, ..ConfidenceOptions::new(names) }
     }
 
     /// Profiles around `search`'s start with three places a side, and how many trials they took.

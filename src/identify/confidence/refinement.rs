@@ -3,8 +3,9 @@
 //! Where a profile finds a lower objective value than the estimate, the estimate is no minimum: the search continues
 //! from the lowest point of the profiles, and the profiles are computed again about the point that it finds.
 
-use super::estimate::{Confidence, ConfidenceOptions};
+use super::estimate::Confidence;
 use super::linearization::{Linearization, LinearizationError};
+use super::options::ConfidenceOptions;
 use super::profile::{Profile, ProfileError, lowest, profiles};
 use crate::identify::bounds::Bounds;
 use crate::identify::error::SearchError;
@@ -107,8 +108,8 @@ impl Refinement {
                 Err(SearchError::Start { .. }) => None,
                 result => Some(result?),
             };
+            let end = result.as_ref().map(|result| result.best.f);
             let best = result.as_ref().filter(|result| result.best.f < found).map(|result| &result.best);
-            let end = best.map_or(found, |best| best.f);
             search.start = best.map_or_else(|| x.to_vec(), |best| best.x.clone());
             warnings.push(Warning::Continued { parameter, found, estimate, x: point, continued: end });
             continued.extend(result);

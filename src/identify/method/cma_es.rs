@@ -8,6 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use cmaes::{CMAESOptions, DVector, TerminationReason};
 
+use super::bounded::onto_bounds;
 use super::trials::{SearchContext, order};
 use crate::identify::error::SearchError;
 use crate::identify::iteration::{Iteration, Step, StopReason};
@@ -91,7 +92,8 @@ pub(in crate::identify) fn search(
         Some(reason) => stop_reason(reason),
         None => StopReason::Method("none".into()),
     };
-    Ok(StartResult { x, f, iterations, evaluations, converged, reason, size: Some(state.sigma()), history })
+    let size = Some(state.sigma());
+    onto_bounds(StartResult { x, f, iterations, evaluations, converged, reason, size, history }, search, trials)
 }
 
 fn has_converged(reason: &TerminationReason) -> bool {

@@ -9,11 +9,11 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationRe
 // The version of nalgebra that the crate uses.
 use nalgebra_of_lm::{DMatrix, DVector, Dyn, Owned};
 
-use super::trials::{SearchContext, Trials};
+use super::bounded::onto_bounds;
+use super::trials::SearchContext;
 use crate::identify::error::SearchError;
 use crate::identify::iteration::{Iteration, Step, StopReason};
 use crate::identify::objective::ObjectiveValue;
-use crate::identify::options::Search;
 use crate::identify::result::StartResult;
 
 /// Norm of the residuals of a failed trial over that at the start.
@@ -32,7 +32,7 @@ pub(in crate::identify) fn search(
 ) -> Result<StartResult, SearchError> {
     let SearchContext { search, trials, start: number, observer } = context;
     let context = SearchContext { search, trials, start: number, observer: &mut *observer };
-    let mut result = onto_bound(descend(start, context, None)?, search, trials)?;
+    let mut result = onto_bounds(descend(start, context, None)?, search, trials)?;
     for _ in 0..MAX_RESTARTS {
         if !result.converged || search.bounds.active(&result.x).is_empty() {
             break;
@@ -41,25 +41,13 @@ pub(in crate::identify) fn search(
         let context = SearchContext { search, trials, start: number, observer: &mut *observer };
         result = match descend(&result.x.clone(), context, Some(&result)) {
             Err(SearchError::Start { .. }) => break,
-            restarted => onto_bound(restarted?, search, trials)?,
+            restarted => onto_bounds(restarted?, search, trials)?,
         };
         if before * before - result.f * result.f <= search.tol_f * before * before {
             break;
         }
     }
     Ok(result)
-}
-
-/// The same on a bound near which it converged, where the objective is no higher there: towards a bound the transform
-/// flattens, and the tolerances are met before it.
-fn onto_bound(result: StartResult, search: &Search, trials: &Trials<'_, '_>) -> Result<StartResult, SearchError> {
-    let Some(x) = search.bounds.snapped(&result.x).filter(|_| result.converged) else { return Ok(result) };
-    // Not a trial that the search asks for: without a value there, the point beside the bound stands.
-    let f = match trials.at_start(&x) {
-        Err(SearchError::Start { .. }) => return Ok(result),
-        value => value?.value(),
-    };
-    Ok(if f <= result.f { StartResult { x, f, ..result } } else { result })
 }
 
 /// One descent from `start`, which continues the iterations of `before`.

@@ -1,5 +1,6 @@
 //! The methods of search, and the trials that they request.
 
+pub(super) mod bounded;
 pub(super) mod cma_es;
 pub(super) mod levenberg_marquardt;
 pub(super) mod nelder_mead;
