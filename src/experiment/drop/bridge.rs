@@ -23,7 +23,8 @@ pub struct Bridged {
 }
 
 /// Bridges gaps of `reading` that last `longest` s or less, and the samples within `masks` ([from, to], s) whatever
-/// their duration. Samples without value before the first measured one and after the last are left out.
+/// their duration: of a gap beside a mask only the part outside the masks counts. Samples without value before the first
+/// measured one and after the last are left out.
 pub fn bridged(reading: &Series, longest: f64, masks: &[[f64; 2]]) -> Bridged {
     let is_masked = |t: f64| masks.iter().any(|[from, to]| (*from..=*to).contains(&t));
     let measured: Vec<[f64; 2]> = reading.samples().filter(|[t, value]| value.is_finite() && !is_masked(*t)).collect();
@@ -38,7 +39,7 @@ pub fn bridged(reading: &Series, longest: f64, masks: &[[f64; 2]]) -> Bridged {
         if between.is_empty() {
             continue;
         }
-        let is_bridged = gap.duration <= longest * (1.0 + 1e-9) || between.iter().any(|t| is_masked(*t));
+        let is_bridged = outside(&between, [from, to], masks) <= longest * (1.0 + 1e-9);
         gaps.extend(is_bridged.then_some(gap));
         let value = |t: f64| if is_bridged { first + (last - first) * (t - from) / (to - from) } else { f64::NAN };
         values.extend(between.iter().map(|t| value(*t)));
@@ -49,6 +50,22 @@ pub fn bridged(reading: &Series, longest: f64, masks: &[[f64; 2]]) -> Bridged {
     let longest = gaps.iter().copied().max_by(|a, b| a.duration.total_cmp(&b.duration));
     let warning = longest.map(|Gap { after, duration }| Warning::GapBridged { count: gaps.len(), after, duration });
     Bridged { series: Series::new(time, values), warning }
+}
+
+/// Duration of what is missing outside `masks` between two neighbouring measured samples, s; `missing` are the times
+/// without value between them.
+fn outside(missing: &[f64], [from, to]: [f64; 2], masks: &[[f64; 2]]) -> f64 {
+    let mut masks: Vec<[f64; 2]> = masks.iter().copied().filter(|mask| mask[1] > from && mask[0] < to).collect();
+    masks.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    masks.push([to, to]);
+    let mut free = from;
+    let stretches = masks.into_iter().map(|[start, end]| {
+        let stretch = [free, start];
+        free = free.max(end);
+        stretch
+    });
+    let is_missing = |[start, end]: &[f64; 2]| missing.iter().any(|t| start < t && t < end);
+    stretches.filter(is_missing).map(|[start, end]| end - start).sum()
 }
 
 /// Duration of the longest gap of `reading`, s; none without a gap between measured samples.
@@ -100,6 +117,23 @@ mod tests {
         assert_eq!(bridged(&missing, 4.0, &[]).series, whole);
         assert_eq!(bridged(&spike, 0.0, &[[2.5, 3.5]]).series, whole);
         assert_eq!(bridged(&steps, 9.0, &[]), Bridged { series: steps, warning: None });
+    }
+
+    #[test]
+    fn a_mask_bridges_nothing_outside_itself() {
+        let none = f64::NAN;
+        let time: Vec<f64> = (0..12).map(f64::from).collect();
+        let beside = Series::new(time.clone(), vec![0., 1., 2., 99., none, none, none, none, none, 9., 10., 11.]);
+        let whole = line(&time).with_values(time.clone());
+        let is_bridged = |longest, masks: &[[f64; 2]]| bridged(&beside, longest, masks).series == whole;
+        assert!(!is_bridged(0.0, &[[2.5, 3.5]]) && !is_bridged(5.4, &[[2.5, 3.5]]));
+        assert!(is_bridged(5.5, &[[2.5, 3.5]]));
+        assert!(is_bridged(0.0, &[[2.5, 8.5]]) && is_bridged(0.0, &[[2.5, 5.0], [5.0, 8.5]]));
+        assert!(is_bridged(0.0, &[[5.5, 8.5], [2.5, 6.5]]) && is_bridged(2.0, &[[2.5, 4.5], [6.5, 8.5]]));
+        assert!(!is_bridged(1.9, &[[2.5, 4.5], [6.5, 8.5]]));
+        let rows = Series::new(vec![0.0, 1.0, 2.0, 3.0, 9.0, 10.0, 11.0], vec![0.0, 1.0, 2.0, 99.0, 9.0, 10.0, 11.0]);
+        assert!(gap::first(&bridged(&rows, 5.0, &[[2.5, 3.5]]).series).is_some());
+        assert_eq!(bridged(&rows, 5.5, &[[2.5, 3.5]]).series, whole);
     }
 
     #[test]
