@@ -134,7 +134,7 @@ pub enum Warning {
         channel: String,
     },
     /// A recording without a length, and channels that could be one.
-    #[error("the unit of {} is not known: a laser needs a unit of length, as in `laser [mm]`", listed(channels))]
+    #[error("the unit of {} is not known, so none of them counts as a laser", listed(channels))]
     LaserUnitMissing {
         /// The channels without a known unit.
         channels: Vec<String>,
@@ -282,7 +282,7 @@ pub enum Warning {
         after: usize,
     },
     /// A clip of a series that stays at or below zero.
-    #[error("no positive level is held that long; deceleration must be positive, or give the resultant")]
+    #[error("no positive level is held that long")]
     NoPositiveLevel,
     /// A curve that was interpolated before it was rated.
     #[error(
