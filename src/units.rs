@@ -154,6 +154,7 @@ impl Dimension {
             "1/s" => &["1/s"],
             "N" => &["mN", "N", "kN"],
             "J" => &["mJ", "J", "kJ"],
+            "N s/m" => &["N s/m"],
             "Nm" => &["Nmm", "Nm", "kNm"],
             _ => &[],
         }
@@ -365,6 +366,8 @@ quantities! {
     Force: "a force", "N", "1.2 kN", [1, 1, -2, 0];
     /// J.
     Energy: "an energy", "J", "9.3 J", [2, 1, -2, 0];
+    /// N s/m.
+    ForcePerSpeed: "a force per velocity", "N s/m", "1.5 N s/m", [0, 1, -1, 0];
     /// Nm.
     Moment: "a moment", "Nm", "2.2 Nm", [2, 1, -2, -1];
     /// A number without unit.

@@ -2,6 +2,7 @@
 
 use super::specimen::symmetry;
 use super::{Guide, Impactor, ImpactorShape, Mistakes, Symmetry};
+use crate::engine::GuideFriction;
 use crate::scenario::{self, Loading, Scenario};
 
 /// Default length of the shaft of a dart, in radii.
@@ -31,6 +32,7 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Impacto
             scenario::Guide::Z => Guide::Z,
             scenario::Guide::Free => Guide::Free,
         },
+        guide_friction: guide_friction(written, &scenario.loading, mistakes),
         friction: written.friction,
         position: written.position.map(|length| length.0),
     })
@@ -52,6 +54,24 @@ fn mass(written: &scenario::Impactor, loading: &Loading, mistakes: &mut Mistakes
         mistakes.missing("impactor.mass", "`loading.impact` needs the mass of what falls");
     }
     written.mass.map(|mass| mass.0)
+}
+
+/// Friction of the guide of a falling impactor.
+fn guide_friction(written: &scenario::Impactor, loading: &Loading, mistakes: &mut Mistakes<'_>) -> GuideFriction {
+    const KEY: &str = "impactor.guide_friction";
+    let Some(friction) = written.guide_friction else {
+        return GuideFriction::default();
+    };
+    if written.guide == scenario::Guide::Free {
+        mistakes.report_with(
+            KEY,
+            "a free impactor has no guide",
+            "leave the key out, or set `impactor.guide` to \"z\"",
+        );
+    } else if matches!(loading, Loading::Indent(_)) {
+        mistakes.report_with(KEY, "an indentation prescribes the motion of the impactor", "leave the key out");
+    }
+    GuideFriction { constant: friction.constant.0, per_speed: friction.per_speed.0 }
 }
 
 fn shape(written: &scenario::ImpactorShape, mistakes: &mut Mistakes<'_>) -> Option<ImpactorShape> {

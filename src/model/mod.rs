@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::diagnostic::Diagnostic;
+use crate::engine::GuideFriction;
 use crate::material::Material;
 use crate::mesh::{Meshing, Outline, Side};
 use crate::scenario::{Document, Scenario};
@@ -207,6 +208,8 @@ pub struct Impactor {
     pub mass: f64,
     /// Its degrees of freedom.
     pub guide: Guide,
+    /// Friction of its guide; none for a free one.
+    pub guide_friction: GuideFriction,
     /// Coulomb coefficient between impactor and film.
     pub friction: f64,
     /// Position of its axis over the film at the start: x, y in m.

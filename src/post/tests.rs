@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use super::results::SUMMARY;
 use super::*;
+use crate::engine::GuideFriction;
 use crate::material::{Elastic, Law, Material};
 use crate::mesh::{Element, Meshing, Outline};
 use crate::model::*;
@@ -46,6 +47,7 @@ pub(super) fn model() -> Model {
             shape: ImpactorShape::Sphere { radius: 0.15 },
             mass: MASS,
             guide: Guide::Z,
+            guide_friction: GuideFriction::default(),
             friction: 0.0,
             position: [0.0; 2],
         }),

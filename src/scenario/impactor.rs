@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::units::{Length, Mass};
+use crate::units::{Force, ForcePerSpeed, Length, Mass};
 
 /// What there is in place of an oblique impact.
 const DOWN: &str = "the impactor starts straight down: `loading.impact.velocity` is its speed";
@@ -36,6 +36,10 @@ pub struct Impactor {
     #[serde(default)]
     #[schemars(extend("x-future-table" = { "a guide with an axis or friction of its own": GUIDES }))]
     pub guide: Guide,
+    /// Friction of the guide, against the motion along it; none where it is left out. `droptower signal drop` prints
+    /// that of a recorded fall.
+    #[serde(default)]
+    pub guide_friction: Option<GuideFriction>,
     /// Coulomb coefficient between impactor and film.
     #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
     pub friction: f64,
@@ -83,6 +87,27 @@ pub enum ImpactorShape {
     },
     /// A closed surface from an STL or OBJ file, coordinates in m.
     Mesh(#[schemars(extend("x-path" = true))] PathBuf),
+}
+
+/// Force of the guide against the motion of the impactor.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct GuideFriction {
+    /// Part that does not depend on the speed; it holds an impactor at rest against a smaller force.
+    #[serde(default = "no_force")]
+    #[schemars(range(min = 0), extend("x-likely" = [1e-3, 1e3]))]
+    pub constant: Force,
+    /// Part that is proportional to the speed.
+    #[serde(default = "no_force_per_speed")]
+    #[schemars(range(min = 0), extend("x-likely" = [1e-4, 1e3]))]
+    pub per_speed: ForcePerSpeed,
+}
+
+fn no_force() -> Force {
+    Force(0.0)
+}
+
+fn no_force_per_speed() -> ForcePerSpeed {
+    ForcePerSpeed(0.0)
 }
 
 /// Degrees of freedom of the impactor.

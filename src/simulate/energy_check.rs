@@ -25,7 +25,7 @@ pub(super) struct EnergyCheck {
     time: Vec<f64>,
     rows: Vec<Energies>,
     /// Largest losses in contact and friction so far, J.
-    lost: [f64; 2],
+    lost: [f64; 3],
     largest_gap: f64,
     most_exchanged: f64,
     largest_term: f64,
@@ -41,7 +41,7 @@ impl EnergyCheck {
             start: None,
             time: vec![],
             rows: vec![],
-            lost: [0.0; 2],
+            lost: [0.0; 3],
             largest_gap: 0.0,
             most_exchanged: 0.0,
             largest_term: 0.0,
@@ -69,11 +69,11 @@ impl EnergyCheck {
         (error > STOP).then_some(Fault::EnergyBalance { time, error })
     }
 
-    /// Decrease of the losses in contact and friction from their largest values, J: an error that the sum of all terms
+    /// Decrease of the losses in contact, friction and guide from their largest values, J: an error that the sum of all terms
     /// does not show.
     fn recovered(&mut self, energies: &Energies) -> f64 {
-        let now = [energies.contact, energies.friction];
-        (0..2)
+        let now = [energies.contact, energies.friction, energies.guide];
+        (0..3)
             .map(|k| {
                 self.lost[k] = self.lost[k].max(now[k]);
                 self.lost[k] - now[k]

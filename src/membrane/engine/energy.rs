@@ -21,8 +21,10 @@ pub struct Energies {
     pub hourglass: f64,
     /// Dissipated where nodes come into contact.
     pub contact: f64,
-    /// Dissipated by friction.
+    /// Dissipated by friction between film and impactor.
     pub friction: f64,
+    /// Dissipated by friction of the impactor's guide.
+    pub guide: f64,
     /// Dissipated by mass-proportional damping.
     pub damping: f64,
     /// External work by jaws, pressure or an impactor with prescribed motion, counted negative.
@@ -31,7 +33,7 @@ pub struct Energies {
 
 impl Energies {
     /// Names of the terms as channels, in the order of [`Energies::terms`].
-    pub const NAMES: [&'static str; 11] = [
+    pub const NAMES: [&'static str; 12] = [
         "kinetic_film_J",
         "kinetic_impactor_J",
         "potential_J",
@@ -41,12 +43,13 @@ impl Energies {
         "hourglass_J",
         "contact_J",
         "friction_J",
+        "guide_J",
         "damping_J",
         "external_J",
     ];
 
     /// The terms in order.
-    pub fn terms(&self) -> [f64; 11] {
+    pub fn terms(&self) -> [f64; 12] {
         [
             self.kinetic_film,
             self.kinetic_impactor,
@@ -57,6 +60,7 @@ impl Energies {
             self.hourglass,
             self.contact,
             self.friction,
+            self.guide,
             self.damping,
             self.external,
         ]

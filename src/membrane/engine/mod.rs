@@ -15,6 +15,7 @@ mod fault;
 mod film;
 mod film_history;
 mod footprint;
+mod guide_friction;
 mod loads;
 mod mesh;
 mod mount;
@@ -37,6 +38,7 @@ pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, Undef
 pub use energy::Energies;
 pub use fault::Fault;
 pub use film::Film;
+pub use guide_friction::GuideFriction;
 pub use loads::{Jaw, Loads};
 pub use mesh::Mesh;
 pub use nodes::{Nodes, Vectors};
@@ -107,6 +109,10 @@ struct EnergyLedger {
     external: f64,
     /// Part of `external` that belongs to the half step after the full one.
     external_ahead: f64,
+    /// Dissipated by the guide.
+    guide: f64,
+    /// Part of `guide` that belongs to the half step after the full one.
+    guide_ahead: f64,
 }
 
 /// State of the full step, stored for an observer while the nodes move on.
@@ -308,7 +314,12 @@ impl Engine {
             if damped {
                 contact.record_prediction(&self.nodes);
             }
-            fastest = fastest.max(contact.resolve(&mut self.nodes, body, &before, dt, &self.pool));
+            fastest = fastest.max(contact.resolve(&mut self.nodes, body, &before, [over, dt], &self.pool));
+            let work = contact.guide_impulse.map_or([0.0; 2], |impulse| {
+                [before.velocity.z, body.velocity.z].map(|velocity| -0.5 * impulse * velocity)
+            });
+            self.ledger.guide += work[0] + work[1];
+            self.ledger.guide_ahead = work[1];
             if damped {
                 sums.damped += contact.damping_correction(&self.nodes);
             }

@@ -65,6 +65,7 @@ impl View<'_> {
         let mut out = Energies {
             rupture: self.ledger.rupture,
             absorbed: self.ledger.absorbed,
+            guide: self.ledger.guide - self.ledger.guide_ahead,
             damping: self.ledger.damping,
             external: self.ledger.external - self.ledger.external_ahead,
             ..Energies::default()

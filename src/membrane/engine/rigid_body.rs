@@ -5,6 +5,8 @@ use nalgebra::{
 };
 use serde::{Deserialize, Serialize};
 
+use super::guide_friction::GuideFriction;
+
 /// A rigid body about its centre of mass, guided along z or free.
 #[derive(Clone, Debug)]
 pub struct RigidBody {
@@ -22,6 +24,8 @@ pub struct RigidBody {
     inverse_inertia: Matrix3<f64>,
     /// Whether it is guided along z; a free body has six degrees of freedom.
     guided: bool,
+    /// Of the guide.
+    guide_friction: GuideFriction,
 }
 
 /// Motion of a body, as it is saved.
@@ -58,6 +62,11 @@ impl CoupledFilm {
         self.momentum[2] += momentum;
     }
 
+    /// Mass that follows a guided body, kg.
+    pub(super) fn mass_along_z(&self) -> f64 {
+        self.mass[(2, 2)]
+    }
+
     /// The film of these contacts and others.
     pub(super) fn and(&self, others: &CoupledFilm) -> CoupledFilm {
         CoupledFilm { mass: self.mass + others.mass, momentum: self.momentum + others.momentum }
@@ -75,7 +84,14 @@ impl RigidBody {
             inertia: Matrix3::zeros(),
             inverse_inertia: Matrix3::zeros(),
             guided: true,
+            guide_friction: GuideFriction::default(),
         }
+    }
+
+    /// The same body on a guide with `friction`, which a body without a guide or with a prescribed motion does not have.
+    pub fn with_guide_friction(self, friction: GuideFriction) -> RigidBody {
+        let guide_friction = if self.guided && self.mass.is_finite() { friction } else { GuideFriction::default() };
+        RigidBody { guide_friction, ..self }
     }
 
     /// A body at `pose` with six degrees of freedom and `velocity` (m/s), not spinning; `mass` in kg, `inertia` (kg m²)
@@ -83,7 +99,9 @@ impl RigidBody {
     pub fn free(pose: Isometry3<f64>, velocity: Vector3<f64>, mass: f64, inertia: Matrix3<f64>) -> RigidBody {
         let spin = Vector3::zeros();
         let inverse_inertia = Matrix3::zeros();
-        let mut body = RigidBody { pose, velocity, spin, mass, inertia, inverse_inertia, guided: false };
+        let guide_friction = GuideFriction::default();
+        let mut body =
+            RigidBody { pose, velocity, spin, mass, inertia, inverse_inertia, guided: false, guide_friction };
         body.update_inverse_inertia();
         body
     }
@@ -247,6 +265,17 @@ impl RigidBody {
             }
         }
         body
+    }
+
+    /// The impulse of the guide (N s) over `dt` (s) on the body, which moved as `before` and with all that follows it, of
+    /// `mass` (kg) in total, would move at `velocity` (m/s) without.
+    pub(super) fn guide_impulse(&self, before: &RigidBody, velocity: f64, mass: f64, dt: f64) -> f64 {
+        self.guide_friction.impulse(velocity, before.velocity.z, mass, dt)
+    }
+
+    /// Whether its guide has friction.
+    pub(super) fn has_guide_friction(&self) -> bool {
+        !self.guide_friction.is_none()
     }
 
     /// Kinetic energy with velocities half a step before and after, J (theory.md, equation 23).

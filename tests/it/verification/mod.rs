@@ -15,6 +15,7 @@ mod drop;
 mod equilibrium;
 mod frame_force;
 mod gradient;
+mod guide_friction;
 mod indentation;
 mod inflation;
 mod oscillation;

@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use super::disjoint::Disjoint;
 use super::film::Film;
 use super::nodes::{Nodes, Vectors, VelocityRecord};
-use super::rigid_body::RigidBody;
+use super::rigid_body::{CoupledFilm, RigidBody};
 use super::thread_pool::ThreadPool;
 use impulse_sums::ImpulseSums;
 use neighbours::NeighbourList;
@@ -53,6 +53,8 @@ pub struct Contact {
     contacts: Vec<NodeContacts>,
     /// Work since the start.
     pub(super) work: Work,
+    /// Impulse of the guide on the body in the last step, N s; none without friction of the guide.
+    pub(super) guide_impulse: Option<f64>,
 }
 
 /// Allowed penetration of a face between its nodes over the impactor's size: below the one that gives a warning.
@@ -104,6 +106,7 @@ impl Contact {
             predicted: vec![],
             contacts: vec![],
             work: Work::default(),
+            guide_impulse: None,
         }
     }
 
@@ -137,22 +140,26 @@ impl Contact {
     }
 
     /// Corrects the velocities of nodes and body and the positions of nodes so that no node penetrates at the end of
-    /// the step of `dt` (s). The nodes have their predicted positions, the body has not moved; `before` is its motion
-    /// before the forces of this step. Returns the largest speed of a node in contact, m/s.
+    /// the step of `dt` (s), forces acting `over` (s). The nodes have their predicted positions, the body has not moved;
+    /// `before` is its motion before the forces of this step. Returns the largest speed of a node in contact, m/s.
     pub(super) fn resolve(
         &mut self,
         nodes: &mut Nodes,
         body: &mut RigidBody,
         before: &RigidBody,
-        dt: f64,
+        [over, dt]: [f64; 2],
         pool: &ThreadPool,
     ) -> f64 {
         self.contacts.resize_with(self.neighbours.ranges.len(), NodeContacts::default);
         self.predict(nodes, body, dt, pool);
-        let corrected = self.corrected_body(body);
+        let (corrected, guide) = self.corrected_body(body, before, over);
         self.correct_nodes(nodes, body, &corrected, dt, pool);
         let mut sums = self.impulse_sums();
         body.apply_impulse(&(-self.multiplicity * sums.impulse()), &(-self.multiplicity * sums.moment()));
+        if let Some(impulse) = guide {
+            body.velocity.z += impulse / body.mass;
+        }
+        self.guide_impulse = guide;
         if self.resolve_faces(nodes, body, dt) {
             sums = self.impulse_sums();
         }
@@ -188,12 +195,21 @@ impl Contact {
         });
     }
 
-    /// The body as it moves once all node contacts have acted on it (theory.md, equation 20).
-    fn corrected_body(&self, body: &RigidBody) -> RigidBody {
+    /// The body as it moves once all node contacts have acted on it (theory.md, equation 20), and its guide over `over`
+    /// (s), with the guide's impulse (N s; equation 52).
+    fn corrected_body(&self, body: &RigidBody, before: &RigidBody, over: f64) -> (RigidBody, Option<f64>) {
         let mut active = self.contacts.iter().filter(|contacts| contacts.is_active());
-        let Some(first) = active.next() else { return body.clone() };
-        let all = active.fold(first.coupled_film.clone(), |all, contacts| all.and(&contacts.coupled_film));
-        body.after_contact(&all)
+        let all = active
+            .next()
+            .map(|first| active.fold(first.coupled_film.clone(), |all, contacts| all.and(&contacts.coupled_film)));
+        let mut corrected = all.as_ref().map_or_else(|| body.clone(), |all| body.after_contact(all));
+        let guide = body.has_guide_friction().then(|| {
+            let mass = body.mass + all.as_ref().map_or(0.0, CoupledFilm::mass_along_z);
+            let impulse = body.guide_impulse(before, corrected.velocity.z, mass, over);
+            corrected.velocity.z += impulse / mass;
+            impulse
+        });
+        (corrected, guide)
     }
 
     /// Gives the penetrating nodes the impulses with which they follow the `corrected` body, moves them on, and sums

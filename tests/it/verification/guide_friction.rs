@@ -1,0 +1,79 @@
+//! Friction of the guide: closed forms, energy, and what it does to the energy absorption.
+
+use super::claims::Claims;
+use super::tower::{channel, measured, run, written};
+
+/// A taut disc under the flat end of a cylinder: a linear spring while the deflection is small.
+const SPEED: f64 = 0.1;
+const MASS: f64 = 5.0;
+
+fn bounce(friction: &str) -> droptower::model::Model {
+    written(&format!(
+        "specimen.shape = {{ circle = {{ radius = 0.3 }} }}
+         specimen.material = {{ density = 900, thickness = 50e-6, elastic = {{ young = 200e6, poisson = 0.4 }} }}
+         specimen.mesh = {{ element = \"quad4\", size = \"20 mm\" }}
+         specimen.symmetry = \"quarter\"
+         layers.prestrain = {{ md = 0.05, td = 0.05 }}
+         impactor = {{ shape = {{ cylinder = {{ radius = 0.1, length = 0.2 }} }}, mass = {MASS}, friction = 0.0{friction} }}
+         loading.impact = {{ velocity = {SPEED}, gravity = 0, duration = \"250 ms\" }}
+         output = {{ frames = 2, filter = \"none\" }}"
+    ))
+}
+
+/// Depth at the turning point of ½Mv² = F d + ½k d², k from the bounce without friction.
+#[test]
+fn a_drop_on_a_linear_spring_is_that_of_the_closed_form() {
+    let mut claims = Claims::of("guide friction");
+    let free = run(&bounce(""));
+    let depth = |outcome: &droptower::simulate::Outcome| {
+        -channel(&outcome.signals, "displacement_m").iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    let stiffness = MASS * (SPEED / depth(&free)).powi(2);
+    for force in [1.0, 2.0] {
+        let model = bounce(&format!(", guide_friction = {{ constant = {force} }}"));
+        let outcome = run(&model);
+        let exact = (-force + (force * force + stiffness * MASS * SPEED * SPEED).sqrt()) / stiffness;
+        claims.near(&format!("depth with {force} N, m"), depth(&outcome), exact, 2e-2);
+        let [guide, place] = [channel(&outcome.energies, "guide_J"), channel(&outcome.signals, "displacement_m")];
+        let path: f64 = place.windows(2).map(|z| (z[1] - z[0]).abs()).sum();
+        let taken = guide.last().copied().unwrap_or(f64::NAN);
+        claims.near(&format!("energy of the guide with {force} N, J"), taken, force * path, 2e-3);
+        claims.at_most(&format!("energy balance error with {force} N"), outcome.energy_balance_error, 1e-6);
+        claims.at_most("energy balance error without", free.energy_balance_error, 1e-6);
+        let impact = measured(&model, &outcome);
+        let [all, film] = [impact.energy_absorption, impact.film_energy_absorption].map(|d| d.expect("a rebound"));
+        claims.holds(
+            "absorption with guide, of the film",
+            &format!("{all:.4}, {film:.4}"),
+            film.abs() < 0.05 && all > film + 0.02,
+        );
+    }
+    assert!(channel(&free.energies, "guide_J").iter().all(|energy| *energy == 0.0));
+    claims.judge();
+}
+
+/// The friction holds an impactor whose weight and spring force are smaller than it.
+#[test]
+fn an_impactor_that_stops_is_held() {
+    let mut claims = Claims::of("guide friction");
+    let outcome = run(&bounce(", guide_friction = { constant = 400 }"));
+    let place = channel(&outcome.signals, "displacement_m");
+    let stopped = place[place.len() / 2];
+    let moved = place[place.len() / 2..].iter().map(|z| (z - stopped).abs()).fold(0.0, f64::max);
+    claims.at_most("motion after the stop over the depth", moved / stopped.abs(), 1e-9);
+    claims.at_most("energy balance error", outcome.energy_balance_error, 1e-6);
+    claims.judge();
+}
+
+/// Friction that is proportional to the speed, on the drop tower of 1008.
+#[test]
+fn the_energy_balance_holds_with_friction_of_the_speed() {
+    let mut claims = Claims::of("guide friction");
+    let changes = ["impactor.guide_friction.constant=8 N", "impactor.guide_friction.per_speed=1 N s/m"];
+    let with = super::tower::loading_of_1008(&[&changes[..], &["specimen.mesh.size=20mm"]].concat());
+    let without = run(&super::tower::loading_of_1008(&["specimen.mesh.size=20mm"]));
+    let outcome = run(&with);
+    let bound = without.energy_balance_error + 1e-6;
+    claims.at_most("energy balance error, in excess of that without", outcome.energy_balance_error - bound, 0.0);
+    claims.judge();
+}
