@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::engine::GuideFriction;
+
 /// Why a motion has no energy absorption.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum AbsorptionError {
@@ -29,13 +31,25 @@ impl Body {
     }
 }
 
-/// Energy absorption D = 1 − ΔE_u/ΔE_l.
+/// Energy absorption D = 1 − ΔE_u/ΔE_l (theory.md, equation 26).
 ///
 /// ΔE_l and ΔE_u are the differences between the largest and the smallest E_kp before and after the
 /// largest travel. `velocity` (m/s) and `displacement` (m) count upward and share one time axis.
 pub fn energy_absorption(body: Body, velocity: &[f64], displacement: &[f64]) -> Result<f64, AbsorptionError> {
+    film_absorption(body, GuideFriction::default(), velocity, displacement)
+}
+
+/// Energy absorption of the film alone: as [`energy_absorption`], but of the energy that the impactor would have without
+/// what its guide with `friction` dissipates (theory.md, equation 53).
+pub fn film_absorption(
+    body: Body,
+    friction: GuideFriction,
+    velocity: &[f64],
+    displacement: &[f64],
+) -> Result<f64, AbsorptionError> {
     let motion = || velocity.iter().zip(displacement);
-    let energy: Vec<f64> = motion().map(|(v, d)| body.energy(*v, *d)).collect();
+    let dissipated = friction.dissipated(velocity, displacement);
+    let energy: Vec<f64> = motion().zip(&dissipated).map(|((v, d), lost)| body.energy(*v, *d) + lost).collect();
     let lowest = motion().enumerate().min_by(|(_, a), (_, b)| a.1.total_cmp(b.1));
     let Some((turn, _)) = lowest.filter(|(turn, _)| turn + 1 < energy.len()) else {
         return Err(AbsorptionError::NoUnloading);
@@ -83,6 +97,18 @@ mod tests {
         let absorbed = energy_absorption(BODY, &v, &d).unwrap();
         let (loading, unloading) = (8.0 + 9.81 * 0.1, 0.5 + 9.81 * 0.1);
         assert!((absorbed - (1.0 - unloading / loading)).abs() < 1e-6, "{absorbed}");
+    }
+
+    /// The guide takes F over 0.1 m each way.
+    #[test]
+    fn what_the_guide_takes_is_not_absorbed_by_the_film() {
+        let (v, d) = bounce(4.0, 1.0);
+        let friction = GuideFriction { constant: 50.0, per_speed: 0.0 };
+        let film = film_absorption(BODY, friction, &v, &d).unwrap();
+        let guide = 50.0 * 0.1 / BODY.mass;
+        let (loading, unloading) = (8.0 + 9.81 * 0.1 - guide, 0.5 + 9.81 * 0.1 + guide);
+        assert!((film - (1.0 - unloading / loading)).abs() < 1e-6, "{film}");
+        assert!(film < energy_absorption(BODY, &v, &d).unwrap());
     }
 
     #[test]

@@ -83,11 +83,20 @@ fn shares(h: f64, time_constant: f64) -> (f64, f64) {
     (1.0 - lost, lost * time_constant / h)
 }
 
-/// The time constant (s) that makes the fall between `from` and `to` (s) one of constant acceleration.
+/// The time constant of a fall whose friction is taken as constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FallFit {
+    /// s.
+    pub time_constant: f64,
+    /// Standard error of its inverse by the scatter of the reading, 1/s; that of the assumption is not in it.
+    pub error: f64,
+}
+
+/// The time constant that makes the fall between `from` and `to` (s) one of constant acceleration.
 ///
 /// `reading` starts at rest, its offset removed. With I = ∫ r dt' from its start, the fall obeys r = −I/τ + a; 1/τ
 /// and a are found by linear least squares. It errs where the guide's friction changes during the fall.
-pub fn time_constant(reading: &Series, [from, to]: [f64; 2]) -> Result<f64, CouplingError> {
+pub fn time_constant(reading: &Series, [from, to]: [f64; 2]) -> Result<FallFit, CouplingError> {
     let integral = integrate::once(reading, 0.0).window([from, to]);
     let reading = reading.window([from, to]);
     if reading.len() < FEWEST {
@@ -95,9 +104,30 @@ pub fn time_constant(reading: &Series, [from, to]: [f64; 2]) -> Result<f64, Coup
     }
     let rows = integral.values().iter().zip(reading.values()).map(|(i, r)| ([*i, 1.0], *r));
     match least_squares(rows) {
-        Some(([slope, _], _)) if slope < 0.0 => Ok(-1.0 / slope),
+        Some(([slope, _], left)) if slope < 0.0 => {
+            let count = reading.len() as f64;
+            let mean = integral.values().iter().sum::<f64>() / count;
+            let spread = integral.values().iter().map(|i| (i - mean).powi(2)).sum::<f64>();
+            Ok(FallFit { time_constant: -1.0 / slope, error: (left / (count - 2.0) / spread).sqrt() })
+        }
         _ => Err(CouplingError::NoRecovery { from, to }),
     }
+}
+
+/// The inverse time constant (1/s) with which all of the guide's friction in the fall between `from` and `to` (s) is
+/// proportional to the speed, under `gravity` (m/s²); none where the fall is not of this kind.
+///
+/// With J = ∫ I dt' and the friction k per mass and speed, r + g = −(1/τ + k) I − (k/τ) J: linear in the sum p and the
+/// product q of 1/τ and k, the larger root of x² − px + q being the inverse time constant.
+pub fn inverse_with_friction_of_speed(reading: &Series, [from, to]: [f64; 2], gravity: f64) -> Option<f64> {
+    let integral = integrate::once(reading, 0.0);
+    let double = integrate::once(&integral, 0.0).window([from, to]);
+    let (integral, reading) = (integral.window([from, to]), reading.window([from, to]));
+    let integrals = integral.values().iter().zip(double.values());
+    let rows = integrals.zip(reading.values()).map(|((i, j), r)| ([-i, -j], r + gravity));
+    let ([sum, product], _) = least_squares(rows)?;
+    let inverse = 0.5 * (sum + (sum * sum - 4.0 * product).sqrt());
+    (inverse > 0.0 && inverse.is_finite()).then_some(inverse)
 }
 
 #[cfg(test)]
@@ -164,7 +194,19 @@ mod tests {
         let fall = |t: f64| if t < 0.03 { -300.0 * t } else { -9.0 };
         let reading = high_pass(&sampled(5000, 0.5, fall), TAU);
         let found = time_constant(&reading, [0.05, 0.45]).unwrap();
-        assert!((found / TAU - 1.0).abs() < 1e-4, "{found}");
+        assert!((found.time_constant / TAU - 1.0).abs() < 1e-4 && found.error < 1e-3, "{found:?}");
+    }
+
+    /// u' = g − k u from rest.
+    #[test]
+    fn a_fall_with_friction_of_the_speed_determines_it_too() {
+        let k = 0.3;
+        let reading =
+            high_pass(&sampled(20_000, 0.5, |t| if t < 0.01 { 0.0 } else { -9.81 * (-k * (t - 0.01)).exp() }), TAU);
+        let found = inverse_with_friction_of_speed(&reading, [0.05, 0.45], 9.81).unwrap();
+        assert!((found * TAU - 1.0).abs() < 2e-3, "{found}");
+        let constant = time_constant(&reading, [0.05, 0.45]).unwrap();
+        assert!(constant.time_constant < 0.9 * TAU, "{constant:?}");
     }
 
     #[test]

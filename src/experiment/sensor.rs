@@ -237,7 +237,7 @@ mod tests {
     use crate::experiment::coupling::restored;
     use crate::signal::integrate;
 
-    const FALL: Fall = Fall { height: 1.0, speed: 4.16, gravity: 9.81, release_duration: 0.032 };
+    const FALL: Fall = Fall { height: 1.0, speed: 4.16, gravity: 9.81, release_duration: 0.032, speed_share: 0.0 };
 
     /// A spring under gravity: a = −g + ω²(…), for 100 ms; places from the integrals.
     fn impact() -> [Series; 2] {

@@ -37,7 +37,15 @@ codes! {
         "check the guide, the drop height and the laser";
     DROP_HEIGHT_DIFFERS = "drop-height-differs", Warning,
         "the acceleration integrated from rest to contact covers another height than the stated one",
-        "check the drop height, or give the time constant of the accelerometer";
+        "check the drop height; with a time constant that was given, check that";
+    LASER_SPEED_DIFFERS = "laser-speed-differs", Warning,
+        "the fall covers the stated height, but reaches another speed than the laser measured; the time constant of the \
+         accelerometer is that of the fall alone",
+        "check the scale of the laser, its unit and its place";
+    GUIDE_FRICTION_CHANGES = "guide-friction-changes", Note,
+        "the guide's friction changes during the fall, so that the fall alone gives another time constant of the \
+         accelerometer than laser and height",
+        "nothing, as long as there is a laser; without one give the time constant";
     ZERO_OFFSET_DOUBTFUL = "zero-offset-doubtful", Warning,
         "a fall over the stated height, or to the stated speed, needs a zero offset that the rest before it does not show",
         "check the height or the speed";
@@ -103,10 +111,7 @@ pub enum Warning {
         run: usize,
     },
     /// Laser and integrated acceleration disagree.
-    #[error(
-        "laser and integrated acceleration are {:.2} mm apart: check the laser's unit, its zero and what it writes out of range",
-        1e3 * residual
-    )]
+    #[error("laser and integrated acceleration are {:.2} mm apart", 1e3 * residual)]
     LaserMismatch {
         /// Root mean square distance, m.
         residual: f64,
@@ -128,7 +133,7 @@ pub enum Warning {
     },
     /// A speed above that of a free fall.
     #[error(
-        "the impact speed is {:.2} % above that of a free fall over {} m; check the height",
+        "the impact speed is {:.2} % above that of a free fall over {} m",
         100.0 * excess, significant(*height, 6)
     )]
     FasterThanFreeFall {
@@ -145,7 +150,7 @@ pub enum Warning {
     },
     /// An integrated fall over another height.
     #[error(
-        "integrated from rest the fall covers {covered:.2} m up to contact, not {} m; check the height",
+        "integrated from rest the fall covers {covered:.2} m up to contact, not {} m",
         significant(*height, 6)
     )]
     DropHeightDiffers {
@@ -153,6 +158,27 @@ pub enum Warning {
         covered: f64,
         /// As stated, m.
         height: f64,
+    },
+    /// A laser that contradicts fall and height.
+    #[error("integrated from rest the impactor reaches {reached:.3} m/s at contact, by the laser {laser:.3} m/s")]
+    LaserSpeedDiffers {
+        /// By integration, m/s.
+        reached: f64,
+        /// By the laser, m/s.
+        laser: f64,
+    },
+    /// A fall whose friction is not constant.
+    #[error(
+        "the guide's friction changes from {:.1} N at the release to {:.1} N at contact; as a constant it would give a time constant of {:.1} ms in place of {:.1} ms",
+        friction[0], friction[1], 1e3 * constant, 1e3 * time_constant
+    )]
+    GuideFrictionChanges {
+        /// Of the accelerometer, by laser and height, s.
+        time_constant: f64,
+        /// The same by the fall with constant friction, s.
+        constant: f64,
+        /// At the release and at contact, N.
+        friction: [f64; 2],
     },
     /// An offset that the rest does not show.
     #[error(
@@ -274,7 +300,7 @@ pub enum Warning {
     )]
     NoAbsorption,
     /// A material file with an assumed density.
-    #[error("the density in the material file is assumed (LLDPE); give --density")]
+    #[error("the density in the material file is assumed (LLDPE)")]
     DensityAssumed,
 }
 
@@ -303,6 +329,8 @@ impl Report for Warning {
             Warning::FasterThanFreeFall { .. } => &FASTER_THAN_FREE_FALL,
             Warning::SlowImpact { .. } => &SLOW_IMPACT,
             Warning::DropHeightDiffers { .. } => &DROP_HEIGHT_DIFFERS,
+            Warning::LaserSpeedDiffers { .. } => &LASER_SPEED_DIFFERS,
+            Warning::GuideFrictionChanges { .. } => &GUIDE_FRICTION_CHANGES,
             Warning::ZeroOffsetDoubtful { .. } => &ZERO_OFFSET_DOUBTFUL,
             Warning::ZeroDrift { .. } => &ZERO_DRIFT,
             Warning::LatePeak { .. } => &LATE_PEAK,
@@ -335,6 +363,15 @@ impl Report for Warning {
             Warning::DropHeightDiffers { covered, height } => {
                 named(&[("covered_m", (*covered).into()), ("height_m", (*height).into())])
             }
+            Warning::LaserSpeedDiffers { reached, laser } => {
+                named(&[("reached_m_s", (*reached).into()), ("laser_m_s", (*laser).into())])
+            }
+            Warning::GuideFrictionChanges { time_constant, constant, friction } => named(&[
+                ("time_constant_s", (*time_constant).into()),
+                ("time_constant_of_constant_friction_s", (*constant).into()),
+                ("friction_at_release_N", friction[0].into()),
+                ("friction_at_contact_N", friction[1].into()),
+            ]),
             Warning::ZeroOffsetDoubtful { offset, error, .. } => {
                 named(&[("offset_m_s2", (*offset).into()), ("standard_error_m_s2", (*error).into())])
             }

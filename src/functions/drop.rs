@@ -1,9 +1,9 @@
 //! Drop tests in scripts: virtual recordings, and the reduction of recordings.
 
-use rhai::{Dynamic, Engine, Map};
+use rhai::{Array, Dynamic, Engine, Map};
 
 use crate::experiment::absorption::Body;
-use crate::experiment::drop::{self, Correction, Drop, Height, Reduction, Tower};
+use crate::experiment::drop::{self, Bridged, Correction, Drop, Height, KnownContact, Reduction, Tower};
 use crate::experiment::fall::Fall;
 use crate::experiment::sensor::{self, Accelerometer, Laser, Sensors};
 use crate::script::{Entry, HostResult, Options, from_json, refuse, window};
@@ -40,16 +40,71 @@ pub(super) fn register(engine: &mut Engine) {
 }
 
 fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) -> HostResult<Map> {
-    about.check(&["mass", "height", "gravity", "class", "correction", "time_constant"])?;
+    about.check(&[
+        "mass",
+        "height",
+        "gravity",
+        "class",
+        "correction",
+        "time_constant",
+        "bridge",
+        "mask",
+        "speed",
+        "contact_time",
+    ])?;
     let body = Body { mass: about.needed_number("mass")?, gravity: about.number("gravity", GRAVITY)? };
-    let tower = Tower { body, height: Height::Known(about.needed_number("height")?) };
+    let (height, contact) = height_and_contact(about, body.gravity)?;
+    let tower = Tower { body, height };
+    let Bridged { series: acceleration, warning: bridged } = bridged(acceleration, about)?;
+    let laser = laser.filter(|_| matches!(height, Height::Known(_)));
     let class = match about.map.get("class") {
         Some(none) if none.is_unit() => None,
         _ => Some(about.number("class", 1000.0)?),
     };
-    let reduction = Reduction { correction: correction(about)?, class, contact: None };
-    let drop = drop::reduce(acceleration, laser, &tower, &reduction).map_err(refuse)?;
+    let reduction = Reduction { correction: correction(about)?, class, contact };
+    let mut drop = drop::reduce(&acceleration, laser, &tower, &reduction).map_err(refuse)?;
+    drop.warnings.extend(bridged);
     reduced(&drop)
+}
+
+/// The height of fall, or the speed in its place, with the contact time where that is known too.
+fn height_and_contact(about: &Options<'_>, gravity: f64) -> HostResult<(Height, Option<KnownContact>)> {
+    let is_given = |name: &str| about.map.contains_key(name);
+    match (is_given("height"), is_given("speed"), is_given("contact_time")) {
+        (true, true, _) => Err(refuse("reduce_drop takes `height` or `speed`, not both")),
+        (_, false, true) => Err(refuse("reduce_drop takes `contact_time` with `speed`")),
+        (_, false, false) => Ok((Height::Known(about.needed_number("height")?), None)),
+        (false, true, has_contact) => {
+            let speed = about.needed_number("speed")?;
+            let time = has_contact.then(|| about.needed_number("contact_time")).transpose()?;
+            let contact = time.map(|time| KnownContact { time, speed });
+            Ok((Height::of_speed(speed, gravity), contact))
+        }
+    }
+}
+
+/// The acceleration without the gaps that `bridge` and `mask` name.
+fn bridged(acceleration: &Series, about: &Options<'_>) -> HostResult<Bridged> {
+    let longest = about.map.get("bridge").map(|_| about.needed_number("bridge")).transpose()?;
+    let masks = about.map.get("mask").map_or_else(|| Ok(Vec::new()), masks)?;
+    if longest.is_none() && masks.is_empty() {
+        return Ok(Bridged { series: acceleration.clone(), warning: None });
+    }
+    Ok(drop::bridged(acceleration, longest.unwrap_or(0.0), &masks))
+}
+
+/// One pair of times (s), or a list of them.
+fn masks(value: &Dynamic) -> HostResult<Vec<[f64; 2]>> {
+    let several = value.read_lock::<Array>();
+    let is_list = several.as_deref().is_some_and(|masks| masks.iter().all(Dynamic::is_array));
+    let masks: Vec<[f64; 2]> = match several.as_deref().filter(|_| is_list) {
+        Some(masks) => masks.iter().map(window).collect::<HostResult<_>>()?,
+        None => vec![window(value)?],
+    };
+    let reversed = masks.iter().find(|[from, to]| from.is_nan() || to.is_nan() || from >= to);
+    let refusal = |[from, to]: &[f64; 2]| refuse(format!("a mask ends after it begins, not from {from} s to {to} s"));
+    reversed.map_or(Ok(()), |mask| Err(refusal(mask)))?;
+    Ok(masks)
 }
 
 fn correction(about: &Options<'_>) -> HostResult<Correction> {
@@ -83,6 +138,7 @@ fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> 
         "laser",
         "gravity",
         "letting_go",
+        "friction_speed_share",
         "time_constant",
         "noise",
         "offset",
@@ -94,6 +150,7 @@ fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> 
         speed: about.needed_number("velocity")?,
         gravity: about.number("gravity", GRAVITY)?,
         release_duration: about.number("letting_go", 0.032)?,
+        speed_share: about.number("friction_speed_share", 0.0)?,
     };
     let seed = about.map.get("seed").and_then(|seed| seed.as_int().ok());
     let seed = seed.ok_or_else(|| refuse("virtual_drop needs `seed`, a whole number"))?;
@@ -140,7 +197,8 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "virtual_drop(acceleration, displacement, #{ height, velocity, seed })",
         gives: "what the sensors would have read in a simulated drop, from run.acceleration_raw and run.displacement: time, accelerometer, laser (signals) \
-                and the true contact_time (s); also laser: false, gravity, letting_go, time_constant, noise, offset, rest: [from, to], sample_rate",
+                and the true contact_time (s); also laser: false, gravity, letting_go, friction_speed_share \
+                (the share of the guide's friction at contact that is proportional to the speed), time_constant, noise, offset, rest: [from, to], sample_rate",
         example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
                    let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
                    v.accelerometer.len() == v.laser.len() && v.contact_time > 0.5",
@@ -149,7 +207,9 @@ pub const ENTRIES: &[Entry] = &[
         call: "reduce_drop(acceleration, laser, #{ mass, height })",
         gives: "the drop that was recorded, from a reading that starts at rest; () in place of a laser that failed. Figures as of `droptower signal drop` \
                 and the signals displacement, velocity, acceleration (filtered), acceleration_raw, kinetic_energy, potential_energy, absorbed_energy, \
-                total_energy from contact on; also gravity, class (1000; () where the recording was filtered before), correction: \"ramp\", time_constant",
+                total_energy from contact on; also gravity, class (1000; () where the recording was filtered before), correction: \"ramp\", time_constant, \
+                bridge (s), the longest gap to be replaced by a straight line, mask: [from, to] or a list of them, what a straight line replaces, \
+                speed (m/s) in place of height and laser, and contact_time (s) with it",
         example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
                    let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
                    let drop = reduce_drop(v.accelerometer, (), #{ mass: 10.72, height: 1 });
@@ -159,7 +219,10 @@ pub const ENTRIES: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
+    use rhai::{Map, Scope};
+
     use crate::functions::check::{assert_refused, engine};
+    use crate::signal::Series;
 
     #[test]
     fn without_a_class_nothing_is_filtered() {
@@ -175,6 +238,39 @@ mod tests {
         assert_eq!(["()", "1000"].map(same), [true, false]);
     }
 
+    /// A reading with a gap of 3 ms in the fall.
+    #[test]
+    fn gaps_are_bridged_and_known_contacts_are_used() {
+        let recorded = "let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
+                        virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 })";
+        let engine = engine();
+        let recorded: Map = engine.eval(recorded).unwrap();
+        let whole = recorded["accelerometer"].clone_cast::<Series>();
+        let gap = |[t, value]: [f64; 2]| if (0.3..0.303).contains(&t) { f64::NAN } else { value };
+        let gap = whole.with_values(whole.samples().map(gap).collect());
+        let contact: f64 = recorded["contact_time"].as_float().unwrap();
+        let mut scope = Scope::new();
+        scope.push("gap", gap).push("laser", recorded["laser"].clone()).push("contact", contact);
+        let mut reduced = |laser: &str, about: &str| {
+            let script = format!("reduce_drop(gap, {laser}, #{{ mass: 10.72, {about} }})");
+            engine.eval_with_scope::<Map>(&mut scope, &script)
+        };
+        let refused = reduced("()", "height: 1").unwrap_err().to_string();
+        assert!(refused.contains("nothing was measured at 0.3 s"), "{refused}");
+        for about in ["bridge: 0.005", "mask: [0.2995, 0.3035]", "mask: [[0.2, 0.201], [0.2995, 0.3035]]"] {
+            let drop = reduced("()", &format!("height: 1, {about}")).unwrap();
+            assert!(drop["notes"].to_string().contains("bridged by"), "{about}: {drop:?}");
+            assert!((drop["contact_time_s"].as_float().unwrap() - contact).abs() < 2e-4, "{about}: {drop:?}");
+            assert_eq!(drop["speed_from"].to_string(), "fall");
+        }
+        let given = reduced("laser", "speed: 4.16, bridge: 0.005").unwrap();
+        assert!((given["impact_velocity_m_s"].as_float().unwrap() - 4.16).abs() < 1e-9, "{given:?}");
+        assert_eq!(given["speed_from"].to_string(), "given");
+        let stated = reduced("laser", "speed: 4.1, contact_time: contact, bridge: 0.005").unwrap();
+        assert_eq!(stated["speed_from"].to_string(), "stated");
+        assert_eq!(stated["contact_time_s"].as_float().unwrap(), contact);
+    }
+
     #[test]
     fn mistakes_are_reported() {
         let cases = [
@@ -185,6 +281,11 @@ mod tests {
             ),
             ("reduce_drop(s, (), #{ mass: 1, height: 1, correction: \"x\" })", "expected \"coupling\" or \"ramp\""),
             ("reduce_drop(s, (), #{ mass: -1, height: 1 })", "the mass is -1, but must be positive"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, speed: 4 })", "takes `height` or `speed`, not both"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, contact_time: 4 })", "takes `contact_time` with `speed`"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, mask: [2, 1] })", "a mask ends after it begins"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, mask: 3 })", "expected a window"),
+            ("reduce_drop(s, (), #{ mass: 1, height: 1, bridge: \"x\" })", "bridge"),
             ("virtual_drop(s, s, #{ height: 1, velocity: 4 })", "virtual_drop needs `seed`"),
             ("virtual_drop(s, s, #{ height: 1, velocity: 9, seed: 1 })", "does not reach 9 m/s"),
             (

@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::{Audit, ReferenceComparison, RunFindings, Warning};
-use crate::experiment::absorption::{Body, energy_absorption};
+use crate::engine::GuideFriction;
+use crate::experiment::absorption::{Body, film_absorption};
+use crate::experiment::drop::Figures;
 use crate::model::{Impactor, Loading, Model};
 use crate::number::clean_time;
 use crate::signal::norm::NormError;
@@ -25,6 +27,8 @@ pub struct Impact {
     pub rebound_velocity_m_s: Option<f64>,
     /// D of the paper's equation 11; none without a rebound.
     pub energy_absorption: Option<f64>,
+    /// D of the film alone, without what the guide dissipates; none without a rebound.
+    pub film_energy_absorption: Option<f64>,
     /// Engineering strains at which the MD and TD fibres break, of the face that breaks first; none where nothing
     /// breaks.
     pub break_strain_md: Option<f64>,
@@ -34,6 +38,8 @@ pub struct Impact {
     pub acceleration_error: Option<f64>,
     /// E_d of the paper's equation 15; none without a reference.
     pub displacement_error: Option<f64>,
+    /// Figures of the reduction of a raw recording, with their intervals; none of other references.
+    pub reference_drop: Option<Figures>,
     /// Notes of the recording, of its reading and of its reduction; none without a reference.
     pub reference_notes: Option<Vec<String>>,
     /// Size, cost and errors of the run.
@@ -74,17 +80,20 @@ impl Impact {
         let displacement_error = error("displacement", comparison.and_then(|c| c.displacement_error(&displacement)));
         comparison.into_iter().flat_map(ReferenceComparison::warnings).for_each(|warning| findings.push(&warning));
         let [break_strain_md, break_strain_td] = break_strains(model);
+        let guide_friction = model.impactor.as_ref().map_or_else(GuideFriction::default, |of| of.guide_friction);
         Impact {
             peak_acceleration_m_s2: peak.map(|[_, value]| value),
             time_of_peak_acceleration_s: peak.map(|[time, _]| clean_time(time)),
             peak_displacement_m: deepest.map(|[_, value]| value),
             time_of_peak_displacement_s: deepest.map(|[time, _]| clean_time(time)),
             rebound_velocity_m_s: rebound.map(|[_, value]| value),
-            energy_absorption: absorption(model, signals),
+            energy_absorption: absorption(model, GuideFriction::default(), signals),
+            film_energy_absorption: absorption(model, guide_friction, signals),
             break_strain_md,
             break_strain_td,
             acceleration_error,
             displacement_error,
+            reference_drop: comparison.and_then(|comparison| comparison.drop.clone()),
             reference_notes: comparison.map(ReferenceComparison::notes),
             audit: Audit::of(outcome),
             findings,
@@ -96,7 +105,8 @@ impl Impact {
     /// The same of a run that was ended early: without the figures of its end, and without the peaks where there was no
     /// rebound yet.
     pub(super) fn ended_early(self) -> Impact {
-        let early = Impact { rebound_velocity_m_s: None, energy_absorption: None, ..self };
+        let early =
+            Impact { rebound_velocity_m_s: None, energy_absorption: None, film_energy_absorption: None, ..self };
         if self.rebound_velocity_m_s.is_some() {
             return early;
         }
@@ -125,13 +135,13 @@ fn break_strains(model: &Model) -> [Option<f64>; 2] {
     })
 }
 
-fn absorption(model: &Model, signals: &Recording) -> Option<f64> {
+fn absorption(model: &Model, friction: GuideFriction, signals: &Recording) -> Option<f64> {
     let (Loading::Impact { gravity, .. }, Some(Impactor { mass, .. })) = (&model.loading, &model.impactor) else {
         return None;
     };
     let body = Body { mass: *mass, gravity: *gravity };
     let velocity = signals.channel(column::VELOCITY.name)?;
-    energy_absorption(body, velocity, signals.channel(column::DISPLACEMENT.name)?).ok()
+    film_absorption(body, friction, velocity, signals.channel(column::DISPLACEMENT.name)?).ok()
 }
 
 #[cfg(test)]

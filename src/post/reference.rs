@@ -7,7 +7,9 @@ use thiserror::Error;
 use super::Warning;
 use crate::experiment;
 use crate::experiment::absorption::Body;
-use crate::experiment::drop::{ChannelNames, DropChannels, DropChannelsError, DropError, Height, Reduction, Tower};
+use crate::experiment::drop::{
+    ChannelNames, DropChannels, DropChannelsError, DropError, Figures, Height, Reduction, Tower,
+};
 use crate::model::{Impactor, Loading, Model, Reference, Window};
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
 use crate::signal::filter::{self, FilterError, Standard};
@@ -32,6 +34,8 @@ pub struct ReferenceComparison {
     /// Share of the energy that the film absorbed (paper, equation 11); of raw recordings in which the impactor
     /// rebounds.
     pub energy_absorption: Option<f64>,
+    /// Figures of its reduction, of a raw recording; without its notes.
+    pub drop: Option<Figures>,
     /// Comments of the recording, and the warnings of its reading.
     pub annotations: Annotations,
     /// The warnings of its reduction, of a raw recording.
@@ -112,6 +116,7 @@ impl ReferenceComparison {
             absorbed_energy,
             total_energy,
             energy_absorption,
+            drop,
             reduction_warnings,
         } = match Signals::from_contact(&measurement, model, reference)? {
             Some(signals) => signals,
@@ -134,6 +139,7 @@ impl ReferenceComparison {
             total_energy,
             window,
             energy_absorption,
+            drop,
             annotations,
             reduction_warnings,
         }))
@@ -185,6 +191,7 @@ struct Signals {
     total_energy: Option<Series>,
     /// Of a raw recording.
     energy_absorption: Option<f64>,
+    drop: Option<Figures>,
     /// The warnings of its reduction.
     reduction_warnings: Vec<experiment::Warning>,
 }
@@ -214,6 +221,7 @@ impl Signals {
             absorbed_energy,
             total_energy,
             energy_absorption: None,
+            drop: None,
             reduction_warnings: Vec::new(),
         }))
     }
@@ -249,6 +257,7 @@ impl Signals {
             absorbed_energy,
             total_energy,
             energy_absorption,
+            drop: Some(Figures { notes: Vec::new(), ..drop.figures() }),
             reduction_warnings: drop.warnings,
         })
     }

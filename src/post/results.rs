@@ -16,7 +16,7 @@ use crate::simulate::Outcome;
 pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
 
 /// The fields that a summary may have in a script: those of all kinds of loading.
-pub(super) const SUMMARY: [&str; 53] = [
+pub(super) const SUMMARY: [&str; 55] = [
     "scenario",
     "title",
     "droptower",
@@ -27,10 +27,12 @@ pub(super) const SUMMARY: [&str; 53] = [
     "time_of_peak_displacement_s",
     "rebound_velocity_m_s",
     "energy_absorption",
+    "film_energy_absorption",
     "break_strain_md",
     "break_strain_td",
     "acceleration_error",
     "displacement_error",
+    "reference_drop",
     "reference_notes",
     // Stretch.
     "peak_force_N",

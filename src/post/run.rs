@@ -97,14 +97,16 @@ impl Columns {
 
 impl ReferenceSignals {
     fn get(&mut self, name: ImmutableString) -> Result<Dynamic, Box<EvalAltResult>> {
-        let ReferenceComparison { acceleration, displacement, energy_absorption, .. } = &self.0;
+        let ReferenceComparison { acceleration, displacement, energy_absorption, drop, .. } = &self.0;
         let found = match name.as_str() {
             "acceleration" => acceleration.clone().map(Dynamic::from),
             "displacement" => displacement.clone().map(Dynamic::from),
             "energy_absorption" => Some(energy_absorption.map_or(Dynamic::UNIT, Dynamic::from)),
+            "drop" => Some(drop.as_ref().map_or(Dynamic::UNIT, |drop| from_json(&json!(drop)))),
             _ => None,
         };
-        found.ok_or_else(|| unknown("reference", &name, ["acceleration", "displacement", "energy_absorption"]))
+        let known = ["acceleration", "displacement", "energy_absorption", "drop"];
+        found.ok_or_else(|| unknown("reference", &name, known))
     }
 }
 

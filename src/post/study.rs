@@ -270,9 +270,9 @@ pub const ENTRIES: &[Entry] = &[
         example: "scenario(args.scenario).with(#{ \"output.frames\": (), title: \"other\" }).title == \"other\"",
     },
     Entry {
-        call: "scenario.reference.acceleration, .displacement, .energy_absorption; scenario.window",
+        call: "scenario.reference.acceleration, .displacement, .energy_absorption, .drop; scenario.window",
         gives: "the recording it is compared with (acceleration through the run's filter; the energy absorption of a raw \
-                one, else ()) and the window of the errors, s",
+                one, and the figures of its reduction as of `reduce_drop`, else ()) and the window of the errors, s",
         example: "let t = scenario(args.scenario); t.reference.acceleration.len() > 2 && t.window[0] == 0 \
                   && t.reference.energy_absorption != 1",
     },

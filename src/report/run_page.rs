@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 use super::html::{self, escape};
 use super::{figure, film, key_figures, plot, run_plots, script_output, subject};
 use crate::diagnostic::shown_path;
+use crate::experiment::drop::Figures;
 use crate::model::{Model, Window};
 use crate::number::{duration, significant};
 use crate::plot::thinned;
@@ -129,7 +130,33 @@ fn reference(run: &RunPage) -> String {
         duration(to)
     );
     let notes = comparison.notes();
-    format!("<p>{}</p>\n{}", escape(&over), html::list(&notes))
+    let reduced = comparison.drop.as_ref().map_or_else(String::new, reduced);
+    format!("<p>{}</p>\n{reduced}{}", escape(&over), html::list(&notes))
+}
+
+/// The figures of a raw recording with their intervals.
+fn reduced(drop: &Figures) -> String {
+    let row = |name: &str, value: Option<f64>, interval: Option<[f64; 2]>, [factor, decimals]: [f64; 2], unit: &str| {
+        let shown = |value: f64| format!("{:.*}", decimals as usize, factor * value);
+        let interval = interval.map(|[low, high]| format!("{} to {} {unit}", shown(low), shown(high)));
+        value.map(|value| vec![name.to_owned(), format!("{} {unit}", shown(value)), interval.unwrap_or_default()])
+    };
+    let speed = Some(drop.impact_velocity_m_s);
+    let rows = [
+        row(
+            "time constant of the accelerometer",
+            drop.time_constant_s,
+            drop.time_constant_interval_s,
+            [1e3, 1.0],
+            "ms",
+        ),
+        row("impact speed", speed, drop.impact_velocity_interval_m_s, [1.0, 3.0], "m/s"),
+        row("lowest point", drop.peak_displacement_m, drop.peak_displacement_interval_m, [1e3, 1.0], "mm"),
+        row("energy absorbed", drop.energy_absorption, drop.energy_absorption_interval, [100.0, 1.0], "%"),
+    ];
+    let rows: Vec<Vec<String>> = rows.into_iter().flatten().collect();
+    let head = ["the recording", "value", "interval of 95 % by the time constant"].map(String::from);
+    html::table("rows", &head, &rows)
 }
 
 /// The files of the run folder with their content; those that are not of the run were written by the script.

@@ -172,7 +172,7 @@ fn other_seeds_and_clocks_are_reduced_as_well() {
         let (acceleration, displacement) = (channel("acceleration_m_s2"), channel("displacement_m"));
         let absorption = energy_absorption(BODY, channel("velocity_m_s").values(), displacement.values());
         let [_, deepest] = displacement.smallest().expect("a turn");
-        let fall = Fall { height, speed, gravity, release_duration: 0.032 };
+        let fall = Fall { height, speed, gravity, release_duration: 0.032, speed_share: 0.0 };
         for seed in 0..12 {
             let rests = [[0.1, 0.2], [0.03, 0.05], [0.5, 0.6]];
             let laser = (seed % 2 == 0 || test == "1008").then(Laser::default);

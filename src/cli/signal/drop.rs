@@ -10,6 +10,7 @@ use super::{output, remarks};
 use crate::cli::argument::quantity;
 use crate::cli::{Failure, Shared, faults, print_figures};
 use crate::diagnostic::{Diagnostic, shown_path};
+use crate::engine::GuideFriction;
 use crate::experiment::Warning;
 use crate::experiment::absorption::Body;
 use crate::experiment::contact::{ContactError, SpeedSource};
@@ -173,7 +174,7 @@ fn conditions(args: &DropArgs) -> Result<(Tower, Correction), Diagnostic> {
     let body = Body { mass: args.mass, gravity: args.gravity };
     let height = match (args.height, args.speed) {
         (Some(height), _) => Height::Known(height),
-        (None, speed) => Height::OfSpeed(0.5 * speed.unwrap_or(f64::NAN).powi(2) / args.gravity),
+        (None, speed) => Height::of_speed(speed.unwrap_or(f64::NAN), args.gravity),
     };
     Ok((Tower { body, height }, correction))
 }
@@ -267,7 +268,10 @@ fn text(args: &DropArgs, drop: &Drop, figures: &Figures, remarks: &str) -> Strin
         (SpeedSource::Given | SpeedSource::Stated, _) => "the command line".into(),
     };
     let correction = match (figures.time_constant_s, figures.ramp_duration_s) {
-        (Some(time_constant), _) => format!("AC coupling, time constant {:.1} ms", 1e3 * time_constant),
+        (Some(time_constant), _) => {
+            let interval = interval_of(figures.time_constant_interval_s, 1e3, 1);
+            format!("AC coupling, time constant {:.1} ms{interval}", 1e3 * time_constant)
+        }
         (None, duration) => format!("gravity ramp of {}", or_none(duration.map(|d| format!("{:.1} ms", 1e3 * d)))),
     };
     let rows = [
@@ -275,8 +279,9 @@ fn text(args: &DropArgs, drop: &Drop, figures: &Figures, remarks: &str) -> Strin
         (
             "impact speed",
             format!(
-                "{:.3} m/s (ideal fall {:.3}), from {from}; {} iteration{}",
+                "{:.3} m/s{} (ideal fall {:.3}), from {from}; {} iteration{}",
                 figures.impact_velocity_m_s,
+                interval_of(figures.impact_velocity_interval_m_s, 1.0, 3),
                 figures.ideal_velocity_m_s,
                 figures.iterations,
                 if figures.iterations == 1 { "" } else { "s" },
@@ -297,7 +302,10 @@ fn text(args: &DropArgs, drop: &Drop, figures: &Figures, remarks: &str) -> Strin
                 (None, Some([_, deepest])) => {
                     format!("{:.1} mm at the lowest (accelerometer at the end of its range)", 1e3 * deepest)
                 }
-                (travel, _) => or_none(travel.map(|(d, t)| format!("{:.1} mm at {:.1} ms", 1e3 * d, 1e3 * t))),
+                (travel, _) => or_none(travel.map(|(d, t)| {
+                    let interval = interval_of(figures.peak_displacement_interval_m, 1e3, 1);
+                    format!("{:.1} mm{interval} at {:.1} ms", 1e3 * d, 1e3 * t)
+                })),
             },
         ),
         ("energy", energy(figures, bounds.is_some())),
@@ -305,15 +313,44 @@ fn text(args: &DropArgs, drop: &Drop, figures: &Figures, remarks: &str) -> Strin
             "energy absorbed",
             match (figures.energy_absorption, bounds) {
                 (None, Some(_)) => withheld.into(),
-                (absorbed, _) => or_none(absorbed.map(|d| format!("{:.1} %", 100.0 * d))),
+                (absorbed, _) => or_none(absorbed.map(|d| {
+                    let interval = interval_of(figures.energy_absorption_interval, 100.0, 1);
+                    format!("{:.1} %{interval}", 100.0 * d)
+                })),
             },
         ),
+        ("guide friction", or_none(figures.guide_friction.map(|friction| guide(friction, figures)))),
         ("filtering", format!("changes the total energy by {:.4} % at most", 100.0 * figures.total_energy_drift)),
         ("correction", correction),
     ];
     let rows = rows.map(|(name, value)| format!("  {name:<18} {value}\n"));
     let out = args.out.as_ref().map(|out| format!("  {}\n", shown_path(out))).unwrap_or_default();
     format!("{}\n{}{remarks}{out}", shown_path(&args.path), rows.concat()).trim_end().to_owned()
+}
+
+/// An interval after its figure, times `factor`: ` [149.9 .. 150.5]`; nothing where there is none.
+fn interval_of(interval: Option<[f64; 2]>, factor: f64, decimals: usize) -> String {
+    let shown = |[low, high]: [f64; 2]| format!(" [{:.decimals$} .. {:.decimals$}]", low * factor, high * factor);
+    interval.map_or_else(String::new, shown)
+}
+
+/// Friction of the guide, what it does to the absorption, and its line of a scenario.
+fn guide(friction: GuideFriction, figures: &Figures) -> String {
+    let speed = figures.impact_velocity_m_s;
+    let force = match friction.per_speed == 0.0 {
+        true => format!("{:.1} N in the fall", friction.constant),
+        false => format!("{:.1} N at the release, {:.1} N at contact", friction.constant, friction.at(speed)),
+    };
+    let film = figures.film_energy_absorption.map(|d| format!("; going on, the film absorbs {:.1} %", 100.0 * d));
+    let per_speed =
+        (friction.per_speed != 0.0).then(|| format!(", per_speed = \"{} N s/m\"", significant(friction.per_speed, 3)));
+    format!(
+        "{force}{}\n  {:<18} impactor.guide_friction = {{ constant = \"{} N\"{} }}",
+        film.unwrap_or_default(),
+        "",
+        significant(friction.constant, 3),
+        per_speed.unwrap_or_default(),
+    )
 }
 
 /// Energies of impactor and film.

@@ -91,7 +91,7 @@ pub fn by_fall(
             }
             let velocity = integrate::once(&acceleration(offset), 0.0).at(time).ok_or(known.not_met())?;
             let speed_from = known.speed_from();
-            let contact = Contact { time, velocity, iterations, laser_residual: None, speed_from };
+            let contact = Contact { time, velocity, iterations, laser_residual: None, speed_error: None, speed_from };
             return Ok(ClosedFall { contact, offset, doubtful: beyond(DOUBTFUL) });
         }
         assumed = time;

@@ -38,8 +38,9 @@ fn converged(acceleration: impl Fn(f64) -> Series, laser: &Series, mut assumed: 
         let motion = FittedMotion::fit(&acceleration(assumed), &pass, assumed)?;
         let (time, velocity) = motion.contact(assumed)?;
         if (time - assumed).abs() < CONVERGED {
-            let laser_residual = Some(motion.residual);
-            return Ok(Contact { time, velocity, iterations, laser_residual, speed_from: SpeedSource::Laser });
+            let (laser_residual, speed_error) = (Some(motion.residual), Some(motion.speed_error));
+            let speed_from = SpeedSource::Laser;
+            return Ok(Contact { time, velocity, iterations, laser_residual, speed_error, speed_from });
         }
         assumed = time;
     }
@@ -66,6 +67,8 @@ struct FittedMotion {
     place: Series,
     /// Root mean square distance from the laser, m.
     residual: f64,
+    /// Standard error of its speed by the scatter about it, m/s.
+    speed_error: f64,
 }
 
 impl FittedMotion {
@@ -79,10 +82,14 @@ impl FittedMotion {
         let fitted = least_squares(rows.clone()).ok_or(ContactError::NoCrossing { near: assumed })?;
         let ([at_origin, rise], left) = fitted;
         let speed = rise / length;
-        let residual = (left / rows.count() as f64).sqrt();
+        let residual = (left / rows.clone().count() as f64).sqrt();
+        let count = rows.clone().count() as f64;
+        let mean = rows.clone().map(|([_, s], _)| s).sum::<f64>() / count;
+        let spread = rows.map(|([_, s], _)| (s - mean).powi(2)).sum::<f64>();
+        let speed_error = residual / spread.sqrt() / length;
         let velocity = integrate::once(&acceleration.window(span), speed);
         let place = integrate::once(&velocity, at_origin);
-        Ok(FittedMotion { velocity, place, residual })
+        Ok(FittedMotion { velocity, place, residual, speed_error })
     }
 
     /// Time and velocity at which it first falls to zero.

@@ -43,6 +43,8 @@ pub struct Contact {
     pub iterations: u32,
     /// Root mean square distance of fitted motion and laser, m.
     pub laser_residual: Option<f64>,
+    /// Standard error of the speed by the scatter of the laser, m/s.
+    pub speed_error: Option<f64>,
     /// Source of both.
     pub speed_from: SpeedSource,
 }

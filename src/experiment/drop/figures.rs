@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::result::Drop;
+use crate::engine::GuideFriction;
 use crate::experiment::Warning;
 use crate::experiment::contact::SpeedSource;
 use crate::number::clean_time;
@@ -37,6 +38,8 @@ pub struct Figures {
     pub final_absorbed_energy: Option<f64>,
     /// D of the paper's equation 11; none without rebound.
     pub energy_absorption: Option<f64>,
+    /// D of the film alone, if the friction of the guide in the fall goes on after contact.
+    pub film_energy_absorption: Option<f64>,
     /// Largest deviation of the total energy (equation 10) from its first value, over that.
     pub total_energy_drift: f64,
     /// Iterations of the search for contact.
@@ -47,6 +50,16 @@ pub struct Figures {
     pub speed_from: SpeedSource,
     /// Of the correction by coupling; none with the ramp.
     pub time_constant_s: Option<f64>,
+    /// Interval of 95 % of the time constant; none where it was given.
+    pub time_constant_interval_s: Option<[f64; 2]>,
+    /// Interval of the impact speed by that of the time constant.
+    pub impact_velocity_interval_m_s: Option<[f64; 2]>,
+    /// The same of the largest travel.
+    pub peak_displacement_interval_m: Option<[f64; 2]>,
+    /// The same of the energy absorption.
+    pub energy_absorption_interval: Option<[f64; 2]>,
+    /// Friction of the guide in the fall; none with the ramp.
+    pub guide_friction: Option<GuideFriction>,
     /// Of the correction by the gravity ramp; none with coupling.
     pub ramp_duration_s: Option<f64>,
     /// What the sensor reads at rest.
@@ -80,11 +93,17 @@ impl Drop {
             peak_absorbed_energy: most.map(|[_, work]| work),
             final_absorbed_energy: last.map(|[_, work]| work),
             energy_absorption: self.energy_absorption,
+            film_energy_absorption: self.film_absorption,
             total_energy_drift: self.total_energy_drift,
             iterations: self.contact.iterations,
             laser_residual_m: self.contact.laser_residual,
             speed_from: self.contact.speed_from,
             time_constant_s: self.time_constant,
+            time_constant_interval_s: self.intervals.map(|intervals| intervals.time_constant),
+            impact_velocity_interval_m_s: self.intervals.map(|intervals| intervals.impact_speed),
+            peak_displacement_interval_m: deepest.and_then(|_| self.intervals).map(|intervals| intervals.displacement),
+            energy_absorption_interval: self.intervals.and_then(|intervals| intervals.energy_absorption),
+            guide_friction: self.guide_friction,
             ramp_duration_s: self.ramp.map(|ramp| ramp.duration),
             offset_m_s2: self.offset,
             notes: self.warnings.iter().map(Warning::to_string).collect(),

@@ -5,6 +5,7 @@ mod channels;
 mod clipping;
 mod error;
 mod figures;
+mod friction;
 mod laser;
 mod motion;
 mod plausibility;
@@ -12,6 +13,7 @@ mod reduce;
 mod result;
 #[cfg(test)]
 mod tests;
+mod time_constant;
 mod tower;
 
 pub use bridge::{Bridged, bridged, longest_gap};
@@ -19,5 +21,5 @@ pub use channels::{ChannelNames, DropChannels, DropChannelsError};
 pub use error::DropError;
 pub use figures::Figures;
 pub use reduce::reduce;
-pub use result::Drop;
+pub use result::{Drop, Intervals};
 pub use tower::{Correction, Height, KnownContact, Reduction, Tower};

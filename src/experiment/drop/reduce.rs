@@ -3,15 +3,18 @@
 use super::clipping::Clipping;
 use super::error::DropError;
 use super::laser::Cleaned;
-use super::result::Drop;
-use super::tower::{Correction, KnownContact, Reduction, Tower};
-use super::{motion, plausibility};
+use super::result::{Drop, Intervals};
+use super::time_constant::{Choice, Coupling, Disagreement, Known};
+use super::tower::{Correction, Height, KnownContact, Reduction, Tower};
+use super::{friction, motion, plausibility, time_constant};
+use crate::engine::GuideFriction;
 use crate::experiment::Warning;
-use crate::experiment::absorption::energy_absorption;
-use crate::experiment::contact::{self, Contact, SpeedSource};
+use crate::experiment::absorption::{Body, energy_absorption, film_absorption};
+use crate::experiment::contact::{self, Contact, ContactError, SpeedSource};
 use crate::experiment::coupling;
 use crate::experiment::ramp::GravityRamp;
 use crate::experiment::release::Release;
+use crate::signal::column::Column;
 use crate::signal::filter::{self, ChannelFilter, Standard};
 use crate::signal::resample::{self, ResampleError};
 use crate::signal::{Series, column, gap, integrate};
@@ -41,7 +44,8 @@ pub fn reduce(
     // A laser that is not used needs no report.
     let cleaned = cleaned.filter(|_| drop.contact.speed_from == SpeedSource::Laser);
     drop.warnings.extend(cleaned.as_ref().and_then(Cleaned::warning));
-    drop = drop.withholding(Clipping::of(&reading));
+    let clipping = Clipping::of(&reading, drop.contact.time);
+    drop = drop.withholding(clipping);
     let implausible = plausibility::warnings(&drop, &reading, rest_end);
     drop.warnings.extend(implausible);
     Ok(drop)
@@ -51,6 +55,8 @@ pub fn reduce(
 const OTHER_HEIGHT: f64 = 0.05;
 /// The same of the impact speed.
 const OTHER_SPEED: f64 = 0.05;
+/// Halvings of an interval of time constants at which the fall does not close.
+const HALVINGS: u32 = 10;
 /// Share by which a speed may exceed that of the ideal fall; a laser determines it to half of that.
 const FASTER: f64 = 0.01;
 
@@ -66,32 +72,120 @@ struct Fall<'a> {
 
 impl Fall<'_> {
     fn by_coupling(&self, time_constant: Option<f64>) -> Result<Drop, DropError> {
-        let time_constant = match time_constant {
-            Some(given) => given,
-            None => coupling::time_constant(&self.zeroed, self.undisturbed())?,
+        let choice = match time_constant {
+            Some(given) => time_constant::given(given),
+            None => self.time_constant()?,
         };
-        let restored = |offset: f64| restored(&self.zeroed, offset, time_constant);
-        if let Some(known) = self.reduction.contact {
-            let restored = restored(0.0);
-            let mut drop = Drop::of(&restored, self.known(known)?, self.tower, self.reduction)?;
-            drop.warnings.extend(other_speed(&restored, known));
-            return Ok(Drop { time_constant: Some(time_constant), offset: self.release.offset, ..drop });
+        let (mut drop, restored) = self.coupled(choice.best)?;
+        let ends = choice.ends.map(|ends| self.closing(choice.best, ends, drop.is_doubtful()));
+        let ends = ends.into_iter().flatten().flatten();
+        let (others, ends): (Vec<Drop>, Vec<Series>) = ends.unzip();
+        drop.intervals = drop.intervals(&others);
+        let falls = [vec![restored], ends].concat();
+        let friction = friction::fit(&falls, self.undisturbed(), self.tower.body);
+        drop.guide_friction = friction.filter(|friction| friction.constant >= 0.0 && friction.per_speed >= 0.0);
+        drop.film_absorption = drop.guide_friction.and_then(|friction| drop.film_absorption(self.tower.body, friction));
+        let disagreement = choice.disagreement.into_iter().map(|of| self.disagreement(of, friction, &drop));
+        let disagreement: Vec<Warning> = disagreement.collect();
+        drop.warnings.extend(disagreement);
+        if time_constant.is_some() && drop.contact.speed_from == SpeedSource::Laser {
+            drop.warnings.extend(self.other_height(&falls[0], drop.contact.time));
         }
-        let Some(laser) = self.laser else {
-            let closed = contact::by_fall(restored, self.tower.known(), self.release.zero)?;
-            let mut drop = Drop::of(&restored(closed.offset), closed.contact, self.tower, self.reduction)?;
-            drop.warnings.extend(closed.doubtful.then(|| self.doubtful_offset(closed.offset)));
-            return Ok(Drop {
-                time_constant: Some(time_constant),
-                offset: self.release.offset + closed.offset,
-                ..drop
-            });
+        Ok(drop)
+    }
+
+    /// The time constant of the recording: by laser and height, or by the fall alone.
+    fn time_constant(&self) -> Result<Choice, DropError> {
+        let fall = coupling::time_constant(&self.zeroed, self.undisturbed());
+        match self.laser.filter(|_| self.reduction.contact.is_none()) {
+            Some(laser) => {
+                let height = match self.tower.height {
+                    Height::Known(height) => Some(height),
+                    Height::OfSpeed(_) => None,
+                };
+                let known = Known { reading: &self.zeroed, zero: self.release.zero, height, fall };
+                time_constant::by_laser(&known, |restored| self.by_laser(restored, laser))
+            }
+            None => {
+                let gravity = self.tower.body.gravity;
+                let of_speed = coupling::inverse_with_friction_of_speed(&self.zeroed, self.undisturbed(), gravity);
+                Ok(time_constant::by_fall(&fall?, of_speed))
+            }
+        }
+    }
+
+    /// Contact by the laser, of a restored acceleration.
+    fn by_laser(&self, restored: &Series, laser: &Series) -> Result<Contact, ContactError> {
+        contact::by_laser(|_| restored.clone(), laser, self.start(), self.ideal_contact())
+    }
+
+    /// The drop with this coupling, and the acceleration restored with it.
+    fn coupled(&self, coupling: Coupling) -> Result<(Drop, Series), DropError> {
+        let restored = |offset: f64| {
+            time_constant::restored(&self.zeroed, Coupling { offset: coupling.offset + offset, ..coupling })
         };
-        let restored = restored(0.0);
-        let contact = contact::by_laser(|_| restored.clone(), laser, self.start(), self.ideal_contact())?;
+        let (restored, contact, offset, warning) = match (self.reduction.contact, self.laser) {
+            (Some(known), _) => {
+                let restored = restored(0.0);
+                let warning = other_speed(&restored, known);
+                (restored, self.known(known)?, 0.0, warning)
+            }
+            (None, Some(laser)) => {
+                let restored = restored(0.0);
+                let contact = self.by_laser(&restored, laser)?;
+                (restored, contact, 0.0, None)
+            }
+            (None, None) => {
+                let closed = contact::by_fall(restored, self.tower.known(), self.release.zero)?;
+                let warning = closed.doubtful.then(|| self.doubtful_offset(closed.offset));
+                (restored(closed.offset), closed.contact, closed.offset, warning)
+            }
+        };
         let mut drop = Drop::of(&restored, contact, self.tower, self.reduction)?;
-        drop.warnings.extend(self.other_height(&restored, contact.time));
-        Ok(Drop { time_constant: Some(time_constant), offset: self.release.offset, ..drop })
+        drop.warnings.extend(warning);
+        let offset = self.release.offset + coupling.offset + offset;
+        Ok((Drop { time_constant: Some(coupling.time_constant()), offset, ..drop }, restored))
+    }
+
+    /// The drops at the ends of an interval about `best`, which is as wide as it is where the fall closes without a doubt
+    /// that `best` does not leave.
+    fn closing(&self, best: Coupling, ends: [Coupling; 2], is_doubtful: bool) -> [Option<(Drop, Series)>; 2] {
+        let closed = |coupling| self.coupled(coupling).ok().filter(|(drop, _)| is_doubtful || !drop.is_doubtful());
+        ends.map(|end| {
+            closed(end).or_else(|| {
+                let between = |share: f64| Coupling {
+                    inverse: best.inverse + share * (end.inverse - best.inverse),
+                    offset: best.offset + share * (end.offset - best.offset),
+                };
+                let (mut inside, mut outside, mut found) = (0.0, 1.0, None);
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (inside + outside);
+                    match closed(between(middle)) {
+                        Some(drop) => (inside, found) = (middle, Some(drop)),
+                        None => outside = middle,
+                    }
+                }
+                found
+            })
+        })
+    }
+
+    /// The report of sources that disagree, with the `friction` of the fall.
+    fn disagreement(&self, disagreement: Disagreement, friction: Option<GuideFriction>, drop: &Drop) -> Warning {
+        match disagreement {
+            Disagreement::Height { covered } => {
+                Warning::DropHeightDiffers { covered, height: self.tower.height.metres() }
+            }
+            Disagreement::LaserSpeed { reached, laser } => Warning::LaserSpeedDiffers { reached, laser },
+            Disagreement::Friction { constant } => {
+                let friction = friction.map(|friction| [0.0, drop.contact.velocity].map(|v| friction.at(v)));
+                Warning::GuideFrictionChanges {
+                    time_constant: drop.time_constant.unwrap_or(f64::NAN),
+                    constant,
+                    friction: friction.unwrap_or([f64::NAN; 2]),
+                }
+            }
+        }
     }
 
     /// The contact that is known, which ends the fall.
@@ -101,7 +195,8 @@ impl Fall<'_> {
             return Err(DropError::ContactOutsideFall { contact: time, release, impact });
         }
         let speed_from = SpeedSource::Stated;
-        Ok(Contact { time, velocity: -speed, iterations: 0, laser_residual: None, speed_from })
+        let (laser_residual, speed_error) = (None, None);
+        Ok(Contact { time, velocity: -speed, iterations: 0, laser_residual, speed_error, speed_from })
     }
 
     /// An offset that closes the fall without a laser but lies beyond the scatter of the rest.
@@ -187,11 +282,6 @@ fn zeroed(reading: &Series, release: &Release) -> Series {
     moving.with_values(moving.values().iter().map(|r| r - release.offset).collect())
 }
 
-fn restored(zeroed: &Series, offset: f64, time_constant: f64) -> Series {
-    let reading = zeroed.with_values(zeroed.values().iter().map(|r| r - offset).collect());
-    coupling::restored(&reading, time_constant)
-}
-
 fn ramped(zeroed: &Series, ramp: &GravityRamp, contact: f64) -> Series {
     zeroed.with_values(zeroed.samples().map(|[t, r]| r + ramp.mirrored(t, contact)).collect())
 }
@@ -217,9 +307,12 @@ impl Drop {
             contact,
             ideal_speed: tower.ideal_speed(),
             time_constant: None,
+            intervals: None,
+            guide_friction: None,
             ramp: None,
             offset: 0.0,
             energy_absorption,
+            film_absorption: None,
             total_energy_drift,
             signals,
             clipped_from: None,
@@ -227,13 +320,45 @@ impl Drop {
         })
     }
 
+    /// Whether its fall closes with an offset alone that the rest does not show.
+    fn is_doubtful(&self) -> bool {
+        self.warnings.iter().any(|warning| matches!(warning, Warning::ZeroOffsetDoubtful { .. }))
+    }
+
+    /// The intervals about this drop that the others span; none without others.
+    fn intervals(&self, others: &[Drop]) -> Option<Intervals> {
+        let drops = || std::iter::once(self).chain(others);
+        let span = |of: &dyn Fn(&Drop) -> Option<f64>| {
+            let values = drops().map(of).collect::<Option<Vec<f64>>>()?;
+            Some([f64::INFINITY, f64::NEG_INFINITY].map(|start: f64| match start > 0.0 {
+                true => values.iter().copied().fold(start, f64::min),
+                false => values.iter().copied().fold(start, f64::max),
+            }))
+        };
+        let deepest = |drop: &Drop| Some(drop.signals.series(column::DISPLACEMENT.name)?.smallest()?[1]);
+        (!others.is_empty()).then_some(())?;
+        Some(Intervals {
+            time_constant: span(&|drop| drop.time_constant)?,
+            impact_speed: span(&|drop| Some(-drop.contact.velocity))?,
+            displacement: span(&deepest)?,
+            energy_absorption: span(&|drop| drop.energy_absorption),
+        })
+    }
+
+    /// Energy absorption of the film on a guide with `friction`.
+    fn film_absorption(&self, body: Body, friction: GuideFriction) -> Option<f64> {
+        let channel = |column: Column| self.signals.channel(column.name);
+        film_absorption(body, friction, channel(column::VELOCITY)?, channel(column::DISPLACEMENT)?).ok()
+    }
+
     /// The drop without the energy absorption where the accelerometer was at the end of its range in the impact.
     fn withholding(mut self, clipping: Option<Clipping>) -> Drop {
-        let Some(Clipping { level, start, duration }) = clipping.filter(|clip| clip.start >= self.contact.time) else {
+        let Some(Clipping { level, start, duration }) = clipping else {
             return self;
         };
         self.clipped_from = Some(start - self.contact.time);
-        self.energy_absorption = None;
+        (self.energy_absorption, self.film_absorption) = (None, None);
+        self.intervals = self.intervals.map(|intervals| Intervals { energy_absorption: None, ..intervals });
         self.warnings.retain(|warning| !matches!(warning, Warning::NoEnergyAbsorption { .. }));
         let extreme = |name: &str, of: fn(&Series) -> Option<[f64; 2]>| of(&self.signals.series(name)?).map(|[_, v]| v);
         self.warnings.push(Warning::Saturated {

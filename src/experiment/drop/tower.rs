@@ -22,6 +22,11 @@ pub enum Height {
 }
 
 impl Height {
+    /// Unknown beside a known impact speed (m/s), under `gravity` (m/s²).
+    pub fn of_speed(speed: f64, gravity: f64) -> Height {
+        Height::OfSpeed(0.5 * speed * speed / gravity)
+    }
+
     pub(super) fn metres(self) -> f64 {
         match self {
             Height::Known(height) | Height::OfSpeed(height) => height,

@@ -245,6 +245,7 @@ mod tests {
             total_energy: None,
             window: [0.0, 0.1],
             energy_absorption: None,
+            drop: None,
             annotations: Annotations::new(vec!["VIRTUAL drop test".to_owned()]),
             reduction_warnings: vec![],
         };
@@ -267,6 +268,7 @@ mod tests {
             total_energy: series(),
             window: [0.0, 0.1],
             energy_absorption: None,
+            drop: None,
             annotations: Annotations::default(),
             reduction_warnings: vec![],
         };
