@@ -52,7 +52,7 @@ pub struct Figures {
     pub time_constant_s: Option<f64>,
     /// Interval of 95 % of the time constant; none where it was given.
     pub time_constant_interval_s: Option<[f64; 2]>,
-    /// Interval of the impact speed by that of the time constant.
+    /// Interval of the impact speed by that of the time constant and the scatter of the laser.
     pub impact_velocity_interval_m_s: Option<[f64; 2]>,
     /// The same of the largest travel.
     pub peak_displacement_interval_m: Option<[f64; 2]>,

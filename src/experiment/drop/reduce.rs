@@ -337,9 +337,13 @@ impl Drop {
         };
         let deepest = |drop: &Drop| Some(drop.signals.series(column::DISPLACEMENT.name)?.smallest()?[1]);
         (!others.is_empty()).then_some(())?;
+        let speed = -self.contact.velocity;
+        let [low, high] = span(&|drop| Some(-drop.contact.velocity))?;
+        let scatter = time_constant::INTERVAL * self.contact.speed_error.unwrap_or(0.0);
+        let widened = |end: f64, sign: f64| speed + sign * (end - speed).hypot(scatter);
         Some(Intervals {
             time_constant: span(&|drop| drop.time_constant)?,
-            impact_speed: span(&|drop| Some(-drop.contact.velocity))?,
+            impact_speed: [widened(low, -1.0), widened(high, 1.0)],
             displacement: span(&deepest)?,
             energy_absorption: span(&|drop| drop.energy_absorption),
         })

@@ -6,12 +6,12 @@ use crate::experiment::contact::Contact;
 use crate::experiment::ramp::GravityRamp;
 use crate::signal::Recording;
 
-/// Intervals of 95 % of the figures that follow from the time constant of the accelerometer, by its uncertainty alone.
+/// Intervals of 95 % of the figures that follow from the time constant of the accelerometer, by its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intervals {
     /// s.
     pub time_constant: [f64; 2],
-    /// Impact speed, m/s.
+    /// Impact speed, m/s; with the scatter of the laser that measured it.
     pub impact_speed: [f64; 2],
     /// Largest travel below first contact, m; negative.
     pub displacement: [f64; 2],

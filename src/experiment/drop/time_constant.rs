@@ -15,7 +15,7 @@ const HEIGHTS_AGREE: f64 = 0.01;
 /// Share by which the time constants of fall and laser differ where the guide's friction changes.
 const CONSTANTS_DIFFER: f64 = 0.01;
 /// Standard deviations of an interval of 95 %.
-const INTERVAL: f64 = 2.0;
+pub(super) const INTERVAL: f64 = 2.0;
 /// Smallest inverse of a time constant, 1/s: no fall distinguishes one of 1000 s from an endless one.
 pub(super) const LEAST_INVERSE: f64 = 1e-3;
 /// An inverse time constant (1/s) to start with where the fall gives none.

@@ -33,13 +33,13 @@ fn a_drop_on_a_linear_spring_is_that_of_the_closed_form() {
         let model = bounce(&format!(", guide_friction = {{ constant = {force} }}"));
         let outcome = run(&model);
         let exact = (-force + (force * force + stiffness * MASS * SPEED * SPEED).sqrt()) / stiffness;
-        claims.near(&format!("depth with {force} N, m"), depth(&outcome), exact, 2e-2);
+        claims.near(&format!("depth with {force} N, m"), depth(&outcome), exact, 1e-3);
         let [guide, place] = [channel(&outcome.energies, "guide_J"), channel(&outcome.signals, "displacement_m")];
         let path: f64 = place.windows(2).map(|z| (z[1] - z[0]).abs()).sum();
         let taken = guide.last().copied().unwrap_or(f64::NAN);
-        claims.near(&format!("energy of the guide with {force} N, J"), taken, force * path, 2e-3);
-        claims.at_most(&format!("energy balance error with {force} N"), outcome.energy_balance_error, 1e-6);
-        claims.at_most("energy balance error without", free.energy_balance_error, 1e-6);
+        claims.near(&format!("energy of the guide with {force} N, J"), taken, force * path, 1e-3);
+        claims.at_most(&format!("energy balance error with {force} N"), outcome.energy_balance_error, 1e-8);
+        claims.at_most("energy balance error without", free.energy_balance_error, 1e-8);
         let impact = measured(&model, &outcome);
         let [all, film] = [impact.energy_absorption, impact.film_energy_absorption].map(|d| d.expect("a rebound"));
         claims.holds(
