@@ -6,13 +6,15 @@ use std::sync::Arc;
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
 use super::curve::{list, numbers, spread_map, strains, yield_map};
+use crate::experiment::coupon::shear::Shear;
 use crate::experiment::coupon::{
-    Coupon, CouponReader, CouponTest, Curve, DirectionMeans, Machine, RecordingError, Reduction, Rules, Sample,
-    SpeedMeans,
+    Coupon, CouponReader, CouponTest, Curve, CurveError, DirectionMeans, Fibres, LoadCell, Machine, RecordingError,
+    Reduction, Rules, Sample, ShearMethod, SpeedMeans,
 };
+use crate::material;
 use crate::script::{Entry, HostResult, Options, Session, refuse};
 use crate::signal::Series;
-use crate::units::{Length, Velocity};
+use crate::units::{Length, Mass, Velocity};
 
 /// A reduction of coupons in a script. Cheap to clone.
 #[derive(Clone)]
@@ -29,7 +31,8 @@ pub(super) fn register(engine: &mut Engine) {
         .register_get("area", |coupon: &mut Coupon| coupon.area())
         .register_get("gauge", |coupon: &mut Coupon| coupon.gauge())
         .register_get("thickness", |coupon: &mut Coupon| coupon.thickness())
-        .register_fn("shear", |coupon: &mut Coupon, curve: Curve| shear(coupon, &curve))
+        .register_fn("shear", |coupon: &mut Coupon, curve: Curve| sheared(coupon.shear(&curve)))
+        .register_fn("shear", |coupon: &mut Coupon, curve: Curve, more: Map| shear(coupon, &curve, &more))
         .register_fn("pulled", pulled)
         .register_fn("reduce_coupons", |samples: Array| reduce(&samples, &Map::new()))
         .register_fn("reduce_coupons", |samples: Array, rules: Map| reduce(&samples, &rules))
@@ -91,8 +94,23 @@ fn coupon(strip: &Options<'_>) -> HostResult<Coupon> {
     Coupon::new(length("gauge")?, length("width")?, length("thickness")?).map_err(refuse)
 }
 
-fn shear(coupon: &Coupon, curve: &Curve) -> HostResult<Map> {
-    let sheared = coupon.shear(curve).map_err(refuse)?;
+fn shear(coupon: &Coupon, curve: &Curve, more: &Map) -> HostResult<Map> {
+    let more = Options { of: "shear", map: more };
+    more.check(&["md", "td", "shear_by"])?;
+    let fibre = |name: &str| {
+        let curve = more.value(name)?.clone().try_cast::<Curve>();
+        let curve = curve.ok_or_else(|| refuse(format!("expected a curve as {name}: that of the fibres")))?;
+        let points = curve.samples().filter(|[strain, _]| *strain > 0.0).collect();
+        material::Curve::new(points).map_err(|error| refuse(format!("{name}: {error}")))
+    };
+    let method: Option<ShearMethod> =
+        more.map.get("shear_by").map(|method| method.to_string().parse()).transpose().map_err(refuse)?;
+    let (md, td) = (fibre("md")?, fibre("td")?);
+    sheared(coupon.shear_by(method.unwrap_or_default(), curve, Fibres { md: &md, td: &td }))
+}
+
+fn sheared(sheared: Result<Shear, CurveError>) -> HostResult<Map> {
+    let sheared = sheared.map_err(refuse)?;
     let mut map = Map::new();
     map.insert("curve".into(), Dynamic::from(sheared.curve));
     map.insert("cut".into(), (sheared.cut as INT).into());
@@ -101,7 +119,17 @@ fn shear(coupon: &Coupon, curve: &Curve) -> HostResult<Map> {
 
 fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machine: Map) -> HostResult<Map> {
     let machine = Options { of: "pulled", map: &machine };
-    machine.check(&["velocity", "force_decimals", "displacement_decimals"])?;
+    let [mass, stiffness, damping] = ["jaw_mass", "load_cell_stiffness", "load_cell_damping"];
+    machine.check(&["velocity", "force_decimals", "displacement_decimals", mass, stiffness, damping])?;
+    let has_cell = [mass, stiffness, damping].iter().any(|name| machine.map.contains_key(*name));
+    let load_cell = || -> HostResult<LoadCell> {
+        Ok(LoadCell {
+            jaw_mass: machine.quantity(mass, Mass::DIMENSION)?,
+            stiffness: machine.needed_number(stiffness)?,
+            damping: machine.number(damping, 0.0)?,
+        })
+    };
+    let load_cell = has_cell.then(load_cell).transpose()?;
     let decimals = |name: &str| {
         let decimals = machine.value(name)?.as_int().ok().and_then(|count| u8::try_from(count).ok());
         decimals.filter(|count| *count <= 15).ok_or_else(|| refuse(format!("{name} is a whole number from 0 to 15")))
@@ -110,6 +138,7 @@ fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machi
         velocity: machine.quantity("velocity", Velocity::DIMENSION)?,
         force_decimals: decimals("force_decimals")?,
         displacement_decimals: decimals("displacement_decimals")?,
+        load_cell,
     };
     let (strains, noise) = (numbers(&strains, "a strain")?, numbers(&noise, "noise")?);
     let pull = machine.pull(coupon, &curve, &strains, &noise).map_err(refuse)?;
@@ -211,9 +240,24 @@ pub const ENTRIES: &[Entry] = &[
         example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let s = c.shear(curve([0, 0.1, 0.2, 0.5], [0, 1e6, 2e6, 5e6])); s.cut == 1 && s.curve.len() == 3"#,
     },
     Entry {
+        call: "coupon.shear(curve, #{ md, td }), coupon.shear(curve, #{ md, td, shear_by: \"free\" | \"held\" | \"rhombus\" })",
+        gives: "the same map, of a coupon whose fibres stretch by their curves md and td: with free sides (a strip long for its \
+                width, used where nothing is given), with its width held, or as the rhombus above",
+        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let f = curve([0, 1], [0, 4e7]);
+                    let s = c.shear(curve([0, 0.1, 0.2], [0, 3e6, 5e6]), #{ md: f, td: f }); s.cut == 0 && s.curve.end() < 0.3"#,
+    },
+    Entry {
         call: "coupon.pulled(curve, strains, noise, #{ velocity, force_decimals, displacement_decimals })",
         gives: "a map of lists time (s), displacement (m) and force (N): the virtual recording of a machine at these strains of a film that follows the curve, plus noise (N)",
         example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let p = c.pulled(curve([0, 1], [0, 1e7]), [0, 0.5, 2], [0, 0, 0.001], #{ velocity: "0.02 m/s", force_decimals: 4, displacement_decimals: 7 }); p.force == [0.0, 0.6, 0.001] && p.time[1] == 0.125"#,
+    },
+    Entry {
+        call: "coupon.pulled(curve, strains, noise, #{ …, jaw_mass, load_cell_stiffness, load_cell_damping })",
+        gives: "the same as a load cell reads it, with the mass of the jaw on it (kg), its stiffness (N/m) and its share of the \
+                critical damping (0 where none is given): an oscillator of second order, which lags behind a fast force",
+        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" });
+                    let cell = #{ velocity: 0.2, force_decimals: 6, displacement_decimals: 7, jaw_mass: 0.2, load_cell_stiffness: 1e6 };
+                    c.pulled(curve([0, 1], [0, 4e7]), [0, 0.01], [0, 0], cell).force[1] < 0.01"#,
     },
     Entry {
         call: "reduce_coupons([#{ direction, velocity, curve, is_virtual }, …]), reduce_coupons(tests, #{ window, break_share, toe_compensation })",

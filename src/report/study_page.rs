@@ -56,13 +56,16 @@ fn argument((name, value): (&String, &Value)) -> String {
 /// The command that repeats the study.
 fn again(call: &Map<String, Value>) -> String {
     let text = |name: &str| call.get(name).and_then(Value::as_str);
-    let changes = call.get("set").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
+    let changes = |name: &str| {
+        let list = call.get(name).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
+        list.map(|change| format!("--{name} {}", quoted(change))).collect::<Vec<String>>()
+    };
     let arguments = call.get("args").and_then(Value::as_object).into_iter().flatten().map(argument);
     let script = text("script").map(quoted);
     let scenario = text("scenario").map(|scenario| format!("--scenario {}", quoted(scenario)));
-    let changes = changes.map(|change| format!("--set {}", quoted(change)));
     let arguments = arguments.map(|argument| format!("--arg {}", quoted(&argument)));
-    let words: Vec<String> = script.into_iter().chain(scenario).chain(changes).chain(arguments).collect();
+    let words: Vec<String> =
+        script.into_iter().chain(scenario).chain(changes("unset")).chain(changes("set")).chain(arguments).collect();
     format!(
         "<p>Where it was run, with droptower {}:</p>\n{}",
         env!("CARGO_PKG_VERSION"),
@@ -87,11 +90,11 @@ mod tests {
     #[test]
     fn the_command_of_a_study_quotes_its_arguments() {
         let call = json!({
-            "script": "scripts/identify.rhai", "scenario": "drop/1008.toml", "set": ["specimen.mesh.size=20 mm"],
+            "script": "scripts/identify.rhai", "scenario": "drop/1008.toml", "set": ["specimen.mesh.size=20 mm"], "unset": ["reference"],
             "args": { "start": "it's", "starts": 5 },
         });
         let html = again(call.as_object().unwrap());
-        let command = "droptower script scripts/identify.rhai --scenario drop/1008.toml \
+        let command = "droptower script scripts/identify.rhai --scenario drop/1008.toml --unset reference \
                        --set 'specimen.mesh.size=20 mm' --arg 'start=it'\\''s' --arg starts=5";
         assert!(html.contains(&escape(command)), "{html}");
     }

@@ -6,7 +6,8 @@ use thiserror::Error;
 
 use crate::experiment::coupon::average::SampleStatistics;
 use crate::experiment::coupon::shear::Shear;
-use crate::experiment::coupon::{Coupon, CurveError, Direction, DirectionMeans, Reduction};
+use crate::experiment::coupon::{Coupon, CurveError, Direction, DirectionMeans, Fibres, Reduction, ShearMethod};
+use crate::material;
 use crate::number::{rounded, significant};
 use crate::signal::Annotations;
 
@@ -16,8 +17,11 @@ const LLDPE_DENSITY: f64 = 915.0;
 /// Points of a mean curve that is written because it has no double yield point.
 const CURVE_POINTS: usize = 24;
 
-/// Points of the shear curve that is written.
-const SHEAR_POINTS: usize = 16;
+/// Distance from the measured shear stress to the straight pieces that are written, over the largest stress.
+const SHEAR_TOLERANCE: f64 = 2e-3;
+
+/// Shortest straight piece of the shear curve, rad: below, its slope would be one of noise.
+const SHEAR_PIECE: f64 = 5e-3;
 
 /// Significant digits of the numbers that are written.
 const DIGITS: usize = 4;
@@ -36,6 +40,11 @@ pub struct CouponMaterial<'a> {
     pub density: Option<f64>,
     /// Name of the shear curve's file, in the folder of the material's.
     pub shear_file: &'a str,
+    /// Engineering strain of a corner at which the curves of MD and TD leave their mean Young's modulus; none leaves it out,
+    /// and a curve begins with the slope to its first yield point.
+    pub elastic_corner: Option<f64>,
+    /// How the shear curve follows from the coupons of D3.
+    pub shear_by: ShearMethod,
     /// A shear curve from elsewhere, in place of one from D3.
     pub shear: Option<GivenShear<'a>>,
 }
@@ -104,23 +113,24 @@ impl CouponMaterial<'_> {
     /// what is given.
     pub fn texts(&self) -> Result<Texts, CouponMaterialError> {
         let (md, td) = (self.along(Direction::Md)?, self.along(Direction::Td)?);
+        let ((md_fibre, md_curve), (td_fibre, td_curve)) = (self.fibre(md)?, self.fibre(td)?);
         let (shear, remark) = match &self.shear {
             Some(given) => given.copy(),
-            None => self.sheared(self.along(Direction::D3)?)?,
+            None => self.sheared(self.along(Direction::D3)?, Fibres { md: &md_curve, td: &td_curve })?,
         };
-        let (md_fibre, td_fibre) = (fibre(md)?, fibre(td)?);
         let mut material = self.head();
         let rates = self.reduction.velocities().map(|velocity| significant(velocity / self.coupon.gauge(), DIGITS));
         let _ = write!(
             material,
             "\n{density}\nthickness = \"{thickness} um\"   # as given; one layer\n\n[fabric]\n\
-             # Yield points of the mean curves, mean break elongation and stress at the break; straight lines between them.\n\
+             # {corner}Yield points of the mean curves, mean break elongation and stress at the break; straight lines between them.\n\
              {md_fibre}{td_fibre}{remark}shear = {{ curve = {file} }}\n\
              # Coupons pulled to their break do not show the energy absorbed on unloading: none, until it is known from a\n\
              # drop test (droptower signal drop).\n# absorption = 0.9\n\
              # Slowest and fastest jaws over the gauge length.\nmeasured_rates = [\"{} 1/s\", \"{} 1/s\"]\n",
             rates[0],
             rates[1],
+            corner = if self.elastic_corner.is_some() { "Mean Young's modulus up to the first point. " } else { "" },
             density = self.density_line()?,
             thickness = significant(self.coupon.thickness() * 1e6, DIGITS),
             file = toml::Value::from(self.shear_file),
@@ -130,6 +140,10 @@ impl CouponMaterial<'_> {
 
     fn along(&self, direction: Direction) -> Result<&DirectionMeans, CouponMaterialError> {
         self.reduction.along(direction).ok_or(CouponMaterialError::Missing { direction })
+    }
+
+    fn fibre(&self, along: &DirectionMeans) -> Result<(String, material::Curve), CouponMaterialError> {
+        fibre(along, self.elastic_corner)
     }
 
     fn head(&self) -> String {
@@ -150,26 +164,19 @@ impl CouponMaterial<'_> {
     }
 
     /// The shear curve's file from D3, and the remark that belongs to it.
-    fn sheared(&self, skewed: &DirectionMeans) -> Result<(String, String), CouponMaterialError> {
-        let sheared = self.coupon.shear(&skewed.curve)?;
-        let [start, _] = sheared.curve.range();
-        let (end, why) = shear_end(&sheared);
+    fn sheared(&self, skewed: &DirectionMeans, fibres: Fibres<'_>) -> Result<(String, String), CouponMaterialError> {
+        let sheared = self.coupon.shear_by(self.shear_by, &skewed.curve, fibres)?;
+        let (end, why) = shear_end(&sheared, self.shear_by);
         let count = counted(skewed.recordings(), skewed.virtual_recordings);
         let mut file =
             format!("{MARK} of D3: {count}.\n# Shear angle (rad) and stress of the film.\nstrain,stress_MPa\n");
-        let mut before = 0.0;
-        for i in 1..=SHEAR_POINTS {
-            let part = i as f64 / SHEAR_POINTS as f64;
-            let angle = if i == SHEAR_POINTS { end } else { start + (end - start) * part };
-            let Some(stress) = sheared.curve.at(angle).filter(|stress| *stress >= before) else {
-                return Err(CouponMaterialError::ShearFalls { angle });
-            };
-            let _ = writeln!(file, "{},{}", significant(angle, DIGITS), significant(stress * 1e-6, DIGITS));
-            before = stress;
+        for [angle, stress] in &straight_pieces(&rising_shear(&sheared, end)?)[1..] {
+            let _ = writeln!(file, "{},{}", significant(*angle, DIGITS), significant(stress * 1e-6, DIGITS));
         }
         let remark = format!(
-            "# From D3 by equations 4 to 8 of Polymers 2021, 13, 1537, up to the angle {}{why}.\n\
+            "# From D3 {}, up to the angle {}{why}.\n\
              # Assumed: the same stress and strain all over the coupon, so that any square in it shears alike.\n",
+            described(self.shear_by),
             significant(end, DIGITS)
         );
         Ok((file, remark))
@@ -200,8 +207,17 @@ fn counted(recordings: usize, virtual_ones: usize) -> String {
     }
 }
 
+/// What a method supposes, for the remark.
+fn described(method: ShearMethod) -> &'static str {
+    match method {
+        ShearMethod::Free => "as a strip with free sides whose fibres have the curves above",
+        ShearMethod::Held => "as a strip of held width whose fibres have the curves above",
+        ShearMethod::Rhombus => "by equations 4 to 8 of Polymers 2021, 13, 1537, whose fibres do not stretch",
+    }
+}
+
 /// Angle up to which a shear curve is written, and why it ends there: the curve of a material does not fall.
-fn shear_end(sheared: &Shear) -> (f64, &'static str) {
+fn shear_end(sheared: &Shear, method: ShearMethod) -> (f64, &'static str) {
     let [_, last] = sheared.curve.range();
     let largest = sheared
         .curve
@@ -210,8 +226,49 @@ fn shear_end(sheared: &Shear) -> (f64, &'static str) {
     match sheared.cut {
         _ if largest[0] < last => (largest[0], ", beyond which the stress falls"),
         0 => (last, ""),
-        _ => (last, ", where the square is closed; D3 was measured beyond"),
+        _ if method == ShearMethod::Rhombus => (last, ", where the square is closed; D3 was measured beyond"),
+        _ => (last, ", where the fibres end or the angle falls; D3 was measured beyond"),
     }
+}
+
+/// The origin and the samples up to the angle `end`, whose stress does not fall: noise is levelled, a real fall is refused.
+fn rising_shear(sheared: &Shear, end: f64) -> Result<Vec<[f64; 2]>, CouponMaterialError> {
+    let samples = || sheared.curve.samples().take_while(|[angle, _]| *angle <= end);
+    let largest = samples().fold(0.0_f64, |most, [_, stress]| most.max(stress));
+    let mut points = vec![[0.0, 0.0]];
+    for [angle, stress] in samples() {
+        let [last, before] = points[points.len() - 1];
+        if stress < before - SHEAR_TOLERANCE * largest {
+            return Err(CouponMaterialError::ShearFalls { angle });
+        }
+        if angle > last {
+            points.push([angle, stress.max(before)]);
+        }
+    }
+    if points.len() > 1 { Ok(points) } else { Err(CurveError::TooShort.into()) }
+}
+
+/// Those of the points that a polyline needs to stay within [`SHEAR_TOLERANCE`] of all of them, first and last included, as
+/// far as its pieces are not shorter than [`SHEAR_PIECE`] (Ramer, 1972; Douglas and Peucker, 1973).
+fn straight_pieces(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let last = points.len() - 1;
+    let tolerance = SHEAR_TOLERANCE * points[last][1];
+    let (mut kept, mut open) = (vec![0, last], vec![(0, last)]);
+    while let Some((from, to)) = open.pop() {
+        let [[start, low], [end, high]] = [points[from], points[to]];
+        let apart = |index: usize| {
+            let [angle, stress] = points[index];
+            (stress - low - (high - low) * (angle - start) / (end - start)).abs()
+        };
+        let is_inside = |index: &usize| (start + SHEAR_PIECE..=end - SHEAR_PIECE).contains(&points[*index][0]);
+        let furthest = (from + 1..to).filter(is_inside).max_by(|one, other| apart(*one).total_cmp(&apart(*other)));
+        if let Some(index) = furthest.filter(|index| apart(*index) > tolerance) {
+            kept.push(index);
+            open.extend([(from, index), (index, to)]);
+        }
+    }
+    kept.sort_unstable();
+    kept.into_iter().map(|index| points[index]).collect()
 }
 
 /// The measurements along one direction, as a comment.
@@ -236,22 +293,30 @@ fn shown_spread(spread: &SampleStatistics, factor: f64) -> String {
     }
 }
 
-/// The curve of one direction as the language writes it: yield points and break, or else the mean curve and the break.
-fn fibre(along: &DirectionMeans) -> Result<String, CouponMaterialError> {
-    let points = points(along);
-    check_rising(along.direction, &points)?;
+/// The curve of one direction, also as the language writes it: yield points and break, with a corner before them where
+/// there is one, or else the mean curve and the break.
+fn fibre(along: &DirectionMeans, corner: Option<f64>) -> Result<(String, material::Curve), CouponMaterialError> {
+    let mut points = points(along);
+    let corner = corner.filter(|_| along.yields.is_ok()).map(|strain| [strain, strain * along.modulus.mean]);
+    points.splice(..0, corner);
+    let curve = rising(along.direction, &points)?;
     let point = |[strain, stress]: &[f64; 2]| {
         format!("[{}, \"{} MPa\"]", significant(*strain, DIGITS), significant(stress * 1e-6, DIGITS))
     };
     let shown: Vec<String> = points.iter().map(point).collect();
     let key = along.direction.name().to_lowercase();
-    Ok(match &along.yields {
+    let text = match &along.yields {
+        Ok(yields) if corner.is_some() => {
+            let strains = [yields.first, yields.second].map(|[strain, _]| significant(strain, DIGITS)).join(", ");
+            format!("{key} = {{ curve = [{}], yield_strains = [{strains}] }}\n", shown.join(", "))
+        }
         Ok(_) => format!("{key} = {{ yield = [{}, {}], break = {} }}\n", shown[0], shown[1], shown[2]),
         Err(error) => {
             let why = format!("# {}: {error}; so the mean curve itself, then the break.\n", along.direction);
             format!("{why}{key} = {{ curve = [{}] }}\n", shown.join(", "))
         }
-    })
+    };
+    Ok((text, curve))
 }
 
 /// The corners of a direction's curve; the last one is the break.
@@ -269,15 +334,17 @@ fn points(along: &DirectionMeans) -> Vec<[f64; 2]> {
     }
 }
 
-fn check_rising(direction: Direction, points: &[[f64; 2]]) -> Result<(), CouponMaterialError> {
+/// The curve through the rounded points that are written.
+fn rising(direction: Direction, points: &[[f64; 2]]) -> Result<material::Curve, CouponMaterialError> {
+    let points: Vec<[f64; 2]> = points.iter().map(|point| point.map(|value| rounded(value, DIGITS))).collect();
     let mut before = [0.0, 0.0];
-    for point in points.iter().map(|point| point.map(|value| rounded(value, DIGITS))) {
+    for point in &points {
         if point[0] <= before[0] || point[1] < before[1] {
-            return Err(CouponMaterialError::Falls { direction, points: [before, point] });
+            return Err(CouponMaterialError::Falls { direction, points: [before, *point] });
         }
-        before = point;
+        before = *point;
     }
-    Ok(())
+    material::Curve::new(points).map_err(|_| CouponMaterialError::Falls { direction, points: [[0.0; 2], before] })
 }
 
 /// The mean curve at some strains, denser at the beginning.
@@ -309,8 +376,9 @@ mod tests {
 
     fn texts(reduction: &Reduction) -> Result<Texts, CouponMaterialError> {
         let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
-        let density = Some(915.0);
-        CouponMaterial { reduction, coupon, density, shear_file: "film-shear.csv", shear: None }.texts()
+        let (density, shear_by) = (Some(915.0), ShearMethod::default());
+        let (shear_file, elastic_corner, shear) = ("film-shear.csv", None, None);
+        CouponMaterial { reduction, coupon, density, shear_file, elastic_corner, shear_by, shear }.texts()
     }
 
     /// What the reader of materials says of the texts as files.
@@ -331,10 +399,24 @@ mod tests {
     }
 
     #[test]
+    fn a_corner_keeps_the_modulus() {
+        let reduction = reduction(&[[0.04, 2.0], [0.26, 8.4], [0.84, 20.0], [1.39, 29.3]]);
+        let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
+        let (density, shear_by, shear) = (Some(915.0), ShearMethod::default(), None);
+        let (reduction, shear_file, elastic_corner) = (&reduction, "film-shear.csv", Some(0.04));
+        let material = CouponMaterial { reduction, coupon, density, shear_file, elastic_corner, shear_by, shear };
+        let texts = material.texts().unwrap();
+        let expected = "md = { curve = [[0.04, \"2 MPa\"], [0.26, \"8.4 MPa\"], [0.84, \"20 MPa\"], [1.39, \"29.3 MPa\"]], \
+                        yield_strains = [0.26, 0.84] }\n";
+        assert!(texts.material.contains(expected), "{}", texts.material);
+        assert_eq!(mistakes(&texts), [""; 0]);
+    }
+
+    #[test]
     fn a_curve_without_one_is_written_point_by_point() {
         let texts = texts(&reduction(&[[0.3, 9.0], [1.2, 13.0]])).unwrap();
         assert!(texts.material.contains("no second yield point"), "{}", texts.material);
-        // Shear stress is proportional to stress over 1 + strain, which is largest at the bend.
+        // Past the bend the width shrinks faster than the stress grows.
         assert!(texts.material.contains(", beyond which the stress falls"), "{}", texts.material);
         assert_eq!(mistakes(&texts), [""; 0]);
     }
@@ -346,8 +428,9 @@ mod tests {
         let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
         let given = |text| {
             let shear = Some(GivenShear { source: "lab/shear.csv", text });
-            let reduction = &reduction;
-            CouponMaterial { reduction, coupon, density: None, shear_file: "film-shear.csv", shear }.texts().unwrap()
+            let (reduction, shear_by) = (&reduction, ShearMethod::default());
+            let (shear_file, density, elastic_corner) = ("film-shear.csv", None, None);
+            CouponMaterial { reduction, coupon, density, shear_file, elastic_corner, shear_by, shear }.texts().unwrap()
         };
         let texts = given("\u{feff}strain,stress_MPa\n0.5,4\n");
         assert_eq!(texts.shear, "# Written by droptower: a copy of lab/shear.csv.\nstrain,stress_MPa\n0.5,4\n");
@@ -382,8 +465,15 @@ mod tests {
         let good = reduction(&[[0.26, 8.4], [0.84, 20.0], [1.39, 29.3]]);
         let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
         for density in [-5.0, 0.0, f64::INFINITY] {
-            let material =
-                CouponMaterial { reduction: &good, coupon, density: Some(density), shear_file: "s.csv", shear: None };
+            let material = CouponMaterial {
+                reduction: &good,
+                coupon,
+                density: Some(density),
+                shear_file: "s.csv",
+                elastic_corner: None,
+                shear_by: ShearMethod::default(),
+                shear: None,
+            };
             assert_eq!(material.texts(), Err(CouponMaterialError::Density(density)));
         }
         let falling = texts(&reduction(&[[0.3, 9.0], [0.8, 10.0], [1.2, 7.0]])).unwrap_err().to_string();

@@ -347,6 +347,32 @@ fn equal_names_in_two_projects_are_two_scripts() {
     assert!(workbench::error(&refused).contains("one/a.rhai and is not replaced"), "{}", workbench::error(&refused));
 }
 
+/// What a scenario hardly means is printed before its run and is a finding of a script; a rebound that says nothing is one
+/// of runs that rebound.
+#[test]
+fn early_findings_are_printed_before_a_run_and_are_those_of_scripts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    workbench::droptower(folder.path(), &["new", "drop", "drop.toml"]);
+    let text =
+        "let t = scenario(\"drop.toml\"); t.with(#{ title: \"again\" }); measure(\"duration\", t.model.duration);";
+    fs::write(folder.path().join("read.rhai"), text).expect("a script");
+    let changes = ["--set", "impactor.friction=5", "--unset", "specimen.material.fabric.absorption"];
+    let codes = |summary: &str| -> Vec<String> {
+        let text = fs::read_to_string(folder.path().join(summary)).expect("a summary");
+        let summary: Json = serde_json::from_str(&text).expect("JSON");
+        let codes = summary["findings"].as_array().expect("findings").iter().map(|finding| &finding["code"]);
+        codes.filter_map(Json::as_str).map(String::from).collect()
+    };
+    workbench::printed(&workbench::droptower(folder.path(), &[&["script", "read.rhai"][..], &changes].concat()));
+    assert_eq!(codes("runs/read/summary.json"), ["implausible-value", "absorption-not-given"], "each once");
+    let quick = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=2ms"];
+    let run = workbench::droptower(folder.path(), &[&["run", "drop.toml"][..], &changes, &quick].concat());
+    assert!(workbench::error(&run).contains("warning[implausible-value]: `impactor.friction`"));
+    let found = codes("runs/drop/summary.json");
+    assert!(found.contains(&"implausible-value".to_owned()), "{found:?}");
+    assert!(!found.contains(&"absorption-not-given".to_owned()), "no rebound: {found:?}");
+}
+
 #[test]
 fn quantities_of_options_are_refused_with_the_form_that_is_expected() {
     let drop = ["signal", "drop", "data/virtual/1008.csv", "--height", "1 m", "--mass"];

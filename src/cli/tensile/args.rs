@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::cli::argument::{number, quantity};
 use crate::cli::signal::input::FileArgs;
-use crate::experiment::coupon::{BREAK_SHARE, Coupon, CouponTest, Direction, Reduction, WINDOW};
+use crate::experiment::coupon::{BREAK_SHARE, Coupon, CouponTest, Direction, Reduction, ShearMethod, WINDOW};
 use crate::units::{Density, Length, Velocity};
 
 #[derive(Debug, Args)]
@@ -29,6 +29,14 @@ pub(crate) struct ReduceArgs {
     /// A shear curve for the material file, in place of one from D3: CSV with strain (shear angle, rad) and stress
     #[arg(long, value_name = "FILE", requires = "out")]
     pub shear: Option<PathBuf>,
+    /// Begin the curves of MD and TD with the mean Young's modulus, up to the end of its window; else they begin with the
+    /// slope to the first yield point
+    #[arg(long, requires = "out")]
+    pub elastic_corner: bool,
+    /// How the shear curve follows from D3: "free" and "held" let the fibres stretch, in a strip that is long or short
+    /// for its width; "rhombus" are equations 4 to 8 of the paper, whose fibres do not
+    #[arg(long, value_name = "METHOD", default_value_t)]
+    pub shear_by: ShearMethod,
     /// Density of the film, for the material file: "915 kg/m3"
     #[arg(long, value_parser = |text: &str| quantity(Density::DIMENSION, text))]
     pub density: Option<f64>,
