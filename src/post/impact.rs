@@ -39,7 +39,7 @@ pub struct Impact {
     /// E_d of the paper's equation 15; none without a reference.
     pub displacement_error: Option<f64>,
     /// Figures of the reduction of a raw recording, with their intervals; none of other references.
-    pub reference_drop: Option<Figures>,
+    pub reference_drop: Option<Box<Figures>>,
     /// Notes of the recording, of its reading and of its reduction; none without a reference.
     pub reference_notes: Option<Vec<String>>,
     /// Size, cost and errors of the run.
@@ -93,7 +93,7 @@ impl Impact {
             break_strain_td,
             acceleration_error,
             displacement_error,
-            reference_drop: comparison.and_then(|comparison| comparison.drop.clone()),
+            reference_drop: comparison.and_then(|comparison| comparison.drop.clone().map(Box::new)),
             reference_notes: comparison.map(ReferenceComparison::notes),
             audit: Audit::of(outcome),
             findings,

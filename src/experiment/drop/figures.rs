@@ -101,7 +101,7 @@ impl Drop {
             time_constant_s: self.time_constant,
             time_constant_interval_s: self.intervals.map(|intervals| intervals.time_constant),
             impact_velocity_interval_m_s: self.intervals.map(|intervals| intervals.impact_speed),
-            peak_displacement_interval_m: deepest.and_then(|_| self.intervals).map(|intervals| intervals.displacement),
+            peak_displacement_interval_m: deepest.and(self.intervals).map(|intervals| intervals.displacement),
             energy_absorption_interval: self.intervals.and_then(|intervals| intervals.energy_absorption),
             guide_friction: self.guide_friction,
             ramp_duration_s: self.ramp.map(|ramp| ramp.duration),
