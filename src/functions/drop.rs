@@ -287,6 +287,7 @@ mod tests {
             ("reduce_drop(s, (), #{ mass: 1, height: 1, mask: 3 })", "expected a window"),
             ("reduce_drop(s, (), #{ mass: 1, height: 1, bridge: \"x\" })", "bridge"),
             ("virtual_drop(s, s, #{ height: 1, velocity: 4 })", "virtual_drop needs `seed`"),
+            ("virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, friction_speed_share: 2 })", "must be 0 to 1"),
             ("virtual_drop(s, s, #{ height: 1, velocity: 9, seed: 1 })", "does not reach 9 m/s"),
             (
                 "virtual_drop(s, s, #{ height: 1, velocity: 4, seed: 1, sample_rate: 1e12 })",
