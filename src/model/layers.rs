@@ -212,7 +212,7 @@ fn scaled_break(written: &scenario::Material, key: &str) -> Option<String> {
     let end = fibre.break_point.or_else(|| fibre.curve.as_ref()?.last().copied())?.0;
     let Scale { k1, ke, .. } = fibre.scale.unwrap_or(fabric.scale);
     let shown = |value| significant(value, 4);
-    let is_changed = (k1, ke) != (1.0, 1.0);
+    let is_changed = fabric.scale_break && (k1, ke) != (1.0, 1.0);
     is_changed.then(|| {
         format!("the multipliers k1 {} and ke {} change its break strain {}", shown(k1), shown(ke), shown(end))
     })

@@ -4,6 +4,7 @@ use super::Mistakes;
 use crate::material::{
     Curve, CurveError, Elastic, Fabric, Law, Material, Multipliers, RateCurves, RateCurvesError, TensionField,
 };
+use crate::number::significant;
 use crate::scenario::{self, Fibre, Point, RateCurve, Scale};
 use crate::units::Rate;
 
@@ -72,14 +73,25 @@ struct Written<'a> {
     break_point: Option<Point>,
     curve: Option<&'a [Point]>,
     yield_strains: Option<[f64; 2]>,
-    /// Its multipliers and their key path.
-    scale: (Scale, String),
+    /// Its multipliers.
+    scale: Scaling,
+}
+
+/// Multipliers as written.
+#[derive(Clone)]
+struct Scaling {
+    multipliers: Scale,
+    /// Their key path.
+    path: String,
+    /// Whether they move the break strain.
+    moves_break: bool,
 }
 
 /// The curves of one fibre set with their own multipliers, those of the set or else those of the fabric.
 fn fibre(written: &Fibre, fabric: &scenario::Fabric, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Curves> {
     let of_fabric = path.rsplit_once('.').map_or(String::new(), |(fabric, _)| format!("{fabric}.scale"));
-    let scale = written.scale.map_or((fabric.scale, of_fabric), |scale| (scale, format!("{path}.scale")));
+    let (multipliers, place) = written.scale.map_or((fabric.scale, of_fabric), |own| (own, format!("{path}.scale")));
+    let scale = Scaling { multipliers, path: place, moves_break: fabric.scale_break };
     let Some(rates) = &written.rates else {
         let Fibre { yield_points, break_point, curve, yield_strains, .. } = written;
         let (yield_points, break_point, yield_strains) = (*yield_points, *break_point, *yield_strains);
@@ -96,11 +108,11 @@ fn fibre(written: &Fibre, fabric: &scenario::Fabric, path: &str, mistakes: &mut 
 /// to 2 ms.
 const RATE_MEMORY: f64 = 0.01;
 
-/// Curves by rate; `scale` and its key path apply to curves without their own.
+/// Curves by rate; `scale` applies to curves without their own.
 fn by_rate(
     written: &[RateCurve],
     memory: f64,
-    scale: &(Scale, String),
+    scale: &Scaling,
     path: &str,
     mistakes: &mut Mistakes<'_>,
 ) -> Option<RateCurves> {
@@ -109,7 +121,8 @@ fn by_rate(
         let path = format!("{path}.rates.{index}");
         let RateCurve { rate, yield_points, break_point, curve, yield_strains, scale: own } = written;
         let (yield_points, break_point, yield_strains) = (*yield_points, *break_point, *yield_strains);
-        let scale = own.map_or(scale.clone(), |own| (own, format!("{path}.scale")));
+        let own = own.map(|multipliers| Scaling { multipliers, path: format!("{path}.scale"), ..*scale });
+        let scale = own.unwrap_or_else(|| scale.clone());
         let written = Written { yield_points, break_point, curve: curve.as_deref(), yield_strains, scale };
         curves.push(self::written(&written, &path, mistakes).map(|curve| (rate.0, curve)));
     }
@@ -154,8 +167,7 @@ fn written(written: &Written<'_>, path: &str, mistakes: &mut Mistakes<'_>) -> Op
         }
         _ => return None,
     };
-    let (scale, scale_path) = &written.scale;
-    scaled(curve, yields, *scale, [path, scale_path], mistakes)
+    scaled(curve, yields, &written.scale, path, mistakes)
 }
 
 /// A curve of any points; its yield strains must ascend within it.
@@ -186,11 +198,12 @@ fn general(
 fn scaled(
     curve: Curve,
     yields: Option<[f64; 2]>,
-    scale: Scale,
-    [path, scale_path]: [&str; 2],
+    scale: &Scaling,
+    path: &str,
     mistakes: &mut Mistakes<'_>,
 ) -> Option<Curve> {
-    if scale == Scale::default() {
+    let Scale { k1, ke, ky } = scale.multipliers;
+    if scale.multipliers == Scale::default() {
         return Some(curve);
     }
     let Some(yields) = yields else {
@@ -201,18 +214,32 @@ fn scaled(
         );
         return None;
     };
-    if ![scale.k1, scale.ke, scale.ky].iter().all(|k| *k > 0.0) {
+    if ![k1, ke, ky].iter().all(|k| *k > 0.0) {
         return None; // the range was checked before
     }
-    let multipliers = Multipliers { k1: scale.k1, ke: scale.ke, ky: scale.ky };
-    match multipliers.apply(&curve, yields) {
-        Ok(curve) => Some(curve),
+    let multipliers = Multipliers { k1, ke, ky };
+    let moved = match multipliers.apply(&curve, yields) {
+        Ok(moved) => moved,
         Err(error) => {
             let message = format!("no curve with these multipliers: {error}");
-            mistakes.report(scale_path, message);
-            None
+            mistakes.report(&scale.path, message);
+            return None;
         }
+    };
+    if scale.moves_break {
+        return Some(moved);
     }
+    let second = multipliers.strain(yields[1], yields);
+    if second >= curve.end() {
+        let [second, end] = [second, curve.end()].map(|strain| significant(strain, 4));
+        mistakes.report_with(
+            &scale.path,
+            format!("these multipliers move the second yield point to {second}, beyond the break strain {end}"),
+            "with `scale_break = true` in [fabric] the break strain moves along",
+        );
+        return None;
+    }
+    Some(moved.ending_at(curve.end()))
 }
 
 /// The curve through `points`; a mistake is reported at the `place` of its point.

@@ -52,6 +52,10 @@ pub struct Fabric {
     /// Multipliers that make a dynamic curve of a quasi-static one (paper, equations 12 and 13), of both fibre sets.
     #[serde(default)]
     pub scale: Scale,
+    /// Whether the multipliers also move the break strain, with the second yield point, as they move the rest of the
+    /// curve behind it; otherwise fibres break at the strain as written, up to which the last slope continues.
+    #[serde(default)]
+    pub scale_break: bool,
     /// Share of the stored energy that is lost on unloading.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-likely" = [0.0, 1.0]))]

@@ -146,6 +146,26 @@ fn multipliers_transform_a_general_curve_as_its_yield_points() {
     assert_eq!(&model("c", apart).faces[0].material, named);
 }
 
+/// The break is as written unless it is to move; up to the earlier of both breaks the stress is the same.
+#[test]
+fn multipliers_move_the_break_only_where_asked() {
+    let md = |name: &str, scale: &str| {
+        let text = format!("extends = \"tower.toml\"\nspecimen.material.fabric.{scale}");
+        let Law::Fabric(fabric) = model(name, &text).faces[0].material.law.clone() else { panic!("one curve") };
+        fabric.md().clone()
+    };
+    let kept = md("kept", "scale = { k1 = 2.75, ke = 3.41 }");
+    let moved = md("moved", "scale = { k1 = 2.75, ke = 3.41 }\nspecimen.material.fabric.scale_break = true");
+    assert_eq!(kept.end(), 1.39);
+    assert!((moved.end() - 0.747814).abs() < 1e-6, "{}", moved.end());
+    for strain in [0.01, 0.1, 0.5, 0.7] {
+        assert_eq!(kept.read(&[strain]).stress, moved.read(&[strain]).stress);
+    }
+    // Softer curves are longer: the written break cuts them.
+    let cut = md("cut", "scale = { ke = 0.7 }");
+    assert_eq!((cut.end(), cut.points().len()), (1.39, 3));
+}
+
 /// The law of the tower's film whose MD fibres have curves by strain rate, TD fibres one, with changes.
 fn by_rate(changes: &[&str]) -> Law {
     let text = "

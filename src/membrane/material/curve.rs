@@ -114,6 +114,18 @@ impl Curve {
         self.points[self.points.len() - 1][0]
     }
 
+    /// The same curve with its last point at `strain` > 0: cut there, or continued up to it with its last slope.
+    pub fn ending_at(&self, strain: f64) -> Curve {
+        let corners = &self.points[..self.points.len() - 1];
+        let mut points: Vec<_> = corners.iter().copied().filter(|point| point[0] < strain).collect();
+        points.push([strain, self.stress(strain)]);
+        let mut segments: Vec<_> = self.segments.iter().copied().filter(|segment| segment.start < strain).collect();
+        if let Some(last) = segments.last_mut() {
+            last.length = f64::INFINITY;
+        }
+        Curve { points, segments }
+    }
+
     /// Slope at the origin, Pa.
     pub fn initial_slope(&self) -> f64 {
         self.segments[0].slope
@@ -197,6 +209,19 @@ mod tests {
             [(0.0, 0.05, 20.0), (0.05, 0.2, 20.0), (0.2, 0.3, 5.0), (0.6, 0.9, 5.0), (-0.2, -0.1, 20.0)]
         {
             assert!((bilinear().largest_slope(&[from], &[to])[0] - slope).abs() < 1e-9, "{from}..{to}");
+        }
+    }
+
+    #[test]
+    fn another_end_leaves_the_stress() {
+        for (end, corners) in [(0.05, 1), (0.3, 2), (0.5, 2), (0.9, 2)] {
+            let moved = bilinear().ending_at(end);
+            assert_eq!((moved.end(), moved.points().len()), (end, corners));
+            for strain in [0.02, 0.05, 0.2, 0.3, 0.6, 0.9].into_iter().filter(|strain| *strain <= end) {
+                assert_eq!(moved.read(&[strain]).stress, bilinear().read(&[strain]).stress, "{strain} of {end}");
+                assert_eq!(moved.energy(strain), bilinear().energy(strain), "{strain} of {end}");
+            }
+            assert_eq!(moved.points()[corners - 1][1], bilinear().stress(end));
         }
     }
 

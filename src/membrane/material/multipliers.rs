@@ -42,7 +42,7 @@ impl Multipliers {
     }
 
     /// The scaled value of a strain up to the second yield point.
-    fn strain(&self, strain: f64, [first, _]: [f64; 2]) -> f64 {
+    pub fn strain(&self, strain: f64, [first, _]: [f64; 2]) -> f64 {
         let rigid = self.k1 * self.ke;
         if strain <= first { strain / rigid } else { (strain - first) / self.ke + first / rigid }
     }
