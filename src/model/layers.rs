@@ -1,8 +1,10 @@
 //! The faces of film, in the order in which the impactor comes into contact with them.
 
+use statrs::distribution::{ContinuousCDF, Normal};
+
 use super::specimen::{is_along_axes, symmetry};
 use super::{Face, Loading, Mistakes, Symmetry, material};
-use crate::material::Material;
+use crate::material::{LayerBreaks, Material};
 use crate::mesh::{Element, Meshing};
 use crate::number::significant;
 use crate::scenario::{self, Layer, Layers, Scale, Scenario};
@@ -36,11 +38,36 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>
 struct Film {
     name: Option<String>,
     material: Material,
+    /// Standard deviation of the break strains of layers over their mean.
+    break_scatter: f64,
+}
+
+impl Film {
+    /// The material of `count` layers.
+    fn of_layers(&self, count: u32) -> Material {
+        let mut material = self.material.clone();
+        material.law = material.law.with_layer_breaks(layer_breaks(self.break_scatter, count));
+        material
+    }
+}
+
+/// Break strains of `layers` over their mean, with the standard deviation `scatter`: the quantiles of a normal
+/// distribution in the middle of as many equal parts (theory.md, equation 17b).
+fn layer_breaks(scatter: f64, layers: u32) -> LayerBreaks {
+    if !(scatter > 0.0) {
+        return LayerBreaks::default();
+    }
+    let normal = Normal::standard();
+    let quantile = |layer: u32| normal.inverse_cdf((f64::from(layer) + 0.5) / f64::from(layers));
+    let factors = (0..layers).map(|layer| 1.0 + scatter * quantile(layer)).collect();
+    // The range of the scatter was checked before; there are no such layers outside it.
+    LayerBreaks::new(factors).unwrap_or_default()
 }
 
 fn film(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Film> {
     let material = material::check(written, path, mistakes)?;
-    Some(Film { name: written.name.clone(), material })
+    let break_scatter = written.fabric.as_ref().map_or(0.0, |fabric| fabric.break_scatter);
+    Some(Film { name: written.name.clone(), material, break_scatter })
 }
 
 /// The faces of `[layers]`, which differ in height only.
@@ -56,7 +83,7 @@ fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut Mista
         height,
         layers: layers.count,
         film: film.name.clone(),
-        material: film.material.clone(),
+        material: film.of_layers(layers.count),
         md_angle: scenario.specimen.md_angle.0,
         prestrain: [layers.prestrain.md, layers.prestrain.td],
         meshing,
@@ -87,8 +114,8 @@ fn single(
     Some(Face {
         height: layer.height.0,
         layers: layer.count,
-        film: film.name,
-        material: film.material,
+        film: film.name.clone(),
+        material: film.of_layers(layer.count),
         md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
         prestrain: [layer.prestrain.md, layer.prestrain.td],
         meshing: meshing?,

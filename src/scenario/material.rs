@@ -56,6 +56,11 @@ pub struct Fabric {
     /// curve behind it; otherwise fibres break at the strain as written, up to which the last slope continues.
     #[serde(default)]
     pub scale_break: bool,
+    /// Standard deviation of the break strains of single layers over their mean, that of the curve: layers of an
+    /// element break one after another, each at its quantile of a normal distribution. All at once where it is zero.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 0.2))]
+    pub break_scatter: f64,
     /// Share of the stored energy that is lost on unloading.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-likely" = [0.0, 1.0]))]

@@ -75,7 +75,7 @@ impl Monitor {
         }
         for (face, (film, strains)) in view.films.iter().zip(strains).enumerate() {
             let largest = |s: &ElementStrain| s.strain[0].max(s.strain[1]);
-            let intact: Vec<f64> = strains.iter().filter(|s| s.volume > 0.0).map(largest).collect();
+            let intact: Vec<f64> = strains.iter().filter(|s| !s.has_failed()).map(largest).collect();
             let Some(worst) = (0..intact.len()).max_by(|a, b| intact[*a].total_cmp(&intact[*b])) else { continue };
             if intact[worst] < bounds::LOCALISED_STRAIN {
                 continue;

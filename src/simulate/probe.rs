@@ -190,8 +190,8 @@ impl<'a> Probe<'a> {
     }
 
     fn take_sample(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) {
-        let intact = || faces.iter().flatten().filter(|s| s.volume > 0.0);
-        let largest = |fibre: usize| intact().map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
+        let intact = |fibre: usize| faces.iter().flatten().filter(move |s| s.left[fibre] > 0.0);
+        let largest = |fibre: usize| intact(fibre).map(|s| s.strain[fibre]).fold(f64::NAN, f64::max);
         self.record.tracks.strains.push(view.time, [largest(0), largest(1)]);
         if !self.held.is_empty() {
             self.record.tracks.frame.push(view.time, self.held.force(view.nodes));

@@ -109,12 +109,14 @@ impl SingleElement {
         Ok(SingleElement { film, flat, nodes, sides, section, rate })
     }
 
-    /// Force (N) along the film that is stretched along and across within `dt` (s); updates its history and deletes it
-    /// past its break strain.
+    /// Force (N) along the film that is stretched along and across within `dt` (s); updates its history and breaks
+    /// the fibres that are past their break strain.
     fn pulled(&mut self, stretch: [f64; 2], dt: f64) -> f64 {
         load(&mut self.film, &mut self.nodes, &self.flat, stretch, dt);
-        let (failed, _) = self.film.delete_failed(self.nodes.position.axes());
-        if failed > 0 { 0.0 } else { -self.nodes.total_force(&self.sides[0], 0) }
+        if self.film.fail(self.nodes.position.axes()).broken > 0 {
+            load(&mut self.film, &mut self.nodes, &self.flat, stretch, 0.0);
+        }
+        -self.nodes.total_force(&self.sides[0], 0)
     }
 
     /// Transverse stretch in equilibrium where the film is stretched by `along` within `dt` (s), searched from `guess`.

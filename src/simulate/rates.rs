@@ -79,9 +79,9 @@ impl RateAudit {
         let mut bin = 0;
         for ((face, largest), measured) in faces.iter().zip(largest).zip(&self.measured) {
             for (element, largest) in face.iter().zip(largest).filter(|(element, _)| element.volume > 0.0) {
-                for (strain, largest) in now(element).into_iter().zip(largest) {
+                for ((strain, largest), left) in now(element).into_iter().zip(largest).zip(element.left) {
                     let gained = strain - *largest;
-                    if gained > 0.0 {
+                    if gained > 0.0 && left > 0.0 {
                         let rate = gained / dt;
                         bin = self::bin(&self.edges, rate, bin);
                         self.pending.count(*measured, bin, rate, gained * element.volume);
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     fn strained(peak: f64) -> Vec<Vec<ElementStrain>> {
-        vec![vec![ElementStrain { strain: [peak, 0.0, 0.0], peak: [peak, 0.0], volume: 1.0 }]]
+        vec![vec![ElementStrain { strain: [peak, 0.0, 0.0], peak: [peak, 0.0], left: [1.0; 2], volume: 1.0 }]]
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub struct FilmState {
     pub positions: Vec<[f32; 3]>,
     /// Engineering strain of the MD and TD fibres and shear angle, one entry an element (quads, then triangles).
     pub strains: Vec<[f32; 3]>,
-    /// Whether an element has failed, one entry an element.
+    /// Whether the MD or TD fibres of all layers are broken in an element, one entry an element.
     pub failed: Vec<bool>,
     /// Nodes of the face in contact with the impactor, ascending.
     pub in_contact: Vec<u32>,
@@ -45,6 +45,8 @@ pub struct Detail {
     pub stresses: Vec<[f32; 3]>,
     /// Largest MD and TD strain so far.
     pub peaks: Vec<[f32; 2]>,
+    /// Share of the layers whose MD and TD fibres are not broken.
+    pub left: Vec<[f32; 2]>,
     /// Thickness over that of stress-free film; NaN where the law does not give it.
     pub thickness_ratio: Vec<f32>,
     /// Images of unit vectors along MD and TD of the stress-free film: their directions are those of the fibres, their
@@ -66,7 +68,7 @@ pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed
     let film = |(film, strains): (&engine::Film, &Vec<ElementStrain>)| FilmState {
         positions: film.nodes.clone().map(|n| view.nodes.position.at(n).map(|x| x as f32)).collect(),
         strains: strains.iter().map(|s| s.strain.map(|x| x as f32)).collect(),
-        failed: strains.iter().map(|s| s.volume == 0.0).collect(),
+        failed: strains.iter().map(ElementStrain::has_failed).collect(),
         in_contact: of_face(&in_contact, &film.nodes),
         detail: detailed.then(|| detail(view, film, strains)),
     };
@@ -81,6 +83,7 @@ fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain]) -> De
     let mut out = Detail {
         velocities: film.nodes.clone().map(|n| view.velocity(n).map(|v| v as f32)).collect(),
         peaks: strains.iter().map(|s| s.peak.map(|e| e as f32)).collect(),
+        left: strains.iter().map(|s| s.left.map(|e| e as f32)).collect(),
         ..Detail::default()
     };
     for ElementDetail { stress, thickness_ratio, fibres } in film.details(&view.nodes.position) {

@@ -122,16 +122,25 @@ fn failed_elements_are_left_out_and_series_written_on_request_only() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = root().join("scenarios/stretch/md-0.2.toml").display().to_string();
     let run = |more: &[&str]| {
-        let arguments = ["run", &scenario, "--set", "loading.stretch.until=1.45", "--set", "output.frames=8"];
+        let arguments = ["run", &scenario, "--set", "output.frames=8", "--force"];
         printed(&droptower(folder.path(), &[&arguments[..], &["--out", "results"], more].concat()));
     };
-    run(&["--vtu"]);
     let results = folder.path().join("results");
+    run(&["--vtu", "--set", "loading.stretch.until=1.45"]);
+    let film = states(&results, "film.pvd");
+    let last = &film.last().expect("a state").1.data.cell;
+    assert_eq!((array(last, "layers_left_md"), array(last, "layers_left_td")), (vec![0.0], vec![1.0]));
+
+    // Oblique fibres are strained alike, so that both sets break.
+    let fibres = |key: &str| format!("specimen.material.fabric.{key}={{ curve = [[0.3, 8e6]] }}");
+    let (md, td) = (fibres("md"), fibres("td"));
+    let oblique = ["--vtu", "--set", "loading.stretch.direction=45 deg", "--set", "loading.stretch.until=0.6"];
+    run(&[&oblique[..], &["--set", &md, "--set", &td]].concat());
     let film = states(&results, "film.pvd");
     let cells: Vec<usize> = film.iter().map(|(_, grid)| grid.cells.num_cells()).collect();
     assert_eq!(cells, [1, 1, 1, 1, 1, 1, 1, 0]);
     assert!(!results.join("impactor.pvd").exists(), "nothing hits a coupon");
-    run(&[]);
+    run(&["--set", "loading.stretch.until=1.45"]);
     assert!(!results.join("film.pvd").exists() && !results.join("vtu").exists());
 }
 

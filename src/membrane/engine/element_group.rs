@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::element::{self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, OwnForces};
 use super::film_history::{FilmHistory, Reader};
-use super::{failure, footprint};
+use super::failure::{self, Failures};
+use super::footprint;
 use crate::lane::{LANES, Width};
 use crate::material::{History, MembraneLaw};
 
@@ -44,8 +45,8 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Stress, thickness and fibres of the elements, in order.
     fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail>;
 
-    /// Deletes the elements with a fibre past its break strain; their number and their energies.
-    fn delete_failed(&mut self, position: &[&[f64]; 3]) -> (usize, ElementEnergy);
+    /// Breaks the fibres that are past their break strain.
+    fn fail(&mut self, position: &[&[f64]; 3]) -> Failures;
 
     /// Appends the history variables.
     fn save(&self, history: &mut FilmHistory);
@@ -121,8 +122,8 @@ where
         element::details(&self.elements, &*self.law, position)
     }
 
-    fn delete_failed(&mut self, position: &[&[f64]; 3]) -> (usize, ElementEnergy) {
-        failure::delete_failed(&mut self.elements, &*self.law, position)
+    fn fail(&mut self, position: &[&[f64]; 3]) -> Failures {
+        failure::fail(&mut self.elements, &*self.law, position)
     }
 
     fn save(&self, history: &mut FilmHistory) {

@@ -1,28 +1,63 @@
-//! Failure of elements.
+//! Failure of fibre sets, layer by layer, and of elements.
 
 use super::element::{Block, Blocks, ElementEnergy, energy_at};
 use crate::lane::LANES;
-use crate::material::MembraneLaw;
+use crate::material::{History, MembraneLaw};
 
-/// Deletes every element in which a fibre set is past its break strain: its volume and its forces become zero, its
-/// mass stays at the nodes. Returns the number of elements and their energies.
-pub(super) fn delete_failed<B, M, const NODES: usize>(
+/// What failed in a film.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Failures {
+    /// Elements in which fibres of a layer broke.
+    pub broken: usize,
+    /// Elements that failed: they lost the MD or the TD fibres of their last layer.
+    pub failed: usize,
+    /// The energies that they lost.
+    pub energy: ElementEnergy,
+}
+
+impl Failures {
+    /// Adds those of other elements.
+    pub fn add(&mut self, other: &Failures) {
+        self.broken += other.broken;
+        self.failed += other.failed;
+        self.energy.add(&other.energy);
+    }
+}
+
+/// Breaks the fibres of every layer that is strained past its break strain: the share of layers left is multiplied into
+/// the stress of the fibre set. An element without MD and TD fibres is deleted: its volume and its forces become zero.
+/// Mass stays at the nodes.
+pub(super) fn fail<B, M, const NODES: usize>(
     elements: &mut Blocks<B, NODES>,
     law: &M,
     position: &[&[f64]; 3],
-) -> (usize, ElementEnergy)
+) -> Failures
 where
     B: Block<NODES, LANES>,
     M: MembraneLaw<History<LANES> = B::History>,
 {
-    let mut total = (0, ElementEnergy::default());
+    let mut total = Failures::default();
     for (block, lane) in elements.indices() {
-        if elements.is_deleted(block, lane) || !elements.blocks[block].has_failed(law, lane) {
+        if elements.is_deleted(block, lane) {
             continue;
         }
-        total.0 += 1;
-        total.1.add(&energy_at(elements, [block, lane], law, position));
-        elements.blocks[block].delete(lane);
+        let (before, left) = (elements.left(block, lane), elements.blocks[block].layers_left(law, lane));
+        if left == before {
+            continue;
+        }
+        let mut lost = energy_at(elements, [block, lane], law, position);
+        if left == [0.0; 2] {
+            elements.blocks[block].delete(lane);
+        } else {
+            for (history, _) in elements.blocks[block].history_mut() {
+                for fibre in 0..2 {
+                    history.left_mut(fibre)[lane] = left[fibre];
+                }
+            }
+            lost.subtract(&energy_at(elements, [block, lane], law, position));
+        }
+        let failed = (0..2).any(|fibre| before[fibre] > 0.0 && left[fibre] == 0.0);
+        total.add(&Failures { broken: 1, failed: usize::from(failed), energy: lost });
     }
     total
 }

@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::colouring::first_fit;
 use super::disjoint::Disjoint;
 use super::element::{ElementDetail, ElementEnergy, ElementStrain, Forces};
+use super::failure::Failures;
 use super::element_group::ElementGroup;
 use super::film_history::FilmHistory;
 use super::nodes::{Nodes, Vectors};
@@ -154,15 +155,13 @@ impl Film {
         frequency_bounds(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
 
-    /// Deletes every element in which the last pass over the forces found a fibre past its break strain; its mass stays
-    /// at the nodes. `position` is that of all nodes. Returns the number of elements and their energies.
-    pub fn delete_failed(&mut self, position: [&[f64]; 3]) -> (usize, ElementEnergy) {
+    /// Breaks the fibres that the last pass over the forces found past their break strain, and deletes elements without
+    /// fibres; mass stays at the nodes. `position` is that of all nodes.
+    pub fn fail(&mut self, position: [&[f64]; 3]) -> Failures {
         let position = self.own(position);
-        let mut total = (0, ElementEnergy::default());
+        let mut total = Failures::default();
         for chunk in self.chunks.iter_mut().filter(|chunk| chunk.failed) {
-            let (count, energy) = chunk.group.delete_failed(&position);
-            total.0 += count;
-            total.1.add(&energy);
+            total.add(&chunk.group.fail(&position));
         }
         total
     }

@@ -36,6 +36,7 @@ mod time_step;
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, UndefinedFibreDirection};
 pub use energy::Energies;
+pub use failure::Failures;
 pub use fault::Fault;
 pub use film::Film;
 pub use guide_friction::GuideFriction;
@@ -99,9 +100,9 @@ const NODES_PER_RANGE: usize = 1024;
 /// Running totals of losses and external work, J.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct EnergyLedger {
-    /// Stored in elements when they failed.
+    /// Stored in fibres when they broke.
     rupture: f64,
-    /// Absorbed in elements that failed.
+    /// Absorbed in fibres that broke.
     absorbed: f64,
     /// Lost to mass-proportional damping.
     damping: f64,
@@ -233,22 +234,23 @@ impl Engine {
         Ok(std::mem::take(&mut self.failed))
     }
 
-    /// Forces at the full step, to which the nodes moved in `dt` (s); elements past their break strain are deleted.
+    /// Forces at the full step, to which the nodes moved in `dt` (s); fibres past their break strain break.
     fn forces(&mut self, dt: f64) {
         self.inflate();
         self.add_forces(dt);
-        let mut failed = 0;
+        let mut failures = Failures::default();
         for film in &mut self.films {
-            let (count, energy) = film.delete_failed(self.nodes.position.axes());
+            let of_film = film.fail(self.nodes.position.axes());
+            let energy = of_film.energy;
             self.ledger.rupture += self.loads.multiplicity * (energy.stored + energy.hourglass);
             self.ledger.absorbed += self.loads.multiplicity * energy.absorbed;
-            failed += count;
+            failures.add(&of_film);
         }
-        if failed > 0 {
+        if failures.broken > 0 {
             self.time_step.tear();
             self.impact.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
         }
-        self.failed += failed;
+        self.failed += failures.failed;
     }
 
     /// Adds the load of the pressure, if there is one, and its work to the ledger.

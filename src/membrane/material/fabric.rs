@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::fibre::FibreLaw;
 use super::history::PointHistory;
-use super::{Absorption, Curve, Deformation, Energy, MembraneLaw, Stiffness, Stress, Stresses};
+use super::{Absorption, Curve, Deformation, LayerBreaks, Energy, MembraneLaw, Stiffness, Stress, Stresses};
 use crate::lane::{Lane, Lane3, dot, larger, smaller, splat};
 
 /// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve,
@@ -26,13 +26,19 @@ pub struct Fabric<F = Curve> {
     td: F,
     shear: Curve,
     absorption: Absorption,
+    layer_breaks: LayerBreaks,
 }
 
 impl<F: FibreLaw> Fabric<F> {
     /// Engineering stress (Pa) over engineering strain for MD and TD, shear stress (Pa) over shear angle (rad),
     /// and the share 0 ≤ `absorption` < 1 of the stored energy that is lost on unloading, in the fibres and in shear.
     pub fn new(md: F, td: F, shear: Curve, absorption: f64) -> Fabric<F> {
-        Fabric { md, td, shear, absorption: Absorption::new(absorption) }
+        Fabric { md, td, shear, absorption: Absorption::new(absorption), layer_breaks: LayerBreaks::default() }
+    }
+
+    /// The same film of layers that break one after another.
+    pub fn with_layer_breaks(self, layer_breaks: LayerBreaks) -> Fabric<F> {
+        Fabric { layer_breaks, ..self }
     }
 
     /// Curve of the MD fibres.
@@ -188,6 +194,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let md = self.md.stress(&self.absorption, &fibres.strain(0), history_md, dt);
         let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
         let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), &mut history.shear);
+        let [md, td, shear] = of_layers_left([md, td, shear], &history.left);
         fibres.stress(d, &md, &td, &shear)
     }
 
@@ -199,8 +206,10 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
             self.td.energy(&self.absorption, &fibres.strain(1), &history.fibres[1]),
             self.absorption.energy(&self.shear, &fibres.angle.map(f64::abs), &history.shear),
         ];
+        let [stored, absorbed] = [parts.map(|part| part.0), parts.map(|part| part.1)];
+        let (stored, absorbed) = (of_layers_left(stored, &history.left), of_layers_left(absorbed, &history.left));
         let mut total = Energy { stored: splat(0.0), absorbed: splat(0.0) };
-        for (stored, absorbed) in &parts {
+        for (stored, absorbed) in stored.iter().zip(&absorbed) {
             for l in 0..L {
                 total.stored[l] += stored[l];
                 total.absorbed[l] += absorbed[l];
@@ -218,17 +227,20 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let md = self.md.stress_near(&self.absorption, &fibres.strain(0), &history.fibres[0]);
         let td = self.td.stress_near(&self.absorption, &fibres.strain(1), &history.fibres[1]);
         let shear_stress = self.absorption.stress(&self.shear, &angle, &mut history.shear.clone());
+        let [md, td, shear_stress] = of_layers_left([md, td, shear_stress], &history.left);
         let across = fibres.stress(d, &md, &td, &shear_stress).tension.map(|t| t.map(f64::abs));
-        let mut along = [
+        let slopes = [
             self.md.largest_slope(&self.absorption, &fibres.strain(0), &history.fibres[0], REACH),
             self.td.largest_slope(&self.absorption, &fibres.strain(1), &history.fibres[1], REACH),
+            self.absorption.largest_slope(&self.shear, &angle, &history.shear, REACH),
         ];
-        let mut shear = self.absorption.largest_slope(&self.shear, &angle, &history.shear, REACH);
+        let [md, td, mut shear] = of_layers_left(slopes, &history.left);
+        let mut along = [md, td];
         let mut largest = angle;
         for l in 0..L {
             largest[l] = larger(angle[l], history.shear[l]);
         }
-        let stress = self.shear.stress_lanes(&largest);
+        let [_, _, stress] = of_layers_left([md, td, self.shear.stress_lanes(&largest)], &history.left);
         for l in 0..L {
             along[0][l] = larger(along[0][l] - across[0][l], 0.0);
             along[1][l] = larger(along[1][l] - across[1][l], 0.0);
@@ -249,13 +261,32 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
 
     #[inline(always)]
     fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2] {
-        [self.md.break_strain(&history.fibres[0]), self.td.break_strain(&history.fibres[1])]
+        let first = self.layer_breaks.first();
+        let limits = [self.md.break_strain(&history.fibres[0]), self.td.break_strain(&history.fibres[1])];
+        limits.map(|limit| limit.map(|strain| strain * first))
+    }
+
+    fn share_left(&self, ratio: f64) -> f64 {
+        self.layer_breaks.share_left(ratio)
     }
 
     fn break_range(&self) -> [[f64; 2]; 2] {
         let ([md, longest_md], [td, longest_td]) = (self.md.break_strains(), self.td.break_strains());
-        [[md, td], [longest_md, longest_td]]
+        let last = self.layer_breaks.last();
+        [[md, td], [last * longest_md, last * longest_td]]
     }
+}
+
+/// Values of one layer along MD, along TD and in shear as means over all layers: those in which one set of fibres is
+/// broken carry no shear.
+#[inline(always)]
+fn of_layers_left<const L: usize>([mut md, mut td, mut shear]: [Lane<L>; 3], left: &[Lane<L>; 2]) -> [Lane<L>; 3] {
+    for l in 0..L {
+        md[l] *= left[0][l];
+        td[l] *= left[1][l];
+        shear[l] *= smaller(left[0][l], left[1][l]);
+    }
+    [md, td, shear]
 }
 
 /// a·u + b·v in each lane.

@@ -8,6 +8,10 @@ pub trait History<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
     fn virgin() -> Self;
     /// Largest engineering strain so far of the MD (0) or TD (1) fibres.
     fn peak(&self, fibre: usize) -> &Lane<L>;
+    /// Share of the layers whose MD (0) or TD (1) fibres are not broken.
+    fn left(&self, fibre: usize) -> &Lane<L>;
+    /// The same, mutable.
+    fn left_mut(&mut self, fibre: usize) -> &mut Lane<L>;
     /// All variables, always in the same order.
     fn variables(&self) -> impl Iterator<Item = &Lane<L>>;
     /// All variables, in the order of [`History::variables`], to be restored.
@@ -33,6 +37,8 @@ pub struct PointHistory<F, const L: usize> {
     pub fibres: [F; 2],
     /// Largest shear angle so far, rad.
     pub shear: Lane<L>,
+    /// Share of the layers whose MD and TD fibres are not broken.
+    pub left: [Lane<L>; 2],
 }
 
 /// Largest strains so far of the MD fibres, the TD fibres and in shear.
@@ -40,7 +46,7 @@ pub type PeakStrains<const L: usize = LANES> = PointHistory<Lane<L>, L>;
 
 impl<F: FibreHistory<L>, const L: usize> History<L> for PointHistory<F, L> {
     fn virgin() -> Self {
-        PointHistory { fibres: [F::virgin(), F::virgin()], shear: splat(0.0) }
+        PointHistory { fibres: [F::virgin(), F::virgin()], shear: splat(0.0), left: [splat(1.0); 2] }
     }
 
     #[inline(always)]
@@ -48,12 +54,21 @@ impl<F: FibreHistory<L>, const L: usize> History<L> for PointHistory<F, L> {
         self.fibres[fibre].peak()
     }
 
+    #[inline(always)]
+    fn left(&self, fibre: usize) -> &Lane<L> {
+        &self.left[fibre]
+    }
+
+    fn left_mut(&mut self, fibre: usize) -> &mut Lane<L> {
+        &mut self.left[fibre]
+    }
+
     fn variables(&self) -> impl Iterator<Item = &Lane<L>> {
-        self.fibres.iter().flat_map(F::variables).chain([&self.shear])
+        self.fibres.iter().flat_map(F::variables).chain([&self.shear]).chain(&self.left)
     }
 
     fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
-        self.fibres.iter_mut().flat_map(F::variables_mut).chain([&mut self.shear])
+        self.fibres.iter_mut().flat_map(F::variables_mut).chain([&mut self.shear]).chain(&mut self.left)
     }
 }
 

@@ -9,6 +9,7 @@ mod elastic;
 mod fabric;
 mod fibre;
 mod history;
+mod layer_breaks;
 mod multipliers;
 mod rate_curves;
 mod tension_field;
@@ -19,6 +20,7 @@ pub use elastic::Elastic;
 pub use fabric::Fabric;
 pub use fibre::FibreLaw;
 pub use history::{FibreHistory, History, PeakStrains, PointHistory};
+pub use layer_breaks::LayerBreaks;
 pub use multipliers::Multipliers;
 pub use rate_curves::{RateCurves, RateCurvesError, RateHistory};
 pub use tension_field::TensionField;
@@ -137,8 +139,13 @@ pub trait MembraneLaw {
     fn thickness_ratio<const L: usize>(&self, stress: &Stress<L>) -> Lane<L>;
     /// Slopes of the law at rest along MD and TD, Pa.
     fn moduli(&self) -> [f64; 2];
-    /// Strains at which the MD and TD fibres break.
+    /// Strains at which the MD and TD fibres of the first layer break.
     fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2];
+    /// Share of the layers in which fibres strained to `ratio` times the strain at which the first layer breaks are not
+    /// broken.
+    fn share_left(&self, ratio: f64) -> f64 {
+        if ratio > 1.0 { 0.0 } else { 1.0 }
+    }
     /// Strains at which the MD and TD fibres break when they are strained slowly, and those at which they are broken at
     /// any rate.
     fn break_range(&self) -> [[f64; 2]; 2] {
@@ -168,6 +175,15 @@ impl Law {
     /// Strains at which the MD and TD fibres are broken however fast they were strained.
     pub fn largest_break_strains(&self) -> [f64; 2] {
         self.break_range()[1]
+    }
+
+    /// The same law of layers that break one after another; a law without fibres is as it was.
+    pub fn with_layer_breaks(self, breaks: LayerBreaks) -> Law {
+        match self {
+            Law::Fabric(fabric) => Law::Fabric(fabric.with_layer_breaks(breaks)),
+            Law::RateFabric(fabric) => Law::RateFabric(fabric.with_layer_breaks(breaks)),
+            Law::Elastic(_) | Law::TensionField(_) => self,
+        }
     }
 
     /// Lowest and highest strain rate (1/s) of all curves by strain rate; those of a fibre set with one curve have
@@ -285,7 +301,7 @@ mod tests {
             let mut history = PeakStrains::virgin();
             law.stress(&d, &mut history, 0.0);
             let mut raised = history;
-            raised.variables_mut().for_each(|peak| peak[0] += above);
+            raised.fibres.iter_mut().chain([&mut raised.shear]).for_each(|peak| peak[0] += above);
             let stress = law.stress(&d, &mut raised.clone(), 0.0);
             let energy = |d: &Deformation<1>| {
                 let mut history = if above > 0.0 { raised } else { PeakStrains::virgin() };

@@ -20,7 +20,7 @@ struct Sheet<'a> {
     first: u64,
 }
 
-/// An intact element.
+/// An element with fibres that are not broken.
 #[derive(Clone, Copy)]
 struct Cell<'a> {
     sheet: &'a Sheet<'a>,
@@ -30,7 +30,7 @@ struct Cell<'a> {
 /// The film of `outcome` in a snapshot.
 pub(super) fn grid(model: &Model, outcome: &Outcome, snapshot: &Snapshot) -> Result<Grid, VtuError> {
     let sheets = sheets(model, outcome, snapshot)?;
-    let held = |sheet: &Sheet<'_>, element: &usize| !sheet.state.failed[*element];
+    let held = |sheet: &Sheet<'_>, element: &usize| sheet.detail.left[*element] != [0.0; 2];
     let cells: Vec<Cell<'_>> = sheets
         .iter()
         .flat_map(|sheet| {
@@ -100,6 +100,8 @@ fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
         of("resultant_shear_N_m", &|cell| cell.stress()[2] * cell.thickness()),
         of("largest_strain_md", &|cell| cell.sheet.detail.peaks[cell.element][0]),
         of("largest_strain_td", &|cell| cell.sheet.detail.peaks[cell.element][1]),
+        of("layers_left_md", &|cell| cell.sheet.detail.left[cell.element][0]),
+        of("layers_left_td", &|cell| cell.sheet.detail.left[cell.element][1]),
         of("reference_thickness_m", &|cell| cell.thickness()),
         of("area_ratio", &|cell| cell.area_ratio()),
         vectors("direction_md", cells.iter().map(|cell| cell.direction(0))),

@@ -42,8 +42,9 @@ pub(crate) trait Block<const NODES: usize, const L: usize> {
     /// Volume of stress-free film, m³; zero once it is deleted.
     fn volume(&self) -> Lane<L>;
 
-    /// Whether a fibre of the element in a lane is past its break strain.
-    fn has_failed<M>(&self, law: &M, lane: usize) -> bool
+    /// Share of the layers whose MD and TD fibres are not broken in the element in a lane, at its present largest
+    /// strains: the least of its points.
+    fn layers_left<M>(&self, law: &M, lane: usize) -> [f64; 2]
     where
         M: MembraneLaw<History<L> = Self::History>;
 
@@ -75,6 +76,8 @@ pub(crate) struct BlockStrains<const L: usize> {
     pub strain: [Lane<L>; 3],
     /// Largest MD and TD strain so far.
     pub peak: [Lane<L>; 2],
+    /// Share of the layers whose MD and TD fibres are not broken.
+    pub left: [Lane<L>; 2],
 }
 
 /// Stress, thickness and fibres of the elements of one block.
@@ -183,6 +186,14 @@ impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L>
     pub(crate) fn variables(&self) -> usize {
         let first = self.blocks.first().and_then(|block| block.history().next());
         first.map_or(0, |(history, _)| history.variables().count())
+    }
+
+    /// Share of the layers whose MD and TD fibres are not broken in the element at `block`, `lane`; none where it is
+    /// deleted.
+    pub(crate) fn left(&self, block: usize, lane: usize) -> [f64; 2] {
+        let mut points = self.blocks[block].history();
+        let alive = points.next().filter(|(_, volume)| volume[lane] > 0.0);
+        alive.map_or([0.0; 2], |(history, _)| [0, 1].map(|fibre| history.left(fibre)[lane]))
     }
 
     /// Whether the element at `block`, `lane` is deleted.

@@ -99,20 +99,15 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
     where
         M: MembraneLaw<History<L> = P>,
     {
-        let mut failed = false;
+        let mut beyond = false;
         *out = [[splat(0.0); 3]; NODES];
         for point in &mut self.points {
             let d = point.deformation(x);
             let stress = law.stress(&d, &mut point.history, dt);
             point.subtract_stress(&stress.p, out);
-            let (limits, peaks) =
-                (law.break_strains::<L>(&point.history), [0, 1].map(|fibre| point.history.peak(fibre)));
-            for l in 0..L {
-                let beyond = (peaks[0][l] > limits[0][l]) | (peaks[1][l] > limits[1][l]);
-                failed |= (point.volume[l] > 0.0) & beyond;
-            }
+            beyond |= super::is_beyond(law, &point.history, &point.volume);
         }
-        failed
+        beyond
     }
 
     #[inline(always)]
@@ -148,7 +143,7 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
 
     #[inline(always)]
     fn strains(&self, x: &[Lane3<L>; NODES]) -> BlockStrains<L> {
-        let mut out = BlockStrains { strain: [splat(0.0); 3], peak: [splat(0.0); 2] };
+        let mut out = BlockStrains { strain: [splat(0.0); 3], peak: [splat(0.0); 2], left: [splat(1.0); 2] };
         for point in &self.points {
             let s = strains(&point.deformation(x));
             for (mean, value) in out.strain.iter_mut().zip([s.md, s.td, s.shear]) {
@@ -159,6 +154,7 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
             for fibre in 0..2 {
                 for l in 0..L {
                     out.peak[fibre][l] = out.peak[fibre][l].max(point.history.peak(fibre)[l]);
+                    out.left[fibre][l] = out.left[fibre][l].min(point.history.left(fibre)[l]);
                 }
             }
         }
@@ -185,8 +181,9 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
         volume
     }
 
-    fn has_failed<M: MembraneLaw<History<L> = P>>(&self, law: &M, lane: usize) -> bool {
-        self.points.iter().any(|point| super::has_failed(law, &point.history, lane))
+    fn layers_left<M: MembraneLaw<History<L> = P>>(&self, law: &M, lane: usize) -> [f64; 2] {
+        let least = |[md, td]: [f64; 2], left: [f64; 2]| [md.min(left[0]), td.min(left[1])];
+        self.points.iter().map(|point| super::layers_left(law, &point.history, lane)).fold([1.0; 2], least)
     }
 
     fn delete(&mut self, lane: usize) {

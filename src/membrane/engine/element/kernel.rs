@@ -140,6 +140,13 @@ impl ElementEnergy {
         self.absorbed += other.absorbed;
         self.hourglass += other.hourglass;
     }
+
+    /// Subtracts those of other elements.
+    pub fn subtract(&mut self, other: &ElementEnergy) {
+        self.stored -= other.stored;
+        self.absorbed -= other.absorbed;
+        self.hourglass -= other.hourglass;
+    }
 }
 
 at_width! {
@@ -253,8 +260,17 @@ pub struct ElementStrain {
     pub strain: [f64; 3],
     /// Largest MD and TD strain so far.
     pub peak: [f64; 2],
+    /// Share of the layers whose MD and TD fibres are not broken; zero where it is deleted.
+    pub left: [f64; 2],
     /// Volume of stress-free film, m³; zero once it is deleted.
     pub volume: f64,
+}
+
+impl ElementStrain {
+    /// Whether the MD or the TD fibres of all layers are broken.
+    pub fn has_failed(&self) -> bool {
+        self.left.contains(&0.0)
+    }
 }
 
 at_width! {
@@ -273,10 +289,11 @@ fn strains_lanewise<B: Block<NODES, LANES>, const NODES: usize>(
     let mut x = [[splat(0.0); 3]; NODES];
     for ((corners, block), out) in elements.corners.iter().zip(&elements.blocks).zip(out.chunks_mut(LANES)) {
         gather(corners, position, &mut x);
-        let BlockStrains { strain, peak } = block.strains(&x);
+        let BlockStrains { strain, peak, left } = block.strains(&x);
         let volume = block.volume();
         for (l, out) in out.iter_mut().enumerate() {
-            *out = ElementStrain { strain: strain.map(|s| s[l]), peak: peak.map(|p| p[l]), volume: volume[l] };
+            let left = if volume[l] == 0.0 { [0.0; 2] } else { left.map(|share| share[l]) };
+            *out = ElementStrain { strain: strain.map(|s| s[l]), peak: peak.map(|p| p[l]), left, volume: volume[l] };
         }
     }
 }

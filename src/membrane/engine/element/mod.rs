@@ -22,7 +22,7 @@ pub use reference::{StressFree, UndefinedFibreDirection};
 
 use nalgebra::Point3;
 
-use crate::lane::LANES;
+use crate::lane::{LANES, Lane};
 use crate::material::{History, MembraneLaw, PeakStrains};
 use gauss::GaussElement;
 
@@ -33,14 +33,36 @@ pub(crate) type FullQuads<const L: usize = LANES, P = PeakStrains<L>> = Blocks<G
 /// Triangles.
 pub(crate) type Tris<const L: usize = LANES, P = PeakStrains<L>> = Blocks<Gauss<3, 1, L, P>, 3, L>;
 
-/// Whether a fibre of the point with `history` in a lane is past its break strain.
-fn has_failed<M: MembraneLaw<History<L> = P>, P: History<L>, const L: usize>(
+/// Share of the layers whose MD and TD fibres are not broken at the point with `history` in a lane, at its present
+/// largest strains.
+fn layers_left<M: MembraneLaw<History<L> = P>, P: History<L>, const L: usize>(
     law: &M,
     history: &P,
     lane: usize,
+) -> [f64; 2] {
+    let first = law.break_strains::<L>(history);
+    [0, 1].map(|fibre| {
+        let (peak, limit) = (history.peak(fibre)[lane], first[fibre][lane]);
+        let left = if peak > limit { law.share_left(peak / limit) } else { 1.0 };
+        left.min(history.left(fibre)[lane])
+    })
+}
+
+/// Whether a fibre set with layers left is strained beyond the break of the first.
+#[inline(always)]
+fn is_beyond<M: MembraneLaw<History<L> = P>, P: History<L>, const L: usize>(
+    law: &M,
+    history: &P,
+    volume: &Lane<L>,
 ) -> bool {
     let limits = law.break_strains::<L>(history);
-    (0..2).any(|fibre| history.peak(fibre)[lane] > limits[fibre][lane])
+    let (peaks, left) = ([0, 1].map(|fibre| history.peak(fibre)), [0, 1].map(|fibre| history.left(fibre)));
+    let mut beyond = false;
+    for l in 0..L {
+        let of = |fibre: usize| (peaks[fibre][l] > limits[fibre][l]) & (left[fibre][l] > 0.0);
+        beyond |= (volume[l] > 0.0) & (of(0) | of(1));
+    }
+    beyond
 }
 
 /// A kind of element that is built from the stress-free coordinates (m, along MD and TD) of its nodes.

@@ -89,7 +89,8 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
     {
         let shape = self.shape::<SKEWED>(x);
         let mut stress = law.stress(&shape.deformation, &mut self.history, dt);
-        let h = shape.hourglass_force(&self.volume, &mut stress, stabilisation(law));
+        let left = [self.history.left(0), self.history.left(1)];
+        let h = shape.hourglass_force(&self.volume, &mut stress, stabilisation(law), left);
         for axis in 0..3 {
             for l in 0..L {
                 let (vp, vq) = (self.volume[l] * stress.p[0][axis][l], self.volume[l] * stress.p[1][axis][l]);
@@ -104,27 +105,27 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
                 out[3][axis][l] = quarter + second;
             }
         }
-        let (limits, peaks) = (law.break_strains::<L>(&self.history), [0, 1].map(|fibre| self.history.peak(fibre)));
-        let mut failed = false;
-        for l in 0..L {
-            let beyond = (peaks[0][l] > limits[0][l]) | (peaks[1][l] > limits[1][l]);
-            failed |= (self.volume[l] > 0.0) & beyond;
-        }
-        failed
+        super::is_beyond(law, &self.history, &self.volume)
     }
 }
 
 impl<const L: usize> Shape<L> {
     /// h = V Σ_I H_I [ 2∂W/∂|f_I|² q + κ_I (f_I·q) f_I ], of which node a gets −γ_a h; adds the part of the
-    /// stabilisation in ∂W/∂f_I, κ_I H_I (f_I·q) q, to the stress (theory.md, equation 14).
+    /// stabilisation, which the share of layers `left` has, in ∂W/∂f_I, κ_I H_I (f_I·q) q, to the stress (theory.md, equation 14).
     #[inline(always)]
-    fn hourglass_force(&self, volume: &Lane<L>, stress: &mut Stress<L>, stabilisation: [f64; 2]) -> Lane3<L> {
+    fn hourglass_force(
+        &self,
+        volume: &Lane<L>,
+        stress: &mut Stress<L>,
+        stabilisation: [f64; 2],
+        left: [&Lane<L>; 2],
+    ) -> Lane3<L> {
         let f = &self.deformation.f;
         let mut stabilising = [dot(&f[0], &self.q), dot(&f[1], &self.q)];
         let mut tension = splat::<L>(0.0);
         for fibre in 0..2 {
             for l in 0..L {
-                stabilising[fibre][l] *= stabilisation[fibre] * self.mean_square[fibre][l];
+                stabilising[fibre][l] *= stabilisation[fibre] * self.mean_square[fibre][l] * left[fibre][l];
                 tension[l] += self.mean_square[fibre][l] * stress.tension[fibre][l];
             }
         }
@@ -187,7 +188,9 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
         let along = [dot(&f[0], &shape.q), dot(&f[1], &shape.q)];
         let mut out = BlockEnergies::NONE;
         for l in 0..L {
-            let stabilising = |i: usize| 0.5 * stabilisation[i] * shape.mean_square[i][l] * along[i][l] * along[i][l];
+            let stabilising = |i: usize| {
+                0.5 * stabilisation[i] * shape.mean_square[i][l] * along[i][l] * along[i][l] * self.history.left(i)[l]
+            };
             out.stored[l] = self.volume[l] * energy.stored[l];
             out.absorbed[l] = self.volume[l] * energy.absorbed[l];
             out.hourglass[l] = self.volume[l] * (stabilising(0) + stabilising(1));
@@ -219,7 +222,7 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
             for i in 0..2 {
                 // The two parts of the gradient of f_I·q, each doubled for the product of both.
                 let moved = squares[i][l] * modes[l] + amplitude[l] * g[i][i][l];
-                bound[l] += 2.0 * stabilisation[i] * shape.mean_square[i][l] * moved;
+                bound[l] += 2.0 * stabilisation[i] * shape.mean_square[i][l] * moved * self.history.left(i)[l];
             }
             bound[l] *= self.volume[l];
         }
@@ -229,7 +232,8 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     #[inline(always)]
     fn strains(&self, x: &[Lane3<L>; 4]) -> BlockStrains<L> {
         let s = strains(&self.shape::<true>(x).deformation);
-        BlockStrains { strain: [s.md, s.td, s.shear], peak: [0, 1].map(|fibre| *self.history.peak(fibre)) }
+        let [peak, left] = [History::peak, History::left].map(|of| [0, 1].map(|fibre| *of(&self.history, fibre)));
+        BlockStrains { strain: [s.md, s.td, s.shear], peak, left }
     }
 
     fn details<M>(&self, law: &M, x: &[Lane3<L>; 4]) -> BlockDetails<L>
@@ -246,8 +250,8 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
         self.volume
     }
 
-    fn has_failed<M: MembraneLaw<History<L> = P>>(&self, law: &M, lane: usize) -> bool {
-        super::has_failed(law, &self.history, lane)
+    fn layers_left<M: MembraneLaw<History<L> = P>>(&self, law: &M, lane: usize) -> [f64; 2] {
+        super::layers_left(law, &self.history, lane)
     }
 
     fn delete(&mut self, lane: usize) {
