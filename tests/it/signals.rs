@@ -136,6 +136,27 @@ fn a_square_pulse_has_its_criterion_and_its_clip() {
     }
 }
 
+/// The head hits with 60 g, and with 90 g on its rebound.
+#[test]
+fn the_rebound_can_be_left_out() {
+    let pulses = |t: f64| match t {
+        t if (0.010..0.020).contains(&t) => 60.0,
+        t if (0.060..0.070).contains(&t) => 90.0,
+        _ => 0.0,
+    };
+    let folder = folder(&[("a.csv", table("time_s,accel [g]", 1e-4, 1001, pulses))]);
+    let path = folder.path().join("a.csv");
+    let path = path.to_str().expect("UTF-8");
+    let clip = |more: &[&str]| json(&[&["clip", path, "--json"], more].concat());
+    assert!((number(&clip(&[]), "clip_g") - 90.0).abs() < 1e-9);
+    let cut = clip(&["--until", "40 ms"]);
+    assert!((number(&cut, "clip_g") - 60.0).abs() < 1e-9 && number(&cut, "until_ms") == 40.0, "{cut}");
+    let hic = json(&["hic", path, "--json", "--until", "40"]);
+    assert!((number(&hic, "hic") - 0.01 * 60_f64.powf(2.5)).abs() < 3.0, "{hic}");
+    let refused = droptower(&["clip", path, "--until", "-1"]);
+    assert!(workbench::error(&refused).contains("the record begins at 0 ms and ends at 100 ms, none of it before -1 ms"));
+}
+
 #[test]
 fn a_class_filters_first() {
     // A whistle of 4 kHz above a half-sine.

@@ -54,6 +54,8 @@ struct Figures {
     end_s: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     filter_class: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    until_ms: Option<f64>,
     #[serde(flatten)]
     remarks: Remarks,
 }
@@ -78,6 +80,7 @@ fn figures(args: &ClipArgs) -> Result<Figures, Diagnostic> {
         start_s: clean_time(found.start),
         end_s: clean_time(found.end),
         filter_class: args.acceleration.class,
+        until_ms: args.acceleration.until,
         remarks: (&read.annotations).into(),
     })
 }
@@ -90,7 +93,7 @@ fn text(args: &ClipArgs, figures: &Figures) -> String {
     };
     let text = format!(
         "{duration_ms} ms clip  {clip_g:.3} g  {counting}, between {start_s:.6} s and {end_s:.6} s, {}\n{}",
-        args.acceleration.filtered(),
+        args.acceleration.treated(),
         figures.remarks.lines()
     );
     text.trim_end().to_owned()

@@ -31,6 +31,8 @@ struct Figures {
     mean_g: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     filter_class: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    until_ms: Option<f64>,
     #[serde(flatten)]
     remarks: Remarks,
 }
@@ -52,6 +54,7 @@ fn figures(args: &HicArgs) -> Result<Figures, Diagnostic> {
         duration_ms: clean_time(1e3 * (found.end - found.start)),
         mean_g: found.mean / STANDARD_GRAVITY,
         filter_class: args.acceleration.class,
+        until_ms: args.acceleration.until,
         remarks: (&read.annotations).into(),
     })
 }
@@ -60,7 +63,7 @@ fn text(args: &HicArgs, figures: &Figures) -> String {
     let Figures { hic, window_ms, t1_s, t2_s, duration_ms, mean_g, .. } = figures;
     let text = format!(
         "HIC{window_ms}  {hic:.3}  {mean_g:.2} g over {duration_ms:.3} ms, from {t1_s:.6} s to {t2_s:.6} s, {}\n{}",
-        args.acceleration.filtered(),
+        args.acceleration.treated(),
         figures.remarks.lines()
     );
     text.trim_end().to_owned()
