@@ -356,6 +356,10 @@ quantities! {
     Pressure: "a pressure", "Pa", "8.4 MPa", [-1, 1, -2, 0];
     /// kg/m³.
     Density: "a density", "kg/m3", "915 kg/m3", [-3, 1, 0, 0];
+    /// kg/m².
+    AreaDensity: "a mass per area", "kg/m2", "0.1 kg/m2", [-2, 1, 0, 0];
+    /// m².
+    Area: "an area", "m2", "20 cm2", [2, 0, 0, 0];
     /// rad.
     Angle: "an angle", "rad", "45 deg", [0, 0, 0, 1];
     /// Hz.

@@ -1,5 +1,6 @@
 //! The checked scenario: SI values, complete, immutable.
 
+mod air;
 mod mistakes;
 mod frame;
 mod impactor;
@@ -64,6 +65,7 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
     let loading = loading::check(scenario, mistakes);
     let faces = layers::check(scenario, &loading, mistakes);
     let frame = frame::check(scenario, mistakes);
+    let air = air::check(scenario, &loading, faces.as_deref(), &frame, mistakes);
     let impactor = impactor::check(scenario, mistakes);
     let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
@@ -77,6 +79,7 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
         frame,
         impactor,
         loading,
+        air,
         solver,
         output,
         reference,
@@ -104,6 +107,8 @@ pub struct Model {
     pub impactor: Option<Impactor>,
     /// The loading.
     pub loading: Loading,
+    /// The air around the film, where it is computed.
+    pub air: Option<Air>,
     /// Time stepping.
     pub solver: Solver,
     /// Sampling and channel filter.
@@ -292,6 +297,28 @@ pub enum Loading {
         /// Factor on the film's mass; `None` chooses it from the periods of the film.
         mass_scaling: Option<f64>,
     },
+}
+
+/// The air around the film.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Air {
+    /// That between the two faces.
+    pub cushion: Option<Cushion>,
+    /// Mass of air per area of film that moves with it, kg/m².
+    pub added_mass: f64,
+    /// kg/m³.
+    pub density: f64,
+    /// Pa.
+    pub pressure: f64,
+}
+
+/// Air between two faces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cushion {
+    /// Exponent of pressure over density.
+    pub exponent: f64,
+    /// Area of the vents times their discharge coefficient, m².
+    pub vent: f64,
 }
 
 /// How time is stepped.

@@ -2,6 +2,7 @@
 //! one sentence. The schema for editors, `droptower explain` and the validator all follow
 //! from these structs. Relations between keys are checked by the model.
 
+mod air;
 mod assignment;
 pub mod coupon_material;
 mod curve_file;
@@ -31,6 +32,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use air::{Air, Compression};
 pub use assignment::Assignment;
 pub use document::Document;
 pub use frame::{EdgeChoice, Frame, Hold, Side};
@@ -81,6 +83,8 @@ pub struct Scenario {
     pub impactor: Option<Impactor>,
     /// The loading of the specimen.
     pub loading: Loading,
+    /// The air around the film.
+    pub air: Option<Air>,
     /// Time stepping.
     #[serde(default)]
     pub solver: Solver,

@@ -60,6 +60,8 @@ columns! {
     FRAME_FORCE_X = "frame_force_x_N", "frame_force_x", "N", "force" ("N"), 1.0;
     /// Mean force on the held sides across y.
     FRAME_FORCE_Y = "frame_force_y_N", "frame_force_y", "N", "force" ("N"), 1.0;
+    /// Pressure of the air between two faces over that of the surroundings.
+    AIR_PRESSURE = "air_pressure_Pa", "air_pressure", "Pa", "air pressure" ("Pa"), 1.0;
     /// Force on the jaws, or on the impactor of an indentation.
     FORCE = "force_N", "force", "N", "force" ("N"), 1.0;
     /// Engineering strain between the jaws.

@@ -47,7 +47,9 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     for face in &model.faces {
         let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)?;
         let first = nodes.position.len();
-        films.push(Film::mount(&mesh, &mount::section(face, mass_scaling), face.height, &mut nodes)?);
+        let mut section = mount::section(face, mass_scaling);
+        section.density += model.air.map_or(0.0, |air| air.added_mass) / section.thickness;
+        films.push(Film::mount(&mesh, &section, face.height, &mut nodes)?);
         mount::mirror(&mut nodes, &mesh, first);
         held.mount(&mesh, first);
         loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold));

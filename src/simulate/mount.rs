@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::fault::RunError;
 use super::film::Film as FilmTopology;
 use super::frame_force::HeldSides;
-use crate::engine::{Contact, Film, Nodes, RigidBody, Section, Surface};
+use crate::engine::{self, Contact, Film, Loads, Nodes, RigidBody, Section, Surface};
 use crate::mesh::{self, Element, Mesh};
 use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model};
 
@@ -31,6 +31,25 @@ pub fn section(face: &Face, mass_scaling: f64) -> Section {
         prestrain: face.prestrain,
         full_integration: face.meshing.element == Element::Quad4Full,
     }
+}
+
+/// Adds the air around `films` to `loads`; its mass that moves with them is in their sections.
+pub(super) fn surround(model: &Model, films: &[Film], nodes: &Nodes, loads: &mut Loads) {
+    let Some(air) = &model.air else { return };
+    let mass: f64 = nodes.mass.iter().sum();
+    let own = |(face, film): (&Face, &Film)| {
+        let mass: f64 = nodes.mass[film.nodes.clone()].iter().sum();
+        let per_area = face.material.density * film.thickness;
+        mass * per_area / (per_area + air.added_mass)
+    };
+    loads.weight_share = model.faces.iter().zip(films).map(own).sum::<f64>() / mass;
+    loads.cushion = air.cushion.map(|cushion| {
+        let copies = model.specimen.symmetry.copies();
+        let between = model.faces[0].height - model.faces[1].height - 0.5 * (films[0].thickness + films[1].thickness);
+        let (ambient, density) = (air.pressure, air.density);
+        let volume = engine::area(&films[0], nodes) * between;
+        engine::Cushion { ambient, density, exponent: cushion.exponent, vent: cushion.vent / copies, volume }
+    });
 }
 
 /// The surface of an impactor of this shape about its centre of mass.

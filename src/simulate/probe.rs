@@ -18,7 +18,7 @@ use super::tracks::Tracks;
 use super::warning::bounds::KINETIC;
 use crate::engine::{self, ElementStrain, Engine, Observer, Relaxation, Track, View};
 use crate::model::Model;
-use crate::signal::{Recording, column};
+use crate::signal::{Channel, Recording, column};
 
 /// Audits of energies, contact and strains in a run, unless there are fewer samples.
 const AUDITS: f64 = 400.0;
@@ -196,6 +196,9 @@ impl<'a> Probe<'a> {
         if !self.held.is_empty() {
             self.record.tracks.frame.push(view.time, self.held.force(view.nodes));
         }
+        if let Some(pressure) = view.cushion_pressure() {
+            self.record.tracks.air.push(view.time, [pressure]);
+        }
         if self.loading.has_rise() {
             self.record.tracks.rise.push(view.time, [self.record.rise.largest(view)]);
         }
@@ -276,6 +279,10 @@ impl<'a> Probe<'a> {
         let tracks = &self.record.tracks;
         let mut signals = self.loading.signals(tracks, mounting);
         self.held.add_columns(&tracks.frame.rows, &mut signals);
+        if !tracks.air.rows.is_empty() {
+            let values = tracks.air.rows.iter().take(signals.time.len()).map(|[pressure]| *pressure).collect();
+            signals.channels.push(Channel { name: column::AIR_PRESSURE.name.into(), values });
+        }
         signals
     }
 }

@@ -21,6 +21,8 @@ pub(super) struct Tracks {
     pub(super) strains: Grid<2>,
     /// Force of the film on the frame along x and y, N; only where a frame holds sides.
     pub(super) frame: Grid<2>,
+    /// Pressure of the air between two faces over that of the surroundings, Pa; only where it is computed.
+    pub(super) air: Grid<1>,
     /// Largest rise of a node, m; only under pressure.
     pub(super) rise: Grid<1>,
     /// Height of the impactor at its first impulse, m.
@@ -42,6 +44,7 @@ impl Tracks {
             at_half_steps,
             strains: Grid::new(0.0, sample),
             frame: Grid::new(0.0, sample),
+            air: Grid::new(0.0, sample),
             rise: Grid::new(0.0, sample),
             first_contact: None,
         }

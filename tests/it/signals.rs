@@ -154,7 +154,9 @@ fn the_rebound_can_be_left_out() {
     let hic = json(&["hic", path, "--json", "--until", "40"]);
     assert!((number(&hic, "hic") - 0.01 * 60_f64.powf(2.5)).abs() < 3.0, "{hic}");
     let refused = droptower(&["clip", path, "--until", "-1"]);
-    assert!(workbench::error(&refused).contains("the record begins at 0 ms and ends at 100 ms, none of it before -1 ms"));
+    assert!(
+        workbench::error(&refused).contains("the record begins at 0 ms and ends at 100 ms, none of it before -1 ms")
+    );
 }
 
 #[test]

@@ -50,7 +50,8 @@ impl AccelerationArgs {
             return Ok(series.window([f64::NEG_INFINITY, 1e-3 * until]));
         }
         let [until, first, last] = [until, 1e3 * first, 1e3 * last].map(|time| significant(time, 6));
-        Err(self.mistake(format!("the record begins at {first} ms and ends at {last} ms, none of it before {until} ms")))
+        Err(self
+            .mistake(format!("the record begins at {first} ms and ends at {last} ms, none of it before {until} ms")))
     }
 
     /// What is wrong with the channel.

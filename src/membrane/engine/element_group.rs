@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::element::{self, Block, Blocks, ElementDetail, ElementEnergy, ElementStrain, OwnForces};
-use super::film_history::{FilmHistory, Reader};
 use super::failure::{self, Failures};
+use super::film_history::{FilmHistory, Reader};
 use super::footprint;
 use crate::lane::{LANES, Width};
 use crate::material::{History, MembraneLaw};

@@ -1,5 +1,6 @@
 //! Loads and prescribed motion.
 
+use super::cushion::Cushion;
 use super::pressure::Inflation;
 
 /// Loads and prescribed motion besides contact.
@@ -13,6 +14,10 @@ pub struct Loads {
     pub jaws: Vec<Jaw>,
     /// Pressure on the lower side of the film, whose edge is held.
     pub inflation: Option<Inflation>,
+    /// Air between the first two faces, whose edges are held.
+    pub cushion: Option<Cushion>,
+    /// Share of the mass of film that has weight: the rest is air that moves with it.
+    pub weight_share: f64,
     /// Parts of film of which one is computed; the others are its mirror images.
     pub multiplicity: f64,
     /// Factor on the stable time step, 0 < factor ≤ 1.
@@ -22,7 +27,23 @@ pub struct Loads {
 impl Default for Loads {
     /// No load on a film without symmetry.
     fn default() -> Loads {
-        Loads { gravity: 0.0, damping: 0.0, jaws: vec![], inflation: None, multiplicity: 1.0, step_factor: 1.0 }
+        Loads {
+            gravity: 0.0,
+            damping: 0.0,
+            jaws: vec![],
+            inflation: None,
+            cushion: None,
+            weight_share: 1.0,
+            multiplicity: 1.0,
+            step_factor: 1.0,
+        }
+    }
+}
+
+impl Loads {
+    /// Acceleration of free film, m/s², downward.
+    pub(super) fn film_gravity(&self) -> f64 {
+        self.gravity * self.weight_share
     }
 }
 

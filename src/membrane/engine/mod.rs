@@ -6,6 +6,7 @@
 
 mod colouring;
 mod contact;
+mod cushion;
 mod disjoint;
 mod element;
 mod element_group;
@@ -34,6 +35,7 @@ mod thread_pool_tests;
 mod time_step;
 
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
+pub use cushion::{Cushion, area};
 pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, UndefinedFibreDirection};
 pub use energy::Energies;
 pub use failure::Failures;
@@ -56,6 +58,7 @@ use time_step::TimeStep;
 use std::ops::Range;
 
 use colouring::Colouring;
+use cushion::{CushionState, Enclosed};
 use disjoint::Disjoint;
 use film::SharedFilm;
 use nodes::{Kick, StepSums};
@@ -75,6 +78,10 @@ pub struct Engine {
     previous: PreviousStep,
     /// Pressure and enclosed volume of the last step.
     inflated: Option<Inflated>,
+    /// Air between the first two faces in the last step.
+    cushion: Option<CushionState>,
+    /// Volume between the first two faces as mounted, up to the constant of [`Enclosed::volume`], m³.
+    mounted_volume: f64,
     pool: ThreadPool,
     /// All chunks: film and index of the chunk in it.
     chunks: Vec<(usize, usize)>,
@@ -148,6 +155,7 @@ impl Engine {
             (start..end).step_by(NODES_PER_RANGE).map(move |from| from..end.min(from + NODES_PER_RANGE))
         };
         let node_ranges = films.iter().flat_map(|film| cut(film.nodes.clone())).collect();
+        let mounted_volume = loads.cushion.map_or(0.0, |_| Enclosed::between(&films, &nodes).volume);
         let mut engine = Engine {
             films,
             nodes,
@@ -159,6 +167,8 @@ impl Engine {
             ledger: EnergyLedger::default(),
             previous: PreviousStep::default(),
             inflated: None,
+            cushion: None,
+            mounted_volume,
             pool: ThreadPool::new(1),
             chunks,
             colouring,
@@ -237,10 +247,14 @@ impl Engine {
     /// Forces at the full step, to which the nodes moved in `dt` (s); fibres past their break strain break.
     fn forces(&mut self, dt: f64) {
         self.inflate();
+        self.press(dt);
         self.add_forces(dt);
         let mut failures = Failures::default();
-        for film in &mut self.films {
+        for (face, film) in self.films.iter_mut().enumerate() {
             let of_film = film.fail(self.nodes.position.axes());
+            if let Some(cushion) = self.cushion.as_mut().filter(|_| face < 2 && of_film.failed > 0) {
+                cushion.is_open = true;
+            }
             let energy = of_film.energy;
             self.ledger.rupture += self.loads.multiplicity * (energy.stored + energy.hourglass);
             self.ledger.absorbed += self.loads.multiplicity * energy.absorbed;
@@ -259,6 +273,19 @@ impl Engine {
         let now = pressure::inflate(&self.films, &mut self.nodes, inflation.at(self.time));
         self.ledger.external -= self.loads.multiplicity * now.work_since(self.inflated);
         self.inflated = Some(now);
+    }
+
+    /// Adds the load of the air between the first two faces `dt` (s) after the last step, if it is computed, and its work
+    /// to the ledger.
+    fn press(&mut self, dt: f64) {
+        let Some(air) = &self.loads.cushion else { return };
+        let enclosed = Enclosed::between(&self.films, &self.nodes);
+        let now = air.after(self.cushion, air.volume + enclosed.volume - self.mounted_volume, dt);
+        for (n, gradient) in enclosed.gradient.iter().enumerate() {
+            self.nodes.force.add(n, (now.pressure * gradient).into());
+        }
+        self.ledger.external -= self.loads.multiplicity * now.work_since(self.cushion);
+        self.cushion = Some(now);
     }
 
     /// Adds the forces of the films to those of their nodes.
@@ -299,7 +326,7 @@ impl Engine {
         let Engine { films, nodes, impact, .. } = self;
         let record = impact.as_mut().map(|Impact { body, contact }| contact.prepare(films, nodes, body));
         let kick = Kick::new(over, self.loads.damping);
-        let integration = nodes.integration(kick, dt, self.loads.gravity, record);
+        let integration = nodes.integration(kick, dt, self.loads.film_gravity(), record);
         let (width, ranges) = (self.pool.width(), &self.node_ranges);
         let mut parts = vec![StepSums::default(); ranges.len()];
         let sums_of = Disjoint::new(&mut parts);
@@ -380,6 +407,7 @@ impl Engine {
             body,
             contact,
             loads: &self.loads,
+            cushion: self.cushion,
             ledger: self.ledger,
             previous: &self.previous,
             pool: &self.pool,

@@ -1,5 +1,6 @@
 //! Observers of a run, and the state that they are shown.
 
+use super::cushion::CushionState;
 use super::thread_pool::ThreadPool;
 use super::{
     Contact, ContactState, ElementStrain, Energies, EnergyLedger, Fault, Film, Loads, Nodes, PreviousStep, RigidBody,
@@ -52,6 +53,7 @@ pub struct View<'a> {
     pub body: Option<&'a RigidBody>,
     pub(super) contact: Option<&'a Contact>,
     pub(super) loads: &'a Loads,
+    pub(super) cushion: Option<CushionState>,
     pub(super) ledger: EnergyLedger,
     pub(super) previous: &'a PreviousStep,
     pub(super) pool: &'a ThreadPool,
@@ -61,7 +63,7 @@ impl View<'_> {
     /// The energy balance at this step.
     pub fn energies(&self) -> Energies {
         let multiplicity = self.loads.multiplicity;
-        let g = self.loads.gravity;
+        let (g, of_film) = (self.loads.gravity, self.loads.film_gravity());
         let mut out = Energies {
             rupture: self.ledger.rupture,
             absorbed: self.ledger.absorbed,
@@ -78,7 +80,7 @@ impl View<'_> {
         for (n, mass) in self.nodes.mass.iter().enumerate() {
             let (v, u) = (self.nodes.velocity.at(n), self.previous.velocity.at(n));
             out.kinetic_film += multiplicity * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
-            out.potential += multiplicity * mass * g * self.nodes.position.at(n)[2];
+            out.potential += multiplicity * mass * of_film * self.nodes.position.at(n)[2];
         }
         if let (Some(body), Some(before)) = (self.body, &self.previous.body) {
             out.kinetic_impactor = body.kinetic_energy(before);
@@ -103,6 +105,11 @@ impl View<'_> {
     pub fn velocity(&self, node: usize) -> [f64; 3] {
         let (before, after) = (self.previous.velocity.at(node), self.nodes.velocity.at(node));
         [0, 1, 2].map(|axis| 0.5 * (before[axis] + after[axis]))
+    }
+
+    /// Pressure of the air between the first two faces over that of the surroundings, Pa; none where it is not computed.
+    pub fn cushion_pressure(&self) -> Option<f64> {
+        self.cushion.map(|cushion| cushion.pressure)
     }
 
     /// State of contact, if there is an impactor.

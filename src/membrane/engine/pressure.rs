@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::film::Film;
-use super::nodes::Nodes;
+use super::nodes::{Nodes, Vectors};
 
 /// A pressure that rises smoothly and is then constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,40 +47,43 @@ pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Infla
     let mut volume = 0.0;
     for film in films {
         film.for_each_intact(|corners| {
-            let place = |a: usize| Vector3::from(nodes.position.at(corners[a] as usize));
-            volume += match corners.len() {
-                3 => add_load(nodes, corners, pressure, triangle([place(0), place(1), place(2)])),
-                _ => add_load(nodes, corners, pressure, quad([place(0), place(1), place(2), place(3)])),
-            };
+            let load = ElementLoad::of(corners, &nodes.position);
+            for (n, area) in corners.iter().zip(load.areas) {
+                nodes.force.add(*n as usize, (pressure * area).into());
+            }
+            volume += load.volume;
         });
     }
     Inflated { pressure, volume }
 }
 
-/// Adds an element's load to its nodes and returns its part of the volume.
-fn add_load<const N: usize>(nodes: &mut Nodes, corners: &[u32], pressure: f64, load: ElementLoad<N>) -> f64 {
-    for (n, area) in corners.iter().zip(load.areas) {
-        nodes.force.add(*n as usize, (pressure * area).into());
-    }
-    load.volume
-}
-
 /// The load on an element under unit pressure.
-struct ElementLoad<const N: usize> {
-    /// Vector area that belongs to each node, m².
-    areas: [Vector3<f64>; N],
+pub(super) struct ElementLoad {
+    /// Vector area that belongs to each node, m²; the last one of a triangle does not count.
+    pub(super) areas: [Vector3<f64>; 4],
     /// Volume of the cone from the origin to the element, m³.
-    volume: f64,
+    pub(super) volume: f64,
 }
 
-fn triangle(x: [Vector3<f64>; 3]) -> ElementLoad<3> {
+impl ElementLoad {
+    /// That of the element with these nodes.
+    pub(super) fn of(corners: &[u32], position: &Vectors) -> ElementLoad {
+        let place = |a: usize| Vector3::from(position.at(corners[a] as usize));
+        match corners.len() {
+            3 => triangle([place(0), place(1), place(2)]),
+            _ => quad([place(0), place(1), place(2), place(3)]),
+        }
+    }
+}
+
+fn triangle(x: [Vector3<f64>; 3]) -> ElementLoad {
     let area = (x[1] - x[0]).cross(&(x[2] - x[0])) / 2.0;
-    ElementLoad { areas: [area / 3.0; 3], volume: x[0].dot(&area) / 3.0 }
+    ElementLoad { areas: [area / 3.0; 4], volume: x[0].dot(&area) / 3.0 }
 }
 
 /// ∫ N_a ∂x/∂ξ × ∂x/∂η dξdη (theory.md, equation 29) over the bilinear surface x = c + ξ a + η b + ξη h, in closed
 /// form.
-fn quad(x: [Vector3<f64>; 4]) -> ElementLoad<4> {
+fn quad(x: [Vector3<f64>; 4]) -> ElementLoad {
     const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let a = (x[1] + x[2] - x[0] - x[3]) / 4.0;
     let b = (x[2] + x[3] - x[0] - x[1]) / 4.0;
@@ -142,7 +145,7 @@ mod tests {
         let x = [[0.0, 0.0, 2.0], [1.0, 0.2, 2.0], [1.3, 1.1, 2.0], [-0.1, 0.8, 2.0]].map(Vector3::from);
         let whole = quad(x);
         let halves = [triangle([x[0], x[1], x[2]]), triangle([x[0], x[2], x[3]])];
-        let area: Vector3<f64> = halves.iter().flat_map(|half| half.areas).sum();
+        let area: Vector3<f64> = halves.iter().flat_map(|half| &half.areas[..3]).sum();
         assert!((whole.areas.iter().sum::<Vector3<f64>>() - area).norm() < 1e-15);
         assert!((whole.volume - halves[0].volume - halves[1].volume).abs() < 1e-15);
         assert!(area.z > 0.0, "the load on a counter-clockwise element acts upwards");

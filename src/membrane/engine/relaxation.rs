@@ -106,7 +106,8 @@ impl Engine {
                 }
             }
             let over = if at_rest { 0.5 * dt } else { 0.5 * (last + dt) };
-            let drift = |range: &Range<usize>| self.nodes.relax(range.clone(), over, dt, self.loads.gravity, lightness);
+            let drift =
+                |range: &Range<usize>| self.nodes.relax(range.clone(), over, dt, self.loads.film_gravity(), lightness);
             let now: f64 = ranges.iter().map(drift).sum();
             steps += 1;
             at_rest = now < kinetic;
@@ -157,7 +158,7 @@ impl Engine {
     /// Largest residual of any `wanted` film with the forces at the nodes (theory.md, equation 172).
     fn residual(&self, wanted: &[bool]) -> f64 {
         let of_film = |film: &Film| {
-            let [free, held] = self.nodes.squared_forces(film.nodes.clone(), self.loads.gravity);
+            let [free, held] = self.nodes.squared_forces(film.nodes.clone(), self.loads.film_gravity());
             if free == 0.0 { 0.0 } else { (free / held.max(self.squared_round_off(film))).sqrt() }
         };
         let larger = |most: f64, residual: f64| if residual > most || residual.is_nan() { residual } else { most };
@@ -178,6 +179,7 @@ impl Engine {
         self.nodes.clear_forces();
         self.ledger = EnergyLedger::default();
         self.inflated = None;
+        self.cushion = None;
         self.failed = 0;
         self.forces(0.0);
         self.nodes.clear_forces();

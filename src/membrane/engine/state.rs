@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::contact::ContactHistory;
+use super::cushion::CushionState;
 use super::film_history::FilmHistory;
 use super::pressure::Inflated;
 use super::rigid_body::Motion;
@@ -19,6 +20,7 @@ pub struct State {
     time_step: TimeStep,
     ledger: EnergyLedger,
     inflated: Option<Inflated>,
+    cushion: Option<CushionState>,
     position: Vectors,
     velocity: Vectors,
     films: Vec<FilmHistory>,
@@ -40,13 +42,14 @@ pub struct StateMismatch {
 impl Engine {
     /// The state after the last step.
     pub fn state(&self) -> State {
-        let Engine { films, nodes, impact, time_step, time, steps, ledger, inflated, .. } = self;
+        let Engine { films, nodes, impact, time_step, time, steps, ledger, inflated, cushion, .. } = self;
         State {
             time: *time,
             steps: *steps,
             time_step: time_step.clone(),
             ledger: *ledger,
             inflated: *inflated,
+            cushion: *cushion,
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
             films: films.iter().map(Film::save).collect(),
@@ -66,6 +69,7 @@ impl Engine {
         self.time_step.restore(state.time_step);
         self.ledger = state.ledger;
         self.inflated = state.inflated;
+        self.cushion = state.cushion;
         self.failed = 0;
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::cushion::Enclosed;
 use super::film::{self, Film};
 use super::nodes::Nodes;
 use super::thread_pool::ThreadPool;
@@ -31,11 +32,14 @@ const COLLAPSE: f64 = 1e-3;
 /// present tangent stiffness and shape (theory.md, equations 16 and 17). Kinematic contact adds nothing to ω.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct TimeStep {
-    // Both follow from the model.
+    // These follow from the model.
     #[serde(skip)]
     damping: f64,
     #[serde(skip)]
     factor: f64,
+    /// Squared angular frequency of the film against enclosed air, rad²/s².
+    #[serde(skip)]
+    air: f64,
     safety: f64,
     first: f64,
     now: f64,
@@ -47,7 +51,12 @@ impl TimeStep {
     /// The step of film at rest, with the damping and the step factor of `loads`.
     pub(super) fn new(films: &[Film], nodes: &Nodes, pool: &ThreadPool, loads: &Loads) -> TimeStep {
         let (damping, factor) = (loads.damping, loads.step_factor);
-        let mut step = TimeStep { damping, factor, safety: SAFETY, ..TimeStep::default() };
+        let air = loads.cushion.map_or(0.0, |cushion| {
+            let enclosed = Enclosed::between(films, nodes);
+            let inverse: Vec<f64> = nodes.mass.iter().map(|mass| 1.0 / mass).collect();
+            cushion.squared_frequency(cushion.volume, &enclosed.gradient, &inverse)
+        });
+        let mut step = TimeStep { damping, factor, air, safety: SAFETY, ..TimeStep::default() };
         (step.first, _) = step.stable(films, nodes, pool);
         (step.now, step.target) = (step.first, step.first);
         step
@@ -55,7 +64,7 @@ impl TimeStep {
 
     /// Restores `saved`, of the same model.
     pub(super) fn restore(&mut self, saved: TimeStep) {
-        *self = TimeStep { damping: self.damping, factor: self.factor, ..saved };
+        *self = TimeStep { damping: self.damping, factor: self.factor, air: self.air, ..saved };
     }
 
     /// The present step, s.
@@ -102,7 +111,7 @@ impl TimeStep {
         if squared == 0.0 {
             return (f64::INFINITY, face);
         }
-        let frequency = squared.sqrt();
+        let frequency = (squared + self.air).sqrt();
         let damping = if self.damping > 0.0 { self.damping / (2.0 * frequency) } else { 0.0 };
         (self.factor * self.safety * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)
     }

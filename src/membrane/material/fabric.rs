@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::fibre::FibreLaw;
 use super::history::PointHistory;
-use super::{Absorption, Curve, Deformation, LayerBreaks, Energy, MembraneLaw, Stiffness, Stress, Stresses};
+use super::{Absorption, Curve, Deformation, Energy, LayerBreaks, MembraneLaw, Stiffness, Stress, Stresses};
 use crate::lane::{Lane, Lane3, dot, larger, smaller, splat};
 
 /// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve,

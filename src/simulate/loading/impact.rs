@@ -43,6 +43,7 @@ impl LoadCase for Impact<'_> {
 
     fn apply(&self, films: &[Film], nodes: &Nodes, loads: &mut Loads) -> Result<Option<engine::Impact>, RunError> {
         loads.gravity = self.gravity;
+        mount::surround(self.model, films, nodes, loads);
         let Some(impactor) = &self.model.impactor else { return Ok(None) };
         let (contact, pose) = mount::over_film(impactor, self.model, films, nodes)?;
         let body = mount::falling(impactor, contact.surface(), pose, self.velocity);
