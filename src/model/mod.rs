@@ -1,6 +1,7 @@
 //! The checked scenario: SI values, complete, immutable.
 
 mod air;
+mod contact;
 mod mistakes;
 mod frame;
 mod impactor;
@@ -79,6 +80,7 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
         frame,
         impactor,
         loading,
+        film_friction: contact::check(scenario, mistakes),
         air,
         solver,
         output,
@@ -107,6 +109,8 @@ pub struct Model {
     pub impactor: Option<Impactor>,
     /// The loading.
     pub loading: Loading,
+    /// Coulomb coefficient between faces that the impactor presses on each other; `None` takes that of the impactor.
+    pub film_friction: Option<f64>,
     /// The air around the film, where it is computed.
     pub air: Option<Air>,
     /// Time stepping.

@@ -4,6 +4,7 @@
 
 mod air;
 mod assignment;
+mod contact;
 pub mod coupon_material;
 mod curve_file;
 mod document;
@@ -34,6 +35,7 @@ use serde::{Deserialize, Serialize};
 
 pub use air::{Air, Compression};
 pub use assignment::Assignment;
+pub use contact::Contact;
 pub use document::Document;
 pub use frame::{EdgeChoice, Frame, Hold, Side};
 pub use impactor::{Guide, Impactor, ImpactorShape};
@@ -54,7 +56,6 @@ pub use tree::{Node, Table, Value};
 #[schemars(extend(
     "not" = { "required": ["layers", "layer"] },
     "x-future" = {
-        "contact": "the impactor is in contact with the faces, which are not in contact with each other",
         "variation": "a script varies keys: `droptower script`, `scenario.with`"
     }
 ))]
@@ -83,6 +84,9 @@ pub struct Scenario {
     pub impactor: Option<Impactor>,
     /// The loading of the specimen.
     pub loading: Loading,
+    /// Contact between faces of film.
+    #[serde(default)]
+    pub contact: Contact,
     /// The air around the film.
     pub air: Option<Air>,
     /// Time stepping.

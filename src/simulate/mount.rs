@@ -113,5 +113,9 @@ pub(super) fn over_film(
     });
     let [x, y] = impactor.position;
     let pose = Isometry3::translation(x, y, top - surface.lowest());
-    Ok((Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset), pose))
+    let mut contact = Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset);
+    if let (Some(friction), Some(first)) = (model.film_friction, films.first()) {
+        contact = contact.with_film_friction(friction, first.nodes.len());
+    }
+    Ok((contact, pose))
 }

@@ -9,6 +9,7 @@ mod sheet;
 mod tower;
 
 mod absorption;
+mod air;
 mod contact;
 mod convergence;
 mod drop;

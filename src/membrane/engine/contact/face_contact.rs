@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
+use super::friction::Friction;
 use super::impulse_sums::ImpulseSums;
 use super::neighbours::NeighbourElement;
 use super::{Contact, FACE_PENETRATION, Impulse, SAGITTA_SHARE};
@@ -37,7 +38,7 @@ struct Constraint {
 /// Parameters of a sweep.
 struct Sweep {
     multiplicity: f64,
-    friction: f64,
+    friction: Friction,
     /// s.
     dt: f64,
 }
@@ -70,7 +71,7 @@ impl Constraint {
         let relative = self.relative_velocity(nodes, body);
         let slip = relative - self.normal * relative.dot(&self.normal);
         let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
-        let bound = sweep.friction * normal_impulse;
+        let bound = sweep.friction.at(self.nodes[0]) * normal_impulse;
         let tangential_impulse = if sticking.norm() <= bound { sticking } else { sticking * (bound / sticking.norm()) };
         let tangential_change = tangential_impulse - self.tangential_impulse;
         self.apply(tangential_change, nodes, body, sweep);

@@ -12,6 +12,7 @@
 mod contact_state;
 mod damping;
 mod face_contact;
+mod friction;
 mod history;
 mod impulse_sums;
 mod neighbours;
@@ -30,6 +31,7 @@ use super::film::Film;
 use super::nodes::{Nodes, Vectors, VelocityRecord};
 use super::rigid_body::{CoupledFilm, RigidBody};
 use super::thread_pool::ThreadPool;
+use friction::Friction;
 use impulse_sums::ImpulseSums;
 use neighbours::NeighbourList;
 use node_contact::{Corrector, NodeContacts, Predictor};
@@ -37,7 +39,7 @@ use node_contact::{Corrector, NodeContacts, Predictor};
 /// Contact of one impactor with all faces of film.
 pub struct Contact {
     surface: Surface,
-    friction: f64,
+    friction: Friction,
     /// Number of mirror images of the film.
     multiplicity: f64,
     /// Distance of each node's mid-surface from the impactor in contact, m: the film in between.
@@ -97,7 +99,7 @@ impl Contact {
         let nodes = offset.len();
         Contact {
             surface,
-            friction,
+            friction: Friction { impactor: friction, film: friction, first_face: nodes },
             multiplicity,
             offset,
             neighbours: NeighbourList::default(),
@@ -108,6 +110,11 @@ impl Contact {
             work: Work::default(),
             guide_impulse: None,
         }
+    }
+
+    /// The same with the coefficient `friction` between faces, the first of which has the first `nodes`.
+    pub fn with_film_friction(self, friction: f64, nodes: usize) -> Contact {
+        Contact { friction: Friction { film: friction, first_face: nodes, ..self.friction }, ..self }
     }
 
     /// The impactor's surface.

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::Impulse;
+use super::friction::Friction;
 use super::impulse_sums::{ImpulseSums, LaneImpulseSums};
 use super::surface::Surface;
 use crate::engine::disjoint::Disjoint;
@@ -49,7 +50,7 @@ pub(super) struct NodeContacts {
 /// What the predictor reads.
 pub(super) struct Predictor<'a> {
     pub(super) surface: &'a Surface,
-    pub(super) friction: f64,
+    pub(super) friction: Friction,
     pub(super) multiplicity: f64,
     pub(super) offset: &'a [f64],
     /// Where the surface's normals are stored, if face contact needs them.
@@ -63,7 +64,7 @@ pub(super) struct Predictor<'a> {
 
 /// What the corrector reads, and the nodes that it corrects.
 pub(super) struct Corrector<'a> {
-    pub(super) friction: f64,
+    pub(super) friction: Friction,
     /// Velocities half a step earlier, m/s.
     pub(super) previous_velocity: &'a Vectors,
     pub(super) nodes: Correction<'a>,
@@ -182,7 +183,7 @@ fn store_normals(at: &Predictor<'_>, group: &[u32], normal: &Lane3, close: &Lane
 /// guided one, else to `coupled`.
 #[inline(always)]
 fn couple(at: &Predictor<'_>, block: &Block, sums: &mut [Lane; 2], coupled: &mut CoupledFilm) {
-    let (share, sticks) = slip_correction(&block.slip, &block.violation, at.friction);
+    let (share, sticks) = slip_correction(&block.slip, &block.violation, &at.friction.lanes(&block.nodes));
     let mut mass: Lane = splat(0.0);
     for l in 0..LANES {
         mass[l] = at.multiplicity * block.mass[l] * block.penetrates[l];
@@ -234,7 +235,7 @@ fn correct_lanewise(at: &Corrector<'_>, contacts: &mut NodeContacts) {
                 slip[axis][l] += block.normal[axis][l] * normal_change[l] - change[axis][l];
             }
         }
-        let (share, _) = slip_correction(&slip, &violation, at.friction);
+        let (share, _) = slip_correction(&slip, &violation, &at.friction.lanes(&block.nodes));
         let mut normal = [splat(0.0); 3];
         let mut tangential = [splat(0.0); 3];
         for l in 0..LANES {
@@ -293,11 +294,11 @@ fn velocity_lanes(velocity: &Vector3<f64>, spin: &Vector3<f64>, arm: &Lane3) -> 
 /// Share of the slip that friction stops, bounded by `friction` times `violation` (theory.md, equation 21), and whether
 /// the node sticks: one where the share is one, else zero.
 #[inline(always)]
-fn slip_correction(slip: &Lane3, violation: &Lane, friction: f64) -> (Lane, Lane) {
+fn slip_correction(slip: &Lane3, violation: &Lane, friction: &Lane) -> (Lane, Lane) {
     let squared = dot(slip, slip);
     let (mut share, mut sticks): (Lane, Lane) = (splat(1.0), splat(0.0));
     for l in 0..LANES {
-        let bound = friction * violation[l];
+        let bound = friction[l] * violation[l];
         let part = bound / squared[l].sqrt();
         let within = squared[l] <= bound * bound;
         share[l] = if within { 1.0 } else { part };

@@ -1,0 +1,71 @@
+//! Air between the faces of a drop test and with the film, and friction between faces.
+
+use super::claims::Claims;
+use super::tower::{channel, run, shipped};
+
+/// A drop test on a coarse mesh, up to its lowest point.
+const COARSE: [&str; 3] = ["specimen.mesh.size=40mm", "output.frames=1", "loading.impact.duration=60ms"];
+
+fn drop(changes: &[&str]) -> droptower::simulate::Outcome {
+    run(&shipped("drop/1008.toml", &[&COARSE, changes].concat()))
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| value.abs().max(most))
+}
+
+/// Closed air presses on both faces and returns its work; through openings it leaves, through large ones without
+/// resistance.
+#[test]
+fn air_between_the_faces_leaves_through_openings() {
+    let mut claims = Claims::of("air between faces");
+    let without = drop(&[]);
+    let mut before = f64::INFINITY;
+    for (vent, name) in [("0 m2", "closed"), ("20 cm2", "20 cm²"), ("400 cm2", "400 cm²"), ("40 m2", "open")] {
+        let air = format!("air={{ cushion = \"adiabatic\", vent = \"{vent}\" }}");
+        let outcome = drop(&[&air]);
+        let pressure = largest(channel(&outcome.signals, "air_pressure_Pa"));
+        claims.holds(&format!("{name}: largest pressure, Pa"), &format!("{pressure:.3}"), pressure < before);
+        claims.at_most(&format!("{name}: balance error"), outcome.energy_balance_error, 1e-3);
+        before = pressure;
+        if name == "open" {
+            let [with, without] = [&outcome, &without].map(|outcome| channel(&outcome.signals, "acceleration_m_s2"));
+            let apart: Vec<f64> = with.iter().zip(without).map(|(a, b)| a - b).collect();
+            claims.at_most("open: acceleration against that without air", largest(&apart) / largest(without), 1e-3);
+        }
+    }
+    claims.judge();
+}
+
+/// Air that moves with the film has inertia, so that time steps are longer, and no weight, so that the film sags as
+/// without it.
+#[test]
+fn added_mass_has_inertia_and_no_weight() {
+    let mut claims = Claims::of("added mass");
+    let slack = [
+        "layers.faces=[\"0 mm\"]",
+        "layers.prestrain.md=0.001",
+        "layers.prestrain.td=0.001",
+        "layers.count=1",
+        "loading.impact.duration=1ms",
+    ];
+    // One layer of 12 um has 0.01098 kg/m².
+    let outcomes = [&[][..], &["air.added_mass=0.03294"]].map(|air| drop(&[&slack[..], air].concat()));
+    let [own, with] = &outcomes;
+    claims.near("time step over that without air", with.time_step / own.time_step, 2.0, 0.02);
+    let sag = |outcome: &droptower::simulate::Outcome| outcome.relaxation.as_ref().expect("held film").displacement;
+    claims.near("sag, m", sag(with), sag(own), 1e-3);
+    claims.judge();
+}
+
+/// Between faces the coefficient of the impactor applies unless another is given.
+#[test]
+fn faces_have_their_own_friction() {
+    let mut claims = Claims::of("friction between faces");
+    let [none, same, less] = [&[][..], &["contact.film_friction=0.4"], &["contact.film_friction=0.1"]]
+        .map(|friction| channel(&drop(friction).signals, "displacement_m").to_vec());
+    claims.holds("that of the impactor", "same bits", none == same);
+    let deeper = largest(&less) / largest(&none) - 1.0;
+    claims.holds("less friction lets the impactor travel farther", &format!("by {deeper:.2e}"), deeper > 0.0);
+    claims.judge();
+}
