@@ -21,8 +21,8 @@ const FILE_PER_ELEMENT: f64 = 50.0;
 const LONGEST_FILE: f64 = 1e9;
 /// Memory of a snapshot, bytes an element: positions of a node, strains of an element.
 pub const SNAPSHOT_BYTES: f64 = 12.0 + 13.0;
-/// Further memory of a snapshot with its detail, bytes an element: velocity of a node; stresses, largest strains, layers left,
-/// thickness and fibres of an element.
+/// Further memory of a snapshot with its detail, bytes an element: velocity of a node; stresses, largest strains,
+/// layers left, thickness and fibres of an element.
 pub const DETAIL_BYTES: f64 = 12.0 + 56.0;
 /// Memory that the snapshots of a run may take, bytes; fewer are taken of a finer mesh.
 pub const SNAPSHOT_MEMORY: f64 = 4e8;
