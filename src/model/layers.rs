@@ -4,10 +4,10 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::specimen::{is_along_axes, symmetry};
 use super::{Face, Loading, Mistakes, Symmetry, material};
-use crate::material::{LayerBreaks, Material};
+use crate::material::{Curve, Law, LayerBreaks, Material};
 use crate::mesh::{Element, Meshing};
 use crate::number::significant;
-use crate::scenario::{self, Layer, Layers, Scale, Scenario};
+use crate::scenario::{self, Layer, Layers, MountingCurve, Scale, Scenario};
 
 /// The faces; none where a material is missing or no material.
 pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<Vec<Face>> {
@@ -40,6 +40,8 @@ struct Film {
     material: Material,
     /// Standard deviation of the break strains of layers over their mean.
     break_scatter: f64,
+    /// The MD and TD curves without multipliers, to which film relaxes on the frame; none where it does not.
+    relaxed: Option<[Curve; 2]>,
 }
 
 impl Film {
@@ -48,6 +50,17 @@ impl Film {
         let mut material = self.material.clone();
         material.law = material.law.with_layer_breaks(layer_breaks(self.break_scatter, count));
         material
+    }
+
+    /// The pre-strain at which the curves have the stress of film that was mounted with `written` and has relaxed: its
+    /// stress-free length has grown by the rest (theory.md, equation 3b).
+    fn prestrain(&self, written: [f64; 2]) -> [f64; 2] {
+        let (Some(relaxed), Law::Fabric(fabric)) = (&self.relaxed, &self.material.law) else { return written };
+        let dynamic = [fabric.md(), fabric.td()];
+        std::array::from_fn(|fibre| match written[fibre] {
+            strain if strain > 0.0 => dynamic[fibre].strain_at(relaxed[fibre].stress(strain)).min(strain),
+            slack => slack,
+        })
     }
 }
 
@@ -67,7 +80,25 @@ fn layer_breaks(scatter: f64, layers: u32) -> LayerBreaks {
 fn film(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -> Option<Film> {
     let material = material::check(written, path, mistakes)?;
     let break_scatter = written.fabric.as_ref().map_or(0.0, |fabric| fabric.break_scatter);
-    Some(Film { name: written.name.clone(), material, break_scatter })
+    let relaxed = relaxed(written, path, mistakes);
+    Some(Film { name: written.name.clone(), material, break_scatter, relaxed })
+}
+
+/// The curves without multipliers where film relaxes to them; those with them were checked before.
+fn relaxed(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>) -> Option<[Curve; 2]> {
+    let fabric = written.fabric.as_ref().filter(|fabric| fabric.mounting == MountingCurve::QuasiStatic)?;
+    if fabric.md.rates.is_some() || fabric.td.rates.is_some() {
+        let why = "film with `rates` is mounted at the slowest of them";
+        mistakes.out_of_place(&format!("{path}.fabric.mounting"), why);
+        return None;
+    }
+    let mut unscaled = written.clone();
+    let fabric = unscaled.fabric.as_mut()?;
+    (fabric.scale, fabric.md.scale, fabric.td.scale) = (Scale::default(), None, None);
+    match material::check(&unscaled, path, mistakes)?.law {
+        Law::Fabric(fabric) => Some([fabric.md().clone(), fabric.td().clone()]),
+        _ => None,
+    }
 }
 
 /// The faces of `[layers]`, which differ in height only.
@@ -85,7 +116,7 @@ fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut Mista
         film: film.name.clone(),
         material: film.of_layers(layers.count),
         md_angle: scenario.specimen.md_angle.0,
-        prestrain: [layers.prestrain.md, layers.prestrain.td],
+        prestrain: film.prestrain([layers.prestrain.md, layers.prestrain.td]),
         meshing,
         settle: layers.settle,
     };
@@ -117,7 +148,7 @@ fn single(
         film: film.name.clone(),
         material: film.of_layers(layer.count),
         md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
-        prestrain: [layer.prestrain.md, layer.prestrain.td],
+        prestrain: film.prestrain([layer.prestrain.md, layer.prestrain.td]),
         meshing: meshing?,
         settle: layer.settle,
     })

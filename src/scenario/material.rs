@@ -56,6 +56,10 @@ pub struct Fabric {
     /// curve behind it; otherwise fibres break at the strain as written, up to which the last slope continues.
     #[serde(default)]
     pub scale_break: bool,
+    /// Which curve gives the stress of film as it is mounted with a pre-strain: the one with the multipliers, or the
+    /// one without, to which film relaxes on the frame.
+    #[serde(default)]
+    pub mounting: MountingCurve,
     /// Standard deviation of the break strains of single layers over their mean, that of the curve: layers of an
     /// element break one after another, each at its quantile of a normal distribution. All at once where it is zero.
     #[serde(default)]
@@ -74,6 +78,17 @@ pub struct Fabric {
     /// decays over several times this growth: results depend on both.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_memory: Option<f64>,
+}
+
+/// The curve at which film is mounted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MountingCurve {
+    /// With the multipliers.
+    #[default]
+    Dynamic,
+    /// Without the multipliers.
+    QuasiStatic,
 }
 
 /// The curve of one fibre set: two yield points and a break point, any curve, or curves by strain rate.

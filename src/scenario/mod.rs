@@ -41,7 +41,7 @@ pub use frame::{EdgeChoice, Frame, Hold, Side};
 pub use impactor::{Guide, Impactor, ImpactorShape};
 pub use layers::{Layer, Layers, Prestrain};
 pub use loading::{Axis, Direction, Impact, Indent, Inflation, Loading, Stretch};
-pub use material::{Elastic, Fabric, Fibre, Material, Point, RateCurve, Scale, Shear};
+pub use material::{Elastic, Fabric, Fibre, Material, MountingCurve, Point, RateCurve, Scale, Shear};
 pub use output::{Filter, Output};
 pub use plausible::Implausible;
 pub use post::Post;

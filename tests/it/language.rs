@@ -166,6 +166,22 @@ fn multipliers_move_the_break_only_where_asked() {
     assert_eq!((cut.end(), cut.points().len()), (1.39, 3));
 }
 
+/// Film that relaxed has the stress of the curve without multipliers on that with them: (0.1, 3.2308 MPa) of MD lies at
+/// 0.1/(k₁ k_e) there.
+#[test]
+fn relaxed_film_is_mounted_with_the_stress_of_the_slow_curve() {
+    let prestrain = |mounting: &str| {
+        let text = format!(
+            "extends = \"tower.toml\"\nlayers.prestrain = {{ md = 0.1, td = -0.01 }}\n[specimen.material.fabric]\n\
+             scale = {{ k1 = 2.75, ke = 3.41 }}\nmounting = \"{mounting}\""
+        );
+        model(mounting, &text).faces[0].prestrain
+    };
+    assert_eq!(prestrain("dynamic"), [0.1, -0.01]);
+    let [md, td] = prestrain("quasi-static");
+    assert!((md - 0.1 / (2.75 * 3.41)).abs() < 1e-12 && td == -0.01, "{md} {td}");
+}
+
 /// The law of the tower's film whose MD fibres have curves by strain rate, TD fibres one, with changes.
 fn by_rate(changes: &[&str]) -> Law {
     let text = "

@@ -136,6 +136,16 @@ impl Curve {
         self.stress_lanes(&[strain])[0]
     }
 
+    /// Least strain with `stress` (Pa), on the last slope beyond the last point; infinite where the curve does not reach
+    /// it.
+    pub fn strain_at(&self, stress: f64) -> f64 {
+        let ends = self.points.iter().map(|point| point[1]);
+        let within = self.segments.iter().zip(ends).find(|(_, end)| *end >= stress).map(|(segment, _)| segment);
+        let segment = within.unwrap_or(&self.segments[self.segments.len() - 1]);
+        let beyond = (stress - segment.stress).max(0.0);
+        if beyond == 0.0 { segment.start } else { segment.start + beyond / segment.slope }
+    }
+
     /// Area under the curve up to one strain, J/m³.
     pub fn energy(&self, strain: f64) -> f64 {
         self.read(&[strain]).energy[0]
@@ -210,6 +220,15 @@ mod tests {
         {
             assert!((bilinear().largest_slope(&[from], &[to])[0] - slope).abs() < 1e-9, "{from}..{to}");
         }
+    }
+
+    #[test]
+    fn the_strain_of_a_stress_is_the_least() {
+        for (stress, strain) in [(0.0, 0.0), (1.0, 0.05), (2.0, 0.1), (3.0, 0.3), (4.0, 0.5), (5.0, 0.7)] {
+            assert!((bilinear().strain_at(stress) - strain).abs() < 1e-12, "at {stress}");
+        }
+        let flat = Curve::new(vec![[0.1, 2.0], [0.5, 2.0]]).unwrap();
+        assert_eq!((flat.strain_at(2.0), flat.strain_at(2.1)), (0.1, f64::INFINITY));
     }
 
     #[test]
