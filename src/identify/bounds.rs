@@ -251,8 +251,8 @@ mod tests {
         let below = Bounds::new(&unnamed(1), below.0, below.1).unwrap();
         for (bounds, x, expected) in [
             (&narrow, 1000.05, None),
-            (&narrow, 1000.000_005, Some(Side::Lower)),
-            (&narrow, 1000.099_995, Some(Side::Upper)),
+            (&narrow, 1000.0 + 5e-6, Some(Side::Lower)),
+            (&narrow, 1000.1 - 5e-6, Some(Side::Upper)),
             (&around_zero, 5e-4, Some(Side::Lower)),
             (&around_zero, 2e-3, None),
             (&above, 5e-5, Some(Side::Lower)),

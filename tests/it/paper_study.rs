@@ -95,11 +95,11 @@ fn coarse(script: &str, more: &[&str]) -> Json {
 }
 
 /// Six multipliers from one acceleration have wider intervals than three, and each further signal or test narrows them;
-/// with a drop onto a strip along TD they depend least on each other. The search from one signal ends far off although
-/// its misfit is small.
+/// with a drop onto a strip along TD they depend least on each other. An error of the model that changes more slowly, and
+/// a tower that is less known, widen them. Searches from one signal end far off although their misfit is small.
 #[test]
 fn further_signals_make_multipliers_identifiable() {
-    let scenario = ["--scenario", "scenarios/drop/1008.toml", "--arg", "mesh=40 mm"];
+    let scenario = ["--scenario", "scenarios/drop/1008.toml", "--arg", "mesh=40 mm", "--arg", "evaluations=100"];
     let summary = coarse("scripts/identifiability.rhai", &scenario);
     let [three, six, others @ ..] = rows(&summary, "half_width") else { panic!("no rows") };
     for name in ["k1", "ke", "ky"] {
@@ -116,12 +116,27 @@ fn further_signals_make_multipliers_identifiable() {
         assert!(figure(held_in_td, "condition") <= figure(row, "condition"), "{row}");
     }
     assert!(figure(held_in_td, "condition") < 0.5 * figure(six, "condition"), "{held_in_td}");
-    for (row, papers) in rows(&summary, "half_width").iter().zip(rows(&summary, "half_width_at_papers_misfit")) {
-        assert_eq!(row["data"], papers["data"]);
-        assert!(row["ke_md"].is_null() || figure(papers, "ke_md") > figure(row, "ke_md"));
+
+    let at_misfit = rows(&summary, "half_width_at_misfit");
+    assert_eq!(at_misfit.len(), 4 * rows(&summary, "half_width").len());
+    for (noise, rows) in rows(&summary, "half_width").iter().zip(at_misfit.chunks(4)) {
+        let [short, short_uncertain, long, long_uncertain] = rows else { panic!("{rows:?}") };
+        let name = if noise["unknowns"] == 3 { "ke" } else { "ke_md" };
+        let of = |row: &Json| figure(row, name);
+        assert!(of(noise) < of(short) && of(short) < of(long), "{noise} {short} {long}");
+        assert!(of(short) < of(short_uncertain) && of(long) < of(long_uncertain), "{short_uncertain} {long_uncertain}");
     }
-    let off = rows(&summary, "six_from_one").iter().map(|row| figure(row, "off").abs()).fold(0.0, f64::max);
-    assert!(off > 0.1 && figure(&summary, "six_from_one_acceleration_error") < 0.03, "{off} {summary}");
+    // 95 % of the sensor's noise; natural logarithms.
+    assert!((0.006..0.01).contains(&figure(three, "k1")), "{three}");
+    let [known, uncertain, ..] = at_misfit else { panic!("{at_misfit:?}") };
+    let half_width = |row: &Json| (1.0 + figure(row, "ke")).ln() / 1.959_964;
+    let of_tower = rows(&summary, "shift_by_tower").iter().map(|row| figure(row, "ke").powi(2)).sum::<f64>();
+    let sum = half_width(known).powi(2) + of_tower;
+    assert!((half_width(uncertain).powi(2) / sum - 1.0).abs() < 0.02, "{uncertain} {of_tower}");
+    let cold = &rows(&summary, "six_from_one")[0];
+    let off = ["k1_md", "ke_md", "ky_md", "k1_td", "ke_td", "ky_td"].map(|name| figure(cold, name).abs());
+    assert!(off.into_iter().fold(0.0, f64::max) > 0.1 && figure(cold, "acceleration_error") < 0.03, "{cold}");
+    assert_eq!(rows(&summary, "profile_at_misfit").len(), 6);
 }
 
 /// With few evaluations: films with and without rate dependence are fitted to all tests.
