@@ -67,7 +67,7 @@ impl Film {
 /// Break strains of `layers` over their mean, with the standard deviation `scatter`: the quantiles of a normal
 /// distribution in the middle of as many equal parts (theory.md, equation 17b).
 fn layer_breaks(scatter: f64, layers: u32) -> LayerBreaks {
-    if !(scatter > 0.0) {
+    if scatter.is_nan() || scatter <= 0.0 {
         return LayerBreaks::default();
     }
     let normal = Normal::standard();

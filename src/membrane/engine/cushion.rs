@@ -90,7 +90,7 @@ impl Cushion {
     }
 
     /// What is left of `mass` (kg) in `volume` (m³) after `dt` (s): an implicit step, so that air does not flow beyond
-    /// the equal pressure in one step (theory.md, equation 182).
+    /// the equal pressure in one step (theory.md, equation 192).
     fn vented(&self, mass: f64, volume: f64, dt: f64) -> f64 {
         if self.vent == 0.0 {
             return mass;
