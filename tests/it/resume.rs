@@ -70,7 +70,7 @@ fn summary(folder: &Path) -> Json {
 #[test]
 fn a_killed_run_resumes_to_the_same_bits() {
     let bench = bench();
-    let through = run(bench.path(), &[&SLOW[..], &["--out", "through", "--quiet"]].concat());
+    let through = run(bench.path(), &[&SLOW[..], &["--out", "runs/through", "--quiet"]].concat());
     assert!(through.status.success(), "{}", error(&through));
     let arguments = [&SLOW[..], &["--checkpoint-every", "2 ms"]].concat();
     killed_after_a_checkpoint(bench.path(), &arguments);
@@ -81,7 +81,7 @@ fn a_killed_run_resumes_to_the_same_bits() {
     let last = run(bench.path(), &[&SLOW[..], &["--resume", "--threads", "1"]].concat());
     assert!(last.status.success(), "{}", error(&last));
     assert!(error(&last).contains("note: drop resumes at "), "{}", error(&last));
-    let (one, other) = (bench.path().join("through"), bench.path().join("runs/drop"));
+    let (one, other) = (bench.path().join("runs/through"), bench.path().join("runs/drop"));
     for name in ["signals.csv", "energies.csv", "scenario.toml"] {
         let content = |folder: &Path| fs::read(folder.join(name)).expect("a file");
         assert!(content(&one) == content(&other), "{name} differs");
@@ -209,8 +209,8 @@ fn a_failed_run_leaves_no_checkpoints() {
 #[test]
 fn a_run_of_hours_has_a_forecast() {
     let bench = bench();
-    let long = ["--set", "specimen.mesh.size=4mm", "--set", "specimen.symmetry=none"];
-    let long = [&long[..], &["--set", "loading.impact.duration=900s", "--set", "output.filter=none"]].concat();
+    let long = ["--set", "specimen.mesh.size=1mm", "--set", "specimen.symmetry=none"];
+    let long = [&long[..], &["--set", "loading.impact.duration=5s", "--set", "output.filter=none"]].concat();
     let slow = [&long[..], &["--set", "output.sample_rate=1kHz"]].concat();
     let mut command = command(bench.path(), &[&["run", "drop.toml"], &slow[..]].concat());
     let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().expect("the binary starts");
