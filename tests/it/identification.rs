@@ -11,7 +11,7 @@ use droptower::functions;
 use droptower::identify::{self, SearchEvent, SearchHost};
 use droptower::post;
 use droptower::scenario::Assignment;
-use droptower::script::{ConvergenceHistory, Limits};
+use droptower::script::{ConvergenceHistory, Limits, key_mistake};
 use droptower::signal::Series;
 use rhai::Engine;
 use serde_json::Value as Json;
@@ -361,8 +361,9 @@ fn errors_in_a_search_are_reported() {
         ),
         (r#"minimize("nelder-mead", [1.0], |x| test.simulate().nosuch)"#, "a run has no `nosuch`"),
     ] {
-        let error = engine(&bench, &[short]).run(&script(body)).expect_err("a mistake").to_string();
-        assert!(error.contains(expected), "{error}");
+        let error = engine(&bench, &[short]).run(&script(body)).expect_err("a mistake");
+        let text = key_mistake(&error).unwrap_or_else(|| error.to_string());
+        assert!(text.contains(expected), "{text}");
     }
 }
 
