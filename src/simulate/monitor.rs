@@ -74,8 +74,9 @@ impl Monitor {
             return;
         }
         for (face, (film, strains)) in view.films.iter().zip(strains).enumerate() {
-            let largest = |s: &ElementStrain| s.strain[0].max(s.strain[1]);
-            let intact: Vec<f64> = strains.iter().filter(|s| !s.has_failed()).map(largest).collect();
+            let of_fibre = |s: &ElementStrain, fibre: usize| if s.left[fibre] > 0.0 { s.strain[fibre] } else { 0.0 };
+            let largest = |s: &ElementStrain| of_fibre(s, 0).max(of_fibre(s, 1));
+            let intact: Vec<f64> = strains.iter().filter(|s| s.volume > 0.0).map(largest).collect();
             let Some(worst) = (0..intact.len()).max_by(|a, b| intact[*a].total_cmp(&intact[*b])) else { continue };
             if intact[worst] < bounds::LOCALISED_STRAIN {
                 continue;
