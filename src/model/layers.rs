@@ -92,6 +92,11 @@ fn relaxed(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>
         mistakes.out_of_place(&format!("{path}.fabric.mounting"), why);
         return None;
     }
+    if fabric.biaxial > 0.0 {
+        let why = "film with `biaxial` is mounted at the curves with the multipliers";
+        mistakes.out_of_place(&format!("{path}.fabric.mounting"), why);
+        return None;
+    }
     let mut unscaled = written.clone();
     let fabric = unscaled.fabric.as_mut()?;
     (fabric.scale, fabric.md.scale, fabric.td.scale) = (Scale::default(), None, None);

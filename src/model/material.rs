@@ -2,7 +2,7 @@
 
 use super::Mistakes;
 use crate::material::{
-    Curve, CurveError, Elastic, Fabric, Law, Material, Multipliers, RateCurves, RateCurvesError, TensionField,
+    Curve, CurveError, Elastic, Fabric, FibreLaw, Law, Material, Multipliers, RateCurves, RateCurvesError, TensionField,
 };
 use crate::number::significant;
 use crate::scenario::{self, Fibre, Point, RateCurve, Scale};
@@ -42,12 +42,22 @@ fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut Mistakes<'_>) -
     if written.rate_memory.is_some() && written.md.rates.is_none() && written.td.rates.is_none() {
         mistakes.out_of_place(&format!("{path}.rate_memory"), "neither fibre set has `rates`");
     }
+    if written.biaxial > 0.0 && written.wrinkling {
+        let why = "a fabric with `biaxial` is not supported with it: leave one of them out";
+        mistakes.out_of_place(&format!("{path}.wrinkling"), why);
+        return None;
+    }
     // The range was checked before; there is no law outside it.
     let absorption = Some(written.absorption).filter(|share| (0.0..1.0).contains(share));
     Some(match (md?, td?) {
-        (Curves::One(md), Curves::One(td)) => Law::Fabric(Fabric::new(md, td, shear?, absorption?)),
-        (md, td) => Law::RateFabric(Fabric::new(md.by_rate(), td.by_rate(), shear?, absorption?)),
+        (Curves::One(md), Curves::One(td)) => Law::Fabric(coupled(Fabric::new(md, td, shear?, absorption?), written)),
+        (md, td) => Law::RateFabric(coupled(Fabric::new(md.by_rate(), td.by_rate(), shear?, absorption?), written)),
     })
+}
+
+/// The fabric with what couples its fibre sets beyond shear.
+fn coupled<F: FibreLaw>(fabric: Fabric<F>, written: &scenario::Fabric) -> Fabric<F> {
+    fabric.with_biaxial(written.biaxial).with_wrinkling(written.wrinkling)
 }
 
 /// The curve of a fibre set, or its curves by strain rate.

@@ -69,6 +69,16 @@ pub struct Fabric {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-likely" = [0.0, 1.0]))]
     pub absorption: f64,
+    /// Stress that both directions carry besides their own curves where their strains are equal, over the mean of both
+    /// curves: coupling of MD and TD. Isotropic film with Poisson's ratio ν has ν/(1 − ν), 0.79 for 0.44; film of two
+    /// independent fibre sets has none.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 5))]
+    pub biaxial: f64,
+    /// Whether the film wrinkles under any compression, shear included, so that it carries tension only (tension
+    /// field); otherwise a slack fibre alone carries no stress, and slack film in shear keeps a compression.
+    #[serde(default)]
+    pub wrinkling: bool,
     /// Lowest and highest strain rate at which the curves were measured; where a fibre set has `rates`, from the lowest
     /// to the highest of these, of both sets where both have them, where it is left out.
     #[schemars(transform = schema::positive_items)]

@@ -81,7 +81,6 @@ impl Curve {
         if points.is_empty() {
             return Err(CurveError::TooShort);
         }
-        let mut segments = Vec::with_capacity(points.len());
         let mut from = [0.0, 0.0];
         for (i, &to) in points.iter().enumerate() {
             let index = i + skipped;
@@ -94,6 +93,16 @@ impl Curve {
             if to[1] < from[1] {
                 return Err(CurveError::StressFalls { index, stress: to[1], previous: from[1] });
             }
+            from = to;
+        }
+        Ok(Curve::through(points))
+    }
+
+    /// The curve through points that ascend.
+    fn through(points: Vec<[f64; 2]>) -> Curve {
+        let mut segments = Vec::with_capacity(points.len());
+        let mut from = [0.0, 0.0];
+        for &to in &points {
             let length = to[0] - from[0];
             segments.push(Segment { start: from[0], length, slope: (to[1] - from[1]) / length, stress: from[1] });
             from = to;
@@ -101,7 +110,7 @@ impl Curve {
         if let Some(last) = segments.last_mut() {
             last.length = f64::INFINITY;
         }
-        Ok(Curve { points, segments })
+        Curve { points, segments }
     }
 
     /// The corner points after the origin: strain, stress (Pa).
@@ -124,6 +133,17 @@ impl Curve {
             last.length = f64::INFINITY;
         }
         Curve { points, segments }
+    }
+
+    /// The curve whose stress is `weights`[0] times that of `first` and `weights`[1] times that of `second`, with
+    /// weights that are not negative. It ends where the longer one does.
+    pub fn weighted(first: &Curve, second: &Curve, weights: [f64; 2]) -> Curve {
+        let mut strains: Vec<f64> = first.points.iter().chain(&second.points).map(|point| point[0]).collect();
+        strains.sort_by(f64::total_cmp);
+        strains.dedup();
+        let [a, b] = weights;
+        let stress = |strain: f64| a * first.stress(strain) + b * second.stress(strain);
+        Curve::through(strains.into_iter().map(|strain| [strain, stress(strain)]).collect())
     }
 
     /// Slope at the origin, Pa.

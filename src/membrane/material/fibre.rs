@@ -46,6 +46,12 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
         reach: f64,
     ) -> Lane<L>;
 
+    /// Strain up to which the fibre carries no stress.
+    fn slack_strain<const L: usize>(&self, absorption: &Absorption, history: &Self::History<L>) -> Lane<L>;
+
+    /// The law whose stress is the mean of those of two laws, times `factor` > 0.
+    fn mean(first: &Self, second: &Self, factor: f64) -> Self;
+
     /// Initial slope of the curve at the lowest rate, Pa.
     fn initial_slope(&self) -> f64;
 
@@ -95,6 +101,15 @@ impl FibreLaw for Curve {
         reach: f64,
     ) -> Lane<L> {
         absorption.largest_slope(self, strain, history, reach)
+    }
+
+    #[inline(always)]
+    fn slack_strain<const L: usize>(&self, absorption: &Absorption, history: &Lane<L>) -> Lane<L> {
+        history.map(|peak| absorption.share() * peak)
+    }
+
+    fn mean(first: &Curve, second: &Curve, factor: f64) -> Curve {
+        Curve::weighted(first, second, [0.5 * factor; 2])
     }
 
     fn initial_slope(&self) -> f64 {

@@ -30,23 +30,26 @@ pub trait FibreHistory<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
     fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>>;
 }
 
-/// History variables of two fibre sets and of shear.
+/// History variables of two fibre sets, of their coupling and of shear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointHistory<F, const L: usize> {
     /// Of the MD and the TD fibres.
     pub fibres: [F; 2],
+    /// Of the coupling of both directions.
+    pub biaxial: F,
     /// Largest shear angle so far, rad.
     pub shear: Lane<L>,
     /// Share of the layers whose MD and TD fibres are not broken.
     pub left: [Lane<L>; 2],
 }
 
-/// Largest strains so far of the MD fibres, the TD fibres and in shear.
+/// Largest strains so far of the MD fibres, the TD fibres, of their coupling and in shear.
 pub type PeakStrains<const L: usize = LANES> = PointHistory<Lane<L>, L>;
 
 impl<F: FibreHistory<L>, const L: usize> History<L> for PointHistory<F, L> {
     fn virgin() -> Self {
-        PointHistory { fibres: [F::virgin(), F::virgin()], shear: splat(0.0), left: [splat(1.0); 2] }
+        let fibres = [F::virgin(), F::virgin()];
+        PointHistory { fibres, biaxial: F::virgin(), shear: splat(0.0), left: [splat(1.0); 2] }
     }
 
     #[inline(always)]
@@ -64,11 +67,12 @@ impl<F: FibreHistory<L>, const L: usize> History<L> for PointHistory<F, L> {
     }
 
     fn variables(&self) -> impl Iterator<Item = &Lane<L>> {
-        self.fibres.iter().flat_map(F::variables).chain([&self.shear]).chain(&self.left)
+        self.fibres.iter().chain([&self.biaxial]).flat_map(F::variables).chain([&self.shear]).chain(&self.left)
     }
 
     fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
-        self.fibres.iter_mut().flat_map(F::variables_mut).chain([&mut self.shear]).chain(&mut self.left)
+        let biaxial = [&mut self.biaxial];
+        self.fibres.iter_mut().chain(biaxial).flat_map(F::variables_mut).chain([&mut self.shear]).chain(&mut self.left)
     }
 }
 

@@ -301,7 +301,7 @@ mod tests {
             let mut history = PeakStrains::virgin();
             law.stress(&d, &mut history, 0.0);
             let mut raised = history;
-            raised.fibres.iter_mut().chain([&mut raised.shear]).for_each(|peak| peak[0] += above);
+            raised.fibres.iter_mut().chain([&mut raised.biaxial, &mut raised.shear]).for_each(|peak| peak[0] += above);
             let stress = law.stress(&d, &mut raised.clone(), 0.0);
             let energy = |d: &Deformation<1>| {
                 let mut history = if above > 0.0 { raised } else { PeakStrains::virgin() };
@@ -398,6 +398,26 @@ mod tests {
     #[test]
     fn fabric_stress_is_the_derivative_of_its_energy_on_unloading() {
         check_derivative(&film(0.6), 0.05);
+    }
+
+    #[test]
+    fn stress_of_coupled_fabric_is_the_derivative_of_its_energy() {
+        check_derivative(&film(0.0).with_biaxial(0.8), 0.0);
+        check_derivative(&film(0.6).with_biaxial(0.8), 0.05);
+        check_work(&film(0.0).with_biaxial(0.8));
+    }
+
+    #[test]
+    fn stress_of_wrinkling_fabric_is_the_derivative_of_its_energy() {
+        check_derivative(&film(0.0).with_wrinkling(true), 0.0);
+        check_derivative(&film(0.6).with_wrinkling(true), 0.05);
+    }
+
+    #[test]
+    fn stiffness_of_fabric_is_bounded() {
+        check_bound(&film(0.0));
+        check_bound(&film(0.0).with_wrinkling(true));
+        check_bound(&film(0.0).with_biaxial(0.8));
     }
 
     #[test]

@@ -48,6 +48,8 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         (drop(&fine), 60),
         (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=tri3"]), 400),
         (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=quad4-full", "specimen.damping=50"]), 400),
+        (drop(&["specimen.mesh.size=20mm", "specimen.material.fabric.wrinkling=true"]), 1500),
+        (drop(&["specimen.mesh.size=20mm", "specimen.material.fabric.biaxial=0.79"]), 400),
         // So coarse that there is face contact.
         (drop(&["specimen.mesh.size=50mm"]), 1500),
         (shipped("../tests/golden/indent-disc/scenario.toml", &[]), 400),
@@ -109,7 +111,9 @@ fn forces_of<M: MembraneLaw + Clone, const L: usize>(
 #[test]
 fn an_element_has_the_same_force_in_any_number_of_lanes() {
     let by_rate = "specimen.material=scenarios/materials/lldpe-rates.toml";
-    for model in [small(), shipped("drop/1008.toml", &["specimen.mesh.size=20mm", by_rate])] {
+    let with = |change: &str| shipped("drop/1008.toml", &["specimen.mesh.size=20mm", change]);
+    let changes = [by_rate, "specimen.material.fabric.wrinkling=true", "specimen.material.fabric.biaxial=0.79"];
+    for model in std::iter::once(small()).chain(changes.map(with)) {
         let mesh = apart(&build(&model, &model.faces[0]).expect("a mesh"));
         let expected = forces::<1>(&mesh, &model, Width::Baseline);
         assert!(expected.iter().flatten().any(|bits| f64::from_bits(*bits).abs() > 1e-3));

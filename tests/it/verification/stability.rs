@@ -59,17 +59,21 @@ fn share(material: &Material, kind: Element, history: History, random: &mut Rand
 #[test]
 fn the_frequency_of_random_elements_is_below_its_bound() {
     let mut claims = Claims::of("bound of the time step");
-    let fabric = |absorption: f64| {
+    let fabric = |absorption: f64, more: &str| {
         let set = format!("specimen.material.fabric.absorption={absorption}");
-        shipped("stretch/md-0.02.toml", &[&set]).faces[0].material.clone()
+        shipped("stretch/md-0.02.toml", &[&set, &format!("specimen.material.fabric.{more}")]).faces[0].material.clone()
     };
     let laws = [
         ("elastic", elastic(50e6, 0.44), History::Loading),
         ("elastic, ν −0.3", elastic(50e6, -0.3), History::Loading),
         ("wrinkling", wrinkling(50e6, 0.44), History::Loading),
         ("wrinkling, ν −0.3", wrinkling(50e6, -0.3), History::Loading),
-        ("fabric without absorption", fabric(0.0), History::Loading),
-        ("fabric, D 0.89, unloading", fabric(0.8896), History::Unloading),
+        ("fabric without absorption", fabric(0.0, "biaxial=0"), History::Loading),
+        ("fabric, D 0.89, unloading", fabric(0.8896, "biaxial=0"), History::Unloading),
+        ("coupled fabric", fabric(0.0, "biaxial=0.79"), History::Loading),
+        ("coupled fabric, D 0.89, unloading", fabric(0.8896, "biaxial=0.79"), History::Unloading),
+        ("wrinkling fabric", fabric(0.0, "wrinkling=true"), History::Loading),
+        ("wrinkling fabric, D 0.89, unloading", fabric(0.8896, "wrinkling=true"), History::Unloading),
     ];
     for (name, material, history) in laws {
         for kind in ELEMENTS {

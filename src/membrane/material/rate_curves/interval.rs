@@ -8,6 +8,8 @@ use crate::lane::{Lane, larger, ln, smaller, splat};
 /// The interval from the curve of one rate to that of the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct RateInterval {
+    /// The higher rate, 1/s.
+    pub(super) upper: f64,
     /// Logarithm of the lower rate (1/s).
     pub(super) log: f64,
     /// 1/ln(r_{i+1}/r_i).
@@ -33,7 +35,8 @@ impl RateInterval {
         let difference = difference(lower, upper, longest);
         let secant = secant(&difference, averaging_strain);
         let stress_ratio = stress_ratio(&all[..index + 2], &all, longest);
-        RateInterval { log, per_log: 1.0 / (ln(*to) - log), curve: upper.clone(), difference, secant, stress_ratio }
+        let (per_log, curve) = (1.0 / (ln(*to) - log), upper.clone());
+        RateInterval { upper: *to, log, per_log, curve, difference, secant, stress_ratio }
     }
 
     /// The weight s of the upper curve: 0 below and 1 above the two rates.

@@ -1,7 +1,7 @@
 //! Stress, energy and slope of fibres with curves by strain rate.
 
-use super::super::Absorption;
 use super::super::fibre::FibreLaw;
+use super::super::{Absorption, Curve};
 use super::{RateCurves, RateHistory};
 use crate::lane::{Lane, larger, smaller, splat};
 
@@ -62,12 +62,18 @@ impl RateCurves {
         history: &RateHistory<L>,
         peak_energy: &Lane<L>,
     ) -> Lane<L> {
-        let mut out = splat(0.0);
+        let steepening = RateCurves::steepening(absorption, history, peak_energy);
+        std::array::from_fn(|l| history.peak[l] - (history.peak[l] - strain[l]) * steepening[l])
+    }
+
+    /// β: slope on unloading over that of the present curve.
+    #[inline(always)]
+    fn steepening<const L: usize>(absorption: &Absorption, history: &RateHistory<L>, peak_energy: &Lane<L>) -> Lane<L> {
+        let mut steepening = splat(0.0);
         for l in 0..L {
-            let steepening = larger(peak_energy[l] / (peak_energy[l] + history.surplus[l]), absorption.steepening());
-            out[l] = history.peak[l] - (history.peak[l] - strain[l]) * steepening;
+            steepening[l] = larger(peak_energy[l] / (peak_energy[l] + history.surplus[l]), absorption.steepening());
         }
-        out
+        steepening
     }
 
     /// Stress (Pa) at `strain`, which is not above the largest so far.
@@ -181,6 +187,26 @@ impl FibreLaw for RateCurves {
             slope[l] = if to[l] < 0.0 { 0.0 } else { steepening[l] * slope[l] + hardening[l] };
         }
         slope
+    }
+
+    #[inline(always)]
+    fn slack_strain<const L: usize>(&self, absorption: &Absorption, history: &RateHistory<L>) -> Lane<L> {
+        let peak_energy = self.peak_energy(&self.log_rate(&history.slowness), history);
+        let steepening = RateCurves::steepening(absorption, history, &peak_energy);
+        std::array::from_fn(|l| history.peak[l] * (1.0 - 1.0 / steepening[l]))
+    }
+
+    fn mean(first: &RateCurves, second: &RateCurves, factor: f64) -> RateCurves {
+        let mut rates: Vec<f64> = first.rates().chain(second.rates()).collect();
+        rates.sort_by(f64::total_cmp);
+        rates.dedup();
+        let both = |rate: f64| Curve::weighted(&first.curve_at(rate), &second.curve_at(rate), [0.5 * factor; 2]);
+        if rates.is_empty() {
+            return RateCurves::from(both(1.0));
+        }
+        let averaging_strain =
+            if first.intervals.is_empty() { second.averaging_strain } else { first.averaging_strain };
+        RateCurves::assembled(rates.into_iter().map(|rate| (rate, both(rate))).collect(), averaging_strain)
     }
 
     fn initial_slope(&self) -> f64 {

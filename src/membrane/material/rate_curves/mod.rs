@@ -107,14 +107,39 @@ impl RateCurves {
             return Err(RateCurvesError::InvalidAveragingStrain { strain: averaging_strain });
         }
         check(&curves)?;
-        let (Some((lowest, slowest)), Some((highest, _))) = (curves.first(), curves.last()) else {
+        if curves.is_empty() {
             return Err(RateCurvesError::Empty);
-        };
+        }
+        Ok(RateCurves::assembled(curves, averaging_strain))
+    }
+
+    /// Curves, one at least, that were checked.
+    fn assembled(curves: Vec<(f64, Curve)>, averaging_strain: f64) -> RateCurves {
+        let ((lowest, slowest), (highest, _)) = (&curves[0], &curves[curves.len() - 1]);
         let longest = curves.iter().map(|(_, curve)| curve.end()).fold(0.0, f64::max);
         let slowness = [1.0 / highest, 1.0 / lowest];
         let interval = |index| RateInterval::new(&curves, index, averaging_strain, longest);
         let intervals = (0..curves.len() - 1).map(interval).collect();
-        Ok(RateCurves { slowest: slowest.clone(), intervals, slowness, averaging_strain, longest })
+        RateCurves { slowest: slowest.clone(), intervals, slowness, averaging_strain, longest }
+    }
+
+    /// The rates of the curves, 1/s; none where there is only one.
+    fn rates(&self) -> impl Iterator<Item = f64> {
+        let lowest = self.range().map(|[lowest, _]| lowest);
+        lowest.into_iter().chain(self.intervals.iter().map(|interval| interval.upper))
+    }
+
+    /// The curve at the constant `rate` (1/s).
+    fn curve_at(&self, rate: f64) -> Curve {
+        let log_rate = ln(rate);
+        let mut curve = self.slowest.clone();
+        for interval in &self.intervals {
+            let share = interval.weight(log_rate);
+            if share > 0.0 {
+                curve = Curve::weighted(&curve, &interval.curve, [1.0 - share, share]);
+            }
+        }
+        curve
     }
 
     /// Lowest and highest rate (1/s), where there are several.

@@ -1,0 +1,216 @@
+//! Stretches and shear angle of two fibre sets, and the stress that follows from the values of their curves.
+
+use super::super::{Deformation, Stress, Stresses};
+use crate::lane::{Lane, Lane3, dot, larger, smaller, splat};
+
+/// |sin γ| up to which the shear angle is the arcsine.
+pub(super) const SINE_BOUND: f64 = 0.95;
+
+/// γ/sin γ in powers of cos γ − [`CENTRE`], |sin γ| up to the bound: interpolation at Chebyshev nodes, within 1.2e-16.
+/// As a function of the cosine it is smooth through γ = 0, where the arcsine as a function of the sine would need
+/// another root.
+const ANGLE_OVER_SINE: [f64; 16] = [
+    1.1331927198876424,
+    -0.45048585789817597,
+    0.21647545881796867,
+    -0.11172212091915776,
+    0.05985914378835787,
+    -0.03281938075907477,
+    0.018277169215623234,
+    -0.010293937629056713,
+    0.005847226654561683,
+    -0.003343609810733535,
+    0.0019230361865691136,
+    -0.0011104189468963863,
+    0.0006355670625241936,
+    -0.0003695298638060537,
+    0.0002569675709305914,
+    -0.00015006110076762043,
+];
+
+/// The middle of the cosines.
+const CENTRE: f64 = 0.656;
+
+/// [`ANGLE_OVER_SINE`] at a cosine, by Estrin's scheme, whose chain of dependent operations is shorter than Horner's.
+#[inline(always)]
+fn angle_over_sine(cosine: f64) -> f64 {
+    let t = cosine - CENTRE;
+    let t2 = t * t;
+    let t4 = t2 * t2;
+    let pair = |k: usize| ANGLE_OVER_SINE[2 * k] + ANGLE_OVER_SINE[2 * k + 1] * t;
+    let four = |k: usize| pair(2 * k) + pair(2 * k + 1) * t2;
+    let eight = |k: usize| four(2 * k) + four(2 * k + 1) * t4;
+    eight(0) + eight(1) * (t4 * t4)
+}
+
+/// What the law takes of a deformation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Metric<const L: usize> {
+    /// λ₁² and λ₂².
+    pub(super) square: [Lane<L>; 2],
+    /// f₁·f₂.
+    pub(super) product: Lane<L>,
+}
+
+impl<const L: usize> Metric<L> {
+    #[inline(always)]
+    pub(super) fn of(d: &Deformation<L>) -> Metric<L> {
+        let [f1, f2] = &d.f;
+        let mut metric = Metric { square: [dot(f1, f1), dot(f2, f2)], product: dot(f1, f2) };
+        for l in 0..L {
+            metric.square[0][l] += d.stretch_variance[0][l];
+            metric.square[1][l] += d.stretch_variance[1][l];
+        }
+        metric
+    }
+}
+
+/// The fibres of a deformation.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Fibres<const L: usize> {
+    pub(super) stretch: [Lane<L>; 2],
+    /// 1/m_i.
+    pub(super) inverse: [Lane<L>; 2],
+    /// f₁·f₂/(m₁ m₂).
+    pub(super) sine: Lane<L>,
+    /// dγ/d(sin γ).
+    pub(super) secant: Lane<L>,
+    /// Shear angle γ, rad.
+    pub(in super::super) angle: Lane<L>,
+}
+
+impl<const L: usize> Fibres<L> {
+    #[inline(always)]
+    pub(in super::super) fn of(d: &Deformation<L>) -> Fibres<L> {
+        Fibres::at(&Metric::of(d))
+    }
+
+    #[inline(always)]
+    pub(super) fn at(metric: &Metric<L>) -> Fibres<L> {
+        let mut out = Fibres {
+            stretch: [splat(0.0); 2],
+            inverse: [splat(0.0); 2],
+            sine: splat(0.0),
+            secant: splat(0.0),
+            angle: splat(0.0),
+        };
+        for l in 0..L {
+            out.stretch[0][l] = metric.square[0][l].sqrt();
+            out.stretch[1][l] = metric.square[1][l].sqrt();
+            let (m1, m2) = (larger(out.stretch[0][l], 1.0), larger(out.stretch[1][l], 1.0));
+            let both = 1.0 / (m1 * m2);
+            out.inverse[0][l] = m2 * both;
+            out.inverse[1][l] = m1 * both;
+        }
+        for l in 0..L {
+            let sine = metric.product[l] * out.inverse[0][l] * out.inverse[1][l];
+            let bounded = smaller(larger(sine, -SINE_BOUND), SINE_BOUND);
+            let cosine = (1.0 - bounded * bounded).sqrt();
+            out.sine[l] = sine;
+            out.secant[l] = 1.0 / cosine;
+            out.angle[l] = bounded * angle_over_sine(cosine) + (sine - bounded) * out.secant[l];
+        }
+        out
+    }
+
+    #[inline(always)]
+    pub(in super::super) fn strain(&self, fibre: usize) -> Lane<L> {
+        self.stretch[fibre].map(|stretch| stretch - 1.0)
+    }
+
+    /// Engineering stresses, of any law: ∂W/∂λ_I and ∂W/∂γ where W depends on λ₁², λ₂² and f₁·f₂ = m₁ m₂ sin γ.
+    pub(in super::super) fn stresses(&self, stress: &Stress<L>) -> Stresses<L> {
+        let mut out = Stresses { md: splat(0.0), td: splat(0.0), shear: splat(0.0) };
+        for l in 0..L {
+            let along = |fibre: usize| {
+                let stretch = self.stretch[fibre][l];
+                let sheared = if stretch > 1.0 { self.sine[l] / self.inverse[1 - fibre][l] } else { 0.0 };
+                stress.tension[fibre][l] * stretch + stress.cross[l] * sheared
+            };
+            (out.md[l], out.td[l]) = (along(0), along(1));
+            out.shear[l] = stress.cross[l] / (self.inverse[0][l] * self.inverse[1][l] * self.secant[l]);
+        }
+        out
+    }
+
+    /// (ε₁ + ε₂)/2.
+    #[inline(always)]
+    pub(super) fn mean_strain(&self) -> Lane<L> {
+        std::array::from_fn(|l| 0.5 * (self.stretch[0][l] + self.stretch[1][l]) - 1.0)
+    }
+
+    /// Tensions of fibres with the engineering stresses `md`, `td` and `shear`, Pa.
+    #[inline(always)]
+    pub(super) fn tensions(&self, [md, td, shear]: &[Lane<L>; 3]) -> Tensions<L> {
+        let mut out = Tensions { tension: [splat(0.0); 2], cross: splat(0.0) };
+        for l in 0..L {
+            let [r1, r2] = [self.inverse[0][l], self.inverse[1][l]];
+            let shear = shear[l].copysign(self.angle[l]) * self.secant[l];
+            out.cross[l] = shear * r1 * r2;
+            let taut1 = if self.stretch[0][l] > 1.0 { r1 * r1 } else { 0.0 };
+            let taut2 = if self.stretch[1][l] > 1.0 { r2 * r2 } else { 0.0 };
+            out.tension[0][l] = md[l] * r1 - shear * self.sine[l] * taut1;
+            out.tension[1][l] = td[l] * r2 - shear * self.sine[l] * taut2;
+        }
+        out
+    }
+}
+
+/// Derivatives of the energy by the metric.
+pub(super) struct Tensions<const L: usize> {
+    /// 2 ∂W/∂λ₁² and 2 ∂W/∂λ₂², Pa.
+    pub(super) tension: [Lane<L>; 2],
+    /// ∂W/∂(f₁·f₂), Pa.
+    cross: Lane<L>,
+}
+
+impl<const L: usize> Tensions<L> {
+    /// Adds the engineering stress `stress` (Pa) along both fibres.
+    #[inline(always)]
+    pub(super) fn add_biaxial(&mut self, fibres: &Fibres<L>, stress: &Lane<L>) {
+        for l in 0..L {
+            self.tension[0][l] += stress[l] / fibres.stretch[0][l];
+            self.tension[1][l] += stress[l] / fibres.stretch[1][l];
+        }
+    }
+
+    /// The stress at `d`.
+    #[inline(always)]
+    pub(super) fn stress(&self, d: &Deformation<L>) -> Stress<L> {
+        let Tensions { tension, cross } = *self;
+        let [f1, f2] = &d.f;
+        Stress { p: [combine(&tension[0], f1, &cross, f2), combine(&tension[1], f2, &cross, f1)], tension, cross }
+    }
+}
+
+/// a·u + b·v in each lane.
+#[inline(always)]
+fn combine<const L: usize>(a: &Lane<L>, u: &Lane3<L>, b: &Lane<L>, v: &Lane3<L>) -> Lane3<L> {
+    let mut out = [splat(0.0); 3];
+    for axis in 0..3 {
+        for l in 0..L {
+            out[axis][l] = a[l] * u[axis][l] + b[l] * v[axis][l];
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_angle_is_the_arcsine_continued_along_its_tangent() {
+        for i in -99..=99 {
+            let sine = f64::from(i) / 100.0;
+            let f = [[1.0, 0.0, 0.0], [sine, (1.0 - sine * sine).sqrt(), 0.0]].map(|v| v.map(|x| [x]));
+            let expected = if sine.abs() <= SINE_BOUND {
+                sine.asin()
+            } else {
+                let tangent = 1.0 / (1.0 - SINE_BOUND * SINE_BOUND).sqrt();
+                sine.signum() * (SINE_BOUND.asin() + tangent * (sine.abs() - SINE_BOUND))
+            };
+            assert!((Fibres::<1>::of(&f.into()).angle[0] - expected).abs() < 2e-15, "at {sine}");
+        }
+    }
+}

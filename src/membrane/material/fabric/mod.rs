@@ -1,0 +1,325 @@
+//! Film as a fabric: two fibre sets and shear.
+//!
+//! Energy per volume of stress-free film (theory.md, equations 4–7), with λ_i = |f_i|, ε_i = λ_i − 1:
+//!
+//! ```text
+//! W = W_md(ε₁) + W_td(ε₂) + W_s(γ),    sin γ = f₁·f₂ / (m₁ m₂),   m_i = max(λ_i, 1)
+//! ∂W/∂f₁ = σ_md f₁/λ₁ + τ(γ)/cos γ · ( f₂/(m₁ m₂) − [λ₁ > 1] sin γ · f₁/λ₁² )
+//! ```
+//!
+//! and the same with the indices exchanged. γ is the angle by which taut fibres deviate from their right angle;
+//! a slack fibre carries no stress, and its part in shear decreases with its length instead of growing without bound.
+//! Beyond |sin γ| = 0.95 the angle is continued along its tangent, so that the force is bounded as the fibres align.
+//! Coupling of both directions adds W_b(ε₁ + ε₂) (equation 4b), wrinkling relaxes the energy (8b).
+
+mod fibres;
+mod wrinkles;
+
+pub(super) use fibres::Fibres;
+use fibres::Metric;
+use wrinkles::Response;
+
+use serde::{Deserialize, Serialize};
+
+use super::fibre::FibreLaw;
+use super::history::PointHistory;
+use super::{Absorption, Curve, Deformation, Energy, LayerBreaks, MembraneLaw, Stiffness, Stress};
+use crate::lane::{Lane, larger, smaller, splat};
+
+/// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve,
+/// with energy absorption on unloading.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fabric<F = Curve> {
+    md: F,
+    td: F,
+    shear: Curve,
+    absorption: Absorption,
+    layer_breaks: LayerBreaks,
+    /// Stress σ_b over (ε₁ + ε₂)/2 that both directions carry besides their own.
+    biaxial: Option<F>,
+    wrinkling: bool,
+}
+
+impl<F: FibreLaw> Fabric<F> {
+    /// Engineering stress (Pa) over engineering strain for MD and TD, shear stress (Pa) over shear angle (rad),
+    /// and the share 0 ≤ `absorption` < 1 of the stored energy that is lost on unloading, in the fibres and in shear.
+    pub fn new(md: F, td: F, shear: Curve, absorption: f64) -> Fabric<F> {
+        let absorption = Absorption::new(absorption);
+        Fabric { md, td, shear, absorption, layer_breaks: LayerBreaks::default(), biaxial: None, wrinkling: false }
+    }
+
+    /// The same film with coupling of both directions: where their strains are equal, each carries `share` ≥ 0 of the
+    /// mean stress of both curves besides its own.
+    pub fn with_biaxial(self, share: f64) -> Fabric<F> {
+        let biaxial = (share > 0.0).then(|| F::mean(&self.md, &self.td, share));
+        Fabric { biaxial, ..self }
+    }
+
+    /// The same film without compression along any direction (tension field).
+    pub fn with_wrinkling(self, wrinkling: bool) -> Fabric<F> {
+        Fabric { wrinkling, ..self }
+    }
+
+    /// The same film of layers that break one after another.
+    pub fn with_layer_breaks(self, layer_breaks: LayerBreaks) -> Fabric<F> {
+        Fabric { layer_breaks, ..self }
+    }
+
+    /// Curve of the MD fibres.
+    pub fn md(&self) -> &F {
+        &self.md
+    }
+
+    /// Curve of the TD fibres.
+    pub fn td(&self) -> &F {
+        &self.td
+    }
+
+    /// Shear stress over shear angle.
+    pub fn shear(&self) -> &Curve {
+        &self.shear
+    }
+
+    /// Share of the stored energy that is lost on unloading.
+    pub fn absorption(&self) -> f64 {
+        self.absorption.share()
+    }
+}
+
+/// The curves of a fabric with the history variables of points, `dt` (s) after they were updated; at the present rate
+/// where it is none.
+struct Curves<'a, F: FibreLaw, const L: usize> {
+    fabric: &'a Fabric<F>,
+    history: &'a PointHistory<F::History<L>, L>,
+    dt: Option<f64>,
+}
+
+impl<F: FibreLaw, const L: usize> Response<L> for Curves<'_, F, L> {
+    #[inline(always)]
+    fn stresses(&self, strains: &[Lane<L>; 3]) -> [Lane<L>; 3] {
+        let (fabric, history) = (self.fabric, self.history);
+        let along = |fibre: usize, law: &F| match self.dt {
+            Some(dt) => law.stress(&fabric.absorption, &strains[fibre], &mut history.fibres[fibre].clone(), dt),
+            None => law.stress_near(&fabric.absorption, &strains[fibre], &history.fibres[fibre]),
+        };
+        let shear = fabric.absorption.stress(&fabric.shear, &strains[2], &mut history.shear.clone());
+        of_layers_left([along(0, &fabric.md), along(1, &fabric.td), shear], &history.left)
+    }
+
+    #[inline(always)]
+    fn slack(&self) -> [Lane<L>; 2] {
+        let Fabric { md, td, absorption, .. } = self.fabric;
+        let [history_md, history_td] = &self.history.fibres;
+        [md.slack_strain(absorption, history_md), td.slack_strain(absorption, history_td)]
+    }
+}
+
+impl<F: FibreLaw> Fabric<F> {
+    /// The fibres at `d`, `dt` (s) after the history variables were updated; at the present rate where it is none.
+    #[inline(always)]
+    fn fibres<const L: usize>(
+        &self,
+        d: &Deformation<L>,
+        history: &PointHistory<F::History<L>, L>,
+        dt: Option<f64>,
+    ) -> Fibres<L> {
+        let metric = Metric::of(d);
+        if !self.wrinkling {
+            return Fibres::at(&metric);
+        }
+        Fibres::at(&wrinkles::relaxed(&metric, &Curves { fabric: self, history, dt }))
+    }
+}
+
+impl<F: FibreLaw> MembraneLaw for Fabric<F> {
+    type History<const L: usize> = PointHistory<F::History<L>, L>;
+
+    #[inline(always)]
+    fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L> {
+        let fibres = self.fibres(d, history, Some(dt));
+        let [history_md, history_td] = &mut history.fibres;
+        let md = self.md.stress(&self.absorption, &fibres.strain(0), history_md, dt);
+        let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
+        let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), &mut history.shear);
+        let mut tensions = fibres.tensions(&of_layers_left([md, td, shear], &history.left));
+        if let Some(law) = &self.biaxial {
+            let stress = law.stress(&self.absorption, &fibres.mean_strain(), &mut history.biaxial, dt);
+            tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
+        }
+        tensions.stress(d)
+    }
+
+    #[inline(always)]
+    fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L> {
+        let fibres = self.fibres(d, history, None);
+        let parts = [
+            self.md.energy(&self.absorption, &fibres.strain(0), &history.fibres[0]),
+            self.td.energy(&self.absorption, &fibres.strain(1), &history.fibres[1]),
+            self.absorption.energy(&self.shear, &fibres.angle.map(f64::abs), &history.shear),
+        ];
+        let [stored, absorbed] = [parts.map(|part| part.0), parts.map(|part| part.1)];
+        let (stored, absorbed) = (of_layers_left(stored, &history.left), of_layers_left(absorbed, &history.left));
+        let mut total = Energy { stored: splat(0.0), absorbed: splat(0.0) };
+        for (stored, absorbed) in stored.iter().zip(&absorbed) {
+            for l in 0..L {
+                total.stored[l] += stored[l];
+                total.absorbed[l] += absorbed[l];
+            }
+        }
+        if let Some(law) = &self.biaxial {
+            let (stored, absorbed) = law.energy(&self.absorption, &fibres.mean_strain(), &history.biaxial);
+            let (stored, absorbed) = (of_both_left(stored, &history.left), of_both_left(absorbed, &history.left));
+            for l in 0..L {
+                total.stored[l] += 2.0 * stored[l];
+                total.absorbed[l] += 2.0 * absorbed[l];
+            }
+        }
+        total
+    }
+
+    #[inline(always)]
+    fn stiffness<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Stiffness<L> {
+        /// Change of strain for which the bound holds.
+        const REACH: f64 = 0.005;
+        let fibres = self.fibres(d, history, None);
+        let angle = fibres.angle.map(f64::abs);
+        let strains = [fibres.strain(0), fibres.strain(1), angle];
+        let mut tensions = fibres.tensions(&Curves { fabric: self, history, dt: None }.stresses(&strains));
+        let mut coupled = splat(0.0);
+        if let Some(law) = &self.biaxial {
+            let mean = fibres.mean_strain();
+            let stress = law.stress_near(&self.absorption, &mean, &history.biaxial);
+            tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
+            let slope = law.largest_slope(&self.absorption, &mean, &history.biaxial, REACH);
+            coupled = of_both_left(slope, &history.left);
+        }
+        let across = tensions.tension.map(|t| t.map(f64::abs));
+        let slopes = [
+            self.md.largest_slope(&self.absorption, &strains[0], &history.fibres[0], REACH),
+            self.td.largest_slope(&self.absorption, &strains[1], &history.fibres[1], REACH),
+            self.absorption.largest_slope(&self.shear, &angle, &history.shear, REACH),
+        ];
+        let [md, td, mut shear] = of_layers_left(slopes, &history.left);
+        // (a₁ + a₂)² ≤ 2 (a₁² + a₂²), and the slope by ε₁ + ε₂ is half of that by their mean.
+        let mut along = [md, td].map(|slope| std::array::from_fn(|l| slope[l] + coupled[l]));
+        let mut largest = angle;
+        for l in 0..L {
+            largest[l] = larger(angle[l], history.shear[l]);
+        }
+        let [_, _, stress] = of_layers_left([md, td, self.shear.stress_lanes(&largest)], &history.left);
+        for l in 0..L {
+            along[0][l] = larger(along[0][l] - across[0][l], 0.0);
+            along[1][l] = larger(along[1][l] - across[1][l], 0.0);
+            let secant = fibres.secant[l];
+            shear[l] = shear[l] * secant * secant + stress[l] * secant * (secant * secant + 3.0);
+        }
+        // Motion acts on the tangent vectors of the film, wrinkled or not.
+        let product = Metric::of(d).product;
+        let alignment = std::array::from_fn(|l| product[l] * fibres.inverse[0][l] * fibres.inverse[1][l]);
+        Stiffness { along, across, shear, alignment }
+    }
+
+    /// Undefined: the curves are of the stress-free cross-section and do not include the change of thickness.
+    fn thickness_ratio<const L: usize>(&self, _stress: &Stress<L>) -> Lane<L> {
+        splat(f64::NAN)
+    }
+
+    fn moduli(&self) -> [f64; 2] {
+        [self.md.initial_slope(), self.td.initial_slope()]
+    }
+
+    #[inline(always)]
+    fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2] {
+        let first = self.layer_breaks.first();
+        let limits = [self.md.break_strain(&history.fibres[0]), self.td.break_strain(&history.fibres[1])];
+        limits.map(|limit| limit.map(|strain| strain * first))
+    }
+
+    fn share_left(&self, ratio: f64) -> f64 {
+        self.layer_breaks.share_left(ratio)
+    }
+
+    fn break_range(&self) -> [[f64; 2]; 2] {
+        let ([md, longest_md], [td, longest_td]) = (self.md.break_strains(), self.td.break_strains());
+        let last = self.layer_breaks.last();
+        [[md, td], [last * longest_md, last * longest_td]]
+    }
+}
+
+/// Values of one layer along MD, along TD and in shear as means over all layers: those in which one set of fibres is
+/// broken carry no shear.
+#[inline(always)]
+fn of_layers_left<const L: usize>([mut md, mut td, shear]: [Lane<L>; 3], left: &[Lane<L>; 2]) -> [Lane<L>; 3] {
+    for l in 0..L {
+        md[l] *= left[0][l];
+        td[l] *= left[1][l];
+    }
+    [md, td, of_both_left(shear, left)]
+}
+
+/// A value of one layer for the coupling of both directions as a mean over all layers.
+#[inline(always)]
+fn of_both_left<const L: usize>(mut value: Lane<L>, left: &[Lane<L>; 2]) -> Lane<L> {
+    for l in 0..L {
+        value[l] *= smaller(left[0][l], left[1][l]);
+    }
+    value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{History, RateCurves};
+
+    /// In pure tension the first Piola–Kirchhoff stress is the engineering stress of the curve.
+    #[test]
+    fn uniaxial_stress_is_that_of_the_curve() {
+        let md = Curve::new(vec![[0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]]).unwrap();
+        let td = Curve::new(vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]).unwrap();
+        let film = Fabric::new(md.clone(), td.clone(), Curve::new(vec![[1.0, 1e7]]).unwrap(), 0.9);
+        for strain in [0.1, 0.26, 0.5, 1.0, 1.39] {
+            let f = [[1.0 + strain, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|v| v.map(|x| [x]));
+            assert!(
+                (film.stress(&f.into(), &mut History::virgin(), 0.0).p[0][0][0] / md.stress(strain) - 1.0).abs()
+                    < 1e-14
+            );
+            let f = [[1.0, 0.0, 0.0], [0.0, 1.0 + strain, 0.0]].map(|v| v.map(|x| [x]));
+            assert!(
+                (film.stress(&f.into(), &mut History::virgin(), 0.0).p[1][1][0] / td.stress(strain) - 1.0).abs()
+                    < 1e-14
+            );
+        }
+    }
+
+    /// Both directions carry the share of the mean stress where their strains are equal, and the curve alone where film
+    /// contracts across as much as it is stretched; curves by rate of one rate only are like a curve.
+    #[test]
+    fn coupling_adds_its_share_at_equal_strains() {
+        let md = Curve::new(vec![[0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]]).unwrap();
+        let td = Curve::new(vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]).unwrap();
+        let shear = Curve::new(vec![[1.0, 1e7]]).unwrap();
+        let stress = |law: &dyn Fn(&Deformation<1>) -> Stress<1>, [first, second]: [f64; 2]| {
+            let f = [[1.0 + first, 0.0, 0.0], [0.0, 1.0 + second, 0.0]].map(|v| v.map(|x| [x]));
+            let p = law(&f.into()).p;
+            [p[0][0][0], p[1][1][0]]
+        };
+        let one = Fabric::new(md.clone(), td.clone(), shear.clone(), 0.9).with_biaxial(0.8);
+        let rates = [1.0, 10.0].map(|rate| (rate, md.clone()));
+        let by_rate = [RateCurves::new(rates.to_vec(), 0.01).unwrap(), RateCurves::from(td.clone())];
+        let [md_by_rate, td_by_rate] = by_rate;
+        let by_rate = Fabric::new(md_by_rate, td_by_rate, shear, 0.9).with_biaxial(0.8);
+        let laws: [&dyn Fn(&Deformation<1>) -> Stress<1>; 2] =
+            [&|d| one.stress(d, &mut History::virgin(), 0.0), &|d| by_rate.stress(d, &mut History::virgin(), 0.01)];
+        for law in laws {
+            for strain in [0.1, 0.3, 0.5, 0.8, 1.2] {
+                let added = 0.4 * (md.stress(strain) + td.stress(strain));
+                let [along, across] = stress(law, [strain; 2]);
+                assert!((along / (md.stress(strain) + added) - 1.0).abs() < 1e-12, "{along} at {strain}");
+                assert!((across / (td.stress(strain) + added) - 1.0).abs() < 1e-12, "{across} at {strain}");
+                let contracts = strain.min(0.9);
+                let [along, across] = stress(law, [contracts, -contracts]);
+                assert!((along / md.stress(contracts) - 1.0).abs() < 1e-12 && across.abs() < 1e-6, "{along} {across}");
+            }
+        }
+    }
+}

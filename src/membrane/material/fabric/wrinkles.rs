@@ -1,0 +1,436 @@
+//! Film of two fibre sets that wrinkles: its relaxed energy.
+//!
+//! Wrinkles too fine for the mesh take up length, so that the fibres of film with the metric C = FᵀF may have any metric
+//! C* = C + d dᵀ; d is the direction across the wrinkles (theory.md, equations 8b, 8c):
+//!
+//! ```text
+//! W_r(C) = min W(C + d dᵀ) over d ,   S = 2 ∂W/∂C at C* :   S d = 0 ,  S positive semidefinite
+//! ```
+//!
+//! The least energy is that of film in tension along one direction, or slack in all. With d = (x, −y sgn C₁₂) and
+//! x, y ≥ 0 wrinkles lengthen the fibres and reduce their shear. Newton's method finds (x, y), each step with a line
+//! search, since curves have corners.
+
+use super::fibres::{Fibres, Metric, SINE_BOUND};
+use crate::lane::{Lane, larger, smaller, splat};
+
+/// Engineering stresses of the fibres and of shear at trial strains, from one history.
+pub(super) trait Response<const L: usize> {
+    /// Stresses along MD, along TD and in shear (Pa) at the strains ε_md, ε_td and |γ|.
+    fn stresses(&self, strains: &[Lane<L>; 3]) -> [Lane<L>; 3];
+    /// Strains up to which the MD and TD fibres carry no stress.
+    fn slack(&self) -> [Lane<L>; 2];
+}
+
+/// S·d over the sizes of its two terms at which wrinkles are in equilibrium.
+const TOLERANCE: f64 = 1e-10;
+/// Trials after which a line search that has a bracket cannot improve further in double precision.
+const TRIALS: usize = 400;
+/// Difference of strain for the slopes of the curves.
+const DIFFERENCE: f64 = 1e-8;
+/// Share of the first slope along a line to which its search goes down.
+const LINE: f64 = 0.3;
+/// Largest square by which a first guess of wrinkles lengthens film.
+const GUESS: f64 = 0.1;
+/// Strain beyond which a fibre at the end of its slack counts as taut.
+const TAUT: f64 = 1e-12;
+
+/// The metric of the fibres in film of the metric `metric`, which is `metric` itself where it is taut.
+#[inline(always)]
+pub(super) fn relaxed<const L: usize>(metric: &Metric<L>, response: &impl Response<L>) -> Metric<L> {
+    let mut lines = started(metric, response);
+    for _ in 0..TRIALS {
+        if lines.iter().all(|line| line.found) {
+            break;
+        }
+        let trial = Trial::at(&lengthened(metric, &lines), response);
+        for (l, line) in lines.iter_mut().enumerate().filter(|(_, line)| !line.found) {
+            line.improve(&trial.slope(l, line.at));
+        }
+    }
+    let relaxed = lengthened(metric, &lines);
+    Metric { product: std::array::from_fn(|l| relaxed.product[l] * 1.0_f64.copysign(metric.product[l])), ..relaxed }
+}
+
+/// The metric of fibres that the wrinkles of each lane lengthen; f₁·f₂ without its sign.
+#[inline(always)]
+fn lengthened<const L: usize>(metric: &Metric<L>, lines: &[Line; L]) -> Metric<L> {
+    let mut out = *metric;
+    for (l, line) in lines.iter().enumerate() {
+        let [x, y] = line.at;
+        out.square[0][l] += x * x;
+        out.square[1][l] += y * y;
+        out.product[l] = metric.product[l].abs() - x * y;
+    }
+    out
+}
+
+/// The search of each lane at its first trial: found where film is taut or slack.
+#[inline(always)]
+fn started<const L: usize>(metric: &Metric<L>, response: &impl Response<L>) -> [Line; L] {
+    let slack = response.slack();
+    let mut lines: [Line; L] = std::array::from_fn(|l| {
+        let least = std::array::from_fn(|fibre| {
+            let taut = 1.0 + slack[fibre][l] + TAUT;
+            larger(taut * taut - metric.square[fibre][l], 0.0).sqrt()
+        });
+        Line::from(least, metric.product[l].abs())
+    });
+    let unwrinkled = Trial::at(&lengthened(metric, &lines), response);
+    let mut direction = [[0.0; 2]; L];
+    for (l, line) in lines.iter_mut().enumerate() {
+        if line.found || line.least != [0.0; 2] {
+            continue;
+        }
+        let [t1, t2, cross] = unwrinkled.tensions(l);
+        if smaller(t1, t2) >= 0.0 && t1 * t2 >= cross * cross {
+            line.found = true;
+            continue;
+        }
+        // The direction of the largest compression, and a square of wrinkles at which shear is gone or curves resist.
+        let compression = 0.5 * (t1 + t2) - (0.5 * (t1 - t2)).hypot(cross);
+        let (x, y) = if t1 > t2 { (cross, t1 - compression) } else { (t2 - compression, cross) };
+        let size = x.hypot(y);
+        direction[l] = [x / size, y / size];
+        let [x, y] = direction[l];
+        let most = smaller(metric.product[l].abs() / (x * y), GUESS).sqrt();
+        line.at = [most * x, most * y];
+    }
+    if direction == [[0.0; 2]; L] {
+        return lines;
+    }
+    let farthest = Trial::at(&lengthened(metric, &lines), response);
+    for (l, line) in lines.iter_mut().enumerate().filter(|(l, _)| direction[*l] != [0.0; 2]) {
+        let [x, y] = direction[l];
+        let along = |[t1, t2, cross]: [f64; 3]| t1 * x * x + t2 * y * y - 2.0 * cross * x * y;
+        let (before, after) = (along(unwrinkled.tensions(l)), along(farthest.tensions(l)));
+        let share = if after > 0.0 { (before / (before - after)).sqrt() } else { 1.0 };
+        line.at = line.at.map(|length| share * length);
+    }
+    lines
+}
+
+/// The law at one trial, as a function of λ₁, λ₂ and c = f₁·f₂.
+struct Trial<const L: usize> {
+    stretch: [Lane<L>; 2],
+    /// ∂W/∂λ₁, ∂W/∂λ₂, ∂W/∂c.
+    gradient: [Lane<L>; 3],
+    /// Sums of the sizes of the terms of ∂W/∂λ₁ and ∂W/∂λ₂.
+    size: [Lane<L>; 2],
+    /// ∂²W by 11, 22, 12, 1c, 2c, cc.
+    hessian: [Lane<L>; 6],
+}
+
+impl<const L: usize> Trial<L> {
+    #[inline(always)]
+    fn at(metric: &Metric<L>, response: &impl Response<L>) -> Trial<L> {
+        let fibres = Fibres::at(metric);
+        let strains = [fibres.strain(0), fibres.strain(1), fibres.angle.map(f64::abs)];
+        let stresses = response.stresses(&strains);
+        let farther = response.stresses(&strains.map(|strain| strain.map(|e| e + DIFFERENCE)));
+        let mut trial = Trial {
+            stretch: fibres.stretch,
+            gradient: [splat(0.0); 3],
+            size: [splat(0.0); 2],
+            hessian: [splat(0.0); 6],
+        };
+        for l in 0..L {
+            let slope = |curve: usize| larger((farther[curve][l] - stresses[curve][l]) / DIFFERENCE, 0.0);
+            let (s, secant) = (fibres.sine[l].abs(), fibres.secant[l]);
+            // dW/ds and d²W/ds² of shear; beyond the bound the angle is linear in s.
+            let bend = if s < SINE_BOUND { s * secant * secant * secant } else { 0.0 };
+            let first = stresses[2][l] * secant;
+            let second = slope(2) * secant * secant + stresses[2][l] * bend;
+            let taut = [0, 1].map(|i| if fibres.stretch[i][l] > 1.0 { fibres.inverse[i][l] } else { 0.0 });
+            let both = fibres.inverse[0][l] * fibres.inverse[1][l];
+            let sign = 1.0_f64.copysign(metric.product[l]);
+            for i in 0..2 {
+                trial.gradient[i][l] = stresses[i][l] - first * s * taut[i];
+                trial.size[i][l] = stresses[i][l] + first * s * taut[i];
+                trial.hessian[i][l] = slope(i) + (second * s + 2.0 * first) * s * taut[i] * taut[i];
+                trial.hessian[3 + i][l] = -sign * (second * s + first) * taut[i] * both;
+            }
+            trial.gradient[2][l] = sign * first * both;
+            trial.hessian[2][l] = (second * s + first) * s * taut[0] * taut[1];
+            trial.hessian[5][l] = second * both * both;
+        }
+        trial
+    }
+
+    /// 2 ∂W/∂λ₁², 2 ∂W/∂λ₂² and ∂W/∂c in one lane, Pa.
+    #[inline(always)]
+    fn tensions(&self, l: usize) -> [f64; 3] {
+        [self.gradient[0][l] / self.stretch[0][l], self.gradient[1][l] / self.stretch[1][l], self.gradient[2][l]]
+    }
+
+    /// The energy of one lane as a function of the wrinkles (x, y), by the chain rule through λ₁² = C₁₁ + x²,
+    /// λ₂² = C₂₂ + y² and c = |C₁₂| − x y.
+    #[inline(always)]
+    fn slope(&self, l: usize, [x, y]: [f64; 2]) -> Slope {
+        let [lambda1, lambda2] = self.stretch.map(|stretch| stretch[l]);
+        let [w1, w2, wc] = self.gradient.map(|part| part[l]);
+        let [w11, w22, w12, w1c, w2c, wcc] = self.hessian.map(|part| part[l]);
+        let (dx, dy) = (x / lambda1, y / lambda2);
+        let (ddx, ddy) = ((1.0 - dx * dx) / lambda1, (1.0 - dy * dy) / lambda2);
+        Slope {
+            gradient: [w1 * dx - wc * y, w2 * dy - wc * x],
+            size: [self.size[0][l] * dx + wc.abs() * y, self.size[1][l] * dy + wc.abs() * x],
+            hessian: [
+                w11 * dx * dx - 2.0 * w1c * dx * y + wcc * y * y + w1 * ddx,
+                w22 * dy * dy - 2.0 * w2c * dy * x + wcc * x * x + w2 * ddy,
+                w12 * dx * dy - w1c * dx * x - w2c * dy * y + wcc * x * y - wc,
+            ],
+        }
+    }
+}
+
+/// First and second derivatives of the energy by the wrinkles (x, y).
+struct Slope {
+    gradient: [f64; 2],
+    /// Sums of the sizes of the gradient's terms.
+    size: [f64; 2],
+    /// By xx, yy, xy.
+    hessian: [f64; 3],
+}
+
+impl Slope {
+    /// Newton's step, with the sizes of the second derivatives along the principal directions where one is negative.
+    #[inline(always)]
+    fn step(&self) -> [f64; 2] {
+        let [xx, yy, xy] = self.hessian;
+        let [g1, g2] = self.gradient;
+        let (mean, apart) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let radius = apart.hypot(xy);
+        // cos 2θ and sin 2θ of the first principal direction.
+        let (cosine, sine) = if radius > 0.0 { (apart / radius, xy / radius) } else { (1.0, 0.0) };
+        let (first, second) = ((mean + radius).abs(), (mean - radius).abs());
+        let floor = f64::EPSILON * larger(first, second) + f64::MIN_POSITIVE;
+        let (i, j) = (1.0 / (first + floor), 1.0 / (second + floor));
+        let (sum, difference) = (0.5 * (i + j), 0.5 * (i - j));
+        [
+            -((sum + difference * cosine) * g1 + difference * sine * g2),
+            -((sum - difference * cosine) * g2 + difference * sine * g1),
+        ]
+    }
+}
+
+/// The search for the wrinkles of one lane: the present line and what is known of it.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    found: bool,
+    /// Wrinkles that only take up slack.
+    least: [f64; 2],
+    /// The present trial (x, y).
+    at: [f64; 2],
+    start: [f64; 2],
+    step: [f64; 2],
+    /// Place of the trial on the line: `start` is 0, `start` and `step` are 1.
+    place: f64,
+    /// Derivative of the energy by the place at the start; zero before the first line.
+    first: f64,
+    /// Place and derivative below and above the minimum, the latter once it is known.
+    bracket: [[f64; 2]; 2],
+    /// The end of the bracket that the trial before has replaced.
+    replaced: Option<usize>,
+}
+
+impl Line {
+    /// The search of film whose fibres are taut beyond the wrinkles `least`, with `product` = |f₁·f₂|.
+    #[inline(always)]
+    fn from(least: [f64; 2], product: f64) -> Line {
+        let [x, y] = least;
+        let slack = x * y >= product;
+        let share = if slack && product > 0.0 { (product / (x * y)).sqrt() } else { 0.0 };
+        Line {
+            found: slack || product == 0.0,
+            least,
+            at: if slack || product == 0.0 { least.map(|length| share * length) } else { least },
+            start: [0.0; 2],
+            step: [0.0; 2],
+            place: 0.0,
+            first: 0.0,
+            bracket: [[0.0; 2]; 2],
+            replaced: None,
+        }
+    }
+
+    /// Chooses the next trial from the derivatives at the present one, or ends the search.
+    #[inline(always)]
+    fn improve(&mut self, slope: &Slope) {
+        let [g1, g2] = slope.gradient;
+        let [size1, size2] = slope.size;
+        if g1.abs() <= TOLERANCE * size1 && g2.abs() <= TOLERANCE * size2 {
+            self.found = true;
+            return;
+        }
+        let along = g1 * self.step[0] + g2 * self.step[1];
+        let closed = self.bracket[1][1] > 0.0;
+        if along > -LINE * self.first || (closed && along < LINE * self.first) {
+            self.narrow(along);
+            return;
+        }
+        let step = slope.step();
+        self.start = self.at;
+        for i in 0..2 {
+            self.at[i] = larger(self.start[i] + step[i], self.least[i]);
+            self.step[i] = self.at[i] - self.start[i];
+        }
+        self.first = g1 * self.step[0] + g2 * self.step[1];
+        self.place = 1.0;
+        (self.bracket, self.replaced) = ([[0.0, self.first], [f64::INFINITY, 0.0]], None);
+        // A step below the resolution of the trial changes nothing.
+        self.found = self.at == self.start || self.first >= 0.0;
+    }
+
+    /// The next place on the line by regula falsi (Illinois: an end that stays has its derivative halved).
+    #[inline(always)]
+    fn narrow(&mut self, along: f64) {
+        let side = usize::from(along > 0.0);
+        self.bracket[side] = [self.place, along];
+        if self.replaced == Some(side) {
+            self.bracket[1 - side][1] *= 0.5;
+        }
+        self.replaced = Some(side);
+        let [[low, falling], [high, rising]] = self.bracket;
+        let place = low + (high - low) * falling / (falling - rising);
+        if place == self.place || high <= low {
+            self.found = true;
+            return;
+        }
+        self.place = place;
+        self.at = std::array::from_fn(|i| self.start[i] + place * self.step[i]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Curve, Fabric, History, MembraneLaw, PeakStrains};
+    use proptest::prelude::*;
+
+    fn film(absorption: f64) -> Fabric {
+        let md = Curve::new(vec![[0.03, 8.4e6], [0.2, 20e6], [0.75, 29e6]]).unwrap();
+        let td = Curve::new(vec![[0.04, 8e6], [0.14, 10e6], [6.0, 16e6]]).unwrap();
+        let shear = Curve::new(vec![[0.3, 4e6], [1.2, 7e6]]).unwrap();
+        Fabric::new(md, td, shear, absorption).with_wrinkling(true)
+    }
+
+    fn metric([first, second, sine]: [f64; 3]) -> Metric<1> {
+        Metric { square: [[first * first], [second * second]], product: [sine * first * second] }
+    }
+
+    fn energy(film: &Fabric, history: &PeakStrains<1>, metric: &Metric<1>) -> f64 {
+        let fibres = Fibres::at(metric);
+        let curves = [film.md(), film.td(), film.shear()];
+        let strains = [fibres.strain(0), fibres.strain(1), fibres.angle.map(f64::abs)];
+        let peaks = [history.fibres[0], history.fibres[1], history.shear];
+        let parts = (0..3).map(|i| {
+            let peak = [larger(peaks[i][0], strains[i][0])];
+            let (stored, absorbed) = film.absorption.energy(curves[i], &strains[i], &peak);
+            stored[0] + absorbed[0]
+        });
+        parts.sum()
+    }
+
+    /// The least energy on ever finer grids of wrinkles about the best of the grid before.
+    fn least(film: &Fabric, history: &PeakStrains<1>, metric: &Metric<1>) -> f64 {
+        let (mut best, mut about, mut width) = (f64::INFINITY, [0.0, 0.0], 1.2);
+        for _ in 0..60 {
+            let centre = about;
+            for i in -12..=12 {
+                for j in -12..=12 {
+                    let x = (centre[0] + width * f64::from(i) / 12.0).max(0.0);
+                    let y = (centre[1] + width * f64::from(j) / 12.0).max(0.0);
+                    let mut trial = *metric;
+                    trial.square[0][0] += x * x;
+                    trial.square[1][0] += y * y;
+                    trial.product[0] = metric.product[0].abs() - x * y;
+                    let energy = energy(film, history, &trial);
+                    if energy < best {
+                        (best, about) = (energy, [x, y]);
+                    }
+                }
+            }
+            width *= 0.6;
+        }
+        best
+    }
+
+    fn check(film: &Fabric, peaks: [f64; 3], at: [f64; 3]) {
+        let mut history = PeakStrains::<1>::virgin();
+        (history.fibres, history.shear) = ([[peaks[0]], [peaks[1]]], [peaks[2]]);
+        let metric = metric(at);
+        let curves = super::super::Curves { fabric: film, history: &history, dt: Some(1e-6) };
+        let relaxed = relaxed(&metric, &curves);
+        let (found, least) = (energy(film, &history, &relaxed), least(film, &history, &metric));
+        assert!(
+            found <= least + 1e-6 * least.max(1.0),
+            "{found} J/m³ for {least} at {at:?}, largest strains {peaks:?}"
+        );
+        let trial = Trial::at(&relaxed, &curves);
+        let [t1, t2, cross] = trial.tensions(0);
+        let scale = 1e6 + trial.size[0][0] + trial.size[1][0];
+        assert!(t1 >= -1e-9 * scale && t2 >= -1e-9 * scale, "compression {t1} {t2} at {at:?}, {peaks:?}");
+        assert!(t1 * t2 - cross * cross >= -1e-8 * scale * scale, "{t1} {t2} {cross} at {at:?}, {peaks:?}");
+        // S (C* − C) = 0.
+        let [x2, y2] = [0, 1].map(|i| relaxed.square[i][0] - metric.square[i][0]);
+        let xy = metric.product[0].abs() - relaxed.product[0].abs();
+        let work = t1 * x2 + t2 * y2 - 2.0 * cross.abs() * xy;
+        assert!(
+            work.abs() <= 1e-8 * scale * (x2 + y2),
+            "{work} of {scale} {x2} {y2} {xy} t {t1} {t2} {cross} at {at:?}, {peaks:?}"
+        );
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+        /// The energy is that of a search by brute force, and the stress is a tension field.
+        #[test]
+        fn the_energy_is_relaxed(
+            at in [0.6..1.6, 0.6..1.6, -0.9..0.9],
+            peaks in [0.0..0.5, 0.0..0.5, 0.0..0.6],
+            share in prop::sample::select(vec![0.0, 0.6, 0.89]),
+            virgin: bool,
+        ) {
+            check(&film(share), if virgin { [0.0; 3] } else { peaks }, at);
+        }
+    }
+
+    /// Without relaxation it jumps by τ tan γ.
+    #[test]
+    fn stress_is_continuous_where_a_fibre_becomes_taut() {
+        let (film, plain) = (film(0.0), film(0.0).with_wrinkling(false));
+        let stress = |film: &Fabric, stretch: f64| {
+            let (sine, cosine) = 0.2_f64.sin_cos();
+            let f = [[stretch, 0.0, 0.0], [1.1 * sine, 1.1 * cosine, 0.0]].map(|v| v.map(|x| [x]));
+            film.stress(&f.into(), &mut History::virgin(), 0.0).tension[0][0]
+        };
+        let jump = |film: &Fabric| (stress(film, 1.0 + 1e-9) - stress(film, 1.0 - 1e-9)).abs();
+        assert!(jump(&plain) > 4e5, "{}", jump(&plain));
+        assert!(jump(&film) < 10.0, "{}", jump(&film));
+    }
+
+    /// A lane does not depend on its neighbours.
+    #[test]
+    fn lanes_are_alike() {
+        let film = film(0.6);
+        let states: [[f64; 3]; 8] = std::array::from_fn(|k| {
+            let k = k as f64;
+            [0.85 + 0.06 * k, 1.3 - 0.05 * k, 0.1 * k - 0.3]
+        });
+        let eight = Metric::<8> {
+            square: [0, 1].map(|i| std::array::from_fn(|l| states[l][i] * states[l][i])),
+            product: std::array::from_fn(|l| states[l][2] * states[l][0] * states[l][1]),
+        };
+        let history = PeakStrains::<8>::virgin();
+        let together = relaxed(&eight, &super::super::Curves { fabric: &film, history: &history, dt: Some(0.0) });
+        for (l, state) in states.into_iter().enumerate() {
+            let history = PeakStrains::<1>::virgin();
+            let curves = super::super::Curves { fabric: &film, history: &history, dt: Some(0.0) };
+            let alone = relaxed(&metric(state), &curves);
+            assert_eq!([alone.square[0][0], alone.square[1][0]], [together.square[0][l], together.square[1][l]]);
+            assert_eq!(alone.product[0], together.product[l]);
+        }
+    }
+}
