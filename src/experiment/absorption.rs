@@ -36,14 +36,14 @@ impl Body {
 /// ΔE_l and ΔE_u are the differences between the largest and the smallest E_kp before and after the
 /// largest travel. `velocity` (m/s) and `displacement` (m) count upward and share one time axis.
 pub fn energy_absorption(body: Body, velocity: &[f64], displacement: &[f64]) -> Result<f64, AbsorptionError> {
-    film_absorption(body, GuideFriction::default(), velocity, displacement)
+    film_absorption(body, &GuideFriction::default(), velocity, displacement)
 }
 
 /// Energy absorption of the film alone: as [`energy_absorption`], but of the energy that the impactor would have without
 /// what its guide with `friction` dissipates (theory.md, equation 53).
 pub fn film_absorption(
     body: Body,
-    friction: GuideFriction,
+    friction: &GuideFriction,
     velocity: &[f64],
     displacement: &[f64],
 ) -> Result<f64, AbsorptionError> {
@@ -103,8 +103,8 @@ mod tests {
     #[test]
     fn what_the_guide_takes_is_not_absorbed_by_the_film() {
         let (v, d) = bounce(4.0, 1.0);
-        let friction = GuideFriction { constant: 50.0, per_speed: 0.0 };
-        let film = film_absorption(BODY, friction, &v, &d).unwrap();
+        let friction = GuideFriction { constant: 50.0, ..GuideFriction::default() };
+        let film = film_absorption(BODY, &friction, &v, &d).unwrap();
         let guide = 50.0 * 0.1 / BODY.mass;
         let (loading, unloading) = (8.0 + 9.81 * 0.1 - guide, 0.5 + 9.81 * 0.1 + guide);
         assert!((film - (1.0 - unloading / loading)).abs() < 1e-6, "{film}");

@@ -3,7 +3,7 @@
 use super::specimen::symmetry;
 use super::{Guide, Impactor, ImpactorShape, Mistakes, Symmetry};
 use crate::engine::GuideFriction;
-use crate::scenario::{self, Loading, Scenario};
+use crate::scenario::{self, FrictionPoint, Loading, Scenario};
 
 /// Default length of the shaft of a dart, in radii.
 const SHAFT: f64 = 4.0;
@@ -59,7 +59,7 @@ fn mass(written: &scenario::Impactor, loading: &Loading, mistakes: &mut Mistakes
 /// Friction of the guide of a falling impactor.
 fn guide_friction(written: &scenario::Impactor, loading: &Loading, mistakes: &mut Mistakes<'_>) -> GuideFriction {
     const KEY: &str = "impactor.guide_friction";
-    let Some(friction) = written.guide_friction else {
+    let Some(friction) = &written.guide_friction else {
         return GuideFriction::default();
     };
     if written.guide == scenario::Guide::Free {
@@ -71,7 +71,16 @@ fn guide_friction(written: &scenario::Impactor, loading: &Loading, mistakes: &mu
     } else if matches!(loading, Loading::Indent(_)) {
         mistakes.report_with(KEY, "an indentation prescribes the motion of the impactor", "leave the key out");
     }
-    GuideFriction { constant: friction.constant.0, per_speed: friction.per_speed.0 }
+    for (index, [before, after]) in friction.curve.array_windows().enumerate() {
+        if after.0.0 <= before.0.0 {
+            let message = "the curve is not increasing in speed";
+            let hint = format!("{} follows {}", after.0, before.0);
+            mistakes.report_with(&format!("{KEY}.curve.{}", index + 1), message, hint);
+            mistakes.label(&format!("{KEY}.curve.{index}"), "the point before it");
+        }
+    }
+    let curve = friction.curve.iter().map(|FrictionPoint(speed, force)| [speed.0, force.0]).collect();
+    GuideFriction { constant: friction.constant.0, per_speed: friction.per_speed.0, curve }
 }
 
 fn shape(written: &scenario::ImpactorShape, mistakes: &mut Mistakes<'_>) -> Option<ImpactorShape> {

@@ -80,15 +80,16 @@ impl Impact {
         let displacement_error = error("displacement", comparison.and_then(|c| c.displacement_error(&displacement)));
         comparison.into_iter().flat_map(ReferenceComparison::warnings).for_each(|warning| findings.push(&warning));
         let [break_strain_md, break_strain_td] = break_strains(model);
-        let guide_friction = model.impactor.as_ref().map_or_else(GuideFriction::default, |of| of.guide_friction);
+        let guide_friction =
+            model.impactor.as_ref().map_or_else(GuideFriction::default, |of| of.guide_friction.clone());
         Impact {
             peak_acceleration_m_s2: peak.map(|[_, value]| value),
             time_of_peak_acceleration_s: peak.map(|[time, _]| clean_time(time)),
             peak_displacement_m: deepest.map(|[_, value]| value),
             time_of_peak_displacement_s: deepest.map(|[time, _]| clean_time(time)),
             rebound_velocity_m_s: rebound.map(|[_, value]| value),
-            energy_absorption: absorption(model, GuideFriction::default(), signals),
-            film_energy_absorption: absorption(model, guide_friction, signals),
+            energy_absorption: absorption(model, &GuideFriction::default(), signals),
+            film_energy_absorption: absorption(model, &guide_friction, signals),
             break_strain_md,
             break_strain_td,
             acceleration_error,
@@ -135,7 +136,7 @@ fn break_strains(model: &Model) -> [Option<f64>; 2] {
     })
 }
 
-fn absorption(model: &Model, friction: GuideFriction, signals: &Recording) -> Option<f64> {
+fn absorption(model: &Model, friction: &GuideFriction, signals: &Recording) -> Option<f64> {
     let (Loading::Impact { gravity, .. }, Some(Impactor { mass, .. })) = (&model.loading, &model.impactor) else {
         return None;
     };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::units::{Force, ForcePerSpeed, Length, Mass};
+use crate::units::{Force, ForcePerSpeed, Length, Mass, Velocity};
 
 /// What there is in place of an oblique impact.
 const DOWN: &str = "the impactor starts straight down: `loading.impact.velocity` is its speed";
@@ -90,7 +90,7 @@ pub enum ImpactorShape {
 }
 
 /// Force of the guide against the motion of the impactor.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct GuideFriction {
     /// Part that does not depend on the speed; it holds an impactor at rest against a smaller force.
     #[serde(default = "no_force")]
@@ -100,7 +100,15 @@ pub struct GuideFriction {
     #[serde(default = "no_force_per_speed")]
     #[schemars(range(min = 0), extend("x-likely" = [1e-4, 1e3]))]
     pub per_speed: ForcePerSpeed,
+    /// Part that depends on the speed in any other way: speed and force of each point, the speeds ascending; straight
+    /// between the points, constant before the first and beyond the last.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub curve: Vec<FrictionPoint>,
 }
+
+/// Force of the guide at one speed.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FrictionPoint(#[schemars(range(min = 0))] pub Velocity, #[schemars(range(min = 0))] pub Force);
 
 fn no_force() -> Force {
     Force(0.0)

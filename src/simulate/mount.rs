@@ -68,7 +68,9 @@ pub fn surface(shape: &ImpactorShape) -> Result<Surface, RunError> {
 /// The impactor at `pose`, falling at `velocity` (m/s, downward positive).
 pub fn falling(impactor: &Impactor, surface: &Surface, pose: Isometry3<f64>, velocity: f64) -> RigidBody {
     match impactor.guide {
-        Guide::Z => RigidBody::guided(pose, -velocity, impactor.mass).with_guide_friction(impactor.guide_friction),
+        Guide::Z => {
+            RigidBody::guided(pose, -velocity, impactor.mass).with_guide_friction(impactor.guide_friction.clone())
+        }
         Guide::Free => {
             let inertia = surface.inertia_per_mass() * impactor.mass;
             RigidBody::free(pose, Vector3::new(0.0, 0.0, -velocity), impactor.mass, inertia)

@@ -319,7 +319,7 @@ fn text(args: &DropArgs, drop: &Drop, figures: &Figures, remarks: &str) -> Strin
                 })),
             },
         ),
-        ("guide friction", or_none(figures.guide_friction.map(|friction| guide(friction, figures)))),
+        ("guide friction", or_none(figures.guide_friction.as_ref().map(|friction| guide(friction, figures)))),
         ("filtering", format!("changes the total energy by {:.4} % at most", 100.0 * figures.total_energy_drift)),
         ("correction", correction),
     ];
@@ -335,7 +335,7 @@ fn interval_of(interval: Option<[f64; 2]>, factor: f64, decimals: usize) -> Stri
 }
 
 /// Friction of the guide, what it does to the absorption, and its line of a scenario.
-fn guide(friction: GuideFriction, figures: &Figures) -> String {
+fn guide(friction: &GuideFriction, figures: &Figures) -> String {
     let speed = figures.impact_velocity_m_s;
     let force = match friction.per_speed == 0.0 {
         true => format!("{:.1} N in the fall", friction.constant),

@@ -103,7 +103,7 @@ impl Drop {
             impact_velocity_interval_m_s: self.intervals.map(|intervals| intervals.impact_speed),
             peak_displacement_interval_m: deepest.and(self.intervals).map(|intervals| intervals.displacement),
             energy_absorption_interval: self.intervals.and_then(|intervals| intervals.energy_absorption),
-            guide_friction: self.guide_friction,
+            guide_friction: self.guide_friction.clone(),
             ramp_duration_s: self.ramp.map(|ramp| ramp.duration),
             offset_m_s2: self.offset,
             notes: self.warnings.iter().map(Warning::to_string).collect(),

@@ -16,7 +16,7 @@ pub(super) fn fit(restored: &[Series], [from, to]: [f64; 2], body: Body) -> Opti
     let force = |a: f64| body.mass * (a + body.gravity);
     let lines = falls.iter().map(|(acceleration, speed)| {
         let rows = acceleration.values().iter().zip(speed.values()).map(|(a, u)| ([1.0, *u], force(*a)));
-        least_squares(rows).map(|([constant, per_speed], _)| GuideFriction { constant, per_speed })
+        least_squares(rows).map(|([constant, per_speed], _)| GuideFriction { constant, per_speed, curve: vec![] })
     });
     let lines = lines.collect::<Option<Vec<GuideFriction>>>()?;
     let (acceleration, speed) = falls.first()?;
@@ -24,16 +24,16 @@ pub(super) fn fit(restored: &[Series], [from, to]: [f64; 2], body: Body) -> Opti
     let changes = |line: &GuideFriction| line.per_speed * fastest > CHANGES * line.at(*fastest).abs();
     let best = lines.first()?;
     if lines.iter().all(changes) && best.constant > 0.0 {
-        return Some(*best);
+        return Some(best.clone());
     }
     let forces = || acceleration.values().iter().map(|a| force(*a));
     if lines.iter().all(changes) {
         let per_speed = forces().zip(speed.values()).map(|(f, u)| f * u).sum::<f64>()
             / speed.values().iter().map(|u| u * u).sum::<f64>();
-        return Some(GuideFriction { constant: 0.0, per_speed });
+        return Some(GuideFriction { per_speed, ..GuideFriction::default() });
     }
     let constant = forces().sum::<f64>() / acceleration.len() as f64;
-    Some(GuideFriction { constant, per_speed: 0.0 })
+    Some(GuideFriction { constant, ..GuideFriction::default() })
 }
 
 /// Acceleration and speed (downward) of the part of a fall.

@@ -83,10 +83,11 @@ impl Fall<'_> {
         drop.intervals = drop.intervals(&others);
         let falls = [vec![restored], ends].concat();
         let friction = friction::fit(&falls, self.undisturbed(), self.tower.body);
-        drop.guide_friction = friction.filter(|friction| friction.constant >= 0.0 && friction.per_speed >= 0.0);
-        drop.film_absorption = drop.guide_friction.and_then(|friction| drop.film_absorption(self.tower.body, friction));
-        let disagreement = choice.disagreement.into_iter().map(|of| self.disagreement(of, friction, &drop));
+        let disagreement = choice.disagreement.into_iter().map(|of| self.disagreement(of, friction.as_ref(), &drop));
         let disagreement: Vec<Warning> = disagreement.collect();
+        drop.guide_friction = friction.filter(|friction| friction.constant >= 0.0 && friction.per_speed >= 0.0);
+        let of_film = drop.guide_friction.as_ref().and_then(|friction| drop.film_absorption(self.tower.body, friction));
+        drop.film_absorption = of_film;
         drop.warnings.extend(disagreement);
         if time_constant.is_some() && drop.contact.speed_from == SpeedSource::Laser {
             drop.warnings.extend(self.other_height(&falls[0], drop.contact.time));
@@ -171,7 +172,7 @@ impl Fall<'_> {
     }
 
     /// The report of sources that disagree, with the `friction` of the fall.
-    fn disagreement(&self, disagreement: Disagreement, friction: Option<GuideFriction>, drop: &Drop) -> Warning {
+    fn disagreement(&self, disagreement: Disagreement, friction: Option<&GuideFriction>, drop: &Drop) -> Warning {
         match disagreement {
             Disagreement::Height { covered } => {
                 Warning::DropHeightDiffers { covered, height: self.tower.height.metres() }
@@ -350,7 +351,7 @@ impl Drop {
     }
 
     /// Energy absorption of the film on a guide with `friction`.
-    fn film_absorption(&self, body: Body, friction: GuideFriction) -> Option<f64> {
+    fn film_absorption(&self, body: Body, friction: &GuideFriction) -> Option<f64> {
         let channel = |column: Column| self.signals.channel(column.name);
         film_absorption(body, friction, channel(column::VELOCITY)?, channel(column::DISPLACEMENT)?).ok()
     }

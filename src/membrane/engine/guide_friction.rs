@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The force of a guide against the motion of its body (theory.md, equation 52): `constant` + `per_speed` |v|. A body at
-/// rest is held by up to `constant`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// The force of a guide against the motion of its body (theory.md, equation 52): `constant` + `per_speed` |v| + that of
+/// `curve`. A body at rest is held by up to its value at zero.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GuideFriction {
     /// N.
     #[serde(rename = "constant_N")]
@@ -12,12 +12,24 @@ pub struct GuideFriction {
     /// N s/m.
     #[serde(rename = "per_speed_N_s_m")]
     pub per_speed: f64,
+    /// Speed (m/s) and force (N), the speed ascending: straight between the points, constant before and beyond them.
+    #[serde(rename = "curve", default, skip_serializing_if = "Vec::is_empty")]
+    pub curve: Vec<[f64; 2]>,
 }
 
 impl GuideFriction {
     /// The force at `speed` (m/s, of any sign), N.
     pub fn at(&self, speed: f64) -> f64 {
-        self.constant + self.per_speed * speed.abs()
+        self.constant + self.per_speed * speed.abs() + self.on_curve(speed.abs())
+    }
+
+    fn on_curve(&self, speed: f64) -> f64 {
+        let above = self.curve.partition_point(|point| point[0] <= speed);
+        match (above.checked_sub(1).map(|below| self.curve[below]), self.curve.get(above)) {
+            (Some([from, force]), Some([to, next])) => force + (next - force) * (speed - from) / (to - from),
+            (Some([_, force]), None) | (None, Some(&[_, force])) => force,
+            (None, None) => 0.0,
+        }
     }
 
     /// Whether there is none.
@@ -71,13 +83,13 @@ mod tests {
     #[test]
     fn a_sliding_block_stops_and_is_held() {
         let (mass, force) = (2.0, 12.0);
-        let [velocity, place, lost] = sliding(GuideFriction { constant: force, per_speed: 0.0 }, mass, 0.0);
+        let [velocity, place, lost] = sliding(GuideFriction { constant: force, ..GuideFriction::default() }, mass, 0.0);
         assert!(velocity.abs() < 1e-12, "{velocity}");
         assert!((place + 9.0 * mass / (2.0 * force)).abs() < 1e-6, "{place}");
         assert!((lost - 0.5 * mass * 9.0).abs() < 1e-12, "{lost}");
-        let [held, place, _] = sliding(GuideFriction { constant: force, per_speed: 0.0 }, mass, 5.9);
+        let [held, place, _] = sliding(GuideFriction { constant: force, ..GuideFriction::default() }, mass, 5.9);
         assert!(held.abs() < 3.0 && place < -1.0, "{held} {place}");
-        let [held, ..] = sliding(GuideFriction { constant: 40.0, per_speed: 0.0 }, mass, 9.81);
+        let [held, ..] = sliding(GuideFriction { constant: 40.0, ..GuideFriction::default() }, mass, 9.81);
         assert!(held.abs() < 1e-12, "{held}");
     }
 
@@ -85,7 +97,7 @@ mod tests {
     #[test]
     fn friction_of_the_speed_slows_exponentially() {
         let (mass, k) = (2.0, 3.0);
-        let [velocity, place, lost] = sliding(GuideFriction { constant: 0.0, per_speed: k }, mass, 0.0);
+        let [velocity, place, lost] = sliding(GuideFriction { per_speed: k, ..GuideFriction::default() }, mass, 0.0);
         let expected = -3.0 * (-k / mass).exp();
         assert!((velocity / expected - 1.0).abs() < 3e-4, "{velocity} for {expected}");
         let path = -3.0 * mass / k * (1.0 - (-k / mass).exp());
@@ -93,10 +105,25 @@ mod tests {
         assert!((lost - 0.5 * mass * (9.0 - velocity * velocity)).abs() < 1e-12, "{lost}");
     }
 
+    /// A curve that is straight through c + k |v| is that friction, and constant outside its points.
+    #[test]
+    fn a_curve_gives_the_force_at_every_speed() {
+        let curve = GuideFriction { curve: vec![[0.0, 12.0], [1.0, 14.0], [4.0, 20.0]], ..GuideFriction::default() };
+        let line = GuideFriction { constant: 12.0, per_speed: 2.0, curve: vec![] };
+        for speed in [0.0, 0.3, -1.0, 2.5, 4.0] {
+            assert!((curve.at(speed) - line.at(speed)).abs() < 1e-12, "{speed}");
+        }
+        assert_eq!(curve.at(7.0), 20.0);
+        let late = GuideFriction { curve: vec![[1.0, 5.0], [2.0, 6.0]], ..GuideFriction::default() };
+        assert_eq!([0.0, 1.5, 3.0].map(|speed| late.at(speed)), [5.0, 5.5, 6.0]);
+        let [by_curve, by_line] = [curve, line].map(|friction| sliding(friction, 2.0, 0.0));
+        assert!(by_curve.iter().zip(by_line).all(|(a, b)| (a - b).abs() < 1e-12), "{by_curve:?} {by_line:?}");
+    }
+
     /// Down and up again along one metre.
     #[test]
     fn both_ways_dissipate() {
-        let friction = GuideFriction { constant: 12.0, per_speed: 2.0 };
+        let friction = GuideFriction { constant: 12.0, per_speed: 2.0, curve: vec![] };
         let lost = friction.dissipated(&[-1.0, -1.0, 1.0], &[0.0, -1.0, 0.0]);
         assert_eq!(lost, [0.0, 14.0, 28.0]);
         assert!(friction.dissipated(&[], &[]).is_empty());
