@@ -93,8 +93,9 @@ fn relaxed(written: &scenario::Material, path: &str, mistakes: &mut Mistakes<'_>
         return None;
     }
     if fabric.biaxial > 0.0 {
-        let why = "film with `biaxial` is mounted at the curves with the multipliers";
-        mistakes.out_of_place(&format!("{path}.fabric.mounting"), why);
+        let message = "film with `biaxial` cannot be mounted at its quasi-static curves";
+        mistakes.report_with(&format!("{path}.fabric.mounting"), message, "leave one of them out");
+        mistakes.label(&format!("{path}.fabric.biaxial"), "the coupling");
         return None;
     }
     let mut unscaled = written.clone();

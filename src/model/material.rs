@@ -43,21 +43,30 @@ fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut Mistakes<'_>) -
         mistakes.out_of_place(&format!("{path}.rate_memory"), "neither fibre set has `rates`");
     }
     if written.biaxial > 0.0 && written.wrinkling {
-        let why = "a fabric with `biaxial` is not supported with it: leave one of them out";
-        mistakes.out_of_place(&format!("{path}.wrinkling"), why);
+        let message = "a fabric with `biaxial` cannot also wrinkle";
+        mistakes.report_with(&format!("{path}.wrinkling"), message, "leave one of them out");
+        mistakes.label(&format!("{path}.biaxial"), "the coupling");
         return None;
     }
     // The range was checked before; there is no law outside it.
     let absorption = Some(written.absorption).filter(|share| (0.0..1.0).contains(share));
     Some(match (md?, td?) {
-        (Curves::One(md), Curves::One(td)) => Law::Fabric(coupled(Fabric::new(md, td, shear?, absorption?), written)),
-        (md, td) => Law::RateFabric(coupled(Fabric::new(md.by_rate(), td.by_rate(), shear?, absorption?), written)),
+        (Curves::One(md), Curves::One(td)) => {
+            Law::Fabric(with_coupling(Fabric::new(md, td, shear?, absorption?), written))
+        }
+        (md, td) => {
+            Law::RateFabric(with_coupling(Fabric::new(md.by_rate(), td.by_rate(), shear?, absorption?), written))
+        }
     })
 }
 
-/// The fabric with what couples its fibre sets beyond shear.
-fn coupled<F: FibreLaw>(fabric: Fabric<F>, written: &scenario::Fabric) -> Fabric<F> {
-    fabric.with_biaxial(written.biaxial).with_wrinkling(written.wrinkling)
+/// The fabric with what couples its fibre sets besides shear.
+fn with_coupling<F: FibreLaw>(fabric: Fabric<F>, written: &scenario::Fabric) -> Fabric<F> {
+    match (written.biaxial > 0.0, written.wrinkling) {
+        (true, _) => fabric.with_biaxial(written.biaxial),
+        (false, true) => fabric.with_wrinkling(),
+        (false, false) => fabric,
+    }
 }
 
 /// The curve of a fibre set, or its curves by strain rate.

@@ -34,7 +34,7 @@ pub struct Material {
     /// Thickness of one layer.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 0.1, "x-likely" = [1e-6, 2e-3]))]
     pub thickness: Length,
-    /// Two fibre sets at 90° and a shear curve; carries no compression.
+    /// Two fibre sets at 90° and a shear curve; a slack fibre carries no stress.
     pub fabric: Option<Fabric>,
     /// St. Venant–Kirchhoff, plane stress.
     pub elastic: Option<Elastic>,
@@ -70,13 +70,15 @@ pub struct Fabric {
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1, "x-likely" = [0.0, 1.0]))]
     pub absorption: f64,
     /// Stress that both directions carry besides their own curves where their strains are equal, over the mean of both
-    /// curves: coupling of MD and TD. Isotropic film with Poisson's ratio ν has ν/(1 − ν), 0.79 for 0.44; film of two
-    /// independent fibre sets has none.
+    /// curves with their multipliers: biaxial coupling of MD and TD. Isotropic film with Poisson's ratio ν has ν/(1 − ν),
+    /// 0.79 for 0.44; film of two independent fibre sets has none. It pulls at slack fibres too, until film has contracted
+    /// across by as much as it is stretched. Not together with `wrinkling` or `mounting = "quasi-static"`.
     #[serde(default)]
-    #[schemars(extend("minimum" = 0, "maximum" = 5))]
+    #[schemars(extend("minimum" = 0, "maximum" = 5, "x-likely" = [0.0, 1.0]))]
     pub biaxial: f64,
     /// Whether the film wrinkles under any compression, shear included, so that it carries tension only (tension
-    /// field); otherwise a slack fibre alone carries no stress, and slack film in shear keeps a compression.
+    /// field); otherwise a slack fibre alone carries no stress, and slack film in shear keeps a compression. Not together
+    /// with `biaxial`.
     #[serde(default)]
     pub wrinkling: bool,
     /// Lowest and highest strain rate at which the curves were measured; where a fibre set has `rates`, from the lowest

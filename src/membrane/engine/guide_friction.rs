@@ -13,7 +13,7 @@ pub struct GuideFriction {
     #[serde(rename = "per_speed_N_s_m")]
     pub per_speed: f64,
     /// Speed (m/s) and force (N), the speed ascending: straight between the points, constant before and beyond them.
-    #[serde(rename = "curve", default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(rename = "curve_m_s_N")]
     pub curve: Vec<[f64; 2]>,
 }
 

@@ -10,14 +10,14 @@
 //! and the same with the indices exchanged. γ is the angle by which taut fibres deviate from their right angle;
 //! a slack fibre carries no stress, and its part in shear decreases with its length instead of growing without bound.
 //! Beyond |sin γ| = 0.95 the angle is continued along its tangent, so that the force is bounded as the fibres align.
-//! Coupling of both directions adds W_b(ε₁ + ε₂) (equation 4b), wrinkling relaxes the energy (8b).
+//! Biaxial coupling adds W_b(ε₁ + ε₂) (equation 4b), wrinkling relaxes the energy (8b).
 
 mod fibres;
 mod wrinkles;
 
 pub(super) use fibres::Fibres;
 use fibres::Metric;
-use wrinkles::Response;
+use wrinkles::TrialStresses;
 
 use serde::{Deserialize, Serialize};
 
@@ -35,9 +35,18 @@ pub struct Fabric<F = Curve> {
     shear: Curve,
     absorption: Absorption,
     layer_breaks: LayerBreaks,
-    /// Stress σ_b over (ε₁ + ε₂)/2 that both directions carry besides their own.
-    biaxial: Option<F>,
-    wrinkling: bool,
+    coupling: Coupling<F>,
+}
+
+/// What couples the fibre sets besides shear.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Coupling<F> {
+    /// Nothing.
+    None,
+    /// The stress σ_b over (ε₁ + ε₂)/2 that both directions carry besides their own.
+    Biaxial(F),
+    /// Wrinkles, which lengthen both.
+    Wrinkles,
 }
 
 impl<F: FibreLaw> Fabric<F> {
@@ -45,19 +54,21 @@ impl<F: FibreLaw> Fabric<F> {
     /// and the share 0 ≤ `absorption` < 1 of the stored energy that is lost on unloading, in the fibres and in shear.
     pub fn new(md: F, td: F, shear: Curve, absorption: f64) -> Fabric<F> {
         let absorption = Absorption::new(absorption);
-        Fabric { md, td, shear, absorption, layer_breaks: LayerBreaks::default(), biaxial: None, wrinkling: false }
+        Fabric { md, td, shear, absorption, layer_breaks: LayerBreaks::default(), coupling: Coupling::None }
     }
 
-    /// The same film with coupling of both directions: where their strains are equal, each carries `share` ≥ 0 of the
-    /// mean stress of both curves besides its own.
-    pub fn with_biaxial(self, share: f64) -> Fabric<F> {
-        let biaxial = (share > 0.0).then(|| F::mean(&self.md, &self.td, share));
-        Fabric { biaxial, ..self }
+    /// The same film with biaxial coupling: where the strains of both directions are equal, each carries `ratio` > 0
+    /// times the mean stress of both curves besides its own (theory.md, equation 4b). It does not wrinkle.
+    pub fn with_biaxial(self, ratio: f64) -> Fabric<F> {
+        assert!(ratio > 0.0 && ratio.is_finite(), "ratio of biaxial coupling: {ratio}");
+        let coupling = Coupling::Biaxial(F::mean(&self.md, &self.td, ratio));
+        Fabric { coupling, ..self }
     }
 
-    /// The same film without compression along any direction (tension field).
-    pub fn with_wrinkling(self, wrinkling: bool) -> Fabric<F> {
-        Fabric { wrinkling, ..self }
+    /// The same film without compression along any direction (tension field; theory.md, equation 8b) and without
+    /// biaxial coupling.
+    pub fn with_wrinkling(self) -> Fabric<F> {
+        Fabric { coupling: Coupling::Wrinkles, ..self }
     }
 
     /// The same film of layers that break one after another.
@@ -94,7 +105,7 @@ struct Curves<'a, F: FibreLaw, const L: usize> {
     dt: Option<f64>,
 }
 
-impl<F: FibreLaw, const L: usize> Response<L> for Curves<'_, F, L> {
+impl<F: FibreLaw, const L: usize> TrialStresses<L> for Curves<'_, F, L> {
     #[inline(always)]
     fn stresses(&self, strains: &[Lane<L>; 3]) -> [Lane<L>; 3] {
         let (fabric, history) = (self.fabric, self.history);
@@ -124,10 +135,10 @@ impl<F: FibreLaw> Fabric<F> {
         dt: Option<f64>,
     ) -> Fibres<L> {
         let metric = Metric::of(d);
-        if !self.wrinkling {
-            return Fibres::at(&metric);
+        match self.coupling {
+            Coupling::Wrinkles => Fibres::at(&wrinkles::relaxed(&metric, &Curves { fabric: self, history, dt })),
+            Coupling::None | Coupling::Biaxial(_) => Fibres::at(&metric),
         }
-        Fibres::at(&wrinkles::relaxed(&metric, &Curves { fabric: self, history, dt }))
     }
 }
 
@@ -142,7 +153,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
         let shear = self.absorption.stress(&self.shear, &fibres.angle.map(f64::abs), &mut history.shear);
         let mut tensions = fibres.tensions(&of_layers_left([md, td, shear], &history.left));
-        if let Some(law) = &self.biaxial {
+        if let Coupling::Biaxial(law) = &self.coupling {
             let stress = law.stress(&self.absorption, &fibres.mean_strain(), &mut history.biaxial, dt);
             tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
         }
@@ -166,7 +177,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
                 total.absorbed[l] += absorbed[l];
             }
         }
-        if let Some(law) = &self.biaxial {
+        if let Coupling::Biaxial(law) = &self.coupling {
             let (stored, absorbed) = law.energy(&self.absorption, &fibres.mean_strain(), &history.biaxial);
             let (stored, absorbed) = (of_both_left(stored, &history.left), of_both_left(absorbed, &history.left));
             for l in 0..L {
@@ -186,7 +197,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let strains = [fibres.strain(0), fibres.strain(1), angle];
         let mut tensions = fibres.tensions(&Curves { fabric: self, history, dt: None }.stresses(&strains));
         let mut coupled = splat(0.0);
-        if let Some(law) = &self.biaxial {
+        if let Coupling::Biaxial(law) = &self.coupling {
             let mean = fibres.mean_strain();
             let stress = law.stress_near(&self.absorption, &mean, &history.biaxial);
             tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
@@ -291,10 +302,10 @@ mod tests {
         }
     }
 
-    /// Both directions carry the share of the mean stress where their strains are equal, and the curve alone where film
-    /// contracts across as much as it is stretched; curves by rate of one rate only are like a curve.
+    /// Both directions carry their part of the mean stress where their strains are equal, and the curve alone where film
+    /// contracts across as much as it is stretched; the same with equal curves at several rates.
     #[test]
-    fn coupling_adds_its_share_at_equal_strains() {
+    fn biaxial_coupling_adds_its_stress_at_equal_strains() {
         let md = Curve::new(vec![[0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]]).unwrap();
         let td = Curve::new(vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]).unwrap();
         let shear = Curve::new(vec![[1.0, 1e7]]).unwrap();

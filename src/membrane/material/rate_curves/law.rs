@@ -204,6 +204,10 @@ impl FibreLaw for RateCurves {
         if rates.is_empty() {
             return RateCurves::from(both(1.0));
         }
+        let averaged = [first, second].map(|law| (!law.intervals.is_empty()).then_some(law.averaging_strain));
+        if let [Some(a), Some(b)] = averaged {
+            assert!(a == b, "the rate is averaged over {a} and over {b}");
+        }
         let averaging_strain =
             if first.intervals.is_empty() { second.averaging_strain } else { first.averaging_strain };
         RateCurves::assembled(rates.into_iter().map(|rate| (rate, both(rate))).collect(), averaging_strain)

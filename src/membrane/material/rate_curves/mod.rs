@@ -50,6 +50,8 @@ pub struct RateCurves {
     slowest: Curve,
     /// From each rate to the next.
     intervals: Vec<RateInterval>,
+    /// The lowest rate, 1/s.
+    lowest: f64,
     /// 1/r at the highest and the lowest rate, s.
     slowness: [f64; 2],
     /// The growth ℓ over which the rate is averaged.
@@ -120,12 +122,12 @@ impl RateCurves {
         let slowness = [1.0 / highest, 1.0 / lowest];
         let interval = |index| RateInterval::new(&curves, index, averaging_strain, longest);
         let intervals = (0..curves.len() - 1).map(interval).collect();
-        RateCurves { slowest: slowest.clone(), intervals, slowness, averaging_strain, longest }
+        RateCurves { slowest: slowest.clone(), intervals, lowest: *lowest, slowness, averaging_strain, longest }
     }
 
     /// The rates of the curves, 1/s; none where there is only one.
     fn rates(&self) -> impl Iterator<Item = f64> {
-        let lowest = self.range().map(|[lowest, _]| lowest);
+        let lowest = (!self.intervals.is_empty()).then_some(self.lowest);
         lowest.into_iter().chain(self.intervals.iter().map(|interval| interval.upper))
     }
 
@@ -189,7 +191,14 @@ impl RateCurves {
 impl From<Curve> for RateCurves {
     fn from(curve: Curve) -> RateCurves {
         let longest = curve.end();
-        RateCurves { slowest: curve, intervals: vec![], slowness: [1.0; 2], averaging_strain: 1.0, longest }
+        RateCurves {
+            slowest: curve,
+            intervals: vec![],
+            lowest: 1.0,
+            slowness: [1.0; 2],
+            averaging_strain: 1.0,
+            longest,
+        }
     }
 }
 
