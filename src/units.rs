@@ -370,6 +370,10 @@ quantities! {
     Force: "a force", "N", "1.2 kN", [1, 1, -2, 0];
     /// J.
     Energy: "an energy", "J", "9.3 J", [2, 1, -2, 0];
+    /// rad/s.
+    AngularVelocity: "an angular velocity", "rad/s", "90 deg/s", [0, 0, -1, 1];
+    /// kg m².
+    Inertia: "a moment of inertia", "kg m2", "0.02 kg m2", [2, 1, 0, 0];
     /// N s/m.
     ForcePerSpeed: "a force per velocity", "N s/m", "1.5 N s/m", [0, 1, -1, 0];
     /// Nm.

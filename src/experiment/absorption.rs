@@ -50,7 +50,12 @@ pub fn film_absorption(
     let motion = || velocity.iter().zip(displacement);
     let dissipated = friction.dissipated(velocity, displacement);
     let energy: Vec<f64> = motion().zip(&dissipated).map(|((v, d), lost)| body.energy(*v, *d) + lost).collect();
-    let lowest = motion().enumerate().min_by(|(_, a), (_, b)| a.1.total_cmp(b.1));
+    absorption_of(&energy, displacement)
+}
+
+/// Energy absorption of a body of the mechanical energy `energy` (J) at the height `displacement` (m).
+pub fn absorption_of(energy: &[f64], displacement: &[f64]) -> Result<f64, AbsorptionError> {
+    let lowest = displacement.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b));
     let Some((turn, _)) = lowest.filter(|(turn, _)| turn + 1 < energy.len()) else {
         return Err(AbsorptionError::NoUnloading);
     };

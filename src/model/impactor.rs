@@ -1,9 +1,12 @@
 //! The impactor.
 
+use nalgebra::Vector3;
+
 use super::specimen::symmetry;
-use super::{Guide, Impactor, ImpactorShape, Mistakes, Symmetry};
+use super::{Guide, Impactor, ImpactorShape, Loading, Mistakes, Part, Symmetry};
 use crate::engine::GuideFriction;
-use crate::scenario::{self, FrictionPoint, Loading, Scenario};
+use crate::number::significant;
+use crate::scenario::{self, BodyShape, FrictionPoint, MeshFile, Orientation, Scenario};
 
 /// Default length of the shaft of a dart, in radii.
 const SHAFT: f64 = 4.0;
@@ -12,42 +15,65 @@ const SHAFT: f64 = 4.0;
 const SYMMETRY: &str = "specimen.symmetry";
 const MIRRORED: &str = "the mirror planes";
 
-/// The impactor, where the loading needs one.
-pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Impactor> {
+/// Component of a velocity across a guide over its length from which it is meant.
+const ACROSS: f64 = 1e-9;
+
+/// The impactor, where the `loading` needs one.
+pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<Impactor> {
     let why = match scenario.loading {
-        Loading::Impact(_) => "`loading.impact` needs an impactor",
-        Loading::Indent(_) => "`loading.indent` needs an impactor",
-        Loading::Stretch(_) | Loading::Pressure(_) => return None,
+        scenario::Loading::Impact(_) => "`loading.impact` needs an impactor",
+        scenario::Loading::Indent(_) => "`loading.indent` needs an impactor",
+        scenario::Loading::Stretch(_) | scenario::Loading::Pressure(_) => return None,
     };
     let Some(written) = &scenario.impactor else {
         mistakes.missing("impactor", why);
         return None;
     };
     mirrored(written, symmetry(&scenario.specimen), mistakes);
-    let (shape, mass) = (shape(&written.shape, mistakes), mass(written, &scenario.loading, mistakes));
+    indented(written, &scenario.loading, mistakes);
+    let guide = guide(&written.guide, mistakes);
+    let orientation = rotation(written.orientation.as_ref(), "impactor.orientation", mistakes);
+    let shape = shape(&written.shape, mistakes);
+    let mass = mass(written, &scenario.loading, mistakes);
+    let guide = guide?;
+    let velocity = velocity(written, loading, guide, mistakes);
     Some(Impactor {
         shape: shape?,
         mass: mass?,
-        guide: match written.guide {
-            scenario::Guide::Z => Guide::Z,
-            scenario::Guide::Free => Guide::Free,
-        },
+        guide,
         guide_friction: guide_friction(written, &scenario.loading, mistakes),
         friction: written.friction,
-        position: written.position.map(|length| length.0),
+        inertia: written.inertia.map(|moments| moments.map(|moment| moment.0)),
+        position: [0, 1].map(|axis| written.position.get(axis).map_or(0.0, |length| length.0)),
+        height: written.position.get(2).map(|length| length.0),
+        orientation: orientation?,
+        velocity,
+        spin: spin(written, guide, mistakes),
     })
 }
 
-/// Mass of a falling impactor; infinite where its motion is prescribed.
-fn mass(written: &scenario::Impactor, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<f64> {
-    if matches!(loading, Loading::Indent(_)) {
-        if written.guide == scenario::Guide::Free {
-            mistakes.report_with(
-                "impactor.guide",
-                "an indentation prescribes the motion of the impactor along z",
-                "leave the key out",
-            );
+/// Keys without a meaning where the motion of the impactor is prescribed.
+fn indented(written: &scenario::Impactor, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) {
+    if !matches!(loading, scenario::Loading::Indent(_)) {
+        return;
+    }
+    if written.guide != scenario::Guide::Z {
+        let message = "an indentation prescribes the motion of the impactor along z";
+        mistakes.report_with("impactor.guide", message, "leave the key out");
+    }
+    for key in ["velocity", "spin", "inertia"].map(|key| format!("impactor.{key}")) {
+        if mistakes.is_written(&key) {
+            mistakes.out_of_place(&key, "an indentation prescribes the motion of the impactor");
         }
+    }
+    if written.position.len() > 2 {
+        mistakes.report_with("impactor.position", "an indentation begins in contact with the film", "give x and y");
+    }
+}
+
+/// Mass of an impactor that falls; infinite where its motion is prescribed or it is fixed.
+fn mass(written: &scenario::Impactor, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) -> Option<f64> {
+    if matches!(loading, scenario::Loading::Indent(_)) || written.guide == scenario::Guide::Fixed {
         return Some(f64::INFINITY);
     }
     if written.mass.is_none() {
@@ -56,8 +82,80 @@ fn mass(written: &scenario::Impactor, loading: &Loading, mistakes: &mut Mistakes
     written.mass.map(|mass| mass.0)
 }
 
+fn guide(written: &scenario::Guide, mistakes: &mut Mistakes<'_>) -> Option<Guide> {
+    Some(match written {
+        scenario::Guide::Z => Guide::Z,
+        scenario::Guide::Free => Guide::Free,
+        scenario::Guide::Fixed => Guide::Fixed,
+        scenario::Guide::Line(line) => Guide::Line(direction(*line, "impactor.guide.line", mistakes)?),
+        scenario::Guide::Hinge(hinge) => Guide::Hinge {
+            axis: direction(hinge.axis, "impactor.guide.hinge.axis", mistakes)?,
+            at: hinge.at.map(|length| length.0),
+        },
+    })
+}
+
+/// The unit vector along `written`.
+fn direction(written: [f64; 3], path: &str, mistakes: &mut Mistakes<'_>) -> Option<[f64; 3]> {
+    let unit = Vector3::from(written).try_normalize(0.0);
+    if unit.is_none() {
+        mistakes.report_with(path, "a direction of no length", "along z it is [0, 0, 1]");
+    }
+    unit.map(Into::into)
+}
+
+/// A rotation as an axis times an angle, rad.
+fn rotation(written: Option<&Orientation>, path: &str, mistakes: &mut Mistakes<'_>) -> Option<[f64; 3]> {
+    let Some(written) = written else { return Some([0.0; 3]) };
+    let axis = direction(written.axis, &format!("{path}.axis"), mistakes)?;
+    Some(axis.map(|component| component * written.angle.0))
+}
+
+/// Velocity of the centre of mass at the start, which the guide must admit, m/s.
+fn velocity(written: &scenario::Impactor, loading: &Loading, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f64; 3] {
+    const KEY: &str = "impactor.velocity";
+    let Loading::Impact { velocity: downward, .. } = loading else { return [0.0; 3] };
+    let velocity = written.velocity.map_or([0.0, 0.0, -downward], |velocity| velocity.map(|component| component.0));
+    let along = match guide {
+        Guide::Free => return velocity,
+        Guide::Z => Vector3::z(),
+        Guide::Line(line) => line.into(),
+        Guide::Fixed | Guide::Hinge { .. } => {
+            if written.velocity.is_some() {
+                let why = match guide {
+                    Guide::Fixed => "a fixed impactor has none",
+                    _ => "an impactor on a hinge has a `spin`",
+                };
+                mistakes.out_of_place(KEY, why);
+            }
+            return [0.0; 3];
+        }
+    };
+    let velocity = Vector3::from(velocity);
+    let speed = velocity.dot(&along);
+    if written.velocity.is_some() && (velocity - along * speed).norm() > ACROSS * velocity.norm() {
+        let message = "the guide admits no velocity across it";
+        mistakes.report_with(KEY, message, "set `impactor.guide` to \"free\", or to the line of flight");
+        mistakes.label("impactor.guide", "the guide");
+    }
+    (along * speed).into()
+}
+
+/// Angular velocity at the start, rad/s.
+fn spin(written: &scenario::Impactor, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f64; 3] {
+    let Some(spin) = written.spin else { return [0.0; 3] };
+    if matches!(guide, Guide::Z | Guide::Line(_) | Guide::Fixed) {
+        mistakes.out_of_place("impactor.spin", "the guide admits no rotation; \"free\" and a hinge do");
+    }
+    spin.map(|component| component.0)
+}
+
 /// Friction of the guide of a falling impactor.
-fn guide_friction(written: &scenario::Impactor, loading: &Loading, mistakes: &mut Mistakes<'_>) -> GuideFriction {
+fn guide_friction(
+    written: &scenario::Impactor,
+    loading: &scenario::Loading,
+    mistakes: &mut Mistakes<'_>,
+) -> GuideFriction {
     const KEY: &str = "impactor.guide_friction";
     let Some(friction) = &written.guide_friction else {
         return GuideFriction::default();
@@ -68,7 +166,10 @@ fn guide_friction(written: &scenario::Impactor, loading: &Loading, mistakes: &mu
             "a free impactor has no guide",
             "leave the key out, or set `impactor.guide` to \"z\"",
         );
-    } else if matches!(loading, Loading::Indent(_)) {
+    } else if written.guide != scenario::Guide::Z {
+        mistakes.report_with(KEY, "friction of a guide along z only is supported", "leave the key out");
+        mistakes.label("impactor.guide", "the guide");
+    } else if matches!(loading, scenario::Loading::Indent(_)) {
         mistakes.report_with(KEY, "an indentation prescribes the motion of the impactor", "leave the key out");
     }
     for (index, [before, after]) in friction.curve.array_windows().enumerate() {
@@ -84,16 +185,68 @@ fn guide_friction(written: &scenario::Impactor, loading: &Loading, mistakes: &mu
 }
 
 fn shape(written: &scenario::ImpactorShape, mistakes: &mut Mistakes<'_>) -> Option<ImpactorShape> {
+    const KEY: &str = "impactor.shape";
+    let parts = match written {
+        scenario::ImpactorShape::One(shape) => return one(shape, KEY, mistakes),
+        scenario::ImpactorShape::Compound(compound) => &compound.compound,
+    };
+    let parts: Vec<Option<Part>> = parts
+        .iter()
+        .enumerate()
+        .map(|(place, part)| {
+            let path = format!("{KEY}.compound.{place}");
+            let orientation = rotation(part.orientation.as_ref(), &format!("{path}.orientation"), mistakes);
+            let shape = one(&part.shape, &format!("{path}.shape"), mistakes);
+            Some(Part { shape: shape?, at: part.at.map(|length| length.0), orientation: orientation? })
+        })
+        .collect();
+    parts.into_iter().collect::<Option<Vec<Part>>>().map(ImpactorShape::Compound)
+}
+
+/// A shape whose table has the key path `path`.
+fn one(written: &BodyShape, path: &str, mistakes: &mut Mistakes<'_>) -> Option<ImpactorShape> {
     Some(match written {
-        scenario::ImpactorShape::Sphere { radius } => ImpactorShape::Sphere { radius: radius.0 },
-        scenario::ImpactorShape::Hemisphere { radius, length } => {
+        BodyShape::Sphere { radius } => ImpactorShape::Sphere { radius: radius.0 },
+        BodyShape::Hemisphere { radius, length } => {
             ImpactorShape::Hemisphere { radius: radius.0, length: length.map_or(SHAFT * radius.0, |length| length.0) }
         }
-        scenario::ImpactorShape::Cylinder { radius, length } => {
-            ImpactorShape::Cylinder { radius: radius.0, length: length.0 }
+        BodyShape::Capsule { radius, length } => ImpactorShape::Hemisphere { radius: radius.0, length: length.0 },
+        BodyShape::Cylinder { radius, length, edge } => {
+            let (radius, length, edge) = (radius.0, length.0, edge.0);
+            rounded(edge, radius.min(0.5 * length), &format!("{path}.cylinder.edge"), mistakes)?;
+            ImpactorShape::Cylinder { radius, length, edge }
         }
-        scenario::ImpactorShape::Mesh(_) => ImpactorShape::Mesh(mistakes.file("impactor.shape.mesh")?),
+        BodyShape::Cone { radius, length, edge } => {
+            let (radius, length, edge) = (radius.0, length.0, edge.0);
+            // The radius of the ball that touches flank and flat end all around.
+            let largest = radius * length / (radius + radius.hypot(length));
+            rounded(edge, largest, &format!("{path}.cone.edge"), mistakes)?;
+            ImpactorShape::Cone { radius, length, edge }
+        }
+        BodyShape::Box { size, edge } => {
+            let (size, edge) = (size.map(|length| length.0), edge.0);
+            let smallest = size.into_iter().fold(f64::INFINITY, f64::min);
+            rounded(edge, 0.5 * smallest, &format!("{path}.box.edge"), mistakes)?;
+            ImpactorShape::Box { size, edge }
+        }
+        BodyShape::Mesh(MeshFile::Path(_)) => {
+            ImpactorShape::Mesh { path: mistakes.file(&format!("{path}.mesh"))?, scale: 1.0 }
+        }
+        BodyShape::Mesh(MeshFile::Table(table)) => {
+            let file = mistakes.file(&format!("{path}.mesh.file"))?;
+            ImpactorShape::Mesh { path: file, scale: table.unit.metres() * table.scale }
+        }
     })
+}
+
+/// Refuses a radius of the edges that leaves nothing of the flat faces.
+fn rounded(edge: f64, largest: f64, path: &str, mistakes: &mut Mistakes<'_>) -> Option<()> {
+    if edge < largest {
+        return Some(());
+    }
+    let hint = format!("it must be below {} mm", significant(1e3 * largest, 4));
+    mistakes.report_with(path, "this radius leaves nothing of the flat faces", hint);
+    None
 }
 
 /// With mirror planes, the impactor lies in them, is guided and symmetric.
@@ -102,20 +255,36 @@ fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, mistakes: &mut Mis
         return;
     }
     let hint = "set `specimen.symmetry` to \"none\"";
-    let off_centre = symmetry.mirrors().iter().zip(written.position).any(|(mirror, offset)| *mirror && offset.0 != 0.0);
+    let off_centre =
+        symmetry.mirrors().iter().zip(&written.position).any(|(mirror, offset)| *mirror && offset.0 != 0.0);
     if off_centre {
         let message = "the axis of the impactor is not in the mirror plane";
         mistakes.report_with("impactor.position", message, hint);
         mistakes.label(SYMMETRY, MIRRORED);
     }
-    if written.guide == scenario::Guide::Free {
-        let message = "a free impactor can tip out of the mirror plane";
-        mistakes.report_with("impactor.guide", message, hint);
+    let moves_out = !matches!(written.guide, scenario::Guide::Z | scenario::Guide::Fixed);
+    let message = match written.guide {
+        scenario::Guide::Free => "a free impactor can tip out of the mirror plane",
+        _ => "the guide leads the impactor out of the mirror plane",
+    };
+    let of_shape = match &written.shape {
+        scenario::ImpactorShape::One(BodyShape::Mesh(_)) => Some("mesh"),
+        scenario::ImpactorShape::Compound(_) => Some("compound"),
+        scenario::ImpactorShape::One(_) => None,
+    };
+    let mut report = |path: &str, message: &str| {
+        mistakes.report_with(path, message, hint);
         mistakes.label(SYMMETRY, MIRRORED);
+    };
+    if moves_out {
+        report("impactor.guide", message);
     }
-    if matches!(written.shape, scenario::ImpactorShape::Mesh(_)) {
-        let message = "the symmetry of a meshed impactor is not known";
-        mistakes.report_with("impactor.shape.mesh", message, hint);
-        mistakes.label(SYMMETRY, MIRRORED);
+    if written.orientation.is_some() {
+        report("impactor.orientation", "an inclined impactor is not symmetric");
+    }
+    match of_shape {
+        Some("mesh") => report("impactor.shape.mesh", "the symmetry of a meshed impactor is not known"),
+        Some(_) => report("impactor.shape.compound", "the symmetry of a compound impactor is not known"),
+        None => {}
     }
 }

@@ -118,7 +118,10 @@ fn frame_depth(impactor: &Impactor, spans: &Spans<'_>) -> Option<f64> {
             (radius > nearest).then(|| radius - (radius * radius - nearest * nearest).sqrt())
         }
         ImpactorShape::Cylinder { radius, .. } => (radius >= nearest).then_some(0.0),
-        ImpactorShape::Mesh(_) => None,
+        ImpactorShape::Cone { .. }
+        | ImpactorShape::Box { .. }
+        | ImpactorShape::Mesh { .. }
+        | ImpactorShape::Compound(_) => None,
     }
 }
 

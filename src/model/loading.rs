@@ -42,7 +42,7 @@ const PRESSURE: [(&str, &str); 4] =
 /// The loading in SI values.
 pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Loading {
     match &scenario.loading {
-        scenario::Loading::Impact(impact) => self::impact(impact, mistakes),
+        scenario::Loading::Impact(impact) => self::impact(impact, scenario.impactor.as_ref(), mistakes),
         scenario::Loading::Stretch(written) => {
             stretched_specimen(scenario, mistakes);
             stretch(written)
@@ -58,8 +58,21 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Loading {
     }
 }
 
-fn impact(written: &scenario::Impact, mistakes: &mut Mistakes<'_>) -> Loading {
+fn impact(written: &scenario::Impact, impactor: Option<&scenario::Impactor>, mistakes: &mut Mistakes<'_>) -> Loading {
+    const KEY: &str = "loading.impact";
     let gravity = written.gravity.0;
+    let own = impactor.and_then(|impactor| impactor.velocity).map(|[_, _, along]| -along.0);
+    let moves =
+        impactor.is_none_or(|impactor| !matches!(impactor.guide, scenario::Guide::Fixed | scenario::Guide::Hinge(_)));
+    let is_given = written.velocity.is_some() || written.drop_height.is_some();
+    if is_given && (own.is_some() || !moves) {
+        let key = if written.velocity.is_some() { "velocity" } else { "drop_height" };
+        let why = if moves { "`impactor.velocity` gives the velocity" } else { "the impactor does not fall" };
+        mistakes.out_of_place(&format!("{KEY}.{key}"), why);
+    } else if !is_given && own.is_none() && moves {
+        let message = "`loading.impact` needs one of `velocity`, `drop_height`";
+        mistakes.report_with(KEY, message, "or give `impactor.velocity`, a vector");
+    }
     if written.drop_height.is_some() && gravity == 0.0 {
         mistakes.report("loading.impact.gravity", "`drop_height` needs gravity");
         mistakes.label("loading.impact.drop_height", "the drop height");
@@ -67,7 +80,8 @@ fn impact(written: &scenario::Impact, mistakes: &mut Mistakes<'_>) -> Loading {
     let fall = |height: f64| (2.0 * gravity * height).sqrt();
     let velocity = match (written.velocity, written.drop_height) {
         (Some(velocity), _) => velocity.0,
-        (None, height) => height.map_or(0.0, |h| fall(h.0)),
+        (None, Some(height)) => fall(height.0),
+        (None, None) => own.unwrap_or(0.0),
     };
     Loading::Impact { velocity, gravity, duration: written.duration.0 }
 }

@@ -67,7 +67,7 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
     let faces = layers::check(scenario, &loading, mistakes);
     let frame = frame::check(scenario, mistakes);
     let air = air::check(scenario, &loading, faces.as_deref(), &frame, mistakes);
-    let impactor = impactor::check(scenario, mistakes);
+    let impactor = impactor::check(scenario, &loading, mistakes);
     let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
     let reference = reference::check(scenario, mistakes);
@@ -124,17 +124,17 @@ pub struct Model {
 }
 
 impl Model {
-    /// Key and file of the specimen's and the impactor's meshes.
-    pub fn meshes(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+    /// The meshes of the specimen and of the impactor.
+    pub fn meshes(&self) -> Vec<MeshInput<'_>> {
         let specimen = match &self.specimen.shape {
-            Outline::Mesh(path) => Some(("specimen.shape.mesh", path.as_path())),
+            Outline::Mesh(path) => Some(MeshInput { key: "specimen.shape.mesh".into(), path, scale: 1.0 }),
             _ => None,
         };
-        let impactor = match self.impactor.as_ref().map(|impactor| &impactor.shape) {
-            Some(ImpactorShape::Mesh(path)) => Some(("impactor.shape.mesh", path.as_path())),
-            _ => None,
-        };
-        [specimen, impactor].into_iter().flatten()
+        let mut meshes: Vec<MeshInput<'_>> = specimen.into_iter().collect();
+        if let Some(impactor) = &self.impactor {
+            impactor.shape.meshes("impactor.shape", &mut meshes);
+        }
+        meshes
     }
 
     /// Name of the film in reports: that of all faces where they have one in common, else "film".
@@ -143,6 +143,17 @@ impl Model {
         let first = names.next().flatten();
         first.filter(|_| names.all(|name| name == first)).unwrap_or("film")
     }
+}
+
+/// A mesh that a run reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshInput<'m> {
+    /// Path of the key that names its file.
+    pub key: String,
+    /// The file.
+    pub path: &'m Path,
+    /// Length of one unit of its coordinates, m.
+    pub scale: f64,
 }
 
 /// Outline of the film and the part of it that is computed.
@@ -221,8 +232,18 @@ pub struct Impactor {
     pub guide_friction: GuideFriction,
     /// Coulomb coefficient between impactor and film.
     pub friction: f64,
-    /// Position of its axis over the film at the start: x, y in m.
+    /// Moments of inertia about its own x, y and z, kg m²; those of a homogeneous body where there are none.
+    pub inertia: Option<[f64; 3]>,
+    /// Position of its centre of mass at the start: x, y in m.
     pub position: [f64; 2],
+    /// Height of its centre of mass at the start, m; none where it starts in contact.
+    pub height: Option<f64>,
+    /// Rotation at the start from the upright position: an axis times an angle, rad.
+    pub orientation: [f64; 3],
+    /// Velocity of its centre of mass at the start, m/s.
+    pub velocity: [f64; 3],
+    /// Angular velocity at the start, rad/s.
+    pub spin: [f64; 3],
 }
 
 /// Shape of the impactor, lengths in m; its axis is z, its tip points down.
@@ -233,7 +254,7 @@ pub enum ImpactorShape {
         /// Its radius.
         radius: f64,
     },
-    /// A cylindrical shaft of this length with a hemispherical tip.
+    /// A cylindrical shaft of this length with a hemispherical tip, and another one above.
     Hemisphere {
         /// Radius of tip and shaft.
         radius: f64,
@@ -246,26 +267,90 @@ pub enum ImpactorShape {
         radius: f64,
         /// Length along z.
         length: f64,
+        /// Radius of its edges.
+        edge: f64,
     },
-    /// A closed surface from STL or OBJ, coordinates in m.
-    Mesh(PathBuf),
+    /// A cone with its tip down.
+    Cone {
+        /// Radius of the flat end.
+        radius: f64,
+        /// Length along z, with a sharp tip.
+        length: f64,
+        /// Radius of tip and edge.
+        edge: f64,
+    },
+    /// A box.
+    Box {
+        /// Lengths along x, y and z.
+        size: [f64; 3],
+        /// Radius of its edges.
+        edge: f64,
+    },
+    /// A closed surface from STL or OBJ.
+    Mesh {
+        /// The file.
+        path: PathBuf,
+        /// Length of one unit of its coordinates, m.
+        scale: f64,
+    },
+    /// Parts of one density.
+    Compound(Vec<Part>),
+}
+
+impl ImpactorShape {
+    /// Adds the meshes of the shape, whose table has the key path `key`, to `meshes`.
+    fn meshes<'m>(&'m self, key: &str, meshes: &mut Vec<MeshInput<'m>>) {
+        match self {
+            ImpactorShape::Mesh { path, scale } => {
+                meshes.push(MeshInput { key: format!("{key}.mesh"), path, scale: *scale });
+            }
+            ImpactorShape::Compound(parts) => {
+                for (place, part) in parts.iter().enumerate() {
+                    part.shape.meshes(&format!("{key}.compound.{place}.shape"), meshes);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A part of a compound body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// Its shape, no compound.
+    pub shape: ImpactorShape,
+    /// Position of its own origin in the body, m.
+    pub at: [f64; 3],
+    /// Rotation about that point: an axis times an angle, rad.
+    pub orientation: [f64; 3],
 }
 
 /// Degrees of freedom of the impactor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Guide {
     /// Only translation along z.
     Z,
     /// Six degrees of freedom.
     Free,
+    /// None.
+    Fixed,
+    /// Translation along this unit vector.
+    Line([f64; 3]),
+    /// Rotation about an axis that stays where it is.
+    Hinge {
+        /// Unit vector along the axis.
+        axis: [f64; 3],
+        /// A point of it, m.
+        at: [f64; 3],
+    },
 }
 
 /// The loading of the specimen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Loading {
-    /// The impactor starts in contact with the first face and moves freely.
+    /// The impactor falls onto the film.
     Impact {
-        /// Velocity at first contact, m/s, downward positive.
+        /// Vertical velocity of the impactor at the start, m/s, downward positive.
         velocity: f64,
         /// Acceleration of free fall, m/s².
         gravity: f64,

@@ -73,11 +73,11 @@ fn too_large(path: &str, message: String, mistakes: &mut Mistakes<'_>) {
 
 /// Refuses mesh files that are too large to be read.
 fn files(model: &Model, mistakes: &mut Mistakes<'_>) {
-    for (key, path) in model.meshes() {
-        let length = length(path);
+    for mesh in model.meshes() {
+        let length = length(mesh.path);
         if length > LONGEST_FILE {
             let message = format!("the mesh file is too long: {:.1} GB", length / 1e9);
-            mistakes.report_with(key, message, format!("at most {} GB are read", LONGEST_FILE / 1e9));
+            mistakes.report_with(&mesh.key, message, format!("at most {} GB are read", LONGEST_FILE / 1e9));
         }
     }
 }

@@ -1,11 +1,10 @@
 //! Warnings about a scenario that is valid but hardly meant.
 
 use std::fmt;
-use std::path::Path;
 
 use serde_json::{Map, Value};
 
-use super::{Loading, Model};
+use super::{Loading, MeshInput, Model};
 use crate::finding::{Code, Report, codes};
 use crate::mesh::import;
 use crate::number::significant;
@@ -35,7 +34,7 @@ pub enum Warning {
     /// A mesh is as large as if its coordinates were in another unit.
     Extent {
         /// Path of the key that names the file.
-        key: &'static str,
+        key: String,
         /// Largest extent along x, y or z, m.
         extent: f64,
     },
@@ -56,7 +55,10 @@ impl fmt::Display for Warning {
             Warning::Extent { key, extent } => {
                 let metres = significant(*extent, 3);
                 write!(f, "the mesh of `{key}` is {metres} m wide, which is implausible; did you mean {metres} mm? ")?;
-                write!(f, "coordinates are read in m: scale the file by 0.001")
+                match key.starts_with("impactor") {
+                    true => write!(f, "coordinates are read in m: `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
+                    false => write!(f, "coordinates are read in m: scale the file by 0.001"),
+                }
             }
             Warning::AbsorptionNotGiven { key } => {
                 write!(
@@ -79,7 +81,7 @@ impl Report for Warning {
     fn figures(&self) -> Map<String, Value> {
         let figures: Vec<(&str, Value)> = match self {
             Warning::Value(value) => vec![("key", value.key.as_str().into()), ("value", value.value.into())],
-            Warning::Extent { key, extent } => vec![("key", (*key).into()), ("extent_m", (*extent).into())],
+            Warning::Extent { key, extent } => vec![("key", key.as_str().into()), ("extent_m", (*extent).into())],
             Warning::AbsorptionNotGiven { key } => vec![("key", key.as_str().into())],
         };
         figures.into_iter().map(|(name, value)| (name.into(), value)).collect()
@@ -89,7 +91,7 @@ impl Report for Warning {
 /// What is hardly meant in the scenario `document`, which was checked to be `model`.
 pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
     let values = document.implausible().into_iter().map(Warning::Value);
-    let meshes = model.meshes().filter_map(|(key, path)| wide(key, path));
+    let meshes = model.meshes().into_iter().filter_map(wide);
     values.chain(meshes).chain(without_absorption(document, model)).collect()
 }
 
@@ -106,8 +108,8 @@ fn without_absorption(document: &Document, model: &Model) -> Vec<Warning> {
 }
 
 /// The warning of a mesh that is too wide. A file that cannot be read is a mistake of its own.
-fn wide(key: &'static str, path: &Path) -> Option<Warning> {
-    let length = std::fs::metadata(path).ok()?.len();
-    let extent = (length <= LONGEST_MESH).then(|| import::extent(path).ok()).flatten()?;
-    (extent > LARGEST_MESH).then_some(Warning::Extent { key, extent })
+fn wide(mesh: MeshInput<'_>) -> Option<Warning> {
+    let length = std::fs::metadata(mesh.path).ok()?.len();
+    let extent = mesh.scale * (length <= LONGEST_MESH).then(|| import::extent(mesh.path).ok()).flatten()?;
+    (extent > LARGEST_MESH).then_some(Warning::Extent { key: mesh.key, extent })
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Audit, ReferenceComparison, RunFindings, Warning};
 use crate::engine::GuideFriction;
-use crate::experiment::absorption::{Body, film_absorption};
+use crate::experiment::absorption::{Body, absorption_of, film_absorption};
 use crate::experiment::drop::Figures;
 use crate::model::{Impactor, Loading, Model};
 use crate::number::clean_time;
@@ -136,10 +136,23 @@ fn break_strains(model: &Model) -> [Option<f64>; 2] {
     })
 }
 
+/// Whether the impactor does not move along z alone.
+fn is_spatial(signals: &Recording) -> bool {
+    signals.channel(column::ACCELERATION_RESULTANT.name).is_some()
+}
+
 fn absorption(model: &Model, friction: &GuideFriction, signals: &Recording) -> Option<f64> {
     let (Loading::Impact { gravity, .. }, Some(Impactor { mass, .. })) = (&model.loading, &model.impactor) else {
         return None;
     };
+    if !mass.is_finite() {
+        return None;
+    }
+    if let Some(kinetic) = signals.channel(column::KINETIC_ENERGY.name).filter(|_| is_spatial(signals)) {
+        let potential = signals.channel(column::POTENTIAL_ENERGY.name)?;
+        let energy: Vec<f64> = kinetic.iter().zip(potential).map(|(kinetic, potential)| kinetic + potential).collect();
+        return absorption_of(&energy, signals.channel(column::DISPLACEMENT.name)?).ok();
+    }
     let body = Body { mass: *mass, gravity: *gravity };
     let velocity = signals.channel(column::VELOCITY.name)?;
     film_absorption(body, friction, velocity, signals.channel(column::DISPLACEMENT.name)?).ok()

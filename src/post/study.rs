@@ -42,7 +42,9 @@ impl Study {
     /// Checks `document`, which may be a variant of another study.
     fn check(document: Document, other: Option<&Parts>, session: &Session) -> HostResult<Study> {
         let model = model::check(&document).map_err(mistakes)?;
-        for path in document.files().iter().map(PathBuf::as_path).chain(model.meshes().map(|(_, path)| path)) {
+        for path in
+            document.files().iter().map(PathBuf::as_path).chain(model.meshes().into_iter().map(|mesh| mesh.path))
+        {
             session.add_input(path);
         }
         if let Some(reference) = &model.reference {

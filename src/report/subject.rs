@@ -1,6 +1,6 @@
 //! What was run, in one phrase.
 
-use crate::model::{Impactor, ImpactorShape, Loading, Model};
+use crate::model::{Guide, Impactor, ImpactorShape, Loading, Model};
 use crate::number::significant;
 
 /// What hits or pulls what, and how fast: `sphere 10.72 kg at 4.16 m/s on 2 x 8 layers of LLDPE`.
@@ -8,8 +8,16 @@ pub(crate) fn subject(model: &Model) -> String {
     let layers = layers(model);
     let figure = |value: f64| significant(value, 3);
     match (&model.loading, &model.impactor) {
-        (Loading::Impact { velocity, .. }, Some(impactor)) => {
-            format!("{} {} kg at {} m/s on {layers}", body(impactor), significant(impactor.mass, 4), figure(*velocity))
+        (Loading::Impact { .. }, Some(impactor)) if impactor.guide == Guide::Fixed => {
+            format!("{layers} on a fixed {}", body(impactor))
+        }
+        (Loading::Impact { .. }, Some(impactor)) => {
+            let speed = impactor.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let mass = significant(impactor.mass, 4);
+            match impactor.guide {
+                Guide::Hinge { .. } => format!("{} {mass} kg on a hinge on {layers}", body(impactor)),
+                _ => format!("{} {mass} kg at {} m/s on {layers}", body(impactor), figure(speed)),
+            }
         }
         (Loading::Impact { velocity, .. }, None) => format!("{} m/s on {layers}", figure(*velocity)),
         (Loading::Stretch { angle, velocity, until, .. }, _) => {
@@ -35,7 +43,9 @@ fn body(impactor: &Impactor) -> &'static str {
         ImpactorShape::Sphere { .. } => "sphere",
         ImpactorShape::Hemisphere { .. } => "hemisphere",
         ImpactorShape::Cylinder { .. } => "cylinder",
-        ImpactorShape::Mesh(_) => "body",
+        ImpactorShape::Cone { .. } => "cone",
+        ImpactorShape::Box { .. } => "box",
+        ImpactorShape::Mesh { .. } | ImpactorShape::Compound(_) => "body",
     }
 }
 

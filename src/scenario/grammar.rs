@@ -41,6 +41,8 @@ pub enum Rule {
     Text {
         /// Whether it names a file.
         path: bool,
+        /// Whether the content of that file replaces it.
+        included: bool,
     },
     /// A truth value.
     Flag,
@@ -150,7 +152,7 @@ impl Rule {
     /// Whether the path of a file is allowed.
     pub fn is_path(&self) -> bool {
         match self {
-            Rule::Text { path } => *path,
+            Rule::Text { path, .. } => *path,
             Rule::Either(rules) => rules.iter().any(Rule::is_path),
             _ => false,
         }
@@ -158,7 +160,11 @@ impl Rule {
 
     /// Whether a path is replaced by the content of its file.
     pub fn is_included(&self) -> bool {
-        self.is_path() && matches!(self, Rule::Either(_))
+        match self {
+            Rule::Text { included, .. } => *included,
+            Rule::Either(rules) => rules.iter().any(Rule::is_included),
+            _ => false,
+        }
     }
 
     /// The dimension of the quantity among the allowed values.
@@ -222,7 +228,7 @@ impl fmt::Display for Rule {
             Rule::Quantity(dimension, _) => f.write_str(dimension.name),
             Rule::Number { whole: true, .. } => f.write_str("a whole number"),
             Rule::Number { .. } => f.write_str("a number"),
-            Rule::Text { path: true } => f.write_str("a path"),
+            Rule::Text { path: true, .. } => f.write_str("a path"),
             Rule::Text { .. } => f.write_str("a text"),
             Rule::Flag => f.write_str("true or false"),
             Rule::Either(rules) => {
@@ -238,7 +244,7 @@ fn plural(rule: &Rule) -> String {
     match rule {
         Rule::Table(_) => "tables".to_owned(),
         Rule::Number { .. } => "numbers".to_owned(),
-        Rule::Text { path: false } => "texts".to_owned(),
+        Rule::Text { path: false, .. } => "texts".to_owned(),
         Rule::Quantity(dimension, _) => {
             let name = dimension.name;
             let noun = name.split_once(' ').map_or(name, |(_, noun)| noun);
@@ -299,6 +305,9 @@ impl Range {
     }
 }
 
+/// Words, each with its sentence.
+type Words = Vec<(String, Option<String>)>;
+
 /// The rule that a schema states.
 fn compile(schema: &Json) -> Rule {
     if let Some(branches) = list_of(schema, "anyOf") {
@@ -313,7 +322,10 @@ fn compile(schema: &Json) -> Rule {
         return Rule::Choice(words);
     }
     if is_tagged(schema) {
-        return Rule::Table(tagged(schema));
+        return Rule::Table(tagged(list_of(schema, "oneOf").into_iter().flatten(), schema));
+    }
+    if let Some((words, tables)) = words_and_tables(schema) {
+        return Rule::Either(vec![Rule::Choice(words), Rule::Table(tagged(tables.into_iter(), schema))]);
     }
     match schema["type"].as_str() {
         Some("object") => Rule::Table(table(schema)),
@@ -321,7 +333,10 @@ fn compile(schema: &Json) -> Rule {
         Some("number") => Rule::Number { whole: false, range: range(schema) },
         Some("integer") => Rule::Number { whole: true, range: range(schema) },
         Some("boolean") => Rule::Flag,
-        _ => Rule::Text { path: schema["x-path"].as_bool().unwrap_or(false) },
+        _ => {
+            let is = |what: &str| schema[what].as_bool().unwrap_or(false);
+            Rule::Text { path: is("x-path"), included: is("x-included") }
+        }
     }
 }
 
@@ -365,7 +380,7 @@ fn likely(schema: &Json) -> Option<[f64; 2]> {
 }
 
 /// The words of a plain `enum` and of a `oneOf` of constants, which may be mixed.
-fn words(schema: &Json) -> Option<Vec<(String, Option<String>)>> {
+fn words(schema: &Json) -> Option<Words> {
     if let Some(word) = schema["const"].as_str() {
         return Some(vec![(word.to_owned(), text_of(schema, "description"))]);
     }
@@ -382,9 +397,19 @@ fn is_tagged(schema: &Json) -> bool {
     list_of(schema, "oneOf").is_some_and(|b| b.iter().all(|b| b["properties"].is_object()))
 }
 
-fn tagged(schema: &Json) -> TableRule {
+/// The words of an enumeration of which some variants are keys, and the branches of these.
+fn words_and_tables(schema: &Json) -> Option<(Words, Vec<&Json>)> {
+    let (tables, others): (Vec<&Json>, Vec<&Json>) =
+        list_of(schema, "oneOf")?.iter().partition(|branch| branch["properties"].is_object());
+    let words: Option<Vec<Words>> = others.into_iter().map(words).collect();
+    let words: Words = words?.into_iter().flatten().collect();
+    (!tables.is_empty() && !words.is_empty()).then_some((words, tables))
+}
+
+/// The rule of the `branches` of an enumeration whose variants are keys.
+fn tagged<'a>(branches: impl Iterator<Item = &'a Json>, schema: &Json) -> TableRule {
     let mut table = TableRule { group_required: true, future: future(&schema["x-future"]), ..TableRule::default() };
-    for branch in list_of(schema, "oneOf").into_iter().flatten() {
+    for branch in branches {
         for mut key in keys(branch) {
             key.required = false;
             key.sentence = text_of(branch, "description").or(key.sentence);

@@ -2,39 +2,31 @@
 
 use std::path::PathBuf;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 
-use crate::units::{Force, ForcePerSpeed, Length, Mass, Velocity};
-
-/// What there is in place of an oblique impact.
-const DOWN: &str = "the impactor starts straight down: `loading.impact.velocity` is its speed";
-
-/// What there is in place of a rotating or inclined impactor.
-const UPRIGHT: &str = "the impactor starts upright and without rotation; with `guide = \"free\"` contact may rotate it";
-
-/// What there is in place of a guide as a table.
-const GUIDES: &str = "`guide = \"z\"` lets it move along z without friction, `guide = \"free\"` in all six directions";
-
-/// What there is in place of a third coordinate.
-const HEIGHT: &str =
-    "the impactor starts in contact with the film: `position` is x, y; `loading.impact.drop_height` its fall";
+use super::schema;
+use crate::units::{Angle, AngularVelocity, Force, ForcePerSpeed, Inertia, Length, Mass, Velocity};
 
 /// The rigid body that loads the film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend("x-future" = {
-    "velocity": DOWN, "direction": DOWN, "spin": UPRIGHT, "rotation": UPRIGHT, "orientation": UPRIGHT,
+    "direction": "`velocity` as a vector is the direction of flight", "rotation": "`orientation` is the inclination, `spin` the angular velocity",
     "name": "there is one impactor", "at": "the impactor is released at the start"
 }))]
 pub struct Impactor {
     /// Shape of the body; its axis is z, its tip points down.
+    #[schemars(schema_with = "shape_schema")]
     pub shape: ImpactorShape,
     /// Mass of the body and all that moves with it; required where it falls.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 2e3]))]
     pub mass: Option<Mass>,
+    /// Moments of inertia about the body's own x, y and z through its centre of mass; those of a homogeneous body, without
+    /// the rounding of edges, where they are left out.
+    #[schemars(transform = schema::positive_items)]
+    pub inertia: Option<[Inertia; 3]>,
     /// Its degrees of freedom.
     #[serde(default)]
-    #[schemars(extend("x-future-table" = { "a guide with an axis or friction of its own": GUIDES }))]
     pub guide: Guide,
     /// Friction of the guide, against the motion along it; none where it is left out. `droptower signal drop` prints
     /// that of a recorded fall.
@@ -43,24 +35,82 @@ pub struct Impactor {
     /// Coulomb coefficient between impactor and film.
     #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
     pub friction: f64,
-    /// Position of its axis over the film at the start: x, y.
+    /// Position of its centre of mass at the start: x, y, and its height. Without a height it starts in contact with the
+    /// film.
     #[serde(default = "centre")]
-    #[schemars(extend("x-likely" = [-10.0, 10.0], "x-future-list" = { "a height of the impactor": HEIGHT }))]
-    pub position: [Length; 2],
+    #[schemars(length(min = 2, max = 3), extend("x-likely" = [-10.0, 10.0]))]
+    pub position: Vec<Length>,
+    /// Rotation from the upright position, about an axis through its centre of mass.
+    pub orientation: Option<Orientation>,
+    /// Velocity of its centre of mass at the start, in place of the downward speed of `loading.impact`.
+    #[schemars(extend("x-likely" = [-500.0, 500.0]))]
+    pub velocity: Option<[Velocity; 3]>,
+    /// Angular velocity at the start, about the axes of the scene; only of a free impactor.
+    pub spin: Option<[AngularVelocity; 3]>,
 }
 
-fn centre() -> [Length; 2] {
-    [Length(0.0); 2]
+fn centre() -> Vec<Length> {
+    vec![Length(0.0); 2]
 }
 
-/// The shapes that there are.
-const SHAPES: &str = "a closed surface from STL or OBJ has any shape: `mesh`";
+/// A rotation about an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Orientation {
+    /// Direction of the axis, of any length.
+    pub axis: [f64; 3],
+    /// Angle about it, by the right-hand rule.
+    pub angle: Angle,
+}
 
-/// Shape of the impactor.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("x-future" = { "capsule": SHAPES, "cone": SHAPES, "box": SHAPES, "compound": SHAPES }))]
-#[serde(rename_all = "lowercase")]
+/// Shape of the impactor: one of the shapes, or several of them. The validator has reported mistakes before serde tries
+/// the two forms.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(untagged)]
 pub enum ImpactorShape {
+    /// Several parts.
+    Compound(Compound),
+    /// One shape.
+    One(BodyShape),
+}
+
+/// A body of several parts.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Compound {
+    /// A body of several shapes of one density.
+    #[schemars(length(min = 1))]
+    pub compound: Vec<Part>,
+}
+
+/// A part of a compound body.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Part {
+    /// Its shape.
+    pub shape: BodyShape,
+    /// Position of the middle of its height on its axis, or of the origin of its file's coordinates, in the body: x, y, z.
+    #[serde(default = "origin")]
+    pub at: [Length; 3],
+    /// Its rotation about that point.
+    pub orientation: Option<Orientation>,
+}
+
+fn origin() -> [Length; 3] {
+    [Length(0.0); 3]
+}
+
+/// The schema of one shape, with that of a compound as one more choice.
+fn shape_schema(generator: &mut SchemaGenerator) -> Schema {
+    let mut shape = BodyShape::json_schema(generator);
+    let compound = Compound::json_schema(generator).to_value();
+    if let Some(choices) = shape.get_mut("oneOf").and_then(|choices| choices.as_array_mut()) {
+        choices.push(compound);
+    }
+    shape
+}
+
+/// A shape.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum BodyShape {
     /// A ball.
     Sphere {
         /// Radius of the ball.
@@ -76,6 +126,15 @@ pub enum ImpactorShape {
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         length: Option<Length>,
     },
+    /// A cylinder with a hemisphere at each end, axis along z.
+    Capsule {
+        /// Radius of cylinder and hemispheres.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        radius: Length,
+        /// Length of the cylinder between the hemispheres.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        length: Length,
+    },
     /// A flat-ended cylinder, axis along z.
     Cylinder {
         /// Radius of the flat end.
@@ -84,9 +143,97 @@ pub enum ImpactorShape {
         /// Length along z.
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         length: Length,
+        /// Radius of its edges; sharp where it is left out.
+        #[serde(default = "sharp")]
+        #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
+        edge: Length,
     },
-    /// A closed surface from an STL or OBJ file, coordinates in m.
-    Mesh(#[schemars(extend("x-path" = true))] PathBuf),
+    /// A cone with its tip down, axis along z.
+    Cone {
+        /// Radius of the flat end.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        radius: Length,
+        /// Length along z, with a sharp tip.
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+        length: Length,
+        /// Radius of tip and edge, inside the flanks; sharp where it is left out.
+        #[serde(default = "sharp")]
+        #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
+        edge: Length,
+    },
+    /// A box.
+    Box {
+        /// Its lengths along x, y and z.
+        #[schemars(transform = schema::positive_items)]
+        size: [Length; 3],
+        /// Radius of its edges; sharp where it is left out.
+        #[serde(default = "sharp")]
+        #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
+        edge: Length,
+    },
+    /// A closed surface from an STL or OBJ file.
+    Mesh(MeshFile),
+}
+
+fn sharp() -> Length {
+    Length(0.0)
+}
+
+/// A file with a closed surface: its path, with coordinates in m, or with their unit. The validator has reported mistakes
+/// before serde tries the two forms.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum MeshFile {
+    /// Coordinates in m.
+    Path(#[schemars(extend("x-path" = true))] PathBuf),
+    /// With unit and scale.
+    Table(MeshTable),
+}
+
+/// A file with a closed surface and the unit of its coordinates.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MeshTable {
+    /// The file.
+    #[schemars(extend("x-path" = true))]
+    pub file: PathBuf,
+    /// Unit of its coordinates.
+    #[serde(default)]
+    pub unit: MeshUnit,
+    /// Factor on all coordinates besides.
+    #[serde(default = "unscaled")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub scale: f64,
+}
+
+fn unscaled() -> f64 {
+    1.0
+}
+
+/// Unit of the coordinates of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum MeshUnit {
+    /// Metre.
+    #[default]
+    M,
+    /// Centimetre.
+    Cm,
+    /// Millimetre.
+    Mm,
+    /// Inch.
+    In,
+}
+
+impl MeshUnit {
+    /// Its length, m.
+    pub fn metres(self) -> f64 {
+        match self {
+            MeshUnit::M => 1.0,
+            MeshUnit::Cm => 1e-2,
+            MeshUnit::Mm => 1e-3,
+            MeshUnit::In => 0.0254,
+        }
+    }
 }
 
 /// Force of the guide against the motion of the impactor.
@@ -119,7 +266,7 @@ fn no_force_per_speed() -> ForcePerSpeed {
 }
 
 /// Degrees of freedom of the impactor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Guide {
     /// Translation along z only.
@@ -127,4 +274,19 @@ pub enum Guide {
     Z,
     /// Six degrees of freedom.
     Free,
+    /// None: it stays where it is.
+    Fixed,
+    /// Translation along a line: its direction, of any length.
+    Line([f64; 3]),
+    /// Rotation about an axis that stays where it is.
+    Hinge(Hinge),
+}
+
+/// An axis about which the impactor rotates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Hinge {
+    /// Direction of the axis, of any length.
+    pub axis: [f64; 3],
+    /// A point of the axis: x, y, z.
+    pub at: [Length; 3],
 }

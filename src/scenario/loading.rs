@@ -20,14 +20,13 @@ pub enum Loading {
     Pressure(Inflation),
 }
 
-/// What there is in place of an oblique impact.
-const DOWN: &str = "the impactor moves down along z: `velocity` is its speed, like \"4.16 m/s\"";
+/// What there is for an oblique impact.
+const DOWN: &str = "`impactor.velocity` is the velocity as a vector, `impactor.spin` the angular velocity";
 
 /// A free fall that ends on the film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend(
-    "oneOf" = [{ "required": ["velocity"] }, { "required": ["drop_height"] }],
-    "x-future" = { "direction": DOWN, "angle": DOWN, "spin": "the impactor starts without rotation" }
+    "not" = { "required": ["velocity", "drop_height"] }, "x-future" = { "direction": DOWN, "angle": DOWN, "spin": DOWN }
 ))]
 pub struct Impact {
     /// Speed at first contact, downward positive.

@@ -38,7 +38,10 @@ pub use assignment::Assignment;
 pub use contact::Contact;
 pub use document::Document;
 pub use frame::{EdgeChoice, Frame, Hold, Side};
-pub use impactor::{FrictionPoint, Guide, Impactor, ImpactorShape};
+pub use impactor::{
+    BodyShape, Compound, FrictionPoint, Guide, Hinge, Impactor, ImpactorShape, MeshFile, MeshTable, MeshUnit,
+    Orientation, Part,
+};
 pub use layers::{Layer, Layers, Prestrain};
 pub use loading::{Axis, Direction, Impact, Indent, Inflation, Loading, Stretch};
 pub use material::{Elastic, Fabric, Fibre, Material, MountingCurve, Point, RateCurve, Scale, Shear};

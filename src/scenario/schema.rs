@@ -28,14 +28,14 @@ pub fn published() -> Json {
 /// A path of a file that holds the table, or the table itself.
 pub(super) fn path_or_table<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     let table = generator.subschema_for::<T>();
-    json_schema!({ "anyOf": [{ "type": "string", "x-path": true }, table] })
+    json_schema!({ "anyOf": [{ "type": "string", "x-path": true, "x-included": true }, table] })
 }
 
 /// A path of a file that holds the list, or the list itself.
 pub(super) fn path_or_list<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     let item = generator.subschema_for::<T>();
     let list = json!({ "type": "array", "items": item, "minItems": 1 });
-    json_schema!({ "anyOf": [{ "type": "string", "x-path": true }, list] })
+    json_schema!({ "anyOf": [{ "type": "string", "x-path": true, "x-included": true }, list] })
 }
 
 /// Every item of the list is above zero.

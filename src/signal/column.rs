@@ -42,9 +42,23 @@ columns! {
     ACCELERATION_FILTERED = "acceleration_filtered_m_s2", "acceleration", "m/s2", "acceleration" ("m/s²"), 1.0;
     /// Acceleration of the impactor before the filter.
     ACCELERATION = "acceleration_m_s2", "acceleration_raw", "m/s2", "acceleration" ("m/s²"), 1.0;
+    /// Position of an impactor that does not only move along z, along x from the start.
+    DISPLACEMENT_X = "displacement_x_m", "displacement_x", "m", "displacement" ("mm"), 1e3;
+    /// The same along y.
+    DISPLACEMENT_Y = "displacement_y_m", "displacement_y", "m", "displacement" ("mm"), 1e3;
+    /// Its velocity along x.
+    VELOCITY_X = "velocity_x_m_s", "velocity_x", "m/s", "velocity" ("m/s"), 1.0;
+    /// The same along y.
+    VELOCITY_Y = "velocity_y_m_s", "velocity_y", "m/s", "velocity" ("m/s"), 1.0;
+    /// Its acceleration along x, before any filter.
+    ACCELERATION_X = "acceleration_x_m_s2", "acceleration_x", "m/s2", "acceleration" ("m/s²"), 1.0;
+    /// The same along y.
+    ACCELERATION_Y = "acceleration_y_m_s2", "acceleration_y", "m/s2", "acceleration" ("m/s²"), 1.0;
+    /// Size of the acceleration of its centre of mass, before any filter.
+    ACCELERATION_RESULTANT = "acceleration_resultant_m_s2", "acceleration_resultant", "m/s2", "acceleration" ("m/s²"), 1.0;
     /// Vertical force of the film on the impactor.
     CONTACT_FORCE = "contact_force_N", "contact_force", "N", "force" ("N"), 1.0;
-    /// Kinetic energy of the impactor.
+    /// Kinetic energy of the impactor, of its rotation too.
     KINETIC_ENERGY = "kinetic_energy_J", "kinetic_energy", "J", "energy" ("J"), 1.0;
     /// Potential energy of the impactor.
     POTENTIAL_ENERGY = "potential_energy_J", "potential_energy", "J", "energy" ("J"), 1.0;

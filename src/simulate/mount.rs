@@ -1,13 +1,13 @@
 //! How film and impactor are mounted.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::fault::RunError;
 use super::film::Film as FilmTopology;
 use super::frame_force::HeldSides;
-use crate::engine::{self, Contact, Film, Loads, Nodes, RigidBody, Section, Surface};
+use crate::engine::{self, Contact, Film, Freedom, Loads, Nodes, RigidBody, Section, Surface};
 use crate::mesh::{self, Element, Mesh};
-use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model};
+use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model, Part};
 
 /// How the specimen was mounted.
 pub(super) struct Mounting {
@@ -59,23 +59,41 @@ pub(super) fn surround(model: &Model, films: &[Film], nodes: &Nodes, loads: &mut
 pub fn surface(shape: &ImpactorShape) -> Result<Surface, RunError> {
     Ok(match shape {
         ImpactorShape::Sphere { radius } => Surface::sphere(*radius),
-        ImpactorShape::Hemisphere { radius, length } => Surface::hemisphere(*radius, *length),
-        ImpactorShape::Cylinder { radius, length } => Surface::cylinder(*radius, *length),
-        ImpactorShape::Mesh(path) => Surface::closed_mesh(mesh::import::surface(path)?),
+        ImpactorShape::Hemisphere { radius, length } => Surface::capsule(*radius, *length),
+        ImpactorShape::Cylinder { radius, length, edge } => Surface::cylinder(*radius, *length, *edge),
+        ImpactorShape::Cone { radius, length, edge } => Surface::cone(*radius, *length, *edge),
+        ImpactorShape::Box { size, edge } => Surface::cuboid(*size, *edge),
+        ImpactorShape::Mesh { path, scale } => {
+            let (mut points, triangles) = mesh::import::surface(path)?;
+            points.iter_mut().for_each(|point| *point *= *scale);
+            Surface::closed_mesh((points, triangles))
+        }
+        ImpactorShape::Compound(parts) => {
+            let place = |part: &Part| Isometry3::new(part.at.into(), part.orientation.into());
+            let parts = parts.iter().map(|part| Ok((place(part), surface(&part.shape)?)));
+            Surface::compound(parts.collect::<Result<_, RunError>>()?)
+        }
     }?)
 }
 
-/// The impactor at `pose`, falling at `velocity` (m/s, downward positive).
-pub fn falling(impactor: &Impactor, surface: &Surface, pose: Isometry3<f64>, velocity: f64) -> RigidBody {
-    match impactor.guide {
+/// The impactor at `pose` with its velocity at the start.
+pub fn falling(impactor: &Impactor, surface: &Surface, pose: Isometry3<f64>) -> RigidBody {
+    let velocity = Vector3::from(impactor.velocity);
+    let freedom = match impactor.guide {
+        Guide::Fixed => return RigidBody::prescribed(pose, 0.0),
         Guide::Z => {
-            RigidBody::guided(pose, -velocity, impactor.mass).with_guide_friction(impactor.guide_friction.clone())
+            let guided = RigidBody::guided(pose, velocity.z, impactor.mass);
+            return guided.with_guide_friction(impactor.guide_friction.clone());
         }
-        Guide::Free => {
-            let inertia = surface.inertia_per_mass() * impactor.mass;
-            RigidBody::free(pose, Vector3::new(0.0, 0.0, -velocity), impactor.mass, inertia)
+        Guide::Free => Freedom::All,
+        Guide::Line(line) => Freedom::Line(Unit::new_normalize(line.into())),
+        Guide::Hinge { axis, at } => {
+            Freedom::Hinge { axis: Unit::new_normalize(axis.into()), at: Vector3::from(at).into() }
         }
-    }
+    };
+    let homogeneous = || surface.inertia_per_mass() * impactor.mass;
+    let inertia = impactor.inertia.map_or_else(homogeneous, |moments| Matrix3::from_diagonal(&moments.into()));
+    RigidBody::free(pose, velocity, impactor.mass, inertia).spinning(impactor.spin.into()).with_freedom(freedom)
 }
 
 /// Constrains the nodes on mirror planes to stay on them. `first` is the first of all nodes that belongs to `mesh`.
@@ -95,7 +113,7 @@ pub(super) fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
     }
 }
 
-/// Contact and pose of the impactor, whose lowest point lies on the highest point of the first face.
+/// Contact and pose of the impactor: at its height, or with its lowest point on the highest point of the first face.
 pub(super) fn over_film(
     impactor: &Impactor,
     model: &Model,
@@ -113,8 +131,10 @@ pub(super) fn over_film(
         let heights = nodes.position.range(film.nodes.clone())[2].iter().copied();
         heights.fold(f64::NEG_INFINITY, f64::max) + 0.5 * film.thickness
     });
+    let rotation = UnitQuaternion::new(impactor.orientation.into());
     let [x, y] = impactor.position;
-    let pose = Isometry3::translation(x, y, top - surface.lowest());
+    let z = impactor.height.unwrap_or_else(|| top - surface.lowest(&rotation));
+    let pose = Isometry3::from_parts(Translation3::new(x, y, z), rotation);
     let mut contact = Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset);
     if let (Some(friction), Some(first)) = (model.film_friction, films.first()) {
         contact = contact.with_film_friction(friction, first.nodes.len());

@@ -17,7 +17,7 @@ use super::snapshot::{self, Snapshot};
 use super::tracks::Tracks;
 use super::warning::bounds::KINETIC;
 use crate::engine::{self, ElementStrain, Engine, Observer, Relaxation, Track, View};
-use crate::model::Model;
+use crate::model::{Guide, Impactor, Model};
 use crate::signal::{Channel, Recording, column};
 
 /// Audits of energies, contact and strains in a run, unless there are fewer samples.
@@ -75,7 +75,7 @@ impl<'a> Probe<'a> {
         let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
         let record = Record {
             audits: 0,
-            tracks: Tracks::new(duration, sample, speed, gravity),
+            tracks: tracks(model, Tracks::new(duration, sample, speed, gravity)),
             rise: Rise::default(),
             snapshots: vec![],
             energy: EnergyCheck::new(loading.energy_scale(), checked_from),
@@ -284,6 +284,14 @@ impl<'a> Probe<'a> {
             signals.channels.push(Channel { name: column::AIR_PRESSURE.name.into(), values });
         }
         signals
+    }
+}
+
+/// The tracks of a run of `model`, with all directions where its impactor does not move along z alone.
+fn tracks(model: &Model, tracks: Tracks) -> Tracks {
+    match &model.impactor {
+        Some(Impactor { guide: Guide::Free | Guide::Line(_) | Guide::Hinge { .. }, .. }) => tracks.of_spatial_motion(),
+        _ => tracks,
     }
 }
 

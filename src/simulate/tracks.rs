@@ -17,6 +17,12 @@ pub(super) struct Tracks {
     pub(super) at_steps: Grid<3>,
     /// Velocity of the impactor (m/s) and the impulse of the film on it so far (N s), twice a sample.
     pub(super) at_half_steps: Grid<2>,
+    /// Whether the impactor does not move along z alone.
+    pub(super) are_spatial: bool,
+    /// Position of the impactor along x and y, m; only where it does not move along z alone.
+    pub(super) lateral: Grid<2>,
+    /// Its velocity along x and y (m/s) and its kinetic energy (J), twice a sample.
+    pub(super) lateral_half: Grid<3>,
     /// Largest MD and TD strain.
     pub(super) strains: Grid<2>,
     /// Force of the film on the frame along x and y, N; only where a frame holds sides.
@@ -42,6 +48,9 @@ impl Tracks {
             samples: (duration / sample * (1.0 + 1e-12)).floor() as usize + 1,
             at_steps: Grid::new(0.0, sample),
             at_half_steps,
+            are_spatial: false,
+            lateral: Grid::new(0.0, sample),
+            lateral_half: Grid::new(-0.5 * sample, 0.5 * sample),
             strains: Grid::new(0.0, sample),
             frame: Grid::new(0.0, sample),
             air: Grid::new(0.0, sample),
@@ -50,13 +59,29 @@ impl Tracks {
         }
     }
 
+    /// The same of an impactor that does not move along z alone.
+    pub(super) fn of_spatial_motion(self) -> Tracks {
+        Tracks { are_spatial: true, ..self }
+    }
+
     /// Records one step.
     pub(super) fn follow(&mut self, track: &Track) {
+        let [x, y, z] = track.centre;
+        let [along_x, along_y, velocity] = track.velocity;
         if track.impulse != 0.0 {
-            self.first_contact.get_or_insert(track.z);
+            self.first_contact.get_or_insert(z);
         }
-        self.at_steps.push(track.time, [track.z, track.work, track.jaw_force]);
-        self.at_half_steps.push(track.time + 0.5 * track.dt, [track.velocity, track.impulse]);
+        let middle = track.time + 0.5 * track.dt;
+        self.at_steps.push(track.time, [z, track.work, track.jaw_force]);
+        self.at_half_steps.push(middle, [velocity, track.impulse]);
+        if self.are_spatial {
+            let lateral = [along_x, along_y, track.kinetic];
+            if self.lateral_half.rows.is_empty() {
+                self.lateral_half.push(-self.sample, lateral);
+            }
+            self.lateral.push(track.time, [x, y]);
+            self.lateral_half.push(middle, lateral);
+        }
     }
 
     /// Whether `time` (s) has reached the next sample of the strains.

@@ -230,6 +230,31 @@ fn curves_by_strain_rate() {
     assert!(matches!(by_rate(&[one]), Law::Fabric(_)));
 }
 
+/// `biaxial` and `wrinkling` change the law: at equal strains, and in slack film under shear.
+#[test]
+fn what_couples_fibre_sets_is_in_the_law() {
+    let law = |change: &str| {
+        let document = Document::read(Path::new("tests/it/broken/parts/tower.toml")).expect("the tower reads");
+        let document = document.with(&[Assignment::from_argument(change).expect("a value")]);
+        let model = model::check(&document).unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)));
+        model.faces[0].material.law.clone()
+    };
+    let plain = law("specimen.material.fabric.biaxial=0");
+    let Law::Fabric(curves) = &plain else { panic!("a fabric") };
+    let strained = [[[1.2], [0.0], [0.0]], [[0.0], [1.2], [0.0]]];
+    let added = 0.25 * (curves.md().stress(0.2) + curves.td().stress(0.2));
+    let found = law("specimen.material.fabric.biaxial=0.5").virgin_stress(strained);
+    for (axis, curve) in [curves.md(), curves.td()].into_iter().enumerate() {
+        let expected = curve.stress(0.2) + added;
+        assert!((found[axis][axis][0] / expected - 1.0).abs() < 1e-12, "{found:?}");
+    }
+    // MD is slack by 0.1, TD taut and inclined by 0.2.
+    let slack = [[[0.9], [0.0], [0.0]], [[0.2], [1.1], [0.0]]];
+    let [found, without] = [law("specimen.material.fabric.wrinkling=true"), plain].map(|law| law.virgin_stress(slack));
+    assert!(without[0][1][0] > 1e5, "{without:?}");
+    assert!((found[0][1][0] / without[0][1][0] - 1.0).abs() > 0.01, "{found:?} {without:?}");
+}
+
 #[test]
 fn measured_rates_follow_from_curves_by_rate() {
     let read = |changes: &[&str]| {

@@ -265,6 +265,16 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
     for (case, changes) in [
         ("drop-1508", &["output.frames=20"][..]),
         ("free-sphere", &["output.frames=20"]),
+        ("drop-1508", &["output.frames=20", "specimen.material.fabric.wrinkling=true"]),
+        ("drop-1508", &["output.frames=20", "specimen.material.fabric.biaxial=0.5"]),
+        (
+            "free-sphere",
+            &[
+                "output.frames=20",
+                "impactor.guide={ line = [1, 0, -2] }",
+                "impactor.shape={ box = { size = [0.1, 0.2, 0.1], edge = 0.02 } }",
+            ],
+        ),
         ("dart-disc", &["specimen.mesh.element=quad4-full"]),
         ("drop-different-faces", &[]),
         ("stretch-oblique-triangles", &[]),

@@ -61,7 +61,7 @@ impl CheckpointHeader {
         every: Option<f64>,
         detailed: bool,
     ) -> io::Result<CheckpointHeader> {
-        let meshes = model.meshes().map(|(_, path)| digest(path)).collect::<io::Result<_>>()?;
+        let meshes = model.meshes().into_iter().map(|mesh| digest(mesh.path)).collect::<io::Result<_>>()?;
         let (scenario, model) = (document.resolved(), decisive(model));
         Ok(CheckpointHeader { version: VERSION.into(), every, detailed, scenario, model, meshes })
     }
@@ -122,10 +122,18 @@ fn decisive(model: &Model) -> Model {
     if let Outline::Mesh(path) = &mut model.specimen.shape {
         *path = PathBuf::new();
     }
-    if let Some(ImpactorShape::Mesh(path)) = model.impactor.as_mut().map(|impactor| &mut impactor.shape) {
-        *path = PathBuf::new();
+    if let Some(impactor) = &mut model.impactor {
+        without_paths(&mut impactor.shape);
     }
     model
+}
+
+fn without_paths(shape: &mut ImpactorShape) {
+    match shape {
+        ImpactorShape::Mesh { path, .. } => *path = PathBuf::new(),
+        ImpactorShape::Compound(parts) => parts.iter_mut().for_each(|part| without_paths(&mut part.shape)),
+        _ => {}
+    }
 }
 
 /// The keys in which the resolved scenario of a checkpoint, `then`, and that of a run, `now`, differ, worded for a

@@ -49,7 +49,7 @@ pub use observer::{Observer, Track, View};
 pub use patch::Patch;
 pub use pressure::Inflation;
 pub use relaxation::{Relaxation, Settling};
-pub use rigid_body::RigidBody;
+pub use rigid_body::{Freedom, RigidBody};
 pub use section::Section;
 pub use state::{State, StateMismatch};
 pub use thread_pool::ThreadPool;
@@ -375,8 +375,9 @@ impl Engine {
     fn finish(&mut self, dt: f64, fastest: f64, jaw_force: f64, observer: &mut dyn Observer) {
         let mut track = Track { time: self.time, dt, jaw_force, ..Track::default() };
         if let Some(Impact { body, contact }) = &mut self.impact {
-            track.z = body.centre().z;
-            track.velocity = body.velocity.z;
+            track.centre = body.centre().into();
+            track.velocity = body.velocity.into();
+            track.kinetic = body.kinetic_energy(body);
             track.work = contact.work.on_film;
             track.impulse = contact.work.impulse;
             let rotation = body.spin.norm() * contact.surface().bounding_radius();

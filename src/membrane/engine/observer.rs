@@ -27,10 +27,12 @@ pub struct Track {
     pub time: f64,
     /// The step after it, s.
     pub dt: f64,
-    /// Height of the centre of mass at the full step, m.
-    pub z: f64,
-    /// Vertical velocity in the middle of the step after it, m/s.
-    pub velocity: f64,
+    /// Centre of mass at the full step, m.
+    pub centre: [f64; 3],
+    /// Its velocity in the middle of the step after it, m/s.
+    pub velocity: [f64; 3],
+    /// Kinetic energy there, J; zero where its motion is prescribed.
+    pub kinetic: f64,
     /// Work of the impactor on the film so far, J.
     pub work: f64,
     /// Impulse on the impactor along z so far, N s.

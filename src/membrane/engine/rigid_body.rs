@@ -1,13 +1,31 @@
 //! The impactor as a rigid body.
 
 use nalgebra::{
-    Isometry3, Matrix3, Matrix6, Point3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector4, Vector6,
+    Isometry3, Matrix3, Matrix6, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3, Vector4, Vector6,
 };
 use serde::{Deserialize, Serialize};
 
 use super::guide_friction::GuideFriction;
 
-/// A rigid body about its centre of mass, guided along z or free.
+/// Degrees of freedom of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Freedom {
+    /// Translation along z.
+    Z,
+    /// Translation along a line.
+    Line(Unit<Vector3<f64>>),
+    /// Rotation about an axis through the point `at` (m).
+    Hinge {
+        /// Its direction.
+        axis: Unit<Vector3<f64>>,
+        /// A point of it.
+        at: Point3<f64>,
+    },
+    /// All six.
+    All,
+}
+
+/// A rigid body about its centre of mass.
 #[derive(Clone, Debug)]
 pub struct RigidBody {
     /// Position of the centre of mass (m) and rotation, at the full step.
@@ -22,8 +40,7 @@ pub struct RigidBody {
     inertia: Matrix3<f64>,
     /// Inverse of the inertia in space axes at the present pose, 1/(kg m²).
     inverse_inertia: Matrix3<f64>,
-    /// Whether it is guided along z; a free body has six degrees of freedom.
-    guided: bool,
+    freedom: Freedom,
     /// Of the guide.
     guide_friction: GuideFriction,
 }
@@ -83,14 +100,15 @@ impl RigidBody {
             mass,
             inertia: Matrix3::zeros(),
             inverse_inertia: Matrix3::zeros(),
-            guided: true,
+            freedom: Freedom::Z,
             guide_friction: GuideFriction::default(),
         }
     }
 
-    /// The same body on a guide with `friction`, which a body without a guide or with a prescribed motion does not have.
+    /// The same body on a guide with `friction`, which only a body that moves along z by its own inertia has.
     pub fn with_guide_friction(self, friction: GuideFriction) -> RigidBody {
-        let guide_friction = if self.guided && self.mass.is_finite() { friction } else { GuideFriction::default() };
+        let has_guide = self.freedom == Freedom::Z && self.mass.is_finite();
+        let guide_friction = if has_guide { friction } else { GuideFriction::default() };
         RigidBody { guide_friction, ..self }
     }
 
@@ -99,11 +117,61 @@ impl RigidBody {
     pub fn free(pose: Isometry3<f64>, velocity: Vector3<f64>, mass: f64, inertia: Matrix3<f64>) -> RigidBody {
         let spin = Vector3::zeros();
         let inverse_inertia = Matrix3::zeros();
-        let guide_friction = GuideFriction::default();
-        let mut body =
-            RigidBody { pose, velocity, spin, mass, inertia, inverse_inertia, guided: false, guide_friction };
+        let (freedom, guide_friction) = (Freedom::All, GuideFriction::default());
+        let mut body = RigidBody { pose, velocity, spin, mass, inertia, inverse_inertia, freedom, guide_friction };
         body.update_inverse_inertia();
         body
+    }
+
+    /// The same body spinning at `spin` (rad/s, in space axes).
+    pub fn spinning(self, spin: Vector3<f64>) -> RigidBody {
+        RigidBody { spin, ..self }
+    }
+
+    /// The same body with the degrees of freedom `freedom`, which admit a part of its motion.
+    pub fn with_freedom(self, freedom: Freedom) -> RigidBody {
+        let mut body = RigidBody { freedom, ..self };
+        match freedom {
+            Freedom::Z => {
+                (body.velocity, body.spin) = (Vector3::new(0.0, 0.0, body.velocity.z), Vector3::zeros());
+            }
+            Freedom::Line(line) => {
+                (body.velocity, body.spin) = (line.scale(line.dot(&body.velocity)), Vector3::zeros());
+            }
+            Freedom::Hinge { axis, .. } => body.spin = axis.scale(axis.dot(&body.spin)),
+            Freedom::All => {}
+        }
+        body.follow_hinge();
+        body
+    }
+
+    /// The motion that a line or a hinge admits, per its one coordinate: velocity of the centre of mass and spin.
+    fn admitted(&self) -> Option<Vector6<f64>> {
+        let (velocity, spin) = match self.freedom {
+            Freedom::Z | Freedom::All => return None,
+            Freedom::Line(line) => (*line, Vector3::zeros()),
+            Freedom::Hinge { axis, at } => (axis.cross(&(self.centre() - at)), *axis),
+        };
+        Some(Vector6::new(velocity.x, velocity.y, velocity.z, spin.x, spin.y, spin.z))
+    }
+
+    /// Mass or moment of inertia of the coordinate of the `admitted` motion, kg or kg m².
+    fn admitted_mass(&self, admitted: &Vector6<f64>) -> f64 {
+        let (velocity, spin) = (admitted.fixed_rows::<3>(0), admitted.fixed_rows::<3>(3));
+        self.mass * velocity.norm_squared() + spin.dot(&(self.space_inertia() * spin))
+    }
+
+    /// Changes the motion by `change` of velocity and spin.
+    fn accelerate(&mut self, change: &Vector6<f64>) {
+        self.velocity += change.fixed_rows::<3>(0);
+        self.spin += change.fixed_rows::<3>(3);
+    }
+
+    /// Velocity of the centre of mass of a body on a hinge, from its spin.
+    fn follow_hinge(&mut self) {
+        if let Freedom::Hinge { at, .. } = self.freedom {
+            self.velocity = self.spin.cross(&(self.centre() - at));
+        }
     }
 
     /// A body at `pose` with the prescribed motion along z at `velocity` (m/s, upward).
@@ -138,7 +206,7 @@ impl RigidBody {
 
     /// Updates the inverse inertia to the present pose; a singular inertia admits no rotation.
     fn update_inverse_inertia(&mut self) {
-        if !self.guided {
+        if self.freedom != Freedom::Z {
             self.inverse_inertia = self.space_inertia().try_inverse().unwrap_or_else(Matrix3::zeros);
         }
     }
@@ -146,9 +214,9 @@ impl RigidBody {
     /// Velocity of its material point at `arm` (m) from the centre of mass, m/s.
     #[inline]
     pub(super) fn velocity_at(&self, arm: &Vector3<f64>) -> Vector3<f64> {
-        match self.guided {
-            true => self.velocity,
-            false => self.velocity + self.spin.cross(arm),
+        match self.freedom {
+            Freedom::Z => self.velocity,
+            _ => self.velocity + self.spin.cross(arm),
         }
     }
 
@@ -160,7 +228,10 @@ impl RigidBody {
     /// The pose after `dt` (s) at its present velocity.
     pub(super) fn predicted(&self, dt: f64) -> Isometry3<f64> {
         let rotation = UnitQuaternion::from_scaled_axis(self.spin * dt);
-        let to = self.pose.translation.vector + self.velocity * dt;
+        let to = match self.freedom {
+            Freedom::Hinge { at, .. } => at.coords + rotation * (self.centre() - at),
+            _ => self.pose.translation.vector + self.velocity * dt,
+        };
         Isometry3::from_parts(Translation3::from(to), rotation * self.pose.rotation)
     }
 
@@ -169,14 +240,25 @@ impl RigidBody {
         self.pose = self.predicted(dt);
         self.pose.rotation.renormalize();
         self.update_inverse_inertia();
+        self.follow_hinge();
     }
 
     /// Changes the velocities by gravity `g` (m/s², downward) and the gyroscopic moment over `dt` (s).
     pub(super) fn kick(&mut self, dt: f64, g: f64) {
-        self.velocity.z -= g * dt;
-        if !self.guided {
-            let moment = self.spin.cross(&(self.space_inertia() * self.spin));
-            self.spin -= self.inverse_inertia * moment * dt;
+        if self.has_prescribed_motion() {
+            return;
+        }
+        match self.freedom {
+            Freedom::Z => self.velocity.z -= g * dt,
+            Freedom::All => {
+                self.velocity.z -= g * dt;
+                let moment = self.spin.cross(&(self.space_inertia() * self.spin));
+                self.spin -= self.inverse_inertia * moment * dt;
+            }
+            // About a fixed axis there is no gyroscopic moment.
+            Freedom::Line(_) | Freedom::Hinge { .. } => {
+                self.apply_impulse(&Vector3::new(0.0, 0.0, -self.mass * g * dt), &Vector3::zeros());
+            }
         }
     }
 
@@ -187,11 +269,17 @@ impl RigidBody {
 
     /// Applies `impulse` (N s) and its `moment` about the centre of mass (N m s), of which a guide admits a part.
     pub(super) fn apply_impulse(&mut self, impulse: &Vector3<f64>, moment: &Vector3<f64>) {
-        match self.guided {
-            true => self.velocity.z += impulse.z / self.mass,
-            false => {
+        match self.freedom {
+            Freedom::Z => self.velocity.z += impulse.z / self.mass,
+            Freedom::All => {
                 self.velocity += impulse / self.mass;
                 self.spin += self.inverse_inertia * moment;
+            }
+            Freedom::Line(_) | Freedom::Hinge { .. } => {
+                if let Some(admitted) = self.admitted() {
+                    let load = admitted.fixed_rows::<3>(0).dot(impulse) + admitted.fixed_rows::<3>(3).dot(moment);
+                    self.accelerate(&(admitted * (load / self.admitted_mass(&admitted))));
+                }
             }
         }
     }
@@ -199,28 +287,33 @@ impl RigidBody {
     /// Work of `impulse` (N s) and its `moment` about the centre of mass (N m s) with the mean of its motion `before`
     /// and now, J.
     pub(super) fn work_of(&self, impulse: &Vector3<f64>, moment: &Vector3<f64>, before: &RigidBody) -> f64 {
-        let rotation = match self.guided {
-            true => 0.0,
-            false => moment.dot(&(self.spin + before.spin)),
+        let rotation = match self.freedom {
+            Freedom::Z => 0.0,
+            _ => moment.dot(&(self.spin + before.spin)),
         };
         0.5 * (impulse.dot(&(self.velocity + before.velocity)) + rotation)
     }
 
     /// Velocity per impulse along `direction` at `arm` (m) from the centre of mass, 1/kg.
     pub(super) fn inverse_effective_mass(&self, direction: &Vector3<f64>, arm: &Vector3<f64>) -> f64 {
-        match self.guided {
-            true => direction.z * direction.z / self.mass,
-            false => {
-                let lever = arm.cross(direction);
+        let lever = || arm.cross(direction);
+        match self.freedom {
+            Freedom::Z => direction.z * direction.z / self.mass,
+            Freedom::All => {
+                let lever = lever();
                 1.0 / self.mass + lever.dot(&(self.inverse_inertia * lever))
             }
+            Freedom::Line(_) | Freedom::Hinge { .. } => self.admitted().map_or(0.0, |admitted| {
+                let along = admitted.fixed_rows::<3>(0).dot(direction) + admitted.fixed_rows::<3>(3).dot(&lever());
+                along * along / self.admitted_mass(&admitted)
+            }),
         }
     }
 
     /// Whether it moves along z alone.
     #[inline(always)]
     pub(super) fn is_guided(&self) -> bool {
-        self.guided
+        self.freedom == Freedom::Z
     }
 
     /// Adds film of `mass` (kg) that follows the body at `arm` (m), in all directions or `along` one, and the momentum
@@ -252,15 +345,19 @@ impl RigidBody {
     /// equation 20).
     pub(super) fn after_contact(&self, coupled: &CoupledFilm) -> RigidBody {
         let mut body = self.clone();
-        match self.guided {
-            true => body.velocity.z -= coupled.momentum[2] / (self.mass + coupled.mass[(2, 2)]),
-            false => {
+        match self.freedom {
+            Freedom::Z => body.velocity.z -= coupled.momentum[2] / (self.mass + coupled.mass[(2, 2)]),
+            Freedom::All => {
                 let mut own = Matrix6::from_diagonal_element(self.mass);
                 own.fixed_view_mut::<3, 3>(3, 3).copy_from(&self.space_inertia());
                 if let Some(inverse) = (own + coupled.mass).try_inverse() {
-                    let change = inverse * coupled.momentum;
-                    body.velocity -= change.fixed_rows::<3>(0);
-                    body.spin -= change.fixed_rows::<3>(3);
+                    body.accelerate(&-(inverse * coupled.momentum));
+                }
+            }
+            Freedom::Line(_) | Freedom::Hinge { .. } => {
+                if let Some(admitted) = self.admitted() {
+                    let mass = self.admitted_mass(&admitted) + admitted.dot(&(coupled.mass * admitted));
+                    body.accelerate(&(admitted * (-admitted.dot(&coupled.momentum) / mass)));
                 }
             }
         }
@@ -279,7 +376,7 @@ impl RigidBody {
     }
 
     /// Kinetic energy with velocities half a step before and after, J (theory.md, equation 23).
-    pub(super) fn kinetic_energy(&self, before: &RigidBody) -> f64 {
+    pub fn kinetic_energy(&self, before: &RigidBody) -> f64 {
         if self.has_prescribed_motion() {
             return 0.0;
         }
@@ -339,6 +436,41 @@ mod tests {
         body.kick(1e-3, 0.0);
         assert_eq!((body.velocity.z, body.inverse_effective_mass(&Vector3::z(), &at)), (-0.5, 0.0));
         assert_eq!((body.kinetic_energy(&body.clone()), body.potential_energy(9.81)), (0.0, 0.0));
+    }
+
+    /// Contact with film on a line and on a hinge is an inelastic collision of the one coordinate, and a pendulum has its
+    /// period and its energy.
+    #[test]
+    fn guides_admit_one_coordinate() {
+        let at = Vector3::new(0.4, 0.1, -0.3);
+        let line = Unit::new_normalize(Vector3::new(1.0, 0.0, -2.0));
+        let hinge = Freedom::Hinge { axis: Vector3::y_axis(), at: Point3::new(0.1, 0.0, 1.5) };
+        for freedom in [Freedom::Line(line), hinge] {
+            let body = free_body().with_freedom(freedom);
+            let mut coupled = CoupledFilm::default();
+            body.couple(&mut coupled, &at, 0.5, None, &(0.5 * body.velocity_at(&at)));
+            let after = body.after_contact(&coupled);
+            let mut hit = body.clone();
+            hit.apply_impulse_at(&(-0.5 * after.velocity_at(&at)), &at);
+            assert!((hit.velocity - after.velocity).norm() < 1e-13 && (hit.spin - after.spin).norm() < 1e-13);
+            if let Freedom::Line(line) = freedom {
+                assert!(after.velocity.cross(&line).norm() < 1e-14 && after.spin == Vector3::zeros());
+            }
+        }
+        let (length, g) = (0.5, 9.81);
+        let hinge = Freedom::Hinge { axis: Vector3::y_axis(), at: Point3::origin() };
+        let pose = Isometry3::translation(1e-3 * length, 0.0, -length);
+        let inertia = Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3));
+        let mut swing = RigidBody::free(pose, Vector3::zeros(), 2.0, inertia).with_freedom(hinge);
+        let (dt, period) = (1e-5, std::f64::consts::TAU * ((2.0 * length * length + 0.2) / (2.0 * g * length)).sqrt());
+        let steps = (period / dt).round() as usize;
+        swing.kick(0.5 * dt, g);
+        for _ in 0..steps {
+            swing.drift(dt);
+            swing.kick(dt, g);
+        }
+        assert!((swing.centre().x / (1e-3 * length) - 1.0).abs() < 1e-4, "{}", swing.centre().x);
+        assert!((swing.centre().coords.norm() - pose.translation.vector.norm()).abs() < 1e-12);
     }
 
     /// Free rotation about a general axis.

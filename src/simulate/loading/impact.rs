@@ -1,8 +1,10 @@
 //! Impact: a body falls onto the film.
 
+use nalgebra::Vector3;
+
 use super::{Inertia, LoadCase, MassScaling};
 use crate::engine::{self, Film, Loads, Nodes};
-use crate::model::Model;
+use crate::model::{Impactor, Model};
 use crate::signal::{Recording, column};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::{self, Mounting};
@@ -19,6 +21,17 @@ const NAMES: [&str; 10] = [
     column::TOTAL_ENERGY.name,
     column::MAX_STRAIN_MD.name,
     column::MAX_STRAIN_TD.name,
+];
+
+/// Further channels of an impactor that does not move along z alone.
+const SPATIAL: [&str; 7] = [
+    column::DISPLACEMENT_X.name,
+    column::DISPLACEMENT_Y.name,
+    column::VELOCITY_X.name,
+    column::VELOCITY_Y.name,
+    column::ACCELERATION_X.name,
+    column::ACCELERATION_Y.name,
+    column::ACCELERATION_RESULTANT.name,
 ];
 
 /// A body that falls onto the film at `velocity` (m/s, downward) under `gravity` (m/s²).
@@ -46,7 +59,7 @@ impl LoadCase for Impact<'_> {
         mount::surround(self.model, films, nodes, loads);
         let Some(impactor) = &self.model.impactor else { return Ok(None) };
         let (contact, pose) = mount::over_film(impactor, self.model, films, nodes)?;
-        let body = mount::falling(impactor, contact.surface(), pose, self.velocity);
+        let body = mount::falling(impactor, contact.surface(), pose);
         Ok(Some(engine::Impact { body, contact }))
     }
 
@@ -55,27 +68,46 @@ impl LoadCase for Impact<'_> {
     }
 
     fn energy_scale(&self) -> f64 {
-        self.model.impactor.as_ref().map_or(0.0, |impactor| 0.5 * impactor.mass * self.velocity * self.velocity)
+        let energy = |impactor: &Impactor| {
+            let speed = Vector3::from(impactor.velocity).norm();
+            if impactor.mass.is_finite() { 0.5 * impactor.mass * speed * speed } else { 0.0 }
+        };
+        self.model.impactor.as_ref().map_or(0.0, energy)
     }
 
     /// Motion and energies of the impactor and the largest strains (theory.md, section 8).
     fn signals(&self, tracks: &Tracks, mounting: &Mounting) -> Recording {
-        let (mass, gravity) = (self.model.impactor.as_ref().map_or(0.0, |i| i.mass), self.gravity);
+        let mass = self.model.impactor.as_ref().map_or(0.0, |impactor| impactor.mass);
+        let mass = if mass.is_finite() { mass } else { 0.0 };
         let start = tracks.first_contact.unwrap_or(mounting.start);
-        let half = &tracks.at_half_steps.rows;
+        let (half, lateral) = (&tracks.at_half_steps.rows, &tracks.lateral_half.rows);
         let row = |k: usize| {
             let [z, work, _] = tracks.at_steps.rows[k];
             let velocity = half[2 * k + 1][0];
             let acceleration = (half[2 * k + 2][0] - half[2 * k][0]) / tracks.sample;
             let displacement = z - start;
-            let kinetic = 0.5 * mass * velocity * velocity;
-            let potential = mass * gravity * displacement;
+            let kinetic = lateral.get(2 * k + 1).map_or(0.5 * mass * velocity * velocity, |[_, _, kinetic]| *kinetic);
+            let potential = mass * self.gravity * displacement;
             let force = tracks.contact_force(k);
             let [md, td] = tracks.strains.rows[k];
             [displacement, velocity, acceleration, force, kinetic, potential, work, kinetic + potential + work, md, td]
         };
         let rows: Vec<_> = (0..tracks.whole().min(tracks.strains.rows.len())).map(row).collect();
-        tracks.table(&NAMES, &rows)
+        let mut signals = tracks.table(&NAMES, &rows);
+        if tracks.are_spatial {
+            let from = tracks.lateral.rows.first().copied().unwrap_or_default();
+            let spatial = |k: usize| {
+                let [x, y] = tracks.lateral.rows[k];
+                let [along_x, along_y, _] = lateral[2 * k + 1];
+                let of = |axis: usize| (lateral[2 * k + 2][axis] - lateral[2 * k][axis]) / tracks.sample;
+                let (across, up) = ([of(0), of(1)], rows[k][2]);
+                let resultant = (across[0] * across[0] + across[1] * across[1] + up * up).sqrt();
+                [x - from[0], y - from[1], along_x, along_y, across[0], across[1], resultant]
+            };
+            let spatial: Vec<_> = (0..rows.len()).map(spatial).collect();
+            signals.channels.extend(tracks.table(&SPATIAL, &spatial).channels);
+        }
+        signals
     }
 }
 

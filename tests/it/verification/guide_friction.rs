@@ -52,6 +52,21 @@ fn a_drop_on_a_linear_spring_is_that_of_the_closed_form() {
     claims.judge();
 }
 
+/// A curve that is straight through c + k |v| is that friction.
+#[test]
+fn a_curve_of_the_friction_is_the_same_as_its_two_numbers() {
+    let mut claims = Claims::of("guide friction");
+    let two = run(&bounce(", guide_friction = { constant = 1, per_speed = 5 }"));
+    let curve = run(&bounce(", guide_friction = { curve = [[0, 1], [0.05, 1.25], [0.2, 2]] }"));
+    for (column, of) in [("displacement_m", true), ("guide_J", false)] {
+        let [a, b] = [&two, &curve].map(|run| channel(if of { &run.signals } else { &run.energies }, column));
+        let largest = a.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let off = a.iter().zip(b).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs())) / largest;
+        claims.at_most(&format!("{column} with a curve off that with two numbers"), off, 1e-12);
+    }
+    claims.judge();
+}
+
 /// The friction holds an impactor whose weight and spring force are smaller than it.
 #[test]
 fn an_impactor_that_stops_is_held() {

@@ -10,6 +10,7 @@ mod tower;
 
 mod absorption;
 mod air;
+mod bodies;
 mod contact;
 mod convergence;
 mod drop;

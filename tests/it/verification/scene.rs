@@ -2,9 +2,9 @@
 
 use droptower::engine::{Contact, Energies, Engine, Fault, Film, Impact, Jaw, Loads, Nodes, Observer, View};
 use droptower::mesh::{self, Mesh, MeshError, Side};
-use droptower::model::{Face, Hold, Loading, Model, Symmetry};
+use droptower::model::{Face, Hold, Impactor, Loading, Model, Symmetry};
 use droptower::simulate::{falling, section, surface};
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 /// An engine that is stepped by a test.
 pub struct Scene {
@@ -42,9 +42,10 @@ impl Scene {
         let impactor = model.impactor.as_ref().expect("an impactor");
         let surface = surface(&impactor.shape).expect("a surface");
         let [x, y] = impactor.position;
-        let pose = Isometry3::translation(x, y, model.faces[0].height + offset[0] - surface.lowest());
-        let mut body = falling(impactor, &surface, pose, velocity);
-        body.spin = spin;
+        let lowest = surface.lowest(&UnitQuaternion::identity());
+        let pose = Isometry3::translation(x, y, model.faces[0].height + offset[0] - lowest);
+        let impactor = Impactor { velocity: [0.0, 0.0, -velocity], spin: spin.into(), ..impactor.clone() };
+        let body = falling(&impactor, &surface, pose);
         let multiplicity = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
         let contact = Contact::new(surface, impactor.friction, multiplicity, offset);
         let loads = Loads { gravity, multiplicity, ..Loads::default() };

@@ -252,3 +252,22 @@ fn invalid_curves_are_refused() {
         assert_eq!(RateCurves::new(curves, averaging_strain), Err(error));
     }
 }
+
+/// The mean of two families with other rates, and of a family with a single curve.
+#[test]
+fn the_mean_of_two_families_has_the_mean_of_their_stresses() {
+    let [slow, middle, _] = curves();
+    // 1/(1/49) is not 49: a rate is found again as it was given.
+    let other = RateCurves::new(vec![(4.0, middle.clone()), (49.0, slow.clone())], AVERAGING_STRAIN).unwrap();
+    let single = RateCurves::from(middle);
+    for [first, second] in [[&family(), &other], [&family(), &single], [&single, &other], [&other, &other]] {
+        let mean = <RateCurves as FibreLaw>::mean(first, second, 0.8);
+        for rate in [0.01, 0.04, 1.0, 4.0, 30.0, 49.0, 70.0, 200.0] {
+            for strain in [0.02, 0.3, 0.7, 1.3, 2.0] {
+                let expected = 0.4 * (first.stress_at(strain, rate) + second.stress_at(strain, rate));
+                let found = mean.stress_at(strain, rate);
+                assert!((found / expected - 1.0).abs() < 1e-12, "{found} for {expected} at {strain}, {rate} 1/s");
+            }
+        }
+    }
+}

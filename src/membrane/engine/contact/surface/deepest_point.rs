@@ -75,7 +75,7 @@ impl Surface {
                 let axis = pose.rotation * Vector3::z();
                 (arm - axis * nearest_on_axis(capsule, arm.dot(&axis))).norm_squared()
             }
-            Shape::Ball(_) | Shape::Other(_) => arm.norm_squared(),
+            Shape::Ball(_) | Shape::Solid(_) | Shape::Compound(_) => arm.norm_squared(),
         }
     }
 
@@ -90,60 +90,76 @@ impl Surface {
         corners: &[Point3<f64>; 4],
         within: f64,
     ) -> Option<DeepestPoint> {
-        let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
-        let triangles = (0..4).map(|a| [a, (a + 1) % 4]);
-        let mut best: Option<DeepestPoint> = None;
-        let mut offer = |weights: [f64; 4]| {
-            let point = (0..4).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>();
-            let projection = self.project(pose, &point.into());
-            if projection.distance < best.map_or(within, |b| b.projection.distance) {
-                best = Some(DeepestPoint { projection, weights });
-            }
-        };
-        let shape = match &self.shape {
-            Shape::Ball(_) => {
-                for [a, b] in triangles {
-                    let triangle = self.local(pose, [&corners[a], &corners[b], &mean]);
-                    let nearest = triangle.project_local_point(Vector::ZERO, false).point;
-                    offer(corner_weights(a, b, barycentric(&triangle, nearest)));
-                }
-                return best;
-            }
-            Shape::Capsule(capsule) => {
-                for [a, b] in triangles {
-                    let triangle = self.local(pose, [&corners[a], &corners[b], &mean]);
-                    let nearest = nearest_to_axis(&triangle, &capsule.segment);
-                    offer(corner_weights(a, b, barycentric(&triangle, nearest)));
-                }
-                return best;
-            }
-            Shape::Other(shape) => shape,
-        };
-        SAMPLE_WEIGHTS.iter().for_each(|weights| offer(*weights));
-        let coarse = nalgebra::distance(&corners[0], &corners[2]).max(nalgebra::distance(&corners[1], &corners[3]));
-        if coarse > COARSE * self.size {
+        deepest(&self.shape, self.size, pose, corners, within)
+    }
+}
+
+/// The deepest point in `shape` at `pose`, of a body of half the smallest extent `size` (m).
+fn deepest(
+    shape: &Shape,
+    size: f64,
+    pose: &Isometry3<f64>,
+    corners: &[Point3<f64>; 4],
+    within: f64,
+) -> Option<DeepestPoint> {
+    let mean = Point3::from(corners.iter().map(|c| c.coords).sum::<Vector3<f64>>() * 0.25);
+    let triangles = (0..4).map(|a| [a, (a + 1) % 4]);
+    let mut best: Option<DeepestPoint> = None;
+    let mut offer = |weights: [f64; 4]| {
+        let point = (0..4).map(|a| corners[a].coords * weights[a]).sum::<Vector3<f64>>();
+        let projection = shape.project(pose, &(point - pose.translation.vector));
+        if projection.distance < best.map_or(within, |b| b.projection.distance) {
+            best = Some(DeepestPoint { projection, weights });
+        }
+    };
+    match shape {
+        Shape::Ball(_) => {
             for [a, b] in triangles {
-                let triangle = self.local(pose, [&corners[a], &corners[b], &mean]);
-                let found = query::contact(&Pose::IDENTITY, &triangle, &Pose::IDENTITY, &**shape, within.max(0.0));
-                if let Ok(Some(contact)) = found {
-                    offer(corner_weights(a, b, barycentric(&triangle, contact.point1)));
+                let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
+                let nearest = triangle.project_local_point(Vector::ZERO, false).point;
+                offer(corner_weights(a, b, barycentric(&triangle, nearest)));
+            }
+        }
+        Shape::Capsule(capsule) => {
+            for [a, b] in triangles {
+                let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
+                let nearest = nearest_to_axis(&triangle, &capsule.segment);
+                offer(corner_weights(a, b, barycentric(&triangle, nearest)));
+            }
+        }
+        Shape::Solid(solid) => {
+            SAMPLE_WEIGHTS.iter().for_each(|weights| offer(*weights));
+            let diagonals = [[0, 2], [1, 3]].map(|[a, b]| nalgebra::distance(&corners[a], &corners[b]));
+            if diagonals[0].max(diagonals[1]) > COARSE * size {
+                for [a, b] in triangles {
+                    let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
+                    let reach = within.max(0.0) + solid.edge();
+                    let found = query::contact(&Pose::IDENTITY, &triangle, solid.place(), solid.core(), reach);
+                    if let Ok(Some(contact)) = found {
+                        offer(corner_weights(a, b, barycentric(&triangle, contact.point1)));
+                    }
                 }
             }
         }
-        best
-    }
-
-    /// A triangle in body axes about the centre of mass; that of a ball is not rotated.
-    fn local(&self, pose: &Isometry3<f64>, corners: [&Point3<f64>; 3]) -> Triangle {
-        let arms = corners.map(|c| c.coords - pose.translation.vector);
-        let [a, b, c] = match &self.shape {
-            Shape::Ball(_) => arms.map(|arm| vector(&arm)),
-            Shape::Capsule(_) | Shape::Other(_) => {
-                arms.map(|arm| vector(&pose.rotation.inverse_transform_vector(&arm)))
+        Shape::Compound(parts) => {
+            for (place, part) in parts {
+                let found =
+                    deepest(part, size, &(pose * place), corners, best.map_or(within, |b| b.projection.distance));
+                best = found.or(best);
             }
-        };
-        Triangle::new(a, b, c)
+        }
     }
+    best
+}
+
+/// A triangle in body axes about the centre of mass; that of a ball is not rotated.
+fn local(shape: &Shape, pose: &Isometry3<f64>, corners: [&Point3<f64>; 3]) -> Triangle {
+    let arms = corners.map(|c| c.coords - pose.translation.vector);
+    let [a, b, c] = match shape {
+        Shape::Ball(_) => arms.map(|arm| vector(&arm)),
+        _ => arms.map(|arm| vector(&pose.rotation.inverse_transform_vector(&arm))),
+    };
+    Triangle::new(a, b, c)
 }
 
 /// The point of a triangle nearest to an axis along z that does not intersect it.
@@ -177,6 +193,8 @@ fn barycentric(triangle: &Triangle, point: Vector) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::UnitQuaternion;
+
     use super::*;
     use crate::engine::contact::surface::test_shapes;
 
@@ -184,7 +202,7 @@ mod tests {
     #[test]
     fn the_deepest_point_of_an_element_lies_under_the_tip() {
         for surface in test_shapes() {
-            let z = surface.lowest() + 1e-3;
+            let z = surface.lowest(&UnitQuaternion::identity()) + 1e-3;
             let [a, b, c, d] = [[-0.5, -0.4], [0.5, -0.4], [0.6, 0.5], [-0.4, 0.6]].map(|[x, y]| Point3::new(x, y, z));
             for corners in [[a, b, c, d], [a, b, c, c]] {
                 let found = surface.deepest_point(&Isometry3::identity(), &corners, 0.0).unwrap();

@@ -3,14 +3,18 @@
 
 mod deepest_point;
 mod projection;
+mod solid;
 mod triangles;
 
 pub(crate) use triangles::Triangles;
 
-use nalgebra::{Matrix3, Point3, Vector3};
-use parry3d_f64::math::{Pose, Rotation, Vector};
-use parry3d_f64::shape::{Ball, Capsule, Cylinder, SharedShape, TriMesh, TriMeshFlags};
+use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
+use parry3d_f64::mass_properties::MassProperties;
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder, Shape as _, SharedShape, TriMesh, TriMeshFlags};
 use thiserror::Error;
+
+use solid::Solid;
 
 /// The impactor's surface about its centre of mass, body axes.
 #[derive(Clone, Debug)]
@@ -20,21 +24,24 @@ pub struct Surface {
     size: f64,
     /// m.
     bounding_radius: f64,
-    /// z of the lowest point, m.
-    lowest: f64,
+    /// Centre of mass in the coordinates in which the shape was given, m.
+    centre: Vector3<f64>,
+    /// m³.
+    volume: f64,
     /// m², body axes.
     inertia_per_mass: Matrix3<f64>,
-    /// One over `size`: the curvature of a ball, 1/m.
-    curvature: f64,
 }
 
-/// A parry shape. Balls and capsules are separate: their projections are exact and statically dispatched.
+/// A shape about the centre of mass. Balls and capsules are separate: their projections are exact and statically
+/// dispatched.
 #[derive(Clone, Debug)]
 enum Shape {
     Ball(Ball),
     /// Centred, along z in body axes.
     Capsule(Capsule),
-    Other(SharedShape),
+    Solid(Solid),
+    /// Parts at their poses.
+    Compound(Vec<(Isometry3<f64>, Shape)>),
 }
 
 /// Why a shape cannot be an impactor.
@@ -46,6 +53,9 @@ pub enum SurfaceError {
     /// The volume is zero or not finite.
     #[error("the impactor's surface encloses no volume")]
     NoVolume,
+    /// The rounding leaves nothing of the shape.
+    #[error("the radius of the impactor's edges leaves nothing of its flat faces")]
+    NoFaces,
 }
 
 impl Surface {
@@ -54,26 +64,60 @@ impl Surface {
     /// # Errors
     /// [`SurfaceError::NoVolume`].
     pub fn sphere(radius: f64) -> Result<Surface, SurfaceError> {
-        Surface::about_centre(Shape::Ball(Ball::new(radius)))
+        let ball = Ball::new(radius);
+        let properties = ball.mass_properties(1.0);
+        Surface::about_centre(Shape::Ball(ball), properties)
     }
 
     /// A shaft along z of `radius` and `length` (m) with a hemisphere at each end: the lower one is the tip.
     ///
     /// # Errors
     /// [`SurfaceError::NoVolume`].
-    pub fn hemisphere(radius: f64, length: f64) -> Result<Surface, SurfaceError> {
+    pub fn capsule(radius: f64, length: f64) -> Result<Surface, SurfaceError> {
         let (low, high) = (Vector::new(0.0, 0.0, -0.5 * length), Vector::new(0.0, 0.0, 0.5 * length));
-        Surface::about_centre(Shape::Capsule(Capsule::new(low, high, radius)))
+        let capsule = Capsule::new(low, high, radius);
+        let properties = capsule.mass_properties(1.0);
+        Surface::about_centre(Shape::Capsule(capsule), properties)
     }
 
-    /// A flat-ended cylinder along z of `radius` and `length` (m).
+    /// A flat-ended cylinder along z of `radius` and `length` (m) whose edges are rounded with the radius `edge` (m). Its
+    /// inertia is that without rounding.
     ///
     /// # Errors
-    /// [`SurfaceError::NoVolume`].
-    pub fn cylinder(radius: f64, length: f64) -> Result<Surface, SurfaceError> {
-        let upright = Pose::from_parts(Vector::ZERO, rotation_y_to_z());
-        let cylinder = SharedShape::new(Cylinder::new(0.5 * length, radius));
-        Surface::about_centre(Shape::Other(SharedShape::compound(vec![(upright, cylinder)])))
+    /// [`SurfaceError::NoVolume`], [`SurfaceError::NoFaces`].
+    pub fn cylinder(radius: f64, length: f64, edge: f64) -> Result<Surface, SurfaceError> {
+        let outer = Cylinder::new(0.5 * length, radius).mass_properties(1.0);
+        let core = Cylinder::new(positive(0.5 * length - edge)?, positive(radius - edge)?);
+        let upright = solid::y_to_z();
+        Surface::solid(SharedShape::new(core), upright, outer.transform_by(&upright), edge)
+    }
+
+    /// A cone along z of `length` (m) with its tip down and a flat upper end of `radius` (m), between which z is zero;
+    /// tip and edge are rounded with the radius `edge` (m) inside its faces. Its inertia is that without rounding.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NoVolume`], [`SurfaceError::NoFaces`].
+    pub fn cone(radius: f64, length: f64, edge: f64) -> Result<Surface, SurfaceError> {
+        let outer = Cone::new(0.5 * length, radius).mass_properties(1.0);
+        let slope = radius / length;
+        // The tip moves up by the radius over the sine of half its angle, the flat end down by the radius.
+        let length_of_core = positive(length - edge - edge * slope.hypot(1.0) / slope)?;
+        let core = Cone::new(0.5 * length_of_core, slope * length_of_core);
+        let tip_down = solid::y_to_minus_z();
+        let place = Pose::from_parts(Vector::new(0.0, 0.0, 0.5 * (length - length_of_core) - edge), tip_down.rotation);
+        Surface::solid(SharedShape::new(core), place, outer.transform_by(&tip_down), edge)
+    }
+
+    /// A box of the lengths `size` (m) along x, y and z whose edges are rounded with the radius `edge` (m). Its inertia is
+    /// that without rounding.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NoVolume`], [`SurfaceError::NoFaces`].
+    pub fn cuboid(size: [f64; 3], edge: f64) -> Result<Surface, SurfaceError> {
+        let half = Vector::new(0.5 * size[0], 0.5 * size[1], 0.5 * size[2]);
+        let outer = Cuboid::new(half).mass_properties(1.0);
+        let core = Vector::new(positive(half.x - edge)?, positive(half.y - edge)?, positive(half.z - edge)?);
+        Surface::solid(SharedShape::new(Cuboid::new(core)), Pose::IDENTITY, outer, edge)
     }
 
     /// A closed, orientable surface of `triangles`.
@@ -82,35 +126,69 @@ impl Surface {
     /// [`SurfaceError::NotASurface`] where it is open or not orientable, [`SurfaceError::NoVolume`].
     pub fn closed_mesh(triangles: Triangles) -> Result<Surface, SurfaceError> {
         let (vertices, indices) = triangles;
-        Surface::about_centre(Shape::Other(SharedShape::new(closed_mesh(&vertices, indices)?)))
+        let mesh = closed_mesh(&vertices, indices)?;
+        let properties = mesh.mass_properties(1.0);
+        let shape = Shape::Solid(Solid::mesh(mesh, -properties.local_com));
+        Surface::about_centre(shape, properties)
     }
 
-    /// `shape` moved to its centre of mass, with its mass properties.
-    fn about_centre(shape: Shape) -> Result<Surface, SurfaceError> {
-        let properties = shape.as_parry().mass_properties(1.0);
-        let mass = properties.mass();
-        if !(mass.is_finite() && mass > 0.0) {
+    /// All `parts` at the poses of their own coordinates, of one density: a body of several. Where parts overlap, the
+    /// mass there counts for each of them.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NoVolume`] where there is no part.
+    pub fn compound(parts: Vec<(Isometry3<f64>, Surface)>) -> Result<Surface, SurfaceError> {
+        let centre_of = |(pose, part): &(Isometry3<f64>, Surface)| pose * Point3::from(part.centre);
+        let volume: f64 = parts.iter().map(|(_, part)| part.volume).sum();
+        if parts.is_empty() || volume <= 0.0 {
             return Err(SurfaceError::NoVolume);
         }
-        let centre = properties.local_com;
-        let shape = shape.moved(-centre);
-        let bounds = shape.as_parry().compute_local_aabb();
-        let half = bounds.half_extents();
-        let sphere = shape.as_parry().compute_local_bounding_sphere();
-        let principal = properties.principal_inertia() / mass;
+        let centre = parts.iter().map(|part| centre_of(part).coords * part.1.volume).sum::<Vector3<f64>>() / volume;
+        let mut inertia = Matrix3::zeros();
+        let mut shapes = Vec::with_capacity(parts.len());
+        for (pose, part) in &parts {
+            let arm = centre_of(&(*pose, part.clone())).coords - centre;
+            let rotation = pose.rotation.to_rotation_matrix();
+            let own = rotation * part.inertia_per_mass * rotation.transpose();
+            let steiner = Matrix3::identity() * arm.norm_squared() - arm * arm.transpose();
+            inertia += (own + steiner) * (part.volume / volume);
+            shapes.push((Isometry3::from_parts(arm.into(), pose.rotation), part.shape.clone()));
+        }
+        Ok(Surface::with(Shape::Compound(shapes), centre, volume, inertia))
+    }
+
+    /// A convex body: everything within `edge` (m) of `core` at `place`, with the mass properties `outer`.
+    fn solid(core: SharedShape, place: Pose, outer: MassProperties, edge: f64) -> Result<Surface, SurfaceError> {
+        let shape = Shape::Solid(Solid::rounded(core, place.append_translation(-outer.local_com), edge));
+        Surface::about_centre(shape, outer)
+    }
+
+    /// `shape` about its centre of mass, with its mass properties of density one.
+    fn about_centre(shape: Shape, properties: MassProperties) -> Result<Surface, SurfaceError> {
+        let volume = properties.mass();
+        if !(volume.is_finite() && volume > 0.0) {
+            return Err(SurfaceError::NoVolume);
+        }
+        let principal = properties.principal_inertia() / volume;
         let axes = properties.principal_inertia_local_frame;
         let inertia = Matrix3::from_fn(|i, j| {
             let unit = |k: usize| axes * Vector::new(f64::from(k == 0), f64::from(k == 1), f64::from(k == 2));
             (0..3).map(|k| principal[k] * unit(k)[i] * unit(k)[j]).sum()
         });
-        Ok(Surface {
-            size: half.x.min(half.y).min(half.z),
-            curvature: 1.0 / half.x.min(half.y).min(half.z),
-            bounding_radius: sphere.center().length() + sphere.radius(),
-            lowest: bounds.mins.z,
-            inertia_per_mass: inertia,
+        let centre = properties.local_com;
+        Ok(Surface::with(shape, Vector3::new(centre.x, centre.y, centre.z), volume, inertia))
+    }
+
+    fn with(shape: Shape, centre: Vector3<f64>, volume: f64, inertia_per_mass: Matrix3<f64>) -> Surface {
+        let along = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| shape.reach(&axis) + shape.reach(&-axis));
+        Surface {
+            size: 0.5 * along.into_iter().fold(f64::INFINITY, f64::min),
+            bounding_radius: shape.bounding_radius(),
             shape,
-        })
+            centre,
+            volume,
+            inertia_per_mass,
+        }
     }
 
     /// Half the smallest extent, m: the radius of a sphere.
@@ -123,9 +201,9 @@ impl Surface {
         self.bounding_radius
     }
 
-    /// z of the lowest point below the centre of mass, m.
-    pub fn lowest(&self) -> f64 {
-        self.lowest
+    /// z of the lowest point of the body with `rotation` below its centre of mass, m.
+    pub fn lowest(&self, rotation: &UnitQuaternion<f64>) -> f64 {
+        -self.shape.reach(&rotation.inverse_transform_vector(&-Vector3::z()))
     }
 
     /// Inertia of a homogeneous body over its mass, m², body axes.
@@ -140,6 +218,11 @@ impl Surface {
     }
 }
 
+/// A length that must be left of a shape whose edges are rounded.
+fn positive(length: f64) -> Result<f64, SurfaceError> {
+    if length > 0.0 { Ok(length) } else { Err(SurfaceError::NoFaces) }
+}
+
 /// The same vector of parry.
 #[inline(always)]
 fn vector(v: &Vector3<f64>) -> Vector {
@@ -147,33 +230,35 @@ fn vector(v: &Vector3<f64>) -> Vector {
 }
 
 impl Shape {
-    fn as_parry(&self) -> &dyn parry3d_f64::shape::Shape {
+    /// How far the shape reaches along the unit vector `direction`, m.
+    fn reach(&self, direction: &Vector3<f64>) -> f64 {
         match self {
-            Shape::Ball(ball) => ball,
-            Shape::Capsule(capsule) => capsule,
-            Shape::Other(shape) => &**shape,
+            Shape::Ball(ball) => ball.radius,
+            Shape::Capsule(capsule) => capsule.radius + direction.z.abs() * capsule.segment.b.z,
+            Shape::Solid(solid) => solid.reach(direction),
+            Shape::Compound(parts) => {
+                let of_part = |(pose, part): &(Isometry3<f64>, Shape)| {
+                    let own = pose.rotation.inverse_transform_vector(direction);
+                    pose.translation.vector.dot(direction) + part.reach(&own)
+                };
+                parts.iter().map(of_part).fold(f64::NEG_INFINITY, f64::max)
+            }
         }
     }
 
-    /// The shape moved `by` a vector (m); balls and capsules are centred already.
-    fn moved(self, by: Vector) -> Shape {
+    /// Radius of the sphere about the origin that holds the shape, m.
+    fn bounding_radius(&self) -> f64 {
         match self {
-            Shape::Ball(_) | Shape::Capsule(_) => self,
-            Shape::Other(_) if by.length() == 0.0 => self,
-            Shape::Other(shape) => match shape.as_trimesh() {
-                Some(mesh) => {
-                    let mut mesh = mesh.clone();
-                    mesh.transform_vertices(&Pose::from_translation(by));
-                    Shape::Other(SharedShape::new(mesh))
-                }
-                None => Shape::Other(SharedShape::compound(vec![(Pose::from_translation(by), shape)])),
-            },
+            Shape::Ball(ball) => ball.radius,
+            Shape::Capsule(capsule) => capsule.segment.b.z + capsule.radius,
+            Shape::Solid(solid) => solid.bounding_radius(),
+            Shape::Compound(parts) => {
+                let of_part =
+                    |(pose, part): &(Isometry3<f64>, Shape)| pose.translation.vector.norm() + part.bounding_radius();
+                parts.iter().map(of_part).fold(0.0, f64::max)
+            }
         }
     }
-}
-
-fn rotation_y_to_z() -> Rotation {
-    Rotation::from_rotation_arc(Vector::Y, Vector::Z)
 }
 
 fn closed_mesh(vertices: &[Point3<f64>], indices: Vec<[u32; 3]>) -> Result<TriMesh, SurfaceError> {
@@ -182,10 +267,23 @@ fn closed_mesh(vertices: &[Point3<f64>], indices: Vec<[u32; 3]>) -> Result<TriMe
     TriMesh::with_flags(vertices, indices, flags).map_err(|_| SurfaceError::NotASurface)
 }
 
-/// A sphere, a hemisphere-ended shaft and a cylinder.
+/// A sphere, a hemisphere-ended shaft, a cylinder, one with rounded edges, a box, a cone, and a body of two parts.
 #[cfg(test)]
 fn test_shapes() -> Vec<Surface> {
-    [Surface::sphere(0.15), Surface::hemisphere(0.02, 0.1), Surface::cylinder(0.03, 0.2)].map(Result::unwrap).into()
+    let two = || -> Result<Surface, SurfaceError> {
+        let high = Isometry3::translation(0.0, 0.0, 0.09);
+        Surface::compound(vec![(Isometry3::identity(), Surface::sphere(0.04)?), (high, Surface::capsule(0.02, 0.1)?)])
+    };
+    let shapes = [
+        Surface::sphere(0.15),
+        Surface::capsule(0.02, 0.1),
+        Surface::cylinder(0.03, 0.2, 0.0),
+        Surface::cylinder(0.03, 0.2, 0.005),
+        Surface::cuboid([0.1, 0.08, 0.12], 0.01),
+        Surface::cone(0.04, 0.1, 0.004),
+        two(),
+    ];
+    shapes.map(Result::unwrap).into()
 }
 
 #[cfg(test)]
@@ -196,5 +294,44 @@ mod tests {
     fn a_sphere_has_its_inertia() {
         let inertia = test_shapes()[0].inertia_per_mass();
         assert!((inertia - Matrix3::from_diagonal_element(0.4 * 0.15 * 0.15)).norm() < 1e-12);
+    }
+
+    /// Two halves are the whole: centre of mass, inertia, extent and projection.
+    #[test]
+    fn a_compound_of_two_halves_is_the_whole() {
+        let whole = Surface::cuboid([0.2, 0.1, 0.3], 0.0).unwrap();
+        let half = || Surface::cuboid([0.2, 0.1, 0.15], 0.0).unwrap();
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
+        let upper = Isometry3::from_parts(Vector3::new(0.0, 0.0, 0.25).into(), turn);
+        let both = Surface::compound(vec![(Isometry3::translation(0.0, 0.0, 0.1), half()), (upper, half())]).unwrap();
+        assert!((both.centre - Vector3::new(0.0, 0.0, 0.175)).norm() < 1e-15);
+        assert!((both.inertia_per_mass - whole.inertia_per_mass).norm() < 1e-15);
+        let tilted = UnitQuaternion::from_euler_angles(0.3, -0.5, 0.2);
+        assert!((both.lowest(&tilted) - whole.lowest(&tilted)).abs() < 1e-15);
+        let pose = Isometry3::from_parts(Vector3::new(0.4, -0.1, 0.2).into(), tilted);
+        for outside in [[0.6, -0.1, 0.2], [0.4, -0.1, -0.1], [0.3, -0.4, 0.6]] {
+            let [found, expected] = [&both, &whole].map(|surface| surface.project(&pose, &outside.into()));
+            assert!((found.distance - expected.distance).abs() < 1e-14, "{found:?} {expected:?}");
+            assert!((found.normal - expected.normal).norm() < 1e-13, "{found:?} {expected:?}");
+        }
+    }
+
+    /// The flat parts of shapes stay where they are when edges are rounded.
+    #[test]
+    fn rounding_keeps_flat_faces() {
+        let upright = UnitQuaternion::identity();
+        let lying = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
+        for edge in [0.0, 0.004] {
+            let cylinder = Surface::cylinder(0.03, 0.2, edge).unwrap();
+            assert!((cylinder.lowest(&upright) + 0.1).abs() < 1e-15 && (cylinder.lowest(&lying) + 0.03).abs() < 1e-15);
+            let cone = Surface::cone(0.03, 0.04, edge).unwrap();
+            // The sine of half the angle of the tip is 0.6; its centre of mass lies 0.03 above the tip.
+            let tip = -0.03 + edge / 0.6 - edge;
+            assert!((cone.lowest(&upright) - tip).abs() < 1e-15, "{} for {tip}", cone.lowest(&upright));
+            let turned = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+            assert!((cone.lowest(&turned) + 0.01).abs() < 1e-15);
+        }
+        assert_eq!(Surface::cylinder(0.03, 0.2, 0.03).unwrap_err(), SurfaceError::NoFaces);
+        assert_eq!(Surface::cone(0.03, 0.04, 0.02).unwrap_err(), SurfaceError::NoFaces);
     }
 }

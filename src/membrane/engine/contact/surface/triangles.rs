@@ -1,42 +1,70 @@
 //! The surface as triangles, for pictures and recordings.
 
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Point3};
 use parry3d_f64::math::Vector;
-use parry3d_f64::shape::{Compound, Shape, TypedShape};
+use parry3d_f64::shape::{Ball, Shape as ParryShape, TypedShape};
+use parry3d_f64::transformation::try_convex_hull;
 
-use super::Surface;
+use super::solid::Solid;
+use super::{Shape, Surface};
 
 /// Vertices (m) and triangles of a surface.
 pub(crate) type Triangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 
+/// Sides of a circle of a rounded edge over those of a large circle.
+const EDGE_SIDES: u32 = 3;
+
 impl Surface {
     /// Vertices about the centre of mass and triangles; circles have `sides` sides.
     pub fn triangles(&self, sides: u32) -> Triangles {
-        triangulated(self.shape.as_parry(), sides)
+        triangulated(&self.shape, sides)
     }
 }
 
-/// Triangles of one of the shapes that a [`Surface`] can have.
-fn triangulated(shape: &dyn Shape, sides: u32) -> Triangles {
-    let (vertices, triangles) = match shape.as_typed_shape() {
-        TypedShape::Ball(ball) => ball.to_trimesh(sides, sides / 2),
-        TypedShape::Capsule(capsule) => capsule.to_trimesh(sides, sides / 2),
-        TypedShape::Cylinder(cylinder) => cylinder.to_trimesh(sides),
-        TypedShape::TriMesh(mesh) => (mesh.vertices().to_vec(), mesh.indices().to_vec()),
-        TypedShape::Compound(compound) => return joined(compound, sides),
-        _ => (vec![], vec![]),
-    };
+fn triangulated(shape: &Shape, sides: u32) -> Triangles {
+    match shape {
+        Shape::Ball(ball) => points(ball.to_trimesh(sides, sides / 2)),
+        Shape::Capsule(capsule) => points(capsule.to_trimesh(sides, sides / 2)),
+        Shape::Solid(solid) => of_solid(solid, sides),
+        Shape::Compound(parts) => joined(parts, sides),
+    }
+}
+
+fn points((vertices, triangles): (Vec<Vector>, Vec<[u32; 3]>)) -> Triangles {
     (vertices.iter().map(|v| Point3::new(v.x, v.y, v.z)).collect(), triangles)
 }
 
-/// The triangles of all parts of a compound.
-fn joined(compound: &Compound, sides: u32) -> Triangles {
+/// The core, or the convex hull of balls on its corners.
+fn of_solid(solid: &Solid, sides: u32) -> Triangles {
+    let (corners, triangles) = of_core(solid.core(), sides);
+    let corners: Vec<Vector> = corners.into_iter().map(|corner| solid.place() * corner).collect();
+    if solid.edge() == 0.0 {
+        return points((corners, triangles));
+    }
+    let sides = (sides / EDGE_SIDES).max(6);
+    let (ball, _) = Ball::new(solid.edge()).to_trimesh(sides, sides / 2);
+    let all: Vec<Vector> = corners.iter().flat_map(|corner| ball.iter().map(move |point| *corner + *point)).collect();
+    points(try_convex_hull(&all).unwrap_or((corners, triangles)))
+}
+
+/// Triangles of one of the shapes that the core of a [`Solid`] can have.
+fn of_core(core: &dyn ParryShape, sides: u32) -> (Vec<Vector>, Vec<[u32; 3]>) {
+    match core.as_typed_shape() {
+        TypedShape::Cylinder(cylinder) => cylinder.to_trimesh(sides),
+        TypedShape::Cone(cone) => cone.to_trimesh(sides),
+        TypedShape::Cuboid(cuboid) => cuboid.to_trimesh(),
+        TypedShape::TriMesh(mesh) => (mesh.vertices().to_vec(), mesh.indices().to_vec()),
+        _ => (vec![], vec![]),
+    }
+}
+
+/// The triangles of all parts.
+fn joined(parts: &[(Isometry3<f64>, Shape)], sides: u32) -> Triangles {
     let (mut vertices, mut triangles) = (vec![], vec![]);
-    for (pose, part) in compound.shapes() {
-        let (own, corners) = triangulated(&**part, sides);
+    for (pose, part) in parts {
+        let (own, corners) = triangulated(part, sides);
         let first = vertices.len() as u32;
-        let placed = own.iter().map(|p| pose * Vector::new(p.x, p.y, p.z));
-        vertices.extend(placed.map(|v| Point3::new(v.x, v.y, v.z)));
+        vertices.extend(own.iter().map(|point| pose * point));
         triangles.extend(corners.iter().map(|corners| corners.map(|n| first + n)));
     }
     (vertices, triangles)
@@ -53,10 +81,16 @@ mod tests {
         use std::f64::consts::PI;
         let [radius, length]: [f64; 2] = [0.02, 0.1];
         let (ball, shaft) = (4.0 / 3.0 * PI * radius.powi(3), PI * radius * radius * length);
+        let rounded_box =
+            |m: f64, e: f64| 8.0 * m.powi(3) + 24.0 * m * m * e + 6.0 * PI * m * e * e + 4.0 / 3.0 * PI * e.powi(3);
         for (surface, volume, lowest) in [
             (Surface::sphere(radius), ball, -radius),
-            (Surface::hemisphere(radius, length), ball + shaft, -radius - 0.5 * length),
-            (Surface::cylinder(radius, length), shaft, -0.5 * length),
+            (Surface::capsule(radius, length), ball + shaft, -radius - 0.5 * length),
+            (Surface::cylinder(radius, length, 0.0), shaft, -0.5 * length),
+            // A box of the side 2r with edges of r/4: 8 m³ + 24 m² e + 6π m e² + 4π/3 e³ with the half side m of its core.
+            (Surface::cuboid([2.0 * radius; 3], 0.25 * radius), rounded_box(0.75 * radius, 0.25 * radius), -radius),
+            // Its centre of mass is a quarter of its length above the flat end.
+            (Surface::cone(radius, length, 0.0), shaft / 3.0, -0.75 * length),
         ] {
             let (vertices, triangles) = surface.unwrap().triangles(48);
             let six = |t: &[u32; 3]| {
