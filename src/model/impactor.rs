@@ -43,7 +43,7 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>
         guide,
         guide_friction: guide_friction(written, &scenario.loading, mistakes),
         friction: written.friction,
-        inertia: written.inertia.map(|moments| moments.map(|moment| moment.0)),
+        inertia: inertia(written, mistakes),
         position: [0, 1].map(|axis| written.position.get(axis).map_or(0.0, |length| length.0)),
         height: written.position.get(2).map(|length| length.0),
         orientation: orientation?,
@@ -73,7 +73,13 @@ fn indented(written: &scenario::Impactor, loading: &scenario::Loading, mistakes:
 
 /// Mass of an impactor that falls; infinite where its motion is prescribed or it is fixed.
 fn mass(written: &scenario::Impactor, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) -> Option<f64> {
-    if matches!(loading, scenario::Loading::Indent(_)) || written.guide == scenario::Guide::Fixed {
+    if matches!(loading, scenario::Loading::Indent(_)) {
+        return Some(f64::INFINITY);
+    }
+    if written.guide == scenario::Guide::Fixed {
+        if written.mass.is_some() && !mistakes.is_inherited("impactor.mass") {
+            mistakes.out_of_place("impactor.mass", "a fixed impactor does not move");
+        }
         return Some(f64::INFINITY);
     }
     if written.mass.is_none() {
@@ -132,7 +138,15 @@ fn velocity(written: &scenario::Impactor, loading: &Loading, guide: Guide, mista
         }
     };
     let velocity = Vector3::from(velocity);
-    let speed = velocity.dot(&along);
+    if written.velocity.is_none() && along.z == 0.0 {
+        let message = "the speed of `loading.impact` has no direction on a level line";
+        mistakes.report_with("impactor.guide.line", message, "give `impactor.velocity`, a vector along the line");
+    }
+    let speed = match written.velocity {
+        Some(_) => velocity.dot(&along),
+        // Down the line.
+        None => -downward.copysign(along.z),
+    };
     if written.velocity.is_some() && (velocity - along * speed).norm() > ACROSS * velocity.norm() {
         let message = "the guide admits no velocity across it";
         mistakes.report_with(KEY, message, "set `impactor.guide` to \"free\", or to the line of flight");
@@ -141,13 +155,39 @@ fn velocity(written: &scenario::Impactor, loading: &Loading, guide: Guide, mista
     (along * speed).into()
 }
 
+/// Moments of inertia, none of which a body can have above the sum of the other two, kg m².
+fn inertia(written: &scenario::Impactor, mistakes: &mut Mistakes<'_>) -> Option<[f64; 3]> {
+    let moments = written.inertia?.map(|moment| moment.0);
+    if !matches!(written.guide, scenario::Guide::Free | scenario::Guide::Hinge(_)) {
+        mistakes.out_of_place("impactor.inertia", "the guide admits no rotation; \"free\" and a hinge do");
+    }
+    let [x, y, z] = moments;
+    if x > y + z || y > x + z || z > x + y {
+        let message = "no body has a moment of inertia above the sum of the other two";
+        mistakes.report_with("impactor.inertia", message, "give those about x, y and z through the centre of mass");
+    }
+    Some(moments)
+}
+
 /// Angular velocity at the start, rad/s.
 fn spin(written: &scenario::Impactor, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f64; 3] {
     let Some(spin) = written.spin else { return [0.0; 3] };
-    if matches!(guide, Guide::Z | Guide::Line(_) | Guide::Fixed) {
-        mistakes.out_of_place("impactor.spin", "the guide admits no rotation; \"free\" and a hinge do");
+    let spin = Vector3::from(spin.map(|component| component.0));
+    match guide {
+        Guide::Free => {}
+        Guide::Z | Guide::Line(_) | Guide::Fixed => {
+            mistakes.out_of_place("impactor.spin", "the guide admits no rotation; \"free\" and a hinge do");
+        }
+        Guide::Hinge { axis, .. } => {
+            let axis = Vector3::from(axis);
+            if (spin - axis * spin.dot(&axis)).norm() > ACROSS * spin.norm() {
+                let message = "the hinge admits no rotation about another axis";
+                mistakes.report_with("impactor.spin", message, "give a spin along the axis of the hinge");
+                mistakes.label("impactor.guide.hinge.axis", "the axis");
+            }
+        }
     }
-    spin.map(|component| component.0)
+    spin.into()
 }
 
 /// Friction of the guide of a falling impactor.
@@ -265,7 +305,7 @@ fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, mistakes: &mut Mis
     let moves_out = !matches!(written.guide, scenario::Guide::Z | scenario::Guide::Fixed);
     let message = match written.guide {
         scenario::Guide::Free => "a free impactor can tip out of the mirror plane",
-        _ => "the guide leads the impactor out of the mirror plane",
+        _ => "an impactor on a line or a hinge is not known to stay in the mirror plane",
     };
     let of_shape = match &written.shape {
         scenario::ImpactorShape::One(BodyShape::Mesh(_)) => Some("mesh"),

@@ -14,6 +14,10 @@ const SPANS: f64 = 3.0;
 /// would reach the frame.
 pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
     let (Loading::Indent { depth, .. }, Some(impactor)) = (&model.loading, &model.impactor) else { return };
+    // What follows is of an upright impactor.
+    if impactor.orientation != [0.0; 3] {
+        return;
+    }
     let spans = Spans { shape: &model.specimen.shape, hold: &model.frame.hold, from: impactor.position };
     if spans.is_beside() {
         let hint = "the position of its axis is measured from the centre of the specimen";
@@ -117,7 +121,10 @@ fn frame_depth(impactor: &Impactor, spans: &Spans<'_>) -> Option<f64> {
         ImpactorShape::Sphere { radius } | ImpactorShape::Hemisphere { radius, .. } => {
             (radius > nearest).then(|| radius - (radius * radius - nearest * nearest).sqrt())
         }
-        ImpactorShape::Cylinder { radius, .. } => (radius >= nearest).then_some(0.0),
+        ImpactorShape::Cylinder { radius, edge, .. } => {
+            let beyond = nearest - (radius - edge);
+            (radius >= nearest).then(|| edge - (edge * edge - beyond.max(0.0).powi(2)).sqrt())
+        }
         ImpactorShape::Cone { .. }
         | ImpactorShape::Box { .. }
         | ImpactorShape::Mesh { .. }

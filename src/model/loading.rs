@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Loading, Mistakes, Model};
+use super::{Impactor, Loading, Mistakes, Model};
 use crate::mesh::Outline;
 use crate::scenario::{self, Axis, Direction, Scenario};
 
@@ -18,6 +18,18 @@ impl Loading {
             (Loading::Stretch { .. }, _) => f64::NAN,
             (Loading::Indent { depth, velocity, .. }, _) => depth / velocity,
             (Loading::Pressure { ramp, .. }, _) => (1.0 + HOLD) * ramp,
+        }
+    }
+}
+
+impl Loading {
+    /// The same with the vertical speed that the guide of the impactor admits.
+    pub(super) fn with_impactor(self, impactor: Option<&Impactor>) -> Loading {
+        match (self, impactor) {
+            (Loading::Impact { gravity, duration, .. }, Some(Impactor { velocity: [_, _, upward], .. })) => {
+                Loading::Impact { velocity: -upward, gravity, duration }
+            }
+            (loading, _) => loading,
         }
     }
 }
@@ -67,7 +79,11 @@ fn impact(written: &scenario::Impact, impactor: Option<&scenario::Impactor>, mis
     let is_given = written.velocity.is_some() || written.drop_height.is_some();
     if is_given && (own.is_some() || !moves) {
         let key = if written.velocity.is_some() { "velocity" } else { "drop_height" };
-        let why = if moves { "`impactor.velocity` gives the velocity" } else { "the impactor does not fall" };
+        let why = match impactor.map(|impactor| &impactor.guide) {
+            Some(scenario::Guide::Fixed) => "the impactor is fixed: film falls onto it by its weight",
+            Some(scenario::Guide::Hinge(_)) => "an impactor on a hinge starts with `impactor.spin`",
+            _ => "`impactor.velocity` gives the velocity",
+        };
         mistakes.out_of_place(&format!("{KEY}.{key}"), why);
     } else if !is_given && own.is_none() && moves {
         let message = "`loading.impact` needs one of `velocity`, `drop_height`";
@@ -76,6 +92,11 @@ fn impact(written: &scenario::Impact, impactor: Option<&scenario::Impactor>, mis
     if written.drop_height.is_some() && gravity == 0.0 {
         mistakes.report("loading.impact.gravity", "`drop_height` needs gravity");
         mistakes.label("loading.impact.drop_height", "the drop height");
+    }
+    let starts_above = impactor.is_some_and(|impactor| impactor.position.len() > 2);
+    if starts_above && written.drop_height.is_some() {
+        let why = "the impactor falls from the height of `impactor.position`: give its velocity there";
+        mistakes.out_of_place(&format!("{KEY}.drop_height"), why);
     }
     let fall = |height: f64| (2.0 * gravity * height).sqrt();
     let velocity = match (written.velocity, written.drop_height) {

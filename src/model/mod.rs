@@ -68,6 +68,7 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
     let frame = frame::check(scenario, mistakes);
     let air = air::check(scenario, &loading, faces.as_deref(), &frame, mistakes);
     let impactor = impactor::check(scenario, &loading, mistakes);
+    let loading = loading.with_impactor(impactor.as_ref());
     let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
     let reference = reference::check(scenario, mistakes);

@@ -1,7 +1,7 @@
 //! The recording that a run is compared with.
 
 use super::{Mistakes, Reference, Window};
-use crate::scenario::{self, Loading, Phase, Scenario};
+use crate::scenario::{self, Guide, Loading, Phase, Scenario};
 use crate::units::Time;
 
 const WINDOW: &str = "reference.window";
@@ -9,6 +9,19 @@ const WINDOW: &str = "reference.window";
 /// The recording and the window of the errors.
 pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Reference> {
     let written = scenario.reference.as_ref()?;
+    let impactor = scenario.impactor.as_ref();
+    let why = match impactor.map(|impactor| &impactor.guide) {
+        Some(Guide::Fixed | Guide::Line(_) | Guide::Hinge(_)) => {
+            Some("only a falling impactor is compared with a drop")
+        }
+        _ if impactor.is_some_and(|impactor| impactor.position.len() > 2) => {
+            Some("a recording counts from first contact: leave out the height of `impactor.position`")
+        }
+        _ => None,
+    };
+    if let Some(why) = why {
+        mistakes.out_of_place("reference", why);
+    }
     let window = match written.window {
         scenario::Window::Phase(Phase::Loading) => Window::Loading,
         scenario::Window::Phase(Phase::All) => Window::All,

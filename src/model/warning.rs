@@ -54,10 +54,12 @@ impl fmt::Display for Warning {
             }
             Warning::Extent { key, extent } => {
                 let metres = significant(*extent, 3);
-                write!(f, "the mesh of `{key}` is {metres} m wide, which is implausible; did you mean {metres} mm? ")?;
+                write!(f, "the mesh of `{key}` is {metres} m wide, which is implausible")?;
                 match key.starts_with("impactor") {
-                    true => write!(f, "coordinates are read in m: `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
-                    false => write!(f, "coordinates are read in m: scale the file by 0.001"),
+                    true => write!(f, "; coordinates in mm are `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
+                    false => {
+                        write!(f, "; did you mean {metres} mm? coordinates are read in m: scale the file by 0.001")
+                    }
                 }
             }
             Warning::AbsorptionNotGiven { key } => {

@@ -61,9 +61,10 @@ impl Impact {
         let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
         let acceleration = channel(column::ACCELERATION_FILTERED.name);
         let displacement = channel(column::DISPLACEMENT.name);
-        let peak = acceleration.largest();
-        let deepest = displacement.smallest();
-        let rebound = lowest_point(signals).and_then(|[time, _]| {
+        let moves = model.impactor.as_ref().is_none_or(|impactor| impactor.mass.is_finite());
+        let peak = acceleration.largest().filter(|_| moves);
+        let deepest = displacement.smallest().filter(|_| moves);
+        let rebound = lowest_point(signals).filter(|_| moves).and_then(|[time, _]| {
             let after = channel(column::VELOCITY.name).window([time, f64::INFINITY]);
             after.largest()
         });

@@ -11,7 +11,6 @@ use crate::units::{Angle, AngularVelocity, Force, ForcePerSpeed, Inertia, Length
 /// The rigid body that loads the film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend("x-future" = {
-    "direction": "`velocity` as a vector is the direction of flight", "rotation": "`orientation` is the inclination, `spin` the angular velocity",
     "name": "there is one impactor", "at": "the impactor is released at the start"
 }))]
 pub struct Impactor {
@@ -35,8 +34,8 @@ pub struct Impactor {
     /// Coulomb coefficient between impactor and film.
     #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
     pub friction: f64,
-    /// Position of its centre of mass at the start: x, y, and its height. Without a height it starts in contact with the
-    /// film.
+    /// Position of its centre of mass at the start: x, y, and its height z, from which `layers.faces` count too. Without a
+    /// height it is placed on the film as mounted.
     #[serde(default = "centre")]
     #[schemars(length(min = 2, max = 3), extend("x-likely" = [-10.0, 10.0]))]
     pub position: Vec<Length>,
@@ -45,7 +44,8 @@ pub struct Impactor {
     /// Velocity of its centre of mass at the start, in place of the downward speed of `loading.impact`.
     #[schemars(extend("x-likely" = [-500.0, 500.0]))]
     pub velocity: Option<[Velocity; 3]>,
-    /// Angular velocity at the start, about the axes of the scene; only of a free impactor.
+    /// Angular velocity at the start, about the axes of the scene; of a free impactor, and of one on a hinge the part along
+    /// its axis.
     pub spin: Option<[AngularVelocity; 3]>,
 }
 
@@ -276,9 +276,9 @@ pub enum Guide {
     Free,
     /// None: it stays where it is.
     Fixed,
-    /// Translation along a line: its direction, of any length.
+    /// Translation along a line, e.g. `{ line = [1, 0, -2] }`: its direction, of any length.
     Line([f64; 3]),
-    /// Rotation about an axis that stays where it is.
+    /// Rotation about an axis that stays where it is; the impactor starts with `spin`.
     Hinge(Hinge),
 }
 

@@ -10,7 +10,7 @@ use crate::units::{Acceleration, Angle, Length, Pressure, Time, Velocity};
 #[schemars(extend("x-future" = { "volume": "`pressure` inflates the film by a pressure" }))]
 #[serde(rename_all = "lowercase")]
 pub enum Loading {
-    /// The impactor starts in contact with the first face and moves freely.
+    /// An impactor falls, flies or swings onto the film, or film falls onto it.
     Impact(Impact),
     /// Two jaws, the edges x- and x+, part along x.
     Stretch(Stretch),
@@ -20,19 +20,15 @@ pub enum Loading {
     Pressure(Inflation),
 }
 
-/// What there is for an oblique impact.
-const DOWN: &str = "`impactor.velocity` is the velocity as a vector, `impactor.spin` the angular velocity";
-
-/// A free fall that ends on the film.
+/// An impact.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(extend(
-    "not" = { "required": ["velocity", "drop_height"] }, "x-future" = { "direction": DOWN, "angle": DOWN, "spin": DOWN }
+    "not" = { "required": ["velocity", "drop_height"] }
 ))]
 pub struct Impact {
-    /// Speed at first contact, downward positive.
-    #[schemars(extend(
-        "exclusiveMinimum" = 0, "x-likely" = [1e-3, 500.0], "x-future-list" = { "an oblique impact": DOWN }
-    ))]
+    /// Speed at the start, at first contact where the impactor starts there, downward positive; on a guide along a line,
+    /// down the line. `impactor.velocity` is one in any direction.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 500.0]))]
     pub velocity: Option<Velocity>,
     /// Drop height of an ideal free fall to first contact, in place of `velocity`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 100.0]))]
@@ -41,7 +37,7 @@ pub struct Impact {
     #[serde(default = "standard_gravity")]
     #[schemars(range(min = 0), extend("x-likely" = [1e-3, 300.0]))]
     pub gravity: Acceleration,
-    /// Simulated time from first contact.
+    /// Simulated time from the start: from first contact, unless the impactor starts above the film.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-6, 5.0]))]
     pub duration: Time,
 }

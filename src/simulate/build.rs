@@ -58,7 +58,9 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let impact = loading.apply(&films, &nodes, &mut loads)?;
     let start = impact.as_ref().map_or(0.0, |impact| impact.body.centre().z);
     let mass_scaling = (loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
-    let mounting = Mounting { films: topologies, start, mass_scaling, held };
+    let approach = impact.as_ref().map_or([0.0; 2], |impact| loading.approach(&impact.body));
+    let energy_scale = impact.as_ref().map_or(0.0, |impact| loading.energy_scale(&impact.body));
+    let mounting = Mounting { films: topologies, start, approach, energy_scale, mass_scaling, held };
     Ok(Scene { engine: Engine::new(films, nodes, impact, loads), mounting })
 }
 

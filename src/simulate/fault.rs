@@ -22,6 +22,15 @@ pub enum RunError {
     /// The checkpoint belongs to another scene.
     #[error("the checkpoint does not fit: {0}")]
     StateMismatch(#[from] StateMismatch),
+    /// The impactor starts inside the film.
+    #[error("the impactor starts {} mm inside the film: change `impactor.position`, or leave out its height", number::significant(1e3 * depth, 3))]
+    Overlap {
+        /// How deep, m.
+        depth: f64,
+    },
+    /// Several faces are met from below.
+    #[error("an impactor below the first of several faces is not supported: the faces are stacked below it")]
+    Below,
     /// The impactor passes beside the film.
     #[error("there is no film below the impactor")]
     Missed,

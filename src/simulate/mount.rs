@@ -15,11 +15,18 @@ pub(super) struct Mounting {
     pub(super) films: Vec<FilmTopology>,
     /// Height of the impactor's centre of mass at the start, m.
     pub(super) start: f64,
+    /// Speed of the impactor at the start (m/s, downward) and its downward acceleration (m/s²) before contact.
+    pub(super) approach: [f64; 2],
+    /// Energy that the run exchanges at least, J.
+    pub(super) energy_scale: f64,
     /// Factor on the film's mass; none under a dynamic loading.
     pub(super) mass_scaling: Option<f64>,
     /// Sides whose force on the frame is recorded.
     pub(super) held: HeldSides,
 }
+
+/// Depth of film inside an impactor at the start over its size that is round-off.
+const OVERLAP: f64 = 1e-9;
 
 /// The membrane section of `face`; `mass_scaling` multiplies its density.
 pub fn section(face: &Face, mass_scaling: f64) -> Section {
@@ -138,6 +145,14 @@ pub(super) fn over_film(
     let mut contact = Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset);
     if let (Some(friction), Some(first)) = (model.film_friction, films.first()) {
         contact = contact.with_film_friction(friction, first.nodes.len());
+    }
+    let first = model.faces.first().map_or(0.0, |face| face.height);
+    if model.faces.len() > 1 && z < first {
+        return Err(RunError::Below);
+    }
+    let gap = contact.least_gap(nodes, &pose);
+    if impactor.height.is_some() && gap < -OVERLAP * contact.surface().size() {
+        return Err(RunError::Overlap { depth: -gap });
     }
     Ok((contact, pose))
 }

@@ -69,7 +69,7 @@ impl<'a> Probe<'a> {
         let sample = 1.0 / model.output.sample_rate;
         let duration = model.run_time();
         let loading = loading::of(model);
-        let [speed, gravity] = loading.approach();
+        let [speed, gravity] = mounting.approach;
         let checked_from = if loading.inertia() == Inertia::Dynamic { 0.0 } else { CHECKED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
         let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
@@ -78,7 +78,7 @@ impl<'a> Probe<'a> {
             tracks: tracks(model, Tracks::new(duration, sample, speed, gravity)),
             rise: Rise::default(),
             snapshots: vec![],
-            energy: EnergyCheck::new(loading.energy_scale(), checked_from),
+            energy: EnergyCheck::new(mounting.energy_scale, checked_from),
             rates: RateAudit::new(measured),
             monitor: Monitor::default(),
             rupture_time: None,

@@ -21,7 +21,7 @@ pub(super) struct Tracks {
     pub(super) are_spatial: bool,
     /// Position of the impactor along x and y, m; only where it does not move along z alone.
     pub(super) lateral: Grid<2>,
-    /// Its velocity along x and y (m/s) and its kinetic energy (J), twice a sample.
+    /// Its velocity along x and y (m/s) and the kinetic energy of its motion besides that along z (J), twice a sample.
     pub(super) lateral_half: Grid<3>,
     /// Largest MD and TD strain.
     pub(super) strains: Grid<2>,
@@ -75,7 +75,7 @@ impl Tracks {
         self.at_steps.push(track.time, [z, track.work, track.jaw_force]);
         self.at_half_steps.push(middle, [velocity, track.impulse]);
         if self.are_spatial {
-            let lateral = [along_x, along_y, track.kinetic];
+            let lateral = [along_x, along_y, track.lateral_energy];
             if self.lateral_half.rows.is_empty() {
                 self.lateral_half.push(-self.sample, lateral);
             }

@@ -99,6 +99,8 @@ pub struct Impact {
     pub body: RigidBody,
     /// Its contact.
     pub contact: Contact,
+    /// Whether it starts in contact with the film, and so is lifted with film that settles above where it was mounted.
+    pub in_contact: bool,
 }
 
 /// Nodes of a range.
@@ -324,7 +326,7 @@ impl Engine {
     /// Returns the largest speed of a node, m/s.
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
         let Engine { films, nodes, impact, .. } = self;
-        let record = impact.as_mut().map(|Impact { body, contact }| contact.prepare(films, nodes, body));
+        let record = impact.as_mut().map(|Impact { body, contact, .. }| contact.prepare(films, nodes, body));
         let kick = Kick::new(over, self.loads.damping);
         let integration = nodes.integration(kick, dt, self.loads.film_gravity(), record);
         let (width, ranges) = (self.pool.width(), &self.node_ranges);
@@ -336,7 +338,7 @@ impl Engine {
         });
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
         let mut fastest = sums.largest_speed_squared.sqrt();
-        if let Some(Impact { body, contact }) = &mut self.impact {
+        if let Some(Impact { body, contact, .. }) = &mut self.impact {
             let before = body.clone();
             body.kick(over, self.loads.gravity);
             let damped = self.loads.damping > 0.0;
@@ -374,10 +376,10 @@ impl Engine {
     /// Moves the body and reports its track.
     fn finish(&mut self, dt: f64, fastest: f64, jaw_force: f64, observer: &mut dyn Observer) {
         let mut track = Track { time: self.time, dt, jaw_force, ..Track::default() };
-        if let Some(Impact { body, contact }) = &mut self.impact {
+        if let Some(Impact { body, contact, .. }) = &mut self.impact {
             track.centre = body.centre().into();
             track.velocity = body.velocity.into();
-            track.kinetic = body.kinetic_energy(body);
+            track.lateral_energy = body.lateral_energy();
             track.work = contact.work.on_film;
             track.impulse = contact.work.impulse;
             let rotation = body.spin.norm() * contact.surface().bounding_radius();

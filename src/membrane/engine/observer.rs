@@ -31,8 +31,8 @@ pub struct Track {
     pub centre: [f64; 3],
     /// Its velocity in the middle of the step after it, m/s.
     pub velocity: [f64; 3],
-    /// Kinetic energy there, J; zero where its motion is prescribed.
-    pub kinetic: f64,
+    /// Kinetic energy there of its motion besides that along z, J; zero where its motion is prescribed.
+    pub lateral_energy: f64,
     /// Work of the impactor on the film so far, J.
     pub work: f64,
     /// Impulse on the impactor along z so far, N s.

@@ -121,8 +121,11 @@ impl Engine {
         let moved = |n: usize| (self.nodes.position_of(n) - Point3::from(position.at(n))).norm();
         let displacement = (0..self.nodes.mass.len()).map(moved).fold(0.0, f64::max);
         let highest = |position: &Vectors| position.axes()[2].iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let lift = (highest(&self.nodes.position) - highest(&position)).max(0.0);
-        self.impact.iter_mut().for_each(|impact| impact.body.pose.translation.vector.z += lift);
+        let rise = (highest(&self.nodes.position) - highest(&position)).max(0.0);
+        let lift = self.impact.as_mut().filter(|impact| impact.in_contact).map_or(0.0, |impact| {
+            impact.body.pose.translation.vector.z += rise;
+            rise
+        });
         self.nodes.velocity = velocity;
         self.start_from_here();
         Ok(Relaxation { mounted, residual, steps, displacement, lift })

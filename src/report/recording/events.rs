@@ -29,7 +29,7 @@ pub(super) fn of(run: &RunPage) -> Vec<Event> {
 /// First contact, largest deceleration, lowest point and release of an impactor.
 fn motion(signals: &Recording) -> Vec<(f64, String)> {
     let Some(force) = signals.channel(column::CONTACT_FORCE.name) else { return vec![] };
-    let contact = force.iter().position(|force| *force > 0.0).map(|k| (k, "first contact".to_owned()));
+    let contact = force.iter().position(|force| *force != 0.0).map(|k| (k, "first contact".to_owned()));
     let braking = largest(signals, column::ACCELERATION_FILTERED.name)
         .map(|(k, peak)| (k, format!("largest deceleration, {peak:.1} m/s²")));
     let lowest = lowest_point(signals);

@@ -1,10 +1,8 @@
 //! Impact: a body falls onto the film.
 
-use nalgebra::Vector3;
-
 use super::{Inertia, LoadCase, MassScaling};
-use crate::engine::{self, Film, Loads, Nodes};
-use crate::model::{Impactor, Model};
+use crate::engine::{self, Film, Loads, Nodes, RigidBody};
+use crate::model::{Guide, Model};
 use crate::signal::{Recording, column};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::{self, Mounting};
@@ -34,10 +32,9 @@ const SPATIAL: [&str; 7] = [
     column::ACCELERATION_RESULTANT.name,
 ];
 
-/// A body that falls onto the film at `velocity` (m/s, downward) under `gravity` (m/s²).
+/// A body that meets the film under `gravity` (m/s²).
 pub(super) struct Impact<'a> {
     pub(super) model: &'a Model,
-    pub(super) velocity: f64,
     pub(super) gravity: f64,
 }
 
@@ -60,19 +57,16 @@ impl LoadCase for Impact<'_> {
         let Some(impactor) = &self.model.impactor else { return Ok(None) };
         let (contact, pose) = mount::over_film(impactor, self.model, films, nodes)?;
         let body = mount::falling(impactor, contact.surface(), pose);
-        Ok(Some(engine::Impact { body, contact }))
+        let in_contact = impactor.height.is_none() && !matches!(impactor.guide, Guide::Hinge { .. });
+        Ok(Some(engine::Impact { body, contact, in_contact }))
     }
 
-    fn approach(&self) -> [f64; 2] {
-        [self.velocity, self.gravity]
+    fn approach(&self, body: &RigidBody) -> [f64; 2] {
+        [-body.velocity.z, body.free_acceleration(self.gravity)]
     }
 
-    fn energy_scale(&self) -> f64 {
-        let energy = |impactor: &Impactor| {
-            let speed = Vector3::from(impactor.velocity).norm();
-            if impactor.mass.is_finite() { 0.5 * impactor.mass * speed * speed } else { 0.0 }
-        };
-        self.model.impactor.as_ref().map_or(0.0, energy)
+    fn energy_scale(&self, body: &RigidBody) -> f64 {
+        body.start_energy()
     }
 
     /// Motion and energies of the impactor and the largest strains (theory.md, section 8).
@@ -86,7 +80,8 @@ impl LoadCase for Impact<'_> {
             let velocity = half[2 * k + 1][0];
             let acceleration = (half[2 * k + 2][0] - half[2 * k][0]) / tracks.sample;
             let displacement = z - start;
-            let kinetic = lateral.get(2 * k + 1).map_or(0.5 * mass * velocity * velocity, |[_, _, kinetic]| *kinetic);
+            let besides = lateral.get(2 * k + 1).map_or(0.0, |[_, _, energy]| *energy);
+            let kinetic = 0.5 * mass * velocity * velocity + besides;
             let potential = mass * self.gravity * displacement;
             let force = tracks.contact_force(k);
             let [md, td] = tracks.strains.rows[k];
@@ -113,8 +108,8 @@ impl LoadCase for Impact<'_> {
 
 /// Whether the mean of the last hundredth of the samples of a force exceeds a hundredth of its peak.
 pub(in crate::simulate) fn ends_loaded(force: &[f64]) -> bool {
-    let peak = force.iter().copied().fold(0.0, f64::max);
+    let peak = force.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
     let last = &force[force.len() - force.len().div_ceil(100)..];
-    let mean = last.iter().sum::<f64>() / last.len().max(1) as f64;
+    let mean = last.iter().map(|force| force.abs()).sum::<f64>() / last.len().max(1) as f64;
     mean > 0.01 * peak
 }

@@ -51,10 +51,10 @@ impl LoadCase for Indent<'_> {
         let Some(impactor) = &self.model.impactor else { return Ok(None) };
         let (contact, mut pose) = mount::over_film(impactor, self.model, films, nodes)?;
         pose.translation.vector.z -= travel_to_contact(&contact, &pose, nodes).ok_or(RunError::Missed)?;
-        Ok(Some(engine::Impact { body: RigidBody::prescribed(pose, -self.velocity), contact }))
+        Ok(Some(engine::Impact { body: RigidBody::prescribed(pose, -self.velocity), contact, in_contact: true }))
     }
 
-    fn approach(&self) -> [f64; 2] {
+    fn approach(&self, _body: &RigidBody) -> [f64; 2] {
         [self.velocity, 0.0]
     }
 

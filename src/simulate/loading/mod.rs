@@ -12,7 +12,7 @@ pub(super) use stretch::Stretch;
 use super::fault::RunError;
 use super::mount::{self, Mounting};
 use super::tracks::Tracks;
-use crate::engine::{self, Film, Jaw, Loads, Nodes};
+use crate::engine::{self, Film, Jaw, Loads, Nodes, RigidBody};
 use crate::mesh::Mesh;
 use crate::model::{Hold, Loading, Model};
 use crate::signal::Recording;
@@ -47,13 +47,13 @@ pub(super) trait LoadCase {
     /// The surface of the impactor cannot be used, or has no film under it.
     fn apply(&self, films: &[Film], nodes: &Nodes, loads: &mut Loads) -> Result<Option<engine::Impact>, RunError>;
 
-    /// Speed of the impactor at the start (m/s, downward) and the gravity (m/s²) under which it falls.
-    fn approach(&self) -> [f64; 2] {
+    /// Speed of the impactor at the start (m/s, downward) and its downward acceleration (m/s²) before contact.
+    fn approach(&self, _body: &RigidBody) -> [f64; 2] {
         [0.0; 2]
     }
 
     /// An energy that the run exchanges at least, J; zero where none is known beforehand.
-    fn energy_scale(&self) -> f64 {
+    fn energy_scale(&self, _body: &RigidBody) -> f64 {
         0.0
     }
 
@@ -102,7 +102,7 @@ impl From<Option<f64>> for MassScaling {
 /// The loading of `model`.
 pub(super) fn of(model: &Model) -> Box<dyn LoadCase + '_> {
     match model.loading {
-        Loading::Impact { velocity, gravity, .. } => Box::new(impact::Impact { model, velocity, gravity }),
+        Loading::Impact { gravity, .. } => Box::new(impact::Impact { model, gravity }),
         Loading::Stretch { velocity, mass_scaling, .. } => Box::new(Stretch::new(model, velocity, mass_scaling)),
         Loading::Indent { depth, velocity, mass_scaling } => {
             Box::new(indent::Indent { model, depth, velocity, mass_scaling })

@@ -45,7 +45,6 @@ fn the_same_run_said_in_two_ways() {
             let hinge = "guide = { hinge = { axis = [0, 1, 0], at = [-3e4, 0, 0] } }, spin = [0, 1e-4, 0]";
             scene(&format!("{BALL}, {hinge}"), "duration = 0.06", TAUT)
         }),
-        ("turned about its axis", down(&format!("{BALL}, orientation = {{ axis = [0, 0, 1], angle = \"30 deg\" }}"))),
         (
             "a compound of one part",
             down("shape = { compound = [{ shape = { sphere = { radius = 0.08 } }, at = [1, 2, 3] }] }, mass = 4.5"),
@@ -62,6 +61,13 @@ fn the_same_run_said_in_two_ways() {
             );
         }
     }
+    // Elements meet the edges of a box one by one, and round-off decides when.
+    let block = |size: [f64; 3], more: &str| {
+        down(&format!("shape = {{ box = {{ size = {size:?}, edge = 0.02 }} }}, mass = 2{more}"))
+    };
+    let lying = block([0.1, 0.06, 0.14], ", orientation = { axis = [1, 0, 0], angle = \"90 deg\" }");
+    let figure = off("displacement_m", [&lying, &block([0.1, 0.14, 0.06], "")]);
+    claims.at_most("a box laid on its side, displacement_m off that of the same box said so", figure, 1e-4);
     claims.judge();
 }
 
@@ -131,7 +137,7 @@ fn a_body_in_flight_is_in_free_fall() {
     }
     let energies = channel(&outcome.signals, "total_energy_J");
     let range = energies.iter().copied().fold(0.0_f64, |most, energy| most.max((energy - energies[0]).abs()));
-    claims.at_most("in flight, change of kinetic and potential energy over the first", range / energies[0], 1e-3);
+    claims.at_most("in flight, change of kinetic and potential energy over the first", range / energies[0], 1e-6);
     claims.judge();
 }
 

@@ -49,7 +49,7 @@ impl Scene {
         let multiplicity = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
         let contact = Contact::new(surface, impactor.friction, multiplicity, offset);
         let loads = Loads { gravity, multiplicity, ..Loads::default() };
-        Scene { engine: Engine::new(films, nodes, Some(Impact { body, contact }), loads) }
+        Scene { engine: Engine::new(films, nodes, Some(Impact { body, contact, in_contact: true }), loads) }
     }
 
     /// The film of a stretch between jaws that part at `velocity` (m/s).

@@ -143,6 +143,10 @@ impl Contact {
     /// Whether the normals of the surface at the corners of an element differ so little that its sagitta, (longest
     /// line) times angle over 8, is well below the allowed penetration.
     fn has_small_sagitta(&self, element: &NeighbourElement) -> bool {
+        // Between the corners there may be a smaller part.
+        if self.surface.has_parts() {
+            return false;
+        }
         let normals = element.corners.map(|n| self.normals[n as usize]);
         let least_cosine = normals[1..].iter().map(|n| normals[0].dot(n)).fold(normals[1].dot(&normals[3]), f64::min);
         let sagitta = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * self.surface.size();

@@ -7,7 +7,7 @@ use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape::{Segment, Triangle};
 
 use super::projection::{Projection, nearest_on_axis};
-use super::{Shape, Surface, vector};
+use super::{Part, Shape, Surface, vector};
 use crate::lane::{larger, smaller};
 
 /// The point of an element with the least signed distance.
@@ -142,10 +142,9 @@ fn deepest(
             }
         }
         Shape::Compound(parts) => {
-            for (place, part) in parts {
-                let found =
-                    deepest(part, size, &(pose * place), corners, best.map_or(within, |b| b.projection.distance));
-                best = found.or(best);
+            for Part { place, shape, size } in parts {
+                let within = best.map_or(within, |b| b.projection.distance);
+                best = deepest(shape, *size, &(pose * place), corners, within).or(best);
             }
         }
     }

@@ -41,7 +41,16 @@ enum Shape {
     Capsule(Capsule),
     Solid(Solid),
     /// Parts at their poses.
-    Compound(Vec<(Isometry3<f64>, Shape)>),
+    Compound(Vec<Part>),
+}
+
+/// A part of a compound body.
+#[derive(Clone, Debug)]
+struct Part {
+    place: Isometry3<f64>,
+    shape: Shape,
+    /// Half the smallest extent, m.
+    size: f64,
 }
 
 /// Why a shape cannot be an impactor.
@@ -152,7 +161,8 @@ impl Surface {
             let own = rotation * part.inertia_per_mass * rotation.transpose();
             let steiner = Matrix3::identity() * arm.norm_squared() - arm * arm.transpose();
             inertia += (own + steiner) * (part.volume / volume);
-            shapes.push((Isometry3::from_parts(arm.into(), pose.rotation), part.shape.clone()));
+            let place = Isometry3::from_parts(arm.into(), pose.rotation);
+            shapes.push(Part { place, shape: part.shape.clone(), size: part.size });
         }
         Ok(Surface::with(Shape::Compound(shapes), centre, volume, inertia))
     }
@@ -211,6 +221,11 @@ impl Surface {
         self.inertia_per_mass
     }
 
+    /// Whether it consists of several parts, which may be smaller than its size.
+    pub(super) fn has_parts(&self) -> bool {
+        matches!(self.shape, Shape::Compound(_))
+    }
+
     /// Whether its curvature is nowhere larger than that of a sphere of its size, so that node contact suffices for a
     /// fine mesh.
     pub fn is_round(&self) -> bool {
@@ -237,9 +252,9 @@ impl Shape {
             Shape::Capsule(capsule) => capsule.radius + direction.z.abs() * capsule.segment.b.z,
             Shape::Solid(solid) => solid.reach(direction),
             Shape::Compound(parts) => {
-                let of_part = |(pose, part): &(Isometry3<f64>, Shape)| {
-                    let own = pose.rotation.inverse_transform_vector(direction);
-                    pose.translation.vector.dot(direction) + part.reach(&own)
+                let of_part = |Part { place, shape, .. }: &Part| {
+                    let own = place.rotation.inverse_transform_vector(direction);
+                    place.translation.vector.dot(direction) + shape.reach(&own)
                 };
                 parts.iter().map(of_part).fold(f64::NEG_INFINITY, f64::max)
             }
@@ -254,7 +269,7 @@ impl Shape {
             Shape::Solid(solid) => solid.bounding_radius(),
             Shape::Compound(parts) => {
                 let of_part =
-                    |(pose, part): &(Isometry3<f64>, Shape)| pose.translation.vector.norm() + part.bounding_radius();
+                    |Part { place, shape, .. }: &Part| place.translation.vector.norm() + shape.bounding_radius();
                 parts.iter().map(of_part).fold(0.0, f64::max)
             }
         }

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::Capsule;
 
-use super::{Shape, Surface, vector};
+use super::{Part, Shape, Surface, vector};
 use crate::lane::{LANES, Lane, Lane3, dot, larger, smaller, splat};
 
 /// Projection of a point onto the surface.
@@ -100,10 +100,10 @@ impl Shape {
 }
 
 /// Projection onto the nearest of several parts.
-fn project_on_parts(parts: &[(Isometry3<f64>, Shape)], pose: &Isometry3<f64>, arm: &Vector3<f64>) -> Projection {
-    let onto = |(place, part): &(Isometry3<f64>, Shape)| {
+fn project_on_parts(parts: &[Part], pose: &Isometry3<f64>, arm: &Vector3<f64>) -> Projection {
+    let onto = |Part { place, shape, .. }: &Part| {
         let offset = pose.rotation * place.translation.vector;
-        part.project(&Isometry3::from_parts(offset.into(), pose.rotation * place.rotation), &(arm - offset))
+        shape.project(&Isometry3::from_parts(offset.into(), pose.rotation * place.rotation), &(arm - offset))
     };
     let nearest = parts.iter().map(onto).min_by(|a, b| a.distance.total_cmp(&b.distance));
     nearest.unwrap_or(Projection { distance: f64::INFINITY, normal: Vector3::z() })

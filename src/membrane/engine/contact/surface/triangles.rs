@@ -1,12 +1,12 @@
 //! The surface as triangles, for pictures and recordings.
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Point3;
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::{Ball, Shape as ParryShape, TypedShape};
 use parry3d_f64::transformation::try_convex_hull;
 
 use super::solid::Solid;
-use super::{Shape, Surface};
+use super::{Part, Shape, Surface};
 
 /// Vertices (m) and triangles of a surface.
 pub(crate) type Triangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
@@ -59,12 +59,12 @@ fn of_core(core: &dyn ParryShape, sides: u32) -> (Vec<Vector>, Vec<[u32; 3]>) {
 }
 
 /// The triangles of all parts.
-fn joined(parts: &[(Isometry3<f64>, Shape)], sides: u32) -> Triangles {
+fn joined(parts: &[Part], sides: u32) -> Triangles {
     let (mut vertices, mut triangles) = (vec![], vec![]);
-    for (pose, part) in parts {
-        let (own, corners) = triangulated(part, sides);
+    for Part { place, shape, .. } in parts {
+        let (own, corners) = triangulated(shape, sides);
         let first = vertices.len() as u32;
-        vertices.extend(own.iter().map(|point| pose * point));
+        vertices.extend(own.iter().map(|point| place * point));
         triangles.extend(corners.iter().map(|corners| corners.map(|n| first + n)));
     }
     (vertices, triangles)
