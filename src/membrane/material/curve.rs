@@ -135,8 +135,8 @@ impl Curve {
         Curve { points, segments }
     }
 
-    /// The curve whose stress is `weights`[0] times that of `first` and `weights`[1] times that of `second`, with
-    /// weights that are not negative. It ends where the longer one does.
+    /// The curve whose stress is the sum of those of `first` and `second` times their `weights`, which are not negative.
+    /// It ends where the longer one does.
     pub fn weighted(first: &Curve, second: &Curve, weights: [f64; 2]) -> Curve {
         let mut strains: Vec<f64> = first.points.iter().chain(&second.points).map(|point| point[0]).collect();
         strains.sort_by(f64::total_cmp);

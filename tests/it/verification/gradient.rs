@@ -65,8 +65,8 @@ fn forces_are_the_gradient_of_the_energy() {
         ("wrinkling", wrinkling(50e6, 0.44), false),
         ("fabric without absorption", fabric(0.0, "biaxial=0"), false),
         ("fabric on unloading, D 0.89", fabric(0.8896, "biaxial=0"), true),
-        ("coupled fabric without absorption", fabric(0.0, "biaxial=0.79"), false),
-        ("coupled fabric on unloading, D 0.89", fabric(0.8896, "biaxial=0.79"), true),
+        ("fabric with biaxial coupling, without absorption", fabric(0.0, "biaxial=0.79"), false),
+        ("fabric with biaxial coupling on unloading, D 0.89", fabric(0.8896, "biaxial=0.79"), true),
         ("wrinkling fabric without absorption", fabric(0.0, "wrinkling=true"), false),
         ("wrinkling fabric on unloading, D 0.89", fabric(0.8896, "wrinkling=true"), true),
     ];

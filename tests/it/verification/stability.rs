@@ -70,8 +70,8 @@ fn the_frequency_of_random_elements_is_below_its_bound() {
         ("wrinkling, ν −0.3", wrinkling(50e6, -0.3), History::Loading),
         ("fabric without absorption", fabric(0.0, "biaxial=0"), History::Loading),
         ("fabric, D 0.89, unloading", fabric(0.8896, "biaxial=0"), History::Unloading),
-        ("coupled fabric", fabric(0.0, "biaxial=0.79"), History::Loading),
-        ("coupled fabric, D 0.89, unloading", fabric(0.8896, "biaxial=0.79"), History::Unloading),
+        ("fabric with biaxial coupling", fabric(0.0, "biaxial=0.79"), History::Loading),
+        ("fabric with biaxial coupling, D 0.89, unloading", fabric(0.8896, "biaxial=0.79"), History::Unloading),
         ("wrinkling fabric", fabric(0.0, "wrinkling=true"), History::Loading),
         ("wrinkling fabric, D 0.89, unloading", fabric(0.8896, "wrinkling=true"), History::Unloading),
     ];

@@ -196,13 +196,13 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let angle = fibres.angle.map(f64::abs);
         let strains = [fibres.strain(0), fibres.strain(1), angle];
         let mut tensions = fibres.tensions(&Curves { fabric: self, history, dt: None }.stresses(&strains));
-        let mut coupled = splat(0.0);
+        let mut biaxial = splat(0.0);
         if let Coupling::Biaxial(law) = &self.coupling {
             let mean = fibres.mean_strain();
             let stress = law.stress_near(&self.absorption, &mean, &history.biaxial);
             tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
             let slope = law.largest_slope(&self.absorption, &mean, &history.biaxial, REACH);
-            coupled = of_both_left(slope, &history.left);
+            biaxial = of_both_left(slope, &history.left);
         }
         let across = tensions.tension.map(|t| t.map(f64::abs));
         let slopes = [
@@ -212,7 +212,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         ];
         let [md, td, mut shear] = of_layers_left(slopes, &history.left);
         // (a₁ + a₂)² ≤ 2 (a₁² + a₂²), and the slope by ε₁ + ε₂ is half of that by their mean.
-        let mut along = [md, td].map(|slope| std::array::from_fn(|l| slope[l] + coupled[l]));
+        let mut along = [md, td].map(|slope| std::array::from_fn(|l| slope[l] + biaxial[l]));
         let mut largest = angle;
         for l in 0..L {
             largest[l] = larger(angle[l], history.shear[l]);
