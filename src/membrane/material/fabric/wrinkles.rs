@@ -41,6 +41,12 @@ const GUESS: f64 = 0.1;
 /// where shear depends on it.
 const TAUT: f64 = 1e-12;
 
+/// √(x² + y²), with the same bits on every machine, unlike that of the platform's library.
+#[inline(always)]
+fn length(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
 /// The metric of the fibres in film of the metric `metric`, which is `metric` itself where it is taut; NaN where the
 /// search has failed, so that the run ends with a fault.
 #[inline(always)]
@@ -99,9 +105,9 @@ fn started<const L: usize>(metric: &Metric<L>, stresses: &impl TrialStresses<L>)
             continue;
         }
         // The direction of the largest compression, and a square of wrinkles at which shear vanishes or fibres resist.
-        let compression = 0.5 * (t1 + t2) - (0.5 * (t1 - t2)).hypot(cross);
+        let compression = 0.5 * (t1 + t2) - length(0.5 * (t1 - t2), cross);
         let (x, y) = if t1 > t2 { (cross, t1 - compression) } else { (t2 - compression, cross) };
-        let size = x.hypot(y);
+        let size = length(x, y);
         direction[l] = [x / size, y / size];
         let [x, y] = direction[l];
         let most = smaller(metric.product[l].abs() / (x * y), GUESS).sqrt();
@@ -116,7 +122,7 @@ fn started<const L: usize>(metric: &Metric<L>, stresses: &impl TrialStresses<L>)
         let along = |[t1, t2, cross]: [f64; 3]| t1 * x * x + t2 * y * y - 2.0 * cross * x * y;
         let (before, after) = (along(unwrinkled.tensions(l)), along(farthest.tensions(l)));
         let share = if after > 0.0 { (before / (before - after)).sqrt() } else { 1.0 };
-        search.at = search.at.map(|length| share * length);
+        search.at = search.at.map(|part| share * part);
     }
     searches
 }
@@ -221,7 +227,7 @@ impl Slope {
         let [xx, yy, xy] = self.hessian;
         let [g1, g2] = self.gradient;
         let (mean, apart) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let radius = apart.hypot(xy);
+        let radius = length(apart, xy);
         // cos 2θ and sin 2θ of the first principal direction.
         let (cosine, sine) = if radius > 0.0 { (apart / radius, xy / radius) } else { (1.0, 0.0) };
         let (first, second) = ((mean + radius).abs(), (mean - radius).abs());
@@ -268,7 +274,7 @@ impl Search {
         Search {
             found,
             least,
-            at: if found { least.map(|length| share * length) } else { least },
+            at: if found { least.map(|part| share * part) } else { least },
             residual: f64::INFINITY,
             start: [0.0; 2],
             step: [0.0; 2],
