@@ -210,6 +210,12 @@ impl Walk {
     /// The mistakes of the one branch that takes values of this kind; of several, whether one fits.
     fn either(&mut self, node: &Node, rules: &[Rule], place: &Place) {
         let meant: Vec<&Rule> = rules.iter().filter(|rule| rule.takes(&node.value)).collect();
+        if let ([Rule::Choice(_)], Value::Text(text)) = (meant.as_slice(), &node.value)
+            && rules.iter().filter_map(Rule::table).any(|table| table.key(text).is_some())
+        {
+            let mistake = Diagnostic::new(format!("expected a table, found \"{text}\"")).at(&node.span);
+            return self.report(mistake.hint(format!("`{text}` is a key here: {{ {text} = … }}")));
+        }
         if let [only] = meant.as_slice() {
             return self.node(node, only, place);
         }
