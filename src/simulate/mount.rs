@@ -150,9 +150,11 @@ pub(super) fn over_film(
     if model.faces.len() > 1 && z < first {
         return Err(RunError::Below);
     }
-    let gap = contact.least_gap(nodes, &pose);
-    if impactor.height.is_some() && gap < -OVERLAP * contact.surface().size() {
-        return Err(RunError::Overlap { depth: -gap });
+    if impactor.height.is_some() {
+        let gap = contact.smallest_gap(nodes, &pose);
+        if gap < -OVERLAP * contact.surface().size() {
+            return Err(RunError::Overlap { depth: -gap });
+        }
     }
     Ok((contact, pose))
 }

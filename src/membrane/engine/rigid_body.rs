@@ -247,11 +247,12 @@ impl RigidBody {
 
     /// Moves by `dt` (s) at its present velocity.
     pub(super) fn drift(&mut self, dt: f64) {
-        let momentum = self.space_inertia() * self.spin;
+        let turns = self.freedom == Freedom::All && self.spin != Vector3::zeros();
+        let momentum = turns.then(|| self.space_inertia() * self.spin);
         self.pose = self.predicted(dt);
         self.pose.rotation.renormalize();
         self.update_inverse_inertia();
-        if self.freedom == Freedom::All && self.spin != Vector3::zeros() {
+        if let Some(momentum) = momentum {
             // Turning changes the inertia in space, not the angular momentum: the gyroscopic moment.
             self.spin = self.inverse_inertia * momentum;
         }
@@ -399,7 +400,7 @@ impl RigidBody {
     }
 
     /// Kinetic energy with velocities half a step before and after, J (theory.md, equation 23).
-    pub(super) fn kinetic_energy(&self, before: &RigidBody) -> f64 {
+    pub fn kinetic_energy(&self, before: &RigidBody) -> f64 {
         if self.has_prescribed_motion() {
             return 0.0;
         }
@@ -407,14 +408,9 @@ impl RigidBody {
         0.5 * (self.mass * self.velocity.dot(&before.velocity) + rotation)
     }
 
-    /// Kinetic energy with its present velocities, J; zero where its motion is prescribed.
-    pub fn start_energy(&self) -> f64 {
-        self.kinetic_energy(self)
-    }
-
     /// Kinetic energy of the motion besides that along z, at the half step, J.
     pub(super) fn lateral_energy(&self) -> f64 {
-        if self.has_prescribed_motion() {
+        if self.has_prescribed_motion() || self.freedom == Freedom::Z {
             return 0.0;
         }
         let rotation = self.spin.dot(&(self.space_inertia() * self.spin));

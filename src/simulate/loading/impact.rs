@@ -66,7 +66,7 @@ impl LoadCase for Impact<'_> {
     }
 
     fn energy_scale(&self, body: &RigidBody) -> f64 {
-        body.start_energy()
+        body.kinetic_energy(body)
     }
 
     /// Motion and energies of the impactor and the largest strains (theory.md, section 8).

@@ -23,7 +23,7 @@ pub use contact_state::ContactState;
 pub(super) use history::ContactHistory;
 pub use surface::{Surface, SurfaceError};
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::disjoint::Disjoint;
@@ -115,14 +115,6 @@ impl Contact {
     /// The same with the coefficient `friction` between faces, the first of which has the first `nodes`.
     pub fn with_film_friction(self, friction: f64, nodes: usize) -> Contact {
         Contact { friction: Friction { film: friction, first_face: nodes, ..self.friction }, ..self }
-    }
-
-    /// Least distance of a node's film from the impactor at `pose`, m; negative where film lies inside.
-    pub fn least_gap(&self, nodes: &Nodes, pose: &Isometry3<f64>) -> f64 {
-        let gap = |(n, offset): (usize, &f64)| {
-            self.surface.project(pose, &Point3::from(nodes.position.at(n))).distance - offset
-        };
-        self.offset.iter().enumerate().map(gap).fold(f64::INFINITY, f64::min)
     }
 
     /// The impactor's surface.

@@ -346,14 +346,11 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{Curve, Fabric, History, MembraneLaw, PeakStrains};
+    use crate::material::{Fabric, History, MembraneLaw, PeakStrains};
     use proptest::prelude::*;
 
     fn film(absorption: f64) -> Fabric {
-        let md = Curve::new(vec![[0.03, 8.4e6], [0.2, 20e6], [0.75, 29e6]]).unwrap();
-        let td = Curve::new(vec![[0.04, 8e6], [0.14, 10e6], [6.0, 16e6]]).unwrap();
-        let shear = Curve::new(vec![[0.3, 4e6], [1.2, 7e6]]).unwrap();
-        Fabric::new(md, td, shear, absorption).with_wrinkling()
+        crate::material::tests::film(absorption).with_wrinkling()
     }
 
     fn metric([first, second, sine]: [f64; 3]) -> Metric<1> {

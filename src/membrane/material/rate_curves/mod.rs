@@ -127,7 +127,7 @@ impl RateCurves {
 
     /// The rates of the curves, 1/s; none where there is only one.
     fn rates(&self) -> impl Iterator<Item = f64> {
-        let lowest = (!self.intervals.is_empty()).then_some(self.lowest);
+        let lowest = self.range().map(|[lowest, _]| lowest);
         lowest.into_iter().chain(self.intervals.iter().map(|interval| interval.upper))
     }
 
@@ -146,7 +146,7 @@ impl RateCurves {
 
     /// Lowest and highest rate (1/s), where there are several.
     pub fn range(&self) -> Option<[f64; 2]> {
-        (!self.intervals.is_empty()).then(|| [1.0 / self.slowness[1], 1.0 / self.slowness[0]])
+        (!self.intervals.is_empty()).then(|| [self.lowest, 1.0 / self.slowness[0]])
     }
 
     /// The curve, where there is only one.

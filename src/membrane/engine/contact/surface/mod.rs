@@ -147,16 +147,17 @@ impl Surface {
     /// # Errors
     /// [`SurfaceError::NoVolume`] where there is no part.
     pub fn compound(parts: Vec<(Isometry3<f64>, Surface)>) -> Result<Surface, SurfaceError> {
-        let centre_of = |(pose, part): &(Isometry3<f64>, Surface)| pose * Point3::from(part.centre);
+        let centre_of = |pose: &Isometry3<f64>, part: &Surface| (pose * Point3::from(part.centre)).coords;
         let volume: f64 = parts.iter().map(|(_, part)| part.volume).sum();
         if parts.is_empty() || volume <= 0.0 {
             return Err(SurfaceError::NoVolume);
         }
-        let centre = parts.iter().map(|part| centre_of(part).coords * part.1.volume).sum::<Vector3<f64>>() / volume;
+        let moment: Vector3<f64> = parts.iter().map(|(pose, part)| centre_of(pose, part) * part.volume).sum();
+        let centre = moment / volume;
         let mut inertia = Matrix3::zeros();
         let mut shapes = Vec::with_capacity(parts.len());
         for (pose, part) in &parts {
-            let arm = centre_of(&(*pose, part.clone())).coords - centre;
+            let arm = centre_of(pose, part) - centre;
             let rotation = pose.rotation.to_rotation_matrix();
             let own = rotation * part.inertia_per_mass * rotation.transpose();
             let steiner = Matrix3::identity() * arm.norm_squared() - arm * arm.transpose();

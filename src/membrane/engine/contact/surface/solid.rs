@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 use parry3d_f64::math::{Pose, Rotation, Vector};
-use parry3d_f64::shape::{Cone, Cuboid, Cylinder, Shape as ParryShape, SharedShape, SupportMap, TriMesh};
+use parry3d_f64::shape::{Shape as ParryShape, SharedShape, SupportMap, TriMesh};
 
 use super::projection::Projection;
 use super::vector;
@@ -56,19 +56,11 @@ impl Solid {
     /// How far it reaches along the unit vector `direction`, m.
     pub(super) fn reach(&self, direction: &Vector3<f64>) -> f64 {
         let direction = vector(direction);
-        let farthest = match self.core.as_trimesh() {
-            Some(mesh) => mesh.vertices().iter().map(|v| v.dot(direction)).fold(f64::NEG_INFINITY, f64::max),
-            None => (self.place * self.support(self.place.rotation.inverse() * direction)).dot(direction),
-        };
-        farthest + self.edge
-    }
-
-    /// The point of a convex core farthest along `direction`, in its own axes.
-    fn support(&self, direction: Vector) -> Vector {
-        let of_cylinder = self.core.as_shape::<Cylinder>().map(|core| core.local_support_point(direction));
-        let of_cone = || self.core.as_shape::<Cone>().map(|core| core.local_support_point(direction));
-        let of_box = || self.core.as_shape::<Cuboid>().map(|core| core.local_support_point(direction));
-        of_cylinder.or_else(of_cone).or_else(of_box).unwrap_or(Vector::ZERO)
+        let of_mesh =
+            |mesh: &TriMesh| mesh.vertices().iter().map(|v| v.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
+        let of_convex = |core: &dyn SupportMap| core.support_point(&self.place, direction).dot(direction);
+        let farthest = self.core.as_trimesh().map(of_mesh).or_else(|| self.core.as_support_map().map(of_convex));
+        farthest.unwrap_or(f64::NAN) + self.edge
     }
 
     /// Radius of the sphere about the body's centre that holds it, m.
