@@ -24,6 +24,7 @@ fn main() {
     drop_test(&machine);
     parts();
     sizes();
+    faces();
     threads();
 }
 
@@ -276,6 +277,32 @@ fn sizes() {
         stepping(&mut engine, steps / 4);
         let cost = median((0..REPEATS).map(|_| stepping(&mut engine, steps)).collect());
         println!("| {} | {cost:.1} | {:.0} |", engine.elements(), engine.bytes() as f64 / engine.elements() as f64);
+    }
+    println!();
+}
+
+/// Faces that meet each other against faces that meet the impactor alone.
+fn faces() {
+    println!("## Film on film, one thread\n");
+    println!("| scene | elements | without, ns an element step | with, ns | times |\n|---|---|---|---|---|");
+    let sixteen: Vec<String> = (0..16).map(|k| format!("\"{:.3} mm\"", -0.012 * f64::from(k))).collect();
+    let scenes = [
+        ("1008: 2 faces of 8 layers, 30 mm apart", vec![]),
+        ("16 separate layers of 1008 on each other", vec![
+            "layers.count=1".to_owned(),
+            format!("layers.faces=[{}]", sixteen.join(", ")),
+        ]),
+    ];
+    for (name, changes) in scenes {
+        let with = |film: bool| {
+            let mut changes = changes.clone();
+            changes.extend([format!("contact.film={film}"), "loading.impact.duration=60ms".to_owned()]);
+            shipped(&changes.iter().map(String::as_str).collect::<Vec<_>>())
+        };
+        let [without, with] = [false, true].map(with);
+        let elements = simulate::engine(&with).expect("an engine").elements();
+        let [plain, meeting] = [without, with].map(|model| whole(&model, 1, Width::best()).0);
+        println!("| {name} | {elements} | {plain:.1} | {meeting:.1} | {:.2} |", meeting / plain);
     }
     println!();
 }

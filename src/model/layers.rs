@@ -205,8 +205,7 @@ fn face_path(scenario: &Scenario, place: usize) -> String {
 fn heights(faces: &[Face], scenario: &Scenario, mistakes: &mut Mistakes<'_>) {
     let single = match scenario.loading {
         scenario::Loading::Stretch(_) => Some("a stretch test has one face"),
-        scenario::Loading::Pressure(_) => Some("pressure acts on one face"),
-        scenario::Loading::Impact(_) | scenario::Loading::Indent(_) => None,
+        scenario::Loading::Impact(_) | scenario::Loading::Indent(_) | scenario::Loading::Pressure(_) => None,
     };
     if let Some(message) = single.filter(|_| faces.len() > 1) {
         mistakes.report(&height_path(scenario, 1), message);

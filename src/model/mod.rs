@@ -81,7 +81,7 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
         frame,
         impactor,
         loading,
-        film_friction: contact::check(scenario, mistakes),
+        contact: contact::check(scenario, mistakes),
         air,
         solver,
         output,
@@ -110,8 +110,8 @@ pub struct Model {
     pub impactor: Option<Impactor>,
     /// The loading.
     pub loading: Loading,
-    /// Coulomb coefficient between faces that the impactor presses on each other; `None` takes that of the impactor.
-    pub film_friction: Option<f64>,
+    /// Contact between faces.
+    pub contact: Contact,
     /// The air around the film, where it is computed.
     pub air: Option<Air>,
     /// Time stepping.
@@ -387,6 +387,15 @@ pub enum Loading {
         /// Factor on the film's mass; `None` chooses it from the periods of the film.
         mass_scaling: Option<f64>,
     },
+}
+
+/// Contact between faces of film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Whether faces meet each other, also where the impactor is not.
+    pub film: bool,
+    /// Coulomb coefficient between faces; `None` takes that of the impactor.
+    pub film_friction: Option<f64>,
 }
 
 /// The air around the film.

@@ -18,6 +18,8 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         Warning::Settled(_)
         | Warning::MisshapenElements { .. }
         | Warning::FrameHit { .. }
+        | Warning::FilmCrossing { .. }
+        | Warning::FilmContactLost { .. }
         | Warning::StrainLocalisation { .. }
         | Warning::EnergyBalance { .. }
         | Warning::StrainRateOutside { .. } => return warning.to_string(),

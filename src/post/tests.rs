@@ -57,7 +57,7 @@ pub(super) fn model() -> Model {
             spin: [0.0; 3],
         }),
         loading: Loading::Impact { velocity: SPEED, gravity: 0.0, duration: 0.12 },
-        film_friction: None,
+        contact: Contact::default(),
         air: None,
         solver: Solver { step_factor: 1.0 },
         output: Output { sample_rate: 10e3, frames: 0, filter: Some(1000.0) },

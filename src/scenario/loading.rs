@@ -16,7 +16,8 @@ pub enum Loading {
     Stretch(Stretch),
     /// The impactor moves slowly down into the film at a prescribed speed.
     Indent(Indent),
-    /// Pressure on the lower side of the film, held all around, inflates it.
+    /// Pressure on the lower side of the film, held all around, inflates it; of several faces it acts on the lowest, which
+    /// presses on those above it.
     Pressure(Inflation),
 }
 

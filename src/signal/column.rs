@@ -76,6 +76,10 @@ columns! {
     FRAME_FORCE_Y = "frame_force_y_N", "frame_force_y", "N", "force" ("N"), 1.0;
     /// Pressure of the air between two faces over that of the surroundings.
     AIR_PRESSURE = "air_pressure_Pa", "air_pressure", "Pa", "air pressure" ("Pa"), 1.0;
+    /// Least distance of the middle surfaces of two faces, up to that in which it is followed.
+    FILM_DISTANCE = "film_distance_m", "film_distance", "m", "distance" ("mm"), 1e3;
+    /// Nodes that press on another face of film.
+    FILM_CONTACT_NODES = "film_contact_nodes", "film_contact_nodes", "", "nodes" ("number"), 1.0;
     /// Force on the jaws, or on the impactor of an indentation.
     FORCE = "force_N", "force", "N", "force" ("N"), 1.0;
     /// Engineering strain between the jaws.
@@ -112,7 +116,7 @@ mod tests {
     #[test]
     fn the_factor_is_that_of_the_units() {
         let scale = |symbol: &str| match symbol.replace('²', "2").as_str() {
-            "" => 1.0,
+            "" | "number" => 1.0,
             "%" => 0.01,
             symbol => Unit::parse(symbol).unwrap().to_si(1.0),
         };

@@ -61,7 +61,13 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let approach = impact.as_ref().map_or([0.0; 2], |impact| loading.approach(&impact.body));
     let energy_scale = impact.as_ref().map_or(0.0, |impact| loading.energy_scale(&impact.body));
     let mounting = Mounting { films: topologies, start, approach, energy_scale, mass_scaling, held };
-    Ok(Scene { engine: Engine::new(films, nodes, impact, loads), mounting })
+    let engine = Engine::new(films, nodes, impact, loads);
+    let between = model.contact.film_friction.or(model.impactor.as_ref().map(|impactor| impactor.friction));
+    let engine = match between.filter(|_| model.contact.film) {
+        Some(friction) => engine.with_film_contact(friction),
+        None => engine,
+    };
+    Ok(Scene { engine, mounting })
 }
 
 /// The thread pool of a run of so many elements: at most the threads of the processor, one where runs are simulated in

@@ -31,6 +31,12 @@ pub enum RunError {
     /// Several faces are met from below.
     #[error("an impactor below the first of several faces is not supported: the faces are stacked below it")]
     Below,
+    /// Faces lie inside each other at the start.
+    #[error(
+        "two faces pass through each other before the test, once they hang in equilibrium: mount them further apart, or \
+         leave contact between them out with `contact.film = false`"
+    )]
+    FacesCross,
     /// The impactor passes beside the film.
     #[error("there is no film below the impactor")]
     Missed,

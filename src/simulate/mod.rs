@@ -140,6 +140,9 @@ pub fn run_with(
             }
         });
     }
+    if engine.steps() == 0 && settled.is_ok() && !engine.has_faces_in_order() {
+        return Err(RunError::FacesCross);
+    }
     scene.mounting.start += probe.lift();
     let wall = || before + begin.elapsed();
     let mut events = SnapshotEvents { on_snapshot, mounting: &scene.mounting, reported: 0 };

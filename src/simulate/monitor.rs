@@ -32,6 +32,8 @@ pub(super) struct Monitor {
     penetration: Option<(f64, f64)>,
     frame_hit: Option<f64>,
     localised: Option<(f64, f64, usize)>,
+    crossed: Option<(f64, f64)>,
+    lost: Option<(f64, u64)>,
 }
 
 /// Intact elements, by their number among such, that share a node with the one of number `element`.
@@ -65,6 +67,17 @@ impl Monitor {
         }
         if state.frame_hit && self.frame_hit.is_none() {
             self.frame_hit = Some(time);
+        }
+    }
+
+    /// Records the least `distance` (m) of two faces at `time` (s), and how often their contact was `lost` so far.
+    pub(super) fn films(&mut self, time: f64, distance: f64, lost: u64) {
+        if distance < 0.0 {
+            let (first, least) = self.crossed.unwrap_or((time, 0.0));
+            self.crossed = Some((first, distance.min(least)));
+        }
+        if lost > 0 {
+            self.lost = Some((self.lost.map_or(time, |(first, _)| first), lost));
         }
     }
 
@@ -107,6 +120,8 @@ impl Monitor {
         out.extend(self.penetration.map(|(time, depth)| Warning::Penetration { time, depth }));
         out.extend(self.frame_hit.map(|time| Warning::FrameHit { time }));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
+        out.extend(self.crossed.map(|(time, distance)| Warning::FilmCrossing { time, depth: -distance }));
+        out.extend(self.lost.map(|(time, times)| Warning::FilmContactLost { time, times }));
         out.extend(unfinished.then_some(Warning::Unfinished));
         out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));
         out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));

@@ -143,7 +143,7 @@ pub(super) fn over_film(
     let z = impactor.height.unwrap_or_else(|| top - surface.lowest(&rotation));
     let pose = Isometry3::from_parts(Translation3::new(x, y, z), rotation);
     let mut contact = Contact::new(surface, impactor.friction, model.specimen.symmetry.copies(), offset);
-    if let (Some(friction), Some(first)) = (model.film_friction, films.first()) {
+    if let (Some(friction), Some(first)) = (model.contact.film_friction, films.first()) {
         contact = contact.with_film_friction(friction, first.nodes.len());
     }
     let first = model.faces.first().map_or(0.0, |face| face.height);

@@ -16,7 +16,7 @@ use super::rise::{self, Rise};
 use super::snapshot::{self, Snapshot};
 use super::tracks::Tracks;
 use super::warning::bounds::KINETIC;
-use crate::engine::{self, ElementStrain, Engine, Observer, Relaxation, Track, View};
+use crate::engine::{self, ElementStrain, Engine, FilmContactState, Observer, Relaxation, Track, View};
 use crate::model::{Guide, Impactor, Model};
 use crate::signal::{Channel, Recording, column};
 
@@ -199,6 +199,10 @@ impl<'a> Probe<'a> {
         if let Some(pressure) = view.cushion_pressure() {
             self.record.tracks.air.push(view.time, [pressure]);
         }
+        if let Some(FilmContactState { distance, nodes, lost }) = view.film_contact_state() {
+            self.record.tracks.films.push(view.time, [distance, nodes as f64]);
+            self.record.monitor.films(view.time, distance, lost);
+        }
         if self.loading.has_rise() {
             self.record.tracks.rise.push(view.time, [self.record.rise.largest(view)]);
         }
@@ -282,6 +286,13 @@ impl<'a> Probe<'a> {
         if !tracks.air.rows.is_empty() {
             let values = tracks.air.rows.iter().take(signals.time.len()).map(|[pressure]| *pressure).collect();
             signals.channels.push(Channel { name: column::AIR_PRESSURE.name.into(), values });
+        }
+        if !tracks.films.rows.is_empty() {
+            let rows = tracks.films.rows.iter().take(signals.time.len());
+            let [distance, nodes]: [Vec<f64>; 2] = [0, 1].map(|k| rows.clone().map(|row| row[k]).collect());
+            let nodes = nodes.into_iter().map(f64::round).collect();
+            signals.channels.push(Channel { name: column::FILM_DISTANCE.name.into(), values: distance });
+            signals.channels.push(Channel { name: column::FILM_CONTACT_NODES.name.into(), values: nodes });
         }
         signals
     }

@@ -29,6 +29,8 @@ pub(super) struct Tracks {
     pub(super) frame: Grid<2>,
     /// Pressure of the air between two faces over that of the surroundings, Pa; only where it is computed.
     pub(super) air: Grid<1>,
+    /// Least distance of two faces (m) and nodes in touch with another face; only where faces meet.
+    pub(super) films: Grid<2>,
     /// Largest rise of a node, m; only under pressure.
     pub(super) rise: Grid<1>,
     /// Height of the impactor at its first impulse, m.
@@ -54,6 +56,7 @@ impl Tracks {
             strains: Grid::new(0.0, sample),
             frame: Grid::new(0.0, sample),
             air: Grid::new(0.0, sample),
+            films: Grid::new(0.0, sample),
             rise: Grid::new(0.0, sample),
             first_contact: None,
         }

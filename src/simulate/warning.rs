@@ -39,6 +39,13 @@ codes! {
         "one element is strained much more than its neighbours; with a softening law or a coarse mesh the result from \
          then on depends on the mesh",
         "compare with a finer `specimen.mesh.size` and do not use figures from after that time";
+    FILM_CROSSING = "film-crossing", Warning,
+        "one face of film passed through another, which film does not",
+        "use a smaller `specimen.mesh.size` or `solver.step_factor`, and do not use what follows";
+    FILM_CONTACT_LOST = "film-contact-lost", Note,
+        "contact between faces was given up at a node or at two edges and found again later: where film folds sharply or \
+         leaves the outline of another face, its side is no longer known",
+        "look at these places in the recording; a smaller `specimen.mesh.size` resolves folds";
     UNFINISHED = "unfinished", Warning,
         "the run ends while the impactor is still in contact, so that rebound and energy absorption are not final",
         "use a longer `loading.impact.duration`";
@@ -103,6 +110,20 @@ pub enum Warning {
         strain: f64,
         /// Its face.
         face: usize,
+    },
+    /// One face passed through another.
+    FilmCrossing {
+        /// When it did first, s.
+        time: f64,
+        /// Largest depth, m.
+        depth: f64,
+    },
+    /// Contact between faces was given up somewhere.
+    FilmContactLost {
+        /// When it was first, s.
+        time: f64,
+        /// How often.
+        times: u64,
     },
     /// The impactor is still in contact at the end.
     Unfinished,
@@ -207,6 +228,17 @@ impl fmt::Display for Warning {
                 number::figure(*strain, 2),
                 number::figure(bounds::LOCALISATION, 2)
             ),
+            Warning::FilmCrossing { time, depth } => write!(
+                f,
+                "film crossing: from {} one face passes through another by up to {} mm",
+                number::duration(*time),
+                number::figure(1e3 * depth, 2)
+            ),
+            Warning::FilmContactLost { time, times } => write!(
+                f,
+                "film contact lost: from {} contact between faces was given up {times} times at a node or at two edges",
+                number::duration(*time)
+            ),
             Warning::Unfinished => f.write_str(
                 "the run ends while the impactor is still in contact: rebound and energy absorption are not final",
             ),
@@ -252,6 +284,8 @@ impl Report for Warning {
             Warning::Penetration { .. } => &PENETRATION,
             Warning::FrameHit { .. } => &FRAME_HIT,
             Warning::StrainLocalisation { .. } => &STRAIN_LOCALISATION,
+            Warning::FilmCrossing { .. } => &FILM_CROSSING,
+            Warning::FilmContactLost { .. } => &FILM_CONTACT_LOST,
             Warning::Unfinished => &UNFINISHED,
             Warning::FewerSnapshots { .. } => &FEWER_SNAPSHOTS,
             Warning::EnergyBalance { .. } => &ENERGY_BALANCE,
@@ -280,6 +314,8 @@ impl Report for Warning {
                 &[("time_s", time.into()), ("penetration_over_radius", depth.into())]
             }
             Warning::FrameHit { time } => &[("time_s", time.into())],
+            Warning::FilmCrossing { time, depth } => &[("time_s", time.into()), ("depth_m", depth.into())],
+            Warning::FilmContactLost { time, times } => &[("time_s", time.into()), ("times", times.into())],
             Warning::StrainLocalisation { time, strain, face } => {
                 &[("time_s", time.into()), ("strain", strain.into()), ("face", face.into())]
             }

@@ -21,7 +21,7 @@ pub struct Energies {
     pub hourglass: f64,
     /// Dissipated where nodes come into contact.
     pub contact: f64,
-    /// Dissipated by friction between film and impactor.
+    /// Dissipated by friction of film on the impactor and on film.
     pub friction: f64,
     /// Dissipated by friction of the impactor's guide.
     pub guide: f64,

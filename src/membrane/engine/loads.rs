@@ -12,7 +12,7 @@ pub struct Loads {
     pub damping: f64,
     /// Prescribed motion along x.
     pub jaws: Vec<Jaw>,
-    /// Pressure on the lower side of the film, whose edge is held.
+    /// Pressure on the lower side of the last film, whose edge is held.
     pub inflation: Option<Inflation>,
     /// Air between the first two faces, whose edges are held.
     pub cushion: Option<Cushion>,

@@ -14,6 +14,7 @@ mod energy;
 mod failure;
 mod fault;
 mod film;
+mod film_contact;
 mod film_history;
 mod footprint;
 mod guide_friction;
@@ -41,6 +42,7 @@ pub use energy::Energies;
 pub use failure::Failures;
 pub use fault::Fault;
 pub use film::Film;
+pub use film_contact::FilmContactState;
 pub use guide_friction::GuideFriction;
 pub use loads::{Jaw, Loads};
 pub use mesh::Mesh;
@@ -61,6 +63,7 @@ use colouring::Colouring;
 use cushion::{CushionState, Enclosed};
 use disjoint::Disjoint;
 use film::SharedFilm;
+use film_contact::FilmContact;
 use nodes::{Kick, StepSums};
 use pressure::Inflated;
 use serde::{Deserialize, Serialize};
@@ -70,6 +73,8 @@ pub struct Engine {
     films: Vec<Film>,
     nodes: Nodes,
     impact: Option<Impact>,
+    /// Contact between faces, where it is computed.
+    film_contact: Option<FilmContact>,
     loads: Loads,
     time_step: TimeStep,
     time: f64,
@@ -162,6 +167,7 @@ impl Engine {
             films,
             nodes,
             impact,
+            film_contact: None,
             loads,
             time_step: TimeStep::default(),
             time: 0.0,
@@ -187,6 +193,19 @@ impl Engine {
     /// The same engine with `pool`, on which no result depends.
     pub fn with_pool(self, pool: ThreadPool) -> Engine {
         Engine { pool, ..self }
+    }
+
+    /// The same engine with contact between its faces, with the coefficient `friction`.
+    pub fn with_film_contact(self, friction: f64) -> Engine {
+        let contact = FilmContact::new(&self.films, &self.nodes, friction, self.loads.multiplicity);
+        Engine { film_contact: Some(contact), ..self }
+    }
+
+    /// Whether faces that have not moved since they were mounted or settled lie in the order in which they were mounted;
+    /// also where their contact is not computed.
+    pub fn has_faces_in_order(&mut self) -> bool {
+        let Engine { films, nodes, film_contact, .. } = self;
+        film_contact.as_mut().is_none_or(|contact| contact.find_in_order(films, nodes))
     }
 
     /// Its threads.
@@ -219,7 +238,8 @@ impl Engine {
     pub fn bytes(&self) -> usize {
         let films: usize = self.films.iter().map(Film::bytes).sum();
         let contact = self.impact.as_ref().map_or(0, |impact| impact.contact.bytes());
-        self.nodes.bytes() + self.previous.bytes() + films + contact
+        let between = self.film_contact.as_ref().map_or(0, FilmContact::bytes);
+        self.nodes.bytes() + self.previous.bytes() + films + contact + between
     }
 
     /// The present time step, s.
@@ -265,6 +285,7 @@ impl Engine {
         if failures.broken > 0 {
             self.time_step.tear();
             self.impact.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
+            self.film_contact.iter_mut().for_each(|contact| contact.remove_deleted(&self.films));
         }
         self.failed += failures.failed;
     }
@@ -322,10 +343,13 @@ impl Engine {
         self.ledger.external_ahead = -0.5 * power * dt;
     }
 
-    /// Kicks nodes and body over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the body.
-    /// Returns the largest speed of a node, m/s.
+    /// Kicks nodes and body over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the body and with
+    /// each other. Returns the largest speed of a node, m/s.
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
-        let Engine { films, nodes, impact, .. } = self;
+        let Engine { films, nodes, impact, film_contact, .. } = self;
+        if let Some(contact) = film_contact {
+            contact.prepare(films, nodes);
+        }
         let record = impact.as_mut().map(|Impact { body, contact, .. }| contact.prepare(films, nodes, body));
         let kick = Kick::new(over, self.loads.damping);
         let integration = nodes.integration(kick, dt, self.loads.film_gravity(), record);
@@ -338,21 +362,35 @@ impl Engine {
         });
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
         let mut fastest = sums.largest_speed_squared.sqrt();
+        let damped = self.loads.damping > 0.0;
+        let between = &mut self.film_contact;
+        if let Some(between) = between.as_mut().filter(|_| damped) {
+            between.record_prediction(&self.nodes);
+        }
         if let Some(Impact { body, contact, .. }) = &mut self.impact {
             let before = body.clone();
             body.kick(over, self.loads.gravity);
-            let damped = self.loads.damping > 0.0;
             if damped {
                 contact.record_prediction(&self.nodes);
             }
-            fastest = fastest.max(contact.resolve(&mut self.nodes, body, &before, [over, dt], &self.pool));
+            let film = &mut self.nodes;
+            fastest = fastest.max(contact.resolve(film, body, &before, [over, dt], &self.pool, between.as_mut()));
             let work = contact.guide_impulse.map_or([0.0; 2], |impulse| {
                 [before.velocity.z, body.velocity.z].map(|velocity| -0.5 * impulse * velocity)
             });
             self.ledger.guide += work[0] + work[1];
             self.ledger.guide_ahead = work[1];
-            if damped {
+            if damped && between.is_none() {
                 sums.damped += contact.damping_correction(&self.nodes);
+            }
+        } else if let Some(between) = between {
+            between.resolve(&mut self.nodes, dt, &self.pool);
+        }
+        if let Some(between) = between {
+            fastest = fastest.max(between.finish(&mut self.nodes, dt));
+            between.reduce_margin(fastest * dt);
+            if damped {
+                sums.damped += between.damping_correction(&self.nodes);
             }
         }
         self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
@@ -410,6 +448,7 @@ impl Engine {
             body,
             contact,
             loads: &self.loads,
+            film_contact: self.film_contact.as_ref(),
             cushion: self.cushion,
             ledger: self.ledger,
             previous: &self.previous,

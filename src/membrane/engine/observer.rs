@@ -1,6 +1,7 @@
 //! Observers of a run, and the state that they are shown.
 
 use super::cushion::CushionState;
+use super::film_contact::{FilmContact, FilmContactState};
 use super::thread_pool::ThreadPool;
 use super::{
     Contact, ContactState, ElementStrain, Energies, EnergyLedger, Fault, Film, Loads, Nodes, PreviousStep, RigidBody,
@@ -54,6 +55,7 @@ pub struct View<'a> {
     /// The impactor, its velocities half a step after `time`.
     pub body: Option<&'a RigidBody>,
     pub(super) contact: Option<&'a Contact>,
+    pub(super) film_contact: Option<&'a FilmContact>,
     pub(super) loads: &'a Loads,
     pub(super) cushion: Option<CushionState>,
     pub(super) ledger: EnergyLedger,
@@ -95,6 +97,10 @@ impl View<'_> {
                 out.external -= contact.work.on_film - contact.work.ahead;
             }
         }
+        if let Some(contact) = &self.film_contact {
+            out.contact += contact.work.impact_loss;
+            out.friction += contact.work.friction_loss;
+        }
         out
     }
 
@@ -112,6 +118,11 @@ impl View<'_> {
     /// Pressure of the air between the first two faces over that of the surroundings, Pa; none where it is not computed.
     pub fn cushion_pressure(&self) -> Option<f64> {
         self.cushion.map(|cushion| cushion.pressure)
+    }
+
+    /// State of contact between faces, where it is computed.
+    pub fn film_contact_state(&self) -> Option<FilmContactState> {
+        Some(self.film_contact?.state(self.nodes, self.pool))
     }
 
     /// State of contact, if there is an impactor.

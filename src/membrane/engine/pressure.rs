@@ -42,10 +42,10 @@ impl Inflated {
     }
 }
 
-/// Adds the load of `pressure` (Pa) on the lower side of all films to the forces of their nodes.
+/// Adds the load of `pressure` (Pa) on the lower side of the last of `films` to the forces of its nodes.
 pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Inflated {
     let mut volume = 0.0;
-    for film in films {
+    if let Some(film) = films.last() {
         film.for_each_intact(|corners| {
             let load = ElementLoad::of(corners, &nodes.position);
             for (n, area) in corners.iter().zip(load.areas) {

@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
+use super::film_contact::FilmContact;
 use super::{EnergyLedger, Engine, Fault, Film, TimeStep, Vectors, film};
 
 /// Residual below which film counts as mounted in equilibrium.
@@ -187,6 +188,7 @@ impl Engine {
         self.forces(0.0);
         self.nodes.clear_forces();
         self.impact.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
+        self.film_contact.iter_mut().for_each(FilmContact::invalidate);
         self.time_step = TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads);
     }
 }

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::contact::ContactHistory;
 use super::cushion::CushionState;
+use super::film_contact::FilmContactHistory;
 use super::film_history::FilmHistory;
 use super::pressure::Inflated;
 use super::rigid_body::Motion;
@@ -25,6 +26,7 @@ pub struct State {
     velocity: Vectors,
     films: Vec<FilmHistory>,
     impact: Option<(Motion, ContactHistory)>,
+    film_contact: Option<FilmContactHistory>,
 }
 
 /// A state of another scene.
@@ -42,7 +44,7 @@ pub struct StateMismatch {
 impl Engine {
     /// The state after the last step.
     pub fn state(&self) -> State {
-        let Engine { films, nodes, impact, time_step, time, steps, ledger, inflated, cushion, .. } = self;
+        let Engine { films, nodes, impact, film_contact, time_step, time, steps, ledger, inflated, cushion, .. } = self;
         State {
             time: *time,
             steps: *steps,
@@ -54,6 +56,7 @@ impl Engine {
             velocity: nodes.velocity.clone(),
             films: films.iter().map(Film::save).collect(),
             impact: impact.as_ref().map(|impact| (impact.body.motion(), impact.contact.save())),
+            film_contact: film_contact.as_ref().map(|contact| contact.save()),
         }
     }
 
@@ -78,6 +81,9 @@ impl Engine {
             impact.body.restore(&motion);
             impact.contact.restore(history, &self.films);
         }
+        if let (Some(contact), Some(history)) = (&mut self.film_contact, state.film_contact) {
+            contact.restore(history, &self.films);
+        }
         Ok(())
     }
 
@@ -93,7 +99,11 @@ impl Engine {
         }
         same("impactors", usize::from(state.impact.is_some()), usize::from(self.impact.is_some()))?;
         let listed = state.impact.as_ref().is_none_or(|(_, history)| history.fits(nodes));
-        same("lists of neighbours", usize::from(listed), 1)
+        same("lists of neighbours", usize::from(listed), 1)?;
+        let (found, expected) = (&state.film_contact, &self.film_contact);
+        same("contacts between faces", usize::from(found.is_some()), usize::from(expected.is_some()))?;
+        let tracked = found.as_ref().zip(expected.as_ref()).is_none_or(|(history, contact)| history.fits(contact));
+        same("lists of near faces", usize::from(tracked), 1)
     }
 }
 

@@ -144,6 +144,53 @@ impl Sheet {
         at(pole).1.above_the_clamp()
     }
 
+    /// Two circles of stress-free radius `radius` (m), clamped at that radius, the second `gap` (m) above the first, which
+    /// the `pressure` (Pa) under the first presses on each other without friction: height of the pole over the clamp of each, m.
+    ///
+    /// Where they touch both have the slope φ(s) over the arc s, (R P₁)′ = P₂ cos φ/λ₁ for each, and together
+    /// φ′ Σ R P₁ = −sin φ Σ P₂/λ₁ − q r/h; beyond, each is free. Three figures are found: the stretches at the pole, and the arc
+    /// at which they part.
+    pub fn pressed_on_another(&self, radius: f64, gap: f64, pressure: f64, guess: [f64; 3]) -> [f64; 2] {
+        let ends = |[first, second, arc]: [f64; 3]| {
+            let [r, z, angle, one, f, other, g] = self.together([first, second], arc, pressure);
+            let away = |from: f64, force: f64, pressure: f64| {
+                let start = [r, z, force * angle.cos(), force * angle.sin()];
+                self.free(&mut Shape::default(), start, from, radius, pressure)
+            };
+            [away(one, f, pressure), away(other, g, 0.0)]
+        };
+        let missing = |x: [f64; 3]| {
+            let [[r, z, ..], [s, y, ..]] = ends(x);
+            [r - radius, s - radius, y - z - gap]
+        };
+        ends(newton(missing, guess, 1e-12 * radius)).map(|[_, z, ..]| -z)
+    }
+
+    /// Two films that touch, from the pole with the stretches `pole` over `arc` (m): radius, height, slope, and material radius
+    /// and R P₁ of each.
+    fn together(&self, pole: [f64; 2], arc: f64, pressure: f64) -> [f64; 7] {
+        let slope = |_: f64, [r, _, angle, one, f, other, g]: [f64; 7]| {
+            let of = |material: f64, force: f64| {
+                let across = r / material;
+                let stretch = self.stretch(force / material, across);
+                [1.0 / stretch, self.first(across, stretch) / stretch]
+            };
+            let [a, b] = [of(one, f), of(other, g)];
+            let bend = (-(a[1] + b[1]) * angle.sin() - pressure * r / self.thickness) / (f + g);
+            [angle.cos(), angle.sin(), bend, a[0], a[1] * angle.cos(), b[0], b[1] * angle.cos()]
+        };
+        let from = 1e-4 * arc;
+        let [p, q] = pole.map(|stretch| self.first(stretch, stretch));
+        let bend = -pressure / (2.0 * self.thickness * (p / pole[0] + q / pole[1]));
+        let [one, other] = pole.map(|stretch| from / stretch);
+        let step = (arc - from) / STEPS as f64;
+        let mut y = [from, 0.0, bend * from, one, one * p, other, other * q];
+        for i in 0..STEPS {
+            y = runge_kutta(&slope, from + step * i as f64, y, step);
+        }
+        y
+    }
+
     /// The same circle under a frictionless ball of radius `ball` (m) in contact up to the material radius `contact`.
     pub fn under_ball(&self, radius: f64, clamp: f64, ball: f64, contact: f64) -> Shape {
         let at = |pole: f64| {
@@ -241,6 +288,25 @@ fn runge_kutta<const N: usize>(
     let c = slope(at + 0.5 * step, moved(0.5, &b));
     let d = slope(at + step, moved(1.0, &c));
     std::array::from_fn(|i| y[i] + step / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
+}
+
+/// Where `f` is below `small` in all components, by Newton's method with differences, from `x`.
+fn newton(f: impl Fn([f64; 3]) -> [f64; 3], mut x: [f64; 3], small: f64) -> [f64; 3] {
+    for _ in 0..40 {
+        let now = nalgebra::Vector3::from(f(x));
+        if now.amax() < small {
+            return x;
+        }
+        let column = |k: usize| {
+            let mut moved = x;
+            moved[k] *= 1.0 + 1e-6;
+            (nalgebra::Vector3::from(f(moved)) - now) / (1e-6 * x[k])
+        };
+        let slope = nalgebra::Matrix3::from_columns(&[column(0), column(1), column(2)]);
+        let change = slope.lu().solve(&-now).expect("a slope");
+        (0..3).for_each(|k| x[k] += change[k]);
+    }
+    panic!("no root near {x:?}")
 }
 
 /// Where `f`, positive at `high`, becomes negative on the way to zero: bracketed by a geometric scan.

@@ -15,6 +15,7 @@ mod contact;
 mod convergence;
 mod drop;
 mod equilibrium;
+mod film_contact;
 mod frame_force;
 mod gradient;
 mod guide_friction;

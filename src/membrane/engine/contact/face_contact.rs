@@ -6,8 +6,10 @@ use super::friction::Friction;
 use super::impulse_sums::ImpulseSums;
 use super::neighbours::NeighbourElement;
 use super::{Contact, FACE_PENETRATION, Impulse, SAGITTA_SHARE};
+use crate::engine::film_contact::{self, FilmContact};
 use crate::engine::nodes::Nodes;
 use crate::engine::rigid_body::RigidBody;
+use crate::engine::thread_pool::ThreadPool;
 
 /// Share of a penetration beyond the allowed one that is recovered in one step, so that an element which is already too
 /// deep when it is listed does not gain velocity.
@@ -92,30 +94,56 @@ impl Constraint {
 
 impl Contact {
     /// Limits the penetration of every candidate element to [`FACE_PENETRATION`]: Gauss–Seidel sweeps over the
-    /// constraints at the deepest point of each and at the nodes in contact (theory.md, section 6). Whether there was a
-    /// face contact, so that the impulses have changed.
-    pub(super) fn resolve_faces(&mut self, nodes: &mut Nodes, body: &mut RigidBody, dt: f64) -> bool {
-        if self.neighbours.face_candidates.is_empty() {
+    /// constraints at the deepest point of each, at the nodes in contact, and `between` faces (theory.md, section 6).
+    /// Whether there were any but those of nodes, so that the impulses have changed.
+    pub(super) fn resolve_faces(
+        &mut self,
+        nodes: &mut Nodes,
+        body: &mut RigidBody,
+        dt: f64,
+        pool: &ThreadPool,
+        mut between: Option<&mut FilmContact>,
+    ) -> bool {
+        if !self.lists_impulses {
             return false;
         }
         let pose = body.predicted(dt);
         let candidates = self.neighbours.face_candidates.iter().filter(|element| !self.has_small_sagitta(element));
         let faces: Vec<Constraint> =
             candidates.filter_map(|element| self.face_constraint(element.corners, nodes, body, &pose, dt)).collect();
-        if faces.is_empty() {
-            return false;
-        }
+        let has_faces = !faces.is_empty();
         let at_nodes = self.contacts.iter().flat_map(|contacts| &contacts.impulses);
         let mut constraints: Vec<Constraint> =
             at_nodes.map(|impulse| self.node_constraint(impulse, nodes, body)).chain(faces).collect();
+        let mut between = between.take_if(|between| between.is_near());
+        let films_meet = between.as_mut().is_some_and(|between| between.begin(nodes, dt, pool));
+        if !has_faces && !films_meet {
+            return false;
+        }
+        if between.is_some() {
+            constraints.extend(self.near_constraints(nodes, body, &pose, dt));
+        }
         let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
-        for _ in 0..SWEEPS {
-            let (mut change, mut largest) = (0.0_f64, 0.0_f64);
-            for constraint in &mut constraints {
-                change = change.max(constraint.solve(nodes, body, &sweep));
-                largest = largest.max(constraint.normal_impulse);
+        let [most, rounds] = if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [SWEEPS, 1] };
+        for _ in 0..rounds {
+            for done in 1..=most {
+                let (mut change, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
+                for constraint in &mut constraints {
+                    let of_this = constraint.solve(nodes, body, &sweep);
+                    change = change.max(of_this);
+                    largest = largest.max(constraint.normal_impulse);
+                    moved =
+                        moved.max(of_this * constraint.inverse_effective_mass * dt / self.offset[constraint.nodes[0]]);
+                }
+                let is_converged = match &mut between {
+                    Some(between) => between.sweep(nodes, dt) && (moved <= film_contact::TOLERANCE || done >= SWEEPS),
+                    None => change <= TOLERANCE * largest,
+                };
+                if is_converged {
+                    break;
+                }
             }
-            if change <= TOLERANCE * largest {
+            if !between.as_mut().is_some_and(|between| between.extend(nodes, dt, pool)) {
                 break;
             }
         }
@@ -151,6 +179,30 @@ impl Contact {
         let least_cosine = normals[1..].iter().map(|n| normals[0].dot(n)).fold(normals[1].dot(&normals[3]), f64::min);
         let sagitta = 8.0 * SAGITTA_SHARE * FACE_PENETRATION * self.surface.size();
         2.0 * (1.0 - least_cosine) * element.longest_squared < sagitta * sagitta
+    }
+
+    /// Constraints of nodes that are not in contact, but near enough to be pressed onto the body at `pose` by other film.
+    fn near_constraints(&self, nodes: &Nodes, body: &RigidBody, pose: &Isometry3<f64>, dt: f64) -> Vec<Constraint> {
+        let mut touching: Vec<usize> =
+            self.contacts.iter().flat_map(|contacts| &contacts.impulses).map(|impulse| impulse.node).collect();
+        touching.sort_unstable();
+        let listed = self.neighbours.nodes.iter().map(|n| *n as usize);
+        let fastest = listed.clone().map(|n| nodes.velocity_of(n).norm_squared()).fold(0.0, f64::max).sqrt();
+        let others = listed.filter(|n| touching.binary_search(n).is_err() && !nodes.is_held(*n));
+        let near = |n: usize| {
+            let found = self.surface.project(pose, &nodes.position_of(n));
+            let gap = found.distance - self.offset[n];
+            if gap > 2.0 * fastest * dt {
+                return None;
+            }
+            let arm = nodes.position_of(n).coords - pose.translation.vector;
+            let impulse = Impulse { node: n, arm, normal: found.normal, tangential: Vector3::zeros() };
+            let mut constraint = self.node_constraint(&impulse, nodes, body);
+            constraint.normal_impulse = 0.0;
+            constraint.target -= gap.max(0.0) / dt;
+            Some(constraint)
+        };
+        others.filter_map(near).collect()
     }
 
     /// The constraint of a node contact, with its `impulse`.

@@ -28,6 +28,7 @@ use serde::{Deserialize, Serialize};
 
 use super::disjoint::Disjoint;
 use super::film::Film;
+use super::film_contact::FilmContact;
 use super::nodes::{Nodes, Vectors, VelocityRecord};
 use super::rigid_body::{CoupledFilm, RigidBody};
 use super::thread_pool::ThreadPool;
@@ -53,6 +54,8 @@ pub struct Contact {
     predicted: Vec<Vector3<f64>>,
     /// Of each range of the neighbour list.
     contacts: Vec<NodeContacts>,
+    /// Whether the impulse of each node was listed in the last step.
+    lists_impulses: bool,
     /// Work since the start.
     pub(super) work: Work,
     /// Impulse of the guide on the body in the last step, N s; none without friction of the guide.
@@ -107,6 +110,7 @@ impl Contact {
             previous_velocity: Vectors::zero(nodes),
             predicted: vec![],
             contacts: vec![],
+            lists_impulses: false,
             work: Work::default(),
             guide_impulse: None,
         }
@@ -148,7 +152,8 @@ impl Contact {
 
     /// Corrects the velocities of nodes and body and the positions of nodes so that no node penetrates at the end of
     /// the step of `dt` (s), forces acting `over` (s). The nodes have their predicted positions, the body has not moved;
-    /// `before` is its motion before the forces of this step. Returns the largest speed of a node in contact, m/s.
+    /// `before` is its motion before the forces of this step; `between` is the contact between faces, which is resolved
+    /// together with this one. Returns the largest speed of a node in contact, m/s.
     pub(super) fn resolve(
         &mut self,
         nodes: &mut Nodes,
@@ -156,7 +161,9 @@ impl Contact {
         before: &RigidBody,
         [over, dt]: [f64; 2],
         pool: &ThreadPool,
+        between: Option<&mut FilmContact>,
     ) -> f64 {
+        self.lists_impulses = between.is_some() || !self.neighbours.face_candidates.is_empty();
         self.contacts.resize_with(self.neighbours.ranges.len(), NodeContacts::default);
         self.predict(nodes, body, dt, pool);
         let (corrected, guide) = self.corrected_body(body, before, over);
@@ -167,7 +174,7 @@ impl Contact {
             body.velocity.z += impulse / body.mass;
         }
         self.guide_impulse = guide;
-        if self.resolve_faces(nodes, body, dt) {
+        if self.resolve_faces(nodes, body, dt, pool, between) {
             sums = self.impulse_sums();
         }
         self.work.add(&sums, self.multiplicity, body, before);
@@ -237,7 +244,7 @@ impl Contact {
             body,
             corrected,
             dt,
-            lists_impulses: !self.neighbours.face_candidates.is_empty(),
+            lists_impulses: self.lists_impulses,
         };
         pool.each(self.neighbours.ranges.len(), |part| {
             // SAFETY: every range comes up once.
@@ -248,7 +255,7 @@ impl Contact {
     /// Nodes that were in contact in the last step, themselves or as corners of an element.
     pub(super) fn nodes_in_contact(&self) -> impl Iterator<Item = usize> + '_ {
         let listed = self.contacts.iter().flat_map(|contacts| &contacts.impulses).map(|impulse| impulse.node);
-        let unlisted = self.contacts.iter().filter(|_| self.neighbours.face_candidates.is_empty());
+        let unlisted = self.contacts.iter().filter(|_| !self.lists_impulses);
         listed.chain(unlisted.flat_map(NodeContacts::active_nodes))
     }
 }

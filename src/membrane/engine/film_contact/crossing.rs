@@ -1,0 +1,83 @@
+//! Edges of different faces that cross each other.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::surface::{NONE, Surface};
+use super::tracking::{BESIDE, Tracking, normal_of, project};
+use crate::engine::nodes::Vectors;
+
+/// Square of the sine between two edges below which they count as parallel: nodes then carry the contact.
+pub(super) const PARALLEL: f64 = 1e-4;
+
+/// Triangles over which an edge is followed at most.
+const LONGEST: usize = 512;
+
+/// An edge of one face that crosses an edge of another.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Crossing {
+    /// That of the first of the two faces, then that of the second.
+    pub(super) edges: [u32; 2],
+    /// Factor on the product of the first edge and the second that makes it point from the second to the first; zero where
+    /// contact was given up.
+    pub(super) sign: f64,
+    /// Least allowed distance, m.
+    pub(super) bound: f64,
+    /// The impulse of the last step, N s: along the normal, then tangential.
+    pub(super) impulse: [f64; 4],
+}
+
+impl Crossing {
+    /// Nodes of the first edge, then of the second.
+    pub(super) fn nodes(&self, surface: &Surface) -> [u32; 4] {
+        let [[a, b], [c, d]] = self.edges.map(|edge| surface.edges[edge as usize]);
+        [a, b, c, d]
+    }
+
+    /// Whether it fits a scene with so many edges.
+    pub(super) fn fits(&self, edges: usize) -> bool {
+        self.edges.iter().all(|edge| (*edge as usize) < edges)
+    }
+}
+
+/// Adds the crossings of the edge `walker` over the face on which its nodes are tracked by `tracking`.
+pub(super) fn walk(surface: &Surface, position: &Vectors, tracking: &Tracking, walker: u32, out: &mut Vec<Crossing>) {
+    let ends = surface.edges[walker as usize];
+    let is_tracked = |n: u32| tracking.triangle[n as usize] != NONE && tracking.sign[n as usize] != 0.0;
+    let Some(from) = ends.into_iter().find(|n| is_tracked(*n)) else { return };
+    let to = if from == ends[0] { ends[1] } else { ends[0] };
+    let [start, end] = [from, to].map(|n| Vector3::from(position.at(n as usize)));
+    let direction = {
+        let [a, b] = ends.map(|n| Vector3::from(position.at(n as usize)));
+        b - a
+    };
+    let (sign, bound) = (tracking.sign[from as usize], tracking.bound[from as usize]);
+    let (mut triangle, mut entered) = (tracking.triangle[from as usize], NONE);
+    for _ in 0..LONGEST {
+        let (at_start, normal, _) = project(surface, position, &start, triangle);
+        let (at_end, ..) = project(surface, position, &end, triangle);
+        let edges = surface.edges_of[triangle as usize];
+        let leaves = |k: &usize| at_end[*k] < -BESIDE && at_end[*k] < at_start[*k] && edges[*k] != entered;
+        let share = |k: usize| at_start[k] / (at_start[k] - at_end[k]);
+        let exit = (0..3).filter(leaves).fold(None, |first: Option<usize>, k| match first {
+            Some(other) if share(other) <= share(k) => Some(other),
+            _ => Some(k),
+        });
+        let Some(k) = exit else { return };
+        let other = edges[k];
+        let [c, d] = surface.edges[other as usize].map(|n| Vector3::from(position.at(n as usize)));
+        let across = direction.cross(&(d - c));
+        let up = across.dot(&normal) * sign;
+        if across.norm_squared() > PARALLEL * direction.norm_squared() * (d - c).norm_squared() && up != 0.0 {
+            let sign = if up > 0.0 { 1.0 } else { -1.0 };
+            // In the other order both the product and the direction are reversed, and the sign is the same.
+            out.push(Crossing { edges: [walker.min(other), walker.max(other)], sign, bound, impulse: [0.0; 4] });
+        }
+        let next = surface.across[triangle as usize][k];
+        // Past a sharp fold the edge lies under the surface that it is followed over.
+        if next == NONE || normal_of(surface, position, next).dot(&normal) < 0.0 {
+            return;
+        }
+        (triangle, entered) = (next, other);
+    }
+}

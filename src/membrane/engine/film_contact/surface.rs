@@ -1,0 +1,148 @@
+//! All faces as triangles, with their neighbours and edges. A quadrilateral is two triangles on either side of the
+//! diagonal from its first to its third corner.
+
+use std::ops::Range;
+
+use crate::engine::film::Film;
+use crate::engine::footprint::bytes;
+
+/// No triangle or no edge.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// The triangles of all faces, numbered face by face.
+pub(super) struct Surface {
+    /// Nodes of each, counterclockwise from above as mounted.
+    pub(super) corners: Vec<[u32; 3]>,
+    /// The triangle across the edge that lies opposite to each corner.
+    pub(super) across: Vec<[u32; 3]>,
+    /// The edge that lies opposite to each corner.
+    pub(super) edges_of: Vec<[u32; 3]>,
+    /// Nodes of each edge.
+    pub(super) edges: Vec<[u32; 2]>,
+    /// Whether a triangle belongs to an element that is not deleted.
+    pub(super) is_intact: Vec<bool>,
+    /// Triangles of each face.
+    pub(super) faces: Vec<Range<u32>>,
+    /// Edges of each node, one after the other.
+    edges_at: Vec<u32>,
+    /// Where those of each node begin in `edges_at`.
+    first_edge: Vec<u32>,
+    /// Triangles of each element, counted from the first of its face.
+    elements: Vec<Vec<Range<u32>>>,
+}
+
+impl Surface {
+    /// That of `films`, none of whose elements is deleted.
+    pub(super) fn new(films: &[Film]) -> Surface {
+        let (mut corners, mut faces, mut elements) = (vec![], vec![], vec![]);
+        for film in films {
+            let first = corners.len() as u32;
+            let mut of_film = vec![];
+            film.for_each_intact(|nodes| {
+                let from = corners.len() as u32;
+                corners.push([nodes[0], nodes[1], nodes[2]]);
+                if let [a, _, c, d] = *nodes {
+                    corners.push([a, c, d]);
+                }
+                of_film.push(from..corners.len() as u32);
+            });
+            faces.push(first..corners.len() as u32);
+            elements.push(of_film);
+        }
+        let count = films.last().map_or(0, |film| film.nodes.end);
+        let is_intact = vec![true; corners.len()];
+        let [across, edges_of] = [(); 2].map(|()| vec![[NONE; 3]; corners.len()]);
+        let mut surface = Surface {
+            corners,
+            across,
+            edges_of,
+            edges: vec![],
+            is_intact,
+            faces,
+            edges_at: vec![],
+            first_edge: vec![],
+            elements,
+        };
+        surface.connect(count);
+        surface
+    }
+
+    /// Finds edges and neighbours of all triangles on `count` nodes.
+    fn connect(&mut self, count: usize) {
+        let mut sides: Vec<([u32; 2], u32, usize)> = vec![];
+        for (triangle, corners) in self.corners.iter().enumerate() {
+            for k in 0..3 {
+                let (a, b) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
+                sides.push(([a.min(b), a.max(b)], triangle as u32, k));
+            }
+        }
+        sides.sort_unstable();
+        for of_edge in sides.chunk_by(|one, other| one.0 == other.0) {
+            let edge = self.edges.len() as u32;
+            self.edges.push(of_edge[0].0);
+            of_edge.iter().for_each(|(_, triangle, k)| self.edges_of[*triangle as usize][*k] = edge);
+            if let [(_, one, k), (_, other, l)] = *of_edge {
+                self.across[one as usize][k] = other;
+                self.across[other as usize][l] = one;
+            }
+        }
+        let mut at: Vec<(u32, u32)> = vec![];
+        for (edge, nodes) in self.edges.iter().enumerate() {
+            at.extend(nodes.map(|node| (node, edge as u32)));
+        }
+        at.sort_unstable();
+        self.first_edge = (0..=count).map(|node| at.partition_point(|(n, _)| (*n as usize) < node) as u32).collect();
+        self.edges_at = at.into_iter().map(|(_, edge)| edge).collect();
+    }
+
+    /// Removes the triangles of elements that were deleted since the last call. Returns whether there were any.
+    pub(super) fn remove_deleted(&mut self, films: &[Film]) -> bool {
+        let mut any = false;
+        for (film, elements) in films.iter().zip(&self.elements) {
+            let mut next = 0;
+            let mut deleted = vec![];
+            film.for_each_intact(|nodes| {
+                // Those that are intact follow in the order in which all were listed.
+                while self.corners[elements[next].start as usize] != nodes[..3] {
+                    deleted.push(next);
+                    next += 1;
+                }
+                next += 1;
+            });
+            deleted.extend(next..elements.len());
+            for triangle in deleted.into_iter().flat_map(|element| elements[element].clone()) {
+                let triangle = triangle as usize;
+                any |= self.is_intact[triangle];
+                self.is_intact[triangle] = false;
+                for k in 0..3 {
+                    let other = std::mem::replace(&mut self.across[triangle][k], NONE);
+                    if other != NONE {
+                        self.across[other as usize]
+                            .iter_mut()
+                            .filter(|t| **t == triangle as u32)
+                            .for_each(|t| *t = NONE);
+                    }
+                }
+            }
+        }
+        any
+    }
+
+    /// Edges of a node.
+    pub(super) fn edges_at(&self, node: u32) -> &[u32] {
+        let [from, to] = [0, 1].map(|k| self.first_edge[node as usize + k] as usize);
+        &self.edges_at[from..to]
+    }
+
+    /// The face of a triangle.
+    pub(super) fn face_of(&self, triangle: u32) -> usize {
+        self.faces.partition_point(|face| face.end <= triangle)
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        let of_triangles = bytes(&self.corners) + bytes(&self.across) + bytes(&self.edges_of) + bytes(&self.is_intact);
+        let of_edges = bytes(&self.edges) + bytes(&self.edges_at) + bytes(&self.first_edge);
+        of_triangles + of_edges + self.elements.iter().map(|of_film| bytes(of_film)).sum::<usize>()
+    }
+}

@@ -1,0 +1,284 @@
+//! Films that meet, against conservation laws and a search for crossings that shares nothing with the contact.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use super::*;
+use crate::engine::{
+    Contact, Energies, Engine, Fault, Impact, Loads, Mesh, Observer, RigidBody, Section, Surface, View,
+};
+use crate::material::{Elastic, Law};
+
+const THICKNESS: f64 = 1e-4;
+
+/// A square of `cells` quadrilaterals along an edge of `size` (m), turned by `angle` (rad) about its centre.
+fn square(size: f64, cells: u32, angle: f64) -> Mesh {
+    let (sin, cos) = angle.sin_cos();
+    let at = |k: u32| size * (f64::from(k) / f64::from(cells) - 0.5);
+    let place = |i: u32, j: u32| Point3::new(cos * at(i) - sin * at(j), sin * at(i) + cos * at(j), 0.0);
+    let row = cells + 1;
+    let nodes = (0..row).flat_map(|j| (0..row).map(move |i| place(i, j))).collect();
+    let quad = |i: u32, j: u32| [j * row + i, j * row + i + 1, (j + 1) * row + i + 1, (j + 1) * row + i];
+    let quads = (0..cells).flat_map(|j| (0..cells).map(move |i| quad(i, j))).collect();
+    let rim = (0..row * row).filter(|n| [n % row, n / row].iter().any(|k| [0, cells].contains(k))).collect();
+    Mesh { nodes, quads, rim, ..Mesh::default() }
+}
+
+/// Films that are about to be stepped.
+struct Scene {
+    young: f64,
+    prestrain: f64,
+    is_clamped: bool,
+    friction: f64,
+    /// Radius (m), velocity (m/s) and mass (kg) of a sphere that touches the first film from above or, if it is fixed,
+    /// the last one from below.
+    sphere: Option<(f64, f64, f64)>,
+    loads: Loads,
+}
+
+impl Default for Scene {
+    fn default() -> Scene {
+        let loads = Loads::default();
+        Scene { young: 2e8, prestrain: 0.0, is_clamped: false, friction: 0.0, sphere: None, loads }
+    }
+}
+
+impl Scene {
+    /// Squares at heights (m) with velocities (m/s).
+    fn with(self, films: &[(Mesh, f64, [f64; 3])]) -> Run {
+        let section = Section {
+            law: Law::Elastic(Elastic { young: self.young, poisson: 0.3 }),
+            density: 1000.0,
+            thickness: THICKNESS,
+            md_angle: 0.0,
+            prestrain: [self.prestrain; 2],
+            full_integration: false,
+        };
+        let mut nodes = Nodes::default();
+        let (mut mounted, mut offset) = (vec![], vec![]);
+        for (mesh, height, velocity) in films {
+            let film = Film::mount(mesh, &section, *height, &mut nodes).unwrap();
+            film.nodes.clone().for_each(|n| nodes.velocity.set(n, *velocity));
+            if self.is_clamped {
+                nodes.hold(mesh.rim.iter().map(|n| film.nodes.start + *n as usize), [true; 3]);
+            }
+            offset.resize(nodes.mass.len(), (mounted.len() as f64 + 0.5) * THICKNESS);
+            mounted.push(film);
+        }
+        let impact = self.sphere.map(|(radius, velocity, mass)| {
+            let is_fixed = velocity == 0.0;
+            if is_fixed {
+                offset.iter_mut().for_each(|offset| *offset = films.len() as f64 * THICKNESS - *offset);
+            }
+            let side = if is_fixed { -1.0 } else { 1.0 };
+            let height = if is_fixed { films[films.len() - 1].1 } else { films[0].1 };
+            let pose = Isometry3::translation(0.0, 0.0, height + side * (radius + 0.5 * THICKNESS));
+            let body =
+                if is_fixed { RigidBody::prescribed(pose, 0.0) } else { RigidBody::guided(pose, -velocity, mass) };
+            let surface = Surface::sphere(radius).unwrap();
+            Impact { body, contact: Contact::new(surface, self.friction, 1.0, offset), in_contact: true }
+        });
+        Run { engine: Engine::new(mounted, nodes, impact, self.loads).with_film_contact(self.friction) }
+    }
+}
+
+struct Run {
+    engine: Engine,
+}
+
+impl Run {
+    fn observe<T>(&mut self, read: impl FnMut(&View<'_>) -> T) -> T {
+        let mut observer = Reader { read, result: None };
+        self.engine.step(&mut observer).unwrap();
+        observer.result.unwrap()
+    }
+}
+
+struct Reader<F, T> {
+    read: F,
+    result: Option<T>,
+}
+
+impl<T, F: FnMut(&View<'_>) -> T> Observer for Reader<F, T> {
+    fn needs_state(&self, _: f64) -> bool {
+        true
+    }
+
+    fn observe(&mut self, view: &View<'_>) -> Result<(), Fault> {
+        self.result = Some((self.read)(view));
+        Ok(())
+    }
+}
+
+fn triangles(film: &Film, nodes: &Nodes) -> Vec<[Vector3<f64>; 3]> {
+    let mut out = vec![];
+    film.for_each_intact(|corners| {
+        let at = |k: usize| Vector3::from(nodes.position.at(corners[k] as usize));
+        out.push([at(0), at(1), at(2)]);
+        if corners.len() == 4 {
+            out.push([at(0), at(2), at(3)]);
+        }
+    });
+    out
+}
+
+/// Whether the line between two points passes through a triangle, by Möller and Trumbore (1997).
+fn pierces([p, q]: [Vector3<f64>; 2], [a, b, c]: [Vector3<f64>; 3]) -> bool {
+    let (direction, u, v) = (q - p, b - a, c - a);
+    let h = direction.cross(&v);
+    let det = u.dot(&h);
+    if det.abs() < 1e-30 {
+        return false;
+    }
+    let s = p - a;
+    let first = s.dot(&h) / det;
+    let r = s.cross(&u);
+    let second = direction.dot(&r) / det;
+    let along = v.dot(&r) / det;
+    first >= 0.0 && second >= 0.0 && first + second <= 1.0 && (0.0..=1.0).contains(&along)
+}
+
+/// Pairs of triangles of different films that cross each other.
+fn crossings(view: &View<'_>) -> usize {
+    let all: Vec<_> = view.films.iter().map(|film| triangles(film, view.nodes)).collect();
+    let low = |t: &[Vector3<f64>; 3]| t[0].inf(&t[1]).inf(&t[2]);
+    let high = |t: &[Vector3<f64>; 3]| t[0].sup(&t[1]).sup(&t[2]);
+    let apart = |s: &[Vector3<f64>; 3], t: &[Vector3<f64>; 3]| {
+        let (a, b) = (low(s) - high(t), low(t) - high(s));
+        (0..3).any(|k| a[k] > 0.0 || b[k] > 0.0)
+    };
+    let edges = |t: &[Vector3<f64>; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    let mut count = 0;
+    for (k, one) in all.iter().enumerate() {
+        for other in &all[k + 1..] {
+            for s in one {
+                for t in other.iter().filter(|t| !apart(s, t)) {
+                    let cross =
+                        edges(s).into_iter().any(|e| pierces(e, *t)) || edges(t).into_iter().any(|e| pierces(e, *s));
+                    count += usize::from(cross);
+                }
+            }
+        }
+    }
+    count
+}
+
+fn momentum(view: &View<'_>) -> Vector3<f64> {
+    let of = |n: usize| Vector3::from(view.nodes.velocity.at(n)) * view.nodes.mass[n];
+    (0..view.nodes.mass.len()).map(of).sum()
+}
+
+fn angular_momentum(view: &View<'_>) -> Vector3<f64> {
+    let of = |n: usize| {
+        Vector3::from(view.nodes.position.at(n)).cross(&Vector3::from(view.velocity(n))) * view.nodes.mass[n]
+    };
+    (0..view.nodes.mass.len()).map(of).sum()
+}
+
+/// What a test asks of a state.
+struct Figures {
+    momentum: Vector3<f64>,
+    angular_momentum: Vector3<f64>,
+    energies: Energies,
+    contact: FilmContactState,
+    crossings: usize,
+}
+
+impl Run {
+    /// Takes `steps` and returns the figures of the last one.
+    fn after(&mut self, steps: usize) -> Figures {
+        for _ in 1..steps {
+            self.engine.step(&mut Nothing).unwrap();
+        }
+        self.observe(|view| Figures {
+            momentum: momentum(view),
+            angular_momentum: angular_momentum(view),
+            energies: view.energies(),
+            contact: view.film_contact_state().unwrap(),
+            crossings: crossings(view),
+        })
+    }
+}
+
+impl Figures {
+    /// Error of the energy balance since `start` over the energy exchanged.
+    fn balance_error(&self, start: &Figures) -> f64 {
+        let exchanged = self.energies.exchanged(&start.energies);
+        (self.energies.total() - start.energies.total()).abs() / exchanged.max(1e-6)
+    }
+}
+
+/// Two free squares with meshes of their own that hit each other askew at 5 m/s.
+#[test]
+fn sheets_that_collide_keep_momentum_and_energy_and_do_not_cross() {
+    for friction in [0.0, 0.3] {
+        let films = [(square(0.1, 10, 0.0), 2e-3, [0.0, 0.0, -3.0]), (square(0.08, 9, 0.4), 0.0, [0.4, 0.0, 2.0])];
+        let mut run = Scene { friction, ..Scene::default() }.with(&films);
+        let start = run.after(1);
+        let mut touched = 0;
+        for _ in 0..60 {
+            let now = run.after(10);
+            touched = touched.max(now.contact.nodes);
+            assert!((now.momentum - start.momentum).norm() < 1e-13 * start.energies.kinetic_film.max(1.0));
+            // Points in touch are as far apart as the films are thick: friction has an arm of that length.
+            assert!((now.angular_momentum - start.angular_momentum).norm() < 2e-8, "{}", now.angular_momentum);
+            assert!(now.balance_error(&start) < 1e-4, "{:?}", now.energies);
+            assert_eq!((now.crossings, now.contact.lost), (0, 0), "{:?}", now.contact);
+            assert!(now.contact.distance > 0.8 * THICKNESS, "{:?}", now.contact);
+        }
+        assert!(touched > 50, "{touched}");
+    }
+}
+
+/// Two clamped squares, 10 mm apart, that a sphere presses on each other, with meshes that fit and that do not.
+#[test]
+fn a_sphere_presses_two_films_on_each_other() {
+    for angle in [0.0, 0.3] {
+        let films = [(square(0.2, 20, 0.0), 0.01, [0.0; 3]), (square(0.2, 20, angle), 0.0, [0.0; 3])];
+        let sphere = Some((0.05, 4.0, 0.5));
+        let scene = Scene { prestrain: 0.02, is_clamped: true, friction: 0.3, sphere, ..Scene::default() };
+        let mut run = scene.with(&films);
+        let start = run.after(1);
+        let mut lowest = f64::INFINITY;
+        while run.engine.time() < 0.025 {
+            let now = run.after(50);
+            lowest = lowest.min(run.engine.impact.as_ref().unwrap().body.centre().z);
+            assert_eq!((now.crossings, now.contact.lost), (0, 0), "{:?}", now.contact);
+            assert!(now.contact.distance > 0.7 * THICKNESS, "{:?}", now.contact);
+            assert!(now.balance_error(&start) < 2e-4, "{} {:?}", now.balance_error(&start), now.energies);
+        }
+        assert!(lowest < 0.023, "the second film was pressed down: {lowest}");
+    }
+}
+
+/// Three squares that fall on a ball one after the other and come to rest on each other.
+#[test]
+fn cloths_come_to_rest_on_a_ball_without_crossing() {
+    let loads = Loads { gravity: 9.81, damping: 8.0, ..Loads::default() };
+    let films = [(0.20, 20, 0.3, 0.03), (0.18, 19, 0.7, 0.02), (0.19, 17, 0.0, 0.01)]
+        .map(|(size, cells, angle, height)| (square(size, cells, angle), height, [0.0; 3]));
+    let scene = Scene { young: 2e6, friction: 0.3, sphere: Some((0.12, 0.0, 1.0)), loads, ..Scene::default() };
+    let mut run = scene.with(&films);
+    let start = run.after(1);
+    let mut last = run.after(1);
+    while run.engine.time() < 0.45 {
+        last = run.after(50);
+        assert_eq!(last.crossings, 0, "at {} s: {:?}", run.engine.time(), last.contact);
+        assert!(last.balance_error(&start) < 1e-3, "{:?}", last.energies);
+    }
+    let fallen = start.energies.potential - last.energies.potential;
+    assert!(last.energies.kinetic_film < 1e-5 * fallen, "{:?}", last.energies);
+    assert!(last.contact.nodes > 600, "{:?}", last.contact);
+}
+
+/// An observer that needs no state.
+struct Nothing;
+
+impl Observer for Nothing {
+    fn needs_state(&self, _: f64) -> bool {
+        false
+    }
+
+    fn observe(&mut self, _: &View<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
+}
