@@ -288,10 +288,10 @@ fn faces() {
     let sixteen: Vec<String> = (0..16).map(|k| format!("\"{:.3} mm\"", -0.012 * f64::from(k))).collect();
     let scenes = [
         ("1008: 2 faces of 8 layers, 30 mm apart", vec![]),
-        ("16 separate layers of 1008 on each other", vec![
-            "layers.count=1".to_owned(),
-            format!("layers.faces=[{}]", sixteen.join(", ")),
-        ]),
+        (
+            "16 separate layers of 1008 on each other",
+            vec!["layers.count=1".to_owned(), format!("layers.faces=[{}]", sixteen.join(", "))],
+        ),
     ];
     for (name, changes) in scenes {
         let with = |film: bool| {

@@ -23,8 +23,10 @@ pub(super) struct Crossing {
     pub(super) sign: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
-    /// The impulse of the last step, N s: along the normal, then tangential.
+    /// The last impulse, N s: along the normal, then tangential.
     pub(super) impulse: [f64; 4],
+    /// The step in which that was.
+    pub(super) pressed: u64,
 }
 
 impl Crossing {
@@ -71,7 +73,13 @@ pub(super) fn walk(surface: &Surface, position: &Vectors, tracking: &Tracking, w
         if across.norm_squared() > PARALLEL * direction.norm_squared() * (d - c).norm_squared() && up != 0.0 {
             let sign = if up > 0.0 { 1.0 } else { -1.0 };
             // In the other order both the product and the direction are reversed, and the sign is the same.
-            out.push(Crossing { edges: [walker.min(other), walker.max(other)], sign, bound, impulse: [0.0; 4] });
+            out.push(Crossing {
+                edges: [walker.min(other), walker.max(other)],
+                sign,
+                bound,
+                impulse: [0.0; 4],
+                pressed: 0,
+            });
         }
         let next = surface.across[triangle as usize][k];
         // Past a sharp fold the edge lies under the surface that it is followed over.

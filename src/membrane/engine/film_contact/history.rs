@@ -13,7 +13,6 @@ use crate::engine::film::Film;
 pub(crate) struct FilmContactHistory {
     tracked: [Vec<Tracked>; 2],
     crossings: Vec<Crossing>,
-    pressed: Vec<(usize, u32)>,
     stale: Vec<u32>,
     margin: f64,
     last_motion: f64,
@@ -29,7 +28,6 @@ impl FilmContactHistory {
         let (triangles, edges) = (surface.corners.len(), surface.edges.len());
         self.tracked.iter().flatten().all(|tracked| tracked.fits(nodes, triangles))
             && self.crossings.iter().all(|crossing| crossing.fits(edges))
-            && self.pressed.iter().all(|(side, node)| *side < 2 && (*node as usize) < nodes)
             && self.stale.iter().all(|edge| (*edge as usize) < edges)
     }
 }
@@ -40,7 +38,6 @@ impl FilmContact {
         FilmContactHistory {
             tracked: [0, 1].map(|side| self.tracking[side].save()),
             crossings: self.crossings.clone(),
-            pressed: self.pressed.clone(),
             stale: self.stale.clone(),
             margin: self.margin,
             last_motion: self.last_motion,
@@ -58,7 +55,6 @@ impl FilmContact {
         }
         self.is_near = self.tracking.iter().any(|tracking| tracking.triangle.iter().any(|t| *t != NONE));
         self.crossings = history.crossings;
-        self.pressed = history.pressed;
         self.stale = history.stale;
         self.margin = history.margin;
         self.last_motion = history.last_motion;

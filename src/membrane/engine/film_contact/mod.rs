@@ -79,8 +79,8 @@ pub struct FilmContact {
     predicted: Vectors,
     /// Edges whose crossings have to be found anew.
     stale: Vec<u32>,
-    /// Tracked nodes with an impulse in the last step.
-    pressed: Vec<(usize, u32)>,
+    /// Whether an edge is one of these, while they are found.
+    is_stale: Vec<bool>,
     /// Whether any node follows another face.
     is_near: bool,
     /// Bound on the motion of a node in the last step, m.
@@ -148,7 +148,7 @@ impl FilmContact {
             previous_velocity: Vectors::zero(count),
             predicted: Vectors::default(),
             stale: vec![],
-            pressed: vec![],
+            is_stale: vec![],
             is_near: false,
             last_motion: 0.0,
             steps: 0,
@@ -161,7 +161,7 @@ impl FilmContact {
     pub(super) fn bytes(&self) -> usize {
         let tracking: usize = self.tracking.iter().map(Tracking::bytes).sum();
         let velocity = self.previous_velocity.bytes() + self.predicted.bytes();
-        self.surface.bytes() + tracking + velocity + bytes(&self.crossings)
+        self.surface.bytes() + tracking + velocity + bytes(&self.crossings) + bytes(&self.is_stale)
     }
 
     /// Searches anew before the next step, after film was moved.
@@ -289,10 +289,15 @@ impl FilmContact {
         if self.stale.is_empty() {
             return;
         }
-        self.stale.sort_unstable();
-        self.stale.dedup();
-        let is_stale = |crossing: &Crossing| crossing.edges.iter().any(|edge| self.stale.binary_search(edge).is_ok());
-        let (mut old, kept): (Vec<Crossing>, Vec<Crossing>) = self.crossings.drain(..).partition(is_stale);
+        self.is_stale.resize(self.surface.edges.len(), false);
+        self.stale.iter().for_each(|edge| self.is_stale[*edge as usize] = true);
+        let mut old = vec![];
+        self.crossings.retain(|crossing| {
+            let is_stale = crossing.edges.iter().any(|edge| self.is_stale[*edge as usize]);
+            old.extend(is_stale.then_some(*crossing));
+            !is_stale
+        });
+        self.stale.iter().for_each(|edge| self.is_stale[*edge as usize] = false);
         let mut walkers: Vec<u32> =
             old.iter().flat_map(|crossing| crossing.edges).chain(self.stale.drain(..)).collect();
         walkers.sort_unstable();
@@ -306,13 +311,12 @@ impl FilmContact {
         old.sort_unstable_by_key(|crossing| crossing.edges);
         for crossing in &mut found {
             if let Ok(place) = old.binary_search_by_key(&crossing.edges, |old| old.edges) {
-                crossing.impulse = old[place].impulse;
+                (crossing.impulse, crossing.pressed) = (old[place].impulse, old[place].pressed);
                 if old[place].sign != 0.0 {
                     crossing.sign = old[place].sign;
                 }
             }
         }
-        self.crossings = kept;
         self.crossings.extend(found);
         self.crossings.sort_by_key(|crossing| crossing.edges);
         self.crossings.dedup_by_key(|crossing| crossing.edges);
@@ -323,11 +327,17 @@ impl FilmContact {
     pub(super) fn begin(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
         self.constraints = self.detect(nodes, dt, pool);
         for constraint in &mut self.constraints {
-            let impulse = match constraint.source {
-                Source::Node { side, node } => self.tracking[side].impulse[node as usize],
-                Source::Crossing(place) => self.crossings[place].impulse,
+            let (impulse, pressed) = match constraint.source {
+                Source::Node { side, node } => {
+                    let tracking = &self.tracking[side];
+                    (tracking.impulse[node as usize], tracking.pressed[node as usize])
+                }
+                Source::Crossing(place) => (self.crossings[place].impulse, self.crossings[place].pressed),
             };
-            constraint.start_from(impulse, &mut nodes.velocity);
+            // Steps count from one here, since nothing is pressed in step zero.
+            if pressed == self.steps && pressed > 0 {
+                constraint.start_from(impulse, &mut nodes.velocity);
+            }
         }
         !self.constraints.is_empty()
     }
@@ -494,10 +504,6 @@ impl FilmContact {
     /// Moves the nodes by the impulses of a step of `dt` (s), stores these, and adds their work. Returns the largest speed of
     /// these nodes, m/s.
     pub(super) fn finish(&mut self, nodes: &mut Nodes, dt: f64) -> f64 {
-        for (side, node) in self.pressed.drain(..) {
-            self.tracking[side].impulse[node as usize] = [0.0; 4];
-        }
-        self.crossings.iter_mut().for_each(|crossing| crossing.impulse = [0.0; 4]);
         let Nodes { position, velocity, .. } = nodes;
         let mut fastest = 0.0_f64;
         for constraint in &mut self.constraints {
@@ -505,9 +511,12 @@ impl FilmContact {
             match constraint.source {
                 Source::Node { side, node } => {
                     self.tracking[side].impulse[node as usize] = constraint.impulse();
-                    self.pressed.push((side, node));
+                    self.tracking[side].pressed[node as usize] = self.steps + 1;
                 }
-                Source::Crossing(place) => self.crossings[place].impulse = constraint.impulse(),
+                Source::Crossing(place) => {
+                    let crossing = &mut self.crossings[place];
+                    (crossing.impulse, crossing.pressed) = (constraint.impulse(), self.steps + 1);
+                }
             }
             let [normal, tangential] = constraint.work(&self.previous_velocity, velocity);
             self.work.impact_loss -= self.multiplicity * normal;

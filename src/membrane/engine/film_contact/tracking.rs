@@ -25,8 +25,10 @@ pub(super) struct Tracking {
     pub(super) sign: Vec<f64>,
     /// Least allowed distance, m.
     pub(super) bound: Vec<f64>,
-    /// The impulse of the last step, N s: along the normal, then tangential.
+    /// The last impulse, N s: along the normal, then tangential.
     pub(super) impulse: Vec<[f64; 4]>,
+    /// The step in which that was.
+    pub(super) pressed: Vec<u64>,
 }
 
 /// What a tracked node stores from step to step.
@@ -37,6 +39,7 @@ pub(super) struct Tracked {
     sign: f64,
     bound: f64,
     impulse: [f64; 4],
+    pressed: u64,
 }
 
 /// The point of a surface next to another one.
@@ -63,6 +66,7 @@ impl Tracking {
             sign: vec![0.0; count],
             bound: vec![0.0; count],
             impulse: vec![[0.0; 4]; count],
+            pressed: vec![0; count],
         }
     }
 
@@ -79,7 +83,7 @@ impl Tracking {
         self.triangle[node] = NONE;
         self.corners.iter_mut().for_each(|corner| corner[node] = node as u32);
         self.sign[node] = 0.0;
-        self.impulse[node] = [0.0; 4];
+        self.pressed[node] = 0;
     }
 
     /// What is tracked.
@@ -91,6 +95,7 @@ impl Tracking {
             sign: self.sign[n],
             bound: self.bound[n],
             impulse: self.impulse[n],
+            pressed: self.pressed[n],
         };
         tracked.map(entry).collect()
     }
@@ -98,17 +103,22 @@ impl Tracking {
     /// Restores what was saved for the same faces.
     pub(super) fn restore(&mut self, saved: &[Tracked], surface: &Surface) {
         *self = Tracking::new(self.triangle.len());
-        for Tracked { node, triangle, sign, bound, impulse } in saved {
+        for Tracked { node, triangle, sign, bound, impulse, pressed } in saved {
             let n = *node as usize;
             self.follow(n, *triangle, *sign, surface);
-            (self.bound[n], self.impulse[n]) = (*bound, *impulse);
+            (self.bound[n], self.impulse[n], self.pressed[n]) = (*bound, *impulse, *pressed);
         }
     }
 
     /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
         let corners: usize = self.corners.iter().map(|corner| bytes(corner)).sum();
-        bytes(&self.triangle) + corners + bytes(&self.sign) + bytes(&self.bound) + bytes(&self.impulse)
+        bytes(&self.triangle)
+            + corners
+            + bytes(&self.sign)
+            + bytes(&self.bound)
+            + bytes(&self.impulse)
+            + bytes(&self.pressed)
     }
 }
 
