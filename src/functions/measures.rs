@@ -15,6 +15,7 @@ pub(super) fn register(engine: &mut Engine) {
             let found = hic::head_injury_criterion(s, seconds(&window, "the window")?);
             found.map(|hic| hic.value).map_err(refuse)
         })
+        .register_fn("hic_d", hic_d)
         .register_fn("clip", |s: &mut Series, duration: Dynamic| clip(s, &duration, Counting::Cumulative))
         .register_fn("clip_contiguous", |s: &mut Series, duration: Dynamic| clip(s, &duration, Counting::Contiguous))
         .register_fn("rate", rate)
@@ -22,6 +23,10 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("shifted", shifted)
         .register_fn("times", |context: NativeCallContext, s: &mut Series| list(&context, s.time()))
         .register_fn("values", |context: NativeCallContext, s: &mut Series| list(&context, s.values()));
+}
+
+fn hic_d(s: &mut Series) -> HostResult<f64> {
+    hic::head_injury_criterion(s, hic::LONG_WINDOW).map(|hic| hic::dummy_equivalent(hic.value)).map_err(refuse)
 }
 
 fn seconds(milliseconds: &Dynamic, what: &str) -> HostResult<f64> {
@@ -89,6 +94,12 @@ pub const ENTRIES: &[Entry] = &[
         example: "let s = signal([0, 0.05], [490.3325, 490.3325]).resampled(0.001); (s.hic(15) - 265.165).abs() < 0.001",
     },
     Entry {
+        call: "signal.hic_d()",
+        gives: "HIC(d), the head injury criterion of a free-motion head form as that of a dummy: 0.75446 HIC36 + 166.4 (49 CFR \
+                571.201)",
+        example: "let s = signal([0, 0.05], [490.3325, 490.3325]).resampled(0.001); (s.hic_d() - (0.75446 * s.hic(36) + 166.4)).abs() < 1e-9",
+    },
+    Entry {
         call: "signal.clip(ms)",
         gives: "the highest level that is exceeded for that many ms in total, usually 3",
         example: "let s = signal([0, 0.005, 0.01], [0, 100, 0]); (s.clip(3) - 70).abs() < 0.001",
@@ -129,6 +140,7 @@ mod tests {
     fn mistakes_are_reported() {
         let cases = [
             ("signal([0, 1], [-1, -2]).hic(1500)", "the mean acceleration is positive between no two samples"),
+            ("signal([0, 1], [-1, -2]).hic_d()", "the mean acceleration is positive between no two samples"),
             ("signal([0, 1], [1, 2]).hic(-1)", "a window of -0.001 s is not positive"),
             ("signal([0, 0.001], [1, 2]).clip(3)", "holds no level for 0.003 s"),
             ("let s = signal([0, 1], [0, 0]); rate(s, s)", "the reference is zero everywhere"),

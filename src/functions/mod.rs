@@ -15,6 +15,7 @@ mod recording;
 mod results;
 mod signal;
 mod table;
+mod threshold;
 
 use rhai::Engine;
 
@@ -33,6 +34,7 @@ pub const REFERENCE: &[Chapter] = &[
     Chapter { title: "coupon tests", entries: coupon::ENTRIES },
     Chapter { title: "drop tests", entries: drop::ENTRIES },
     Chapter { title: "random numbers", entries: random::ENTRIES },
+    Chapter { title: "thresholds", entries: threshold::ENTRIES },
     Chapter { title: "tables (droptower script)", entries: table::ENTRIES },
     Chapter { title: "recordings (droptower script)", entries: recording::ENTRIES },
 ];
@@ -43,6 +45,7 @@ pub fn engine(limits: Limits) -> Engine {
     signal::register(&mut engine);
     measures::register(&mut engine);
     random::register(&mut engine);
+    threshold::register(&mut engine);
     drop::register(&mut engine);
     curve::register(&mut engine);
     coupon::register(&mut engine);

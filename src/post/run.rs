@@ -122,6 +122,8 @@ pub(super) fn facts(model: &Model) -> serde_json::Map<String, Value> {
     facts.insert("title".into(), json!(model.title));
     let layers: Vec<u32> = model.faces.iter().map(|face| face.layers).collect();
     facts.insert("layers".into(), json!(layers));
+    let thickness: Vec<f64> = model.faces.iter().map(|face| face.material.thickness).collect();
+    facts.insert("thickness".into(), json!(thickness));
     let prestrain: Vec<[f64; 2]> = model.faces.iter().map(|face| face.prestrain).collect();
     facts.insert("prestrain".into(), json!(prestrain));
     if let Some(impactor) = model.impactor.as_ref().filter(|impactor| impactor.mass.is_finite()) {
@@ -195,8 +197,8 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry {
         call: "run.model.<fact>",
-        gives: "what was run: name, title, layers and prestrain ([md, td]; lists with one entry per face), and of its loading \
-                mass (kg), velocity (m/s), gravity (m/s²), duration (s), angle (rad), until, depth (m), pressure (Pa), ramp (s)",
-        example: "run.model.layers[0] == 8 && run.model.mass > 10",
+        gives: "what was run: name, title, layers, thickness of one layer (m) and prestrain ([md, td]; lists with one entry per \
+                face), and of its loading mass (kg), velocity (m/s), gravity (m/s²), duration (s), angle (rad), until, depth (m), pressure (Pa), ramp (s)",
+        example: "run.model.layers[0] == 8 && run.model.thickness[0] == 12e-6 && run.model.mass > 10",
     },
 ];

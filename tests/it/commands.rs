@@ -18,19 +18,6 @@ fn standard_output(arguments: &[&str]) -> String {
 }
 
 #[test]
-fn templates_pass_the_check_and_are_not_overwritten() {
-    let folder = tempfile::tempdir().expect("a folder");
-    for kind in ["drop", "dart", "coupon", "indent", "pressure"] {
-        let path = folder.path().join(format!("{kind}.toml"));
-        let path = path.to_str().expect("UTF-8");
-        standard_output(&["new", kind, path]);
-        assert!(standard_output(&["check", path]).starts_with("ok"));
-        let again = droptower(&["new", kind, path]);
-        assert_eq!(again.status.code(), Some(2));
-    }
-}
-
-#[test]
 fn mistakes_exit_with_two_and_are_printed_as_json() {
     let tower = "tests/it/broken/parts/tower.toml";
     let output = droptower(&["check", "--json", tower, "--set", "layers.count=0"]);

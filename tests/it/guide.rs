@@ -62,15 +62,15 @@ fn every_command_of_the_guide_succeeds() {
         fs::write(folder.path().join(name), text).expect("a file of the guide");
     }
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
-    assert!(names.contains(&"dart.toml") && names.contains(&"staircase.rhai"), "{names:?}");
+    assert!(names.contains(&"dart.toml") && names.contains(&"mesh.rhai"), "{names:?}");
 
     let sessions: Vec<&Block> = blocks.iter().filter(|block| block.language == "console").collect();
     assert!(sessions.len() >= 5);
     sessions.iter().for_each(|session| run(folder.path(), session));
 
-    let summary = fs::read(folder.path().join("runs/staircase/summary.json")).expect("a summary");
+    let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
     let summary: serde_json::Value = serde_json::from_slice(&summary).expect("JSON");
     let mass = summary["failure_mass_kg"].as_f64().expect("a failure mass");
     assert!((0.03..0.12).contains(&mass), "{mass} kg");
-    assert_eq!(summary["tables"]["drops"].as_array().map(Vec::len), Some(20));
+    assert!(summary["tables"]["drops"].as_array().is_some_and(|drops| drops.len() >= 20));
 }

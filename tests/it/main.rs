@@ -18,11 +18,13 @@ mod paraview;
 #[cfg(feature = "rerun")]
 mod playback;
 mod recordings;
+mod restraint;
 mod resume;
 mod runs;
 mod shipped;
 mod signals;
 mod slow;
+mod templates;
 mod verification;
 mod view;
 mod virtual_drops;

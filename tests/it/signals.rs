@@ -128,7 +128,9 @@ fn a_square_pulse_has_its_criterion_and_its_clip() {
     assert!(
         (number(&hic, "mean_g") - 50.0).abs() < 1e-9 && number(&hic, "t1_s") >= 0.03 && number(&hic, "t2_s") <= 0.05
     );
-    assert!(hic.get("filter_class").is_none(), "{hic}");
+    assert!(hic.get("filter_class").is_none() && hic.get("hic_d").is_none(), "{hic}");
+    let hic = json(&["hic", path, "--unit", "g", "--window", "36", "--json"]);
+    assert!((number(&hic, "hic_d") - (0.75446 * number(&hic, "hic") + 166.4)).abs() < 1e-9, "{hic}");
     for counting in ["cumulative", "contiguous"] {
         let clip = json(&["clip", path, "--unit", "g", "--counting", counting, "--json"]);
         assert!((number(&clip, "clip_g") - 50.0).abs() < 1e-9, "{clip}");

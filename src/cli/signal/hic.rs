@@ -9,7 +9,7 @@ use crate::cli::argument::milliseconds;
 use crate::cli::{Failure, Shared, print_figures};
 use crate::diagnostic::Diagnostic;
 use crate::number::clean_time;
-use crate::signal::hic::head_injury_criterion;
+use crate::signal::hic::{LONG_WINDOW, dummy_equivalent, head_injury_criterion};
 use crate::units::STANDARD_GRAVITY;
 
 #[derive(Debug, Args)]
@@ -25,6 +25,8 @@ pub(crate) struct HicArgs {
 struct Figures {
     hic: f64,
     window_ms: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hic_d: Option<f64>,
     t1_s: f64,
     t2_s: f64,
     duration_ms: f64,
@@ -49,6 +51,7 @@ fn figures(args: &HicArgs) -> Result<Figures, Diagnostic> {
     Ok(Figures {
         hic: found.value,
         window_ms: args.window,
+        hic_d: (args.window == 1e3 * LONG_WINDOW).then(|| dummy_equivalent(found.value)),
         t1_s: clean_time(found.start),
         t2_s: clean_time(found.end),
         duration_ms: clean_time(1e3 * (found.end - found.start)),
@@ -61,9 +64,11 @@ fn figures(args: &HicArgs) -> Result<Figures, Diagnostic> {
 
 fn text(args: &HicArgs, figures: &Figures) -> String {
     let Figures { hic, window_ms, t1_s, t2_s, duration_ms, mean_g, .. } = figures;
+    let of_head_form = figures.hic_d.map(|hic_d| format!("HIC(d) {hic_d:.3}, were it of a free-motion head form\n"));
     let text = format!(
-        "HIC{window_ms}  {hic:.3}  {mean_g:.2} g over {duration_ms:.3} ms, from {t1_s:.6} s to {t2_s:.6} s, {}\n{}",
+        "HIC{window_ms}  {hic:.3}  {mean_g:.2} g over {duration_ms:.3} ms, from {t1_s:.6} s to {t2_s:.6} s, {}\n{}{}",
         args.acceleration.treated(),
+        of_head_form.unwrap_or_default(),
         figures.remarks.lines()
     );
     text.trim_end().to_owned()

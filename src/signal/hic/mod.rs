@@ -27,6 +27,15 @@ pub struct Hic {
     pub mean: f64,
 }
 
+/// The longest interval of HIC36, s.
+pub const LONG_WINDOW: f64 = 0.036;
+
+/// HIC(d): what a dummy's head would have shown where a free-motion head form showed the criterion `hic36` over at most
+/// 36 ms. 49 CFR 571.201, S7.
+pub fn dummy_equivalent(hic36: f64) -> f64 {
+    0.75446 * hic36 + 166.4
+}
+
 /// Why an acceleration has no head injury criterion.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum HicError {

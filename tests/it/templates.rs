@@ -1,0 +1,107 @@
+//! `droptower new`: every template checks, and those of standards give the figures of their standard.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value as Json;
+
+use crate::workbench::{close, droptower, error, printed};
+
+const STANDARDS: [&str; 6] = ["d1709-a", "d1709-b", "d7192", "d5748", "iso7765-2", "en14477"];
+
+#[test]
+fn templates_pass_the_check_and_are_not_overwritten() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for kind in ["drop", "dart", "coupon", "indent", "pressure"].iter().chain(&STANDARDS) {
+        let path = format!("{kind}.toml");
+        printed(&droptower(folder.path(), &["new", kind, &path]));
+        assert!(printed(&droptower(folder.path(), &["check", &path])).starts_with("ok"), "{kind}");
+        assert_eq!(droptower(folder.path(), &["new", kind, &path]).status.code(), Some(2));
+    }
+}
+
+#[test]
+fn a_script_of_the_user_is_not_replaced() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("puncture.rhai"), "log(1);").expect("writable");
+    let output = droptower(folder.path(), &["new", "d5748", "probe.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("puncture.rhai already exists"), "{}", error(&output));
+    assert!(!folder.path().join("probe.toml").exists());
+}
+
+/// The summary of a template after `changes`, run in `folder`.
+fn run(folder: &Path, kind: &str, changes: &[&str]) -> Json {
+    let path = format!("{kind}.toml");
+    let tried = printed(&droptower(folder, &["new", kind, &path]));
+    assert!(tried.contains("; try: droptower "), "{tried}");
+    let sets = changes.iter().flat_map(|change| ["--set", change]);
+    let arguments: Vec<&str> = ["run", &path].into_iter().chain(sets).collect();
+    printed(&droptower(folder, &arguments));
+    let summary = fs::read_to_string(folder.join(format!("runs/{kind}/summary.json"))).expect("a summary");
+    serde_json::from_str(&summary).expect("JSON")
+}
+
+fn figure(summary: &Json, name: &str) -> f64 {
+    summary[name].as_f64().unwrap_or_else(|| panic!("{name} is missing in {summary}"))
+}
+
+/// On meshes twice as coarse, whose figures lie above the shipped ones; the bounds are those of a film that is neither
+/// broken at first contact nor stretched to the depth.
+#[test]
+fn puncture_tests_give_force_travel_and_energy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cases = [
+        ("d7192", "1.5mm", [3.5, 6.5], [30e-3, 40e-3]),
+        ("iso7765-2", "1.5mm", [6.0, 9.0], [24e-3, 32e-3]),
+        ("d5748", "2.4mm", [4.5, 8.0], [38e-3, 50e-3]),
+        ("en14477", "0.15mm", [0.25, 0.45], [3.0e-3, 4.5e-3]),
+    ];
+    for (kind, size, force, travel) in cases {
+        let mesh = format!("specimen.mesh.size={size}");
+        let summary = run(folder.path(), kind, &[&mesh, "output.frames=2"]);
+        let between = |name: &str, [least, most]: [f64; 2]| {
+            let value = figure(&summary, name);
+            assert!((least..most).contains(&value), "{kind}: {name} is {value}");
+        };
+        between("puncture_force_N", force);
+        between("break_travel_m", travel);
+        let energies = ["puncture_energy_J", "break_energy_J", "total_energy_J"].map(|name| figure(&summary, name));
+        assert!(energies[1] <= energies[2] * 1.0001 && energies[0] <= energies[2] * 1.0001, "{kind}: {energies:?}");
+        // Another way to the same work: the force over the depth, and the energy that the impactor lost.
+        if let Some(work) = summary["work_J"].as_f64() {
+            close(energies[2], work, 1e-3);
+        } else {
+            let signals = fs::read_to_string(folder.path().join(format!("runs/{kind}/signals.csv"))).expect("signals");
+            let column =
+                signals.lines().next().expect("a header").split(',').position(|name| name == "absorbed_energy_J");
+            let last = signals.lines().last().expect("rows").split(',').nth(column.expect("a column"));
+            close(energies[2], last.expect("a cell").parse().expect("a number"), 5e-3);
+        }
+    }
+}
+
+/// The bisected mass parts darts that the film holds from those that break it, and the staircase finds it within a step.
+#[test]
+fn the_failure_mass_of_a_dart_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for kind in ["d1709-a", "d1709-b"] {
+        let coarse = "specimen.mesh.size=8mm";
+        let path = format!("{kind}.toml");
+        printed(&droptower(folder.path(), &["new", kind, &path]));
+        let search =
+            ["script", "failure-mass.rhai", "--scenario", &path, "--set", coarse, "--arg", "scatter=0", "--force"];
+        printed(&droptower(folder.path(), &search));
+        let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
+        let summary: Json = serde_json::from_slice(&summary).expect("JSON");
+        let mass = figure(&summary, "threshold_mass_kg");
+        for (share, broke) in [(0.98, false), (1.02, true)] {
+            let dart = format!("impactor.mass={}", share * mass);
+            let output = droptower(folder.path(), &["run", &path, "--set", coarse, "--set", &dart, "--json"]);
+            let runs: Json = serde_json::from_str(&printed(&output)).expect("JSON");
+            assert!(runs.to_string().contains(&format!("\"ruptured\":{broke}")), "{kind} at {share}: {runs}");
+        }
+        close(figure(&summary, "failure_mass_kg"), mass, 0.08);
+        assert_eq!(summary["tables"]["drops"].as_array().map(Vec::len), Some(20));
+    }
+}
