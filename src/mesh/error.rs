@@ -15,6 +15,12 @@ pub enum MeshError {
         /// m.
         size: f64,
     },
+    /// The growth of the elements of a graded mesh is not positive or not finite.
+    #[error("expected a positive growth of the elements, found {growth}")]
+    Growth {
+        /// Edge length per distance.
+        growth: f64,
+    },
     /// A length of the outline is not positive or not finite.
     #[error("expected an outline of positive lengths, found {x} m by {y} m")]
     Outline {

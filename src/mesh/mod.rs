@@ -5,7 +5,10 @@ pub mod quality;
 
 mod disc;
 mod error;
+mod grading;
 mod grid;
+mod quadtree;
+mod smoothing;
 mod structured;
 mod topology;
 
@@ -15,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::engine::Mesh;
 pub use error::MeshError;
+pub use grading::{Grading, Zone};
 pub use quality::Quality;
 pub use topology::outer_edges;
 
@@ -51,12 +55,14 @@ pub enum Side {
 }
 
 /// How a face is divided into elements.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Meshing {
     /// Kind of its elements.
     pub element: Element,
-    /// Target edge length, m. Not used by imported meshes.
+    /// Target edge length, the largest of a graded mesh; m. Not used by imported meshes.
     pub size: f64,
+    /// Where elements are smaller.
+    pub grading: Option<Grading>,
 }
 
 /// Kind of membrane element.

@@ -34,7 +34,7 @@ pub(super) fn model() -> Model {
         material,
         md_angle: 0.0,
         prestrain: [0.0; 2],
-        meshing: Meshing { element: Element::Quad4, size: 0.01 },
+        meshing: Meshing { element: Element::Quad4, size: 0.01, grading: None },
         settle: true,
     };
     Model {

@@ -62,19 +62,46 @@ pub struct Circle {
     pub radius: Length,
 }
 
-/// What there is in place of a graded mesh.
-const EVEN: &str = "elements have one size; an imported mesh may be graded";
-
 /// Element type and size of a face.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("x-future" = { "fine": EVEN, "around": EVEN }))]
 pub struct Meshing {
     /// Type of membrane element.
     #[schemars(extend("default" = "quad4"))]
     pub element: Option<Element>,
-    /// Target edge length; required unless the mesh is imported.
+    /// Target edge length, of a graded mesh the largest; required unless the mesh is imported.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-6, 0.5]))]
     pub size: Option<Length>,
+    /// Target edge length around one place, from which elements grow to `size`; left out, all have one size.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-6, 0.5]))]
+    pub fine: Option<Length>,
+    /// Where elements are `fine`: where the impactor meets the film, or around a point of the undeformed film.
+    #[schemars(extend("default" = "impactor"))]
+    pub around: Option<Around>,
+    /// Radius of the circle in which elements are `fine`; the impactor's radius seen from above where it is left out, and
+    /// of a point zero.
+    #[schemars(extend("minimum" = 0, "x-likely" = [1e-5, 5.0]))]
+    pub within: Option<Length>,
+    /// Growth of the edge length per distance from that circle, up to `size`.
+    #[schemars(range(min = 0.02, max = 1), extend("default" = 0.25))]
+    pub growth: Option<f64>,
+}
+
+/// Where elements are fine. The validator has reported mistakes before serde tries the two forms.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Around {
+    /// Around the impactor.
+    Word(AroundChoice),
+    /// Around a point, x and y.
+    Point([Length; 2]),
+}
+
+/// A place that other keys give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum AroundChoice {
+    /// Where the impactor meets the film.
+    Impactor,
 }
 
 /// Type of membrane element.

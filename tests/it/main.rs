@@ -10,6 +10,7 @@ mod language;
 mod documents;
 mod examples;
 mod golden;
+mod graded_mesh;
 mod guide;
 mod identification;
 mod mesh;

@@ -11,7 +11,7 @@ const SQUARE: Outline = Outline::Rectangle { x: 0.4, y: 0.4 };
 const DISC: Outline = Outline::Circle { radius: 0.1 };
 
 fn build(outline: &Outline, symmetry: Symmetry, element: Element, size: f64) -> Mesh {
-    mesh::build(outline, symmetry.mirrors(), &Meshing { element, size }).unwrap()
+    mesh::build(outline, symmetry.mirrors(), &Meshing { element, size, grading: None }).unwrap()
 }
 
 fn parts(symmetry: Symmetry) -> usize {
@@ -43,7 +43,7 @@ fn rectangles_have_the_elements_that_their_size_asks_for() {
 
 #[test]
 fn absurd_meshes_are_refused() {
-    let absurd = Meshing { element: Element::Tri3, size: 1e-300 };
+    let absurd = Meshing { element: Element::Tri3, size: 1e-300, grading: None };
     for shape in [SQUARE, DISC] {
         assert!(mesh::build(&shape, [false; 2], &absurd).is_err());
     }
@@ -189,7 +189,7 @@ fn file(name: &str, text: impl AsRef<[u8]>) -> (tempfile::TempDir, PathBuf) {
 }
 
 fn import(path: &Path, symmetry: Symmetry, element: Element) -> Result<Mesh, mesh::MeshError> {
-    mesh::build(&Outline::Mesh(path.to_owned()), symmetry.mirrors(), &Meshing { element, size: 1.0 })
+    mesh::build(&Outline::Mesh(path.to_owned()), symmetry.mirrors(), &Meshing { element, size: 1.0, grading: None })
 }
 
 fn as_obj(mesh: &Mesh) -> String {
