@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::import::Fault;
+use super::polygon::PolygonFault;
 
 /// Why a film or a surface could not be meshed.
 #[derive(Debug, Error)]
@@ -37,6 +38,9 @@ pub enum MeshError {
         /// The largest number.
         limit: usize,
     },
+    /// A polygon is not the outline of a film.
+    #[error("{0}")]
+    Polygon(#[from] PolygonFault),
     /// A file is not a mesh of a film or of an impactor.
     #[error("{}: {fault}", path.display())]
     File {

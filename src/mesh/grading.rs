@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use super::{MeshError, grid};
@@ -31,6 +32,12 @@ impl Grading {
     /// Edge length at a distance from the edge of the nearest zone, of elements of at most `size`.
     pub(crate) fn size_at(&self, distance: f64, size: f64) -> f64 {
         size.min(self.fine + self.growth * distance.max(0.0))
+    }
+
+    /// Distance of a point from the edge of the nearest zone, m; negative within it.
+    pub(crate) fn distance(&self, point: Point2<f64>) -> f64 {
+        let from = |zone: &Zone| (point - Point2::from(zone.at)).norm() - zone.within;
+        self.zones.iter().map(from).fold(f64::INFINITY, f64::min)
     }
 
     /// Refuses sizes that are not positive, and meshes of an outline of these `lengths` and this `area` (m, m²) whose

@@ -1,4 +1,4 @@
-//! Meshes of films: rectangles and circles, and meshes from files.
+//! Meshes of films: rectangles, circles and polygons, and meshes from files.
 
 pub mod import;
 pub mod quality;
@@ -7,6 +7,7 @@ mod disc;
 mod error;
 mod grading;
 mod grid;
+mod polygon;
 mod quadtree;
 mod smoothing;
 mod structured;
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 pub use crate::engine::Mesh;
 pub use error::MeshError;
 pub use grading::{Grading, Zone};
+pub use polygon::{Polygon, PolygonFault};
 pub use quality::Quality;
 pub use topology::outer_edges;
 
@@ -37,7 +39,9 @@ pub enum Outline {
         /// Its radius.
         radius: f64,
     },
-    /// Nodes and elements from an STL, OBJ or VTU file, coordinates in m.
+    /// A polygon with holes, of which the edges of the outline alone are held. With symmetry it is the computed part.
+    Polygon(Polygon),
+    /// Nodes and elements from an STL, OBJ, VTU or MSH file, coordinates in m.
     Mesh(PathBuf),
 }
 
@@ -88,6 +92,7 @@ pub fn build(outline: &Outline, mirrored: [bool; 2], meshing: &Meshing) -> Resul
     match outline {
         Outline::Rectangle { x, y } => structured::rectangle([*x, *y], mirrored, meshing),
         Outline::Circle { radius } => disc::disc(*radius, mirrored, meshing),
+        Outline::Polygon(polygon) => polygon::mesh(polygon, mirrored, meshing),
         Outline::Mesh(path) => import::film(path, mirrored, meshing.element),
     }
 }

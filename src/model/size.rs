@@ -113,6 +113,7 @@ fn largest_side(shape: &Outline) -> f64 {
     match shape {
         Outline::Rectangle { x, y } => x.max(*y),
         Outline::Circle { radius } => 2.0 * radius,
+        Outline::Polygon(polygon) => polygon.extent(),
         Outline::Mesh(_) => f64::INFINITY,
     }
 }
@@ -133,13 +134,17 @@ fn elements(model: &Model, face: &Face) -> f64 {
     let (size, copies) = (face.meshing.size, model.specimen.symmetry.copies());
     let triangles = if face.meshing.element == Element::Tri3 { 2.0 } else { 1.0 };
     if let (Some(grading), Some(area)) = (&face.meshing.grading, area(&model.specimen.shape)) {
-        return GRADED * triangles * grading.cells(area, size) / copies;
+        let is_computed_part = matches!(model.specimen.shape, Outline::Polygon(_));
+        let parts = if is_computed_part { 1.0 } else { copies };
+        return GRADED * triangles * grading.cells(area, size) / parts;
     }
     let whole = match &model.specimen.shape {
         Outline::Mesh(path) => return length(path) / FILE_PER_ELEMENT,
         _ if size <= 0.0 => return 0.0, // the range was checked before
         Outline::Rectangle { x, y } => (x / size).ceil() * (y / size).ceil(),
         Outline::Circle { radius } => PI * (radius / size).powi(2),
+        // Its computed part, of irregular elements.
+        Outline::Polygon(polygon) => return 1.5 * triangles * polygon.area() / (size * size),
     };
     whole * triangles / copies
 }
@@ -148,6 +153,7 @@ fn area(shape: &Outline) -> Option<f64> {
     match shape {
         Outline::Rectangle { x, y } => Some(x * y),
         Outline::Circle { radius } => Some(PI * radius * radius),
+        Outline::Polygon(polygon) => Some(polygon.area()),
         Outline::Mesh(_) => None,
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::impactor::MeshUnit;
 use super::material::Material;
 use super::schema;
 use crate::units::{Angle, Length, Rate};
@@ -43,14 +44,15 @@ fn along_x() -> Angle {
 
 /// Outline of the film in the plane z = 0.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("x-future" = { "polygon": "any other outline is imported: `mesh`" }))]
 #[serde(rename_all = "lowercase")]
 pub enum Shape {
     /// Full side lengths along x and y.
     Rectangle(#[schemars(transform = schema::positive_items, extend("x-likely" = [1e-4, 20.0]))] [Length; 2]),
     /// A disc.
     Circle(Circle),
-    /// Nodes and elements from an STL, OBJ or VTU file, coordinates in m.
+    /// A polygon with holes, whose edges are free. With symmetry it is the computed part.
+    Polygon(Polygon),
+    /// Nodes and elements from an STL, OBJ, VTU or Gmsh (.msh) file, coordinates in m.
     Mesh(#[schemars(extend("x-path" = true))] PathBuf),
 }
 
@@ -60,6 +62,24 @@ pub struct Circle {
     /// Radius of the free span.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-4, 10.0]))]
     pub radius: Length,
+}
+
+/// A polygon with holes: corners, or a drawing.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Polygon {
+    /// Drawing in a DXF file, in place of `points`: LWPOLYLINE, POLYLINE, LINE, ARC and CIRCLE; the largest loop is the
+    /// outline, the others are holes.
+    #[schemars(extend("x-path" = true))]
+    pub file: Option<PathBuf>,
+    /// Unit of the drawing's coordinates; required where the drawing does not give it ($INSUNITS).
+    pub unit: Option<MeshUnit>,
+    /// Corners of the outline in order, x and y of each.
+    #[schemars(length(min = 3, max = 10_000), extend("x-likely" = [-20.0, 20.0]))]
+    pub points: Option<Vec<[Length; 2]>>,
+    /// Corners of each hole.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub holes: Vec<Vec<[Length; 2]>>,
 }
 
 /// Element type and size of a face.

@@ -87,7 +87,7 @@ fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {
 fn held_edges(mesh: &Mesh, hold: &Hold) -> Vec<[u32; 2]> {
     let on = |edge: &[u32; 2], side: &[u32]| edge.iter().all(|node| side.binary_search(node).is_ok());
     let is_held = |edge: &[u32; 2]| match hold {
-        Hold::All => true,
+        Hold::All => on(edge, &mesh.rim),
         Hold::Sides(sides) => sides.iter().any(|side| on(edge, &mesh.sides[*side as usize])),
         Hold::None => false,
     };
