@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{MeshError, grid};
 
 /// Sizes of the elements of a graded mesh: `fine` within the zones, growing beyond them up to the size of the meshing
-/// (theory.md, equation 19a). Lengths in m.
+/// (theory.md, equation 200). Lengths in m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grading {
     /// Edge length within the zones.

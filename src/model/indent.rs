@@ -18,7 +18,12 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
     if impactor.orientation != [0.0; 3] {
         return;
     }
-    let spans = Spans { shape: &model.specimen.shape, hold: &model.frame.hold, from: impactor.position, symmetry: model.specimen.symmetry };
+    let spans = Spans {
+        shape: &model.specimen.shape,
+        hold: &model.frame.hold,
+        from: impactor.position,
+        symmetry: model.specimen.symmetry,
+    };
     if spans.is_beside() {
         let hint = "the position of its axis is measured from the centre of the specimen";
         mistakes.report_with("impactor.position", "the impactor passes beside the film", hint);

@@ -418,6 +418,8 @@ pub struct Cushion {
 pub struct Solver {
     /// Factor on the stable time step, 0 < factor ≤ 1.
     pub step_factor: f64,
+    /// Stable time step that elements with a shorter one get by added mass, s; none where no mass is added.
+    pub smallest_step: Option<f64>,
 }
 
 /// What a run records.

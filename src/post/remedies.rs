@@ -10,9 +10,11 @@ use crate::simulate::{Failure, Fault, Warning};
 /// The warning of a run of `model` with its remedy, if there is one; `mass_scaling` is the factor that the run used.
 pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option<f64>) -> String {
     let remedy = match warning {
-        Warning::NotInEquilibrium(_) | Warning::NoContact | Warning::Unfinished | Warning::FewerSnapshots { .. } => {
-            warning.code().remedy.to_owned()
-        }
+        Warning::AddedMass { .. }
+        | Warning::NotInEquilibrium(_)
+        | Warning::NoContact
+        | Warning::Unfinished
+        | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
         Warning::Settled(_)

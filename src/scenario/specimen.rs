@@ -13,7 +13,7 @@ use crate::units::{Angle, Length, Rate};
 /// The film: outline, material, mesh.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Specimen {
-    /// Outline of the film's free span, centred on the origin.
+    /// Outline of the film's free span; rectangles and circles are centred on the origin.
     pub shape: Shape,
     /// What one layer is made of: the path of a material file, or the table itself.
     #[serde(default)]

@@ -16,6 +16,7 @@ mod identification;
 mod mesh;
 mod paper_study;
 mod paraview;
+mod polygon_mesh;
 #[cfg(feature = "rerun")]
 mod playback;
 mod recordings;

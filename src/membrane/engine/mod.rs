@@ -40,7 +40,7 @@ pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, Undef
 pub use energy::Energies;
 pub use failure::Failures;
 pub use fault::Fault;
-pub use film::Film;
+pub use film::{AddedMass, Film};
 pub use guide_friction::GuideFriction;
 pub use loads::{Jaw, Loads};
 pub use mesh::Mesh;
@@ -54,6 +54,7 @@ pub use section::Section;
 pub use state::{State, StateMismatch};
 pub use thread_pool::ThreadPool;
 use time_step::TimeStep;
+pub use time_step::add_mass;
 
 use std::ops::Range;
 

@@ -15,6 +15,8 @@ const MOST_BYTES: u64 = 64 << 20;
 const STEP: f64 = PI / 90.0;
 /// Distance over the extent of the drawing below which two ends join.
 const JOINED: f64 = 1e-6;
+/// Coordinates are whole numbers over this, 1/m: a power of two, 0.001 nm apart.
+const ROUNDED: f64 = (1_u64 << 40) as f64;
 /// Entities that are no lines of an outline.
 const NOTES: [&str; 7] = ["TEXT", "MTEXT", "DIMENSION", "LEADER", "POINT", "VIEWPORT", "ATTDEF"];
 
@@ -93,9 +95,15 @@ pub fn polygon(path: &Path, unit: Option<f64>) -> Result<Polygon, DxfFault> {
         corners.iter().zip(next).map(|(a, b)| a.coords.perp(&b.coords)).sum::<f64>().abs()
     };
     loops.sort_by(|a, b| area(b).total_cmp(&area(a)));
-    let mut loops = loops.into_iter().map(|corners| corners.iter().map(|p| [p.x * unit, p.y * unit]).collect());
+    let mut loops =
+        loops.into_iter().map(|corners| corners.iter().map(|p| [p.x, p.y].map(|c| rounded(c * unit))).collect());
     let outer = loops.next().ok_or(DxfFault::Empty)?;
     Ok(Polygon { outer, holes: loops.collect() })
+}
+
+/// A coordinate without its last digits, in which the sines of machines differ: meshes of one drawing are the same.
+fn rounded(coordinate: f64) -> f64 {
+    (coordinate * ROUNDED).round() / ROUNDED
 }
 
 /// Lines of a drawing, in its units.
@@ -130,7 +138,11 @@ impl Drawing {
                 (70, value) if section == "HEADER" && variable == "$INSUNITS" => drawing.unit = metres(value),
                 (0, kind) if section == "ENTITIES" => entities.push(Entity { kind, groups: vec![] }),
                 _ if section == "ENTITIES" => {
-                    entities.iter_mut().last().into_iter().for_each(|entity| entity.groups.push((code, value, line + 2)));
+                    entities
+                        .iter_mut()
+                        .last()
+                        .into_iter()
+                        .for_each(|entity| entity.groups.push((code, value, line + 2)));
                 }
                 _ => {}
             }
@@ -186,7 +198,11 @@ impl Drawing {
                 _ => line.push(from),
             }
         }
-        if closed { self.closed.push(line) } else { self.open.push(line) }
+        if closed {
+            self.closed.push(line)
+        } else {
+            self.open.push(line)
+        }
         Ok(())
     }
 

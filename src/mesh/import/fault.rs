@@ -155,7 +155,9 @@ pub enum MshFault {
         tag: u64,
     },
     /// An element is neither triangle nor quadrilateral.
-    #[error("expected triangles (2) and quadrilaterals (3), found Gmsh type {kind}; mesh the surface alone, of order 1")]
+    #[error(
+        "expected triangles (2) and quadrilaterals (3), found Gmsh type {kind}; mesh the surface alone, of order 1"
+    )]
     Element {
         /// Its type.
         kind: u64,

@@ -154,7 +154,10 @@ impl Polygon {
             let near = all[first + 1..].iter().take_while(|other| other.low() <= edge.high());
             for other in near.filter(|other| !edge.is_beside(other)) {
                 if cross(edge.ends, other.ends) {
-                    return Err(PolygonFault::Crossing { of: [edge.of.min(other.of), edge.of.max(other.of)], at: other.ends[0] });
+                    return Err(PolygonFault::Crossing {
+                        of: [edge.of.min(other.of), edge.of.max(other.of)],
+                        at: other.ends[0],
+                    });
                 }
             }
         }
@@ -222,9 +225,8 @@ pub(super) fn signed_area(corners: &[[f64; 2]]) -> f64 {
 
 /// Whether a point is inside a loop.
 pub(super) fn is_inside(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
-    let crosses = |[a, b]: &[[f64; 2]; 2]| {
-        (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-    };
+    let crosses =
+        |[a, b]: &[[f64; 2]; 2]| (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
     edges(corners).filter(crosses).count() % 2 == 1
 }
 
@@ -252,7 +254,8 @@ fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
         let area = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
         if area > 0.0 { 1 } else { -i32::from(area < 0.0) }
     };
-    let apart = |axis: usize| a[axis].max(b[axis]) < c[axis].min(d[axis]) || c[axis].max(d[axis]) < a[axis].min(b[axis]);
+    let apart =
+        |axis: usize| a[axis].max(b[axis]) < c[axis].min(d[axis]) || c[axis].max(d[axis]) < a[axis].min(b[axis]);
     let across = side(a, b, c) * side(a, b, d) <= 0 && side(c, d, a) * side(c, d, b) <= 0;
     across && !apart(0) && !apart(1)
 }

@@ -62,7 +62,8 @@ fn bad(
         let radius = (centre - a).norm();
         let [i, j, k] = triangle.map(|node| node as usize);
         let edges = [(uu, [i, j]), (vv, [i, k]), ((c - b).norm_squared(), [j, k])];
-        let (shortest, ends) = edges.into_iter().fold(edges[0], |least, edge| if edge.0 < least.0 { edge } else { least });
+        let (shortest, ends) =
+            edges.into_iter().fold(edges[0], |least, edge| if edge.0 < least.0 { edge } else { least });
         let middle = Point2::from((a.coords + b.coords + c.coords) / 3.0);
         let narrow = if boundary.is_across_narrow(ends) { 0.0 } else { radius / (NARROW * shortest.sqrt()) };
         let excess = narrow.max(radius / (LARGE * wanted(middle)));

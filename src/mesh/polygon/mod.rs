@@ -109,11 +109,7 @@ pub(crate) fn mesh(polygon: &Polygon, mirrored: [bool; 2], meshing: &Meshing) ->
     Ok(mesh)
 }
 
-fn triangles(
-    polygon: &Polygon,
-    wanted: &dyn Fn(Point2<f64>) -> f64,
-    most: f64,
-) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+fn triangles(polygon: &Polygon, wanted: &dyn Fn(Point2<f64>) -> f64, most: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
     let boundary = Boundary::of(polygon, wanted);
     let (mut nodes, tris) = delaunay::refined(boundary, polygon, wanted, most as usize);
     smooth(&mut nodes, &tris);
@@ -124,7 +120,8 @@ fn triangles(
 fn free_holes(mesh: &mut Mesh, polygon: &Polygon) {
     let near = 1e-9 * polygon.extent();
     let distance = |corners: &[[f64; 2]], node: u32| check::distance(corners, mesh.nodes[node as usize].xy());
-    let of_hole = |node: &u32| polygon.holes.iter().any(|hole| distance(hole, *node) < distance(&polygon.outer, *node).max(near));
+    let of_hole =
+        |node: &u32| polygon.holes.iter().any(|hole| distance(hole, *node) < distance(&polygon.outer, *node).max(near));
     let free: Vec<u32> = mesh.rim.iter().copied().filter(of_hole).collect();
     let is_held = |node: &u32| free.binary_search(node).is_err();
     mesh.rim.retain(is_held);

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector3};
 
-use super::Polygon;
 use super::super::quality::scaled_jacobian;
 use super::super::topology::{Edge, directed, undirected};
+use super::Polygon;
 
 /// Least scaled Jacobian of two triangles joined: that of three quadrilaterals in an equilateral triangle is 0.87.
 const JOINED: f64 = 0.6;

@@ -16,6 +16,7 @@ mod convergence;
 mod drop;
 mod equilibrium;
 mod frame_force;
+mod graded;
 mod gradient;
 mod guide_friction;
 mod indentation;
