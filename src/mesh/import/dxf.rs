@@ -17,6 +17,8 @@ const STEP: f64 = PI / 90.0;
 const JOINED: f64 = 1e-6;
 /// Coordinates are whole numbers over this, 1/m: a power of two, 0.001 nm apart.
 const ROUNDED: f64 = (1_u64 << 40) as f64;
+/// Most lines of a drawing.
+const MOST_LINES: usize = 10_000;
 /// Entities that are no lines of an outline.
 const NOTES: [&str; 7] = ["TEXT", "MTEXT", "DIMENSION", "LEADER", "POINT", "VIEWPORT", "ATTDEF"];
 
@@ -56,6 +58,12 @@ pub enum DxfFault {
     Open {
         /// Units of the drawing.
         at: [f64; 2],
+    },
+    /// There are more lines than an outline has.
+    #[error("the drawing has {lines} lines; at most {MOST_LINES} are read")]
+    TooMany {
+        /// Their number.
+        lines: usize,
     },
     /// The drawing gives no unit.
     #[error("the drawing gives no unit ($INSUNITS)")]
@@ -209,6 +217,9 @@ impl Drawing {
     /// The loops, of closed lines and of open ones that join.
     fn loops(self) -> Result<Vec<Vec<Point2<f64>>>, DxfFault> {
         let Drawing { closed, mut open, .. } = self;
+        if closed.len() + open.len() > MOST_LINES {
+            return Err(DxfFault::TooMany { lines: closed.len() + open.len() });
+        }
         let extent = closed.iter().chain(&open).flatten().map(|p| p.coords.amax()).fold(0.0, f64::max);
         let near = |a: &Point2<f64>, b: &Point2<f64>| (a - b).norm() <= JOINED * extent;
         let mut loops: Vec<Vec<Point2<f64>>> = closed;

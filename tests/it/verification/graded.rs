@@ -1,7 +1,7 @@
 //! Meshes that are fine where they need to be: a dart ruptures film as on a mesh that is fine everywhere.
 
 use droptower::model::Model;
-use droptower::simulate::Outcome;
+use droptower::simulate::{self, Outcome, Warning};
 
 use super::claims::Claims;
 use super::tower::{measured, run, written};
@@ -61,5 +61,77 @@ fn a_dart_ruptures_a_graded_film_as_one_that_is_fine_everywhere() {
         claims.at_most(&format!("{name}: steps over those of the fine film"), steps, least_steps);
         assert_eq!(graded.added_mass.len(), usize::from(!more.is_empty()));
     }
+    claims.judge();
+}
+
+/// An elastic sheet of equal squares, whose elements all have one stable time step, under a ball.
+fn sheet(mesh: &str, impactor: &str, more: &str) -> Model {
+    written(&format!(
+        "[specimen]
+shape = {{ rectangle = [\"0.4 m\", \"0.4 m\"] }}
+mesh = {mesh}
+material = {{ density = \"1000 kg/m3\", thickness = \"50 um\", elastic = {{ young = \"50 MPa\", poisson = 0.3 }} }}
+[impactor]
+shape = {{ sphere = {{ radius = \"20 mm\" }} }}
+mass = \"100 g\"
+friction = 0.2
+{impactor}
+[output]
+sample_rate = \"10 kHz\"
+filter = \"none\"
+{more}"
+    ))
+}
+
+const FALLING: &str = "[loading.impact]\nvelocity = \"2 m/s\"\nduration = \"20 ms\"";
+
+/// Theory, equation (17d): twice the step takes four times the mass where all elements are alike, and where they are not
+/// just the small ones get mass.
+#[test]
+fn added_mass_gives_elements_the_step_that_was_asked_for() {
+    let mut claims = Claims::of("added mass");
+    let equal = "{ size = \"20 mm\" }";
+    let graded = "{ size = \"20 mm\", fine = \"5 mm\" }";
+    let step = |model: &Model| simulate::engine(model).expect("an engine").time_step();
+    for (name, mesh, share) in [("equal squares", equal, Some(3.0)), ("graded", graded, None)] {
+        let own = step(&sheet(mesh, FALLING, ""));
+        let model = sheet(mesh, FALLING, &format!("[solver]\nsmallest_step = {:e}", 2.0 * own));
+        claims.near(&format!("{name}: step, s"), step(&model), 2.0 * own, 1e-12);
+        let outcome = run(&model);
+        let [added] = outcome.added_mass[..] else { panic!("one face") };
+        claims.near(&format!("{name}: mass of the film, kg"), added.own, 0.4 * 0.4 * 50e-6 * 1000.0, 1e-12);
+        match share {
+            Some(share) => {
+                claims.near(&format!("{name}: added mass over it"), added.mass / added.own, share, 1e-12);
+                assert_eq!(added.elements, outcome.elements);
+            }
+            None => {
+                claims.at_most(&format!("{name}: added mass over it"), added.mass / added.own, 1.0);
+                assert!(0 < added.elements && added.elements < outcome.elements, "{}", added.elements);
+            }
+        }
+        claims.at_most(&format!("{name}: balance error"), outcome.energy_balance_error, 1e-3);
+        assert!(outcome.warnings.iter().any(|warning| matches!(warning, Warning::AddedMass { face: 1, .. })));
+    }
+    claims.judge();
+}
+
+/// The place where a ball thrown obliquely meets the film, from its flight.
+#[test]
+fn elements_are_fine_where_the_impactor_meets_the_film() {
+    let mut claims = Claims::of("graded around the impactor");
+    let mesh = "{ size = \"20 mm\", fine = \"5 mm\", around = \"impactor\" }";
+    let thrown = "guide = \"free\"
+position = [\"-30 mm\", \"10 mm\", \"100 mm\"]
+velocity = [\"1 m/s\", \"0.5 m/s\", \"-2 m/s\"]
+[loading.impact]
+duration = \"10 ms\"";
+    let model = sheet(mesh, thrown, "");
+    let [zone] = model.faces[0].meshing.grading.as_ref().expect("a grading").zones[..] else { panic!("one zone") };
+    // 80 mm down at 2 m/s and 9.81 m/s2.
+    let time = ((4.0_f64 + 2.0 * 9.81 * 0.08).sqrt() - 2.0) / 9.81;
+    claims.near("x, m", zone.at[0], -0.03 + time, 1e-12);
+    claims.near("y, m", zone.at[1], 0.01 + 0.5 * time, 1e-12);
+    claims.near("radius, m", zone.within, 0.02, 1e-12);
     claims.judge();
 }
