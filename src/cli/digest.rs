@@ -137,14 +137,25 @@ fn inflation(measures: &Inflation) -> String {
     )
 }
 
-/// The kinetic share of a slow test and the factor on its mass.
+/// The kinetic share of a slow test and the factor on its mass; the mass added to small elements.
 fn steadiness(audit: &Audit) -> String {
-    match (audit.mass_scaling, audit.kinetic_share) {
+    let added = match (audit.added_mass_kg, audit.added_mass_share) {
+        (Some(mass), Some(share)) => {
+            format!(
+                "  mass added to small elements: {} g, {} of the film\n",
+                number::figure(1e3 * mass, DIGITS),
+                percent(share)
+            )
+        }
+        _ => String::new(),
+    };
+    let scaled = match (audit.mass_scaling, audit.kinetic_share) {
         (Some(scaling), Some(share)) => {
             format!("  mass scaled by {}, kinetic share {}\n", number::figure(scaling, DIGITS), percent(share))
         }
         _ => String::new(),
-    }
+    };
+    format!("{scaled}{added}")
 }
 
 /// The value times a factor, with its unit.

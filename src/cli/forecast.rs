@@ -63,7 +63,9 @@ impl Left {
     pub(super) fn message(&self, model: &Model, has_checkpoints: bool) -> String {
         let Left { wall, per_element_step, steps, progress } = self;
         let mut cheaper = vec![];
-        if !matches!(model.specimen.shape, Outline::Mesh(_)) {
+        if model.faces.iter().any(|face| face.meshing.grading.is_some()) {
+            cheaper.push("a larger specimen.mesh.fine takes fewer elements and longer steps".to_owned());
+        } else if !matches!(model.specimen.shape, Outline::Mesh(_)) {
             cheaper.push("twice the specimen.mesh.size takes an eighth of the time".to_owned());
         }
         if model.specimen.symmetry == Symmetry::None {

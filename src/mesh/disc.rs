@@ -1,11 +1,11 @@
 //! Circles: a bulged square block in the middle and rings around it, no degenerate element.
 
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::{FRAC_PI_4, PI};
 
 use nalgebra::{Point2, Point3};
 
 use super::grid::{self, Grid};
-use super::{Element, Mesh, MeshError, Meshing, elements_per_cell};
+use super::{Element, Grading, Mesh, MeshError, Meshing, elements_per_cell, quadtree};
 
 /// Half the width of the central block over the radius: its elements and those at the rim then
 /// differ little in size.
@@ -17,16 +17,38 @@ const CELLS: f64 = 0.58;
 
 /// A circle centred on the origin, `radius` in m; the outer nodes lie on the circle.
 pub(crate) fn disc(radius: f64, mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
+    if let Some(grading) = &meshing.grading {
+        return graded(radius, mirrored, meshing, grading);
+    }
     grid::check([2.0 * radius; 2], meshing.size, count(radius, meshing))?;
     let pattern = Pattern::new(radius, meshing.size);
     Ok(pattern.whole(radius, meshing.element).mesh(mirrored, meshing.element))
 }
 
+/// Bounds of [`Pattern::half`] in a graded circle, whose block has cells of a given side.
+const HALVES: [f64; 2] = [0.45, 0.68];
+
+/// A circle whose elements are fine in some zones.
+fn graded(radius: f64, mirrored: [bool; 2], meshing: &Meshing, grading: &Grading) -> Result<Mesh, MeshError> {
+    grading.check([2.0 * radius; 2], PI * radius * radius, meshing.size)?;
+    let fits = |cell: f64| (HALVES[0]..=HALVES[1]).contains(&Pattern::of_cells(radius, cell).half);
+    let cell = quadtree::root(grading.fine, meshing.size, fits);
+    let pattern = Pattern::of_cells(radius, cell);
+    grid::check([2.0 * radius; 2], meshing.size, pattern.cells().saturating_mul(4))?;
+    let roots = pattern.whole(radius, Element::Quad4).cut(mirrored);
+    let on_rim = |point: &Point3<f64>| point.coords.norm() > radius * (1.0 - 1e-9);
+    let onto_rim = |middle: &mut Point3<f64>, ends: [Point3<f64>; 2]| {
+        if ends.iter().all(on_rim) {
+            middle.coords *= radius / middle.coords.norm();
+        }
+    };
+    let grid = quadtree::refine(roots, grading, meshing.size, meshing.element, &onto_rim)?;
+    Ok(grid.mesh(mirrored, meshing.element))
+}
+
 /// Elements in the whole circle.
 fn count(radius: f64, meshing: &Meshing) -> usize {
-    let Pattern { block, rings } = Pattern::new(radius, meshing.size);
-    let cells = block.saturating_add(rings.saturating_mul(4)).saturating_mul(block);
-    cells.saturating_mul(elements_per_cell(meshing.element))
+    Pattern::new(radius, meshing.size).cells().saturating_mul(elements_per_cell(meshing.element))
 }
 
 /// Block of `block` × `block` cells (even, so that both axes are lines of the mesh) inside `rings`
@@ -34,13 +56,29 @@ fn count(radius: f64, meshing: &Meshing) -> usize {
 struct Pattern {
     block: usize,
     rings: usize,
+    /// Half the width of the block over the radius.
+    half: f64,
 }
 
 impl Pattern {
     fn new(radius: f64, size: f64) -> Pattern {
         let block = ((CELLS * radius / size).round().max(1.0) as usize).saturating_mul(2);
         let rings = (block as f64 / 3.0).round().max(1.0) as usize;
-        Pattern { block, rings }
+        Pattern { block, rings, half: BLOCK }
+    }
+
+    /// A block of square cells with sides of `cell` (m), and rings of about the same.
+    fn of_cells(radius: f64, cell: f64) -> Pattern {
+        let across = (BLOCK * radius / cell).round().max(1.0);
+        let half = across * cell / radius;
+        // The block's corners reach further out than the middles of its sides.
+        let rings = ((1.0 - 1.1 * half) * radius / cell).round().max(1.0) as usize;
+        Pattern { block: 2 * across as usize, rings, half }
+    }
+
+    /// Cells in the whole circle.
+    fn cells(&self) -> usize {
+        self.block.saturating_add(self.rings.saturating_mul(4)).saturating_mul(self.block)
     }
 
     fn whole(&self, radius: f64, element: Element) -> Grid {
@@ -56,7 +94,7 @@ impl Pattern {
         grid.nodes.extend(
             places()
                 .flat_map(|row| places().map(move |column| [column, row]))
-                .map(|place| lift(radius * block_point(self.parameters(place)))),
+                .map(|place| lift(radius * self.block_point(self.parameters(place)))),
         );
         for row in 0..self.block {
             grid.cells.extend((0..self.block).map(|column| {
@@ -80,7 +118,7 @@ impl Pattern {
             let first = grid.nodes.len() as u32;
             grid.nodes.extend(perimeter.iter().map(|place| {
                 let [u, v] = self.parameters(*place);
-                let (from, to) = (block_point([u, v]), circle_point([u, v]));
+                let (from, to) = (self.block_point([u, v]), circle_point([u, v]));
                 lift(radius * (from * (1.0 - share) + to.coords * share))
             }));
             let outer: Vec<u32> = (first..first + around as u32).collect();
@@ -112,12 +150,12 @@ impl Pattern {
         let half = (self.block / 2) as f64;
         place.map(|index| (index as f64 - half) / half)
     }
-}
 
-/// A point of the bulged block in the unit circle.
-fn block_point([u, v]: [f64; 2]) -> Point2<f64> {
-    let bulged = |along: f64, across: f64| BLOCK * along * (1.0 - BULGE * across * across).sqrt();
-    Point2::new(bulged(u, v), bulged(v, u))
+    /// A point of the bulged block in the unit circle.
+    fn block_point(&self, [u, v]: [f64; 2]) -> Point2<f64> {
+        let bulged = |along: f64, across: f64| self.half * along * (1.0 - BULGE * across * across).sqrt();
+        Point2::new(bulged(u, v), bulged(v, u))
+    }
 }
 
 /// The point of the unit circle to which the rings lead from a point of the block's outline.

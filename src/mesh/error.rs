@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::import::Fault;
+use super::polygon::PolygonFault;
 
 /// Why a film or a surface could not be meshed.
 #[derive(Debug, Error)]
@@ -14,6 +15,12 @@ pub enum MeshError {
     Size {
         /// m.
         size: f64,
+    },
+    /// The growth of the elements of a graded mesh is not positive or not finite.
+    #[error("expected a positive growth of the elements, found {growth}")]
+    Growth {
+        /// Edge length per distance.
+        growth: f64,
     },
     /// A length of the outline is not positive or not finite.
     #[error("expected an outline of positive lengths, found {x} m by {y} m")]
@@ -31,6 +38,9 @@ pub enum MeshError {
         /// The largest number.
         limit: usize,
     },
+    /// A polygon is not the outline of a film.
+    #[error("{0}")]
+    Polygon(#[from] PolygonFault),
     /// A file is not a mesh of a film or of an impactor.
     #[error("{}: {fault}", path.display())]
     File {

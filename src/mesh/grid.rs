@@ -6,7 +6,7 @@ use super::topology;
 use super::{Element, Mesh, MeshError};
 
 /// Node numbers are `u32`, and there is about one node per cell.
-const LIMIT: usize = u32::MAX as usize / 4;
+pub(crate) const LIMIT: usize = u32::MAX as usize / 4;
 
 /// Cells of a whole outline, in any sense of rotation.
 #[derive(Debug, Default)]
@@ -31,7 +31,7 @@ impl Grid {
     }
 
     /// The cells at x >= 0 and/or y >= 0; the mirror planes are lines of nodes.
-    fn cut(self, mirrored: [bool; 2]) -> Grid {
+    pub(crate) fn cut(self, mirrored: [bool; 2]) -> Grid {
         let inside = |p: &Point3<f64>| (0..2).all(|axis| !mirrored[axis] || p[axis] >= 0.0);
         let mut renumbered = vec![u32::MAX; self.nodes.len()];
         let mut nodes = Vec::new();
@@ -48,7 +48,24 @@ impl Grid {
         Grid { nodes, cells }
     }
 
-    fn counter_clockwise(mut self) -> Grid {
+    /// The nodes numbered as the cells name them first; nodes of no cell are left out.
+    pub(crate) fn in_order_of_use(self) -> Grid {
+        let mut numbers = vec![u32::MAX; self.nodes.len()];
+        let mut nodes = Vec::with_capacity(self.nodes.len());
+        let mut number = |node: u32| {
+            let number = &mut numbers[node as usize];
+            if *number == u32::MAX {
+                *number = nodes.len() as u32;
+                nodes.push(self.nodes[node as usize]);
+            }
+            *number
+        };
+        let cells = self.cells.into_iter().map(|cell| cell.map(&mut number)).collect();
+        Grid { nodes, cells }
+    }
+
+    /// The cells with their corners counter-clockwise.
+    pub(crate) fn counter_clockwise(mut self) -> Grid {
         for cell in &mut self.cells {
             let [a, b, c, d] = cell.map(|node| self.nodes[node as usize]);
             if (c - a).xy().perp(&(d - b).xy()) < 0.0 {

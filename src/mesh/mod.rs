@@ -1,11 +1,15 @@
-//! Meshes of films: rectangles and circles, and meshes from files.
+//! Meshes of films: rectangles, circles and polygons, and meshes from files.
 
 pub mod import;
 pub mod quality;
 
 mod disc;
 mod error;
+mod grading;
 mod grid;
+mod polygon;
+mod quadtree;
+mod smoothing;
 mod structured;
 mod topology;
 
@@ -15,6 +19,8 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::engine::Mesh;
 pub use error::MeshError;
+pub use grading::{Grading, Zone};
+pub use polygon::{Polygon, PolygonFault};
 pub use quality::Quality;
 pub use topology::outer_edges;
 
@@ -33,7 +39,9 @@ pub enum Outline {
         /// Its radius.
         radius: f64,
     },
-    /// Nodes and elements from an STL, OBJ or VTU file, coordinates in m.
+    /// A polygon with holes, of which the edges of the outline alone are held. With symmetry it is the computed part.
+    Polygon(Polygon),
+    /// Nodes and elements from an STL, OBJ, VTU or MSH file, coordinates in m.
     Mesh(PathBuf),
 }
 
@@ -51,12 +59,14 @@ pub enum Side {
 }
 
 /// How a face is divided into elements.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Meshing {
     /// Kind of its elements.
     pub element: Element,
-    /// Target edge length, m. Not used by imported meshes.
+    /// Target edge length, the largest of a graded mesh; m. Not used by imported meshes.
     pub size: f64,
+    /// Where elements are smaller.
+    pub grading: Option<Grading>,
 }
 
 /// Kind of membrane element.
@@ -82,6 +92,7 @@ pub fn build(outline: &Outline, mirrored: [bool; 2], meshing: &Meshing) -> Resul
     match outline {
         Outline::Rectangle { x, y } => structured::rectangle([*x, *y], mirrored, meshing),
         Outline::Circle { radius } => disc::disc(*radius, mirrored, meshing),
+        Outline::Polygon(polygon) => polygon::mesh(polygon, mirrored, meshing),
         Outline::Mesh(path) => import::film(path, mirrored, meshing.element),
     }
 }

@@ -3,13 +3,40 @@
 use nalgebra::Point3;
 
 use super::grid::{self, Grid};
-use super::{Element, Mesh, MeshError, Meshing, elements_per_cell};
+use super::{Element, Grading, Mesh, MeshError, Meshing, elements_per_cell, quadtree};
 
 /// A rectangle centred on the origin, `lengths` along x and y in m.
 pub(crate) fn rectangle(lengths: [f64; 2], mirrored: [bool; 2], meshing: &Meshing) -> Result<Mesh, MeshError> {
+    if let Some(grading) = &meshing.grading {
+        return graded(lengths, mirrored, meshing, grading);
+    }
     grid::check(lengths, meshing.size, count(lengths, meshing))?;
     let cells = divisions(lengths, mirrored, meshing);
     Ok(whole(lengths, cells, meshing.element).mesh(mirrored, meshing.element))
+}
+
+/// Most that the sides of cells differ from those that hold elements of the fine size.
+const MISFIT: f64 = 0.15;
+
+/// A rectangle whose elements are fine in some zones.
+fn graded(lengths: [f64; 2], mirrored: [bool; 2], meshing: &Meshing, grading: &Grading) -> Result<Mesh, MeshError> {
+    grading.check(lengths, lengths[0] * lengths[1], meshing.size)?;
+    let parts = |cell: f64| {
+        [0, 1].map(|axis| match mirrored[axis] {
+            true => 2 * nearest(0.5 * lengths[axis], cell),
+            false => nearest(lengths[axis], cell),
+        })
+    };
+    let fits = |cell: f64| {
+        let misfit = |axis: usize| (lengths[axis] / (parts(cell)[axis] as f64 * cell) - 1.0).abs();
+        misfit(0) <= MISFIT && misfit(1) <= MISFIT
+    };
+    let cell = quadtree::root(grading.fine, meshing.size, fits);
+    let [columns, rows] = parts(cell);
+    grid::check(lengths, meshing.size, columns.saturating_mul(rows).saturating_mul(4))?;
+    let roots = whole(lengths, [columns, rows], Element::Quad4).cut(mirrored);
+    let grid = quadtree::refine(roots, grading, meshing.size, meshing.element, &|_, _| {})?;
+    Ok(grid.mesh(mirrored, meshing.element))
 }
 
 /// Elements in the whole rectangle.

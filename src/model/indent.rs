@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Face, Hold, Impactor, ImpactorShape, Loading, Mistakes, Model};
+use super::{Face, Hold, Impactor, ImpactorShape, Loading, Mistakes, Model, Symmetry};
 use crate::mesh::{Outline, Side};
 
 const DEPTH: &str = "loading.indent.depth";
@@ -18,7 +18,12 @@ pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
     if impactor.orientation != [0.0; 3] {
         return;
     }
-    let spans = Spans { shape: &model.specimen.shape, hold: &model.frame.hold, from: impactor.position };
+    let spans = Spans {
+        shape: &model.specimen.shape,
+        hold: &model.frame.hold,
+        from: impactor.position,
+        symmetry: model.specimen.symmetry,
+    };
     if spans.is_beside() {
         let hint = "the position of its axis is measured from the centre of the specimen";
         mistakes.report_with("impactor.position", "the impactor passes beside the film", hint);
@@ -58,6 +63,7 @@ struct Spans<'a> {
     shape: &'a Outline,
     hold: &'a Hold,
     from: [f64; 2],
+    symmetry: Symmetry,
 }
 
 impl Spans<'_> {
@@ -66,6 +72,9 @@ impl Spans<'_> {
         let [x, y] = self.from;
         match self.shape {
             Outline::Circle { radius } => x.hypot(y) >= *radius,
+            // With symmetry the polygon is the computed part, on whose edge the axis is.
+            Outline::Polygon(_) if self.symmetry != Symmetry::None => false,
+            Outline::Polygon(polygon) => !polygon.covers(self.from),
             Outline::Rectangle { x: width, y: height } => x.abs() >= 0.5 * width || y.abs() >= 0.5 * height,
             Outline::Mesh(_) => false,
         }
@@ -102,7 +111,7 @@ impl Spans<'_> {
                 };
                 held.then_some(length)
             }
-            Outline::Mesh(_) => None,
+            Outline::Polygon(_) | Outline::Mesh(_) => None,
         }
         .filter(|length| *length > 0.0)
     }

@@ -123,7 +123,7 @@ fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut Mista
         material: film.of_layers(layers.count),
         md_angle: scenario.specimen.md_angle.0,
         prestrain: film.prestrain([layers.prestrain.md, layers.prestrain.td]),
-        meshing,
+        meshing: meshing.clone(),
         settle: layers.settle,
     };
     Some(layers.faces.iter().map(|height| face(height.0)).collect())
@@ -189,6 +189,7 @@ fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, mistakes: &mu
             Some(scenario::Element::Tri3) => Element::Tri3,
         },
         size,
+        grading: None,
     })
 }
 

@@ -4,6 +4,7 @@ mod air;
 mod contact;
 mod mistakes;
 mod frame;
+mod grading;
 mod impactor;
 mod indent;
 mod layers;
@@ -64,10 +65,11 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
     let name = mistakes.document.name();
     let specimen = specimen::check(&scenario.specimen, mistakes);
     let loading = loading::check(scenario, mistakes);
-    let faces = layers::check(scenario, &loading, mistakes);
+    let mut faces = layers::check(scenario, &loading, mistakes);
     let frame = frame::check(scenario, mistakes);
     let air = air::check(scenario, &loading, faces.as_deref(), &frame, mistakes);
     let impactor = impactor::check(scenario, &loading, mistakes);
+    grading::check(scenario, &loading, faces.as_deref_mut().unwrap_or_default(), impactor.as_ref(), mistakes);
     let loading = loading.with_impactor(impactor.as_ref());
     let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
@@ -425,6 +427,8 @@ pub struct Cushion {
 pub struct Solver {
     /// Factor on the stable time step, 0 < factor ≤ 1.
     pub step_factor: f64,
+    /// Stable time step that elements with a shorter one get by added mass, s; none where no mass is added.
+    pub smallest_step: Option<f64>,
 }
 
 /// What a run records.

@@ -19,6 +19,8 @@ const PER_SAMPLE: f64 = 20.0 * 8.0 * 3.0;
 const FILE_PER_ELEMENT: f64 = 50.0;
 /// Largest mesh file that is read, bytes.
 const LONGEST_FILE: f64 = 1e9;
+/// Elements of a graded mesh, whose sizes step by factors of two, over the squares of the wanted sizes; at most.
+const GRADED: f64 = 2.0;
 /// Memory of a snapshot, bytes an element: positions of a node, strains of an element.
 pub const SNAPSHOT_BYTES: f64 = 12.0 + 13.0;
 /// Further memory of a snapshot with its detail, bytes an element: velocity of a node; stresses, largest strains,
@@ -111,6 +113,7 @@ fn largest_side(shape: &Outline) -> f64 {
     match shape {
         Outline::Rectangle { x, y } => x.max(*y),
         Outline::Circle { radius } => 2.0 * radius,
+        Outline::Polygon(polygon) => polygon.extent(),
         Outline::Mesh(_) => f64::INFINITY,
     }
 }
@@ -128,13 +131,29 @@ fn per_element(element: Element) -> f64 {
 
 /// Elements of one face; those of an imported mesh are estimated from the length of its file.
 fn elements(model: &Model, face: &Face) -> f64 {
-    let size = face.meshing.size;
+    let (size, copies) = (face.meshing.size, model.specimen.symmetry.copies());
+    let triangles = if face.meshing.element == Element::Tri3 { 2.0 } else { 1.0 };
+    if let (Some(grading), Some(area)) = (&face.meshing.grading, area(&model.specimen.shape)) {
+        let is_computed_part = matches!(model.specimen.shape, Outline::Polygon(_));
+        let parts = if is_computed_part { 1.0 } else { copies };
+        return GRADED * triangles * grading.cells(area, size) / parts;
+    }
     let whole = match &model.specimen.shape {
         Outline::Mesh(path) => return length(path) / FILE_PER_ELEMENT,
         _ if size <= 0.0 => return 0.0, // the range was checked before
         Outline::Rectangle { x, y } => (x / size).ceil() * (y / size).ceil(),
         Outline::Circle { radius } => PI * (radius / size).powi(2),
+        // Its computed part, of irregular elements.
+        Outline::Polygon(polygon) => return 1.5 * triangles * polygon.area() / (size * size),
     };
-    let triangles = if face.meshing.element == Element::Tri3 { 2.0 } else { 1.0 };
-    whole * triangles / model.specimen.symmetry.copies()
+    whole * triangles / copies
+}
+
+fn area(shape: &Outline) -> Option<f64> {
+    match shape {
+        Outline::Rectangle { x, y } => Some(x * y),
+        Outline::Circle { radius } => Some(PI * radius * radius),
+        Outline::Polygon(polygon) => Some(polygon.area()),
+        Outline::Mesh(_) => None,
+    }
 }

@@ -5,5 +5,6 @@ use crate::scenario::Scenario;
 
 /// The solver's settings; their range is the language's own.
 pub fn check(scenario: &Scenario) -> Solver {
-    Solver { step_factor: scenario.solver.step_factor }
+    let solver = &scenario.solver;
+    Solver { step_factor: solver.step_factor, smallest_step: solver.smallest_step.map(|step| step.0) }
 }

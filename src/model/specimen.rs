@@ -3,17 +3,74 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::{Mistakes, Specimen, Symmetry};
-use crate::mesh::Outline;
+use crate::diagnostic::shown_path;
+use crate::mesh::import::{self, DxfFault};
+use crate::mesh::{Outline, Polygon};
 use crate::scenario;
+use crate::units::Length;
 
 /// The specimen in SI values; none where the file of its mesh is missing.
-pub fn check(written: &scenario::Specimen, mistakes: &mut Mistakes<'_>) -> Option<Specimen> {
-    let shape = match &written.shape {
+pub fn check(specimen: &scenario::Specimen, mistakes: &mut Mistakes<'_>) -> Option<Specimen> {
+    let shape = match &specimen.shape {
         scenario::Shape::Rectangle([x, y]) => Outline::Rectangle { x: x.0, y: y.0 },
         scenario::Shape::Circle(circle) => Outline::Circle { radius: circle.radius.0 },
+        scenario::Shape::Polygon(written) => Outline::Polygon(polygon(written, symmetry(specimen), mistakes)?),
         scenario::Shape::Mesh(_) => Outline::Mesh(mistakes.file("specimen.shape.mesh")?),
     };
-    Some(Specimen { shape, symmetry: symmetry(written), damping: written.damping.0 })
+    Some(Specimen { shape, symmetry: symmetry(specimen), damping: specimen.damping.0 })
+}
+
+/// The outline with its holes, from corners or a drawing.
+fn polygon(written: &scenario::Polygon, symmetry: Symmetry, mistakes: &mut Mistakes<'_>) -> Option<Polygon> {
+    const KEY: &str = "specimen.shape.polygon";
+    let key = |name: &str| format!("{KEY}.{name}");
+    let corners = |points: &[[Length; 2]]| points.iter().map(|point| point.map(|length| length.0)).collect();
+    let (path, polygon) = match (&written.file, &written.points) {
+        (None, None) => {
+            mistakes.missing(&key("points"), "corners like `[[\"0 mm\", \"0 mm\"], …]`, or a drawing: `file`");
+            return None;
+        }
+        (Some(_), Some(_)) => {
+            mistakes.out_of_place(&key("points"), "`file` gives the outline");
+            return None;
+        }
+        (None, Some(points)) => {
+            if written.unit.is_some() {
+                mistakes.out_of_place(&key("unit"), "corners have their own units");
+            }
+            let holes = written.holes.iter().map(|hole| corners(hole)).collect();
+            (key("points"), Polygon { outer: corners(points), holes })
+        }
+        (Some(_), None) => {
+            if !written.holes.is_empty() {
+                mistakes.out_of_place(&key("holes"), "`file` gives the holes");
+            }
+            let path = key("file");
+            let file = mistakes.file(&path)?;
+            match import::polygon(&file, written.unit.map(scenario::MeshUnit::metres)) {
+                Ok(polygon) => (path, polygon),
+                Err(fault) => {
+                    let message = format!("{}: {fault}", shown_path(&file));
+                    match fault {
+                        DxfFault::NoUnit => mistakes.report_with(&path, message, "give it: `unit = \"mm\"`"),
+                        DxfFault::OtherUnit { .. } => {
+                            mistakes.report_with(&key("unit"), message, "leave `unit` out, or correct the drawing");
+                        }
+                        _ => mistakes.report(&path, message),
+                    }
+                    return None;
+                }
+            }
+        }
+    };
+    match polygon.check(symmetry.mirrors()) {
+        Ok(()) => Some(polygon),
+        Err(fault) => {
+            let of_hole = fault.hole().filter(|_| written.file.is_none());
+            mistakes.report(&of_hole.map_or(path, |hole| key(&format!("holes.{hole}"))), fault.to_string());
+            None
+        }
+    }
 }
 
 /// The mirror planes.

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use super::{Loading, MeshInput, Model};
 use crate::finding::{Code, Report, codes};
-use crate::mesh::import;
+use crate::mesh::{Outline, import};
 use crate::number::significant;
 use crate::scenario::{Document, Implausible};
 
@@ -56,6 +56,7 @@ impl fmt::Display for Warning {
                 let metres = significant(*extent, 3);
                 write!(f, "the mesh of `{key}` is {metres} m wide, which is implausible")?;
                 match key.starts_with("impactor") {
+                    _ if key.ends_with("polygon.file") => write!(f, "; check the unit of the drawing"),
                     true => write!(f, "; coordinates in mm are `{key} = {{ file = \"…\", unit = \"mm\" }}`"),
                     false => {
                         write!(f, "; did you mean {metres} mm? coordinates are read in m: scale the file by 0.001")
@@ -94,7 +95,7 @@ impl Report for Warning {
 pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
     let values = document.implausible().into_iter().map(Warning::Value);
     let meshes = model.meshes().into_iter().filter_map(wide);
-    values.chain(meshes).chain(without_absorption(document, model)).collect()
+    values.chain(meshes).chain(drawing(document, model)).chain(without_absorption(document, model)).collect()
 }
 
 /// The fabrics without `absorption` that an impactor falls on, by the paths of their keys.
@@ -107,6 +108,14 @@ fn without_absorption(document: &Document, model: &Model) -> Vec<Warning> {
     let is_left_out =
         |path: &String| document.find(path).is_some() && document.find(&format!("{path}.absorption")).is_none();
     fabrics.filter(is_left_out).map(|path| Warning::AbsorptionNotGiven { key: format!("{path}.absorption") }).collect()
+}
+
+/// The warning of a drawing that is too wide.
+fn drawing(document: &Document, model: &Model) -> Option<Warning> {
+    const KEY: &str = "specimen.shape.polygon.file";
+    let Outline::Polygon(polygon) = &model.specimen.shape else { return None };
+    let extent = polygon.extent();
+    (extent > LARGEST_MESH && document.find(KEY).is_some()).then(|| Warning::Extent { key: KEY.into(), extent })
 }
 
 /// The warning of a mesh that is too wide. A file that cannot be read is a mistake of its own.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::engine::Relaxation;
+use crate::engine::{AddedMass, Relaxation};
 use crate::lane::Width;
 use crate::mesh::Quality;
 use crate::number::clean_time;
@@ -47,6 +47,10 @@ pub struct Audit {
     pub instructions: Width,
     /// Factor on the film's mass; only quasi-static loadings.
     pub mass_scaling: Option<f64>,
+    /// Mass added to small elements of the computed part of the film; only with `solver.smallest_step`.
+    pub added_mass_kg: Option<f64>,
+    /// The same over the mass of the film.
+    pub added_mass_share: Option<f64>,
     /// Largest ratio of kinetic energy to the energy that the film took up; only quasi-static loadings.
     pub kinetic_share: Option<f64>,
     /// Energy lost to damping over the energy that the film took up; only quasi-static loadings.
@@ -130,6 +134,8 @@ impl Audit {
         let wall_s = outcome.wall.as_secs_f64();
         let relaxed = outcome.relaxation.map_or(0, |relaxation| relaxation.steps);
         let element_steps = outcome.elements as f64 * (outcome.steps + relaxed) as f64;
+        let sums = |[mass, own]: [f64; 2], added: &AddedMass| [mass + added.mass, own + added.own];
+        let added = (!outcome.added_mass.is_empty()).then(|| outcome.added_mass.iter().fold([0.0; 2], sums));
         Audit {
             energy_balance_error: outcome.energy_balance_error,
             ruptured: outcome.rupture_time.is_some(),
@@ -143,6 +149,8 @@ impl Audit {
             threads: outcome.threads,
             instructions: outcome.instructions,
             mass_scaling: outcome.mass_scaling,
+            added_mass_kg: added.map(|[mass, _]| mass),
+            added_mass_share: added.map(|[mass, own]| mass / own),
             kinetic_share: outcome.kinetic_share,
             damping_share: outcome.damping_share,
             relaxation: outcome.relaxation.map(RelaxationFigures::of),

@@ -10,9 +10,11 @@ use crate::simulate::{Failure, Fault, Warning};
 /// The warning of a run of `model` with its remedy, if there is one; `mass_scaling` is the factor that the run used.
 pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option<f64>) -> String {
     let remedy = match warning {
-        Warning::NotInEquilibrium(_) | Warning::NoContact | Warning::Unfinished | Warning::FewerSnapshots { .. } => {
-            warning.code().remedy.to_owned()
-        }
+        Warning::AddedMass { .. }
+        | Warning::NotInEquilibrium(_)
+        | Warning::NoContact
+        | Warning::Unfinished
+        | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
         Warning::Settled(_)
@@ -32,6 +34,9 @@ fn finer(warning: &Warning, model: &Model) -> String {
     let first = model.faces.first().map(|face| face.meshing.size);
     match &model.specimen.shape {
         Outline::Mesh(_) => "give a finer mesh in `specimen.shape.mesh`".into(),
+        _ if model.faces.iter().any(|face| face.meshing.grading.is_some()) => {
+            "use a smaller `specimen.mesh.fine`, or a larger `specimen.mesh.within`".into()
+        }
         _ if model.faces.iter().any(|face| Some(face.meshing.size) != first) => {
             format!("{} or `mesh.size` of the `[[layer]]`", warning.code().remedy)
         }
@@ -69,6 +74,7 @@ fn slower(model: &Model, used: Option<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::{Grading, Zone};
     use crate::post::tests::model;
     use crate::scenario::grammar;
 
@@ -91,7 +97,7 @@ mod tests {
     fn every_key_that_a_remedy_names_is_one_of_a_scenario() {
         let (source, _) = include_str!("remedies.rs").split_once("#[cfg(test)]").unwrap();
         let named: Vec<&str> = enclosed(source, '"').flat_map(paths).collect();
-        assert_eq!(named.len(), 5, "{named:?}");
+        assert_eq!(named.len(), 7, "{named:?}");
         let remedies = || [crate::simulate::CODES, crate::post::CODES].concat().into_iter().map(|code| code.remedy);
         let of_codes: Vec<&str> = remedies().flat_map(paths).filter(|path| !path.ends_with(".csv")).collect();
         assert!(of_codes.len() > 5, "{of_codes:?}");
@@ -129,6 +135,9 @@ mod tests {
         finer.meshing.size *= 0.5;
         let two = Model { faces: vec![model.faces[0].clone(), finer], ..model.clone() };
         assert!(with_remedy(&warning, &two, None).ends_with("`specimen.mesh.size` or `mesh.size` of the `[[layer]]`"));
+        let zones = vec![Zone { at: [0.0; 2], within: 0.01 }];
+        model.faces[0].meshing.grading = Some(Grading { fine: 1e-3, growth: 0.25, zones });
+        assert!(with_remedy(&warning, &model, None).contains("`specimen.mesh.fine`"));
         model.specimen.shape = Outline::Mesh("film.stl".into());
         let remedy = with_remedy(&warning, &model, None);
         assert!(remedy.ends_with("give a finer mesh in `specimen.shape.mesh`"), "{remedy}");

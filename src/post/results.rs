@@ -16,7 +16,7 @@ use crate::simulate::Outcome;
 pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
 
 /// The fields that a summary may have in a script: those of all kinds of loading.
-pub(super) const SUMMARY: [&str; 55] = [
+pub(super) const SUMMARY: [&str; 57] = [
     "scenario",
     "title",
     "droptower",
@@ -66,6 +66,8 @@ pub(super) const SUMMARY: [&str; 55] = [
     "threads",
     "instructions",
     "mass_scaling",
+    "added_mass_kg",
+    "added_mass_share",
     "kinetic_share",
     "damping_share",
     "relaxation",

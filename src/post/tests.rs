@@ -34,7 +34,7 @@ pub(super) fn model() -> Model {
         material,
         md_angle: 0.0,
         prestrain: [0.0; 2],
-        meshing: Meshing { element: Element::Quad4, size: 0.01 },
+        meshing: Meshing { element: Element::Quad4, size: 0.01, grading: None },
         settle: true,
     };
     Model {
@@ -59,7 +59,7 @@ pub(super) fn model() -> Model {
         loading: Loading::Impact { velocity: SPEED, gravity: 0.0, duration: 0.12 },
         contact: Contact::default(),
         air: None,
-        solver: Solver { step_factor: 1.0 },
+        solver: Solver { step_factor: 1.0, smallest_step: None },
         output: Output { sample_rate: 10e3, frames: 0, filter: Some(1000.0) },
         reference: None,
         post: None,
@@ -108,6 +108,7 @@ fn outcome() -> Outcome {
         settling: None,
         relaxation: None,
         mass_scaling: None,
+        added_mass: vec![],
         penetration: Some(f64::NAN),
         elements: 400,
         bytes: 160_000,

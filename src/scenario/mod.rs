@@ -51,7 +51,7 @@ pub use post::Post;
 pub use reference::{Phase, Reference, Window};
 pub use resolved::{Assumption, assumptions, leaves};
 pub use solver::Solver;
-pub use specimen::{Circle, Element, Meshing, Shape, Specimen, Symmetry};
+pub use specimen::{Around, AroundChoice, Circle, Element, Meshing, Polygon, Shape, Specimen, Symmetry};
 pub use tree::{Node, Table, Value};
 
 /// A scenario as written: the film, its loading, and what is recorded.

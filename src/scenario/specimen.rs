@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::impactor::MeshUnit;
 use super::material::Material;
 use super::schema;
 use crate::units::{Angle, Length, Rate};
@@ -12,7 +13,7 @@ use crate::units::{Angle, Length, Rate};
 /// The film: outline, material, mesh.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Specimen {
-    /// Outline of the film's free span, centred on the origin.
+    /// Outline of the film's free span; rectangles and circles are centred on the origin.
     pub shape: Shape,
     /// What one layer is made of: the path of a material file, or the table itself.
     #[serde(default)]
@@ -43,14 +44,15 @@ fn along_x() -> Angle {
 
 /// Outline of the film in the plane z = 0.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("x-future" = { "polygon": "any other outline is imported: `mesh`" }))]
 #[serde(rename_all = "lowercase")]
 pub enum Shape {
     /// Full side lengths along x and y.
     Rectangle(#[schemars(transform = schema::positive_items, extend("x-likely" = [1e-4, 20.0]))] [Length; 2]),
     /// A disc.
     Circle(Circle),
-    /// Nodes and elements from an STL, OBJ or VTU file, coordinates in m.
+    /// A polygon with holes, whose edges are free. With symmetry it is the computed part.
+    Polygon(Polygon),
+    /// Nodes and elements from an STL, OBJ, VTU or Gmsh (.msh) file, coordinates in m.
     Mesh(#[schemars(extend("x-path" = true))] PathBuf),
 }
 
@@ -62,19 +64,64 @@ pub struct Circle {
     pub radius: Length,
 }
 
-/// What there is in place of a graded mesh.
-const EVEN: &str = "elements have one size; an imported mesh may be graded";
+/// A polygon with holes: corners, or a drawing.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Polygon {
+    /// Drawing in a DXF file, in place of `points`: LWPOLYLINE, POLYLINE, LINE, ARC and CIRCLE; the largest loop is the
+    /// outline, the others are holes.
+    #[schemars(extend("x-path" = true))]
+    pub file: Option<PathBuf>,
+    /// Unit of the drawing's coordinates; required where the drawing does not give it ($INSUNITS).
+    pub unit: Option<MeshUnit>,
+    /// Corners of the outline in order, x and y of each.
+    #[schemars(length(min = 3, max = 10_000), extend("x-likely" = [-20.0, 20.0]))]
+    pub points: Option<Vec<[Length; 2]>>,
+    /// Corners of each hole.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub holes: Vec<Vec<[Length; 2]>>,
+}
 
 /// Element type and size of a face.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("x-future" = { "fine": EVEN, "around": EVEN }))]
 pub struct Meshing {
     /// Type of membrane element.
     #[schemars(extend("default" = "quad4"))]
     pub element: Option<Element>,
-    /// Target edge length; required unless the mesh is imported.
+    /// Target edge length, of a graded mesh the largest; required unless the mesh is imported.
     #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-6, 0.5]))]
     pub size: Option<Length>,
+    /// Target edge length around one place, from which elements grow to `size`; left out, all have one size.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-6, 0.5]))]
+    pub fine: Option<Length>,
+    /// Where elements are `fine`: where the impactor meets the film, or around a point of the undeformed film.
+    #[schemars(extend("default" = "impactor"))]
+    pub around: Option<Around>,
+    /// Radius of the circle in which elements are `fine`; the impactor's radius seen from above where it is left out, and
+    /// of a point zero.
+    #[schemars(extend("minimum" = 0, "x-likely" = [1e-5, 5.0]))]
+    pub within: Option<Length>,
+    /// Growth of the edge length per distance from that circle, up to `size`.
+    #[schemars(range(min = 0.02, max = 1), extend("default" = 0.25))]
+    pub growth: Option<f64>,
+}
+
+/// Where elements are fine. The validator has reported mistakes before serde tries the two forms.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Around {
+    /// Around the impactor.
+    Word(AroundChoice),
+    /// Around a point, x and y.
+    Point([Length; 2]),
+}
+
+/// A place that other keys give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum AroundChoice {
+    /// Where the impactor meets the film.
+    Impactor,
 }
 
 /// Type of membrane element.

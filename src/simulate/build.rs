@@ -5,7 +5,7 @@ use super::film::Film as FilmTopology;
 use super::frame_force::HeldSides;
 use super::loading::{self, Inertia, LoadCase, MassScaling};
 use super::mount::{self, Mounting};
-use crate::engine::{Engine, Film, Loads, Nodes, ThreadPool};
+use crate::engine::{self, Engine, Film, Loads, Nodes, ThreadPool};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Model};
 
@@ -40,6 +40,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let mut nodes = Nodes::default();
     let mut films = vec![];
     let mut topologies = vec![];
+    let mut added_mass = vec![];
     let multiplicity = model.specimen.symmetry.copies();
     let (damping, step_factor) = (loading.damping(), model.solver.step_factor);
     let mut loads = Loads { multiplicity, damping, step_factor, ..Loads::default() };
@@ -49,7 +50,11 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         let first = nodes.position.len();
         let mut section = mount::section(face, mass_scaling);
         section.density += model.air.map_or(0.0, |air| air.added_mass) / section.thickness;
-        films.push(Film::mount(&mesh, &section, face.height, &mut nodes)?);
+        let mut film = Film::mount(&mesh, &section, face.height, &mut nodes)?;
+        if let Some(step) = model.solver.smallest_step {
+            added_mass.push(engine::add_mass(&mut film, &mut nodes, step));
+        }
+        films.push(film);
         mount::mirror(&mut nodes, &mesh, first);
         held.mount(&mesh, first);
         loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold));
@@ -60,7 +65,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let mass_scaling = (loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
     let approach = impact.as_ref().map_or([0.0; 2], |impact| loading.approach(&impact.body));
     let energy_scale = impact.as_ref().map_or(0.0, |impact| loading.energy_scale(&impact.body));
-    let mounting = Mounting { films: topologies, start, approach, energy_scale, mass_scaling, held };
+    let mounting = Mounting { films: topologies, start, approach, energy_scale, mass_scaling, added_mass, held };
     let engine = Engine::new(films, nodes, impact, loads);
     let between = model.contact.film_friction.or(model.impactor.as_ref().map(|impactor| impactor.friction));
     let engine = match between.filter(|_| model.contact.film) {
@@ -93,7 +98,7 @@ fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {
 fn held_edges(mesh: &Mesh, hold: &Hold) -> Vec<[u32; 2]> {
     let on = |edge: &[u32; 2], side: &[u32]| edge.iter().all(|node| side.binary_search(node).is_ok());
     let is_held = |edge: &[u32; 2]| match hold {
-        Hold::All => true,
+        Hold::All => on(edge, &mesh.rim),
         Hold::Sides(sides) => sides.iter().any(|side| on(edge, &mesh.sides[*side as usize])),
         Hold::None => false,
     };

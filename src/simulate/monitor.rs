@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::film::Film;
 use super::warning::{Warning, bounds};
-use crate::engine::{self, ContactState, ElementStrain, Relaxation, View};
+use crate::engine::{self, AddedMass, ContactState, ElementStrain, Relaxation, View};
 use crate::model::SNAPSHOT_MEMORY;
 
 /// Figures that are known only at the end of a run.
-pub(super) struct Figures {
+pub(super) struct Figures<'a> {
     /// Whether the impactor reached the end of the test without contact.
     pub(super) missed: bool,
     /// How the film came to equilibrium.
@@ -19,6 +19,8 @@ pub(super) struct Figures {
     pub(super) outside: f64,
     /// Kinetic share of a slow test.
     pub(super) kinetic: Option<f64>,
+    /// Mass added to the small elements of each face.
+    pub(super) added_mass: &'a [AddedMass],
     /// Snapshots requested and taken.
     pub(super) snapshots: [usize; 2],
     /// Whether the impactor is still in contact at the end.
@@ -103,9 +105,9 @@ impl Monitor {
     }
 
     /// The warnings of a run on `films` that ended with `figures`.
-    pub(super) fn finish(self, figures: &Figures, films: &[Film]) -> Vec<Warning> {
-        let Figures { missed, relaxation, balance, outside, kinetic, snapshots: [wanted, taken], unfinished } =
-            *figures;
+    pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film]) -> Vec<Warning> {
+        let Figures { missed, relaxation, balance, outside, kinetic, added_mass, snapshots, unfinished } = *figures;
+        let [wanted, taken] = snapshots;
         let misshapen = films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < bounds::JACOBIAN);
         let mut out: Vec<Warning> = misshapen
             .map(|(face, film)| Warning::MisshapenElements { face: face + 1, quality: film.quality })
@@ -115,6 +117,8 @@ impl Monitor {
             relaxation if relaxation.steps > 0 => Some(Warning::Settled(relaxation)),
             _ => None,
         }));
+        let heavy = added_mass.iter().enumerate().filter(|(_, added)| added.mass > bounds::ADDED_MASS * added.own);
+        out.extend(heavy.map(|(face, added)| Warning::AddedMass { face: face + 1, share: added.mass / added.own }));
         out.extend(missed.then_some(Warning::NoContact));
         out.extend(self.edge.map(|(time, edge)| Warning::CoarseContact { time, edge }));
         out.extend(self.penetration.map(|(time, depth)| Warning::Penetration { time, depth }));

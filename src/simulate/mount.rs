@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 use super::fault::RunError;
 use super::film::Film as FilmTopology;
 use super::frame_force::HeldSides;
-use crate::engine::{self, Contact, Film, Freedom, Loads, Nodes, RigidBody, Section, Surface};
+use crate::engine::{self, AddedMass, Contact, Film, Freedom, Loads, Nodes, RigidBody, Section, Surface};
 use crate::mesh::{self, Element, Mesh};
 use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model, Part};
 
@@ -21,6 +21,8 @@ pub(super) struct Mounting {
     pub(super) energy_scale: f64,
     /// Factor on the film's mass; none under a dynamic loading.
     pub(super) mass_scaling: Option<f64>,
+    /// Mass added to small elements of each face; empty where none was asked for.
+    pub(super) added_mass: Vec<AddedMass>,
     /// Sides whose force on the frame is recorded.
     pub(super) held: HeldSides,
 }

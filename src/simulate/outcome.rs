@@ -6,7 +6,7 @@ use super::film::Film;
 use super::rates::RateHistogram;
 use super::snapshot::Snapshot;
 use super::warning::Warning;
-use crate::engine::{Relaxation, Surface};
+use crate::engine::{AddedMass, Relaxation, Surface};
 use crate::lane::Width;
 use crate::signal::Recording;
 
@@ -43,6 +43,8 @@ pub struct Outcome {
     pub relaxation: Option<Relaxation>,
     /// Factor on the film's mass that the run used (only quasi-static loadings).
     pub mass_scaling: Option<f64>,
+    /// Mass added to the small elements of each face; empty where none was asked for.
+    pub added_mass: Vec<AddedMass>,
     /// Largest penetration over the impactor's radius.
     pub penetration: Option<f64>,
     /// Number of elements.

@@ -249,6 +249,7 @@ impl<'a> Probe<'a> {
             balance,
             outside: rates.outside,
             kinetic: kinetic_share,
+            added_mass: &mounting.added_mass,
             snapshots,
             unfinished,
         };
@@ -267,6 +268,7 @@ impl<'a> Probe<'a> {
             settling,
             relaxation,
             mass_scaling: mounting.mass_scaling,
+            added_mass: mounting.added_mass,
             penetration: self.record.penetration,
             elements: engine.elements(),
             bytes: engine.bytes(),

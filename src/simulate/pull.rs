@@ -100,7 +100,8 @@ impl SingleElement {
         else {
             return Err(PullError::NotAStretch);
         };
-        let face = Face { meshing: Meshing { size: x.max(*y), ..face.meshing }, ..face.clone() };
+        let face =
+            Face { meshing: Meshing { element: face.meshing.element, size: x.max(*y), grading: None }, ..face.clone() };
         let mesh = mesh::build(&model.specimen.shape, [false; 2], &face.meshing)?;
         let mut nodes = Nodes::default();
         let film = Film::mount(&mesh, &section(&face, 1.0), face.height, &mut nodes)?;

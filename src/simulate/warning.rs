@@ -14,6 +14,10 @@ codes! {
         "an element of the mesh has a small scaled Jacobian: it is far from a square or an equilateral triangle, and \
          its strains and its stable time step are poor",
         "mesh the outline again with better shaped elements; `droptower check` names the worst of them";
+    ADDED_MASS = "added-mass", Warning,
+        "`solver.smallest_step` added more than 5 % to the mass of a face: waves in it and its inertia are not those of \
+         the film",
+        "set a shorter `solver.smallest_step`, or leave it out";
     SETTLED = "settled", Note,
         "the film was not mounted in equilibrium with its pre-strain and its weight, and was brought to it before the \
          test, without impactor; strains and energies count from there",
@@ -76,6 +80,13 @@ pub enum Warning {
         face: usize,
         /// Shape of its elements, the worst of them.
         quality: Quality,
+    },
+    /// Much mass was added to a face.
+    AddedMass {
+        /// The face.
+        face: usize,
+        /// Added mass over its own.
+        share: f64,
     },
     /// The film was brought to equilibrium before the test.
     Settled(Relaxation),
@@ -162,6 +173,8 @@ pub enum Warning {
 pub(super) mod bounds {
     /// Scaled Jacobian of an element, a lower bound.
     pub(in crate::simulate) const JACOBIAN: f64 = 0.3;
+    /// Added mass over that of a face.
+    pub(in crate::simulate) const ADDED_MASS: f64 = 0.05;
     /// Edge of an element in contact over the radius of the impactor.
     pub(in crate::simulate) const EDGE: f64 = 0.25;
     /// Penetration over the radius of the impactor.
@@ -185,6 +198,12 @@ impl fmt::Display for Warning {
         let percent = |share: &f64| number::significant(100.0 * share, 2);
         match self {
             Warning::MisshapenElements { face, quality } => write!(f, "misshapen elements in face {face}: {quality}"),
+            Warning::AddedMass { face, share } => write!(
+                f,
+                "added mass: small elements of face {face} got {} % of its mass (bound {} %)",
+                percent(share),
+                percent(&bounds::ADDED_MASS)
+            ),
             Warning::Settled(Relaxation { mounted, residual, steps, displacement, .. }) => {
                 let [mounted, residual] = [mounted, residual].map(|residual| number::figure(*residual, 2));
                 write!(
@@ -277,6 +296,7 @@ impl Report for Warning {
     fn code(&self) -> &'static Code {
         match self {
             Warning::MisshapenElements { .. } => &MISSHAPEN_ELEMENTS,
+            Warning::AddedMass { .. } => &ADDED_MASS,
             Warning::Settled(_) => &SETTLED,
             Warning::NotInEquilibrium(_) => &NOT_IN_EQUILIBRIUM,
             Warning::NoContact => &NO_CONTACT,
@@ -319,6 +339,7 @@ impl Report for Warning {
             Warning::StrainLocalisation { time, strain, face } => {
                 &[("time_s", time.into()), ("strain", strain.into()), ("face", face.into())]
             }
+            Warning::AddedMass { face, share } => &[("face", face.into()), ("added_mass_share", share.into())],
             Warning::NoContact | Warning::Unfinished => &[],
             Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
             Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],

@@ -10,11 +10,13 @@ mod language;
 mod documents;
 mod examples;
 mod golden;
+mod graded_mesh;
 mod guide;
 mod identification;
 mod mesh;
 mod paper_study;
 mod paraview;
+mod polygon_mesh;
 #[cfg(feature = "rerun")]
 mod playback;
 mod recordings;

@@ -11,7 +11,7 @@ const SQUARE: Outline = Outline::Rectangle { x: 0.4, y: 0.4 };
 const DISC: Outline = Outline::Circle { radius: 0.1 };
 
 fn build(outline: &Outline, symmetry: Symmetry, element: Element, size: f64) -> Mesh {
-    mesh::build(outline, symmetry.mirrors(), &Meshing { element, size }).unwrap()
+    mesh::build(outline, symmetry.mirrors(), &Meshing { element, size, grading: None }).unwrap()
 }
 
 fn parts(symmetry: Symmetry) -> usize {
@@ -43,7 +43,7 @@ fn rectangles_have_the_elements_that_their_size_asks_for() {
 
 #[test]
 fn absurd_meshes_are_refused() {
-    let absurd = Meshing { element: Element::Tri3, size: 1e-300 };
+    let absurd = Meshing { element: Element::Tri3, size: 1e-300, grading: None };
     for shape in [SQUARE, DISC] {
         assert!(mesh::build(&shape, [false; 2], &absurd).is_err());
     }
@@ -189,7 +189,7 @@ fn file(name: &str, text: impl AsRef<[u8]>) -> (tempfile::TempDir, PathBuf) {
 }
 
 fn import(path: &Path, symmetry: Symmetry, element: Element) -> Result<Mesh, mesh::MeshError> {
-    mesh::build(&Outline::Mesh(path.to_owned()), symmetry.mirrors(), &Meshing { element, size: 1.0 })
+    mesh::build(&Outline::Mesh(path.to_owned()), symmetry.mirrors(), &Meshing { element, size: 1.0, grading: None })
 }
 
 fn as_obj(mesh: &Mesh) -> String {
@@ -226,6 +226,55 @@ fn as_vtu(mesh: &Mesh) -> String {
     vtu(&points.collect::<String>(), &corners.join(" "), &ends.collect::<String>(), &types.collect::<String>())
 }
 
+/// Version 2.2 of Gmsh, with a line and a point of its model beside the elements.
+fn as_msh_2(mesh: &Mesh) -> String {
+    let nodes = mesh.nodes.iter().enumerate().map(|(n, p)| format!("{} {} {} {}\n", 3 * n + 5, p.x, p.y, p.z));
+    let tag = |node: &u32| format!(" {}", 3 * node + 5);
+    let element = |(e, corners): (usize, Vec<u32>)| {
+        let tags: String = corners.iter().map(tag).collect();
+        format!("{} {} 2 0 1{tags}\n", e + 3, corners.len() - 1)
+    };
+    let elements: String = outlines(mesh).into_iter().enumerate().map(element).collect();
+    format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"film 2\"\n$EndPhysicalNames\n\
+         $Nodes\n{}\n{}$EndNodes\n$Elements\n{}\n1 15 2 0 1 5\n2 1 2 0 1 5 8\n{elements}$EndElements\n",
+        mesh.nodes.len(),
+        nodes.collect::<String>(),
+        outlines(mesh).len() + 2,
+    )
+}
+
+/// Version 4.1 of Gmsh: nodes in two blocks, one of them with coordinates on its surface, and elements by kind.
+fn as_msh_4(mesh: &Mesh) -> String {
+    let (first, second) = mesh.nodes.split_at(mesh.nodes.len() / 2);
+    let tags = |from: usize, count: usize| (from..from + count).map(|tag| format!("{tag}\n")).collect::<String>();
+    let points = |part: &[nalgebra::Point3<f64>], more: &str| {
+        part.iter().map(|p| format!("{} {} {}{more}\n", p.x, p.y, p.z)).collect::<String>()
+    };
+    let block = |kind: usize, all: Vec<&[u32]>| {
+        let line = |corners: &&[u32]| {
+            let tags: String = corners.iter().map(|node| format!(" {}", node + 1)).collect();
+            format!("7{tags}\n")
+        };
+        format!("2 1 {kind} {}\n{}", all.len(), all.iter().map(line).collect::<String>())
+    };
+    format!(
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n2 {} 1 {}\n1 1 0 {}\n{}{}2 1 1 {}\n{}{}$EndNodes\n\
+         $Elements\n3 {} 1 9\n1 1 1 1\n7 1 2\n{}{}$EndElements\n",
+        mesh.nodes.len(),
+        mesh.nodes.len(),
+        first.len(),
+        tags(1, first.len()),
+        points(first, ""),
+        second.len(),
+        tags(1 + first.len(), second.len()),
+        points(second, " 0.5 0.25"),
+        outlines(mesh).len() + 1,
+        block(2, mesh.tris.iter().map(|tri| tri.as_slice()).collect()),
+        block(3, mesh.quads.iter().map(|quad| quad.as_slice()).collect()),
+    )
+}
+
 fn vtu(points: &str, connectivity: &str, offsets: &str, types: &str) -> String {
     format!(
         r#"<?xml version="1.0"?>
@@ -254,7 +303,13 @@ fn labels(mesh: &Mesh) -> Vec<BTreeSet<[u64; 2]>> {
 fn meshes_are_read_back_from_files_unchanged() {
     for (symmetry, element) in SYMMETRIES.into_iter().flat_map(with_elements) {
         let mesh = build(&DISC, symmetry, element, 0.03);
-        for (name, text) in [("film.obj", as_obj(&mesh)), ("film.VTU", as_vtu(&mesh))] {
+        let files = [
+            ("film.obj", as_obj(&mesh)),
+            ("film.VTU", as_vtu(&mesh)),
+            ("film.msh", as_msh_2(&mesh)),
+            ("blocks.msh", as_msh_4(&mesh)),
+        ];
+        for (name, text) in files {
             let (_folder, path) = file(name, text);
             let back = import(&path, symmetry, Element::Quad4).unwrap();
             assert_eq!(elements(&back, [1.0; 2]), elements(&mesh, [1.0; 2]), "{name}");
@@ -308,12 +363,14 @@ fn binary_arrays_are_read() {
 }
 
 const TRIANGLE: &str = "0 0 0 1 0 0 0 1 0";
+const MSH_NODES: &str = "$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n";
 
 #[test]
 fn faults_of_files_are_reported_with_their_path() {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
     let obj = |faces: &str| ("film.obj", format!("{square}{faces}"));
     let vtu = |c: &str, o: &str, t: &str| ("film.vtu", vtu(TRIANGLE, c, o, t));
+    let msh = |format: &str, rest: &str| ("film.msh", format!("$MeshFormat\n{format}\n$EndMeshFormat\n{rest}"));
     let cases = [
         (obj(""), "no triangles"),
         (obj("f 1 2 9\n"), "out of bounds"),
@@ -334,7 +391,16 @@ fn faults_of_files_are_reported_with_their_path() {
         (("film.vtu", "<VTKFile compressor='vtkZLibDataCompressor'/>".to_owned()), "compressed"),
         (("film.vtu", "solid".to_owned()), "film.vtu: "),
         (("film.stl", "solid film\nfacet\n".to_owned()), "film.stl: "),
-        (("film.step", String::new()), "expected a file .stl, .obj or .vtu"),
+        (msh("4.0 0 8", ""), "version 4.0 of the format is not supported"),
+        (msh("4.1 1 8", ""), "the file is binary"),
+        (msh("2.2 0 8", ""), "`$Nodes` is missing"),
+        (msh("2.2 0 8", "$Nodes\n2\n1 0 0 0\n$EndNodes\n"), "`$Nodes` ends too early"),
+        (msh("2.2 0 8", "$Nodes\n2\n1 0 0 0\n1 1 0 0\n$EndNodes\n"), "two nodes have the tag 1"),
+        (msh("2.2 0 8", "$Nodes\n1\n1 0 zero 0\n$EndNodes\n"), "expected a number in `$Nodes`, found `zero`"),
+        (msh("2.2 0 8", &format!("{MSH_NODES}$Elements\n1\n1 4 0 1 2 3 4\n$EndElements\n")), "found Gmsh type 4"),
+        (msh("2.2 0 8", &format!("{MSH_NODES}$Elements\n1\n1 2 0 1 2 9\n$EndElements\n")), "node 9, which is missing"),
+        (msh("2.2 0 8", &format!("{MSH_NODES}$Elements\n0\n$EndElements\n")), "no triangles"),
+        (("film.step", String::new()), "expected a file .stl, .obj, .vtu or .msh"),
     ];
     for ((name, text), expected) in cases {
         let (_folder, path) = file(name, text);

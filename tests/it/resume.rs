@@ -259,7 +259,7 @@ fn assert_same(one: &Outcome, other: &Outcome, what: &str) {
 }
 
 /// Every law, loading, element and kind of impactor that the golden cases have: rupture, a rotating sphere, faces of
-/// their own, triangles, a slow test whose mass is scaled.
+/// their own, triangles, a slow test whose mass is scaled, a graded mesh with added mass.
 #[test]
 fn every_kind_of_run_resumes_to_the_same_bits() {
     for (case, changes) in [
@@ -281,6 +281,7 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
         ("stretch-md", &[]),
         ("indent-disc", &[]),
         ("inflation-square", &[]),
+        ("dart-polygon", &["output.frames=20"]),
     ] {
         let model = golden(case, changes);
         let every = 0.22 * model.run_time();

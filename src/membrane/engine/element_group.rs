@@ -39,6 +39,10 @@ pub(super) trait ElementGroup: Send + Sync {
     /// Bound on the squared angular frequency of any element of `density` (kg/m³), rad²/s².
     fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64;
 
+    /// Adds mass to the elements of `density` (kg/m³) whose squared angular frequency is above `most` (rad²/s²); `add` is
+    /// called with the nodes of each and the mass of each of them, kg.
+    fn add_mass(&mut self, density: f64, most: f64, position: &[&[f64]; 3], add: &mut dyn FnMut(&[u32], f64));
+
     /// Strains of the elements, in order, into `out`.
     fn strains(&self, width: Width, position: &[&[f64]; 3], out: &mut [ElementStrain]);
 
@@ -112,6 +116,10 @@ where
 
     fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64 {
         element::frequency_bound(width, &self.elements, &*self.law, density, position)
+    }
+
+    fn add_mass(&mut self, density: f64, most: f64, position: &[&[f64]; 3], add: &mut dyn FnMut(&[u32], f64)) {
+        element::add_mass(&mut self.elements, &*self.law, [density, most], position, add);
     }
 
     fn strains(&self, width: Width, position: &[&[f64]; 3], out: &mut [ElementStrain]) {

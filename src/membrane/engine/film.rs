@@ -43,6 +43,17 @@ impl Clone for Chunk {
     }
 }
 
+/// Mass added to small elements for a longer time step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AddedMass {
+    /// kg.
+    pub mass: f64,
+    /// Mass of the film without it, kg.
+    pub own: f64,
+    /// Number of the elements.
+    pub elements: usize,
+}
+
 impl Film {
     /// A film of `groups` of elements, each a chunk, on its `nodes` among all; `density` in kg/m³, `thickness` in m.
     pub(super) fn new(groups: Vec<Box<dyn ElementGroup>>, density: f64, thickness: f64, nodes: Range<usize>) -> Film {
@@ -130,6 +141,25 @@ impl Film {
             // SAFETY: there is one thread.
             unsafe { film.add_forces(Width::best(), chunk, position.axes(), dt) };
         }
+    }
+
+    /// Adds mass to the elements whose squared angular frequency is above `most` (rad²/s²), so that it is `most`.
+    pub(super) fn add_mass(&mut self, nodes: &mut Nodes, most: f64) -> AddedMass {
+        // The stiffness depends on history variables, which pre-strain changes.
+        self.add_forces(nodes, 0.0);
+        nodes.clear_forces();
+        let own: f64 = nodes.mass[self.nodes.clone()].iter().sum();
+        let mut added = AddedMass { own, ..AddedMass::default() };
+        let first = self.nodes.start;
+        let position = nodes.position.axes().map(|axis| axis[self.nodes.clone()].to_vec());
+        let position = position.each_ref().map(Vec::as_slice);
+        let mut add = |corners: &[u32], mass: f64| {
+            added.elements += 1;
+            added.mass += mass * corners.len() as f64;
+            corners.iter().for_each(|node| nodes.add_mass(first + *node as usize, mass));
+        };
+        self.chunks.iter_mut().for_each(|chunk| chunk.group.add_mass(self.density, most, &position, &mut add));
+        added
     }
 
     /// Strains of every element, quads first.

@@ -9,6 +9,6 @@ pub(super) fn bytes<T>(entries: &[T]) -> usize {
 
 /// Bytes of elements of one kind.
 pub(super) fn blocks<B, const NODES: usize, const L: usize>(elements: &Blocks<B, NODES, L>) -> usize {
-    let Blocks { count: _, corners, blocks } = elements;
-    bytes(corners) + bytes(blocks)
+    let Blocks { count: _, corners, blocks, mass_factors } = elements;
+    bytes(corners) + bytes(blocks) + bytes(mass_factors)
 }

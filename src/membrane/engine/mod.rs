@@ -41,7 +41,7 @@ pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, Undef
 pub use energy::Energies;
 pub use failure::Failures;
 pub use fault::Fault;
-pub use film::Film;
+pub use film::{AddedMass, Film};
 pub use film_contact::FilmContactState;
 pub use guide_friction::GuideFriction;
 pub use loads::{Jaw, Loads};
@@ -56,6 +56,7 @@ pub use section::Section;
 pub use state::{State, StateMismatch};
 pub use thread_pool::ThreadPool;
 use time_step::TimeStep;
+pub use time_step::add_mass;
 
 use std::ops::Range;
 

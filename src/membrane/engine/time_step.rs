@@ -3,13 +3,20 @@
 use serde::{Deserialize, Serialize};
 
 use super::cushion::Enclosed;
-use super::film::{self, Film};
+use super::film::{self, AddedMass, Film};
 use super::nodes::Nodes;
 use super::thread_pool::ThreadPool;
 use super::{Fault, Loads};
 
 /// Share of the stability limit that is used.
 const SAFETY: f64 = 0.9;
+
+/// Adds mass to the elements of a film whose own stable time step, as mounted and without damping, is below `step` (s),
+/// so that it is `step` (theory.md, equation 17d).
+pub fn add_mass(film: &mut Film, nodes: &mut Nodes, step: f64) -> AddedMass {
+    let frequency = SAFETY * 2.0 / step;
+    film.add_mass(nodes, frequency * frequency)
+}
 
 /// The same after elements have failed: torn film snaps back and flutters between slack and taut, and a step near the
 /// limit of the linear theory gains energy at such kinks (theory.md, section 4).

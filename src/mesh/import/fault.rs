@@ -9,7 +9,7 @@ use crate::file::FileError;
 #[derive(Debug, Error)]
 pub enum Fault {
     /// The extension is unknown.
-    #[error("expected a file .stl, .obj or .vtu")]
+    #[error("expected a file .stl, .obj, .vtu or .msh")]
     Format,
     /// The file is unreadable.
     #[error("{0}")]
@@ -20,6 +20,9 @@ pub enum Fault {
     /// The file is not VTU.
     #[error("{0}")]
     Vtu(#[from] VtuFault),
+    /// The file is not MSH.
+    #[error("{0}")]
+    Msh(#[from] MshFault),
     /// There is no element.
     #[error("the file has no triangles or quadrilaterals")]
     NoElements,
@@ -104,6 +107,60 @@ pub enum Fault {
     NotOnMirror {
         /// Normal of the mirror plane.
         axis: char,
+    },
+}
+
+/// Why a file is not a mesh of Gmsh.
+#[derive(Debug, Error)]
+pub enum MshFault {
+    /// The file is binary.
+    #[error("the file is binary; export it as ASCII (in Gmsh: Mesh.Binary = 0)")]
+    Binary,
+    /// The version is not read.
+    #[error("version {version} of the format is not supported; export 2.2 or 4.1 (in Gmsh: Mesh.MshFileVersion)")]
+    Version {
+        /// Its version.
+        version: String,
+    },
+    /// A section is missing.
+    #[error("`${section}` is missing")]
+    Missing {
+        /// Its name.
+        section: &'static str,
+    },
+    /// A section ends too early.
+    #[error("`${section}` ends too early")]
+    Ends {
+        /// Its name.
+        section: &'static str,
+    },
+    /// A word is not a number of the kind that belongs there.
+    #[error("expected a number in `${section}`, found `{text}`")]
+    Number {
+        /// The word.
+        text: String,
+        /// Name of the section.
+        section: &'static str,
+    },
+    /// Two nodes have one tag.
+    #[error("two nodes have the tag {tag}")]
+    Twice {
+        /// The tag.
+        tag: u64,
+    },
+    /// An element refers to a node that the file does not have.
+    #[error("an element refers to node {tag}, which is missing")]
+    NoNode {
+        /// The tag.
+        tag: u64,
+    },
+    /// An element is neither triangle nor quadrilateral.
+    #[error(
+        "expected triangles (2) and quadrilaterals (3), found Gmsh type {kind}; mesh the surface alone, of order 1"
+    )]
+    Element {
+        /// Its type.
+        kind: u64,
     },
 }
 

@@ -1,7 +1,9 @@
-//! Meshes from files: STL, OBJ and VTU, triangles and quadrilaterals, coordinates in m.
+//! Meshes from files: STL, OBJ, VTU and MSH (Gmsh), triangles and quadrilaterals, coordinates in m. Outlines from DXF.
 
 mod checks;
+mod dxf;
 mod fault;
+mod msh;
 mod obj;
 mod stl;
 mod vtu;
@@ -17,7 +19,8 @@ use nalgebra::Point3;
 use super::grid::split;
 use super::{Element, Mesh, MeshError, topology};
 
-pub use fault::{Fault, VtuFault};
+pub use dxf::{DxfFault, polygon};
+pub use fault::{Fault, MshFault, VtuFault};
 
 /// Reads a film: every element is oriented counter-clockwise seen from +z, nodes within a millionth of the extent from
 /// a mirror plane are moved onto it, and nodes without an element are left out.
@@ -135,6 +138,7 @@ fn read(path: &Path) -> Result<Mesh, Fault> {
         "stl" => merge_equal(stl::read(path)?),
         "obj" => merge_equal(obj::read(path)?),
         "vtu" => vtu::read(path)?,
+        "msh" => msh::read(path)?,
         _ => return Err(Fault::Format),
     };
     checks::elements(&raw)?;

@@ -94,7 +94,7 @@ mod tests {
         let (young, thickness, radius, pressure) = (1e9, 50e-6, 0.1, 500.0);
         let law = Law::Elastic(Elastic { young, poisson: 0.3 });
         let material = Material { density: 1e3, thickness, law, measured_rates: None };
-        let meshing = Meshing { element: Element::Quad4, size: 0.01 };
+        let meshing = Meshing { element: Element::Quad4, size: 0.01, grading: None };
         let face = Face {
             height: 0.0,
             layers: 1,

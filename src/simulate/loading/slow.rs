@@ -34,6 +34,8 @@ fn radius(shape: &Outline, hold: &Hold) -> Option<f64> {
         Outline::Rectangle { y, .. } if !held(Side::XMinus) || !held(Side::XPlus) => Some(0.5 * y),
         Outline::Rectangle { x, y } => Some(0.5 * x.min(*y)),
         Outline::Circle { radius } => Some(*radius),
+        // Exact for discs and squares.
+        Outline::Polygon(polygon) => Some(2.0 * polygon.area() / polygon.perimeter()),
         Outline::Mesh(_) => None,
     }
 }

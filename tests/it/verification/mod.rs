@@ -17,6 +17,7 @@ mod drop;
 mod equilibrium;
 mod film_contact;
 mod frame_force;
+mod graded;
 mod gradient;
 mod guide_friction;
 mod indentation;

@@ -64,7 +64,7 @@ impl Film {
     fn deflected(self, element: Element, edge: f64, mode: [u32; 2], damping: f64) -> (Engine, Vec<f64>) {
         let law = Law::Elastic(Elastic { young: YOUNG, poisson: self.poisson() });
         let material = Material { density: DENSITY, thickness: 12e-6, law, measured_rates: None };
-        let meshing = Meshing { element, size: edge };
+        let meshing = Meshing { element, size: edge, grading: None };
         let across = match self {
             Film::Strip => 0.0,
             Film::Square => PRESTRAIN,

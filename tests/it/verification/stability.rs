@@ -94,7 +94,8 @@ fn the_frequency_of_shipped_elements_is_below_its_bound() {
     let mut claims = Claims::of("bound of the time step");
     for kind in ELEMENTS {
         let model = shipped("drop/1008.toml", &[]);
-        let face = Face { meshing: Meshing { element: kind, ..model.faces[0].meshing }, ..model.faces[0].clone() };
+        let face =
+            Face { meshing: Meshing { element: kind, ..model.faces[0].meshing.clone() }, ..model.faces[0].clone() };
         let mesh = sheet([1, 1], kind, 0.0, |[u, v]| [u, v].map(|at| at * face.meshing.size));
         let (mut film, nodes) = mounted(&mesh, &face);
         forces(&mut film, &nodes);

@@ -156,13 +156,15 @@ pub(crate) struct Blocks<B, const NODES: usize, const L: usize = LANES> {
     pub corners: Vec<Corners<NODES, L>>,
     /// Geometry and history of each block's elements.
     pub blocks: Vec<B>,
+    /// Mass of each block's elements over that of their film; empty where no mass was added.
+    pub mass_factors: Vec<Lane<L>>,
 }
 
 impl<B: Block<NODES, L>, const NODES: usize, const L: usize> Blocks<B, NODES, L> {
     /// Blocks of elements and their nodes, of a film `thickness` (m, all layers) thick.
     pub(crate) fn new(nodes: &[[u32; NODES]], elements: &[B::Element], thickness: f64) -> Self {
         let count = nodes.len();
-        let mut out = Blocks { count, corners: vec![], blocks: vec![] };
+        let mut out = Blocks { count, corners: vec![], blocks: vec![], mass_factors: vec![] };
         for first in (0..count).step_by(L) {
             let at = |l: usize| (first + l).min(count - 1);
             let weight = |l: usize| if first + l < count { thickness } else { 0.0 };

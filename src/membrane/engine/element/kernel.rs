@@ -239,18 +239,51 @@ fn frequency_bound_lanewise<
 ) -> f64 {
     let mut x = [[splat(0.0); 3]; NODES];
     let mut largest = splat::<L>(0.0);
-    for (corners, block) in elements.corners.iter().zip(&elements.blocks) {
+    for (b, (corners, block)) in elements.corners.iter().zip(&elements.blocks).enumerate() {
         gather(corners, position, &mut x);
         let bound = block.stiffness(law, &x);
         let volume = block.volume();
+        let factor = elements.mass_factors.get(b).copied().unwrap_or(splat(1.0));
         for l in 0..L {
-            let squared = bound[l] * NODES as f64 / (density * volume[l]);
+            let squared = bound[l] * NODES as f64 / (density * factor[l] * volume[l]);
             // Deleted elements and the padding of the last block have no volume; a NaN must propagate.
             let settled = (volume[l] == 0.0) | (squared <= largest[l]) | largest[l].is_nan();
             largest[l] = if settled { largest[l] } else { squared };
         }
     }
     largest.into_iter().fold(0.0, |most, squared| if squared <= most || most.is_nan() { most } else { squared })
+}
+
+/// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and calls
+/// `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d). Once a run, and so
+/// for the baseline width only.
+pub(crate) fn add_mass<
+    B: Block<NODES, L>,
+    M: MembraneLaw<History<L> = B::History>,
+    const NODES: usize,
+    const L: usize,
+>(
+    elements: &mut Blocks<B, NODES, L>,
+    law: &M,
+    [density, most]: [f64; 2],
+    position: &[&[f64]; 3],
+    add: &mut dyn FnMut(&[u32], f64),
+) {
+    let mut x = [[splat(0.0); 3]; NODES];
+    let mut factors = vec![splat(1.0); elements.blocks.len()];
+    for ((corners, block), factors) in elements.corners.iter().zip(&elements.blocks).zip(&mut factors) {
+        gather(corners, position, &mut x);
+        let (bound, volume) = (block.stiffness(law, &x), block.volume());
+        for l in (0..L).filter(|l| volume[*l] > 0.0) {
+            let own = density * volume[l] / NODES as f64;
+            let factor = bound[l] / (own * most);
+            if factor > 1.0 {
+                factors[l] = factor;
+                add(&corners.of(l), (factor - 1.0) * own);
+            }
+        }
+    }
+    elements.mass_factors = factors;
 }
 
 /// Strains of one element, averaged over its integration points.

@@ -15,7 +15,7 @@ pub(crate) use block::{Block, Blocks};
 pub(crate) use gauss::Gauss;
 pub use kernel::{ElementDetail, ElementEnergy, ElementStrain};
 pub(crate) use kernel::{Forces, OwnForces};
-pub(super) use kernel::{add_forces, details, energy, energy_at, frequency_bound, strains};
+pub(super) use kernel::{add_forces, add_mass, details, energy, energy_at, frequency_bound, strains};
 pub(crate) use one_point::OnePoint;
 pub(super) use one_point::OnePointElement;
 pub use reference::{StressFree, UndefinedFibreDirection};

@@ -19,7 +19,7 @@ pub(super) struct Crossing {
     /// That of the first of the two faces, then that of the second.
     pub(super) edges: [u32; 2],
     /// Factor on the product of the first edge and the second that makes it point from the second to the first; zero where
-    /// contact was given up.
+    /// they are parallel, or contact was given up.
     pub(super) sign: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
@@ -42,15 +42,35 @@ impl Crossing {
     }
 }
 
-/// Adds the crossings of the edge `walker` over the face on which its nodes are tracked by `tracking`.
-pub(super) fn walk(surface: &Surface, position: &Vectors, tracking: &Tracking, walker: u32, out: &mut Vec<Crossing>) {
+/// Adds the crossings of the edge `walker` over the faces on which its nodes are tracked by `tracking`. Where these are two
+/// faces, since the outline of one ends between the nodes, it is followed over each.
+pub(super) fn find(surface: &Surface, position: &Vectors, tracking: &Tracking, walker: u32, out: &mut Vec<Crossing>) {
     let ends = surface.edges[walker as usize];
-    let is_tracked = |n: u32| tracking.triangle[n as usize] != NONE && tracking.sign[n as usize] != 0.0;
-    let Some(from) = ends.into_iter().find(|n| is_tracked(*n)) else { return };
-    let to = if from == ends[0] { ends[1] } else { ends[0] };
+    let face = |n: u32| {
+        let (triangle, sign) = (tracking.triangle[n as usize], tracking.sign[n as usize]);
+        (triangle != NONE && sign != 0.0).then(|| surface.face_of(triangle))
+    };
+    let [first, second] = ends.map(face);
+    if first.is_some() {
+        walk(surface, position, tracking, walker, ends, out);
+    }
+    if second.is_some() && second != first {
+        walk(surface, position, tracking, walker, [ends[1], ends[0]], out);
+    }
+}
+
+/// Follows the edge `walker` from one of its nodes to the other over the face on which the first is tracked.
+fn walk(
+    surface: &Surface,
+    position: &Vectors,
+    tracking: &Tracking,
+    walker: u32,
+    [from, to]: [u32; 2],
+    out: &mut Vec<Crossing>,
+) {
     let [start, end] = [from, to].map(|n| Vector3::from(position.at(n as usize)));
     let direction = {
-        let [a, b] = ends.map(|n| Vector3::from(position.at(n as usize)));
+        let [a, b] = surface.edges[walker as usize].map(|n| Vector3::from(position.at(n as usize)));
         b - a
     };
     let (sign, bound) = (tracking.sign[from as usize], tracking.bound[from as usize]);
@@ -70,17 +90,11 @@ pub(super) fn walk(surface: &Surface, position: &Vectors, tracking: &Tracking, w
         let [c, d] = surface.edges[other as usize].map(|n| Vector3::from(position.at(n as usize)));
         let across = direction.cross(&(d - c));
         let up = across.dot(&normal) * sign;
-        if across.norm_squared() > PARALLEL * direction.norm_squared() * (d - c).norm_squared() && up != 0.0 {
-            let sign = if up > 0.0 { 1.0 } else { -1.0 };
-            // In the other order both the product and the direction are reversed, and the sign is the same.
-            out.push(Crossing {
-                edges: [walker.min(other), walker.max(other)],
-                sign,
-                bound,
-                impulse: [0.0; 4],
-                pressed: 0,
-            });
-        }
+        let is_across = across.norm_squared() > PARALLEL * direction.norm_squared() * (d - c).norm_squared();
+        let sign = if is_across { 1.0_f64.copysign(up) } else { 0.0 };
+        // In the other order both the product and the direction are reversed, and the sign is the same.
+        let edges = [walker.min(other), walker.max(other)];
+        out.push(Crossing { edges, sign, bound, impulse: [0.0; 4], pressed: 0 });
         let next = surface.across[triangle as usize][k];
         // Past a sharp fold the edge lies under the surface that it is followed over.
         if next == NONE || normal_of(surface, position, next).dot(&normal) < 0.0 {

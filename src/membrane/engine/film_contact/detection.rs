@@ -65,7 +65,8 @@ pub(super) struct Crossed {
 }
 
 at_width! {
-    /// Adds those of the crossings `range` that are closer than `factor` of what is allowed to `found`.
+    /// Adds those of the crossings `range` that are closer than `factor` of what is allowed to `found`, and the places of
+    /// those that have become parallel, or are so no more, to `turned`.
     pub(super) fn near_crossings[](
         crossings: &[Crossing],
         surface: &Surface,
@@ -73,6 +74,7 @@ at_width! {
         range: Range<usize>,
         factor: f64,
         found: &mut Vec<Crossed>,
+        turned: &mut Vec<usize>,
     ) = near_crossings_lanewise
 }
 
@@ -84,6 +86,7 @@ fn near_crossings_lanewise(
     range: Range<usize>,
     factor: f64,
     found: &mut Vec<Crossed>,
+    turned: &mut Vec<usize>,
 ) {
     for first in range.clone().step_by(LANES) {
         let of = |l: usize| (first + l).min(range.end - 1);
@@ -96,7 +99,7 @@ fn near_crossings_lanewise(
         let (of_e, of_f) = (dot(&e, &e), dot(&f, &f));
         let (height, s, t) = (dot(&across, &w), dot(&cross(&f, &w), &across), dot(&cross(&e, &w), &across));
         let mut out: [Lane; 4] = [splat(0.0); 4];
-        let mut is_near = [false; LANES];
+        let (mut is_near, mut has_turned) = ([false; LANES], [false; LANES]);
         for l in 0..LANES {
             let crossing = &crossings[of(l)];
             let length = squared[l].sqrt();
@@ -105,10 +108,13 @@ fn near_crossings_lanewise(
             out[2][l] = crossing.sign / length;
             out[3][l] = out[2][l] * height[l];
             let is_inside = (0.0..=1.0).contains(&out[0][l]) && (0.0..=1.0).contains(&out[1][l]);
-            let is_across = crossing.sign != 0.0 && squared[l] > PARALLEL * of_e[l] * of_f[l];
+            let is_across = squared[l] > PARALLEL * of_e[l] * of_f[l];
+            has_turned[l] = is_across != (crossing.sign != 0.0);
             is_near[l] = is_across && is_inside && out[3][l] < factor * crossing.bound;
         }
-        for l in (0..LANES.min(range.end - first)).filter(|l| is_near[*l]) {
+        let count = LANES.min(range.end - first);
+        turned.extend((0..count).filter(|l| has_turned[*l]).map(|l| first + l));
+        for l in (0..count).filter(|l| is_near[*l] && !has_turned[*l]) {
             let normal = [0, 1, 2].map(|axis| across[axis][l] * out[2][l]);
             found.push(Crossed { place: first + l, shares: [out[0][l], out[1][l]], normal, distance: out[3][l] });
         }

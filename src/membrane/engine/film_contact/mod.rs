@@ -120,6 +120,8 @@ pub struct FilmContactState {
 struct Found {
     near: Vec<u32>,
     crossed: Vec<Crossed>,
+    /// Crossings that have become parallel, or are so no more.
+    turned: Vec<usize>,
     constraints: Vec<Constraint>,
     /// Node and foot of those whose triangle or side has changed.
     moved: Vec<(u32, Foot)>,
@@ -305,16 +307,13 @@ impl FilmContact {
         let mut found = vec![];
         for walker in walkers {
             for tracking in &self.tracking {
-                crossing::walk(&self.surface, position, tracking, walker, &mut found);
+                crossing::find(&self.surface, position, tracking, walker, &mut found);
             }
         }
         old.sort_unstable_by_key(|crossing| crossing.edges);
         for crossing in &mut found {
             if let Ok(place) = old.binary_search_by_key(&crossing.edges, |old| old.edges) {
                 (crossing.impulse, crossing.pressed) = (old[place].impulse, old[place].pressed);
-                if old[place].sign != 0.0 {
-                    crossing.sign = old[place].sign;
-                }
             }
         }
         self.crossings.extend(found);
@@ -379,7 +378,8 @@ impl FilmContact {
             constraints.extend(found.constraints);
             self.lost += found.lost.len() as u64;
             let Some(side) = *side else {
-                self.stale.extend(found.lost.iter().flat_map(|place| self.crossings[*place].edges));
+                let again = found.lost.iter().chain(&found.turned);
+                self.stale.extend(again.flat_map(|place| self.crossings[*place].edges));
                 found.lost.iter().for_each(|place| self.crossings[*place].sign = 0.0);
                 continue;
             };
@@ -453,7 +453,8 @@ impl FilmContact {
     /// Constraints of the crossings of `range`.
     fn near_crossings(&self, pool: &ThreadPool, nodes: &Nodes, range: Range<usize>, dt: f64, found: &mut Found) {
         let (crossings, surface) = (&self.crossings, &self.surface);
-        detection::near_crossings(pool.width(), crossings, surface, &nodes.position, range, 1.0, &mut found.crossed);
+        let (crossed, turned) = (&mut found.crossed, &mut found.turned);
+        detection::near_crossings(pool.width(), crossings, surface, &nodes.position, range, 1.0, crossed, turned);
         for Crossed { place, shares: [s, t], normal, distance } in &found.crossed {
             let crossing = &crossings[*place];
             let pair = Pair {
@@ -556,10 +557,10 @@ impl FilmContact {
                 }
             }
         }
-        let mut crossed = vec![];
+        let (mut crossed, mut turned) = (vec![], vec![]);
         let (all, far) = (0..self.crossings.len(), f64::INFINITY);
-        detection::near_crossings(pool.width(), &self.crossings, &self.surface, position, all, far, &mut crossed);
-        crossed.retain(|crossed| self.crossings[crossed.place].sign != 0.0);
+        let (crossings, surface) = (&self.crossings, &self.surface);
+        detection::near_crossings(pool.width(), crossings, surface, position, all, far, &mut crossed, &mut turned);
         distance = crossed.iter().map(|crossed| crossed.distance).fold(distance, f64::min);
         let mut pressed: Vec<u32> =
             self.constraints.iter().filter(|constraint| constraint.is_active()).flat_map(|c| c.nodes).collect();

@@ -47,6 +47,15 @@ impl Nodes {
         self.effective_inverse_mass.extend(masses.iter().map(|mass| [1.0 / mass; 3]));
     }
 
+    /// Adds mass (kg) to a node.
+    pub(super) fn add_mass(&mut self, node: usize, mass: f64) {
+        self.mass[node] += mass;
+        let inverse = 1.0 / self.mass[node];
+        self.inverse_mass[node] = inverse;
+        let free = self.effective_inverse_mass.at(node);
+        self.effective_inverse_mass.set(node, free.map(|old| if old == 0.0 { 0.0 } else { inverse }));
+    }
+
     /// Position of one node.
     #[inline]
     pub fn position_of(&self, node: usize) -> Point3<f64> {

@@ -1,0 +1,261 @@
+//! Whether a polygon is the outline of a film.
+
+use nalgebra::Point2;
+use thiserror::Error;
+
+use super::Polygon;
+
+/// Least angle of a corner, rad: 5 degrees. No element at a narrower one is sound.
+const NARROWEST: f64 = 5.0 * std::f64::consts::PI / 180.0;
+/// Distance over the extent below which two corners are one.
+const SAME: f64 = 1e-9;
+/// Most corners of all loops.
+const MOST_CORNERS: usize = 20_000;
+
+/// Why a polygon is not the outline of a film. Loop 0 is the outline, the others are the holes; positions in m.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PolygonFault {
+    /// A loop has fewer than three corners or no area.
+    #[error("{} has no area", named(*.of))]
+    NoArea {
+        /// The loop.
+        of: usize,
+    },
+    /// A coordinate is not finite.
+    #[error("a coordinate of {} is not finite", named(*.of))]
+    NotFinite {
+        /// The loop.
+        of: usize,
+    },
+    /// There are too many corners.
+    #[error("the outline has {corners} corners; at most {MOST_CORNERS} are read")]
+    TooMany {
+        /// Their number.
+        corners: usize,
+    },
+    /// Two successive corners are one.
+    #[error("{} has the corner {} twice", named(*.of), millimetres(.at))]
+    Twice {
+        /// The loop.
+        of: usize,
+        /// The corner.
+        at: [f64; 2],
+    },
+    /// A corner is so narrow that no element fits.
+    #[error("the corner {} of {} has {:.1} degrees; at least 5 are meshed", millimetres(.at), named(*.of), .angle.to_degrees())]
+    Narrow {
+        /// The loop.
+        of: usize,
+        /// The corner.
+        at: [f64; 2],
+        /// rad.
+        angle: f64,
+    },
+    /// Two edges cross or touch each other.
+    #[error("{} and {} cross near {}", named(.of[0]), named(.of[1]), millimetres(.at))]
+    Crossing {
+        /// Their loops.
+        of: [usize; 2],
+        /// A place near it.
+        at: [f64; 2],
+    },
+    /// A hole is outside the outline, or in another hole.
+    #[error("{} lies outside the film", named(*.of))]
+    HoleOutside {
+        /// The loop.
+        of: usize,
+    },
+    /// A corner in the part that symmetry leaves out.
+    #[error("the corner {} lies beyond the mirror plane {axis} = 0; with symmetry the polygon is the part at {axis} >= 0", millimetres(.at))]
+    BeyondMirror {
+        /// Normal of the mirror plane.
+        axis: char,
+        /// The corner.
+        at: [f64; 2],
+    },
+    /// No edge lies on a mirror plane.
+    #[error("no edge lies on the mirror plane {axis} = 0")]
+    NotOnMirror {
+        /// Normal of the mirror plane.
+        axis: char,
+    },
+}
+
+impl PolygonFault {
+    /// The hole that is at fault, counted from 0; none for the outline.
+    pub fn hole(&self) -> Option<usize> {
+        match self {
+            PolygonFault::NoArea { of }
+            | PolygonFault::NotFinite { of }
+            | PolygonFault::Twice { of, .. }
+            | PolygonFault::Narrow { of, .. }
+            | PolygonFault::HoleOutside { of }
+            | PolygonFault::Crossing { of: [_, of], .. } => of.checked_sub(1),
+            PolygonFault::TooMany { .. } | PolygonFault::BeyondMirror { .. } | PolygonFault::NotOnMirror { .. } => None,
+        }
+    }
+}
+
+fn named(of: usize) -> String {
+    if of == 0 { "the outline".into() } else { format!("hole {of}") }
+}
+
+fn millimetres([x, y]: &[f64; 2]) -> String {
+    format!("({:.4} mm, {:.4} mm)", 1e3 * x, 1e3 * y)
+}
+
+impl Polygon {
+    /// Checks corners, edges, holes, and the place of the mirror planes.
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn check(&self, mirrored: [bool; 2]) -> Result<(), PolygonFault> {
+        let corners = self.loops().map(<[_]>::len).sum();
+        if corners > MOST_CORNERS {
+            return Err(PolygonFault::TooMany { corners });
+        }
+        let same = SAME * self.extent();
+        for (of, corners) in self.loops().enumerate() {
+            self::corners(of, corners, same)?;
+        }
+        self.crossings()?;
+        for (of, hole) in self.loops().enumerate().skip(1) {
+            let others = self.loops().enumerate().filter(|(other, _)| *other != of);
+            // In the outline and in no other hole.
+            if others.filter(|(_, corners)| is_inside(corners, hole[0])).map(|(other, _)| other).ne([0]) {
+                return Err(PolygonFault::HoleOutside { of });
+            }
+        }
+        (0..2).filter(|axis| mirrored[*axis]).try_for_each(|axis| self.mirror(axis, same))
+    }
+
+    fn mirror(&self, axis: usize, same: f64) -> Result<(), PolygonFault> {
+        let name = ['x', 'y'][axis];
+        if let Some(at) = self.loops().flatten().find(|corner| corner[axis] < -same) {
+            return Err(PolygonFault::BeyondMirror { axis: name, at: *at });
+        }
+        let on_plane = |[a, b]: [[f64; 2]; 2]| a[axis].abs() <= same && b[axis].abs() <= same;
+        match edges(&self.outer).any(on_plane) {
+            true => Ok(()),
+            false => Err(PolygonFault::NotOnMirror { axis: name }),
+        }
+    }
+
+    /// No two edges have a point in common but the corner between neighbours.
+    fn crossings(&self) -> Result<(), PolygonFault> {
+        let mut all: Vec<Edge> = vec![];
+        for (of, corners) in self.loops().enumerate() {
+            let count = corners.len();
+            all.extend(edges(corners).enumerate().map(|(place, ends)| Edge { of, place, count, ends }));
+        }
+        // By their least x: those that begin beyond the end of an edge do not meet it.
+        all.sort_by(|a, b| a.low().total_cmp(&b.low()));
+        for (first, edge) in all.iter().enumerate() {
+            let near = all[first + 1..].iter().take_while(|other| other.low() <= edge.high());
+            for other in near.filter(|other| !edge.is_beside(other)) {
+                if cross(edge.ends, other.ends) {
+                    return Err(PolygonFault::Crossing {
+                        of: [edge.of.min(other.of), edge.of.max(other.of)],
+                        at: other.ends[0],
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+struct Edge {
+    of: usize,
+    place: usize,
+    count: usize,
+    ends: [[f64; 2]; 2],
+}
+
+impl Edge {
+    fn low(&self) -> f64 {
+        self.ends[0][0].min(self.ends[1][0])
+    }
+
+    fn high(&self) -> f64 {
+        self.ends[0][0].max(self.ends[1][0])
+    }
+
+    /// Whether both have a corner in common.
+    fn is_beside(&self, other: &Edge) -> bool {
+        let next = |edge: &Edge| (edge.place + 1) % edge.count;
+        self.of == other.of && (next(self) == other.place || next(other) == self.place)
+    }
+}
+
+/// Corners of one loop: at least three, none twice, none too narrow.
+fn corners(of: usize, corners: &[[f64; 2]], same: f64) -> Result<(), PolygonFault> {
+    if !corners.iter().flatten().all(|coordinate| coordinate.is_finite()) {
+        return Err(PolygonFault::NotFinite { of });
+    }
+    let perimeter: f64 = edges(corners).map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
+    if corners.len() < 3 || signed_area(corners).abs() <= 1e-9 * perimeter * perimeter {
+        return Err(PolygonFault::NoArea { of });
+    }
+    let count = corners.len();
+    for place in 0..count {
+        let point = |index: usize| Point2::from(corners[index % count]);
+        let [before, here, next] = [point(place + count - 1), point(place), point(place + 1)];
+        if (next - here).norm() <= same {
+            return Err(PolygonFault::Twice { of, at: corners[place] });
+        }
+        let angle = (before - here).angle(&(next - here));
+        if angle < NARROWEST {
+            return Err(PolygonFault::Narrow { of, at: corners[place], angle });
+        }
+    }
+    Ok(())
+}
+
+/// The edges of a loop.
+pub(super) fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).map(|(from, to)| [*from, *to])
+}
+
+/// Area within a loop, positive where it runs counter-clockwise, m².
+pub(super) fn signed_area(corners: &[[f64; 2]]) -> f64 {
+    edges(corners).map(|[a, b]| 0.5 * (a[0] * b[1] - b[0] * a[1])).sum()
+}
+
+/// Whether a point is inside a loop.
+pub(super) fn is_inside(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let crosses =
+        |[a, b]: &[[f64; 2]; 2]| (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+    edges(corners).filter(crosses).count() % 2 == 1
+}
+
+/// The point of a loop that is nearest to `point`.
+pub(super) fn nearest(corners: &[[f64; 2]], point: Point2<f64>) -> Point2<f64> {
+    let on_edge = |[from, to]: [[f64; 2]; 2]| {
+        let (from, along) = (Point2::from(from), Point2::from(to) - Point2::from(from));
+        let share = ((point - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        from + along * share
+    };
+    let distance = |other: &Point2<f64>| (other - point).norm_squared();
+    let mut places = edges(corners).map(on_edge);
+    let first = places.next().unwrap_or(point);
+    places.fold(first, |best, place| if distance(&place) < distance(&best) { place } else { best })
+}
+
+/// Distance of a point from the nearest edge of a loop, m.
+pub(super) fn distance(corners: &[[f64; 2]], point: Point2<f64>) -> f64 {
+    (nearest(corners, point) - point).norm()
+}
+
+/// Whether two edges have a point in common.
+fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
+    let side = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
+        let area = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+        if area > 0.0 { 1 } else { -i32::from(area < 0.0) }
+    };
+    let apart =
+        |axis: usize| a[axis].max(b[axis]) < c[axis].min(d[axis]) || c[axis].max(d[axis]) < a[axis].min(b[axis]);
+    let across = side(a, b, c) * side(a, b, d) <= 0 && side(c, d, a) * side(c, d, b) <= 0;
+    across && !apart(0) && !apart(1)
+}

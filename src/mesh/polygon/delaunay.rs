@@ -1,0 +1,176 @@
+//! Delaunay refinement: circumcentres of triangles that are too large or too narrow become nodes (Ruppert, J. Algorithms
+//! 18, 1995), in rounds of those that do not disturb each other.
+
+use std::collections::{BTreeSet, HashMap};
+
+use nalgebra::{Point2, Point3};
+use spade::{ConstrainedDelaunayTriangulation, Triangulation};
+
+use super::Polygon;
+use super::boundary::Boundary;
+
+/// Circumradius over the wanted edge length above which a triangle is too large: nodes are then from 0.8 to 1.6 of that
+/// length apart. It is 0.58 for an equilateral triangle of the wanted size.
+const LARGE: f64 = 0.8;
+/// Circumradius over the shortest edge above which a triangle is too narrow: a least angle of 26 degrees.
+const NARROW: f64 = 1.14;
+/// How often an edge of the outline is halved.
+const DEEPEST: u32 = 6;
+const ROUNDS: usize = 300;
+
+/// Nodes (the boundary's first) and triangles, counter-clockwise, of at most about `most` nodes.
+pub(super) fn refined(
+    mut boundary: Boundary,
+    polygon: &Polygon,
+    wanted: &dyn Fn(Point2<f64>) -> f64,
+    most: usize,
+) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    let mut inner: Vec<Point2<f64>> = vec![];
+    for _ in 0..ROUNDS {
+        let (points, triangles) = triangulation(&boundary, &inner);
+        let bad = bad(&points, &triangles, &boundary, wanted);
+        let halved = improve(&boundary, polygon, &bad, &mut inner);
+        if bad.is_empty() || halved.is_none() || points.len() > most {
+            break;
+        }
+        halved.into_iter().flatten().for_each(|segment| boundary.split(segment, polygon));
+    }
+    let (points, triangles) = triangulation(&boundary, &inner);
+    (points.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect(), triangles)
+}
+
+/// A triangle to be improved: how bad it is, the centre and the radius of its circumcircle.
+struct Bad {
+    excess: f64,
+    centre: Point2<f64>,
+    radius: f64,
+}
+
+/// Triangles that are too large or too narrow, the worst first.
+fn bad(
+    points: &[Point2<f64>],
+    triangles: &[[u32; 3]],
+    boundary: &Boundary,
+    wanted: &dyn Fn(Point2<f64>) -> f64,
+) -> Vec<Bad> {
+    let excess = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|node| points[node as usize]);
+        let (u, v) = (b - a, c - a);
+        let twice_area = u.perp(&v);
+        let [uu, vv] = [u.norm_squared(), v.norm_squared()];
+        let centre = a + nalgebra::Vector2::new(v.y * uu - u.y * vv, u.x * vv - v.x * uu) / (2.0 * twice_area);
+        let radius = (centre - a).norm();
+        let [i, j, k] = triangle.map(|node| node as usize);
+        let edges = [(uu, [i, j]), (vv, [i, k]), ((c - b).norm_squared(), [j, k])];
+        let (shortest, ends) =
+            edges.into_iter().fold(edges[0], |least, edge| if edge.0 < least.0 { edge } else { least });
+        let middle = Point2::from((a.coords + b.coords + c.coords) / 3.0);
+        let narrow = if boundary.is_across_narrow(ends) { 0.0 } else { radius / (NARROW * shortest.sqrt()) };
+        let excess = narrow.max(radius / (LARGE * wanted(middle)));
+        (excess > 1.0).then_some(Bad { excess, centre, radius })
+    };
+    let mut bad: Vec<Bad> = triangles.iter().filter_map(excess).collect();
+    bad.sort_by(|a, b| b.excess.total_cmp(&a.excess));
+    bad
+}
+
+/// Adds the circumcentres of `bad` that lie in the film, apart from each other and from its edges. The edges to be halved
+/// in place of others; none where nothing is left to do.
+fn improve(
+    boundary: &Boundary,
+    polygon: &Polygon,
+    bad: &[Bad],
+    inner: &mut Vec<Point2<f64>>,
+) -> Option<BTreeSet<usize>> {
+    let largest = bad.iter().map(|bad| bad.radius).fold(0.0, f64::max);
+    let mut added = Neighbours { cell: largest.max(f64::MIN_POSITIVE), cells: HashMap::new() };
+    let mut halved = BTreeSet::new();
+    let before = inner.len();
+    for Bad { centre, radius, .. } in bad {
+        if added.has_within(*centre, *radius) {
+            continue;
+        }
+        let is_close = |(_, [a, b]): &(usize, [Point2<f64>; 2])| (a - centre).dot(&(b - centre)) < 0.0;
+        let ends = boundary.segments.iter().map(|segment| boundary.ends(segment)).enumerate();
+        let close: Vec<(usize, [Point2<f64>; 2])> = ends.filter(is_close).collect();
+        for (segment, [a, b]) in &close {
+            if boundary.segments[*segment].depth < DEEPEST && halved.insert(*segment) {
+                added.add(nalgebra::center(a, b));
+            }
+        }
+        if close.is_empty() && polygon.covers((*centre).into()) {
+            added.add(*centre);
+            inner.push(*centre);
+        }
+    }
+    (inner.len() > before || !halved.is_empty()).then_some(halved)
+}
+
+/// Points in square cells.
+struct Neighbours {
+    cell: f64,
+    cells: HashMap<[i64; 2], Vec<Point2<f64>>>,
+}
+
+impl Neighbours {
+    fn place(&self, point: Point2<f64>) -> [i64; 2] {
+        [0, 1].map(|axis| (point[axis] / self.cell).floor() as i64)
+    }
+
+    fn add(&mut self, point: Point2<f64>) {
+        self.cells.entry(self.place(point)).or_default().push(point);
+    }
+
+    /// Whether there is a point nearer than `radius`, which is at most a cell.
+    fn has_within(&self, point: Point2<f64>, radius: f64) -> bool {
+        let [x, y] = self.place(point);
+        let cells = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [x + i, y + j]));
+        cells.filter_map(|cell| self.cells.get(&cell)).flatten().any(|other| (other - point).norm() < radius)
+    }
+}
+
+type Cdt = ConstrainedDelaunayTriangulation<spade::Point2<f64>>;
+
+/// Nodes and triangles of the constrained Delaunay triangulation that the film covers.
+fn triangulation(boundary: &Boundary, inner: &[Point2<f64>]) -> (Vec<Point2<f64>>, Vec<[u32; 3]>) {
+    let points: Vec<Point2<f64>> = boundary.points.iter().chain(inner).copied().collect();
+    let as_spade = |p: &Point2<f64>| spade::mitigate_underflow(spade::Point2::new(p.x, p.y));
+    let edges = boundary.segments.iter().map(|segment| segment.ends).collect();
+    // The coordinates were checked to be finite, the edges not to cross.
+    let loaded = Cdt::try_bulk_load_cdt(points.iter().map(as_spade).collect(), edges, |_| {});
+    let Ok(cdt) = loaded else { return (points, vec![]) };
+    let is_covered = covered(&cdt);
+    let covered = cdt.inner_faces().filter(|face| is_covered[face.fix().index()]);
+    let triangles = covered.map(|face| face.vertices().map(|vertex| vertex.fix().index() as u32)).collect();
+    (points, triangles)
+}
+
+/// Whether each face is inside the outline and in no hole: reached from outside across an odd number of edges of the
+/// boundary.
+fn covered(cdt: &Cdt) -> Vec<bool> {
+    let mut is_covered: Vec<Option<bool>> = vec![None; cdt.num_all_faces()];
+    let outer = cdt.outer_face().fix().index();
+    is_covered[outer] = Some(false);
+    let mut open: Vec<(usize, bool)> = vec![];
+    let mut enter = |face: usize, covers: bool, open: &mut Vec<(usize, bool)>| {
+        if is_covered[face].is_none() {
+            is_covered[face] = Some(covers);
+            open.push((face, covers));
+        }
+    };
+    for edge in cdt.convex_hull() {
+        enter(edge.rev().face().fix().index(), edge.is_constraint_edge(), &mut open);
+    }
+    let edges: Vec<[(usize, bool); 3]> = cdt
+        .inner_faces()
+        .map(|face| face.adjacent_edges().map(|edge| (edge.rev().face().fix().index(), edge.is_constraint_edge())))
+        .collect();
+    let places: HashMap<usize, usize> =
+        cdt.inner_faces().enumerate().map(|(place, face)| (face.fix().index(), place)).collect();
+    while let Some((face, covers)) = open.pop() {
+        for (next, crosses) in edges[places[&face]] {
+            enter(next, covers != crosses, &mut open);
+        }
+    }
+    is_covered.into_iter().map(|covers| covers == Some(true)).collect()
+}

@@ -1,0 +1,218 @@
+//! Meshes of polygons: shapes, sizes and edges; drawings of outlines.
+
+use std::f64::consts::{PI, TAU};
+
+use droptower::mesh::import::{self, DxfFault};
+use droptower::mesh::{self, Element, Grading, Mesh, Meshing, Outline, Polygon, PolygonFault, Quality, Zone};
+
+fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
+    let at = |place: u32| {
+        let (sin, cos) = (TAU * f64::from(place) / 180.0).sin_cos();
+        [x + radius * cos, y + radius * sin]
+    };
+    (0..180).map(at).collect()
+}
+
+fn corner() -> Vec<[f64; 2]> {
+    vec![[-0.1, -0.1], [0.1, -0.1], [0.1, 0.0], [0.0, 0.0], [0.0, 0.1], [-0.1, 0.1]]
+}
+
+fn square() -> Vec<[f64; 2]> {
+    vec![[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]]
+}
+
+fn polygon(outer: Vec<[f64; 2]>, holes: Vec<Vec<[f64; 2]>>) -> Polygon {
+    Polygon { outer, holes }
+}
+
+fn build(polygon: &Polygon, mirrored: [bool; 2], element: Element, grading: Option<Grading>) -> Mesh {
+    let meshing = Meshing { element, size: 5e-3, grading };
+    mesh::build(&Outline::Polygon(polygon.clone()), mirrored, &meshing).unwrap()
+}
+
+fn fine() -> Option<Grading> {
+    Some(Grading { fine: 1e-3, growth: 0.25, zones: vec![Zone { at: [-0.03, 0.03], within: 0.01 }] })
+}
+
+#[test]
+fn elements_fill_the_outline_with_sound_shapes() {
+    let hole = circle([-0.05, -0.05], 0.02);
+    let disc = circle([0.0, 0.0], 0.0635);
+    // Name, polygon, grading, least scaled Jacobian of quadrilaterals and of triangles.
+    let cases = [
+        ("square", polygon(square(), vec![]), None, [0.5, 0.55]),
+        ("angle with a hole", polygon(corner(), vec![hole.clone()]), None, [0.5, 0.55]),
+        ("angle, graded", polygon(corner(), vec![hole]), fine(), [0.5, 0.55]),
+        ("disc", polygon(disc, vec![]), None, [0.5, 0.55]),
+        ("hole near an edge", polygon(square(), vec![circle([0.05, 0.021], 0.02)]), None, [0.3, 0.5]),
+        ("narrow corner", polygon(vec![[0.0, 0.0], [0.2, 0.0], [0.2, 0.04]], vec![]), None, [0.15, 0.15]),
+    ];
+    for (name, polygon, grading, least) in cases {
+        for (element, least) in [Element::Quad4, Element::Tri3].into_iter().zip(least) {
+            let mesh = build(&polygon, [false; 2], element, grading.clone());
+            let quality = Quality::of(&mesh);
+            let case = format!("{name} {element:?}: {quality}");
+            assert_eq!(mesh.quads.is_empty(), element == Element::Tri3, "{case}");
+            assert_eq!(mesh.tris.is_empty(), element == Element::Quad4, "{case}");
+            assert!(quality.jacobian > least, "{case}");
+            assert!((quality.area / polygon.area() - 1.0).abs() < 2e-3, "{case}");
+            let cells = match &grading {
+                Some(grading) => grading.cells(polygon.area(), 5e-3),
+                None => polygon.area() / 25e-6,
+            };
+            let wanted = if element == Element::Tri3 { 2.0 * cells } else { cells };
+            let share = quality.elements as f64 / wanted;
+            assert!((0.7..2.5).contains(&share), "{share} of the wanted number: {case}");
+            assert!(quality.edges[1] < 2.0 * 5e-3, "{case}");
+        }
+    }
+}
+
+#[test]
+fn the_frame_holds_the_outline_and_not_the_holes() {
+    let polygon = polygon(square(), vec![circle([0.03, 0.05], 0.02), circle([0.08, 0.05], 0.005)]);
+    for element in [Element::Quad4, Element::Tri3] {
+        let mesh = build(&polygon, [false; 2], element, None);
+        let on_edge = |node: &u32| {
+            let p = mesh.nodes[*node as usize];
+            [p.x, p.y].iter().any(|c| c.abs() < 1e-12 || (c - 0.1).abs() < 1e-12)
+        };
+        assert!(mesh.rim.iter().all(on_edge));
+        let all = (0..mesh.nodes.len() as u32).filter(on_edge).count();
+        assert_eq!(mesh.rim.len(), all, "{element:?}");
+        assert!(mesh.sides.iter().all(|side| side.len() > 10));
+    }
+}
+
+#[test]
+fn a_polygon_with_symmetry_is_the_computed_part() {
+    let part = polygon(square(), vec![]);
+    let mesh = build(&part, [true, true], Element::Quad4, None);
+    let on = |axis: usize| mesh.nodes.iter().filter(|p| p[axis].abs() < 1e-12).count();
+    assert_eq!([mesh.mirrors[0].len(), mesh.mirrors[1].len()], [on(0), on(1)]);
+    assert!(mesh.rim.iter().all(|node| mesh.nodes[*node as usize].coords.amax() > 0.1 - 1e-12));
+    let whole = polygon(corner(), vec![]);
+    assert!(matches!(whole.check([true, false]), Err(PolygonFault::BeyondMirror { axis: 'x', .. })));
+    let beside = polygon(square().iter().map(|p| [p[0] + 1.0, p[1]]).collect(), vec![]);
+    assert_eq!(beside.check([true, false]), Err(PolygonFault::NotOnMirror { axis: 'x' }));
+}
+
+#[test]
+fn the_same_polygon_gives_the_same_bits() {
+    let polygon = polygon(corner(), vec![circle([-0.05, -0.05], 0.02)]);
+    for element in [Element::Quad4, Element::Tri3] {
+        let [first, second] = [0, 1].map(|_| build(&polygon, [false; 2], element, fine()));
+        assert_eq!(first.nodes, second.nodes);
+        assert_eq!((first.quads, first.tris), (second.quads, second.tris));
+    }
+}
+
+#[test]
+fn outlines_that_are_none_are_refused() {
+    let with = |corner: [f64; 2]| {
+        let mut corners = square();
+        corners.insert(1, corner);
+        polygon(corners, vec![])
+    };
+    let cases = [
+        (polygon(square()[..2].to_vec(), vec![]), "the outline has no area"),
+        (polygon(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]], vec![]), "the outline has no area"),
+        (with([0.05, 0.15]), "the outline and the outline cross near"),
+        (with([0.0, 0.0]), "has the corner (0.0000 mm, 0.0000 mm) twice"),
+        (with([0.05, f64::NAN]), "not finite"),
+        (polygon(vec![[0.0, 0.0], [0.1, 0.0], [0.1, 0.005]], vec![]), "has 2.9 degrees"),
+        (polygon(square(), vec![circle([0.05, 0.05], 0.06)]), "the outline and hole 1 cross near"),
+        (polygon(square(), vec![circle([0.3, 0.05], 0.01)]), "hole 1 lies outside the film"),
+        (
+            polygon(square(), vec![circle([0.05, 0.05], 0.04), circle([0.05, 0.05], 0.01)]),
+            "hole 2 lies outside the film",
+        ),
+    ];
+    for (polygon, expected) in cases {
+        let message = polygon.check([false; 2]).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}, not {expected}");
+    }
+}
+
+/// A drawing with these group codes and values, in mm if it says so.
+fn drawing(name: &str, units: Option<u32>, entities: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let units = units.map_or(String::new(), |units| format!(" 9\n$INSUNITS\n 70\n {units}\n"));
+    let text = format!(
+        "  0\nSECTION\n  2\nHEADER\n  9\n$ACADVER\n  1\nAC1015\n{units}  0\nENDSEC\n  0\nSECTION\n  2\nENTITIES\n{entities}  0\nENDSEC\n  0\nEOF\n"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    (folder, path)
+}
+
+fn groups(entity: &str, values: &[(i32, f64)]) -> String {
+    let lines = values.iter().map(|(code, value)| format!(" {code}\n{value}\n"));
+    format!("  0\n{entity}\n  8\n0\n{}", lines.collect::<String>())
+}
+
+/// A slot of two lines and two half circles, its hole a circle, and a note; in mm.
+fn slot() -> String {
+    let line = |a: [f64; 2], b: [f64; 2]| groups("LINE", &[(10, a[0]), (20, a[1]), (11, b[0]), (21, b[1])]);
+    let arc = |x: f64, from: f64, to: f64| groups("ARC", &[(10, x), (20, 0.0), (40, 10.0), (50, from), (51, to)]);
+    let circle = groups("CIRCLE", &[(10, 5.0), (20, 0.0), (40, 4.0)]);
+    let note = "  0\nTEXT\n  1\nslot\n";
+    [
+        line([-20.0, -10.0], [20.0, -10.0]),
+        line([-20.0, 10.0], [20.0, 10.0]),
+        arc(20.0, 270.0, 90.0),
+        arc(-20.0, 90.0, 270.0),
+        circle,
+        note.into(),
+    ]
+    .concat()
+}
+
+#[test]
+fn drawings_give_their_outline_and_holes() {
+    let exact = 1e-6 * (40.0 * 20.0 + PI * 100.0 - PI * 16.0);
+    let (_folder, path) = drawing("slot.dxf", Some(4), &slot());
+    let lines = import::polygon(&path, None).unwrap();
+    assert_eq!(lines.holes.len(), 1);
+    assert!((lines.area() / exact - 1.0).abs() < 3e-4, "{} of {exact}", lines.area());
+    lines.check([false; 2]).unwrap();
+
+    // The same slot as one polyline with bulges, in inches.
+    let inches = 1.0 / 25.4;
+    let vertex = |x: f64, y: f64, bulge: f64| [(10, x * inches), (20, y * inches), (42, bulge)];
+    let vertices =
+        [vertex(-20.0, -10.0, 0.0), vertex(20.0, -10.0, 1.0), vertex(20.0, 10.0, 0.0), vertex(-20.0, 10.0, 1.0)];
+    let polyline = groups("LWPOLYLINE", &[&[(90, 4.0), (70, 1.0)], vertices.concat().as_slice()].concat());
+    let hole = groups("CIRCLE", &[(10, 5.0 * inches), (20, 0.0), (40, 4.0 * inches)]);
+    let (_folder, path) = drawing("slot.DXF", Some(1), &[polyline, hole].concat());
+    let bulged = import::polygon(&path, None).unwrap();
+    assert!((bulged.area() / lines.area() - 1.0).abs() < 1e-9);
+    assert!((bulged.extent() - 0.06).abs() < 1e-9);
+
+    let (_folder, path) = drawing("slot.dxf", None, &slot());
+    assert!(matches!(import::polygon(&path, None), Err(DxfFault::NoUnit)));
+    let centimetres = import::polygon(&path, Some(1e-2)).unwrap();
+    assert!((centimetres.area() / lines.area() - 100.0).abs() < 1e-6);
+}
+
+#[test]
+fn drawings_that_are_no_outline_are_refused() {
+    let arc = groups("ARC", &[(10, 0.0), (20, 0.0), (40, 1.0), (50, 0.0), (51, 90.0)]);
+    let cases = [
+        ("film.dxf", arc.as_str(), "where no other continues"),
+        ("film.dxf", "  0\nSPLINE\n", "the entity SPLINE is not supported"),
+        ("film.dxf", "  0\nCIRCLE\n 10\n0\n 20\n0\n 40\n-1\n", "CIRCLE without a radius"),
+        ("film.dxf", "  0\nLINE\n 10\n0\n 20\nx\n 11\n0\n", "expected a number, found `x`"),
+        ("film.dxf", "  zero\nLINE\n", "expected a number, found `zero`"),
+        ("film.dxf", "  0\nTEXT\n", "the drawing has no lines"),
+        ("film.dxf", "  0\nLWPOLYLINE\n 70\n4\n 10\n0\n 20\n0\n", "LWPOLYLINE with flags 4"),
+        ("film.svg", "", "expected a file .dxf"),
+    ];
+    for (name, entities, expected) in cases {
+        let (_folder, path) = drawing(name, Some(4), entities);
+        let message = import::polygon(&path, None).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+    let (_folder, path) = drawing("film.dxf", Some(4), &slot());
+    assert!(matches!(import::polygon(&path, Some(1.0)), Err(DxfFault::OtherUnit { .. })));
+}

@@ -1,0 +1,137 @@
+//! Meshes that are fine where they need to be: a dart ruptures film as on a mesh that is fine everywhere.
+
+use droptower::model::Model;
+use droptower::simulate::{self, Outcome, Warning};
+
+use super::claims::Claims;
+use super::tower::{measured, run, written};
+
+/// The template of `droptower new dart` with another mesh, a dart heavy enough to rupture the film, and `more` keys.
+fn dart(mesh: &str, more: &str) -> Model {
+    let template = include_str!("../../../src/cli/templates/dart.toml");
+    let changed = |from: &str, to: &str, text: String| {
+        assert!(text.contains(from), "the template has no {from}");
+        text.replace(from, to)
+    };
+    let text = changed("mesh     = { element = \"quad4\", size = \"2 mm\" }", mesh, template.to_owned());
+    let text = changed("\"100 g\"", "\"400 g\"", text);
+    let text = changed("\"40 ms\"", "\"23 ms\"", text);
+    written(&format!("{text}\n[layers]\nsettle = false\n{more}"))
+}
+
+/// Time, travel and peak force of a rupture.
+fn rupture(model: &Model, outcome: &Outcome) -> [f64; 3] {
+    let impact = measured(model, outcome);
+    let time = outcome.rupture_time.expect("a rupture");
+    let of =
+        |name: &str| &outcome.signals.channels.iter().find(|channel| channel.name == name).expect("a channel").values;
+    let sample = outcome.signals.time.partition_point(|at| *at < time);
+    let force = of("contact_force_N").iter().copied().fold(0.0, f64::max);
+    assert!(impact.audit.ruptured);
+    [time, -of("displacement_m")[sample], force]
+}
+
+const FINE: &str = "mesh     = { element = \"quad4\", size = \"1.5 mm\" }";
+const GRADED: &str = "mesh     = { element = \"quad4\", size = \"12 mm\", fine = \"1.5 mm\", around = \"impactor\" }";
+
+/// docs/verification.md has the same with 0.5 mm under the tip.
+#[test]
+fn a_dart_ruptures_a_graded_film_as_one_that_is_fine_everywhere() {
+    let mut claims = Claims::of("graded film");
+    let cost = |outcome: &Outcome| outcome.elements as f64 * outcome.steps as f64;
+    let reference = dart(FINE, "");
+    let fine = run(&reference);
+    let wanted = rupture(&reference, &fine);
+    let scaled = "[solver]\nsmallest_step = \"2 us\"\n";
+    for (name, more, least_steps) in [("graded", "", 1.0), ("graded, mass added", scaled, 0.9)] {
+        let model = dart(GRADED, more);
+        let graded = run(&model);
+        claims.at_most(
+            &format!("{name}: element steps over those of the fine film"),
+            cost(&graded) / cost(&fine),
+            0.25,
+        );
+        for ((what, found), wanted) in
+            ["time, s", "travel, m", "peak force, N"].into_iter().zip(rupture(&model, &graded)).zip(wanted)
+        {
+            claims.near(&format!("{name}: {what}"), found, wanted, 0.01);
+        }
+        claims.at_most(&format!("{name}: balance error"), graded.energy_balance_error, 1e-3);
+        let steps = graded.steps as f64 / fine.steps as f64;
+        claims.at_most(&format!("{name}: steps over those of the fine film"), steps, least_steps);
+        assert_eq!(graded.added_mass.len(), usize::from(!more.is_empty()));
+    }
+    claims.judge();
+}
+
+/// An elastic sheet of equal squares, whose elements all have one stable time step, under a ball.
+fn sheet(mesh: &str, impactor: &str, more: &str) -> Model {
+    written(&format!(
+        "[specimen]
+shape = {{ rectangle = [\"0.4 m\", \"0.4 m\"] }}
+mesh = {mesh}
+material = {{ density = \"1000 kg/m3\", thickness = \"50 um\", elastic = {{ young = \"50 MPa\", poisson = 0.3 }} }}
+[impactor]
+shape = {{ sphere = {{ radius = \"20 mm\" }} }}
+mass = \"100 g\"
+friction = 0.2
+{impactor}
+[output]
+sample_rate = \"10 kHz\"
+filter = \"none\"
+{more}"
+    ))
+}
+
+const FALLING: &str = "[loading.impact]\nvelocity = \"2 m/s\"\nduration = \"20 ms\"";
+
+/// Theory, equation (17d): twice the step takes four times the mass where all elements are alike, and where they are not
+/// just the small ones get mass.
+#[test]
+fn added_mass_gives_elements_the_step_that_was_asked_for() {
+    let mut claims = Claims::of("added mass");
+    let equal = "{ size = \"20 mm\" }";
+    let graded = "{ size = \"20 mm\", fine = \"5 mm\" }";
+    let step = |model: &Model| simulate::engine(model).expect("an engine").time_step();
+    for (name, mesh, share) in [("equal squares", equal, Some(3.0)), ("graded", graded, None)] {
+        let own = step(&sheet(mesh, FALLING, ""));
+        let model = sheet(mesh, FALLING, &format!("[solver]\nsmallest_step = {:e}", 2.0 * own));
+        claims.near(&format!("{name}: step, s"), step(&model), 2.0 * own, 1e-12);
+        let outcome = run(&model);
+        let [added] = outcome.added_mass[..] else { panic!("one face") };
+        claims.near(&format!("{name}: mass of the film, kg"), added.own, 0.4 * 0.4 * 50e-6 * 1000.0, 1e-12);
+        match share {
+            Some(share) => {
+                claims.near(&format!("{name}: added mass over it"), added.mass / added.own, share, 1e-12);
+                assert_eq!(added.elements, outcome.elements);
+            }
+            None => {
+                claims.at_most(&format!("{name}: added mass over it"), added.mass / added.own, 1.0);
+                assert!(0 < added.elements && added.elements < outcome.elements, "{}", added.elements);
+            }
+        }
+        claims.at_most(&format!("{name}: balance error"), outcome.energy_balance_error, 1e-3);
+        assert!(outcome.warnings.iter().any(|warning| matches!(warning, Warning::AddedMass { face: 1, .. })));
+    }
+    claims.judge();
+}
+
+/// The place where a ball thrown obliquely meets the film, from its flight.
+#[test]
+fn elements_are_fine_where_the_impactor_meets_the_film() {
+    let mut claims = Claims::of("graded around the impactor");
+    let mesh = "{ size = \"20 mm\", fine = \"5 mm\", around = \"impactor\" }";
+    let thrown = "guide = \"free\"
+position = [\"-30 mm\", \"10 mm\", \"100 mm\"]
+velocity = [\"1 m/s\", \"0.5 m/s\", \"-2 m/s\"]
+[loading.impact]
+duration = \"10 ms\"";
+    let model = sheet(mesh, thrown, "");
+    let [zone] = model.faces[0].meshing.grading.as_ref().expect("a grading").zones[..] else { panic!("one zone") };
+    // 80 mm down at 2 m/s and 9.81 m/s2.
+    let time = ((4.0_f64 + 2.0 * 9.81 * 0.08).sqrt() - 2.0) / 9.81;
+    claims.near("x, m", zone.at[0], -0.03 + time, 1e-12);
+    claims.near("y, m", zone.at[1], 0.01 + 0.5 * time, 1e-12);
+    claims.near("radius, m", zone.within, 0.02, 1e-12);
+    claims.judge();
+}
