@@ -10,7 +10,7 @@ use crate::simulate::{Failure, Fault, Warning};
 /// The warning of a run of `model` with its remedy, if there is one; `mass_scaling` is the factor that the run used.
 pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option<f64>) -> String {
     let remedy = match warning {
-        Warning::NotInEquilibrium(_) | Warning::NoContact | Warning::Unfinished | Warning::FewerSnapshots { .. } => {
+        Warning::NotInEquilibrium(_) | Warning::NoContact(_) | Warning::Unfinished(_) | Warning::FewerSnapshots { .. } => {
             warning.code().remedy.to_owned()
         }
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
@@ -43,7 +43,7 @@ pub fn failure(failure: &Failure, model: &Model) -> String {
         cause @ (Fault::NotQuasiStatic { .. } | Fault::NotAtRest { .. }) => {
             format!("{cause}; {}", slower(model, failure.so_far.mass_scaling))
         }
-        cause @ (Fault::Engine(_) | Fault::EnergyBalance { .. }) => cause.to_string(),
+        cause @ (Fault::Engine(_) | Fault::ReleasedInside { .. } | Fault::EnergyBalance { .. }) => cause.to_string(),
     }
 }
 
@@ -67,6 +67,7 @@ fn slower(model: &Model, used: Option<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulate::Impactor;
     use crate::post::tests::model;
     use crate::scenario::grammar;
 
@@ -107,9 +108,9 @@ mod tests {
     #[test]
     fn the_remedy_of_a_code_follows_the_fact_once() {
         let warnings = [
-            Warning::CoarseContact { time: 0.01, edge: 0.4 },
-            Warning::Penetration { time: 0.01, depth: 0.02 },
-            Warning::Unfinished,
+            Warning::CoarseContact { impactor: Impactor::only(), time: 0.01, edge: 0.4 },
+            Warning::Penetration { impactor: Impactor::only(), time: 0.01, depth: 0.02 },
+            Warning::Unfinished(Impactor::only()),
             Warning::FewerSnapshots { wanted: 200, taken: 50, memory: 1e9 },
         ];
         for warning in warnings {
@@ -121,7 +122,7 @@ mod tests {
 
     #[test]
     fn the_remedy_of_coarse_elements_names_what_gives_their_size() {
-        let warning = Warning::CoarseContact { time: 0.01, edge: 0.4 };
+        let warning = Warning::CoarseContact { impactor: Impactor::only(), time: 0.01, edge: 0.4 };
         let mut model = model();
         let mut finer = model.faces[0].clone();
         finer.meshing.size *= 0.5;

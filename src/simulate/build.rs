@@ -4,8 +4,8 @@ use super::fault::RunError;
 use super::film::Film as FilmTopology;
 use super::frame_force::HeldSides;
 use super::loading::{self, Inertia, LoadCase, MassScaling};
-use super::mount::{self, Mounting};
-use crate::engine::{Engine, Film, Loads, Nodes, ThreadPool};
+use super::mount::{self, BodyMounting, Mounting};
+use crate::engine::{Engine, Film, Impact, Loads, Nodes, ThreadPool};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Model};
 
@@ -55,13 +55,17 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold));
         topologies.push(topology(&mesh, model));
     }
-    let impact = loading.apply(&films, &nodes, &mut loads)?;
-    let start = impact.as_ref().map_or(0.0, |impact| impact.body.centre().z);
+    let impacts = loading.apply(&films, &nodes, &mut loads)?;
+    let body = |impact: &Impact| BodyMounting {
+        start: impact.body.centre().z,
+        in_contact: impact.in_contact,
+        approach: if impact.is_held() { [0.0; 2] } else { loading.approach(&impact.body) },
+    };
+    let bodies = impacts.iter().map(body).collect();
     let mass_scaling = (loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
-    let approach = impact.as_ref().map_or([0.0; 2], |impact| loading.approach(&impact.body));
-    let energy_scale = impact.as_ref().map_or(0.0, |impact| loading.energy_scale(&impact.body));
-    let mounting = Mounting { films: topologies, start, approach, energy_scale, mass_scaling, held };
-    Ok(Scene { engine: Engine::new(films, nodes, impact, loads), mounting })
+    let energy_scale = impacts.iter().map(|impact| loading.energy_scale(&impact.launched())).sum();
+    let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, held };
+    Ok(Scene { engine: Engine::new(films, nodes, impacts, loads), mounting })
 }
 
 /// The thread pool of a run of so many elements: at most the threads of the processor, one where runs are simulated in

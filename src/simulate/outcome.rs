@@ -17,12 +17,12 @@ pub struct Outcome {
     pub signals: Recording,
     /// The energy audit, sampled with the signals: one channel a term, J.
     pub energies: Recording,
-    /// States of films and impactor over time.
+    /// States of films and impactors over time.
     pub snapshots: Vec<Snapshot>,
     /// Topology of the films, one entry a face.
     pub films: Vec<Film>,
-    /// Surface of the impactor that moves in the snapshots.
-    pub impactor: Option<Surface>,
+    /// Surfaces of the impactors that move in the snapshots.
+    pub impactors: Vec<Surface>,
     /// Strain increments by strain rate.
     pub rates: RateHistogram,
     /// What puts figures in doubt.
@@ -43,7 +43,7 @@ pub struct Outcome {
     pub relaxation: Option<Relaxation>,
     /// Factor on the film's mass that the run used (only quasi-static loadings).
     pub mass_scaling: Option<f64>,
-    /// Largest penetration over the impactor's radius.
+    /// Largest penetration over the radius of an impactor.
     pub penetration: Option<f64>,
     /// Number of elements.
     pub elements: usize,

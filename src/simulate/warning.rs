@@ -60,6 +60,44 @@ codes! {
         "load more slowly or set a lower `mass_scaling` where accuracy matters";
 }
 
+/// The impactor that a warning is about: the only one, or one of several by its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Impactor(Option<String>);
+
+impl Impactor {
+    /// The only one of a scene.
+    pub fn only() -> Impactor {
+        Impactor(None)
+    }
+
+    /// The only one, or that of this name.
+    pub(super) fn named(name: Option<&str>) -> Impactor {
+        Impactor(name.map(str::to_owned))
+    }
+
+    /// Its name among the figures.
+    fn figure(&self) -> Option<(&'static str, Value)> {
+        self.0.as_ref().map(|name| ("impactor", Value::from(name.as_str())))
+    }
+
+    /// As the owner of something.
+    fn possessive(&self) -> String {
+        match &self.0 {
+            None => "the impactor's".to_owned(),
+            Some(name) => format!("the \"{name}\" impactor's"),
+        }
+    }
+}
+
+impl fmt::Display for Impactor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            None => f.write_str("the impactor"),
+            Some(name) => write!(f, "the impactor \"{name}\""),
+        }
+    }
+}
+
 /// What puts figures of a run in doubt. Faces are counted from one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
@@ -75,9 +113,11 @@ pub enum Warning {
     /// The test starts with film out of balance.
     NotInEquilibrium(Relaxation),
     /// The impactor did not touch the film.
-    NoContact,
+    NoContact(Impactor),
     /// Elements in contact are large compared with the impactor.
     CoarseContact {
+        /// Which one.
+        impactor: Impactor,
         /// When the bound was exceeded first, s.
         time: f64,
         /// Longest edge in contact over the radius of the impactor.
@@ -85,6 +125,8 @@ pub enum Warning {
     },
     /// Elements penetrate the impactor.
     Penetration {
+        /// Which one.
+        impactor: Impactor,
         /// When the bound was exceeded first, s.
         time: f64,
         /// Largest penetration over the radius of the impactor.
@@ -92,6 +134,8 @@ pub enum Warning {
     },
     /// The impactor reached the clamped edge.
     FrameHit {
+        /// Which one.
+        impactor: Impactor,
         /// When it did first, s.
         time: f64,
     },
@@ -105,7 +149,7 @@ pub enum Warning {
         face: usize,
     },
     /// The impactor is still in contact at the end.
-    Unfinished,
+    Unfinished(Impactor),
     /// Fewer snapshots than requested.
     FewerSnapshots {
         /// Requested.
@@ -179,24 +223,27 @@ impl fmt::Display for Warning {
                 "not in equilibrium: at the start forces out of balance are {} of the reactions",
                 number::figure(*residual, 2)
             ),
-            Warning::NoContact => f.write_str("no contact: the impactor did not touch the film during the whole test"),
-            Warning::CoarseContact { time, edge } => write!(
+            Warning::NoContact(impactor) => {
+                write!(f, "no contact: {impactor} did not touch the film during the whole test")
+            }
+            Warning::CoarseContact { impactor, time, edge } => write!(
                 f,
-                "coarse contact: from {} edges in contact are up to {} of the impactor's radius (bound {})",
+                "coarse contact: from {} edges in contact are up to {} of {} radius (bound {})",
                 number::duration(*time),
                 number::figure(*edge, 2),
+                impactor.possessive(),
                 bounds::EDGE
             ),
-            Warning::Penetration { time, depth } => write!(
+            Warning::Penetration { impactor, time, depth } => write!(
                 f,
-                "penetration: from {} elements penetrate the impactor by up to {} % of its radius (bound {} %)",
+                "penetration: from {} elements penetrate {impactor} by up to {} % of its radius (bound {} %)",
                 number::duration(*time),
                 percent(depth),
                 percent(&bounds::PENETRATION)
             ),
-            Warning::FrameHit { time } => write!(
+            Warning::FrameHit { impactor, time } => write!(
                 f,
-                "the impactor reached the clamped edge at {}: the frame itself is not modelled",
+                "{impactor} reached the clamped edge at {}: the frame itself is not modelled",
                 number::duration(*time)
             ),
             Warning::StrainLocalisation { time, strain, face } => write!(
@@ -207,8 +254,9 @@ impl fmt::Display for Warning {
                 number::figure(*strain, 2),
                 number::figure(bounds::LOCALISATION, 2)
             ),
-            Warning::Unfinished => f.write_str(
-                "the run ends while the impactor is still in contact: rebound and energy absorption are not final",
+            Warning::Unfinished(impactor) => write!(
+                f,
+                "the run ends while {impactor} is still in contact: rebound and energy absorption are not final",
             ),
             Warning::FewerSnapshots { wanted, taken, memory } => write!(
                 f,
@@ -247,12 +295,12 @@ impl Report for Warning {
             Warning::MisshapenElements { .. } => &MISSHAPEN_ELEMENTS,
             Warning::Settled(_) => &SETTLED,
             Warning::NotInEquilibrium(_) => &NOT_IN_EQUILIBRIUM,
-            Warning::NoContact => &NO_CONTACT,
+            Warning::NoContact(_) => &NO_CONTACT,
             Warning::CoarseContact { .. } => &COARSE_CONTACT,
             Warning::Penetration { .. } => &PENETRATION,
             Warning::FrameHit { .. } => &FRAME_HIT,
             Warning::StrainLocalisation { .. } => &STRAIN_LOCALISATION,
-            Warning::Unfinished => &UNFINISHED,
+            Warning::Unfinished(_) => &UNFINISHED,
             Warning::FewerSnapshots { .. } => &FEWER_SNAPSHOTS,
             Warning::EnergyBalance { .. } => &ENERGY_BALANCE,
             Warning::StrainRateOutside { .. } => &STRAIN_RATE_OUTSIDE,
@@ -262,6 +310,14 @@ impl Report for Warning {
     }
 
     fn figures(&self) -> Map<String, Value> {
+        let about = match self {
+            Warning::NoContact(impactor)
+            | Warning::Unfinished(impactor)
+            | Warning::CoarseContact { impactor, .. }
+            | Warning::Penetration { impactor, .. }
+            | Warning::FrameHit { impactor, .. } => Some(impactor),
+            _ => None,
+        };
         let figures: &[(&str, Value)] = match *self {
             Warning::MisshapenElements { face, quality } => {
                 &[("face", face.into()), ("scaled_jacobian", quality.jacobian.into())]
@@ -275,15 +331,15 @@ impl Report for Warning {
                     ("displacement_m", displacement.into()),
                 ]
             }
-            Warning::CoarseContact { time, edge } => &[("time_s", time.into()), ("edge_over_radius", edge.into())],
-            Warning::Penetration { time, depth } => {
+            Warning::CoarseContact { time, edge, .. } => &[("time_s", time.into()), ("edge_over_radius", edge.into())],
+            Warning::Penetration { time, depth, .. } => {
                 &[("time_s", time.into()), ("penetration_over_radius", depth.into())]
             }
-            Warning::FrameHit { time } => &[("time_s", time.into())],
+            Warning::FrameHit { time, .. } => &[("time_s", time.into())],
             Warning::StrainLocalisation { time, strain, face } => {
                 &[("time_s", time.into()), ("strain", strain.into()), ("face", face.into())]
             }
-            Warning::NoContact | Warning::Unfinished => &[],
+            Warning::NoContact(_) | Warning::Unfinished(_) => &[],
             Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
             Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],
             Warning::StrainRateOutside { share } => &[("share", share.into())],
@@ -291,7 +347,8 @@ impl Report for Warning {
                 &[("kinetic_share", share.into())]
             }
         };
-        figures.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect()
+        let named = about.into_iter().flat_map(Impactor::figure);
+        named.chain(figures.iter().cloned()).map(|(name, value)| (name.to_owned(), value)).collect()
     }
 }
 
@@ -302,7 +359,7 @@ mod tests {
 
     #[test]
     fn a_warning_states_the_fact_and_its_figures() {
-        let finding = Finding::new(&Warning::CoarseContact { time: 0.0123, edge: 0.4 });
+        let finding = Finding::new(&Warning::CoarseContact { impactor: Impactor(None), time: 0.0123, edge: 0.4 });
         let message =
             "coarse contact: from 12.3 ms edges in contact are up to 0.40 of the impactor's radius (bound 0.25)";
         assert_eq!((finding.code.as_str(), finding.message.as_str()), ("coarse-contact", message));

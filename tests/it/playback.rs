@@ -118,10 +118,10 @@ fn impactor_is_the_engines(played: &Playback, outcome: &Outcome) {
     assert_eq!([places.len(), turns.len()], [outcome.snapshots.len(); 2]);
     for (((at, place), (_, turn)), snapshot) in places.iter().zip(&turns).zip(&outcome.snapshots) {
         assert!((*at as f64 * 1e-9 - snapshot.time).abs() < 2e-9);
-        let (computed, turned) = snapshot.impactor.expect("an impactor");
+        let (computed, turned) = snapshot.impactors[0];
         assert_eq!((place[0], turn[0]), (computed.map(|c| c as f32), turned.map(|c| c as f32)), "{at} ns");
     }
-    let surface = outcome.impactor.as_ref().expect("an impactor");
+    let surface = &outcome.impactors[0];
     let shape = played.nodes("/scene/impactor");
     let away = |point: &[f32; 3]| point.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
     assert!(shape[0].1.len() > 500, "it is round");

@@ -207,7 +207,7 @@ fn shipped_scenarios_agree_with_their_recordings() {
         assert!(errors[0] < 0.03 && errors[1] < 0.01, "{test}: {errors:?}");
         // The loading phase of a drop, as simulated.
         let [from, to] = plan.comparison().expect("a reference").window;
-        let turn = impact.time_of_peak_displacement_s.expect("a turn");
+        let turn = impact.first().time_of_peak_displacement_s.expect("a turn");
         assert!(from == 0.0 && (to - turn).abs() < 1e-3, "{test}: window to {to}, turn at {turn}");
     }
 }

@@ -4,6 +4,7 @@
 //! contact, drift of the body (theory.md, section 4). Signals and snapshots are taken by an [`Observer`], which is
 //! shown a read-only [`View`].
 
+mod collision;
 mod colouring;
 mod contact;
 mod cushion;
@@ -17,6 +18,7 @@ mod film;
 mod film_history;
 mod footprint;
 mod guide_friction;
+mod impact;
 mod loads;
 mod mesh;
 mod mount;
@@ -25,6 +27,7 @@ mod observer;
 mod patch;
 mod pressure;
 mod relaxation;
+mod resolution;
 mod rigid_body;
 mod section;
 mod state;
@@ -42,10 +45,11 @@ pub use failure::Failures;
 pub use fault::Fault;
 pub use film::Film;
 pub use guide_friction::GuideFriction;
+pub use impact::Impact;
 pub use loads::{Jaw, Loads};
 pub use mesh::Mesh;
 pub use nodes::{Nodes, Vectors};
-pub use observer::{Observer, Track, View};
+pub use observer::{BodyTrack, Observer, Track, View};
 pub use patch::Patch;
 pub use pressure::Inflation;
 pub use relaxation::{Relaxation, Settling};
@@ -65,11 +69,11 @@ use nodes::{Kick, StepSums};
 use pressure::Inflated;
 use serde::{Deserialize, Serialize};
 
-/// Films, nodes, impactor and loads, and their integration in time.
+/// Films, nodes, impactors and loads, and their integration in time.
 pub struct Engine {
     films: Vec<Film>,
     nodes: Nodes,
-    impact: Option<Impact>,
+    impacts: Vec<Impact>,
     loads: Loads,
     time_step: TimeStep,
     time: f64,
@@ -93,16 +97,6 @@ pub struct Engine {
     failed: usize,
 }
 
-/// The impactor and its contact with the film.
-pub struct Impact {
-    /// The impactor.
-    pub body: RigidBody,
-    /// Its contact.
-    pub contact: Contact,
-    /// Whether it starts in contact with the film, and so is lifted with film that settles above where it was mounted.
-    pub in_contact: bool,
-}
-
 /// Nodes of a range.
 const NODES_PER_RANGE: usize = 1024;
 
@@ -123,6 +117,10 @@ struct EnergyLedger {
     guide: f64,
     /// Part of `guide` that belongs to the half step after the full one.
     guide_ahead: f64,
+    /// Dissipated where bodies meet.
+    collision: f64,
+    /// Part of `collision` that belongs to the half step after the full one.
+    collision_ahead: f64,
 }
 
 /// State of the full step, stored for an observer while the nodes move on.
@@ -132,15 +130,15 @@ struct PreviousStep {
     force: Vectors,
     /// Half a step before the full one.
     velocity: Vectors,
-    body: Option<RigidBody>,
+    bodies: Vec<RigidBody>,
 }
 
 impl Engine {
-    /// An engine at time zero with one thread; `impact` is the impactor, if any.
+    /// An engine at time zero with one thread; `impacts` are the impactors.
     ///
     /// # Panics
     /// Where `films` are not those mounted on `nodes`, in their order.
-    pub fn new(films: Vec<Film>, nodes: Nodes, impact: Option<Impact>, loads: Loads) -> Engine {
+    pub fn new(films: Vec<Film>, nodes: Nodes, impacts: impl IntoIterator<Item = Impact>, loads: Loads) -> Engine {
         let ends = films.iter().map(|film| film.nodes.end);
         let begins = films.iter().map(|film| film.nodes.start).chain([nodes.mass.len()]);
         assert!(begins.eq(std::iter::once(0).chain(ends)), "films follow each other on their nodes");
@@ -158,10 +156,14 @@ impl Engine {
         };
         let node_ranges = films.iter().flat_map(|film| cut(film.nodes.clone())).collect();
         let mounted_volume = loads.cushion.map_or(0.0, |_| Enclosed::between(&films, &nodes).volume);
+        let mut impacts: Vec<Impact> = impacts.into_iter().collect();
+        if impacts.len() > 1 {
+            impacts = impacts.into_iter().map(Impact::beside_others).collect();
+        }
         let mut engine = Engine {
             films,
             nodes,
-            impact,
+            impacts,
             loads,
             time_step: TimeStep::default(),
             time: 0.0,
@@ -209,16 +211,25 @@ impl Engine {
         self.films.iter().map(Film::elements).sum()
     }
 
-    /// Surface of the impactor.
-    pub fn impactor(&self) -> Option<&Surface> {
-        self.impact.as_ref().map(|impact| impact.contact.surface())
+    /// Surfaces of the impactors.
+    pub fn impactors(&self) -> impl Iterator<Item = &Surface> {
+        self.impacts.iter().map(|impact| impact.contact.surface())
+    }
+
+    /// The first two impactors that move from the start and overlap, by their indices, and how deep, m.
+    pub fn overlap_of_impactors(&self) -> Option<([usize; 2], f64)> {
+        let released = || self.impacts.iter().enumerate().filter(|(_, impact)| !impact.is_held());
+        released().find_map(|(second, b)| {
+            let before = released().take_while(|(first, _)| *first < second);
+            before.into_iter().find_map(|(first, a)| Some(([first, second], collision::overlap(a, b)?)))
+        })
     }
 
     /// Bytes of all arrays that grow with the mesh: nodes, elements, contact, and the previous step stored for
     /// observers. Spare capacity does not count.
     pub fn bytes(&self) -> usize {
         let films: usize = self.films.iter().map(Film::bytes).sum();
-        let contact = self.impact.as_ref().map_or(0, |impact| impact.contact.bytes());
+        let contact: usize = self.impacts.iter().map(|impact| impact.contact.bytes()).sum();
         self.nodes.bytes() + self.previous.bytes() + films + contact
     }
 
@@ -232,11 +243,12 @@ impl Engine {
         let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.pool, self.time)?;
         let over = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
         let observed = observer.needs_state(self.time);
+        self.release()?;
         self.forces(last);
         self.add_jaw_work(dt, over);
         let jaw_force = self.jaw_force();
         if observed {
-            self.previous.store(&self.nodes, self.impact.as_ref());
+            self.previous.store(&self.nodes, &self.impacts);
         }
         let fastest = self.advance(over, dt);
         if observed {
@@ -244,6 +256,30 @@ impl Engine {
         }
         self.finish(dt, fastest, jaw_force, observer);
         Ok(std::mem::take(&mut self.failed))
+    }
+
+    /// Releases the impactors whose time has come; the work of what launches them is external.
+    fn release(&mut self) -> Result<(), Fault> {
+        for k in 0..self.impacts.len() {
+            if !self.impacts[k].is_due(self.time) {
+                continue;
+            }
+            let (impact, impactor, time) = (&self.impacts[k], k + 1, self.time);
+            let gap = impact.contact.smallest_gap(&self.nodes, &impact.body.pose);
+            if gap < -collision::TOUCH * impact.contact.surface().size() {
+                return Err(Fault::ReleasedInFilm { time, impactor, depth: -gap });
+            }
+            let others = self.impacts.iter().enumerate().filter(|(_, other)| !other.is_held());
+            for (other, at) in others {
+                if let Some(depth) = collision::overlap(at, impact) {
+                    return Err(Fault::ReleasedInImpactor { time, impactor, other: other + 1, depth });
+                }
+            }
+            let impact = &mut self.impacts[k];
+            impact.release();
+            self.ledger.external -= impact.body.kinetic_energy(&impact.body);
+        }
+        Ok(())
     }
 
     /// Forces at the full step, to which the nodes moved in `dt` (s); fibres past their break strain break.
@@ -264,7 +300,7 @@ impl Engine {
         }
         if failures.broken > 0 {
             self.time_step.tear();
-            self.impact.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
+            self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
         }
         self.failed += failures.failed;
     }
@@ -322,13 +358,14 @@ impl Engine {
         self.ledger.external_ahead = -0.5 * power * dt;
     }
 
-    /// Kicks nodes and body over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the body.
+    /// Kicks nodes and bodies over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the bodies.
     /// Returns the largest speed of a node, m/s.
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
-        let Engine { films, nodes, impact, .. } = self;
-        let record = impact.as_mut().map(|Impact { body, contact, .. }| contact.prepare(films, nodes, body));
+        let Engine { films, nodes, impacts, .. } = self;
+        let released = impacts.iter_mut().filter(|impact| !impact.is_held());
+        let records = released.map(|Impact { body, contact, .. }| contact.prepare(films, nodes, body)).collect();
         let kick = Kick::new(over, self.loads.damping);
-        let integration = nodes.integration(kick, dt, self.loads.film_gravity(), record);
+        let integration = nodes.integration(kick, dt, self.loads.film_gravity(), records);
         let (width, ranges) = (self.pool.width(), &self.node_ranges);
         let mut parts = vec![StepSums::default(); ranges.len()];
         let sums_of = Disjoint::new(&mut parts);
@@ -337,26 +374,41 @@ impl Engine {
             unsafe { *sums_of.at(part) = integration.advance(width, ranges[part].clone()) };
         });
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
-        let mut fastest = sums.largest_speed_squared.sqrt();
-        if let Some(Impact { body, contact, .. }) = &mut self.impact {
-            let before = body.clone();
-            body.kick(over, self.loads.gravity);
-            let damped = self.loads.damping > 0.0;
-            if damped {
-                contact.record_prediction(&self.nodes);
+        let fastest = sums.largest_speed_squared.sqrt();
+        let contact = self.resolve_contact(over, dt, &mut sums);
+        self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
+        fastest.max(contact)
+    }
+
+    /// Kicks the bodies, resolves their contact and adds its losses to the ledger and to `sums`. Returns the largest speed
+    /// of a node in contact, m/s.
+    fn resolve_contact(&mut self, over: f64, dt: f64, sums: &mut StepSums) -> f64 {
+        let before: Vec<RigidBody> = self.impacts.iter().map(|impact| impact.body.clone()).collect();
+        let damped = self.loads.damping > 0.0;
+        for impact in &mut self.impacts {
+            impact.kick([over, dt], self.loads.gravity);
+            if damped && !impact.is_held() {
+                impact.contact.record_prediction(&self.nodes);
             }
-            fastest = fastest.max(contact.resolve(&mut self.nodes, body, &before, [over, dt], &self.pool));
+        }
+        let resolved = resolution::resolve(&mut self.impacts, &before, &mut self.nodes, [over, dt], &self.pool);
+        self.ledger.guide_ahead = 0.0;
+        for (Impact { body, contact, .. }, before) in self.impacts.iter().zip(&before) {
             let work = contact.guide_impulse.map_or([0.0; 2], |impulse| {
                 [before.velocity.z, body.velocity.z].map(|velocity| -0.5 * impulse * velocity)
             });
             self.ledger.guide += work[0] + work[1];
-            self.ledger.guide_ahead = work[1];
-            if damped {
-                sums.damped += contact.damping_correction(&self.nodes);
-            }
+            self.ledger.guide_ahead += work[1];
         }
-        self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
-        fastest
+        let [collision, ahead] = resolved.collisions;
+        self.ledger.collision += collision;
+        self.ledger.collision_ahead = ahead;
+        for (place, impact) in self.impacts.iter().enumerate().filter(|(_, impact)| damped && !impact.is_held()) {
+            let earlier = self.impacts[..place].iter().filter(|other| !other.is_held());
+            let is_counted = |node| earlier.clone().any(|other| other.contact.lists(node));
+            sums.damped += impact.contact.damping_correction(&self.nodes, is_counted);
+        }
+        resolved.fastest
     }
 
     /// Shows the stored full step, with the velocities that follow it.
@@ -373,19 +425,25 @@ impl Engine {
         std::mem::swap(&mut self.nodes.force, &mut self.previous.force);
     }
 
-    /// Moves the body and reports its track.
+    /// Moves the bodies and reports their tracks.
     fn finish(&mut self, dt: f64, fastest: f64, jaw_force: f64, observer: &mut dyn Observer) {
-        let mut track = Track { time: self.time, dt, jaw_force, ..Track::default() };
-        if let Some(Impact { body, contact, .. }) = &mut self.impact {
-            track.centre = body.centre().into();
-            track.velocity = body.velocity.into();
-            track.lateral_energy = body.lateral_energy();
-            track.work = contact.work.on_film;
-            track.impulse = contact.work.impulse;
+        let of_body = |impact: &Impact| {
+            let (body, work) = (impact.launched(), &impact.contact.work);
+            BodyTrack {
+                centre: body.centre().into(),
+                velocity: body.velocity.into(),
+                lateral_energy: body.lateral_energy(),
+                work: work.on_film,
+                impulse: work.impulse,
+            }
+        };
+        let bodies: Vec<BodyTrack> = self.impacts.iter().map(of_body).collect();
+        for Impact { body, contact, .. } in self.impacts.iter_mut().filter(|impact| !impact.is_held()) {
             let rotation = body.spin.norm() * contact.surface().bounding_radius();
             contact.reduce_skin((fastest + body.velocity.norm() + rotation) * dt);
             body.drift(dt);
         }
+        let track = Track { time: self.time, dt, bodies: &bodies, jaw_force };
         observer.track(&track);
         self.time += dt;
         self.steps += 1;
@@ -400,15 +458,12 @@ impl Engine {
 
     /// What observers see.
     fn view(&self) -> View<'_> {
-        let impact = self.impact.as_ref();
-        let (body, contact) = (impact.map(|i| &i.body), impact.map(|i| &i.contact));
         View {
             time: self.time,
             steps: self.steps,
             films: &self.films,
             nodes: &self.nodes,
-            body,
-            contact,
+            impacts: &self.impacts,
             loads: &self.loads,
             cushion: self.cushion,
             ledger: self.ledger,
@@ -425,10 +480,11 @@ impl PreviousStep {
     }
 
     /// Stores the present state.
-    fn store(&mut self, nodes: &Nodes, impact: Option<&Impact>) {
+    fn store(&mut self, nodes: &Nodes, impacts: &[Impact]) {
         self.position.clone_from(&nodes.position);
         self.force.clone_from(&nodes.force);
         self.velocity.clone_from(&nodes.velocity);
-        self.body = impact.map(|impact| impact.body.clone());
+        self.bodies.clear();
+        self.bodies.extend(impacts.iter().map(|impact| impact.body.clone()));
     }
 }

@@ -3,11 +3,10 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::contact::ContactHistory;
 use super::cushion::CushionState;
 use super::film_history::FilmHistory;
+use super::impact::ImpactState;
 use super::pressure::Inflated;
-use super::rigid_body::Motion;
 use super::{EnergyLedger, Engine, Film, TimeStep, Vectors};
 
 /// State of an engine between two steps. Forces are left out: they follow from the rest.
@@ -24,7 +23,7 @@ pub struct State {
     position: Vectors,
     velocity: Vectors,
     films: Vec<FilmHistory>,
-    impact: Option<(Motion, ContactHistory)>,
+    impacts: Vec<ImpactState>,
 }
 
 /// A state of another scene.
@@ -42,7 +41,7 @@ pub struct StateMismatch {
 impl Engine {
     /// The state after the last step.
     pub fn state(&self) -> State {
-        let Engine { films, nodes, impact, time_step, time, steps, ledger, inflated, cushion, .. } = self;
+        let Engine { films, nodes, impacts, time_step, time, steps, ledger, inflated, cushion, .. } = self;
         State {
             time: *time,
             steps: *steps,
@@ -53,7 +52,7 @@ impl Engine {
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
             films: films.iter().map(Film::save).collect(),
-            impact: impact.as_ref().map(|impact| (impact.body.motion(), impact.contact.save())),
+            impacts: impacts.iter().map(|impact| impact.save()).collect(),
         }
     }
 
@@ -74,9 +73,8 @@ impl Engine {
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;
         self.films.iter_mut().zip(&state.films).for_each(|(film, history)| film.restore(history));
-        if let (Some(impact), Some((motion, history))) = (&mut self.impact, state.impact) {
-            impact.body.restore(&motion);
-            impact.contact.restore(history, &self.films);
+        for (impact, state) in self.impacts.iter_mut().zip(state.impacts) {
+            impact.restore(state, &self.films);
         }
         Ok(())
     }
@@ -91,8 +89,8 @@ impl Engine {
             same("integration points", history.points(), film.points())?;
             same("history variables", history.variables(), film.variables())?;
         }
-        same("impactors", usize::from(state.impact.is_some()), usize::from(self.impact.is_some()))?;
-        let listed = state.impact.as_ref().is_none_or(|(_, history)| history.fits(nodes));
+        same("impactors", state.impacts.len(), self.impacts.len())?;
+        let listed = state.impacts.iter().all(|impact| impact.contact.fits(nodes));
         same("lists of neighbours", usize::from(listed), 1)
     }
 }

@@ -92,18 +92,17 @@ impl Constraint {
 
 impl Contact {
     /// Limits the penetration of every candidate element to [`FACE_PENETRATION`]: Gauss–Seidel sweeps over the
-    /// constraints at the deepest point of each and at the nodes in contact (theory.md, section 6). Whether there was a
-    /// face contact, so that the impulses have changed.
-    pub(super) fn resolve_faces(&mut self, nodes: &mut Nodes, body: &mut RigidBody, dt: f64) -> bool {
+    /// constraints at the deepest point of each and at the nodes in contact (theory.md, section 6).
+    pub(super) fn resolve_faces(&mut self, nodes: &mut Nodes, body: &mut RigidBody, dt: f64) {
         if self.neighbours.face_candidates.is_empty() {
-            return false;
+            return;
         }
         let pose = body.predicted(dt);
         let candidates = self.neighbours.face_candidates.iter().filter(|element| !self.has_small_sagitta(element));
         let faces: Vec<Constraint> =
             candidates.filter_map(|element| self.face_constraint(element.corners, nodes, body, &pose, dt)).collect();
         if faces.is_empty() {
-            return false;
+            return;
         }
         let at_nodes = self.contacts.iter().flat_map(|contacts| &contacts.impulses);
         let mut constraints: Vec<Constraint> =
@@ -121,7 +120,6 @@ impl Contact {
         }
         let active = constraints.into_iter().filter(|constraint| constraint.normal_impulse > 0.0);
         self.replace_impulses(nodes, active.flat_map(Constraint::impulses));
-        true
     }
 
     /// Replaces the impulses of the node contacts by `impulses`, of which a node may have several.

@@ -2,10 +2,12 @@
 //! only place that names parry.
 
 mod deepest_point;
+mod meeting;
 mod projection;
 mod solid;
 mod triangles;
 
+pub(in crate::engine) use meeting::Meeting;
 pub(crate) use triangles::Triangles;
 
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
