@@ -94,9 +94,7 @@ fn of_body(body: &BodyFigures, last: &str) -> String {
     let peak = at(peak.map(|a| format!("{:.1} g", a / G)), body.time_of_peak_acceleration_s);
     let travel = at(travel.map(|d| format!("{:.1} mm", d * 1e3)), body.time_of_peak_displacement_s);
     let absorbed = body.energy_absorption.map_or("-, no rebound".into(), percent);
-    format!(
-        "  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} {last}\n"
-    )
+    format!("  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} {last}\n")
 }
 
 fn rebound(body: &BodyFigures) -> String {

@@ -248,11 +248,7 @@ fn spin(written: &Written<'_>, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f6
 }
 
 /// Friction of the guide of a falling impactor.
-fn guide_friction(
-    written: &Written<'_>,
-    loading: &scenario::Loading,
-    mistakes: &mut Mistakes<'_>,
-) -> GuideFriction {
+fn guide_friction(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) -> GuideFriction {
     let (key, guide) = (&written.key("guide_friction"), &written.key("guide"));
     let Some(friction) = &written.guide_friction else {
         return GuideFriction::default();

@@ -133,7 +133,8 @@ impl Model {
         };
         let mut meshes: Vec<MeshInput<'_>> = specimen.into_iter().collect();
         for (place, impactor) in self.impactors.iter().enumerate() {
-            let key = if self.impactors.len() > 1 { format!("impactor.{place}.shape") } else { "impactor.shape".into() };
+            let key =
+                if self.impactors.len() > 1 { format!("impactor.{place}.shape") } else { "impactor.shape".into() };
             impactor.shape.meshes(&key, &mut meshes);
         }
         meshes

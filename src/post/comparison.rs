@@ -5,8 +5,8 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
-use super::warning::VIRTUAL_REFERENCE;
 use super::results::SUMMARY;
+use super::warning::VIRTUAL_REFERENCE;
 use super::{COST, HEADER, Warning};
 use crate::finding::Finding;
 use crate::scenario;
@@ -158,7 +158,7 @@ impl ComparedFigure {
         let differs = self.values.iter().any(|value| *value != self.values[0]);
         // Of one of several impactors, with its name before.
         let is_of = |key: &&str| self.name.strip_suffix(*key).is_some_and(|name| name.ends_with('_'));
-        let is_named = !is_one_of(&SUMMARY) && KEY.iter().any(|key| is_of(&key));
+        let is_named = !is_one_of(&SUMMARY) && KEY.iter().any(is_of);
         is_one_of(&KEY) || is_named || differs && !is_one_of(&COST)
     }
 }

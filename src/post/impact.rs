@@ -9,8 +9,8 @@ use crate::experiment::absorption::{Body, absorption_of, film_absorption};
 use crate::experiment::drop::Figures;
 use crate::model::{Impactor, Loading, Model};
 use crate::number::clean_time;
-use crate::signal::norm::NormError;
 use crate::signal::column::{self, Column};
+use crate::signal::norm::NormError;
 use crate::signal::{Recording, Series};
 use crate::simulate::Outcome;
 
@@ -117,7 +117,10 @@ impl Impact {
             _ => Map::new(),
         };
         let of_body = |body: &BodyFigures| {
-            object(json!(body)).into_iter().map(|(name, value)| (format!("{}{name}", body.prefix), value)).collect::<Vec<_>>()
+            object(json!(body))
+                .into_iter()
+                .map(|(name, value)| (format!("{}{name}", body.prefix), value))
+                .collect::<Vec<_>>()
         };
         self.bodies.iter().flat_map(of_body).chain(object(json!(self))).collect()
     }
@@ -166,7 +169,11 @@ impl BodyFigures {
     fn ended_early(self) -> BodyFigures {
         let early =
             BodyFigures { rebound_velocity_m_s: None, energy_absorption: None, film_energy_absorption: None, ..self };
-        if self.rebound_velocity_m_s.is_some() { early } else { BodyFigures { prefix: early.prefix, ..BodyFigures::NONE } }
+        if self.rebound_velocity_m_s.is_some() {
+            early
+        } else {
+            BodyFigures { prefix: early.prefix, ..BodyFigures::NONE }
+        }
     }
 }
 
@@ -203,7 +210,9 @@ fn absorption(
     if !mass.is_finite() {
         return None;
     }
-    let own = |column: Column| signals.channel(&format!("{prefix}{}", column.name));
+    // One that is released later is held before.
+    let from = signals.time.partition_point(|time| *time < impactor.release);
+    let own = |column: Column| signals.channel(&format!("{prefix}{}", column.name))?.get(from..);
     if let Some(kinetic) = own(column::KINETIC_ENERGY).filter(|_| own(column::ACCELERATION_RESULTANT).is_some()) {
         let potential = own(column::POTENTIAL_ENERGY)?;
         let energy: Vec<f64> = kinetic.iter().zip(potential).map(|(kinetic, potential)| kinetic + potential).collect();

@@ -10,9 +10,10 @@ use crate::simulate::{Failure, Fault, Warning};
 /// The warning of a run of `model` with its remedy, if there is one; `mass_scaling` is the factor that the run used.
 pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option<f64>) -> String {
     let remedy = match warning {
-        Warning::NotInEquilibrium(_) | Warning::NoContact(_) | Warning::Unfinished(_) | Warning::FewerSnapshots { .. } => {
-            warning.code().remedy.to_owned()
-        }
+        Warning::NotInEquilibrium(_)
+        | Warning::NoContact(_)
+        | Warning::Unfinished(_)
+        | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
         Warning::Settled(_)
@@ -67,9 +68,9 @@ fn slower(model: &Model, used: Option<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::Impactor;
     use crate::post::tests::model;
     use crate::scenario::grammar;
+    use crate::simulate::ImpactorName;
 
     /// The paths of keys in `text`: words of a key's letters joined by points.
     fn paths(text: &str) -> impl Iterator<Item = &str> {
@@ -108,9 +109,9 @@ mod tests {
     #[test]
     fn the_remedy_of_a_code_follows_the_fact_once() {
         let warnings = [
-            Warning::CoarseContact { impactor: Impactor::only(), time: 0.01, edge: 0.4 },
-            Warning::Penetration { impactor: Impactor::only(), time: 0.01, depth: 0.02 },
-            Warning::Unfinished(Impactor::only()),
+            Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4 },
+            Warning::Penetration { impactor: ImpactorName::only(), time: 0.01, depth: 0.02 },
+            Warning::Unfinished(ImpactorName::only()),
             Warning::FewerSnapshots { wanted: 200, taken: 50, memory: 1e9 },
         ];
         for warning in warnings {
@@ -122,7 +123,7 @@ mod tests {
 
     #[test]
     fn the_remedy_of_coarse_elements_names_what_gives_their_size() {
-        let warning = Warning::CoarseContact { impactor: Impactor::only(), time: 0.01, edge: 0.4 };
+        let warning = Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4 };
         let mut model = model();
         let mut finer = model.faces[0].clone();
         finer.meshing.size *= 0.5;

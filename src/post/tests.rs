@@ -189,7 +189,8 @@ fn reference(rows: impl Fn(f64) -> String, header: &str) -> (tempfile::TempDir, 
     let rows = (0..=1100).map(|i| rows(f64::from(i) * 1e-4));
     fs::write(&signals, format!("{header}\n{}", rows.collect::<String>())).unwrap();
     let window = Window::Loading;
-    let reference = Some(Reference { impactor: 0, signals, acceleration: None, displacement: None, drop_height: None, window });
+    let reference =
+        Some(Reference { impactor: 0, signals, acceleration: None, displacement: None, drop_height: None, window });
     (folder, Model { reference, ..model() })
 }
 

@@ -62,7 +62,8 @@ fn impact(measures: &Impact, signals: &Recording, comparison: Option<&ReferenceC
     let each = |columns: &[(&str, Column)]| -> Vec<Option<Curve>> {
         columns.iter().flat_map(|(words, column)| names.iter().map(|prefix| curve(words, prefix, *column))).collect()
     };
-    let energies = [("kinetic", column::KINETIC_ENERGY), ("potential", column::POTENTIAL_ENERGY), ("total", column::TOTAL_ENERGY)];
+    let energies =
+        [("kinetic", column::KINETIC_ENERGY), ("potential", column::POTENTIAL_ENERGY), ("total", column::TOTAL_ENERGY)];
     let strains = [("along MD", column::MAX_STRAIN_MD), ("along TD", column::MAX_STRAIN_TD)];
     let strains = strains.map(|(name, column)| Some(over_time(name, &signals.series(column.name)?, column.factor)));
     let across = [("along x", column::DISPLACEMENT_X), ("along y", column::DISPLACEMENT_Y)];
@@ -97,15 +98,24 @@ fn impact(measures: &Impact, signals: &Recording, comparison: Option<&ReferenceC
             simulated("simulated", column::ACCELERATION),
         ),
     ];
-    let spatial = [
-        over_time_plot(&format!("Displacement of the {whose} along x and y"), column::DISPLACEMENT_X.axis, each(&across)),
+    let further = [
+        over_time_plot(
+            "Force of the impactors on each other",
+            column::COLLISION_FORCE.axis,
+            simulated("simulated", column::COLLISION_FORCE),
+        ),
+        over_time_plot(
+            &format!("Displacement of the {whose} along x and y"),
+            column::DISPLACEMENT_X.axis,
+            each(&across),
+        ),
         over_time_plot(
             "Size of the acceleration before the filter",
             column::ACCELERATION_RESULTANT.axis,
             simulated("simulated", column::ACCELERATION_RESULTANT),
         ),
     ];
-    plots.into_iter().chain(spatial.into_iter().filter(|plot| !plot.curves.is_empty())).collect()
+    plots.into_iter().chain(further.into_iter().filter(|plot| !plot.curves.is_empty())).collect()
 }
 
 /// The name of a curve of the impactor whose channels begin with `prefix`.

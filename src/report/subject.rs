@@ -9,7 +9,8 @@ pub(crate) fn subject(model: &Model) -> String {
     let figure = |value: f64| significant(value, 3);
     match (&model.loading, model.impactor()) {
         (Loading::Impact { .. }, Some(_)) if model.impactors.len() > 1 => {
-            let all: Vec<String> = model.impactors.iter().map(|one| format!("{} ({})", one.words(), flying(one))).collect();
+            let all: Vec<String> =
+                model.impactors.iter().map(|one| format!("{} ({})", one.words(), flying(one))).collect();
             format!("{} on {layers}", all.join(", "))
         }
         (Loading::Impact { .. }, Some(impactor)) if impactor.guide == Guide::Fixed => {

@@ -30,7 +30,7 @@ pub(super) fn unknown(known: &[Fields], program: &AST, file: &Path) -> Vec<Fault
     found.sort_by_key(|(_, _, position)| (position.line(), position.position()));
     let fault = |(map, field, position): (String, String, Position)| {
         let is_of = |name: &&str| field.strip_suffix(*name).is_some_and(|rest| rest.is_empty() || rest.ends_with('_'));
-        let known = known.iter().find(|known| known.map == map && !known.names.iter().any(|name| is_of(&name)))?;
+        let known = known.iter().find(|known| known.map == map && !known.names.iter().any(is_of))?;
         if own.contains(&map) || own.contains(&field) {
             return None;
         }

@@ -58,6 +58,8 @@ columns! {
     ACCELERATION_RESULTANT = "acceleration_resultant_m_s2", "acceleration_resultant", "m/s2", "acceleration" ("m/s²"), 1.0;
     /// Vertical force of the film on the impactor.
     CONTACT_FORCE = "contact_force_N", "contact_force", "N", "force" ("N"), 1.0;
+    /// Vertical force of the other impactors on one of several.
+    COLLISION_FORCE = "collision_force_N", "collision_force", "N", "force" ("N"), 1.0;
     /// Kinetic energy of the impactor, of its rotation too.
     KINETIC_ENERGY = "kinetic_energy_J", "kinetic_energy", "J", "energy" ("J"), 1.0;
     /// Potential energy of the impactor.

@@ -59,7 +59,10 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let body = |impact: &Impact| BodyMounting {
         start: impact.body.centre().z,
         in_contact: impact.in_contact,
-        approach: if impact.is_held() { [0.0; 2] } else { loading.approach(&impact.body) },
+        approach: match (loading.approach(&impact.launched()), impact.is_held()) {
+            ([speed, _], true) => [speed, 0.0],
+            (approach, _) => approach,
+        },
     };
     let bodies = impacts.iter().map(body).collect();
     let mass_scaling = (loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);

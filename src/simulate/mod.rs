@@ -39,7 +39,7 @@ use probe::Probe;
 pub use pull::{Across, PullError, pull};
 pub use rates::RateHistogram;
 pub use snapshot::{Detail, FilmState, Snapshot};
-pub use warning::{CODES, Impactor, Warning};
+pub use warning::{CODES, ImpactorName, Warning};
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug)]

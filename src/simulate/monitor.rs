@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::film::Film;
-use super::warning::{Impactor, Warning, bounds};
+use super::warning::{ImpactorName, Warning, bounds};
 use crate::engine::{self, ContactState, ElementStrain, Relaxation, View};
 use crate::model::SNAPSHOT_MEMORY;
 
@@ -75,7 +75,7 @@ impl ContactMonitor {
     }
 
     /// The warnings of the impactor `name`.
-    fn warnings(&self, name: &Impactor) -> impl Iterator<Item = Warning> {
+    fn warnings(&self, name: &ImpactorName) -> impl Iterator<Item = Warning> {
         let edge = self.edge.map(|(time, edge)| Warning::CoarseContact { impactor: name.clone(), time, edge });
         let depth = self.penetration.map(|(time, depth)| Warning::Penetration { impactor: name.clone(), time, depth });
         let hit = self.frame_hit.map(|time| Warning::FrameHit { impactor: name.clone(), time });
@@ -119,8 +119,8 @@ impl Monitor {
     /// several.
     pub(super) fn finish(self, figures: &Figures, films: &[Film], names: &[Option<&str>]) -> Vec<Warning> {
         let Figures { missed, relaxation, balance, outside, kinetic, snapshots: [wanted, taken], unfinished } = figures;
-        let names: Vec<Impactor> = names.iter().map(|name| Impactor::named(*name)).collect();
-        let of = |which: &[bool], warning: fn(Impactor) -> Warning| -> Vec<Warning> {
+        let names: Vec<ImpactorName> = names.iter().map(|name| ImpactorName::named(*name)).collect();
+        let of = |which: &[bool], warning: fn(ImpactorName) -> Warning| -> Vec<Warning> {
             let named = names.iter().zip(which).filter(|(_, is)| **is);
             named.map(|(name, _)| warning(name.clone())).collect()
         };

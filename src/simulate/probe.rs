@@ -239,7 +239,7 @@ impl<'a> Probe<'a> {
         let signals = self.signals(&mounting);
         let energies = self.energies();
         let ended = self.is_done(engine.time());
-        let missed = self.record.tracks.bodies.iter().map(|body| ended && body.first_contact.is_none()).collect();
+        let missed = self.record.tracks.bodies.iter().map(|body| ended && body.touched_nothing()).collect();
         let rates = self.record.rates.finish();
         let force = |prefix: String| signals.channel(&format!("{prefix}{}", column::CONTACT_FORCE.name));
         let ends_loaded = |prefix| force(prefix).is_some_and(loading::ends_loaded);

@@ -36,9 +36,9 @@ pub(super) struct BodyTracks {
     sample: f64,
     /// Height (m), work on the film (J).
     pub(super) at_steps: Grid<2>,
-    /// Velocity (m/s), while it is held that with which it is released, and the impulse of the film on it so far (N s),
-    /// twice a sample.
-    pub(super) at_half_steps: Grid<2>,
+    /// Velocity (m/s), while it is held that with which it is released, and the impulses of the film and of other
+    /// impactors on it so far (N s), twice a sample.
+    pub(super) at_half_steps: Grid<3>,
     /// Whether it does not move along z alone.
     pub(super) is_spatial: bool,
     /// Position along x and y, m; only where it does not move along z alone.
@@ -47,6 +47,8 @@ pub(super) struct BodyTracks {
     pub(super) lateral_half: Grid<3>,
     /// Its height at its first impulse, m.
     pub(super) first_contact: Option<f64>,
+    /// Whether another impactor has pushed it.
+    has_met: bool,
 }
 
 impl BodyTracks {
@@ -55,8 +57,8 @@ impl BodyTracks {
     pub(super) fn new(sample: f64, [speed, gravity]: [f64; 2], is_spatial: bool) -> BodyTracks {
         let mut at_half_steps = Grid::new(-0.5 * sample, 0.5 * sample);
         // Free fall before first contact, so that the first sample is a mean like every other.
-        at_half_steps.push(-sample, [gravity * sample - speed, 0.0]);
-        at_half_steps.push(0.0, [-speed, 0.0]);
+        at_half_steps.push(-sample, [gravity * sample - speed, 0.0, 0.0]);
+        at_half_steps.push(0.0, [-speed, 0.0, 0.0]);
         BodyTracks {
             sample,
             at_steps: Grid::new(0.0, sample),
@@ -65,6 +67,7 @@ impl BodyTracks {
             lateral: Grid::new(0.0, sample),
             lateral_half: Grid::new(-0.5 * sample, 0.5 * sample),
             first_contact: None,
+            has_met: false,
         }
     }
 
@@ -76,7 +79,8 @@ impl BodyTracks {
             self.first_contact.get_or_insert(z);
         }
         self.at_steps.push(time, [z, body.work]);
-        self.at_half_steps.push(middle, [velocity, body.impulse]);
+        self.at_half_steps.push(middle, [velocity, body.impulse, body.collision]);
+        self.has_met |= body.collision != 0.0;
         if self.is_spatial {
             let lateral = [along_x, along_y, body.lateral_energy];
             if self.lateral_half.rows.is_empty() {
@@ -95,8 +99,22 @@ impl BodyTracks {
 
     /// Impulse of the film on the impactor around sample `k`, over the time between samples, N.
     pub(super) fn contact_force(&self, k: usize) -> f64 {
+        self.mean_force(k, 1)
+    }
+
+    /// The same of other impactors.
+    pub(super) fn collision_force(&self, k: usize) -> f64 {
+        self.mean_force(k, 2)
+    }
+
+    fn mean_force(&self, k: usize, impulse: usize) -> f64 {
         let half = &self.at_half_steps.rows;
-        (half[2 * k + 2][1] - half[2 * k][1]) / self.sample
+        (half[2 * k + 2][impulse] - half[2 * k][impulse]) / self.sample
+    }
+
+    /// Whether it touched neither film nor another impactor.
+    pub(super) fn touched_nothing(&self) -> bool {
+        self.first_contact.is_none() && !self.has_met
     }
 }
 

@@ -62,17 +62,17 @@ codes! {
 
 /// The impactor that a warning is about: the only one, or one of several by its name.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Impactor(Option<String>);
+pub struct ImpactorName(Option<String>);
 
-impl Impactor {
+impl ImpactorName {
     /// The only one of a scene.
-    pub fn only() -> Impactor {
-        Impactor(None)
+    pub fn only() -> ImpactorName {
+        ImpactorName(None)
     }
 
     /// The only one, or that of this name.
-    pub(super) fn named(name: Option<&str>) -> Impactor {
-        Impactor(name.map(str::to_owned))
+    pub(super) fn named(name: Option<&str>) -> ImpactorName {
+        ImpactorName(name.map(str::to_owned))
     }
 
     /// Its name among the figures.
@@ -89,7 +89,7 @@ impl Impactor {
     }
 }
 
-impl fmt::Display for Impactor {
+impl fmt::Display for ImpactorName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.0 {
             None => f.write_str("the impactor"),
@@ -113,11 +113,11 @@ pub enum Warning {
     /// The test starts with film out of balance.
     NotInEquilibrium(Relaxation),
     /// The impactor did not touch the film.
-    NoContact(Impactor),
+    NoContact(ImpactorName),
     /// Elements in contact are large compared with the impactor.
     CoarseContact {
         /// Which one.
-        impactor: Impactor,
+        impactor: ImpactorName,
         /// When the bound was exceeded first, s.
         time: f64,
         /// Longest edge in contact over the radius of the impactor.
@@ -126,7 +126,7 @@ pub enum Warning {
     /// Elements penetrate the impactor.
     Penetration {
         /// Which one.
-        impactor: Impactor,
+        impactor: ImpactorName,
         /// When the bound was exceeded first, s.
         time: f64,
         /// Largest penetration over the radius of the impactor.
@@ -135,7 +135,7 @@ pub enum Warning {
     /// The impactor reached the clamped edge.
     FrameHit {
         /// Which one.
-        impactor: Impactor,
+        impactor: ImpactorName,
         /// When it did first, s.
         time: f64,
     },
@@ -149,7 +149,7 @@ pub enum Warning {
         face: usize,
     },
     /// The impactor is still in contact at the end.
-    Unfinished(Impactor),
+    Unfinished(ImpactorName),
     /// Fewer snapshots than requested.
     FewerSnapshots {
         /// Requested.
@@ -347,7 +347,7 @@ impl Report for Warning {
                 &[("kinetic_share", share.into())]
             }
         };
-        let named = about.into_iter().flat_map(Impactor::figure);
+        let named = about.into_iter().flat_map(ImpactorName::figure);
         named.chain(figures.iter().cloned()).map(|(name, value)| (name.to_owned(), value)).collect()
     }
 }
@@ -359,7 +359,7 @@ mod tests {
 
     #[test]
     fn a_warning_states_the_fact_and_its_figures() {
-        let finding = Finding::new(&Warning::CoarseContact { impactor: Impactor(None), time: 0.0123, edge: 0.4 });
+        let finding = Finding::new(&Warning::CoarseContact { impactor: ImpactorName(None), time: 0.0123, edge: 0.4 });
         let message =
             "coarse contact: from 12.3 ms edges in contact are up to 0.40 of the impactor's radius (bound 0.25)";
         assert_eq!((finding.code.as_str(), finding.message.as_str()), ("coarse-contact", message));

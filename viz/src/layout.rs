@@ -85,8 +85,8 @@ fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Prop
         1 => "Film and impactor",
         _ => "Film and impactors",
     })
-        .with_origin("/")
-        .with_contents(["+ /scene/**"]);
+    .with_origin("/")
+    .with_contents(["+ /scene/**"]);
     for film in &scene.films {
         view = view
             .with_override(film::entity(film), Mesh3D::update_fields().visualizer().with_mappings([mapping(quantity)]));

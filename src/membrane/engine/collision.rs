@@ -88,18 +88,21 @@ impl Collisions {
         let (mut behind, mut ahead) = (0.0, 0.0);
         for Collision { bodies: [a, b], arms, normal, normal_impulse, tangential_impulse, .. } in &self.points {
             let impulse = normal * *normal_impulse + tangential_impulse;
-            let half_power = |a: &RigidBody, b: &RigidBody| {
-                -0.5 * impulse.dot(&(b.velocity_at(&arms[1]) - a.velocity_at(&arms[0])))
-            };
+            let half_power =
+                |a: &RigidBody, b: &RigidBody| -0.5 * impulse.dot(&(b.velocity_at(&arms[1]) - a.velocity_at(&arms[0])));
             behind += half_power(&before[*a], &before[*b]);
             ahead += half_power(&impacts[*a].body, &impacts[*b].body);
         }
         [behind + ahead, ahead]
     }
 
-    /// Whether no bodies are near each other.
-    pub(super) fn is_empty(&self) -> bool {
-        self.points.is_empty()
+    /// Adds the impulses of the step to those that the bodies have got.
+    pub(super) fn record(&self, impacts: &mut [Impact]) {
+        for Collision { bodies: [a, b], normal, normal_impulse, tangential_impulse, .. } in &self.points {
+            let along_z = normal.z * normal_impulse + tangential_impulse.z;
+            impacts[*a].collision_impulse -= along_z;
+            impacts[*b].collision_impulse += along_z;
+        }
     }
 }
 
@@ -182,7 +185,13 @@ mod tests {
     const DT: f64 = 1e-6;
 
     /// A free body of `surface` without film.
-    fn body(surface: &Surface, mass: f64, at: [f64; 3], velocity: [f64; 3], [restitution, friction]: [f64; 2]) -> Impact {
+    fn body(
+        surface: &Surface,
+        mass: f64,
+        at: [f64; 3],
+        velocity: [f64; 3],
+        [restitution, friction]: [f64; 2],
+    ) -> Impact {
         let inertia = surface.inertia_per_mass() * mass;
         let body = RigidBody::free(Isometry3::translation(at[0], at[1], at[2]), velocity.into(), mass, inertia);
         let contact = Contact::new(surface.clone(), friction, 1.0, vec![]);
@@ -312,8 +321,7 @@ mod tests {
         let contact = || Contact::new(ball.clone(), 0.0, 1.0, vec![]);
         let fixed = RigidBody::prescribed(Isometry3::translation(0.03, 0.0, 0.0), 0.0);
         let falling = RigidBody::guided(Isometry3::translation(0.0, 0.0, 0.1), -2.0, 3.0);
-        let mut bodies =
-            [fixed, falling].map(|body| Impact::new(body, contact()).with_restitution(0.5));
+        let mut bodies = [fixed, falling].map(|body| Impact::new(body, contact()).with_restitution(0.5));
         step(&mut bodies, 0.01);
         assert_eq!(bodies[0].body.velocity, Vector3::zeros());
         assert!((bodies[1].body.velocity - Vector3::new(0.0, 0.0, 1.0)).norm() < 1e-12, "{}", bodies[1].body.velocity);

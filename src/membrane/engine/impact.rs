@@ -17,6 +17,8 @@ pub struct Impact {
     pub in_contact: bool,
     /// Coefficient of restitution against other bodies, of which a pair has the smaller.
     pub restitution: f64,
+    /// Impulse of other bodies on it along z so far, N s.
+    pub(super) collision_impulse: f64,
     release: Release,
 }
 
@@ -47,13 +49,14 @@ struct Launch {
 pub(super) struct ImpactState {
     motion: Motion,
     pub(super) contact: ContactHistory,
+    collision_impulse: f64,
     is_held: bool,
 }
 
 impl Impact {
     /// An impactor that moves from the start, beside the film, without restitution.
     pub fn new(body: RigidBody, contact: Contact) -> Impact {
-        Impact { body, contact, in_contact: false, restitution: 0.0, release: Release::Done }
+        Impact { body, contact, in_contact: false, restitution: 0.0, collision_impulse: 0.0, release: Release::Done }
     }
 
     /// The same that starts in contact with the film, or not.
@@ -123,13 +126,19 @@ impl Impact {
 
     /// Its state, to be saved.
     pub(super) fn save(&self) -> ImpactState {
-        ImpactState { motion: self.body.motion(), contact: self.contact.save(), is_held: self.is_held() }
+        ImpactState {
+            motion: self.body.motion(),
+            contact: self.contact.save(),
+            collision_impulse: self.collision_impulse,
+            is_held: self.is_held(),
+        }
     }
 
     /// Restores its state in a scene of the same `films`.
     pub(super) fn restore(&mut self, state: ImpactState, films: &[Film]) {
         self.body.restore(&state.motion);
         self.contact.restore(state.contact, films);
+        self.collision_impulse = state.collision_impulse;
         if !state.is_held {
             self.release = Release::Done;
         }

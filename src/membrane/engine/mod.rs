@@ -435,6 +435,7 @@ impl Engine {
                 lateral_energy: body.lateral_energy(),
                 work: work.on_film,
                 impulse: work.impulse,
+                collision: impact.collision_impulse,
             }
         };
         let bodies: Vec<BodyTrack> = self.impacts.iter().map(of_body).collect();

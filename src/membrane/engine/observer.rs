@@ -3,7 +3,8 @@
 use super::cushion::CushionState;
 use super::thread_pool::ThreadPool;
 use super::{
-    ContactState, ElementStrain, Energies, EnergyLedger, Fault, Film, Impact, Loads, Nodes, PreviousStep, RigidBody, film,
+    ContactState, ElementStrain, Energies, EnergyLedger, Fault, Film, Impact, Loads, Nodes, PreviousStep, RigidBody,
+    film,
 };
 
 /// Follows a run without changing it.
@@ -43,8 +44,10 @@ pub struct BodyTrack {
     pub lateral_energy: f64,
     /// Work of the impactor on the film so far, J.
     pub work: f64,
-    /// Impulse on the impactor along z so far, N s.
+    /// Impulse of the film on the impactor along z so far, N s.
     pub impulse: f64,
+    /// Impulse of other impactors on it along z so far, N s.
+    pub collision: f64,
 }
 
 /// The state at a full step, read-only.
@@ -124,9 +127,8 @@ impl View<'_> {
 
     /// State of contact of each impactor, and half its smallest extent, m.
     pub fn contact_states(&self) -> impl Iterator<Item = (ContactState, f64)> {
-        let state = |Impact { body, contact, .. }: &Impact| {
-            (contact.state(self.nodes, &body.pose), contact.surface().size())
-        };
+        let state =
+            |Impact { body, contact, .. }: &Impact| (contact.state(self.nodes, &body.pose), contact.surface().size());
         self.impacts.iter().map(state)
     }
 

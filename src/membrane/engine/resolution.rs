@@ -7,11 +7,14 @@ use super::nodes::Nodes;
 use super::rigid_body::RigidBody;
 use super::thread_pool::ThreadPool;
 
-/// Penetration of a node that two bodies may touch, over the size of the body, at which it is resolved.
-const TOLERANCE: f64 = 1e-6;
+/// Penetration of a node that two bodies may touch, over the size of the body, at which another sweep is due.
+const TOLERANCE: f64 = 1e-5;
 
 /// Largest number of sweeps over all bodies in a step.
-const SWEEPS: usize = 40;
+const SWEEPS: usize = 12;
+
+/// Largest number of sweeps over the nodes between two bodies after each of those.
+const PINCHES: usize = 10;
 
 /// Cosine of the angle between the normals of two bodies at a node above which it can yield to both.
 const YIELDING: f64 = -0.9;
@@ -53,8 +56,8 @@ pub(super) fn resolve(
     for (impact, before) in impacts.iter_mut().zip(before).filter(|(impact, _)| !impact.is_held()) {
         fastest = fastest.max(impact.contact.account(nodes, &impact.body, before));
     }
-    let losses = if collisions.is_empty() { [0.0; 2] } else { collisions.losses(impacts, before) };
-    Resolved { fastest, collisions: losses }
+    collisions.record(impacts);
+    Resolved { fastest, collisions: collisions.losses(impacts, before) }
 }
 
 /// Nodes that two bodies may touch in this step.
@@ -83,40 +86,54 @@ impl SharedNodes {
         let mut any = false;
         for (bodies, shared) in &self.pairs {
             let Ok([a, b]) = impacts.get_disjoint_mut(*bodies) else { continue };
-            for node in shared {
-                any |= pinch(a, b, nodes, *node, dt);
+            for _ in 0..PINCHES {
+                let found: Vec<Pinch> = shared.iter().map(|node| pinch(a, b, nodes, *node, dt)).collect();
+                any |= found.iter().any(|found| *found != Pinch::None);
+                if !found.contains(&Pinch::Pressed) {
+                    break;
+                }
             }
         }
         any
     }
 }
 
-/// Whether `node` penetrates one of two bodies; if it cannot yield, the bodies get the impulse under which they leave
-/// room for it.
-fn pinch(a: &mut Impact, b: &mut Impact, nodes: &Nodes, node: usize, dt: f64) -> bool {
+/// What a node between two bodies does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Pinch {
+    /// It penetrates neither, or both are fixed.
+    None,
+    /// It penetrates one, and can yield.
+    Yields,
+    /// The bodies got an impulse under which they leave room for it.
+    Pressed,
+}
+
+/// Looks at `node` between two bodies, which press on each other where it cannot yield.
+fn pinch(a: &mut Impact, b: &mut Impact, nodes: &Nodes, node: usize, dt: f64) -> Pinch {
     let poses = [&*a, &*b].map(|of| of.body.predicted(dt));
     let [(gap, normal), (other_gap, other_normal)] =
         [(&a.contact, &poses[0]), (&b.contact, &poses[1])].map(|(contact, pose)| contact.gap(nodes, pose, node));
     let tolerance = |contact: &Contact| TOLERANCE * contact.surface().size();
     if nodes.is_held(node) || (gap >= -tolerance(&a.contact) && other_gap >= -tolerance(&b.contact)) {
-        return false;
+        return Pinch::None;
     }
-    let overlap = -(gap + other_gap);
-    if normal.dot(&other_normal) > YIELDING || overlap <= 0.0 {
-        return true;
+    let (overlap, allowed) = (-(gap + other_gap), tolerance(&a.contact).min(tolerance(&b.contact)));
+    if normal.dot(&other_normal) > YIELDING || overlap <= allowed {
+        return Pinch::Yields;
     }
-    let Some(direction) = (normal - other_normal).try_normalize(0.0) else { return true };
+    let Some(direction) = (normal - other_normal).try_normalize(0.0) else { return Pinch::Yields };
     let point = nodes.position_of(node);
     let arms = poses.map(|pose| point.coords - pose.translation.vector);
     let inverse_mass =
         a.body.inverse_effective_mass(&direction, &arms[0]) + b.body.inverse_effective_mass(&direction, &arms[1]);
     if inverse_mass == 0.0 {
-        return false;
+        return Pinch::None;
     }
     let impulse = direction * (overlap / dt / inverse_mass);
     a.body.apply_impulse_at(&-impulse, &arms[0]);
     b.body.apply_impulse_at(&impulse, &arms[1]);
     a.contact.record(Impulse::pressing(node, arms[0], impulse));
     b.contact.record(Impulse::pressing(node, arms[1], -impulse));
-    true
+    Pinch::Pressed
 }

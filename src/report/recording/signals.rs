@@ -84,8 +84,13 @@ const FIRST: [Pane; 7] = [
 ];
 
 /// Charts in tabs.
-const MORE: [Pane; 6] = [
+const MORE: [Pane; 7] = [
     Pane { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE, SIMULATED)], measured: &[] },
+    Pane {
+        title: "Force of the impactors on each other, N",
+        channels: &[shown(column::COLLISION_FORCE, SIMULATED)],
+        measured: &[],
+    },
     Pane { title: "Velocity, m/s", channels: &[shown(column::VELOCITY, SIMULATED)], measured: &[] },
     Pane {
         title: "Displacement across, mm",

@@ -64,6 +64,9 @@ pub struct File {
     pub content: Vec<u8>,
 }
 
+/// Vertices of an impactor about its centre of mass, m, and the indices of its triangles.
+type Triangulation = (Vec<nalgebra::Point3<f64>>, Vec<[u32; 3]>);
+
 /// Points and cells with their arrays.
 struct Grid {
     points: Vec<[f32; 3]>,
@@ -79,7 +82,7 @@ struct Grid {
 /// Of each file: snapshots without their [`Detail`](crate::simulate::Detail), and what the formats refuse.
 pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     let film = series("film", &outcome.snapshots, move |snapshot| film::grid(model, outcome, snapshot));
-    let surfaces: Vec<_> = outcome.impactors.iter().map(|surface| surface.triangles(SIDES)).collect();
+    let surfaces: Vec<Triangulation> = outcome.impactors.iter().map(|surface| surface.triangles(SIDES)).collect();
     let bodies = (!surfaces.is_empty())
         .then(|| series("impactor", &outcome.snapshots, move |snapshot| Ok(posed(&surfaces, snapshot))));
     film.chain(bodies.into_par_iter().flatten())
@@ -147,10 +150,12 @@ fn collection(states: impl Iterator<Item = (String, f64)>) -> Result<Vec<u8>, qu
 }
 
 /// The impactors in a snapshot, where it has their poses; of several, each cell has the number of its impactor, from 1.
-fn posed(surfaces: &[(Vec<nalgebra::Point3<f64>>, Vec<[u32; 3]>)], snapshot: &Snapshot) -> Grid {
+fn posed(surfaces: &[Triangulation], snapshot: &Snapshot) -> Grid {
     let mut grid = Grid { points: vec![], cells: vec![], on_points: vec![], on_cells: vec![] };
     let mut of_cells = vec![];
-    for (number, ((points, triangles), (position, [i, j, k, w]))) in surfaces.iter().zip(&snapshot.impactors).enumerate() {
+    for (number, ((points, triangles), (position, [i, j, k, w]))) in
+        surfaces.iter().zip(&snapshot.impactors).enumerate()
+    {
         let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(*w, *i, *j, *k));
         let pose = nalgebra::Isometry3::from_parts(nalgebra::Translation3::from(*position), turn);
         let first = grid.points.len() as u64;

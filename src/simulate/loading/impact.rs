@@ -74,10 +74,8 @@ impl LoadCase for Impact<'_> {
     /// Motion and energies of the impactors and the largest strains (theory.md, section 8). Of several impactors, names
     /// of channels begin with theirs.
     fn signals(&self, tracks: &Tracks, mounting: &Mounting) -> Recording {
-        let strains = tracks.table(
-            &[column::MAX_STRAIN_MD.name, column::MAX_STRAIN_TD.name],
-            &tracks.strains.rows[..tracks.whole()],
-        );
+        let strains = tracks
+            .table(&[column::MAX_STRAIN_MD.name, column::MAX_STRAIN_TD.name], &tracks.strains.rows[..tracks.whole()]);
         let Recording { time, channels: strains } = strains;
         let bodies = self.model.impactors.iter().zip(&tracks.bodies).zip(&mounting.bodies);
         let mut tables: Vec<[Vec<Channel>; 2]> =
@@ -129,7 +127,12 @@ impl Impact<'_> {
             let spatial: Vec<_> = (0..rows.len()).map(spatial).collect();
             tracks.table(&SPATIAL, &spatial).channels
         });
-        [tracks.table(&NAMES, &rows).channels, spatial.unwrap_or_default()]
+        let mut along_z = tracks.table(&NAMES, &rows).channels;
+        if self.model.impactors.len() > 1 {
+            let values = (0..rows.len()).map(|k| body.collision_force(k)).collect();
+            along_z.push(Channel { name: column::COLLISION_FORCE.name.into(), values });
+        }
+        [along_z, spatial.unwrap_or_default()]
     }
 }
 

@@ -30,7 +30,9 @@ impl Surface {
     ) -> Vec<Meeting> {
         let mut found = vec![];
         self.shape.for_each_part(pose, &mut |first, at| {
-            other.shape.for_each_part(other_pose, &mut |second, other_at| meet([first, second], [at, other_at], reach, &mut found));
+            other.shape.for_each_part(other_pose, &mut |second, other_at| {
+                meet([first, second], [at, other_at], reach, &mut found)
+            });
         });
         found
     }
@@ -83,14 +85,8 @@ fn manifold(shapes: [&Shape; 2], poses: [&Isometry3<f64>; 2], reach: f64, found:
     // Manifolds are not kept from step to step: they would outlive a checkpoint.
     let mut manifolds: Vec<ContactManifold<(), ()>> = vec![];
     let edges = edge + other_edge;
-    let supported = DefaultQueryDispatcher.contact_manifolds(
-        &from_first,
-        first,
-        second,
-        reach + edges,
-        &mut manifolds,
-        &mut None,
-    );
+    let supported =
+        DefaultQueryDispatcher.contact_manifolds(&from_first, first, second, reach + edges, &mut manifolds, &mut None);
     debug_assert!(supported.is_ok(), "parry has the manifold of all shapes of impactors");
     for manifold in &manifolds {
         let part = manifold.subshape_pos1().copied().unwrap_or(Pose::IDENTITY);

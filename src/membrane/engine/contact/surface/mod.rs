@@ -219,6 +219,11 @@ impl Surface {
         -self.shape.reach(&rotation.inverse_transform_vector(&-Vector3::z()))
     }
 
+    /// Centre of mass in the coordinates in which the shape was given, m.
+    pub fn centre(&self) -> Vector3<f64> {
+        self.centre
+    }
+
     /// Inertia of a homogeneous body over its mass, m², body axes.
     pub fn inertia_per_mass(&self) -> Matrix3<f64> {
         self.inertia_per_mass
