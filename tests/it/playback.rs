@@ -113,6 +113,28 @@ fn green_of(share: f32) -> f32 {
     GREENS[below] + (GREENS[below + 1] - GREENS[below]) * (place - below as f32)
 }
 
+/// Each of several impactors is drawn under its name, and so are its signals.
+#[test]
+fn a_recording_names_several_impactors() {
+    let changes = ["impactor.1.at=5ms", "loading.impact.duration=30ms", "output.frames=10"];
+    let (_folder, out) = run("tests/golden/two-impactors/scenario.toml", &changes);
+    let played = Playback::read(&out.join("recording.rrd")).expect("a recording");
+    let outcome = outcome(&out);
+    let table = csv::read(&out.join("signals.csv")).expect("signals");
+    for (index, name) in ["head", "hand"].into_iter().enumerate() {
+        let places = played.places(&format!("/scene/impactors/{name}"));
+        assert_eq!(places.len(), outcome.snapshots.len());
+        for ((_, place), snapshot) in places.iter().zip(&outcome.snapshots) {
+            let (computed, _) = snapshot.impactors[index];
+            assert_eq!(place[0], computed.map(|c| c as f32), "{name} at {} s", snapshot.time);
+        }
+        let drawn = played.values(TIME, &format!("/signals/{name}_contact_force_N"));
+        let force = table.channel(&format!("{name}_contact_force_N")).expect("a channel");
+        assert_eq!(drawn.len(), force.len());
+        assert!(drawn.iter().zip(force).all(|((_, drawn), force)| (drawn - force).abs() <= 1e-6 * force.abs()));
+    }
+}
+
 fn impactor_is_the_engines(played: &Playback, outcome: &Outcome) {
     let (places, turns) = (played.places("/scene/impactor"), played.rotations("/scene/impactor"));
     assert_eq!([places.len(), turns.len()], [outcome.snapshots.len(); 2]);

@@ -4,6 +4,7 @@
 //! contact, drift of the body (theory.md, section 4). Signals and snapshots are taken by an [`Observer`], which is
 //! shown a read-only [`View`].
 
+mod bodies;
 mod collision;
 mod colouring;
 mod contact;
@@ -216,15 +217,6 @@ impl Engine {
         self.impacts.iter().map(|impact| impact.contact.surface())
     }
 
-    /// The first two impactors that move from the start and overlap, by their indices, and how deep, m.
-    pub fn overlap_of_impactors(&self) -> Option<([usize; 2], f64)> {
-        let released = || self.impacts.iter().enumerate().filter(|(_, impact)| !impact.is_held());
-        released().find_map(|(second, b)| {
-            let before = released().take_while(|(first, _)| *first < second);
-            before.into_iter().find_map(|(first, a)| Some(([first, second], collision::overlap(a, b)?)))
-        })
-    }
-
     /// Bytes of all arrays that grow with the mesh: nodes, elements, contact, and the previous step stored for
     /// observers. Spare capacity does not count.
     pub fn bytes(&self) -> usize {
@@ -256,30 +248,6 @@ impl Engine {
         }
         self.finish(dt, fastest, jaw_force, observer);
         Ok(std::mem::take(&mut self.failed))
-    }
-
-    /// Releases the impactors whose time has come; the work of what launches them is external.
-    fn release(&mut self) -> Result<(), Fault> {
-        for k in 0..self.impacts.len() {
-            if !self.impacts[k].is_due(self.time) {
-                continue;
-            }
-            let (impact, impactor, time) = (&self.impacts[k], k + 1, self.time);
-            let gap = impact.contact.smallest_gap(&self.nodes, &impact.body.pose);
-            if gap < -collision::TOUCH * impact.contact.surface().size() {
-                return Err(Fault::ReleasedInFilm { time, impactor, depth: -gap });
-            }
-            let others = self.impacts.iter().enumerate().filter(|(_, other)| !other.is_held());
-            for (other, at) in others {
-                if let Some(depth) = collision::overlap(at, impact) {
-                    return Err(Fault::ReleasedInImpactor { time, impactor, other: other + 1, depth });
-                }
-            }
-            let impact = &mut self.impacts[k];
-            impact.release();
-            self.ledger.external -= impact.body.kinetic_energy(&impact.body);
-        }
-        Ok(())
     }
 
     /// Forces at the full step, to which the nodes moved in `dt` (s); fibres past their break strain break.
@@ -380,37 +348,6 @@ impl Engine {
         fastest.max(contact)
     }
 
-    /// Kicks the bodies, resolves their contact and adds its losses to the ledger and to `sums`. Returns the largest speed
-    /// of a node in contact, m/s.
-    fn resolve_contact(&mut self, over: f64, dt: f64, sums: &mut StepSums) -> f64 {
-        let before: Vec<RigidBody> = self.impacts.iter().map(|impact| impact.body.clone()).collect();
-        let damped = self.loads.damping > 0.0;
-        for impact in &mut self.impacts {
-            impact.kick([over, dt], self.loads.gravity);
-            if damped && !impact.is_held() {
-                impact.contact.record_prediction(&self.nodes);
-            }
-        }
-        let resolved = resolution::resolve(&mut self.impacts, &before, &mut self.nodes, [over, dt], &self.pool);
-        self.ledger.guide_ahead = 0.0;
-        for (Impact { body, contact, .. }, before) in self.impacts.iter().zip(&before) {
-            let work = contact.guide_impulse.map_or([0.0; 2], |impulse| {
-                [before.velocity.z, body.velocity.z].map(|velocity| -0.5 * impulse * velocity)
-            });
-            self.ledger.guide += work[0] + work[1];
-            self.ledger.guide_ahead += work[1];
-        }
-        let [collision, ahead] = resolved.collisions;
-        self.ledger.collision += collision;
-        self.ledger.collision_ahead = ahead;
-        for (place, impact) in self.impacts.iter().enumerate().filter(|(_, impact)| damped && !impact.is_held()) {
-            let earlier = self.impacts[..place].iter().filter(|other| !other.is_held());
-            let is_counted = |node| earlier.clone().any(|other| other.contact.lists(node));
-            sums.damped += impact.contact.damping_correction(&self.nodes, is_counted);
-        }
-        resolved.fastest
-    }
-
     /// Shows the stored full step, with the velocities that follow it.
     fn show(&mut self, observer: &mut dyn Observer) -> Result<(), Fault> {
         self.exchange();
@@ -427,23 +364,8 @@ impl Engine {
 
     /// Moves the bodies and reports their tracks.
     fn finish(&mut self, dt: f64, fastest: f64, jaw_force: f64, observer: &mut dyn Observer) {
-        let of_body = |impact: &Impact| {
-            let (body, work) = (impact.launched(), &impact.contact.work);
-            BodyTrack {
-                centre: body.centre().into(),
-                velocity: body.velocity.into(),
-                lateral_energy: body.lateral_energy(),
-                work: work.on_film,
-                impulse: work.impulse,
-                collision: impact.collision_impulse,
-            }
-        };
-        let bodies: Vec<BodyTrack> = self.impacts.iter().map(of_body).collect();
-        for Impact { body, contact, .. } in self.impacts.iter_mut().filter(|impact| !impact.is_held()) {
-            let rotation = body.spin.norm() * contact.surface().bounding_radius();
-            contact.reduce_skin((fastest + body.velocity.norm() + rotation) * dt);
-            body.drift(dt);
-        }
+        let bodies = self.track_bodies();
+        self.drift_bodies(dt, fastest);
         let track = Track { time: self.time, dt, bodies: &bodies, jaw_force };
         observer.track(&track);
         self.time += dt;

@@ -54,9 +54,12 @@ fn bodies_far_from_each_other_are_single_runs() {
     let both = run(&model(&sheet, &balls, "duration = 0.002"));
     for (name, alone) in ["left", "right"].into_iter().zip(&balls) {
         let alone = run(&model(&sheet, std::slice::from_ref(alone), "duration = 0.002"));
-        for column in ["displacement_m", "velocity_m_s", "contact_force_N", "absorbed_energy_J"] {
+        // Both have one time step, which decides at which sample nodes come into contact.
+        for (column, bound) in
+            [("displacement_m", 1e-5), ("velocity_m_s", 1e-5), ("contact_force_N", 5e-3), ("absorbed_energy_J", 1e-3)]
+        {
             let figure = off(values(&both, &format!("{name}_{column}")), values(&alone, column));
-            claims.at_most(&format!("two bodies apart, {name}, {column} off that of the body alone"), figure, 1e-6);
+            claims.at_most(&format!("two bodies apart, {name}, {column} off that of the body alone"), figure, bound);
         }
     }
     claims.at_most("two bodies apart, energy balance error", both.energy_balance_error, 1e-3);
@@ -87,61 +90,48 @@ fn a_release_starts_the_run_of_its_body() {
     claims.judge();
 }
 
-/// Two balls in flight meet head on; a third pair obliquely without friction.
+/// Two balls in flight meet head on, and beside their line of flight, without friction.
 #[test]
 fn impactors_collide_by_the_closed_form() {
     let mut claims = Claims::of("several");
-    let beside =
-        "specimen.shape = { rectangle = [0.1, 0.1] }\nspecimen.mesh = { element = \"quad4\", size = \"20 mm\" }";
-    let flight = |place: &str, velocity: &str, e: f64| {
-        format!("guide = \"free\", friction = 0, position = {place}, velocity = {velocity}, restitution = {e}")
-    };
-    let free = |name: &str, mass: f64, keys: String| {
-        format!("name = \"{name}\", shape = {{ sphere = {{ radius = 0.05 }} }}, mass = {mass}, {keys}")
-    };
-    for (e, line) in [(0.0, [1.0, 0.0]), (0.6, [1.0, 0.0]), (0.6, [0.8, 0.6]), (1.0, [1.0, 0.0])] {
-        let away = |distance: f64| format!("[{}, {}, 1]", 1.0 + distance * line[0], distance * line[1]);
-        let bodies = [
-            free("a", 2.0, flight("[1, 0, 1]", "[3, 0, 0]", e)),
-            free("b", 0.7, flight(&away(0.1 + 1e-3), "[-1, 0, 0]", 1.0)),
-        ];
-        let bodies = bodies.map(|body| body.replace("friction = 0, ", ""));
-        let bodies = bodies.map(|body| format!("{body}, spin = [0, 0, 0]"));
-        let model = model_without_friction(beside, &bodies);
-        let outcome = run(&model);
+    let film = "specimen.shape = { rectangle = [0.1, 0.1] }\nspecimen.mesh = { element = \"quad4\", size = \"20 mm\" }";
+    for (e, beside) in [(0.0, 0.0), (0.6, 0.0), (0.6, 0.06), (1.0, 0.0)] {
+        let free = |name: &str, mass: f64, place: [f64; 2], speed: f64, e: f64| {
+            let [x, y] = place;
+            format!(
+                "name = \"{name}\", shape = {{ sphere = {{ radius = 0.05 }} }}, mass = {mass}, guide = \"free\",
+                 position = [{x}, {y}, 1], velocity = [{speed}, 0, 0], restitution = {e}"
+            )
+        };
+        let line = [(1.0 - (beside / 0.1_f64).powi(2)).sqrt(), beside / 0.1];
+        let other = [1.0 + 0.1 * line[0] + 1e-3, beside];
+        let bodies = [free("a", 2.0, [1.0, 0.0], 3.0, e), free("b", 0.7, other, -1.0, 1.0)];
+        let outcome = run(&without_friction(film, &bodies));
         let last = |name: &str| *values(&outcome, name).last().expect("a sample");
         // Along the line of centres the impulse of two masses, across it nothing.
         let impulse = 2.0 * 0.7 / 2.7 * (1.0 + e) * 4.0 * line[0];
-        let expected = [[3.0, 0.0], [-1.0, 0.0]];
-        let signs = [-1.0 / 2.0, 1.0 / 0.7];
-        for (body, (start, sign)) in ["a", "b"].into_iter().zip(expected.into_iter().zip(signs)) {
-            for (axis, name) in ["x", "y"].into_iter().enumerate() {
+        // Balls that meet beside their line of flight turn it in the step in which they meet.
+        let bound = if beside == 0.0 { 1e-9 } else { 5e-3 };
+        for (body, start, sign) in [("a", 3.0, -1.0 / 2.0), ("b", -1.0, 1.0 / 0.7)] {
+            for (name, start, along) in [("x", start, line[0]), ("y", 0.0, line[1])] {
                 let found = last(&format!("{body}_velocity_{name}_m_s"));
-                let wanted = start[axis] + sign * impulse * line[axis];
-                // An oblique pair turns its line of centres within the step in which it meets.
-                let bound = if line[1] == 0.0 { 1e-9 } else { 2e-3 };
-                let what = format!("restitution {e}, line {line:?}, {body}, off its velocity along {name}");
-                claims.at_most(&what, (found - wanted).abs(), bound);
+                let what = format!("restitution {e}, {beside} m beside, {body}, off its velocity along {name}, m/s");
+                claims.at_most(&what, (found - (start + sign * impulse * along)).abs(), bound);
             }
         }
-        let momentum =
-            |axis: &str| 2.0 * last(&format!("a_velocity_{axis}_m_s")) + 0.7 * last(&format!("b_velocity_{axis}_m_s"));
-        claims.at_most("momentum along x off the first", (momentum("x") - 5.3).abs(), 1e-12);
-        claims.at_most("momentum along y", momentum("y").abs(), 1e-12);
-        let energies = channel(&outcome.energies, "collision_J");
-        let lost = energies.last().expect("a sample");
+        let of = |body: &str, axis: &str| last(&format!("{body}_velocity_{axis}_m_s"));
+        let momentum = |axis: &str| 2.0 * of("a", axis) + 0.7 * of("b", axis);
+        claims.at_most("momentum along x off the first, N s", (momentum("x") - 5.3).abs(), 1e-12);
+        claims.at_most("momentum along y, N s", momentum("y").abs(), 1e-12);
+        let lost = channel(&outcome.energies, "collision_J").last().copied().expect("a sample");
         let formula = 0.5 * (1.0 - e * e) * 2.0 * 0.7 / 2.7 * (4.0 * line[0]).powi(2);
-        claims.at_most(
-            "energy lost off the closed form, J",
-            (lost - formula).abs(),
-            if line[1] == 0.0 { 1e-9 } else { 2e-2 },
-        );
-        claims.at_most("energy balance error", outcome.energy_balance_error, 1e-5);
+        claims.at_most("energy lost off the closed form, J", (lost - formula).abs(), 2.0 * bound);
+        claims.at_most("energy balance error", outcome.energy_balance_error, 1e-9);
     }
     claims.judge();
 }
 
-fn model_without_friction(film: &str, bodies: &[String]) -> Model {
+fn without_friction(film: &str, bodies: &[String]) -> Model {
     let mut model = model(film, bodies, "duration = 0.002, gravity = 0");
     model.impactors.iter_mut().for_each(|impactor| impactor.friction = 0.0);
     model
@@ -196,15 +186,10 @@ fn energy_is_balanced_where_bodies_share_film_and_meet() {
         let outcome = run(&model(&square(0.4), &bodies, loading));
         claims.at_most(&format!("{name}, energy balance error"), outcome.energy_balance_error, 1e-3);
         let collided = channel(&outcome.energies, "collision_J").last().copied().expect("a sample");
-        let pressed: f64 = model(&square(0.4), &bodies, loading)
-            .prefixes()
-            .iter()
-            .map(|prefix| {
-                values(&outcome, &format!("{prefix}contact_force_N")).iter().fold(0.0_f64, |most, f| most.max(*f))
-            })
-            .fold(f64::INFINITY, f64::min);
-        let figures = format!("{collided:.3} J lost in collisions, peak forces of the film at least {pressed:.1} N");
-        claims.holds(&format!("{name}, they met"), &figures, collided > 1e-3 || pressed > 1.0);
+        let forces = outcome.signals.channels.iter().filter(|channel| channel.name.ends_with("_contact_force_N"));
+        let pressed = forces.flat_map(|channel| &channel.values).fold(0.0_f64, |most, force| most.max(*force));
+        let figures = format!("{collided:.2} J lost in collisions, largest force of the film {pressed:.0} N");
+        claims.holds(&format!("{name}, they met"), &figures, collided > 1e-2 && pressed > 10.0);
     }
     claims.judge();
 }
