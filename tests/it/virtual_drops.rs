@@ -220,8 +220,7 @@ fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
     model.reference.as_mut().expect("a reference").drop_height = None;
     let with_speed = |speed: f64| {
         let mut model = model.clone();
-        let Loading::Impact { velocity, .. } = &mut model.loading else { panic!("no impact") };
-        *velocity = speed;
+        model.impactors[0].velocity[2] = -speed;
         Plan::prepare(&model).map_err(|error| error.to_string())
     };
     let (_, exact) = true_figures().remove(3);
