@@ -73,7 +73,8 @@ impl Engine {
     /// The impactors at the full step, with the velocities that follow it.
     pub(super) fn track_bodies(&self) -> Vec<BodyTrack> {
         let of_body = |impact: &Impact| {
-            let (body, work) = (impact.launched(), &impact.contact.work);
+            let launched = impact.is_held().then(|| impact.launched());
+            let (body, work) = (launched.as_ref().unwrap_or(&impact.body), &impact.contact.work);
             BodyTrack {
                 centre: body.centre().into(),
                 velocity: body.velocity.into(),
