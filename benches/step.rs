@@ -248,7 +248,7 @@ fn parts() {
         let everything = outcome.wall.as_secs_f64() * 1e9 / (outcome.elements * steps) as f64;
         let with_contact = stepping(&mut simulate::engine(&model).expect("an engine").with_pool(pool()), steps);
         let mut alone = model.clone();
-        alone.impactor = None;
+        alone.impactors.clear();
         let film = stepping(&mut simulate::engine(&alone).expect("an engine").with_pool(pool()), steps);
         shares.push([film, with_contact, everything]);
     }

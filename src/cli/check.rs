@@ -9,8 +9,13 @@ use super::scenarios::{self, Selection};
 use super::{Failure, Shared, findings, print, print_json};
 use crate::diagnostic::{Diagnostic, shown_path};
 use crate::finding::Finding;
-use crate::model;
+use crate::model::{self, Guide, Impactor};
+use crate::number;
 use crate::scenario::{Assignment, Document};
+use crate::simulate;
+
+/// Significant digits of lengths and moments.
+const DIGITS: usize = 4;
 
 #[derive(Debug, Args)]
 pub(super) struct CheckArgs {
@@ -25,10 +30,34 @@ struct Verdict {
     ok: bool,
     mistakes: Vec<Mistake>,
     findings: Vec<Finding>,
+    /// Of the impactors that may turn.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    inertias: Vec<Inertia>,
 }
 
-/// Findings of a file, or its mistakes.
-type Checked = Result<Vec<Finding>, Vec<Diagnostic>>;
+/// Centre of mass and moments of inertia of an impactor that may turn.
+#[derive(Serialize)]
+struct Inertia {
+    impactor: String,
+    #[serde(rename = "mass_kg")]
+    mass: f64,
+    /// In the coordinates of its shape.
+    #[serde(rename = "centre_m")]
+    centre: [f64; 3],
+    /// About its own x, y and z through the centre of mass.
+    #[serde(rename = "moments_kg_m2")]
+    moments: [f64; 3],
+}
+
+/// What a correct file has to say.
+#[derive(Default)]
+struct Facts {
+    findings: Vec<Finding>,
+    inertias: Vec<Inertia>,
+}
+
+/// What is said of a file, or its mistakes.
+type Checked = Result<Facts, Vec<Diagnostic>>;
 
 #[derive(Serialize)]
 struct Mistake {
@@ -49,7 +78,11 @@ pub(super) fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
         return if wrong.is_empty() { Ok(()) } else { Err(Failure::from(vec![])) };
     }
     let good = found.iter().filter_map(|(path, checked)| Some((path, checked.as_ref().ok()?)));
-    let good: String = good.map(|(path, found)| format!("ok  {path}\n{}", findings::lines("  ", found))).collect();
+    let text = |(path, facts): (&String, &Facts)| {
+        let inertias: String = facts.inertias.iter().map(Inertia::line).collect();
+        format!("ok  {path}\n{inertias}{}", findings::lines("  ", &facts.findings))
+    };
+    let good: String = good.map(text).collect();
     if !shared.quiet && !good.is_empty() {
         print(good.trim_end())?;
     }
@@ -60,20 +93,50 @@ pub(super) fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
 fn check(path: &Path, assignments: &[Assignment]) -> Checked {
     let is_material = Document::read(path).is_ok_and(|document| document.is_material());
     if !is_material {
-        return Ok(scenarios::check(path, assignments)?.plan.findings().to_vec());
+        let checked = scenarios::check(path, assignments)?;
+        let inertias = checked.model.impactors.iter().filter_map(Inertia::of).collect();
+        return Ok(Facts { findings: checked.plan.findings().to_vec(), inertias });
     }
     let material = Document::read_material(path)?.with(assignments);
     model::check_material(&material)?;
     let implausible = material.implausible().into_iter();
-    Ok(implausible.map(|value| Finding::new(&model::Warning::Value(value))).collect())
+    let findings = implausible.map(|value| Finding::new(&model::Warning::Value(value))).collect();
+    Ok(Facts { findings, ..Facts::default() })
+}
+
+impl Inertia {
+    /// That of an impactor that may turn; none where its mesh cannot be used, which ends its run.
+    fn of(impactor: &Impactor) -> Option<Inertia> {
+        if !matches!(impactor.guide, Guide::Free | Guide::Hinge { .. }) {
+            return None;
+        }
+        let surface = simulate::surface(&impactor.shape).ok()?;
+        let homogeneous = surface.inertia_per_mass() * impactor.mass;
+        let moments = impactor.inertia.unwrap_or_else(|| homogeneous.diagonal().into());
+        Some(Inertia {
+            impactor: impactor.words().to_owned(),
+            mass: impactor.mass,
+            centre: surface.centre().into(),
+            moments,
+        })
+    }
+
+    fn line(&self) -> String {
+        let listed = |values: [f64; 3]| values.map(|value| number::figure(value, DIGITS)).join(", ");
+        let (centre, moments) = (listed(self.centre.map(|x| 1e3 * x)), listed(self.moments));
+        let Inertia { impactor, mass, .. } = self;
+        format!(
+            "  {impactor}: {mass} kg, centre of mass at {centre} mm of its shape, moments of inertia {moments} kg m2\n"
+        )
+    }
 }
 
 fn verdict((path, checked): (String, Checked)) -> Verdict {
     match checked {
-        Ok(findings) => Verdict { path, ok: true, mistakes: vec![], findings },
+        Ok(Facts { findings, inertias }) => Verdict { path, ok: true, mistakes: vec![], findings, inertias },
         Err(mistakes) => {
             let mistakes = mistakes.iter().map(mistake).collect();
-            Verdict { path, ok: false, mistakes, findings: vec![] }
+            Verdict { path, ok: false, mistakes, findings: vec![], inertias: vec![] }
         }
     }
 }

@@ -8,7 +8,7 @@ use super::findings;
 use crate::diagnostic::shown_path;
 use crate::model::Model;
 use crate::number::{self, duration, grouped};
-use crate::post::{Audit, Impact, Indent, Inflation, Measures, Results, Stretch};
+use crate::post::{Audit, BodyFigures, Impact, Indent, Inflation, Measures, Results, Stretch};
 use crate::report::{G, subject};
 use crate::simulate::Outcome;
 
@@ -74,14 +74,31 @@ fn cost(audit: &Audit) -> String {
 }
 
 fn impact(measures: &Impact) -> String {
-    let Impact { peak_acceleration_m_s2: peak, peak_displacement_m: travel, .. } = measures;
-    let peak = at(peak.map(|a| format!("{:.1} g", a / G)), measures.time_of_peak_acceleration_s);
-    let travel = at(travel.map(|d| format!("{:.1} mm", d * 1e3)), measures.time_of_peak_displacement_s);
-    let absorbed = measures.energy_absorption.map_or("-, no rebound".into(), percent);
     let balance = balance(&measures.audit);
-    format!(
-        "  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} energy balance error {balance}\n"
-    )
+    match measures.bodies.as_slice() {
+        [body] => of_body(body, &format!("energy balance error {balance}")),
+        several => {
+            let of_one = |body: &BodyFigures| {
+                let name = body.prefix.trim_end_matches('_');
+                format!("  {name}\n{}", of_body(body, &format!("rebound       {}", rebound(body))))
+            };
+            let all: String = several.iter().map(of_one).collect();
+            format!("{all}  energy balance error {balance}\n")
+        }
+    }
+}
+
+/// The figures of one impactor, with `last` at their end.
+fn of_body(body: &BodyFigures, last: &str) -> String {
+    let BodyFigures { peak_acceleration_m_s2: peak, peak_displacement_m: travel, .. } = body;
+    let peak = at(peak.map(|a| format!("{:.1} g", a / G)), body.time_of_peak_acceleration_s);
+    let travel = at(travel.map(|d| format!("{:.1} mm", d * 1e3)), body.time_of_peak_displacement_s);
+    let absorbed = body.energy_absorption.map_or("-, no rebound".into(), percent);
+    format!("  peak deceleration   {peak:<22} displacement  {travel}\n  energy absorbed     {absorbed:<22} {last}\n")
+}
+
+fn rebound(body: &BodyFigures) -> String {
+    body.rebound_velocity_m_s.map_or("-".into(), |velocity| format!("{} m/s", number::figure(velocity, DIGITS)))
 }
 
 fn errors(model: &Model, measures: &Impact) -> String {

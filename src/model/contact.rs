@@ -8,7 +8,7 @@ pub(super) fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Contact
     let layers = scenario.layers.as_ref().map_or(1, |layers| layers.faces.len());
     let under_pressure = matches!(scenario.loading, scenario::Loading::Pressure(_));
     let has_faces = layers.max(scenario.layer.len()) > 1;
-    let can_meet = has_faces && (scenario.impactor.is_some() || under_pressure);
+    let can_meet = has_faces && (!scenario.impactor.is_empty() || under_pressure);
     if film == Some(true) && !can_meet {
         mistakes.out_of_place("contact.film", "no two faces can meet");
     }

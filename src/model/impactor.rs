@@ -1,4 +1,6 @@
-//! The impactor.
+//! The impactors.
+
+mod several;
 
 use nalgebra::Vector3;
 
@@ -18,32 +20,81 @@ const MIRRORED: &str = "the mirror planes";
 /// Component of a velocity across a guide over its length from which it is meant.
 const ACROSS: f64 = 1e-9;
 
-/// The impactor, where the `loading` needs one.
-pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<Impactor> {
+/// An impactor as written.
+pub(super) struct Written<'s> {
+    body: &'s scenario::Impactor,
+    /// Path of its table.
+    path: String,
+}
+
+impl Written<'_> {
+    /// Path of its `key`.
+    pub(super) fn key(&self, key: &str) -> String {
+        format!("{}.{key}", self.path)
+    }
+}
+
+impl std::ops::Deref for Written<'_> {
+    type Target = scenario::Impactor;
+
+    fn deref(&self) -> &scenario::Impactor {
+        self.body
+    }
+}
+
+/// All impactors as written: one table, or a list of them.
+pub(super) fn written<'s>(scenario: &'s Scenario, mistakes: &Mistakes<'_>) -> Vec<Written<'s>> {
+    let is_list = mistakes.is_written("impactor.0");
+    let path = |place: usize| if is_list { format!("impactor.{place}") } else { "impactor".to_owned() };
+    scenario.impactor.iter().enumerate().map(|(place, body)| Written { body, path: path(place) }).collect()
+}
+
+/// The impactors, where the `loading` needs any; empty where it needs none.
+pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>) -> Option<Vec<Impactor>> {
     let why = match scenario.loading {
         scenario::Loading::Impact(_) => "`loading.impact` needs an impactor",
         scenario::Loading::Indent(_) => "`loading.indent` needs an impactor",
-        scenario::Loading::Stretch(_) | scenario::Loading::Pressure(_) => return None,
+        scenario::Loading::Stretch(_) | scenario::Loading::Pressure(_) => return Some(vec![]),
     };
-    let Some(written) = &scenario.impactor else {
+    let all = written(scenario, mistakes);
+    if all.is_empty() {
         mistakes.missing("impactor", why);
         return None;
-    };
+    }
+    if let (scenario::Loading::Indent(_), [_, second, ..]) = (&scenario.loading, all.as_slice()) {
+        let message = "an indentation has one impactor";
+        mistakes.report_with(&second.path, message, "give one `[impactor]`, or a `[loading.impact]`");
+        return None;
+    }
+    several::check(&all, loading, mistakes);
+    let checked: Vec<Option<Impactor>> = all.iter().map(|one| check_one(one, scenario, loading, mistakes)).collect();
+    checked.into_iter().collect()
+}
+
+fn check_one(
+    written: &Written<'_>,
+    scenario: &Scenario,
+    loading: &Loading,
+    mistakes: &mut Mistakes<'_>,
+) -> Option<Impactor> {
     mirrored(written, symmetry(&scenario.specimen), mistakes);
     indented(written, &scenario.loading, mistakes);
-    let guide = guide(&written.guide, mistakes);
-    let orientation = rotation(written.orientation.as_ref(), "impactor.orientation", mistakes);
-    let shape = shape(&written.shape, mistakes);
+    let guide = guide(written, mistakes);
+    let orientation = rotation(written.orientation.as_ref(), &written.key("orientation"), mistakes);
+    let shape = shape(written, mistakes);
     let mass = mass(written, &scenario.loading, mistakes);
     let guide = guide?;
     let velocity = velocity(written, loading, guide, mistakes);
     Some(Impactor {
+        name: written.name.clone(),
         shape: shape?,
         mass: mass?,
         guide,
         guide_friction: guide_friction(written, &scenario.loading, mistakes),
         friction: written.friction,
+        restitution: written.restitution,
         inertia: inertia(written, mistakes),
+        release: written.at.0,
         position: [0, 1].map(|axis| written.position.get(axis).map_or(0.0, |length| length.0)),
         height: written.position.get(2).map(|length| length.0),
         orientation: orientation?,
@@ -53,49 +104,51 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut Mistakes<'_>
 }
 
 /// Keys without a meaning where the motion of the impactor is prescribed.
-fn indented(written: &scenario::Impactor, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) {
+fn indented(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) {
     if !matches!(loading, scenario::Loading::Indent(_)) {
         return;
     }
     if written.guide != scenario::Guide::Z {
         let message = "an indentation prescribes the motion of the impactor along z";
-        mistakes.report_with("impactor.guide", message, "leave the key out");
+        mistakes.report_with(&written.key("guide"), message, "leave the key out");
     }
-    for key in ["velocity", "spin", "inertia"].map(|key| format!("impactor.{key}")) {
+    for key in ["velocity", "spin", "inertia"].map(|key| written.key(key)) {
         if mistakes.is_written(&key) {
             mistakes.out_of_place(&key, "an indentation prescribes the motion of the impactor");
         }
     }
     if written.position.len() > 2 {
-        mistakes.report_with("impactor.position", "an indentation begins in contact with the film", "give x and y");
+        let message = "an indentation begins in contact with the film";
+        mistakes.report_with(&written.key("position"), message, "give x and y");
     }
 }
 
 /// Mass of an impactor that falls; infinite where its motion is prescribed or it is fixed.
-fn mass(written: &scenario::Impactor, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) -> Option<f64> {
+fn mass(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) -> Option<f64> {
+    let key = written.key("mass");
     if matches!(loading, scenario::Loading::Indent(_)) {
         return Some(f64::INFINITY);
     }
     if written.guide == scenario::Guide::Fixed {
-        if written.mass.is_some() && !mistakes.is_inherited("impactor.mass") {
-            mistakes.out_of_place("impactor.mass", "a fixed impactor does not move");
+        if written.mass.is_some() && !mistakes.is_inherited(&key) {
+            mistakes.out_of_place(&key, "a fixed impactor does not move");
         }
         return Some(f64::INFINITY);
     }
     if written.mass.is_none() {
-        mistakes.missing("impactor.mass", "`loading.impact` needs the mass of what falls");
+        mistakes.missing(&key, "`loading.impact` needs the mass of what falls");
     }
     written.mass.map(|mass| mass.0)
 }
 
-fn guide(written: &scenario::Guide, mistakes: &mut Mistakes<'_>) -> Option<Guide> {
-    Some(match written {
+fn guide(written: &Written<'_>, mistakes: &mut Mistakes<'_>) -> Option<Guide> {
+    Some(match &written.guide {
         scenario::Guide::Z => Guide::Z,
         scenario::Guide::Free => Guide::Free,
         scenario::Guide::Fixed => Guide::Fixed,
-        scenario::Guide::Line(line) => Guide::Line(direction(*line, "impactor.guide.line", mistakes)?),
+        scenario::Guide::Line(line) => Guide::Line(direction(*line, &written.key("guide.line"), mistakes)?),
         scenario::Guide::Hinge(hinge) => Guide::Hinge {
-            axis: direction(hinge.axis, "impactor.guide.hinge.axis", mistakes)?,
+            axis: direction(hinge.axis, &written.key("guide.hinge.axis"), mistakes)?,
             at: hinge.at.map(|length| length.0),
         },
     })
@@ -118,8 +171,8 @@ fn rotation(written: Option<&Orientation>, path: &str, mistakes: &mut Mistakes<'
 }
 
 /// Velocity of the centre of mass at the start, which the guide must admit, m/s.
-fn velocity(written: &scenario::Impactor, loading: &Loading, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f64; 3] {
-    const KEY: &str = "impactor.velocity";
+fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f64; 3] {
+    let key = &written.key("velocity");
     let Loading::Impact { velocity: downward, .. } = loading else { return [0.0; 3] };
     let velocity = written.velocity.map_or([0.0, 0.0, -downward], |velocity| velocity.map(|component| component.0));
     let along = match guide {
@@ -132,7 +185,7 @@ fn velocity(written: &scenario::Impactor, loading: &Loading, guide: Guide, mista
                     Guide::Fixed => "a fixed impactor has none",
                     _ => "an impactor on a hinge has a `spin`",
                 };
-                mistakes.out_of_place(KEY, why);
+                mistakes.out_of_place(key, why);
             }
             return [0.0; 3];
         }
@@ -140,7 +193,8 @@ fn velocity(written: &scenario::Impactor, loading: &Loading, guide: Guide, mista
     let velocity = Vector3::from(velocity);
     if written.velocity.is_none() && along.z == 0.0 {
         let message = "the speed of `loading.impact` has no direction on a level line";
-        mistakes.report_with("impactor.guide.line", message, "give `impactor.velocity`, a vector along the line");
+        let hint = format!("give `{key}`, a vector along the line");
+        mistakes.report_with(&written.key("guide.line"), message, hint);
     }
     let speed = match written.velocity {
         Some(_) => velocity.dot(&along),
@@ -149,41 +203,44 @@ fn velocity(written: &scenario::Impactor, loading: &Loading, guide: Guide, mista
     };
     if written.velocity.is_some() && (velocity - along * speed).norm() > ACROSS * velocity.norm() {
         let message = "the guide admits no velocity across it";
-        mistakes.report_with(KEY, message, "set `impactor.guide` to \"free\", or to the line of flight");
-        mistakes.label("impactor.guide", "the guide");
+        let guide = written.key("guide");
+        mistakes.report_with(key, message, format!("set `{guide}` to \"free\", or to the line of flight"));
+        mistakes.label(&guide, "the guide");
     }
     (along * speed).into()
 }
 
 /// Moments of inertia, none of which a body can have above the sum of the other two, kg m².
-fn inertia(written: &scenario::Impactor, mistakes: &mut Mistakes<'_>) -> Option<[f64; 3]> {
+fn inertia(written: &Written<'_>, mistakes: &mut Mistakes<'_>) -> Option<[f64; 3]> {
+    let key = &written.key("inertia");
     let moments = written.inertia?.map(|moment| moment.0);
     if !matches!(written.guide, scenario::Guide::Free | scenario::Guide::Hinge(_)) {
-        mistakes.out_of_place("impactor.inertia", "the guide admits no rotation; \"free\" and a hinge do");
+        mistakes.out_of_place(key, "the guide admits no rotation; \"free\" and a hinge do");
     }
     let [x, y, z] = moments;
     if x > y + z || y > x + z || z > x + y {
         let message = "no body has a moment of inertia above the sum of the other two";
-        mistakes.report_with("impactor.inertia", message, "give those about x, y and z through the centre of mass");
+        mistakes.report_with(key, message, "give those about x, y and z through the centre of mass");
     }
     Some(moments)
 }
 
 /// Angular velocity at the start, rad/s.
-fn spin(written: &scenario::Impactor, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f64; 3] {
+fn spin(written: &Written<'_>, guide: Guide, mistakes: &mut Mistakes<'_>) -> [f64; 3] {
+    let key = &written.key("spin");
     let Some(spin) = written.spin else { return [0.0; 3] };
     let spin = Vector3::from(spin.map(|component| component.0));
     match guide {
         Guide::Free => {}
         Guide::Z | Guide::Line(_) | Guide::Fixed => {
-            mistakes.out_of_place("impactor.spin", "the guide admits no rotation; \"free\" and a hinge do");
+            mistakes.out_of_place(key, "the guide admits no rotation; \"free\" and a hinge do");
         }
         Guide::Hinge { axis, .. } => {
             let axis = Vector3::from(axis);
             if (spin - axis * spin.dot(&axis)).norm() > ACROSS * spin.norm() {
                 let message = "the hinge admits no rotation about another axis";
-                mistakes.report_with("impactor.spin", message, "give a spin along the axis of the hinge");
-                mistakes.label("impactor.guide.hinge.axis", "the axis");
+                mistakes.report_with(key, message, "give a spin along the axis of the hinge");
+                mistakes.label(&written.key("guide.hinge.axis"), "the axis");
             }
         }
     }
@@ -191,50 +248,43 @@ fn spin(written: &scenario::Impactor, guide: Guide, mistakes: &mut Mistakes<'_>)
 }
 
 /// Friction of the guide of a falling impactor.
-fn guide_friction(
-    written: &scenario::Impactor,
-    loading: &scenario::Loading,
-    mistakes: &mut Mistakes<'_>,
-) -> GuideFriction {
-    const KEY: &str = "impactor.guide_friction";
+fn guide_friction(written: &Written<'_>, loading: &scenario::Loading, mistakes: &mut Mistakes<'_>) -> GuideFriction {
+    let (key, guide) = (&written.key("guide_friction"), &written.key("guide"));
     let Some(friction) = &written.guide_friction else {
         return GuideFriction::default();
     };
     if written.guide == scenario::Guide::Free {
-        mistakes.report_with(
-            KEY,
-            "a free impactor has no guide",
-            "leave the key out, or set `impactor.guide` to \"z\"",
-        );
+        let hint = format!("leave the key out, or set `{guide}` to \"z\"");
+        mistakes.report_with(key, "a free impactor has no guide", hint);
     } else if written.guide != scenario::Guide::Z {
-        mistakes.report_with(KEY, "friction of a guide along z only is supported", "leave the key out");
-        mistakes.label("impactor.guide", "the guide");
+        mistakes.report_with(key, "friction of a guide along z only is supported", "leave the key out");
+        mistakes.label(guide, "the guide");
     } else if matches!(loading, scenario::Loading::Indent(_)) {
-        mistakes.report_with(KEY, "an indentation prescribes the motion of the impactor", "leave the key out");
+        mistakes.report_with(key, "an indentation prescribes the motion of the impactor", "leave the key out");
     }
     for (index, [before, after]) in friction.curve.array_windows().enumerate() {
         if after.0.0 <= before.0.0 {
             let message = "the curve is not increasing in speed";
             let hint = format!("{} follows {}", after.0, before.0);
-            mistakes.report_with(&format!("{KEY}.curve.{}", index + 1), message, hint);
-            mistakes.label(&format!("{KEY}.curve.{index}"), "the point before it");
+            mistakes.report_with(&format!("{key}.curve.{}", index + 1), message, hint);
+            mistakes.label(&format!("{key}.curve.{index}"), "the point before it");
         }
     }
     let curve = friction.curve.iter().map(|FrictionPoint(speed, force)| [speed.0, force.0]).collect();
     GuideFriction { constant: friction.constant.0, per_speed: friction.per_speed.0, curve }
 }
 
-fn shape(written: &scenario::ImpactorShape, mistakes: &mut Mistakes<'_>) -> Option<ImpactorShape> {
-    const KEY: &str = "impactor.shape";
-    let parts = match written {
-        scenario::ImpactorShape::One(shape) => return one(shape, KEY, mistakes),
+fn shape(written: &Written<'_>, mistakes: &mut Mistakes<'_>) -> Option<ImpactorShape> {
+    let key = &written.key("shape");
+    let parts = match &written.shape {
+        scenario::ImpactorShape::One(shape) => return one(shape, key, mistakes),
         scenario::ImpactorShape::Compound(compound) => &compound.compound,
     };
     let parts: Vec<Option<Part>> = parts
         .iter()
         .enumerate()
         .map(|(place, part)| {
-            let path = format!("{KEY}.compound.{place}");
+            let path = format!("{key}.compound.{place}");
             let orientation = rotation(part.orientation.as_ref(), &format!("{path}.orientation"), mistakes);
             let shape = one(&part.shape, &format!("{path}.shape"), mistakes);
             Some(Part { shape: shape?, at: part.at.map(|length| length.0), orientation: orientation? })
@@ -290,7 +340,7 @@ fn rounded(edge: f64, largest: f64, path: &str, mistakes: &mut Mistakes<'_>) -> 
 }
 
 /// With mirror planes, the impactor lies in them, is guided and symmetric.
-fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, mistakes: &mut Mistakes<'_>) {
+fn mirrored(written: &Written<'_>, symmetry: Symmetry, mistakes: &mut Mistakes<'_>) {
     if symmetry == Symmetry::None {
         return;
     }
@@ -299,7 +349,7 @@ fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, mistakes: &mut Mis
         symmetry.mirrors().iter().zip(&written.position).any(|(mirror, offset)| *mirror && offset.0 != 0.0);
     if off_centre {
         let message = "the axis of the impactor is not in the mirror plane";
-        mistakes.report_with("impactor.position", message, hint);
+        mistakes.report_with(&written.key("position"), message, hint);
         mistakes.label(SYMMETRY, MIRRORED);
     }
     let moves_out = !matches!(written.guide, scenario::Guide::Z | scenario::Guide::Fixed);
@@ -313,18 +363,18 @@ fn mirrored(written: &scenario::Impactor, symmetry: Symmetry, mistakes: &mut Mis
         scenario::ImpactorShape::One(_) => None,
     };
     let mut report = |path: &str, message: &str| {
-        mistakes.report_with(path, message, hint);
+        mistakes.report_with(&written.key(path), message, hint);
         mistakes.label(SYMMETRY, MIRRORED);
     };
     if moves_out {
-        report("impactor.guide", message);
+        report("guide", message);
     }
     if written.orientation.is_some() {
-        report("impactor.orientation", "an inclined impactor is not symmetric");
+        report("orientation", "an inclined impactor is not symmetric");
     }
     match of_shape {
-        Some("mesh") => report("impactor.shape.mesh", "the symmetry of a meshed impactor is not known"),
-        Some(_) => report("impactor.shape.compound", "the symmetry of a compound impactor is not known"),
+        Some("mesh") => report("shape.mesh", "the symmetry of a meshed impactor is not known"),
+        Some(_) => report("shape.compound", "the symmetry of a compound impactor is not known"),
         None => {}
     }
 }

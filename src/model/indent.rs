@@ -13,7 +13,7 @@ const SPANS: f64 = 3.0;
 /// Refuses a depth at which the film would break even if it were strained uniformly, and one at which the impactor
 /// would reach the frame.
 pub fn check(model: &Model, mistakes: &mut Mistakes<'_>) {
-    let (Loading::Indent { depth, .. }, Some(impactor)) = (&model.loading, &model.impactor) else { return };
+    let (Loading::Indent { depth, .. }, Some(impactor)) = (&model.loading, model.impactor()) else { return };
     // What follows is of an upright impactor.
     if impactor.orientation != [0.0; 3] {
         return;

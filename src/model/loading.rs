@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use super::impactor::{self, Written};
 use super::{Impactor, Loading, Mistakes, Model};
 use crate::mesh::Outline;
 use crate::scenario::{self, Axis, Direction, Scenario};
@@ -54,7 +55,7 @@ const PRESSURE: [(&str, &str); 4] =
 /// The loading in SI values.
 pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Loading {
     match &scenario.loading {
-        scenario::Loading::Impact(impact) => self::impact(impact, scenario.impactor.as_ref(), mistakes),
+        scenario::Loading::Impact(impact) => self::impact(impact, &impactor::written(scenario, mistakes), mistakes),
         scenario::Loading::Stretch(written) => {
             stretched_specimen(scenario, mistakes);
             stretch(written)
@@ -70,41 +71,51 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Loading {
     }
 }
 
-fn impact(written: &scenario::Impact, impactor: Option<&scenario::Impactor>, mistakes: &mut Mistakes<'_>) -> Loading {
+fn impact(written: &scenario::Impact, impactors: &[Written<'_>], mistakes: &mut Mistakes<'_>) -> Loading {
     const KEY: &str = "loading.impact";
     let gravity = written.gravity.0;
-    let own = impactor.and_then(|impactor| impactor.velocity).map(|[_, _, along]| -along.0);
-    let moves =
-        impactor.is_none_or(|impactor| !matches!(impactor.guide, scenario::Guide::Fixed | scenario::Guide::Hinge(_)));
     let is_given = written.velocity.is_some() || written.drop_height.is_some();
-    if is_given && (own.is_some() || !moves) {
+    let takes = |impactor: &&Written<'_>| moves(impactor) && impactor.velocity.is_none();
+    let taking = impactors.iter().find(takes);
+    let is_missing = taking.is_some() || impactors.is_empty();
+    if is_given && !is_missing {
         let key = if written.velocity.is_some() { "velocity" } else { "drop_height" };
-        let why = match impactor.map(|impactor| &impactor.guide) {
-            Some(scenario::Guide::Fixed) => "the impactor is fixed: film falls onto it by its weight",
-            Some(scenario::Guide::Hinge(_)) => "an impactor on a hinge starts with `impactor.spin`",
-            _ => "`impactor.velocity` gives the velocity",
+        let why = match impactors.first().filter(|impactor| !moves(impactor)).map(|impactor| &impactor.guide) {
+            Some(scenario::Guide::Fixed) => "the impactor is fixed: film falls onto it by its weight".to_owned(),
+            Some(scenario::Guide::Hinge(_)) => {
+                format!("an impactor on a hinge starts with `{}`", impactors[0].key("spin"))
+            }
+            _ => format!("`{}` gives the velocity", impactors[0].key("velocity")),
         };
         mistakes.out_of_place(&format!("{KEY}.{key}"), why);
-    } else if !is_given && own.is_none() && moves {
+    } else if !is_given && is_missing {
         let message = "`loading.impact` needs one of `velocity`, `drop_height`";
-        mistakes.report_with(KEY, message, "or give `impactor.velocity`, a vector");
+        let own = taking.map_or_else(|| "impactor.velocity".to_owned(), |impactor| impactor.key("velocity"));
+        mistakes.report_with(KEY, message, format!("or give `{own}`, a vector"));
     }
     if written.drop_height.is_some() && gravity == 0.0 {
         mistakes.report("loading.impact.gravity", "`drop_height` needs gravity");
         mistakes.label("loading.impact.drop_height", "the drop height");
     }
-    let starts_above = impactor.is_some_and(|impactor| impactor.position.len() > 2);
-    if starts_above && written.drop_height.is_some() {
-        let why = "the impactor falls from the height of `impactor.position`: give its velocity there";
+    let above = impactors.iter().find(|impactor| impactor.position.len() > 2 && takes(impactor));
+    if let Some(above) = above.filter(|_| written.drop_height.is_some()) {
+        let height = above.key("position");
+        let why = format!("the impactor falls from the height of `{height}`: give its velocity there");
         mistakes.out_of_place(&format!("{KEY}.drop_height"), why);
     }
     let fall = |height: f64| (2.0 * gravity * height).sqrt();
+    let own = impactors.first().and_then(|impactor| impactor.velocity).map(|[_, _, along]| -along.0);
     let velocity = match (written.velocity, written.drop_height) {
         (Some(velocity), _) => velocity.0,
         (None, Some(height)) => fall(height.0),
         (None, None) => own.unwrap_or(0.0),
     };
     Loading::Impact { velocity, gravity, duration: written.duration.0 }
+}
+
+/// Whether an impactor starts with a velocity.
+fn moves(impactor: &Written<'_>) -> bool {
+    !matches!(impactor.guide, scenario::Guide::Fixed | scenario::Guide::Hinge(_))
 }
 
 fn stretch(written: &scenario::Stretch) -> Loading {

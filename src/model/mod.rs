@@ -68,9 +68,10 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
     let mut faces = layers::check(scenario, &loading, mistakes);
     let frame = frame::check(scenario, mistakes);
     let air = air::check(scenario, &loading, faces.as_deref(), &frame, mistakes);
-    let impactor = impactor::check(scenario, &loading, mistakes);
-    grading::check(scenario, &loading, faces.as_deref_mut().unwrap_or_default(), impactor.as_ref(), mistakes);
-    let loading = loading.with_impactor(impactor.as_ref());
+    let impactors = impactor::check(scenario, &loading, mistakes);
+    let first = impactors.as_deref().unwrap_or_default().first();
+    grading::check(scenario, &loading, faces.as_deref_mut().unwrap_or_default(), first, mistakes);
+    let loading = loading.with_impactor(first);
     let solver = solver::check(scenario);
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
     let reference = reference::check(scenario, mistakes);
@@ -81,7 +82,7 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
         specimen: specimen?,
         faces: faces?,
         frame,
-        impactor,
+        impactors: impactors?,
         loading,
         contact: contact::check(scenario, mistakes),
         air,
@@ -108,8 +109,8 @@ pub struct Model {
     pub faces: Vec<Face>,
     /// The mounting frame.
     pub frame: Frame,
-    /// The impactor; present exactly where the loading needs one.
-    pub impactor: Option<Impactor>,
+    /// The impactors; at least one exactly where the loading needs them. Of several, each has a name.
+    pub impactors: Vec<Impactor>,
     /// The loading.
     pub loading: Loading,
     /// Contact between faces.
@@ -127,17 +128,39 @@ pub struct Model {
 }
 
 impl Model {
-    /// The meshes of the specimen and of the impactor.
+    /// The meshes of the specimen and of the impactors.
     pub fn meshes(&self) -> Vec<MeshInput<'_>> {
         let specimen = match &self.specimen.shape {
             Outline::Mesh(path) => Some(MeshInput { key: "specimen.shape.mesh".into(), path, scale: 1.0 }),
             _ => None,
         };
         let mut meshes: Vec<MeshInput<'_>> = specimen.into_iter().collect();
-        if let Some(impactor) = &self.impactor {
-            impactor.shape.meshes("impactor.shape", &mut meshes);
+        for (place, impactor) in self.impactors.iter().enumerate() {
+            let key =
+                if self.impactors.len() > 1 { format!("impactor.{place}.shape") } else { "impactor.shape".into() };
+            impactor.shape.meshes(&key, &mut meshes);
         }
         meshes
+    }
+
+    /// The first impactor.
+    pub fn impactor(&self) -> Option<&Impactor> {
+        self.impactors.first()
+    }
+
+    /// What the names of signals and figures of each impactor begin with: of one nothing, of several their names and an
+    /// underscore.
+    pub fn prefixes(&self) -> Vec<String> {
+        match self.impactors.as_slice() {
+            [_] => vec![String::new()],
+            several => several.iter().map(|impactor| format!("{}_", impactor.words())).collect(),
+        }
+    }
+
+    /// The name of each impactor, where there are several.
+    pub fn names(&self) -> Vec<Option<&str>> {
+        let several = self.impactors.len() > 1;
+        self.impactors.iter().map(|impactor| impactor.name.as_deref().filter(|_| several)).collect()
     }
 
     /// Name of the film in reports: that of all faces where they have one in common, else "film".
@@ -225,6 +248,8 @@ pub enum Hold {
 /// The rigid body that comes into contact with the film.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Impactor {
+    /// Its name; every one of several has one.
+    pub name: Option<String>,
     /// Its surface.
     pub shape: ImpactorShape,
     /// kg; infinite where its motion is prescribed.
@@ -235,6 +260,10 @@ pub struct Impactor {
     pub guide_friction: GuideFriction,
     /// Coulomb coefficient between impactor and film.
     pub friction: f64,
+    /// Coefficient of restitution against other impactors, of which a pair has the smaller.
+    pub restitution: f64,
+    /// When it is released, s; until then it is held and touches nothing.
+    pub release: f64,
     /// Moments of inertia about its own x, y and z, kg m²; those of a homogeneous body where there are none.
     pub inertia: Option<[f64; 3]>,
     /// Position of its centre of mass at the start: x, y in m.
@@ -247,6 +276,18 @@ pub struct Impactor {
     pub velocity: [f64; 3],
     /// Angular velocity at the start, rad/s.
     pub spin: [f64; 3],
+}
+
+impl Impactor {
+    /// Its name in texts.
+    pub fn words(&self) -> &str {
+        self.name.as_deref().unwrap_or("impactor")
+    }
+
+    /// Whether it does not move along z alone.
+    pub fn is_spatial(&self) -> bool {
+        matches!(self.guide, Guide::Free | Guide::Line(_) | Guide::Hinge { .. })
+    }
 }
 
 /// Shape of the impactor, lengths in m; its axis is z, its tip points down.
@@ -353,7 +394,7 @@ pub enum Guide {
 pub enum Loading {
     /// The impactor falls onto the film.
     Impact {
-        /// Vertical velocity of the impactor at the start, m/s, downward positive.
+        /// Vertical velocity of the first impactor at the start, m/s, downward positive.
         velocity: f64,
         /// Acceleration of free fall, m/s².
         gravity: f64,
@@ -445,6 +486,8 @@ pub struct Output {
 /// A measured or virtual recording that the run is compared with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
+    /// Index of the impactor that it was recorded of.
+    pub impactor: usize,
     /// Signals from first contact on (`time_s` with `acceleration_m_s2` and/or `displacement_m`), or a raw recording.
     pub signals: PathBuf,
     /// Accelerometer of a raw recording; where none is named, its only acceleration.

@@ -1,6 +1,8 @@
 //! The recording that a run is compared with.
 
+use super::impactor::{self, Written};
 use super::{Mistakes, Reference, Window};
+use crate::diagnostic::closest;
 use crate::scenario::{self, Guide, Loading, Phase, Scenario};
 use crate::units::Time;
 
@@ -9,15 +11,17 @@ const WINDOW: &str = "reference.window";
 /// The recording and the window of the errors.
 pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Reference> {
     let written = scenario.reference.as_ref()?;
-    let impactor = scenario.impactor.as_ref();
-    let why = match impactor.map(|impactor| &impactor.guide) {
+    let impactors = impactor::written(scenario, mistakes);
+    let place = recorded(written.impactor.as_deref(), &impactors, mistakes);
+    let recorded = impactors.get(place);
+    let why = match recorded.map(|impactor| &impactor.guide) {
         Some(Guide::Fixed | Guide::Line(_) | Guide::Hinge(_)) => {
-            Some("only a falling impactor is compared with a drop")
+            Some("only a falling impactor is compared with a drop".to_owned())
         }
-        _ if impactor.is_some_and(|impactor| impactor.position.len() > 2) => {
-            Some("a recording counts from first contact: leave out the height of `impactor.position`")
-        }
-        _ => None,
+        _ => recorded.filter(|impactor| impactor.position.len() > 2).map(|impactor| {
+            let position = impactor.key("position");
+            format!("a recording counts from first contact: leave out the height of `{position}`")
+        }),
     };
     if let Some(why) = why {
         mistakes.out_of_place("reference", why);
@@ -30,7 +34,23 @@ pub fn check(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Referen
     let signals = mistakes.file("reference.signals")?;
     let (acceleration, displacement) = (written.acceleration.clone(), written.displacement.clone());
     let drop_height = written.drop_height.map(|height| height.0);
-    Some(Reference { signals, acceleration, displacement, drop_height, window })
+    Some(Reference { impactor: place, signals, acceleration, displacement, drop_height, window })
+}
+
+/// Index of the impactor called `name`, the first where none is named.
+fn recorded(name: Option<&str>, impactors: &[Written<'_>], mistakes: &mut Mistakes<'_>) -> usize {
+    const KEY: &str = "reference.impactor";
+    let Some(name) = name else { return 0 };
+    let names = || impactors.iter().filter_map(|impactor| impactor.name.as_deref());
+    let place = impactors.iter().position(|impactor| impactor.name.as_deref() == Some(name));
+    if place.is_none() {
+        let message = format!("there is no impactor \"{name}\"");
+        match closest(name, names()) {
+            Some(meant) => mistakes.report_with(KEY, message, format!("did you mean \"{meant}\"?")),
+            None => mistakes.report(KEY, message),
+        }
+    }
+    place.unwrap_or(0)
 }
 
 fn range([from, to]: [Time; 2], scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> [f64; 2] {

@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
+use super::results::SUMMARY;
 use super::warning::VIRTUAL_REFERENCE;
 use super::{COST, HEADER, Warning};
 use crate::finding::Finding;
@@ -155,7 +156,10 @@ impl ComparedFigure {
     fn is_key(&self) -> bool {
         let is_one_of = |names: &[&str]| names.contains(&self.name.as_str());
         let differs = self.values.iter().any(|value| *value != self.values[0]);
-        is_one_of(&KEY) || differs && !is_one_of(&COST)
+        // Of one of several impactors, with its name before.
+        let is_of = |key: &&str| self.name.strip_suffix(*key).is_some_and(|name| name.ends_with('_'));
+        let is_named = !is_one_of(&SUMMARY) && KEY.iter().any(is_of);
+        is_one_of(&KEY) || is_named || differs && !is_one_of(&COST)
     }
 }
 
@@ -260,7 +264,7 @@ fn warnings<'a>(runs: &'a [StoredRun], names: &'a [String]) -> impl Iterator<Ite
 /// Whether it is the file of a recording none of whose channels has the name of a signal of a run.
 fn is_raw(run: &StoredRun) -> bool {
     let is_file = run.summary.is_empty() && run.scenario.is_empty() && run.failure.is_none();
-    is_file && !run.signals.channels.iter().any(|channel| column::named(&channel.name).is_some())
+    is_file && !run.signals.channels.iter().any(|channel| column::of(&channel.name).is_some())
 }
 
 /// Whether a run was compared with a virtual recording.

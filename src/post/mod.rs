@@ -22,7 +22,7 @@ use crate::script::Chapter;
 
 pub use audit::{Audit, COST, Histogram, MeshFigures};
 pub use comparison::RunComparison;
-pub use impact::{Impact, lowest_point};
+pub use impact::{BodyFigures, Impact, lowest_point};
 pub use indent::Indent;
 pub use inflation::Inflation;
 pub use plan::{Plan, PrepareError};

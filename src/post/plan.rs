@@ -67,7 +67,7 @@ impl Plan {
         one.reference == other.reference
             && one.post == other.post
             && one.output == other.output
-            && one.impactor == other.impactor
+            && one.impactors == other.impactors
             && one.loading == other.loading
     }
 

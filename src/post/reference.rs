@@ -229,11 +229,12 @@ impl Signals {
     /// Of a raw recording, reduced with the mass and gravity of the run.
     fn from_raw(measurement: &Measurement, model: &Model, reference: &Reference) -> Result<Signals, ReferenceError> {
         let path = || reference.signals.clone();
-        let (Loading::Impact { velocity, gravity, .. }, Some(Impactor { mass, .. })) =
-            (&model.loading, &model.impactor)
+        let (Loading::Impact { gravity, .. }, Some(impactor)) =
+            (&model.loading, model.impactors.get(reference.impactor))
         else {
             return Err(ReferenceError::NotAnImpact { path: path() });
         };
+        let Impactor { mass, velocity: [_, _, velocity], .. } = impactor;
         let names =
             ChannelNames { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
         let sensed = DropChannels::find(measurement, &names);
@@ -293,10 +294,9 @@ fn time_of_lowest_point(acceleration: Option<&Series>, displacement: Option<&Ser
     if let Some(complete) = displacement.filter(|d| d.is_complete()) {
         return complete.smallest().map(|[time, _]| time);
     }
-    let Loading::Impact { velocity, .. } = model.loading else {
-        return None;
-    };
+    let recorded = model.reference.as_ref().map_or(0, |reference| reference.impactor);
+    let [_, _, velocity] = model.impactors.get(recorded)?.velocity;
     let fall = acceleration?.window([0.0, f64::INFINITY]);
-    let speed = integrate::once(&fall, -velocity);
+    let speed = integrate::once(&fall, velocity);
     speed.samples().find(|[_, v]| *v >= 0.0).map(|[time, _]| time)
 }

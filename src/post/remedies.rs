@@ -12,8 +12,8 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
     let remedy = match warning {
         Warning::AddedMass { .. }
         | Warning::NotInEquilibrium(_)
-        | Warning::NoContact
-        | Warning::Unfinished
+        | Warning::NoContact(_)
+        | Warning::Unfinished(_)
         | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
@@ -50,7 +50,7 @@ pub fn failure(failure: &Failure, model: &Model) -> String {
         cause @ (Fault::NotQuasiStatic { .. } | Fault::NotAtRest { .. }) => {
             format!("{cause}; {}", slower(model, failure.so_far.mass_scaling))
         }
-        cause @ (Fault::Engine(_) | Fault::EnergyBalance { .. }) => cause.to_string(),
+        cause @ (Fault::Engine(_) | Fault::ReleasedInside { .. } | Fault::EnergyBalance { .. }) => cause.to_string(),
     }
 }
 
@@ -77,6 +77,7 @@ mod tests {
     use crate::mesh::{Grading, Zone};
     use crate::post::tests::model;
     use crate::scenario::grammar;
+    use crate::simulate::ImpactorName;
 
     /// The paths of keys in `text`: words of a key's letters joined by points.
     fn paths(text: &str) -> impl Iterator<Item = &str> {
@@ -115,9 +116,9 @@ mod tests {
     #[test]
     fn the_remedy_of_a_code_follows_the_fact_once() {
         let warnings = [
-            Warning::CoarseContact { time: 0.01, edge: 0.4 },
-            Warning::Penetration { time: 0.01, depth: 0.02 },
-            Warning::Unfinished,
+            Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4 },
+            Warning::Penetration { impactor: ImpactorName::only(), time: 0.01, depth: 0.02 },
+            Warning::Unfinished(ImpactorName::only()),
             Warning::FewerSnapshots { wanted: 200, taken: 50, memory: 1e9 },
         ];
         for warning in warnings {
@@ -129,7 +130,7 @@ mod tests {
 
     #[test]
     fn the_remedy_of_coarse_elements_names_what_gives_their_size() {
-        let warning = Warning::CoarseContact { time: 0.01, edge: 0.4 };
+        let warning = Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4 };
         let mut model = model();
         let mut finer = model.faces[0].clone();
         finer.meshing.size *= 0.5;

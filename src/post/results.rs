@@ -9,13 +9,14 @@ use crate::model::{Loading, Model};
 use crate::script::{Fault, ScriptOutput};
 use crate::signal::filter::{self, FilterError, Standard};
 use crate::signal::resample::{self, ResampleError};
-use crate::signal::{Channel, Recording, column};
+use crate::signal::{Channel, Recording, Series, column};
 use crate::simulate::Outcome;
 
 /// Entries of a summary that are no figures: which scenario, and by which droptower.
 pub const HEADER: [&str; 3] = ["scenario", "title", "droptower"];
 
-/// The fields that a summary may have in a script: those of all kinds of loading.
+/// The fields that a summary may have in a script: those of all kinds of loading. Of several impactors, those of each
+/// begin with its name.
 pub(super) const SUMMARY: [&str; 57] = [
     "scenario",
     "title",
@@ -180,7 +181,7 @@ impl Measures {
     /// The figures by name, in the order of `summary.json`.
     pub fn figures(&self) -> Map<String, Value> {
         let value = match self {
-            Measures::Impact(impact) => json!(impact),
+            Measures::Impact(impact) => Value::Object(impact.figures()),
             Measures::Stretch(stretch) => json!(stretch),
             Measures::Indent(indent) => json!(indent),
             Measures::Inflation(inflation) => json!(inflation),
@@ -193,7 +194,8 @@ impl Measures {
 
     /// Whether an impactor rebounded.
     pub(super) fn rebounds(&self) -> bool {
-        matches!(self, Measures::Impact(Impact { rebound_velocity_m_s: Some(velocity), .. }) if *velocity > 0.0)
+        let Measures::Impact(Impact { bodies, .. }) = self else { return false };
+        bodies.iter().any(|body| body.rebound_velocity_m_s.is_some_and(|velocity| velocity > 0.0))
     }
 
     /// What the run, its comparison with a reference and its post script reported.
@@ -232,30 +234,32 @@ impl Measures {
     }
 }
 
-/// `signals` with the channel `acceleration_filtered_m_s2` where there is an acceleration.
+/// `signals` with the channel `acceleration_filtered_m_s2` of each impactor.
 fn with_filtered(model: &Model, signals: &Recording) -> Result<Recording, EvaluateError> {
     let mut signals = signals.clone();
-    let Some(raw) = signals.series(column::ACCELERATION.name) else {
-        return Ok(signals);
-    };
-    let values = match model.output.filter {
-        None => raw.values().to_vec(),
-        // A run that failed in its first steps has nothing to filter.
-        Some(_) if raw.len() < 2 => raw.values().to_vec(),
-        Some(class) => {
-            let step = resample::common_step(raw.time());
-            let even = match step {
-                Some(_) => raw.clone(),
-                None => resample::uniform(&raw, 1.0 / model.output.sample_rate)?,
-            };
-            let filtered = filter::channel(&even, class, Standard::Iso6487)?;
-            match step {
-                Some(_) => filtered.values().to_vec(),
-                None => resample::onto(&filtered, raw.time()),
-            }
+    for prefix in model.prefixes() {
+        let [raw, name] =
+            [column::ACCELERATION, column::ACCELERATION_FILTERED].map(|column| format!("{prefix}{}", column.name));
+        if let Some(acceleration) = signals.series(&raw) {
+            let values = filtered(model, &acceleration)?;
+            signals.insert_after(&raw, Channel { name, values });
         }
-    };
-    let name = column::ACCELERATION_FILTERED.name.into();
-    signals.insert_after(column::ACCELERATION.name, Channel { name, values });
+    }
     Ok(signals)
+}
+
+/// An acceleration through the channel filter of the run.
+fn filtered(model: &Model, raw: &Series) -> Result<Vec<f64>, EvaluateError> {
+    // A run that failed in its first steps has nothing to filter.
+    let Some(class) = model.output.filter.filter(|_| raw.len() >= 2) else { return Ok(raw.values().to_vec()) };
+    let step = resample::common_step(raw.time());
+    let even = match step {
+        Some(_) => raw.clone(),
+        None => resample::uniform(raw, 1.0 / model.output.sample_rate)?,
+    };
+    let filtered = filter::channel(&even, class, Standard::Iso6487)?;
+    Ok(match step {
+        Some(_) => filtered.values().to_vec(),
+        None => resample::onto(&filtered, raw.time()),
+    })
 }

@@ -7,10 +7,9 @@ use serde_json::{Value, json};
 
 use super::results::SUMMARY;
 use super::{ReferenceComparison, Results};
-use crate::model::{Loading, Model};
+use crate::model::{Impactor, Loading, Model};
 use crate::script::{Entry, Fields, Session, from_json, refuse};
-use crate::signal::column::{COLUMNS, Column};
-use crate::signal::{Recording, Series};
+use crate::signal::{Recording, Series, column};
 use crate::simulate::Outcome;
 
 /// A finished run: signals, energies, figures and what was run. Cheap to clone.
@@ -70,13 +69,13 @@ impl Run {
     }
 
     fn channel(&self, name: &str) -> Result<Series, Box<EvalAltResult>> {
-        let known = COLUMNS.iter().find(|column| column.short == name);
-        let series = known.and_then(|column| self.0.signals.series(column.name));
+        let shorts =
+            || self.0.signals.channels.iter().filter_map(|channel| Some((short(&channel.name)?, &channel.name)));
+        let series = shorts().find(|(short, _)| short == name).and_then(|(_, column)| self.0.signals.series(column));
         series.ok_or_else(|| {
-            let has = |column: &&Column| self.0.signals.channel(column.name).is_some();
-            let shorts = COLUMNS.iter().filter(has).map(|column| column.short);
+            let shorts: Vec<String> = shorts().map(|(short, _)| short).collect();
             let others = ["time", "signals", "energies", "summary", "model"];
-            unknown("run", name, shorts.chain(others))
+            unknown("run", name, shorts.iter().map(String::as_str).chain(others))
         })
     }
 }
@@ -110,6 +109,12 @@ impl ReferenceSignals {
     }
 }
 
+/// The name of a column in scripts; of one of several impactors with its name.
+fn short(name: &str) -> Option<String> {
+    let (prefix, column) = column::of(name)?;
+    Some(format!("{prefix}{}", column.short))
+}
+
 fn unknown<'a>(owner: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Box<EvalAltResult> {
     let known: Vec<&str> = known.into_iter().collect();
     refuse(format!("a {owner} has no `{name}`; it has {}", known.join(", ")))
@@ -126,8 +131,13 @@ pub(super) fn facts(model: &Model) -> serde_json::Map<String, Value> {
     facts.insert("thickness".into(), json!(thickness));
     let prestrain: Vec<[f64; 2]> = model.faces.iter().map(|face| face.prestrain).collect();
     facts.insert("prestrain".into(), json!(prestrain));
-    if let Some(impactor) = model.impactor.as_ref().filter(|impactor| impactor.mass.is_finite()) {
-        facts.insert("mass".into(), json!(impactor.mass));
+    match model.impactors.as_slice() {
+        [impactor] if impactor.mass.is_finite() => drop(facts.insert("mass".into(), json!(impactor.mass))),
+        [] | [_] => {}
+        several => {
+            let of_one = |impactor: &Impactor| json!({ "name": impactor.words(), "mass": Some(impactor.mass).filter(|m| m.is_finite()) });
+            facts.insert("impactors".into(), several.iter().map(of_one).collect());
+        }
     }
     match &model.loading {
         Loading::Impact { velocity, gravity, duration } => {
@@ -176,7 +186,7 @@ pub(super) fn scope(run: Run) -> Scope<'static> {
 pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "run.time, run.displacement, run.velocity, run.acceleration, …",
-        gives: "the channels as signals, SI; `acceleration` is the filtered one, `acceleration_raw` the one before the \
+        gives: "the channels as signals, SI (of several impactors `run.head_displacement` …); `acceleration` is the filtered one, `acceleration_raw` the one before the \
                 filter; of a rectangle `frame_force_x` and `frame_force_y`, the mean force on its held sides across an axis",
         example: "run.acceleration.len() == run.acceleration_raw.len() && run.displacement.min() < 0",
     },
@@ -198,7 +208,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         call: "run.model.<fact>",
         gives: "what was run: name, title, layers, thickness of one layer (m) and prestrain ([md, td]; lists with one entry per \
-                face), and of its loading mass (kg), velocity (m/s), gravity (m/s²), duration (s), angle (rad), until, depth (m), pressure (Pa), ramp (s)",
+                 face), and of its loading mass (kg; of several impactors `impactors`, a list of name and mass), velocity (m/s), gravity (m/s²), duration (s), angle (rad), until, depth (m), pressure (Pa), ramp (s)",
         example: "run.model.layers[0] == 8 && run.model.thickness[0] == 12e-6 && run.model.mass > 10",
     },
 ];

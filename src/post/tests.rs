@@ -43,19 +43,22 @@ pub(super) fn model() -> Model {
         specimen: Specimen { shape: Outline::Circle { radius: 0.2 }, symmetry: Symmetry::None, damping: 0.0 },
         faces: vec![face],
         frame: Frame { hold: Hold::All },
-        impactor: Some(Impactor {
+        impactors: vec![Impactor {
+            name: None,
             shape: ImpactorShape::Sphere { radius: 0.15 },
             mass: MASS,
             guide: Guide::Z,
             guide_friction: GuideFriction::default(),
             friction: 0.0,
+            restitution: 0.0,
+            release: 0.0,
             inertia: None,
             position: [0.0; 2],
             height: None,
             orientation: [0.0; 3],
             velocity: [0.0, 0.0, -SPEED],
             spin: [0.0; 3],
-        }),
+        }],
         loading: Loading::Impact { velocity: SPEED, gravity: 0.0, duration: 0.12 },
         contact: Contact::default(),
         air: None,
@@ -98,7 +101,7 @@ fn outcome() -> Outcome {
         energies,
         snapshots: Vec::new(),
         films: Vec::new(),
-        impactor: None,
+        impactors: vec![],
         rates: RateHistogram::default(),
         warnings: vec![],
         rupture_time: None,
@@ -147,14 +150,14 @@ fn a_pulse_has_the_measures_of_its_formula() {
     let plan = Plan::prepare(&model()).unwrap();
     let results = plan.evaluate(&model(), &outcome()).unwrap();
     let impact = impact(&results);
-    close(impact.peak_acceleration_m_s2, PEAK, 0.01);
-    close(impact.time_of_peak_acceleration_s, PULSE / 2.0, 1e-9);
+    close(impact.first().peak_acceleration_m_s2, PEAK, 0.01);
+    close(impact.first().time_of_peak_acceleration_s, PULSE / 2.0, 1e-9);
     let lowest = PULSE / PI * (1.0 - SPEED * PI / (PEAK * PULSE)).acos();
-    close(impact.time_of_peak_displacement_s, lowest, 1e-4);
-    close(impact.peak_displacement_m, motion(lowest)[0], 1e-6);
+    close(impact.first().time_of_peak_displacement_s, lowest, 1e-4);
+    close(impact.first().peak_displacement_m, motion(lowest)[0], 1e-6);
     let rebound = 2.0 * PEAK * PULSE / PI - SPEED;
-    close(impact.rebound_velocity_m_s, rebound, 1e-9);
-    close(impact.energy_absorption, 1.0 - (rebound / SPEED).powi(2), 1e-4);
+    close(impact.first().rebound_velocity_m_s, rebound, 1e-9);
+    close(impact.first().energy_absorption, 1.0 - (rebound / SPEED).powi(2), 1e-4);
     assert_eq!(impact.acceleration_error, None);
     assert_eq!(impact.audit.ns_per_element_step, 100.0);
     let names: Vec<&str> = results.signals.channels.iter().map(|c| c.name.as_str()).collect();
@@ -177,8 +180,8 @@ fn a_run_that_ends_before_the_lowest_point_has_no_rebound() {
     short.signals.time.truncate(100);
     short.signals.channels.iter_mut().for_each(|c| c.values.truncate(100));
     let results = Plan::prepare(&model()).unwrap().evaluate(&model(), &short).unwrap();
-    assert_eq!(impact(&results).rebound_velocity_m_s, None);
-    assert_eq!(impact(&results).energy_absorption, None);
+    assert_eq!(impact(&results).first().rebound_velocity_m_s, None);
+    assert_eq!(impact(&results).first().energy_absorption, None);
 }
 
 fn reference(rows: impl Fn(f64) -> String, header: &str) -> (tempfile::TempDir, Model) {
@@ -187,7 +190,8 @@ fn reference(rows: impl Fn(f64) -> String, header: &str) -> (tempfile::TempDir, 
     let rows = (0..=1100).map(|i| rows(f64::from(i) * 1e-4));
     fs::write(&signals, format!("{header}\n{}", rows.collect::<String>())).unwrap();
     let window = Window::Loading;
-    let reference = Some(Reference { signals, acceleration: None, displacement: None, drop_height: None, window });
+    let reference =
+        Some(Reference { impactor: 0, signals, acceleration: None, displacement: None, drop_height: None, window });
     (folder, Model { reference, ..model() })
 }
 

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use super::figure::{DIGITS, G};
 use super::html::escape;
 use crate::number::{self, duration, significant};
-use crate::post::{Measures, Results, lowest_point};
+use crate::post::{BodyFigures, Measures, Results, lowest_point};
 
 /// A figure of the summary as its card shows it.
 struct Key {
@@ -92,23 +92,36 @@ const INFLATION: [Key; 5] = [
 /// Cards of the key figures in `summary`, that of `results`, and whether the film held; `failed` tells whether the run
 /// did.
 pub(super) fn cards(results: &Results, summary: &Map<String, Value>, failed: bool) -> String {
-    let keys: &[Key] = match results.measures {
-        Measures::Impact(_) if lowest_point(&results.signals).is_none() => &DESCENT,
-        Measures::Impact(_) => &IMPACT,
-        Measures::Stretch(_) => &STRETCH,
-        Measures::Indent(_) => &INDENT,
-        Measures::Inflation(_) => &INFLATION,
+    let keys = |prefix: &str| -> &[Key] {
+        match results.measures {
+            Measures::Impact(_) if lowest_point(&results.signals, prefix).is_none() => &DESCENT,
+            Measures::Impact(_) => &IMPACT,
+            Measures::Stretch(_) => &STRETCH,
+            Measures::Indent(_) => &INDENT,
+            Measures::Inflation(_) => &INFLATION,
+        }
     };
-    let cards: String = keys.iter().filter_map(|key| card(key, summary)).collect();
+    let bodies: &[BodyFigures] = match &results.measures {
+        Measures::Impact(impact) => &impact.bodies,
+        _ => &[],
+    };
+    let named = bodies.iter().map(|body| body.prefix.as_str()).filter(|prefix| !prefix.is_empty());
+    let cards: String = named
+        .chain([""])
+        .flat_map(|prefix| keys(prefix).iter().filter_map(move |key| card(key, prefix, summary)))
+        .collect();
     format!("<ul class=\"cards\">\n{cards}{}</ul>\n", film(summary, failed))
 }
 
 /// Share in % below which a card shows no digits.
 const LEAST_SHARE: f64 = 0.01;
 
-fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, Value>) -> Option<String> {
-    let number = |name: &str| summary.get(name)?.as_f64();
+/// The card of a figure whose name begins with `prefix`, where the summary has it.
+fn card(key: &Key, prefix: &str, summary: &Map<String, Value>) -> Option<String> {
+    let Key { words, name, factor, unit, beside } = key;
+    let number = |name: &str| summary.get(&format!("{prefix}{name}"))?.as_f64();
     let value = number(name)?;
+    let whose = prefix.strip_suffix('_').map_or_else(String::new, |body| format!("{}: ", escape(body)));
     let beside = match beside {
         Beside::Nothing => None,
         Beside::Time(name) => number(name).map(|time| format!("at {}", duration(time))),
@@ -122,8 +135,8 @@ fn card(Key { words, name, factor, unit, beside }: &Key, summary: &Map<String, V
     };
     let beside = beside.map_or(String::new(), |beside| format!("<span class=\"beside\">{}</span>", escape(&beside)));
     Some(format!(
-        "<li data-figure=\"{name}\" data-value=\"{value}\" data-factor=\"{factor}\">\
-         <span class=\"words\">{words}</span><span class=\"value\">{shown}</span> <span class=\"unit\">{unit}</span>{beside}</li>\n"
+        "<li data-figure=\"{prefix}{name}\" data-value=\"{value}\" data-factor=\"{factor}\">\
+         <span class=\"words\">{whose}{words}</span><span class=\"value\">{shown}</span> <span class=\"unit\">{unit}</span>{beside}</li>\n"
     ))
 }
 
@@ -154,10 +167,10 @@ mod tests {
     #[test]
     fn a_card_shows_the_figure_in_its_unit_and_names_it_in_full() {
         let summary = json!({ "peak_displacement_m": -0.169854473, "time_of_peak_displacement_s": 0.0573 });
-        let html = card(&IMPACT[1], summary.as_object().unwrap()).unwrap();
+        let html = card(&IMPACT[1], "", summary.as_object().unwrap()).unwrap();
         assert!(html.contains("data-figure=\"peak_displacement_m\" data-value=\"-0.169854473\" data-factor=\"1000\""));
         assert!(html.contains("\u{2212}169.9</span> <span class=\"unit\">mm") && html.contains("at 57.3 ms"), "{html}");
-        assert_eq!(card(&IMPACT[0], &Map::new()), None);
+        assert_eq!(card(&IMPACT[0], "", &Map::new()), None);
     }
 
     #[test]

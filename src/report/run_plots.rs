@@ -1,7 +1,7 @@
 //! The plots of one run.
 
 use crate::plot::{Curve, Plot, TIME, Window};
-use crate::post::{Measures, ReferenceComparison, Results};
+use crate::post::{Impact, Measures, ReferenceComparison, Results};
 use crate::signal::column::{self, Column};
 use crate::signal::{Channel, Recording, Series};
 
@@ -9,7 +9,7 @@ use crate::signal::{Channel, Recording, Series};
 pub(super) fn signals(results: &Results) -> Vec<Plot> {
     let signals = &results.signals;
     let own = match &results.measures {
-        Measures::Impact(_) => impact(signals, results.comparison.as_ref()),
+        Measures::Impact(measures) => impact(measures, signals, results.comparison.as_ref()),
         Measures::Stretch(_) => stretch(signals),
         Measures::Indent(_) => indent(signals),
         Measures::Inflation(_) => inflation(signals),
@@ -37,61 +37,94 @@ pub(super) fn energies(energies: &Recording) -> (Plot, Vec<String>) {
     (plot, small.into_iter().map(words).collect())
 }
 
-/// The plots of Figures 23 to 27 of the paper, and those of the film.
-fn impact(signals: &Recording, comparison: Option<&ReferenceComparison>) -> Vec<Plot> {
-    let simulated = |name: &str, column: Column| Some(over_time(name, &signals.series(column.name)?, column.factor));
+/// The plots of Figures 23 to 27 of the paper, and those of the film. Of several impactors, a curve each.
+fn impact(measures: &Impact, signals: &Recording, comparison: Option<&ReferenceComparison>) -> Vec<Plot> {
+    let names: Vec<&str> = measures.bodies.iter().map(|body| body.prefix.as_str()).collect();
+    let (whose, several) = if names.len() > 1 { ("impactors", true) } else { ("impactor", false) };
+    let curve = |name: &str, prefix: &str, column: Column| {
+        let series = signals.series(&format!("{prefix}{}", column.name))?;
+        Some(over_time(&of_body(prefix, name), &series, column.factor))
+    };
+    // The curve of each impactor, by its name or by the words of a single one.
+    let simulated = |words: &str, column: Column| -> Vec<Option<Curve>> {
+        names.iter().map(|prefix| curve(if several { "" } else { words }, prefix, column)).collect()
+    };
     let measured = |of: fn(&ReferenceComparison) -> &Option<Series>, name: &str, factor| {
         let comparison = comparison?;
         Some(over_time(&format!("{name}{}", comparison.label()), of(comparison).as_ref()?, factor).dashed())
     };
     let window = comparison
         .map(|comparison| Window { label: "error window".into(), range: comparison.window.map(|time| time * 1e3) });
-    let compared = |title: &str, y: &str, curves: [Option<Curve>; 2]| Plot {
+    let compared = |title: String, column: Column, measured: Option<Curve>| Plot {
         window: window.clone(),
-        ..over_time_plot(title, y, curves)
+        ..over_time_plot(&title, column.axis, simulated("simulated", column).into_iter().chain([measured]))
     };
-    vec![
+    let each = |columns: &[(&str, Column)]| -> Vec<Option<Curve>> {
+        columns.iter().flat_map(|(words, column)| names.iter().map(|prefix| curve(words, prefix, *column))).collect()
+    };
+    let energies =
+        [("kinetic", column::KINETIC_ENERGY), ("potential", column::POTENTIAL_ENERGY), ("total", column::TOTAL_ENERGY)];
+    let strains = [("along MD", column::MAX_STRAIN_MD), ("along TD", column::MAX_STRAIN_TD)];
+    let strains = strains.map(|(name, column)| Some(over_time(name, &signals.series(column.name)?, column.factor)));
+    let across = [("along x", column::DISPLACEMENT_X), ("along y", column::DISPLACEMENT_Y)];
+    let travel = names.iter().map(|prefix| path(signals, prefix, [column::DISPLACEMENT, column::CONTACT_FORCE]));
+    let plots = [
         compared(
-            "Displacement of the impactor",
-            column::DISPLACEMENT.axis,
-            [
-                simulated("simulated", column::DISPLACEMENT),
-                measured(|c| &c.displacement, "", column::DISPLACEMENT.factor),
-            ],
+            format!("Displacement of the {whose}"),
+            column::DISPLACEMENT,
+            measured(|c| &c.displacement, "", column::DISPLACEMENT.factor),
         ),
         compared(
-            "Acceleration of the impactor",
-            column::ACCELERATION_FILTERED.axis,
-            [simulated("simulated", column::ACCELERATION_FILTERED), measured(|c| &c.acceleration, "", 1.0)],
+            format!("Acceleration of the {whose}"),
+            column::ACCELERATION_FILTERED,
+            measured(|c| &c.acceleration, "", 1.0),
         ),
         compared(
-            "Energy loss of the impactor",
-            column::ABSORBED_ENERGY.axis,
-            [simulated("simulated", column::ABSORBED_ENERGY), measured(|c| &c.absorbed_energy, "", 1.0)],
+            format!("Energy loss of the {whose}"),
+            column::ABSORBED_ENERGY,
+            measured(|c| &c.absorbed_energy, "", 1.0),
         ),
         over_time_plot(
-            "Total energy of the impactor",
+            &format!("Total energy of the {whose}"),
             column::TOTAL_ENERGY.axis,
-            [
-                simulated("kinetic", column::KINETIC_ENERGY),
-                simulated("potential", column::POTENTIAL_ENERGY),
-                simulated("total", column::TOTAL_ENERGY),
-                measured(|c| &c.total_energy, "total, ", 1.0),
-            ],
+            each(&energies).into_iter().chain([measured(|c| &c.total_energy, "total, ", 1.0)]),
         ),
-        against(signals, "Force and travel", [column::DISPLACEMENT, column::CONTACT_FORCE]),
-        over_time_plot("Contact force", column::CONTACT_FORCE.axis, [simulated("simulated", column::CONTACT_FORCE)]),
-        over_time_plot(
-            "Largest strain of the film",
-            column::MAX_STRAIN_MD.axis,
-            [simulated("along MD", column::MAX_STRAIN_MD), simulated("along TD", column::MAX_STRAIN_TD)],
-        ),
+        Plot::new("Force and travel", [column::DISPLACEMENT.axis, column::CONTACT_FORCE.axis], travel.collect()),
+        over_time_plot("Contact force", column::CONTACT_FORCE.axis, simulated("simulated", column::CONTACT_FORCE)),
+        over_time_plot("Largest strain of the film", column::MAX_STRAIN_MD.axis, strains),
         over_time_plot(
             "Acceleration before the filter",
             column::ACCELERATION.axis,
-            [simulated("simulated", column::ACCELERATION)],
+            simulated("simulated", column::ACCELERATION),
         ),
-    ]
+    ];
+    let further = [
+        over_time_plot(
+            "Force of the impactors on each other",
+            column::COLLISION_FORCE.axis,
+            simulated("simulated", column::COLLISION_FORCE),
+        ),
+        over_time_plot(
+            &format!("Displacement of the {whose} along x and y"),
+            column::DISPLACEMENT_X.axis,
+            each(&across),
+        ),
+        over_time_plot(
+            "Size of the acceleration before the filter",
+            column::ACCELERATION_RESULTANT.axis,
+            simulated("simulated", column::ACCELERATION_RESULTANT),
+        ),
+    ];
+    plots.into_iter().chain(further.into_iter().filter(|plot| !plot.curves.is_empty())).collect()
+}
+
+/// The name of a curve of the impactor whose channels begin with `prefix`.
+fn of_body(prefix: &str, words: &str) -> String {
+    match prefix.strip_suffix('_') {
+        None => words.to_owned(),
+        Some(name) if words.is_empty() => name.to_owned(),
+        Some(name) => format!("{name}, {words}"),
+    }
 }
 
 fn stretch(signals: &Recording) -> Vec<Plot> {
@@ -125,9 +158,14 @@ fn frame(signals: &Recording) -> Option<Plot> {
 
 /// One column over another.
 fn against(signals: &Recording, title: &str, [x, y]: [Column; 2]) -> Plot {
-    let values = |column: &Column| signals.channel(column.name).unwrap_or_default();
+    Plot::new(title, [x.axis, y.axis], vec![path(signals, "", [x, y])])
+}
+
+/// One column over another, of the impactor whose channels begin with `prefix`.
+fn path(signals: &Recording, prefix: &str, [x, y]: [Column; 2]) -> Curve {
+    let values = |column: &Column| signals.channel(&format!("{prefix}{}", column.name)).unwrap_or_default();
     let points = values(&x).iter().zip(values(&y)).map(|(a, b)| [a * x.factor, b * y.factor]);
-    Plot::new(title, [x.axis, y.axis], vec![Curve::line("simulated", points)])
+    Curve::line(prefix.strip_suffix('_').unwrap_or("simulated"), points)
 }
 
 fn over_time_plot(title: &str, y: &str, curves: impl IntoIterator<Item = Option<Curve>>) -> Plot {

@@ -1,34 +1,44 @@
 //! What was run, in one phrase.
 
 use crate::model::{Guide, Impactor, ImpactorShape, Loading, Model};
-use crate::number::significant;
+use crate::number::{duration, significant};
 
 /// What hits or pulls what, and how fast: `sphere 10.72 kg at 4.16 m/s on 2 x 8 layers of LLDPE`.
 pub(crate) fn subject(model: &Model) -> String {
     let layers = layers(model);
     let figure = |value: f64| significant(value, 3);
-    match (&model.loading, &model.impactor) {
+    match (&model.loading, model.impactor()) {
+        (Loading::Impact { .. }, Some(_)) if model.impactors.len() > 1 => {
+            let all: Vec<String> =
+                model.impactors.iter().map(|one| format!("{} ({})", one.words(), flying(one))).collect();
+            format!("{} on {layers}", all.join(", "))
+        }
         (Loading::Impact { .. }, Some(impactor)) if impactor.guide == Guide::Fixed => {
-            format!("{layers} on a fixed {}", body(impactor))
+            format!("{layers} on a {}", flying(impactor))
         }
-        (Loading::Impact { .. }, Some(impactor)) => {
-            let speed = impactor.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
-            let mass = significant(impactor.mass, 4);
-            match impactor.guide {
-                Guide::Hinge { .. } => format!("{} {mass} kg on a hinge on {layers}", body(impactor)),
-                _ => format!("{} {mass} kg at {} m/s on {layers}", body(impactor), figure(speed)),
-            }
-        }
+        (Loading::Impact { .. }, Some(impactor)) => format!("{} on {layers}", flying(impactor)),
         (Loading::Impact { velocity, .. }, None) => format!("{} m/s on {layers}", figure(*velocity)),
         (Loading::Stretch { angle, velocity, until, .. }, _) => {
             let (velocity, until) = (figure(*velocity), figure(until * 100.0));
             format!("{layers} stretched at {velocity} m/s to {until} %, {:.0}° from MD", degrees(*angle))
         }
         (Loading::Indent { depth, velocity, .. }, impactor) => {
-            let body = impactor.as_ref().map_or("body", body);
+            let body = impactor.map_or("body", body);
             format!("{body} {} mm into {layers} at {} m/s", figure(depth * 1e3), figure(*velocity))
         }
         (Loading::Pressure { pressure, .. }, _) => format!("{} kPa under {layers}", figure(pressure * 1e-3)),
+    }
+}
+
+/// What an impactor is and how it moves: `sphere 10.72 kg at 4.16 m/s`.
+fn flying(impactor: &Impactor) -> String {
+    let (body, mass) = (body(impactor), significant(impactor.mass, 4));
+    let speed = impactor.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let at = if impactor.release > 0.0 { format!(" from {}", duration(impactor.release)) } else { String::new() };
+    match impactor.guide {
+        Guide::Fixed => format!("fixed {body}"),
+        Guide::Hinge { .. } => format!("{body} {mass} kg on a hinge{at}"),
+        _ => format!("{body} {mass} kg at {} m/s{at}", significant(speed, 3)),
     }
 }
 

@@ -8,7 +8,7 @@ use super::assignment::{Assignment, Change};
 use super::grammar::{self, Rule};
 use super::merge::merge;
 use super::reader::Reader;
-use super::tree::{Node, Value};
+use super::tree::{Entry, Node, Value};
 use super::{Implausible, Material, Scenario, plausible, resolved, validate};
 use crate::diagnostic::{Diagnostic, Span, tidy_path};
 
@@ -68,6 +68,9 @@ impl Document {
         for assignment in assignments {
             match assignment.change() {
                 Change::Unset(unset) => reader.mistakes.extend(unset.apply(&mut root).err()),
+                Change::Set(tree) if into_list(&root, tree, "").is_some() => {
+                    reader.mistakes.extend(into_list(&root, tree, ""));
+                }
                 Change::Set(tree) => {
                     let over = reader.include(tree.clone(), rule);
                     set = Some(match set {
@@ -198,5 +201,27 @@ impl Document {
             Value::Text(text) => Some(node.span.source.folder.join(text)),
             _ => None,
         }
+    }
+}
+
+/// The mistake of an assignment to a key of a list of tables without the number of one, or to one by its number where there
+/// is a single table. `path` is that of the nodes.
+fn into_list(base: &Node, over: &Node, path: &str) -> Option<Diagnostic> {
+    let Value::Table(over) = &over.value else { return None };
+    let [Entry { key, key_span, node }] = over.entries.as_slice() else { return None };
+    let is_number = key.parse::<usize>().is_ok();
+    let below = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+    match &base.value {
+        Value::List(items) if !is_number && items.iter().all(|item| matches!(item.value, Value::Table(_))) => {
+            let mistake = Diagnostic::new(format!("`{path}` is a list of tables")).at(key_span);
+            Some(mistake.hint(format!("number the one that is meant: `{path}.0.{key}`")))
+        }
+        Value::Table(_) if is_number => {
+            let mistake = Diagnostic::new(format!("`{path}` is one table")).at(key_span);
+            Some(mistake.hint("leave the number out"))
+        }
+        Value::Table(base) => into_list(&base.get(key)?.node, node, &below),
+        Value::List(items) => into_list(items.get(key.parse::<usize>().ok()?)?, node, &below),
+        _ => None,
     }
 }

@@ -66,7 +66,7 @@ pub struct TableRule {
 /// What is reserved for later versions.
 #[derive(Clone, Debug)]
 pub struct Future {
-    /// The name of a key, or what a list would be.
+    /// The name of a key.
     pub what: String,
     /// What there is instead; may be empty.
     pub hint: String,
@@ -85,10 +85,6 @@ pub struct Key {
     pub required: bool,
     /// Its allowed values.
     pub rule: Rule,
-    /// What a list in its place, or one that is longer than allowed, will be.
-    pub future_list: Option<Future>,
-    /// What a table in its place will be.
-    pub future_table: Option<Future>,
 }
 
 /// Bounds of a number, in SI units.
@@ -439,8 +435,6 @@ fn keys(schema: &Json) -> Vec<Key> {
             default: property.get("default").cloned(),
             required: required.contains(name),
             rule: compile(property),
-            future_list: future(&property["x-future-list"]).pop(),
-            future_table: future(&property["x-future-table"]).pop(),
         })
         .collect()
 }

@@ -1,19 +1,22 @@
-//! `[impactor]`: the rigid body that loads the film.
+//! `[impactor]` and `[[impactor]]`: the rigid bodies that load the film.
 
 use std::path::PathBuf;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::{Deserialize, Serialize};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::schema;
-use crate::units::{Angle, AngularVelocity, Force, ForcePerSpeed, Inertia, Length, Mass, Velocity};
+use crate::units::{Angle, AngularVelocity, Force, ForcePerSpeed, Inertia, Length, Mass, Time, Velocity};
 
-/// The rigid body that loads the film.
+/// Most impactors of a scene.
+const MOST: usize = 16;
+
+/// A rigid body that loads the film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("x-future" = {
-    "name": "there is one impactor", "at": "the impactor is released at the start"
-}))]
 pub struct Impactor {
+    /// Name of the body among several, with which the names of its signals and figures begin: a letter, then letters, digits
+    /// and underscores.
+    pub name: Option<String>,
     /// Shape of the body; its axis is z, its tip points down.
     #[schemars(schema_with = "shape_schema")]
     pub shape: ImpactorShape,
@@ -31,9 +34,19 @@ pub struct Impactor {
     /// that of a recorded fall.
     #[serde(default)]
     pub guide_friction: Option<GuideFriction>,
-    /// Coulomb coefficient between impactor and film.
+    /// Coulomb coefficient between impactor and film; between two impactors the smaller of theirs.
     #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
     pub friction: f64,
+    /// Coefficient of restitution where impactors meet, of which a pair has the smaller: 0 where they stay together, 1 where
+    /// no energy is lost.
+    #[serde(default)]
+    #[schemars(range(min = 0, max = 1))]
+    pub restitution: f64,
+    /// When it is released with its velocity; until then it stands still at its position and touches nothing. One that is
+    /// released later than at the start needs a height in `position`.
+    #[serde(default = "start")]
+    #[schemars(range(min = 0), extend("x-likely" = [1e-6, 5.0]))]
+    pub at: Time,
     /// Position of its centre of mass at the start: x, y, and its height z, from which `layers.faces` count too. Without a
     /// height it is placed on the film as mounted.
     #[serde(default = "centre")]
@@ -47,6 +60,32 @@ pub struct Impactor {
     /// Angular velocity at the start, about the axes of the scene; of a free impactor, and of one on a hinge the part along
     /// its axis.
     pub spin: Option<[AngularVelocity; 3]>,
+}
+
+fn start() -> Time {
+    Time(0.0)
+}
+
+/// One table, or a list of them. The validator has reported mistakes before serde tries the two forms.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum OneOrSeveral {
+    Several(Vec<Impactor>),
+    One(Box<Impactor>),
+}
+
+/// Reads one impactor or several.
+pub(super) fn one_or_several<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Impactor>, D::Error> {
+    Ok(match OneOrSeveral::deserialize(from)? {
+        OneOrSeveral::Several(several) => several,
+        OneOrSeveral::One(one) => vec![*one],
+    })
+}
+
+/// The schema of one impactor, or of several.
+pub(super) fn one_or_several_schema(generator: &mut SchemaGenerator) -> Schema {
+    let one = generator.subschema_for::<Impactor>();
+    json_schema!({ "anyOf": [one, { "type": "array", "items": one, "minItems": 1, "maxItems": MOST }] })
 }
 
 fn centre() -> Vec<Length> {

@@ -82,9 +82,10 @@ pub struct Scenario {
     /// The mounting frame.
     #[serde(default)]
     pub frame: Frame,
-    /// The rigid body that loads the film; only where the loading needs one.
-    #[schemars(extend("x-future-list" = { "a scene of several impactors (`[[impactor]]`)": "give one: `[impactor]`" }))]
-    pub impactor: Option<Impactor>,
+    /// The rigid bodies that load the film, only where the loading needs them: `[impactor]`, or one `[[impactor]]` each.
+    #[serde(default, deserialize_with = "impactor::one_or_several", skip_serializing_if = "Vec::is_empty")]
+    #[schemars(schema_with = "impactor::one_or_several_schema")]
+    pub impactor: Vec<Impactor>,
     /// The loading of the specimen.
     pub loading: Loading,
     /// Contact between faces of film.

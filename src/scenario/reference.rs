@@ -16,6 +16,8 @@ pub struct Reference {
     /// reduced first.
     #[schemars(extend("x-path" = true))]
     pub signals: PathBuf,
+    /// Name of the impactor that it was recorded of, of several; the first where it is left out.
+    pub impactor: Option<String>,
     /// Accelerometer of a raw recording; the only channel that is an acceleration where it is left out.
     pub acceleration: Option<String>,
     /// Laser of a raw recording, upward from the film's upper face; the only channel that is a length where it is

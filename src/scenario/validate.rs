@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::grammar::{Future, Key, Rule, TableRule};
+use super::grammar::{Key, Rule, TableRule};
 use super::plausible;
 use super::tree::{Entry, Node, Table, Value};
 use crate::diagnostic::{Diagnostic, Span, closest};
@@ -89,10 +89,7 @@ impl Walk {
     fn table(&mut self, table: &Table, rule: &TableRule, place: &Place) {
         for entry in &table.entries {
             match rule.key(&entry.key) {
-                Some(key) => match planned(key, &entry.node.value) {
-                    Some(Future { what, hint }) => self.report(not_yet(what, hint).at(&entry.key_span)),
-                    None => self.node(&entry.node, &key.rule, &place.under(entry)),
-                },
+                Some(key) => self.node(&entry.node, &key.rule, &place.under(entry)),
                 None => self.report(unknown_key(entry, table, rule, place)),
             }
         }
@@ -319,17 +316,6 @@ fn unknown_key(entry: &Entry, table: &Table, rule: &TableRule, place: &Place) ->
         }
     };
     Diagnostic::new(format!("unknown key `{}`", entry.key)).at(&entry.key_span).hint(hint)
-}
-
-/// What a list or a table in place of a key's value will be, where it is not its value now.
-fn planned<'k>(key: &'k Key, value: &Value) -> Option<&'k Future> {
-    match (value, &key.rule) {
-        (Value::List(items), Rule::List { longest, .. }) if items.len() <= *longest => None,
-        (Value::List(items), Rule::Tuple(rules)) if items.len() <= rules.len() => None,
-        (Value::List(_), _) => key.future_list.as_ref(),
-        (Value::Table(_), _) => key.future_table.as_ref(),
-        _ => None,
-    }
 }
 
 /// Something that is planned: what a user may expect, and what there is instead.

@@ -1,4 +1,5 @@
-//! Fields of host maps with known names, such as `run.summary`: misspelt ones are found before the script runs.
+//! Fields of host maps with known names, such as `run.summary`: misspelt ones are found before the script runs. A field may
+//! begin with the name of a part of the run: `head_energy_absorption` ends with an underscore and a known name.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -28,7 +29,8 @@ pub(super) fn unknown(known: &[Fields], program: &AST, file: &Path) -> Vec<Fault
     });
     found.sort_by_key(|(_, _, position)| (position.line(), position.position()));
     let fault = |(map, field, position): (String, String, Position)| {
-        let known = known.iter().find(|known| known.map == map && !known.names.contains(&field.as_str()))?;
+        let is_of = |name: &&str| field.strip_suffix(*name).is_some_and(|rest| rest.is_empty() || rest.ends_with('_'));
+        let known = known.iter().find(|known| known.map == map && !known.names.iter().any(is_of))?;
         if own.contains(&map) || own.contains(&field) {
             return None;
         }

@@ -58,6 +58,8 @@ columns! {
     ACCELERATION_RESULTANT = "acceleration_resultant_m_s2", "acceleration_resultant", "m/s2", "acceleration" ("m/s²"), 1.0;
     /// Vertical force of the film on the impactor.
     CONTACT_FORCE = "contact_force_N", "contact_force", "N", "force" ("N"), 1.0;
+    /// Vertical force of the other impactors on one of several.
+    COLLISION_FORCE = "collision_force_N", "collision_force", "N", "force" ("N"), 1.0;
     /// Kinetic energy of the impactor, of its rotation too.
     KINETIC_ENERGY = "kinetic_energy_J", "kinetic_energy", "J", "energy" ("J"), 1.0;
     /// Potential energy of the impactor.
@@ -94,9 +96,14 @@ columns! {
     DEFLECTION = "deflection_m", "deflection", "m", "deflection" ("mm"), 1e3;
 }
 
-/// The column `name` of `signals.csv`.
-pub fn named(name: &str) -> Option<&'static Column> {
-    COLUMNS.iter().find(|column| column.name == name)
+/// The column `name`, which may begin with the name of one of several impactors and an underscore, and that beginning.
+pub fn of(name: &str) -> Option<(&str, &'static Column)> {
+    let beginning = |column: &'static Column| {
+        let prefix = name.strip_suffix(column.name)?;
+        (prefix.is_empty() || prefix.ends_with('_')).then_some((prefix, column))
+    };
+    // Some names end like two columns, e.g. `contact_force_N`: the longer one is meant.
+    COLUMNS.iter().filter_map(beginning).min_by_key(|(prefix, _)| prefix.len())
 }
 
 #[cfg(test)]
@@ -113,6 +120,16 @@ mod tests {
             assert!(others.iter().all(|other| other.name != column.name && other.short != column.short));
         }
     }
+
+    #[test]
+    fn names_may_begin_with_that_of_an_impactor() {
+        let found = |name| of(name).map(|(prefix, column)| (prefix, column.name));
+        assert_eq!(found("contact_force_N"), Some(("", "contact_force_N")));
+        assert_eq!(found("left_hand_contact_force_N"), Some(("left_hand_", "contact_force_N")));
+        assert_eq!(found("head_displacement_x_m"), Some(("head_", "displacement_x_m")));
+        assert_eq!((found("overstrain"), found("head_")), (None, None));
+    }
+
     #[test]
     fn the_factor_is_that_of_the_units() {
         let scale = |symbol: &str| match symbol.replace('²', "2").as_str() {

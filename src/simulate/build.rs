@@ -4,8 +4,8 @@ use super::fault::RunError;
 use super::film::Film as FilmTopology;
 use super::frame_force::HeldSides;
 use super::loading::{self, Inertia, LoadCase, MassScaling};
-use super::mount::{self, Mounting};
-use crate::engine::{self, Engine, Film, Loads, Nodes, ThreadPool};
+use super::mount::{self, BodyMounting, Mounting};
+use crate::engine::{self, Engine, Film, Impact, Loads, Nodes, ThreadPool};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::{Hold, Model};
 
@@ -60,14 +60,21 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold));
         topologies.push(topology(&mesh, model));
     }
-    let impact = loading.apply(&films, &nodes, &mut loads)?;
-    let start = impact.as_ref().map_or(0.0, |impact| impact.body.centre().z);
+    let impacts = loading.apply(&films, &nodes, &mut loads)?;
+    let body = |impact: &Impact| BodyMounting {
+        start: impact.body.centre().z,
+        in_contact: impact.in_contact,
+        approach: match (loading.approach(&impact.launched()), impact.is_held()) {
+            ([speed, _], true) => [speed, 0.0],
+            (approach, _) => approach,
+        },
+    };
+    let bodies = impacts.iter().map(body).collect();
     let mass_scaling = (loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
-    let approach = impact.as_ref().map_or([0.0; 2], |impact| loading.approach(&impact.body));
-    let energy_scale = impact.as_ref().map_or(0.0, |impact| loading.energy_scale(&impact.body));
-    let mounting = Mounting { films: topologies, start, approach, energy_scale, mass_scaling, added_mass, held };
-    let engine = Engine::new(films, nodes, impact, loads);
-    let between = model.contact.film_friction.or(model.impactor.as_ref().map(|impactor| impactor.friction));
+    let energy_scale = impacts.iter().map(|impact| loading.energy_scale(&impact.launched())).sum();
+    let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, held };
+    let engine = Engine::new(films, nodes, impacts, loads);
+    let between = model.contact.film_friction.or(model.impactors.first().map(|impactor| impactor.friction));
     let engine = match between.filter(|_| model.contact.film) {
         Some(friction) => engine.with_film_contact(friction),
         None => engine,

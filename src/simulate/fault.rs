@@ -5,6 +5,7 @@ use thiserror::Error;
 use super::outcome::Outcome;
 use crate::engine::{self, StateMismatch, SurfaceError, UndefinedFibreDirection};
 use crate::mesh::MeshError;
+use crate::model::{Impactor, Model};
 use crate::number;
 
 /// Why there is no outcome.
@@ -25,6 +26,19 @@ pub enum RunError {
     /// The impactor starts inside the film.
     #[error("the impactor starts {} mm inside the film: change `impactor.position`, or leave out its height", number::significant(1e3 * depth, 3))]
     Overlap {
+        /// How deep, m.
+        depth: f64,
+    },
+    /// Two impactors start inside each other.
+    #[error(
+        "the impactors \"{}\" and \"{}\" start {} mm inside each other: change a `position`, or give a height",
+        names[0],
+        names[1],
+        number::significant(1e3 * depth, 3)
+    )]
+    ImpactorsOverlap {
+        /// Their names.
+        names: [String; 2],
         /// How deep, m.
         depth: f64,
     },
@@ -64,6 +78,23 @@ pub enum Fault {
     /// The engine stopped.
     #[error(transparent)]
     Engine(#[from] engine::Fault),
+    /// An impactor is released where there is film or another impactor.
+    #[error(
+        "the impactor \"{name}\" is released at {time:.6} s {} mm inside {}: change its `position`, or release it at \
+         another time",
+        number::significant(1e3 * .depth, 3),
+        .other.as_ref().map_or_else(|| "the film".to_owned(), |other| format!("the impactor \"{other}\""))
+    )]
+    ReleasedInside {
+        /// Its name.
+        name: String,
+        /// Time of the release, s.
+        time: f64,
+        /// Name of the impactor that it is inside; none where that is the film.
+        other: Option<String>,
+        /// How deep, m.
+        depth: f64,
+    },
     /// Inertia matters in a test that must be quasi-static.
     #[error(
         "not quasi-static: at {time:.6} s the film's kinetic energy is {} % of the energy that it took up",
@@ -97,4 +128,20 @@ pub enum Fault {
         /// Error over the energy exchanged.
         error: f64,
     },
+}
+
+impl Fault {
+    /// The fault of the engine in a run of `model`, with the names of its impactors.
+    pub(super) fn of_engine(fault: engine::Fault, model: &Model) -> Fault {
+        let name = |number: usize| model.impactors.get(number - 1).map_or("impactor", Impactor::words).to_owned();
+        match fault {
+            engine::Fault::ReleasedInFilm { time, impactor, depth } => {
+                Fault::ReleasedInside { name: name(impactor), time, other: None, depth }
+            }
+            engine::Fault::ReleasedInImpactor { time, impactor, other, depth } => {
+                Fault::ReleasedInside { name: name(impactor), time, other: Some(name(other)), depth }
+            }
+            fault => fault.into(),
+        }
+    }
 }

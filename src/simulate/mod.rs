@@ -39,7 +39,7 @@ use probe::Probe;
 pub use pull::{Across, PullError, pull};
 pub use rates::RateHistogram;
 pub use snapshot::{Detail, FilmState, Snapshot};
-pub use warning::{CODES, Warning};
+pub use warning::{CODES, ImpactorName, Warning};
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug)]
@@ -92,8 +92,8 @@ pub struct RunOptions<'a> {
 pub struct SnapshotEvent<'a> {
     /// Topology of the films, one entry a face.
     pub films: &'a [Film],
-    /// Surface of the impactor, where there is one.
-    pub impactor: Option<&'a Surface>,
+    /// Surfaces of the impactors.
+    pub impactors: &'a [Surface],
     /// The snapshot.
     pub snapshot: &'a Snapshot,
     /// Channels of `signals.csv` so far, without the filtered one.
@@ -143,7 +143,12 @@ pub fn run_with(
     if engine.steps() == 0 && settled.is_ok() && !engine.has_faces_in_order() {
         return Err(RunError::FacesCross);
     }
-    scene.mounting.start += probe.lift();
+    let lifted = scene.mounting.bodies.iter_mut().filter(|body| body.in_contact);
+    lifted.for_each(|body| body.start += probe.lift());
+    if let Some(([first, second], depth)) = engine.overlap_of_impactors().filter(|_| engine.steps() == 0) {
+        let name = |place: usize| model.impactors[place].words().to_owned();
+        return Err(RunError::ImpactorsOverlap { names: [first, second].map(name), depth });
+    }
     let wall = || before + begin.elapsed();
     let mut events = SnapshotEvents { on_snapshot, mounting: &scene.mounting, reported: 0 };
     let stepped = settled
@@ -153,7 +158,7 @@ pub fn run_with(
     }
     let fault = match stepped {
         Ok(()) | Err(engine::Fault::Stopped) => probe.fault(),
-        Err(fault) => Some(fault.into()),
+        Err(fault) => Some(Fault::of_engine(fault, model)),
     };
     let outcome = probe.finish(&engine, scene.mounting, wall());
     match fault {
@@ -199,13 +204,15 @@ struct SnapshotEvents<'a, 'm> {
 
 impl SnapshotEvents<'_, '_> {
     /// Reports the snapshots taken since the last call.
-    fn report(&mut self, probe: &Probe<'_>, impactor: Option<&Surface>) {
+    fn report(&mut self, probe: &Probe<'_>, engine: &Engine) {
         let new = &probe.snapshots()[self.reported..];
         let Some(on_snapshot) = self.on_snapshot.as_mut().filter(|_| !new.is_empty()) else { return };
         let (signals, energies) = (probe.signals(self.mounting), probe.energies());
+        let impactors: Vec<Surface> = engine.impactors().cloned().collect();
         for snapshot in new {
             let films = &self.mounting.films;
-            on_snapshot(&SnapshotEvent { films, impactor, snapshot, signals: &signals, energies: &energies });
+            let (impactors, signals, energies) = (&impactors, &signals, &energies);
+            on_snapshot(&SnapshotEvent { films, impactors, snapshot, signals, energies });
         }
         self.reported = probe.snapshots().len();
     }
@@ -233,7 +240,7 @@ fn advance(
         if engine.step(probe)? > 0 {
             probe.record_rupture(time);
         }
-        events.report(probe, engine.impactor());
+        events.report(probe, engine);
         if engine.steps().is_multiple_of(stride) {
             let (time, steps, time_step) = (engine.time(), engine.steps(), engine.time_step());
             progress(Progress { time, duration: probe.duration(), steps, time_step, elements, settling: None });

@@ -3,14 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::film::Film;
-use super::warning::{Warning, bounds};
+use super::warning::{ImpactorName, Warning, bounds};
 use crate::engine::{self, AddedMass, ContactState, ElementStrain, Relaxation, View};
 use crate::model::SNAPSHOT_MEMORY;
 
 /// Figures that are known only at the end of a run.
 pub(super) struct Figures<'a> {
-    /// Whether the impactor reached the end of the test without contact.
-    pub(super) missed: bool,
+    /// Whether each impactor reached the end of the test without contact.
+    pub(super) missed: Vec<bool>,
     /// How the film came to equilibrium.
     pub(super) relaxation: Option<Relaxation>,
     /// Error of the energy balance.
@@ -23,19 +23,25 @@ pub(super) struct Figures<'a> {
     pub(super) added_mass: &'a [AddedMass],
     /// Snapshots requested and taken.
     pub(super) snapshots: [usize; 2],
-    /// Whether the impactor is still in contact at the end.
-    pub(super) unfinished: bool,
+    /// Whether each impactor is still in contact at the end.
+    pub(super) unfinished: Vec<bool>,
 }
 
 /// For each bound, the first time at which it was exceeded, and the largest excess.
-#[derive(Default, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub(super) struct Monitor {
-    edge: Option<(f64, f64)>,
-    penetration: Option<(f64, f64)>,
-    frame_hit: Option<f64>,
+    contacts: Vec<ContactMonitor>,
     localised: Option<(f64, f64, usize)>,
     crossed: Option<(f64, f64)>,
     lost: Option<(f64, u64)>,
+}
+
+/// The bounds on the contact of one impactor.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct ContactMonitor {
+    edge: Option<(f64, f64)>,
+    penetration: Option<(f64, f64)>,
+    frame_hit: Option<f64>,
 }
 
 /// Intact elements, by their number among such, that share a node with the one of number `element`.
@@ -57,9 +63,9 @@ fn neighbours(film: &engine::Film, element: usize) -> Vec<usize> {
     beside
 }
 
-impl Monitor {
+impl ContactMonitor {
     /// Records the state of contact at `time` (s) on an impactor of `size` (m).
-    pub(super) fn contact(&mut self, time: f64, size: f64, state: &ContactState) {
+    fn record(&mut self, time: f64, size: f64, state: &ContactState) {
         let (edge, depth) = (state.longest_edge / size, state.penetration / size);
         if edge > bounds::EDGE && self.edge.is_none_or(|(_, worst)| edge > worst) {
             self.edge = Some((self.edge.map_or(time, |c| c.0), edge));
@@ -70,6 +76,26 @@ impl Monitor {
         if state.frame_hit && self.frame_hit.is_none() {
             self.frame_hit = Some(time);
         }
+    }
+
+    /// The warnings of the impactor `name`.
+    fn warnings(&self, name: &ImpactorName) -> impl Iterator<Item = Warning> {
+        let edge = self.edge.map(|(time, edge)| Warning::CoarseContact { impactor: name.clone(), time, edge });
+        let depth = self.penetration.map(|(time, depth)| Warning::Penetration { impactor: name.clone(), time, depth });
+        let hit = self.frame_hit.map(|time| Warning::FrameHit { impactor: name.clone(), time });
+        [edge, depth, hit].into_iter().flatten()
+    }
+}
+
+impl Monitor {
+    /// That of a run with so many `impactors`.
+    pub(super) fn new(impactors: usize) -> Monitor {
+        Monitor { contacts: vec![ContactMonitor::default(); impactors], localised: None, crossed: None, lost: None }
+    }
+
+    /// Records the state of contact at `time` (s) on the impactor of this index and `size` (m).
+    pub(super) fn contact(&mut self, impactor: usize, time: f64, size: f64, state: &ContactState) {
+        self.contacts[impactor].record(time, size, state);
     }
 
     /// Records the least `distance` (m) of two faces at `time` (s), and how often their contact was `lost` so far.
@@ -104,10 +130,16 @@ impl Monitor {
         }
     }
 
-    /// The warnings of a run on `films` that ended with `figures`.
-    pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film]) -> Vec<Warning> {
-        let Figures { missed, relaxation, balance, outside, kinetic, added_mass, snapshots, unfinished } = *figures;
+    /// The warnings of a run on `films` that ended with `figures`; `names` are those of its impactors, where there are
+    /// several.
+    pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film], names: &[Option<&str>]) -> Vec<Warning> {
+        let Figures { missed, relaxation, balance, outside, kinetic, added_mass, snapshots, unfinished } = figures;
         let [wanted, taken] = snapshots;
+        let names: Vec<ImpactorName> = names.iter().map(|name| ImpactorName::named(*name)).collect();
+        let of = |which: &[bool], warning: fn(ImpactorName) -> Warning| -> Vec<Warning> {
+            let named = names.iter().zip(which).filter(|(_, is)| **is);
+            named.map(|(name, _)| warning(name.clone())).collect()
+        };
         let misshapen = films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < bounds::JACOBIAN);
         let mut out: Vec<Warning> = misshapen
             .map(|(face, film)| Warning::MisshapenElements { face: face + 1, quality: film.quality })
@@ -119,17 +151,17 @@ impl Monitor {
         }));
         let heavy = added_mass.iter().enumerate().filter(|(_, added)| added.mass > bounds::ADDED_MASS * added.own);
         out.extend(heavy.map(|(face, added)| Warning::AddedMass { face: face + 1, share: added.mass / added.own }));
-        out.extend(missed.then_some(Warning::NoContact));
-        out.extend(self.edge.map(|(time, edge)| Warning::CoarseContact { time, edge }));
-        out.extend(self.penetration.map(|(time, depth)| Warning::Penetration { time, depth }));
-        out.extend(self.frame_hit.map(|time| Warning::FrameHit { time }));
+        out.extend(of(missed, Warning::NoContact));
+        out.extend(self.contacts.iter().zip(&names).flat_map(|(contact, name)| contact.warnings(name)));
         out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
         out.extend(self.crossed.map(|(time, distance)| Warning::FilmCrossing { time, depth: -distance }));
         out.extend(self.lost.map(|(time, times)| Warning::FilmContactLost { time, times }));
-        out.extend(unfinished.then_some(Warning::Unfinished));
+        out.extend(of(unfinished, Warning::Unfinished));
+        let (wanted, taken, balance, outside) = (*wanted, *taken, *balance, *outside);
+        let nothing_hit = !missed.is_empty() && missed.iter().all(|missed| *missed);
         out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));
         out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));
-        out.extend((outside > bounds::RATES && !missed).then_some(Warning::StrainRateOutside { share: outside }));
+        out.extend((outside > bounds::RATES && !nothing_hit).then_some(Warning::StrainRateOutside { share: outside }));
         out.extend(kinetic.and_then(|share| match share {
             share if share > bounds::KINETIC => Some(Warning::NotQuasiStatic { share }),
             share if share > bounds::BARELY => Some(Warning::BarelyQuasiStatic { share }),

@@ -13,10 +13,8 @@ use crate::model::{Face, Guide, Hold, Impactor, ImpactorShape, Model, Part};
 pub(super) struct Mounting {
     /// Topology of the faces.
     pub(super) films: Vec<FilmTopology>,
-    /// Height of the impactor's centre of mass at the start, m.
-    pub(super) start: f64,
-    /// Speed of the impactor at the start (m/s, downward) and its downward acceleration (m/s²) before contact.
-    pub(super) approach: [f64; 2],
+    /// The impactors.
+    pub(super) bodies: Vec<BodyMounting>,
     /// Energy that the run exchanges at least, J.
     pub(super) energy_scale: f64,
     /// Factor on the film's mass; none under a dynamic loading.
@@ -25,6 +23,16 @@ pub(super) struct Mounting {
     pub(super) added_mass: Vec<AddedMass>,
     /// Sides whose force on the frame is recorded.
     pub(super) held: HeldSides,
+}
+
+/// How an impactor was mounted.
+pub(super) struct BodyMounting {
+    /// Height of its centre of mass at the start, m.
+    pub(super) start: f64,
+    /// Whether it starts in contact with the film.
+    pub(super) in_contact: bool,
+    /// Its speed at the start (m/s, downward) and its downward acceleration (m/s²) before contact.
+    pub(super) approach: [f64; 2],
 }
 
 /// Depth of film inside an impactor at the start over its size that is round-off.
@@ -152,7 +160,7 @@ pub(super) fn over_film(
     if model.faces.len() > 1 && z < first {
         return Err(RunError::Below);
     }
-    if impactor.height.is_some() {
+    if impactor.height.is_some() && impactor.release == 0.0 {
         let gap = contact.smallest_gap(nodes, &pose);
         if gap < -OVERLAP * contact.surface().size() {
             return Err(RunError::Overlap { depth: -gap });

@@ -17,12 +17,12 @@ pub struct Outcome {
     pub signals: Recording,
     /// The energy audit, sampled with the signals: one channel a term, J.
     pub energies: Recording,
-    /// States of films and impactor over time.
+    /// States of films and impactors over time.
     pub snapshots: Vec<Snapshot>,
     /// Topology of the films, one entry a face.
     pub films: Vec<Film>,
-    /// Surface of the impactor that moves in the snapshots.
-    pub impactor: Option<Surface>,
+    /// Surfaces of the impactors that move in the snapshots.
+    pub impactors: Vec<Surface>,
     /// Strain increments by strain rate.
     pub rates: RateHistogram,
     /// What puts figures in doubt.
@@ -45,7 +45,7 @@ pub struct Outcome {
     pub mass_scaling: Option<f64>,
     /// Mass added to the small elements of each face; empty where none was asked for.
     pub added_mass: Vec<AddedMass>,
-    /// Largest penetration over the impactor's radius.
+    /// Largest penetration over the radius of an impactor.
     pub penetration: Option<f64>,
     /// Number of elements.
     pub elements: usize,

@@ -14,10 +14,10 @@ use super::outcome::Outcome;
 use super::rates::RateAudit;
 use super::rise::{self, Rise};
 use super::snapshot::{self, Snapshot};
-use super::tracks::Tracks;
+use super::tracks::{BodyTracks, Tracks};
 use super::warning::bounds::KINETIC;
 use crate::engine::{self, ElementStrain, Engine, FilmContactState, Observer, Relaxation, Track, View};
-use crate::model::{Guide, Impactor, Model};
+use crate::model::Model;
 use crate::signal::{Channel, Recording, column};
 
 /// Audits of energies, contact and strains in a run, unless there are fewer samples.
@@ -60,7 +60,7 @@ pub(super) struct Record {
     monitor: Monitor,
     rupture_time: Option<f64>,
     penetration: Option<f64>,
-    lowest: f64,
+    lowest: Vec<f64>,
     relaxation: Option<Relaxation>,
 }
 
@@ -69,21 +69,20 @@ impl<'a> Probe<'a> {
         let sample = 1.0 / model.output.sample_rate;
         let duration = model.run_time();
         let loading = loading::of(model);
-        let [speed, gravity] = mounting.approach;
         let checked_from = if loading.inertia() == Inertia::Dynamic { 0.0 } else { CHECKED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
         let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
         let record = Record {
             audits: 0,
-            tracks: tracks(model, Tracks::new(duration, sample, speed, gravity)),
+            tracks: tracks(model, mounting, duration, sample),
             rise: Rise::default(),
             snapshots: vec![],
             energy: EnergyCheck::new(mounting.energy_scale, checked_from),
             rates: RateAudit::new(measured),
-            monitor: Monitor::default(),
+            monitor: Monitor::new(model.impactors.len()),
             rupture_time: None,
             penetration: None,
-            lowest: f64::INFINITY,
+            lowest: vec![f64::INFINITY; model.impactors.len()],
             relaxation: None,
         };
         Probe {
@@ -115,7 +114,7 @@ impl<'a> Probe<'a> {
         self.record.relaxation = relaxation;
     }
 
-    /// Height by which the impactor was lifted over settled film, m.
+    /// Height by which impactors in contact with the film were lifted over settled film, m.
     pub(super) fn lift(&self) -> f64 {
         self.record.relaxation.map_or(0.0, |relaxation| relaxation.lift)
     }
@@ -207,9 +206,15 @@ impl<'a> Probe<'a> {
             self.record.tracks.rise.push(view.time, [self.record.rise.largest(view)]);
         }
         self.record.rates.sample(view.time, faces);
-        let z = view.body.map_or(f64::NEG_INFINITY, |body| body.centre().z);
-        if z <= self.record.lowest {
-            self.record.lowest = z;
+        let mut sinks = view.bodies().len() == 0;
+        for (lowest, body) in self.record.lowest.iter_mut().zip(view.bodies()) {
+            let z = body.centre().z;
+            if z <= *lowest {
+                *lowest = z;
+                sinks = true;
+            }
+        }
+        if sinks {
             self.record.rates.commit();
         }
     }
@@ -221,8 +226,8 @@ impl<'a> Probe<'a> {
             return Err(not_finite(view.time, faces));
         }
         self.record.monitor.strain(view, faces);
-        if let (Some(state), Some(size)) = (view.contact_state(), view.impactor_size()) {
-            self.record.monitor.contact(view.time, size, &state);
+        for (body, (state, size)) in view.contact_states().enumerate() {
+            self.record.monitor.contact(body, view.time, size, &state);
             self.record.penetration = Some(self.record.penetration.unwrap_or(0.0).max(state.penetration / size));
         }
         self.record.energy.sample(view.time, energies).map_err(|_| engine::Fault::Stopped)
@@ -237,10 +242,12 @@ impl<'a> Probe<'a> {
         let settling = self.settling();
         let signals = self.signals(&mounting);
         let energies = self.energies();
-        let missed =
-            self.model.impactor.is_some() && self.record.tracks.first_contact.is_none() && self.is_done(engine.time());
+        let ended = self.is_done(engine.time());
+        let missed = self.record.tracks.bodies.iter().map(|body| ended && body.touched_nothing()).collect();
         let rates = self.record.rates.finish();
-        let unfinished = signals.channel(column::CONTACT_FORCE.name).is_some_and(loading::ends_loaded);
+        let force = |prefix: String| signals.channel(&format!("{prefix}{}", column::CONTACT_FORCE.name));
+        let ends_loaded = |prefix| force(prefix).is_some_and(loading::ends_loaded);
+        let unfinished = self.model.prefixes().into_iter().map(ends_loaded).collect();
         let snapshots = [self.model.output.frames, self.snapshots];
         let relaxation = self.record.relaxation;
         let figures = Figures {
@@ -257,9 +264,9 @@ impl<'a> Probe<'a> {
             signals,
             energies,
             snapshots: self.record.snapshots,
-            warnings: self.record.monitor.finish(&figures, &mounting.films),
+            warnings: self.record.monitor.finish(&figures, &mounting.films, &self.model.names()),
             films: mounting.films,
-            impactor: engine.impactor().cloned(),
+            impactors: engine.impactors().cloned().collect(),
             rates,
             rupture_time: self.record.rupture_time,
             energy_balance_error: balance,
@@ -300,12 +307,11 @@ impl<'a> Probe<'a> {
     }
 }
 
-/// The tracks of a run of `model`, with all directions where its impactor does not move along z alone.
-fn tracks(model: &Model, tracks: Tracks) -> Tracks {
-    match &model.impactor {
-        Some(Impactor { guide: Guide::Free | Guide::Line(_) | Guide::Hinge { .. }, .. }) => tracks.of_spatial_motion(),
-        _ => tracks,
-    }
+/// The tracks of a run of `model` over `duration` (s) with `sample` (s) between samples.
+fn tracks(model: &Model, mounting: &Mounting, duration: f64, sample: f64) -> Tracks {
+    let bodies = model.impactors.iter().zip(&mounting.bodies);
+    let bodies = bodies.map(|(impactor, body)| BodyTracks::new(sample, body.approach, impactor.is_spatial()));
+    Tracks::new(duration, sample, bodies.collect())
 }
 
 fn not_finite(time: f64, faces: &[Vec<ElementStrain>]) -> engine::Fault {
@@ -331,7 +337,7 @@ impl Observer for Probe<'_> {
         result
     }
 
-    fn track(&mut self, track: &Track) {
+    fn track(&mut self, track: &Track<'_>) {
         self.record.tracks.follow(track);
     }
 }

@@ -15,8 +15,8 @@ pub struct Snapshot {
     pub time: f64,
     /// The faces of film.
     pub films: Vec<FilmState>,
-    /// Position (m) and rotation (unit quaternion i, j, k, w) of the impactor.
-    pub impactor: Option<([f64; 3], [f64; 4])>,
+    /// Position (m) and rotation (unit quaternion i, j, k, w) of the impactors.
+    pub impactors: Vec<([f64; 3], [f64; 4])>,
 }
 
 /// State of one face at one time.
@@ -28,7 +28,7 @@ pub struct FilmState {
     pub strains: Vec<[f32; 3]>,
     /// Whether the MD or TD fibres of all layers are broken in an element, one entry an element.
     pub failed: Vec<bool>,
-    /// Nodes of the face in contact with the impactor, ascending.
+    /// Nodes of the face in contact with an impactor, ascending.
     pub in_contact: Vec<u32>,
     /// Stresses and more, where the run takes detailed snapshots
     /// ([`RunOptions::detailed`](super::RunOptions::detailed)).
@@ -72,11 +72,11 @@ pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed
         in_contact: of_face(&in_contact, &film.nodes),
         detail: detailed.then(|| detail(view, film, strains)),
     };
-    let pose = view.body.map(|body| {
+    let poses = view.bodies().map(|body| {
         let (position, rotation) = (body.pose.translation.vector, body.pose.rotation.coords);
         ([position.x, position.y, position.z], [rotation.x, rotation.y, rotation.z, rotation.w])
     });
-    Snapshot { time: view.time, films: view.films.iter().zip(strains).map(film).collect(), impactor: pose }
+    Snapshot { time: view.time, films: view.films.iter().zip(strains).map(film).collect(), impactors: poses.collect() }
 }
 
 fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain]) -> Detail {

@@ -3,26 +3,22 @@
 use serde::{Deserialize, Serialize};
 
 use super::grid::Grid;
-use crate::engine::Track;
+use crate::engine::{BodyTrack, Track};
 use crate::signal::{Channel, Recording};
 
-/// Impactor, jaws and strains at the samples of a run. Each loading makes its signals of them.
+/// Impactors, jaws and strains at the samples of a run. Each loading makes its signals of them.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Tracks {
     /// Between two samples, s.
     pub(super) sample: f64,
     /// Number of samples.
     pub(super) samples: usize,
-    /// Height of the impactor (m), its work on the film (J), force on the jaws (N).
-    pub(super) at_steps: Grid<3>,
-    /// Velocity of the impactor (m/s) and the impulse of the film on it so far (N s), twice a sample.
-    pub(super) at_half_steps: Grid<2>,
-    /// Whether the impactor does not move along z alone.
-    pub(super) are_spatial: bool,
-    /// Position of the impactor along x and y, m; only where it does not move along z alone.
-    pub(super) lateral: Grid<2>,
-    /// Its velocity along x and y (m/s) and the kinetic energy of its motion besides that along z (J), twice a sample.
-    pub(super) lateral_half: Grid<3>,
+    /// The impactors.
+    pub(super) bodies: Vec<BodyTracks>,
+    /// Force on the jaws, N.
+    pub(super) jaws: Grid<1>,
+    /// The middle of the last step, s.
+    middle: f64,
     /// Largest MD and TD strain.
     pub(super) strains: Grid<2>,
     /// Force of the film on the frame along x and y, N; only where a frame holds sides.
@@ -33,57 +29,120 @@ pub(super) struct Tracks {
     pub(super) films: Grid<2>,
     /// Largest rise of a node, m; only under pressure.
     pub(super) rise: Grid<1>,
-    /// Height of the impactor at its first impulse, m.
+}
+
+/// An impactor at the samples of a run.
+#[derive(Serialize, Deserialize)]
+pub(super) struct BodyTracks {
+    /// Between two samples, s.
+    sample: f64,
+    /// Height (m), work on the film (J).
+    pub(super) at_steps: Grid<2>,
+    /// Velocity (m/s), while it is held that with which it is released, and the impulses of the film and of other
+    /// impactors on it so far (N s), twice a sample.
+    pub(super) at_half_steps: Grid<3>,
+    /// Whether it does not move along z alone.
+    pub(super) is_spatial: bool,
+    /// Position along x and y, m; only where it does not move along z alone.
+    pub(super) lateral: Grid<2>,
+    /// Velocity along x and y (m/s) and the kinetic energy of its motion besides that along z (J), twice a sample.
+    pub(super) lateral_half: Grid<3>,
+    /// Its height at its first impulse, m.
     pub(super) first_contact: Option<f64>,
+    /// Whether another impactor has pushed it.
+    has_met: bool,
+}
+
+impl BodyTracks {
+    /// Tracks with `sample` (s) between samples of an impactor that moves down at `speed` (m/s) in free fall under
+    /// `gravity` (m/s²), along z alone or not.
+    pub(super) fn new(sample: f64, [speed, gravity]: [f64; 2], is_spatial: bool) -> BodyTracks {
+        let mut at_half_steps = Grid::new(-0.5 * sample, 0.5 * sample);
+        // Free fall before first contact, so that the first sample is a mean like every other.
+        at_half_steps.push(-sample, [gravity * sample - speed, 0.0, 0.0]);
+        at_half_steps.push(0.0, [-speed, 0.0, 0.0]);
+        BodyTracks {
+            sample,
+            at_steps: Grid::new(0.0, sample),
+            at_half_steps,
+            is_spatial,
+            lateral: Grid::new(0.0, sample),
+            lateral_half: Grid::new(-0.5 * sample, 0.5 * sample),
+            first_contact: None,
+            has_met: false,
+        }
+    }
+
+    /// Records a step at the time of the full step and in the middle of the step after it, s.
+    fn follow(&mut self, body: &BodyTrack, [time, middle]: [f64; 2]) {
+        let [x, y, z] = body.centre;
+        let [along_x, along_y, velocity] = body.velocity;
+        if body.impulse != 0.0 {
+            self.first_contact.get_or_insert(z);
+        }
+        self.at_steps.push(time, [z, body.work]);
+        self.at_half_steps.push(middle, [velocity, body.impulse, body.collision]);
+        self.has_met |= body.collision != 0.0;
+        if self.is_spatial {
+            let lateral = [along_x, along_y, body.lateral_energy];
+            if self.lateral_half.rows.is_empty() {
+                self.lateral_half.push(-self.sample, lateral);
+            }
+            self.lateral.push(time, [x, y]);
+            self.lateral_half.push(middle, lateral);
+        }
+    }
+
+    /// Samples whose half steps on both sides are known.
+    fn whole(&self) -> usize {
+        let halves = self.at_half_steps.rows.len().saturating_sub(1) / 2;
+        self.at_steps.rows.len().min(halves)
+    }
+
+    /// Impulse of the film on the impactor around sample `k`, over the time between samples, N.
+    pub(super) fn contact_force(&self, k: usize) -> f64 {
+        self.mean_force(k, 1)
+    }
+
+    /// The same of other impactors.
+    pub(super) fn collision_force(&self, k: usize) -> f64 {
+        self.mean_force(k, 2)
+    }
+
+    fn mean_force(&self, k: usize, impulse: usize) -> f64 {
+        let half = &self.at_half_steps.rows;
+        (half[2 * k + 2][impulse] - half[2 * k][impulse]) / self.sample
+    }
+
+    /// Whether it touched neither film nor another impactor.
+    pub(super) fn touched_nothing(&self) -> bool {
+        self.first_contact.is_none() && !self.has_met
+    }
 }
 
 impl Tracks {
-    /// Tracks of a run of `duration` (s) with `sample` (s) between samples; an impactor moves down at `speed` (m/s) in
-    /// free fall under `gravity` (m/s²).
-    pub(super) fn new(duration: f64, sample: f64, speed: f64, gravity: f64) -> Tracks {
-        let mut at_half_steps = Grid::new(-0.5 * sample, 0.5 * sample);
-        // Free fall before first contact, so that the first sample is a mean like every other.
-        at_half_steps.push(-sample, [gravity * sample - speed, 0.0]);
-        at_half_steps.push(0.0, [-speed, 0.0]);
+    /// Tracks of a run of `duration` (s) with `sample` (s) between samples.
+    pub(super) fn new(duration: f64, sample: f64, bodies: Vec<BodyTracks>) -> Tracks {
         Tracks {
             sample,
             samples: (duration / sample * (1.0 + 1e-12)).floor() as usize + 1,
-            at_steps: Grid::new(0.0, sample),
-            at_half_steps,
-            are_spatial: false,
-            lateral: Grid::new(0.0, sample),
-            lateral_half: Grid::new(-0.5 * sample, 0.5 * sample),
+            bodies,
+            jaws: Grid::new(0.0, sample),
+            middle: 0.0,
             strains: Grid::new(0.0, sample),
             frame: Grid::new(0.0, sample),
             air: Grid::new(0.0, sample),
             films: Grid::new(0.0, sample),
             rise: Grid::new(0.0, sample),
-            first_contact: None,
         }
-    }
-
-    /// The same of an impactor that does not move along z alone.
-    pub(super) fn of_spatial_motion(self) -> Tracks {
-        Tracks { are_spatial: true, ..self }
     }
 
     /// Records one step.
-    pub(super) fn follow(&mut self, track: &Track) {
-        let [x, y, z] = track.centre;
-        let [along_x, along_y, velocity] = track.velocity;
-        if track.impulse != 0.0 {
-            self.first_contact.get_or_insert(z);
-        }
-        let middle = track.time + 0.5 * track.dt;
-        self.at_steps.push(track.time, [z, track.work, track.jaw_force]);
-        self.at_half_steps.push(middle, [velocity, track.impulse]);
-        if self.are_spatial {
-            let lateral = [along_x, along_y, track.lateral_energy];
-            if self.lateral_half.rows.is_empty() {
-                self.lateral_half.push(-self.sample, lateral);
-            }
-            self.lateral.push(track.time, [x, y]);
-            self.lateral_half.push(middle, lateral);
+    pub(super) fn follow(&mut self, track: &Track<'_>) {
+        self.middle = track.time + 0.5 * track.dt;
+        self.jaws.push(track.time, [track.jaw_force]);
+        for (tracks, body) in self.bodies.iter_mut().zip(track.bodies) {
+            tracks.follow(body, [track.time, self.middle]);
         }
     }
 
@@ -92,21 +151,16 @@ impl Tracks {
         self.strains.rows.len() < self.samples && self.strains.is_due(time)
     }
 
-    /// Whether every sample has been recorded.
+    /// Whether every sample has been recorded, with the half steps on both of its sides.
     pub(super) fn are_complete(&self) -> bool {
-        self.at_steps.rows.len() >= self.samples && self.at_half_steps.rows.len() > 2 * self.samples
+        let last = -0.5 * self.sample + (2 * self.samples) as f64 * (0.5 * self.sample);
+        self.jaws.rows.len() >= self.samples && last <= self.middle
     }
 
-    /// Samples whose half steps on both sides are known.
+    /// Samples at which everything is known of the impactors and the strains.
     pub(super) fn whole(&self) -> usize {
-        let halves = self.at_half_steps.rows.len().saturating_sub(1) / 2;
-        self.samples.min(self.at_steps.rows.len()).min(halves)
-    }
-
-    /// Impulse of the film on the impactor around sample `k`, over the time between samples, N.
-    pub(super) fn contact_force(&self, k: usize) -> f64 {
-        let half = &self.at_half_steps.rows;
-        (half[2 * k + 2][1] - half[2 * k][1]) / self.sample
+        let of_bodies = self.bodies.iter().map(BodyTracks::whole).min().unwrap_or(0);
+        self.samples.min(of_bodies).min(self.strains.rows.len())
     }
 
     /// Channels of one row a sample.

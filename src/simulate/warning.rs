@@ -71,6 +71,44 @@ codes! {
         "load more slowly or set a lower `mass_scaling` where accuracy matters";
 }
 
+/// The impactor that a warning is about: the only one, or one of several by its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImpactorName(Option<String>);
+
+impl ImpactorName {
+    /// The only one of a scene.
+    pub fn only() -> ImpactorName {
+        ImpactorName(None)
+    }
+
+    /// The only one, or that of this name.
+    pub(super) fn named(name: Option<&str>) -> ImpactorName {
+        ImpactorName(name.map(str::to_owned))
+    }
+
+    /// Its name among the figures.
+    fn figure(&self) -> Option<(&'static str, Value)> {
+        self.0.as_ref().map(|name| ("impactor", Value::from(name.as_str())))
+    }
+
+    /// As the owner of something.
+    fn possessive(&self) -> String {
+        match &self.0 {
+            None => "the impactor's".to_owned(),
+            Some(name) => format!("the \"{name}\" impactor's"),
+        }
+    }
+}
+
+impl fmt::Display for ImpactorName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            None => f.write_str("the impactor"),
+            Some(name) => write!(f, "the impactor \"{name}\""),
+        }
+    }
+}
+
 /// What puts figures of a run in doubt. Faces are counted from one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
@@ -93,9 +131,11 @@ pub enum Warning {
     /// The test starts with film out of balance.
     NotInEquilibrium(Relaxation),
     /// The impactor did not touch the film.
-    NoContact,
+    NoContact(ImpactorName),
     /// Elements in contact are large compared with the impactor.
     CoarseContact {
+        /// Which one.
+        impactor: ImpactorName,
         /// When the bound was exceeded first, s.
         time: f64,
         /// Longest edge in contact over the radius of the impactor.
@@ -103,6 +143,8 @@ pub enum Warning {
     },
     /// Elements penetrate the impactor.
     Penetration {
+        /// Which one.
+        impactor: ImpactorName,
         /// When the bound was exceeded first, s.
         time: f64,
         /// Largest penetration over the radius of the impactor.
@@ -110,6 +152,8 @@ pub enum Warning {
     },
     /// The impactor reached the clamped edge.
     FrameHit {
+        /// Which one.
+        impactor: ImpactorName,
         /// When it did first, s.
         time: f64,
     },
@@ -137,7 +181,7 @@ pub enum Warning {
         times: u64,
     },
     /// The impactor is still in contact at the end.
-    Unfinished,
+    Unfinished(ImpactorName),
     /// Fewer snapshots than requested.
     FewerSnapshots {
         /// Requested.
@@ -219,24 +263,27 @@ impl fmt::Display for Warning {
                 "not in equilibrium: at the start forces out of balance are {} of the reactions",
                 number::figure(*residual, 2)
             ),
-            Warning::NoContact => f.write_str("no contact: the impactor did not touch the film during the whole test"),
-            Warning::CoarseContact { time, edge } => write!(
+            Warning::NoContact(impactor) => {
+                write!(f, "no contact: {impactor} did not touch the film during the whole test")
+            }
+            Warning::CoarseContact { impactor, time, edge } => write!(
                 f,
-                "coarse contact: from {} edges in contact are up to {} of the impactor's radius (bound {})",
+                "coarse contact: from {} edges in contact are up to {} of {} radius (bound {})",
                 number::duration(*time),
                 number::figure(*edge, 2),
+                impactor.possessive(),
                 bounds::EDGE
             ),
-            Warning::Penetration { time, depth } => write!(
+            Warning::Penetration { impactor, time, depth } => write!(
                 f,
-                "penetration: from {} elements penetrate the impactor by up to {} % of its radius (bound {} %)",
+                "penetration: from {} elements penetrate {impactor} by up to {} % of its radius (bound {} %)",
                 number::duration(*time),
                 percent(depth),
                 percent(&bounds::PENETRATION)
             ),
-            Warning::FrameHit { time } => write!(
+            Warning::FrameHit { impactor, time } => write!(
                 f,
-                "the impactor reached the clamped edge at {}: the frame itself is not modelled",
+                "{impactor} reached the clamped edge at {}: the frame itself is not modelled",
                 number::duration(*time)
             ),
             Warning::StrainLocalisation { time, strain, face } => write!(
@@ -258,8 +305,9 @@ impl fmt::Display for Warning {
                 "film contact lost: from {} contact between faces was given up {times} times at a node or at two edges",
                 number::duration(*time)
             ),
-            Warning::Unfinished => f.write_str(
-                "the run ends while the impactor is still in contact: rebound and energy absorption are not final",
+            Warning::Unfinished(impactor) => write!(
+                f,
+                "the run ends while {impactor} is still in contact: rebound and energy absorption are not final",
             ),
             Warning::FewerSnapshots { wanted, taken, memory } => write!(
                 f,
@@ -299,14 +347,14 @@ impl Report for Warning {
             Warning::AddedMass { .. } => &ADDED_MASS,
             Warning::Settled(_) => &SETTLED,
             Warning::NotInEquilibrium(_) => &NOT_IN_EQUILIBRIUM,
-            Warning::NoContact => &NO_CONTACT,
+            Warning::NoContact(_) => &NO_CONTACT,
             Warning::CoarseContact { .. } => &COARSE_CONTACT,
             Warning::Penetration { .. } => &PENETRATION,
             Warning::FrameHit { .. } => &FRAME_HIT,
             Warning::StrainLocalisation { .. } => &STRAIN_LOCALISATION,
             Warning::FilmCrossing { .. } => &FILM_CROSSING,
             Warning::FilmContactLost { .. } => &FILM_CONTACT_LOST,
-            Warning::Unfinished => &UNFINISHED,
+            Warning::Unfinished(_) => &UNFINISHED,
             Warning::FewerSnapshots { .. } => &FEWER_SNAPSHOTS,
             Warning::EnergyBalance { .. } => &ENERGY_BALANCE,
             Warning::StrainRateOutside { .. } => &STRAIN_RATE_OUTSIDE,
@@ -316,6 +364,14 @@ impl Report for Warning {
     }
 
     fn figures(&self) -> Map<String, Value> {
+        let about = match self {
+            Warning::NoContact(impactor)
+            | Warning::Unfinished(impactor)
+            | Warning::CoarseContact { impactor, .. }
+            | Warning::Penetration { impactor, .. }
+            | Warning::FrameHit { impactor, .. } => Some(impactor),
+            _ => None,
+        };
         let figures: &[(&str, Value)] = match *self {
             Warning::MisshapenElements { face, quality } => {
                 &[("face", face.into()), ("scaled_jacobian", quality.jacobian.into())]
@@ -329,18 +385,18 @@ impl Report for Warning {
                     ("displacement_m", displacement.into()),
                 ]
             }
-            Warning::CoarseContact { time, edge } => &[("time_s", time.into()), ("edge_over_radius", edge.into())],
-            Warning::Penetration { time, depth } => {
+            Warning::CoarseContact { time, edge, .. } => &[("time_s", time.into()), ("edge_over_radius", edge.into())],
+            Warning::Penetration { time, depth, .. } => {
                 &[("time_s", time.into()), ("penetration_over_radius", depth.into())]
             }
-            Warning::FrameHit { time } => &[("time_s", time.into())],
+            Warning::FrameHit { time, .. } => &[("time_s", time.into())],
             Warning::FilmCrossing { time, depth } => &[("time_s", time.into()), ("depth_m", depth.into())],
             Warning::FilmContactLost { time, times } => &[("time_s", time.into()), ("times", times.into())],
             Warning::StrainLocalisation { time, strain, face } => {
                 &[("time_s", time.into()), ("strain", strain.into()), ("face", face.into())]
             }
             Warning::AddedMass { face, share } => &[("face", face.into()), ("added_mass_share", share.into())],
-            Warning::NoContact | Warning::Unfinished => &[],
+            Warning::NoContact(_) | Warning::Unfinished(_) => &[],
             Warning::FewerSnapshots { wanted, taken, .. } => &[("wanted", wanted.into()), ("taken", taken.into())],
             Warning::EnergyBalance { error } => &[("energy_balance_error", error.into())],
             Warning::StrainRateOutside { share } => &[("share", share.into())],
@@ -348,7 +404,8 @@ impl Report for Warning {
                 &[("kinetic_share", share.into())]
             }
         };
-        figures.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect()
+        let named = about.into_iter().flat_map(ImpactorName::figure);
+        named.chain(figures.iter().cloned()).map(|(name, value)| (name.to_owned(), value)).collect()
     }
 }
 
@@ -359,7 +416,7 @@ mod tests {
 
     #[test]
     fn a_warning_states_the_fact_and_its_figures() {
-        let finding = Finding::new(&Warning::CoarseContact { time: 0.0123, edge: 0.4 });
+        let finding = Finding::new(&Warning::CoarseContact { impactor: ImpactorName(None), time: 0.0123, edge: 0.4 });
         let message =
             "coarse contact: from 12.3 ms edges in contact are up to 0.40 of the impactor's radius (bound 0.25)";
         assert_eq!((finding.code.as_str(), finding.message.as_str()), ("coarse-contact", message));

@@ -39,9 +39,9 @@ pub const RUN_FILES: [(&str, &str); 10] = [
     (SUMMARY, "the figures, for other programs"),
     (SCENARIO, "the scenario with everything that it takes from elsewhere"),
     (POST_SCRIPT, "the script that added figures"),
-    (RECORDING, "film, impactor and signals for the viewer: droptower view"),
+    (RECORDING, "film, impactors and signals for the viewer: droptower view"),
     (FILM_SERIES, "the film for ParaView"),
-    (IMPACTOR_SERIES, "the impactor for ParaView"),
+    (IMPACTOR_SERIES, "the impactors for ParaView"),
     (REPORT, "this page"),
     (FAILURE, "why the run failed"),
 ];

@@ -139,7 +139,7 @@ fn set_accepts_toml_and_bare_text() {
         assert!(matches!(size(argument), Ok(found) if found == 0.02), "{argument}: {:?}", size(argument));
     }
     assert!(matches!(set("frame.hold=none"), Ok(model) if model.frame.hold == model::Hold::None));
-    let friction = |argument: &str| set(argument).map(|model| model.impactor.map(|impactor| impactor.friction));
+    let friction = |argument: &str| set(argument).map(|model| model.impactor().map(|impactor| impactor.friction));
     assert!(matches!(friction("impactor.friction=10 %"), Ok(Some(0.1))));
     assert!(matches!(set("layers.faces.1=\"-50 mm\""), Ok(model) if model.faces[1].height == -0.05));
 }
@@ -203,7 +203,7 @@ fn a_child_leaves_out_what_it_inherits() {
     let fresh =
         "unset = [\"impactor\"]\nimpactor = { shape = { sphere = { radius = \"50 mm\" } }, mass = 1, friction = 0 }\n";
     fs::write(&path, format!("extends = '{}'\n{fresh}", tower.display())).expect("writable");
-    let impactor = check(&path).unwrap_or_else(|m| panic!("{}", render(&m, false))).impactor.expect("an impactor");
+    let impactor = check(&path).unwrap_or_else(|m| panic!("{}", render(&m, false))).impactors.remove(0);
     assert_eq!((impactor.mass, impactor.friction), (1.0, 0.0));
 }
 
@@ -259,7 +259,7 @@ fn a_resolved_scenario_does_not_depend_on_its_folder() {
     fs::write(&path, tower().resolved()).expect("writable");
     let again = check(&path).unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)));
     let model = model::check(&tower()).expect("a model");
-    assert_eq!((&again.faces, &again.impactor), (&model.faces, &model.impactor));
+    assert_eq!((&again.faces, &again.impactors), (&model.faces, &model.impactors));
     assert_eq!((again.loading, again.output), (model.loading, model.output));
     assert_eq!((again.specimen, again.frame, again.title), (model.specimen, model.frame, model.title));
 }

@@ -113,15 +113,37 @@ fn green_of(share: f32) -> f32 {
     GREENS[below] + (GREENS[below + 1] - GREENS[below]) * (place - below as f32)
 }
 
+/// Each of several impactors is drawn under its name, and so are its signals.
+#[test]
+fn a_recording_names_several_impactors() {
+    let changes = ["impactor.1.at=5ms", "loading.impact.duration=30ms", "output.frames=10"];
+    let (_folder, out) = run("tests/golden/two-impactors/scenario.toml", &changes);
+    let played = Playback::read(&out.join("recording.rrd")).expect("a recording");
+    let outcome = outcome(&out);
+    let table = csv::read(&out.join("signals.csv")).expect("signals");
+    for (index, name) in ["head", "hand"].into_iter().enumerate() {
+        let places = played.places(&format!("/scene/impactors/{name}"));
+        assert_eq!(places.len(), outcome.snapshots.len());
+        for ((_, place), snapshot) in places.iter().zip(&outcome.snapshots) {
+            let (computed, _) = snapshot.impactors[index];
+            assert_eq!(place[0], computed.map(|c| c as f32), "{name} at {} s", snapshot.time);
+        }
+        let drawn = played.values(TIME, &format!("/signals/{name}_contact_force_N"));
+        let force = table.channel(&format!("{name}_contact_force_N")).expect("a channel");
+        assert_eq!(drawn.len(), force.len());
+        assert!(drawn.iter().zip(force).all(|((_, drawn), force)| (drawn - force).abs() <= 1e-6 * force.abs()));
+    }
+}
+
 fn impactor_is_the_engines(played: &Playback, outcome: &Outcome) {
     let (places, turns) = (played.places("/scene/impactor"), played.rotations("/scene/impactor"));
     assert_eq!([places.len(), turns.len()], [outcome.snapshots.len(); 2]);
     for (((at, place), (_, turn)), snapshot) in places.iter().zip(&turns).zip(&outcome.snapshots) {
         assert!((*at as f64 * 1e-9 - snapshot.time).abs() < 2e-9);
-        let (computed, turned) = snapshot.impactor.expect("an impactor");
+        let (computed, turned) = snapshot.impactors[0];
         assert_eq!((place[0], turn[0]), (computed.map(|c| c as f32), turned.map(|c| c as f32)), "{at} ns");
     }
-    let surface = outcome.impactor.as_ref().expect("an impactor");
+    let surface = &outcome.impactors[0];
     let shape = played.nodes("/scene/impactor");
     let away = |point: &[f32; 3]| point.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
     assert!(shape[0].1.len() > 500, "it is round");

@@ -275,6 +275,7 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
                 "impactor.shape={ box = { size = [0.1, 0.2, 0.1], edge = 0.02 } }",
             ],
         ),
+        ("two-impactors", &["output.frames=20", "impactor.1.at=20ms"]),
         ("dart-disc", &["specimen.mesh.element=quad4-full"]),
         ("drop-different-faces", &[]),
         ("stretch-oblique-triangles", &[]),

@@ -1,7 +1,7 @@
 //! The position and target of the eye.
 
 use crate::film::mirrored;
-use crate::scene::{FilmSnapshot, FilmTrack, Scene};
+use crate::scene::{BodyTrack, FilmSnapshot, FilmTrack, Pose, Scene};
 
 /// Direction from the scene to the eye: from the side and a little above, so that film and body are both seen.
 const DIRECTION: [f32; 3] = [0.56, -0.79, 0.24];
@@ -71,17 +71,18 @@ impl Extent {
 }
 
 impl Eye {
-    /// An eye that has the films and the body in view, and what is below them.
+    /// An eye that has the films and the bodies in view, and what is below them.
     pub(crate) fn on(scene: &Scene) -> Eye {
         let Extent { mut low, mut high } = scene.extent.or_a_metre();
-        if scene.body.is_some() {
+        if !scene.bodies.is_empty() {
             low[2] -= DEPTH * (high[0] - low[0]).max(high[1] - low[1]);
         }
         high[2] = high[2].max(body_top(scene));
         let target = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
         let size = [0, 1, 2].map(|k| (high[k] - low[k]).powi(2)).iter().sum::<f32>().sqrt();
         let enlargement = if size > 0.0 { (LEAST_SIZE / size).max(1.0) } else { 1.0 };
-        let (direction, distance) = if scene.body.is_some() { (DIRECTION, DISTANCE) } else { (ABOVE, ABOVE_DISTANCE) };
+        let (direction, distance) =
+            if scene.bodies.is_empty() { (ABOVE, ABOVE_DISTANCE) } else { (DIRECTION, DISTANCE) };
         Eye {
             position: [0, 1, 2].map(|k| enlargement * (target[k] + distance * size * direction[k])),
             target: target.map(|coordinate| enlargement * coordinate),
@@ -90,11 +91,13 @@ impl Eye {
     }
 }
 
-/// Height of the body's top at first.
+/// Height of the top of the highest body at first.
 fn body_top(scene: &Scene) -> f32 {
-    let place = scene.body.as_ref().and_then(|body| Some((body, body.poses.first()?)));
-    let Some((body, pose)) = place else { return f32::NEG_INFINITY };
-    pose.position[2] + body.points.iter().map(|point| point[2]).fold(0.0, f32::max)
+    let places = scene.bodies.iter().filter_map(|body| Some((body, body.poses.first()?)));
+    let top = |(body, pose): (&BodyTrack, &Pose)| {
+        pose.position[2] + body.points.iter().map(|point| point[2]).fold(0.0, f32::max)
+    };
+    places.map(top).fold(f32::NEG_INFINITY, f32::max)
 }
 
 #[cfg(test)]

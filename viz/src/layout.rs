@@ -80,9 +80,13 @@ fn pictures(scene: &Scene, properties: &mut Properties) -> Option<ContainerLike>
 }
 
 fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Properties) -> ContainerLike {
-    let mut view = Spatial3DView::new(if scene.body.is_some() { "Film and impactor" } else { "Film" })
-        .with_origin("/")
-        .with_contents(["+ /scene/**"]);
+    let mut view = Spatial3DView::new(match scene.bodies.len() {
+        0 => "Film",
+        1 => "Film and impactor",
+        _ => "Film and impactors",
+    })
+    .with_origin("/")
+    .with_contents(["+ /scene/**"]);
     for film in &scene.films {
         view = view
             .with_override(film::entity(film), Mesh3D::update_fields().visualizer().with_mappings([mapping(quantity)]));

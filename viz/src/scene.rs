@@ -23,8 +23,8 @@ pub struct Scene {
     pub quantities: Vec<Quantity>,
     /// Films, in the order by which snapshots name them.
     pub films: Vec<FilmTrack>,
-    /// The impactor, if there is one.
-    pub body: Option<BodyTrack>,
+    /// The impactors, in the order by which their poses name them.
+    pub bodies: Vec<BodyTrack>,
     /// Signals that the charts show.
     pub signals: Vec<SignalTrack>,
     /// Charts beside the films, from top to bottom.
@@ -63,14 +63,14 @@ pub struct FilmSnapshot {
     pub values: Vec<Vec<f32>>,
     /// Whether a triangle is intact, one entry a triangle.
     pub visible: Vec<bool>,
-    /// Nodes in contact with the body.
+    /// Nodes in contact with a body.
     pub in_contact: Vec<u32>,
 }
 
 /// A rigid body that moves.
 #[derive(Clone, Debug)]
 pub struct BodyTrack {
-    /// Name in entity paths.
+    /// Name in entity paths, e.g. `impactor`.
     pub name: String,
     /// Points of its surface in its own axes, m.
     pub points: Vec<[f32; 3]>,

@@ -88,9 +88,9 @@ impl Stage {
         self.log_lists()
     }
 
-    /// Logs the pose of the body, if the scene has one.
-    pub fn pose(&self, pose: &Pose) -> Result<(), VizError> {
-        let Some(body) = &self.scene.body else { return Ok(()) };
+    /// Logs the pose of the body of this index, if the scene has it.
+    pub fn pose(&self, body: usize, pose: &Pose) -> Result<(), VizError> {
+        let Some(body) = self.scene.bodies.get(body) else { return Ok(()) };
         Ok(body::log_pose(&self.stream, body, pose)?)
     }
 
@@ -128,9 +128,9 @@ impl Stage {
         let films = scene.films.iter().map(|film| Film::begin(&stream, film, &scene.extent));
         let films = films.collect::<Result<_, _>>()?;
         let stage = Stage { stream, scene, films };
-        if let Some(body) = &stage.scene.body {
+        for (index, body) in stage.scene.bodies.iter().enumerate() {
             body::log_shape(&stage.stream, body)?;
-            body.poses.iter().try_for_each(|pose| stage.pose(pose))?;
+            body.poses.iter().try_for_each(|pose| stage.pose(index, pose))?;
         }
         stage.log_lists()?;
         Ok(stage)

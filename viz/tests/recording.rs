@@ -73,14 +73,14 @@ fn scene(films: &[Film], signals: Vec<SignalTrack>) -> Scene {
         name: "test".to_owned(),
         documents: vec![Document { path: "summary".into(), title: "Summary".into(), text: "# A test".into() }],
         charts: vec![Chart { title: "All".to_owned(), signals: signals.iter().map(|s| s.path.clone()).collect() }],
-        body: Some(BodyTrack {
+        bodies: vec![BodyTrack {
             name: "impactor".to_owned(),
             points: vec![[0.1, 0.0, 0.1], [-0.1, 0.0, 0.1], [0.0, 0.1, -0.1], [0.0, -0.1, -0.1]],
             triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
             poses: (0..3)
                 .map(|i| Pose { time: f64::from(i), position: [0.0, 0.0, i as f32], rotation: [0.0, 0.0, 0.0, 1.0] })
                 .collect(),
-        }),
+        }],
         events: vec![Event { at: Moment::Time(0.5), severity: Severity::Warning, text: "rupture".to_owned() }],
         quantities: vec![quantity("md"), quantity("td")],
         films: films.iter().map(|(track, _)| track.clone()).collect(),

@@ -122,9 +122,7 @@ fn decisive(model: &Model) -> Model {
     if let Outline::Mesh(path) = &mut model.specimen.shape {
         *path = PathBuf::new();
     }
-    if let Some(impactor) = &mut model.impactor {
-        without_paths(&mut impactor.shape);
-    }
+    model.impactors.iter_mut().for_each(|impactor| without_paths(&mut impactor.shape));
     model
 }
 

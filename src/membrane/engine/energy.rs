@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 pub struct Energies {
     /// Kinetic, film.
     pub kinetic_film: f64,
-    /// Kinetic, impactor.
+    /// Kinetic, impactors.
     pub kinetic_impactor: f64,
-    /// Potential in gravity, film and impactor, over the undeformed state.
+    /// Potential in gravity, film and impactors, over the undeformed state.
     pub potential: f64,
     /// Elastic, returned on unloading.
     pub stored: f64,
@@ -25,15 +25,17 @@ pub struct Energies {
     pub friction: f64,
     /// Dissipated by friction of the impactor's guide.
     pub guide: f64,
+    /// Dissipated where impactors meet each other.
+    pub collision: f64,
     /// Dissipated by mass-proportional damping.
     pub damping: f64,
-    /// External work by jaws, pressure or an impactor with prescribed motion, counted negative.
+    /// External work by jaws, pressure, an impactor with prescribed motion or what launches an impactor, counted negative.
     pub external: f64,
 }
 
 impl Energies {
     /// Names of the terms as channels, in the order of [`Energies::terms`].
-    pub const NAMES: [&'static str; 12] = [
+    pub const NAMES: [&'static str; 13] = [
         "kinetic_film_J",
         "kinetic_impactor_J",
         "potential_J",
@@ -44,12 +46,13 @@ impl Energies {
         "contact_J",
         "friction_J",
         "guide_J",
+        "collision_J",
         "damping_J",
         "external_J",
     ];
 
     /// The terms in order.
-    pub fn terms(&self) -> [f64; 12] {
+    pub fn terms(&self) -> [f64; 13] {
         [
             self.kinetic_film,
             self.kinetic_impactor,
@@ -61,6 +64,7 @@ impl Energies {
             self.contact,
             self.friction,
             self.guide,
+            self.collision,
             self.damping,
             self.external,
         ]

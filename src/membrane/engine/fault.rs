@@ -11,6 +11,28 @@ pub enum Fault {
         /// Time, s.
         time: f64,
     },
+    /// An impactor is released where there is film.
+    #[error("impactor {impactor} is released at {time:.6} s {:.3} mm inside the film", 1e3 * depth)]
+    ReleasedInFilm {
+        /// Time, s.
+        time: f64,
+        /// Number of the impactor, from 1.
+        impactor: usize,
+        /// How deep, m.
+        depth: f64,
+    },
+    /// An impactor is released where there is another.
+    #[error("impactor {impactor} is released at {time:.6} s {:.3} mm inside impactor {other}", 1e3 * depth)]
+    ReleasedInImpactor {
+        /// Time, s.
+        time: f64,
+        /// Number of the impactor, from 1.
+        impactor: usize,
+        /// Number of the other one.
+        other: usize,
+        /// How deep, m.
+        depth: f64,
+    },
     /// A strain is not finite.
     #[error("the strain of element {element} of face {face} is not finite at {time:.6} s")]
     NotFinite {

@@ -4,6 +4,8 @@
 //! contact, drift of the body (theory.md, section 4). Signals and snapshots are taken by an [`Observer`], which is
 //! shown a read-only [`View`].
 
+mod bodies;
+mod collision;
 mod colouring;
 mod contact;
 mod cushion;
@@ -18,6 +20,7 @@ mod film_contact;
 mod film_history;
 mod footprint;
 mod guide_friction;
+mod impact;
 mod loads;
 mod mesh;
 mod mount;
@@ -26,6 +29,7 @@ mod observer;
 mod patch;
 mod pressure;
 mod relaxation;
+mod resolution;
 mod rigid_body;
 mod section;
 mod state;
@@ -44,10 +48,11 @@ pub use fault::Fault;
 pub use film::{AddedMass, Film};
 pub use film_contact::FilmContactState;
 pub use guide_friction::GuideFriction;
+pub use impact::Impact;
 pub use loads::{Jaw, Loads};
 pub use mesh::Mesh;
 pub use nodes::{Nodes, Vectors};
-pub use observer::{Observer, Track, View};
+pub use observer::{BodyTrack, Observer, Track, View};
 pub use patch::Patch;
 pub use pressure::Inflation;
 pub use relaxation::{Relaxation, Settling};
@@ -69,11 +74,11 @@ use nodes::{Kick, StepSums};
 use pressure::Inflated;
 use serde::{Deserialize, Serialize};
 
-/// Films, nodes, impactor and loads, and their integration in time.
+/// Films, nodes, impactors and loads, and their integration in time.
 pub struct Engine {
     films: Vec<Film>,
     nodes: Nodes,
-    impact: Option<Impact>,
+    impacts: Vec<Impact>,
     /// Contact between faces, where it is computed.
     film_contact: Option<FilmContact>,
     loads: Loads,
@@ -99,16 +104,6 @@ pub struct Engine {
     failed: usize,
 }
 
-/// The impactor and its contact with the film.
-pub struct Impact {
-    /// The impactor.
-    pub body: RigidBody,
-    /// Its contact.
-    pub contact: Contact,
-    /// Whether it starts in contact with the film, and so is lifted with film that settles above where it was mounted.
-    pub in_contact: bool,
-}
-
 /// Nodes of a range.
 const NODES_PER_RANGE: usize = 1024;
 
@@ -129,6 +124,10 @@ struct EnergyLedger {
     guide: f64,
     /// Part of `guide` that belongs to the half step after the full one.
     guide_ahead: f64,
+    /// Dissipated where bodies meet.
+    collision: f64,
+    /// Part of `collision` that belongs to the half step after the full one.
+    collision_ahead: f64,
 }
 
 /// State of the full step, stored for an observer while the nodes move on.
@@ -138,15 +137,15 @@ struct PreviousStep {
     force: Vectors,
     /// Half a step before the full one.
     velocity: Vectors,
-    body: Option<RigidBody>,
+    bodies: Vec<RigidBody>,
 }
 
 impl Engine {
-    /// An engine at time zero with one thread; `impact` is the impactor, if any.
+    /// An engine at time zero with one thread; `impacts` are the impactors.
     ///
     /// # Panics
     /// Where `films` are not those mounted on `nodes`, in their order.
-    pub fn new(films: Vec<Film>, nodes: Nodes, impact: Option<Impact>, loads: Loads) -> Engine {
+    pub fn new(films: Vec<Film>, nodes: Nodes, impacts: impl IntoIterator<Item = Impact>, loads: Loads) -> Engine {
         let ends = films.iter().map(|film| film.nodes.end);
         let begins = films.iter().map(|film| film.nodes.start).chain([nodes.mass.len()]);
         assert!(begins.eq(std::iter::once(0).chain(ends)), "films follow each other on their nodes");
@@ -164,10 +163,14 @@ impl Engine {
         };
         let node_ranges = films.iter().flat_map(|film| cut(film.nodes.clone())).collect();
         let mounted_volume = loads.cushion.map_or(0.0, |_| Enclosed::between(&films, &nodes).volume);
+        let mut impacts: Vec<Impact> = impacts.into_iter().collect();
+        if impacts.len() > 1 {
+            impacts = impacts.into_iter().map(Impact::beside_others).collect();
+        }
         let mut engine = Engine {
             films,
             nodes,
-            impact,
+            impacts,
             film_contact: None,
             loads,
             time_step: TimeStep::default(),
@@ -229,16 +232,16 @@ impl Engine {
         self.films.iter().map(Film::elements).sum()
     }
 
-    /// Surface of the impactor.
-    pub fn impactor(&self) -> Option<&Surface> {
-        self.impact.as_ref().map(|impact| impact.contact.surface())
+    /// Surfaces of the impactors.
+    pub fn impactors(&self) -> impl Iterator<Item = &Surface> {
+        self.impacts.iter().map(|impact| impact.contact.surface())
     }
 
     /// Bytes of all arrays that grow with the mesh: nodes, elements, contact, and the previous step stored for
     /// observers. Spare capacity does not count.
     pub fn bytes(&self) -> usize {
         let films: usize = self.films.iter().map(Film::bytes).sum();
-        let contact = self.impact.as_ref().map_or(0, |impact| impact.contact.bytes());
+        let contact: usize = self.impacts.iter().map(|impact| impact.contact.bytes()).sum();
         let between = self.film_contact.as_ref().map_or(0, FilmContact::bytes);
         self.nodes.bytes() + self.previous.bytes() + films + contact + between
     }
@@ -253,11 +256,12 @@ impl Engine {
         let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.pool, self.time)?;
         let over = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
         let observed = observer.needs_state(self.time);
+        self.release()?;
         self.forces(last);
         self.add_jaw_work(dt, over);
         let jaw_force = self.jaw_force();
         if observed {
-            self.previous.store(&self.nodes, self.impact.as_ref());
+            self.previous.store(&self.nodes, &self.impacts);
         }
         let fastest = self.advance(over, dt);
         if observed {
@@ -285,7 +289,7 @@ impl Engine {
         }
         if failures.broken > 0 {
             self.time_step.tear();
-            self.impact.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
+            self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
             self.film_contact.iter_mut().for_each(|contact| contact.remove_deleted(&self.films));
         }
         self.failed += failures.failed;
@@ -344,16 +348,17 @@ impl Engine {
         self.ledger.external_ahead = -0.5 * power * dt;
     }
 
-    /// Kicks nodes and body over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the body and with
+    /// Kicks nodes and bodies over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the bodies and with
     /// each other. Returns the largest speed of a node, m/s.
     fn advance(&mut self, over: f64, dt: f64) -> f64 {
-        let Engine { films, nodes, impact, film_contact, .. } = self;
+        let Engine { films, nodes, impacts, film_contact, .. } = self;
         if let Some(contact) = film_contact {
             contact.prepare(films, nodes);
         }
-        let record = impact.as_mut().map(|Impact { body, contact, .. }| contact.prepare(films, nodes, body));
+        let released = impacts.iter_mut().filter(|impact| !impact.is_held());
+        let records = released.map(|Impact { body, contact, .. }| contact.prepare(films, nodes, body)).collect();
         let kick = Kick::new(over, self.loads.damping);
-        let integration = nodes.integration(kick, dt, self.loads.film_gravity(), record);
+        let integration = nodes.integration(kick, dt, self.loads.film_gravity(), records);
         let (width, ranges) = (self.pool.width(), &self.node_ranges);
         let mut parts = vec![StepSums::default(); ranges.len()];
         let sums_of = Disjoint::new(&mut parts);
@@ -362,38 +367,9 @@ impl Engine {
             unsafe { *sums_of.at(part) = integration.advance(width, ranges[part].clone()) };
         });
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
-        let mut fastest = sums.largest_speed_squared.sqrt();
-        let damped = self.loads.damping > 0.0;
-        let between = &mut self.film_contact;
-        if let Some(between) = between.as_mut().filter(|_| damped) {
-            between.record_prediction(&self.nodes);
-        }
-        if let Some(Impact { body, contact, .. }) = &mut self.impact {
-            let before = body.clone();
-            body.kick(over, self.loads.gravity);
-            if damped {
-                contact.record_prediction(&self.nodes);
-            }
-            let film = &mut self.nodes;
-            fastest = fastest.max(contact.resolve(film, body, &before, [over, dt], &self.pool, between.as_mut()));
-            let work = contact.guide_impulse.map_or([0.0; 2], |impulse| {
-                [before.velocity.z, body.velocity.z].map(|velocity| -0.5 * impulse * velocity)
-            });
-            self.ledger.guide += work[0] + work[1];
-            self.ledger.guide_ahead = work[1];
-            if damped && between.is_none() {
-                sums.damped += contact.damping_correction(&self.nodes);
-            }
-        } else if let Some(between) = between {
-            between.resolve(&mut self.nodes, dt, &self.pool);
-        }
-        if let Some(between) = between {
-            fastest = fastest.max(between.finish(&mut self.nodes, dt));
-            between.reduce_margin(fastest * dt);
-            if damped {
-                sums.damped += between.damping_correction(&self.nodes);
-            }
-        }
+        let fastest = sums.largest_speed_squared.sqrt();
+        let fastest = fastest.max(self.resolve_contact(over, dt, &mut sums));
+        self.film_contact.iter_mut().for_each(|contact| contact.reduce_margin(fastest * dt));
         self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
         fastest
     }
@@ -412,19 +388,11 @@ impl Engine {
         std::mem::swap(&mut self.nodes.force, &mut self.previous.force);
     }
 
-    /// Moves the body and reports its track.
+    /// Moves the bodies and reports their tracks.
     fn finish(&mut self, dt: f64, fastest: f64, jaw_force: f64, observer: &mut dyn Observer) {
-        let mut track = Track { time: self.time, dt, jaw_force, ..Track::default() };
-        if let Some(Impact { body, contact, .. }) = &mut self.impact {
-            track.centre = body.centre().into();
-            track.velocity = body.velocity.into();
-            track.lateral_energy = body.lateral_energy();
-            track.work = contact.work.on_film;
-            track.impulse = contact.work.impulse;
-            let rotation = body.spin.norm() * contact.surface().bounding_radius();
-            contact.reduce_skin((fastest + body.velocity.norm() + rotation) * dt);
-            body.drift(dt);
-        }
+        let bodies = self.track_bodies();
+        self.drift_bodies(dt, fastest);
+        let track = Track { time: self.time, dt, bodies: &bodies, jaw_force };
         observer.track(&track);
         self.time += dt;
         self.steps += 1;
@@ -439,15 +407,12 @@ impl Engine {
 
     /// What observers see.
     fn view(&self) -> View<'_> {
-        let impact = self.impact.as_ref();
-        let (body, contact) = (impact.map(|i| &i.body), impact.map(|i| &i.contact));
         View {
             time: self.time,
             steps: self.steps,
             films: &self.films,
             nodes: &self.nodes,
-            body,
-            contact,
+            impacts: &self.impacts,
             loads: &self.loads,
             film_contact: self.film_contact.as_ref(),
             cushion: self.cushion,
@@ -465,10 +430,11 @@ impl PreviousStep {
     }
 
     /// Stores the present state.
-    fn store(&mut self, nodes: &Nodes, impact: Option<&Impact>) {
+    fn store(&mut self, nodes: &Nodes, impacts: &[Impact]) {
         self.position.clone_from(&nodes.position);
         self.force.clone_from(&nodes.force);
         self.velocity.clone_from(&nodes.velocity);
-        self.body = impact.map(|impact| impact.body.clone());
+        self.bodies.clear();
+        self.bodies.extend(impacts.iter().map(|impact| impact.body.clone()));
     }
 }

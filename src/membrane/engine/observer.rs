@@ -4,7 +4,7 @@ use super::cushion::CushionState;
 use super::film_contact::{FilmContact, FilmContactState};
 use super::thread_pool::ThreadPool;
 use super::{
-    Contact, ContactState, ElementStrain, Energies, EnergyLedger, Fault, Film, Loads, Nodes, PreviousStep, RigidBody,
+    ContactState, ElementStrain, Energies, EnergyLedger, Fault, Film, Impact, Loads, Nodes, PreviousStep, RigidBody,
     film,
 };
 
@@ -17,29 +17,38 @@ pub trait Observer {
     /// # Errors
     /// A [`Fault`] ends the run.
     fn observe(&mut self, view: &View<'_>) -> Result<(), Fault>;
-    /// Is shown impactor and jaws at every step.
-    fn track(&mut self, _track: &Track) {}
+    /// Is shown impactors and jaws at every step.
+    fn track(&mut self, _track: &Track<'_>) {}
 }
 
-/// The impactor and the jaws at one step; zero where there is none.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Track {
+/// The impactors and the jaws at one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Track<'a> {
     /// Full step, s.
     pub time: f64,
     /// The step after it, s.
     pub dt: f64,
+    /// The impactors.
+    pub bodies: &'a [BodyTrack],
+    /// Force of the film on the jaws, mean over all of them, N; zero where there is none.
+    pub jaw_force: f64,
+}
+
+/// An impactor at one step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BodyTrack {
     /// Centre of mass at the full step, m.
     pub centre: [f64; 3],
-    /// Its velocity in the middle of the step after it, m/s.
+    /// Its velocity in the middle of the step after it, m/s; while it is held, that with which it is released.
     pub velocity: [f64; 3],
     /// Kinetic energy there of its motion besides that along z, J; zero where its motion is prescribed.
     pub lateral_energy: f64,
     /// Work of the impactor on the film so far, J.
     pub work: f64,
-    /// Impulse on the impactor along z so far, N s.
+    /// Impulse of the film on the impactor along z so far, N s.
     pub impulse: f64,
-    /// Force of the film on the jaws, mean over all of them, N.
-    pub jaw_force: f64,
+    /// Impulse of other impactors on it along z so far, N s.
+    pub collision: f64,
 }
 
 /// The state at a full step, read-only.
@@ -52,9 +61,7 @@ pub struct View<'a> {
     pub films: &'a [Film],
     /// Nodes: positions and forces at `time`, velocities half a step after it.
     pub nodes: &'a Nodes,
-    /// The impactor, its velocities half a step after `time`.
-    pub body: Option<&'a RigidBody>,
-    pub(super) contact: Option<&'a Contact>,
+    pub(super) impacts: &'a [Impact],
     pub(super) film_contact: Option<&'a FilmContact>,
     pub(super) loads: &'a Loads,
     pub(super) cushion: Option<CushionState>,
@@ -72,6 +79,7 @@ impl View<'_> {
             rupture: self.ledger.rupture,
             absorbed: self.ledger.absorbed,
             guide: self.ledger.guide - self.ledger.guide_ahead,
+            collision: self.ledger.collision - self.ledger.collision_ahead,
             damping: self.ledger.damping,
             external: self.ledger.external - self.ledger.external_ahead,
             ..Energies::default()
@@ -86,14 +94,12 @@ impl View<'_> {
             out.kinetic_film += multiplicity * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
             out.potential += multiplicity * mass * of_film * self.nodes.position.at(n)[2];
         }
-        if let (Some(body), Some(before)) = (self.body, &self.previous.body) {
-            out.kinetic_impactor = body.kinetic_energy(before);
+        for (Impact { body, contact, .. }, before) in self.impacts.iter().zip(&self.previous.bodies) {
+            out.kinetic_impactor += body.kinetic_energy(before);
             out.potential += body.potential_energy(g);
-        }
-        if let Some(contact) = &self.contact {
-            out.contact = contact.work.impact_loss;
-            out.friction = contact.work.friction_loss;
-            if self.body.is_some_and(RigidBody::has_prescribed_motion) {
+            out.contact += contact.work.impact_loss;
+            out.friction += contact.work.friction_loss;
+            if body.has_prescribed_motion() {
                 out.external -= contact.work.on_film - contact.work.ahead;
             }
         }
@@ -125,19 +131,25 @@ impl View<'_> {
         Some(self.film_contact?.state(self.nodes, self.pool))
     }
 
-    /// State of contact, if there is an impactor.
-    pub fn contact_state(&self) -> Option<ContactState> {
-        let (contact, body) = (self.contact?, self.body?);
-        Some(contact.state(self.nodes, &body.pose))
+    /// The impactors, their velocities half a step after `time`.
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = &RigidBody> {
+        self.impacts.iter().map(|impact| &impact.body)
     }
 
-    /// Half the smallest extent of the impactor, m.
-    pub fn impactor_size(&self) -> Option<f64> {
-        self.contact.as_ref().map(|c| c.surface().size())
+    /// State of contact of each impactor, and half its smallest extent, m.
+    pub fn contact_states(&self) -> impl Iterator<Item = (ContactState, f64)> {
+        let state =
+            |Impact { body, contact, .. }: &Impact| (contact.state(self.nodes, &body.pose), contact.surface().size());
+        self.impacts.iter().map(state)
     }
 
-    /// Nodes in contact with the impactor in this step.
+    /// Nodes in contact with an impactor in this step.
     pub fn nodes_in_contact(&self) -> Vec<usize> {
-        self.contact.as_ref().map_or(vec![], |c| c.nodes_in_contact().collect())
+        let mut nodes: Vec<usize> = self.impacts.iter().flat_map(|impact| impact.contact.nodes_in_contact()).collect();
+        if self.impacts.len() > 1 {
+            nodes.sort_unstable();
+            nodes.dedup();
+        }
+        nodes
     }
 }

@@ -41,7 +41,7 @@ pub struct Relaxation {
     pub steps: u64,
     /// Largest displacement of a node, m.
     pub displacement: f64,
-    /// Rise of the highest point of all film, by which the impactor was lifted, m: slack film may settle above the plane
+    /// Rise of the highest point of all film, by which impactors in contact with it were lifted, m: slack film may settle above the plane
     /// in which it was mounted.
     pub lift: f64,
 }
@@ -123,10 +123,11 @@ impl Engine {
         let displacement = (0..self.nodes.mass.len()).map(moved).fold(0.0, f64::max);
         let highest = |position: &Vectors| position.axes()[2].iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let rise = (highest(&self.nodes.position) - highest(&position)).max(0.0);
-        let lift = self.impact.as_mut().filter(|impact| impact.in_contact).map_or(0.0, |impact| {
+        let mut lift = 0.0;
+        for impact in self.impacts.iter_mut().filter(|impact| impact.in_contact) {
             impact.body.pose.translation.vector.z += rise;
-            rise
-        });
+            lift = rise;
+        }
         self.nodes.velocity = velocity;
         self.start_from_here();
         Ok(Relaxation { mounted, residual, steps, displacement, lift })
@@ -187,7 +188,7 @@ impl Engine {
         self.failed = 0;
         self.forces(0.0);
         self.nodes.clear_forces();
-        self.impact.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
+        self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
         self.film_contact.iter_mut().for_each(FilmContact::invalidate);
         self.time_step = TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads);
     }

@@ -3,12 +3,11 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::contact::ContactHistory;
 use super::cushion::CushionState;
 use super::film_contact::FilmContactHistory;
 use super::film_history::FilmHistory;
+use super::impact::ImpactState;
 use super::pressure::Inflated;
-use super::rigid_body::Motion;
 use super::{EnergyLedger, Engine, Film, TimeStep, Vectors};
 
 /// State of an engine between two steps. Forces are left out: they follow from the rest.
@@ -25,7 +24,7 @@ pub struct State {
     position: Vectors,
     velocity: Vectors,
     films: Vec<FilmHistory>,
-    impact: Option<(Motion, ContactHistory)>,
+    impacts: Vec<ImpactState>,
     film_contact: Option<FilmContactHistory>,
 }
 
@@ -44,7 +43,8 @@ pub struct StateMismatch {
 impl Engine {
     /// The state after the last step.
     pub fn state(&self) -> State {
-        let Engine { films, nodes, impact, film_contact, time_step, time, steps, ledger, inflated, cushion, .. } = self;
+        let Engine { films, nodes, impacts, film_contact, time_step, time, steps, ledger, inflated, cushion, .. } =
+            self;
         State {
             time: *time,
             steps: *steps,
@@ -55,7 +55,7 @@ impl Engine {
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
             films: films.iter().map(Film::save).collect(),
-            impact: impact.as_ref().map(|impact| (impact.body.motion(), impact.contact.save())),
+            impacts: impacts.iter().map(|impact| impact.save()).collect(),
             film_contact: film_contact.as_ref().map(|contact| contact.save()),
         }
     }
@@ -77,9 +77,8 @@ impl Engine {
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;
         self.films.iter_mut().zip(&state.films).for_each(|(film, history)| film.restore(history));
-        if let (Some(impact), Some((motion, history))) = (&mut self.impact, state.impact) {
-            impact.body.restore(&motion);
-            impact.contact.restore(history, &self.films);
+        for (impact, state) in self.impacts.iter_mut().zip(state.impacts) {
+            impact.restore(state, &self.films);
         }
         if let (Some(contact), Some(history)) = (&mut self.film_contact, state.film_contact) {
             contact.restore(history, &self.films);
@@ -97,8 +96,8 @@ impl Engine {
             same("integration points", history.points(), film.points())?;
             same("history variables", history.variables(), film.variables())?;
         }
-        same("impactors", usize::from(state.impact.is_some()), usize::from(self.impact.is_some()))?;
-        let listed = state.impact.as_ref().is_none_or(|(_, history)| history.fits(nodes));
+        same("impactors", state.impacts.len(), self.impacts.len())?;
+        let listed = state.impacts.iter().all(|impact| impact.contact.fits(nodes));
         same("lists of neighbours", usize::from(listed), 1)?;
         let (found, expected) = (&state.film_contact, &self.film_contact);
         same("contacts between faces", usize::from(found.is_some()), usize::from(expected.is_some()))?;

@@ -1,4 +1,4 @@
-//! The film on a page: snapshots of faces and impactor, in few enough bytes to send the page by mail.
+//! The film on a page: snapshots of faces and impactors, in few enough bytes to send the page by mail.
 
 mod coarse;
 
@@ -51,26 +51,30 @@ pub(super) fn figure(model: &Model, outcome: &Outcome, signals: &Recording) -> S
     let moments = moments(model, outcome, signals);
     let chosen = chosen(&snapshots, &moments, most);
     let states: Vec<&Snapshot> = chosen.iter().map(|at| snapshots[*at]).collect();
-    let body = outcome.impactor.as_ref().map(|surface| Body::of(surface, SIDES));
-    let scene = Scene { faces, states, moments, body };
+    let bodies = outcome.impactors.iter().map(|surface| Body::of(surface, SIDES)).collect();
+    let scene = Scene { faces, states, moments, bodies };
     let note = scene.note(outcome);
     let data = data(&scene.contents());
     format!("<figure class=\"film\">\n{data}<figcaption class=\"note\">{}</figcaption>\n</figure>\n", escape(&note))
 }
 
 /// Name of an event that the page jumps to, and its time, s.
-type Moment = (&'static str, f64);
+type Moment = (String, f64);
 
 fn moments(model: &Model, outcome: &Outcome, signals: &Recording) -> Vec<Moment> {
     let peak = |channel: &str| Some(signals.series(channel)?.largest()?[0]);
     let mut moments = Vec::new();
     if matches!(model.loading, Loading::Impact { .. }) {
-        moments.extend(peak(column::ACCELERATION_FILTERED.name).map(|time| ("largest deceleration", time)));
-        moments.extend(lowest_point(signals).map(|[time, _]| ("lowest point", time)));
+        for (name, prefix) in model.names().into_iter().zip(model.prefixes()) {
+            let words = |what: &str| name.map_or_else(|| what.to_owned(), |name| format!("{what}, {name}"));
+            let braking = peak(&format!("{prefix}{}", column::ACCELERATION_FILTERED.name));
+            moments.extend(braking.map(|time| (words("largest deceleration"), time)));
+            moments.extend(lowest_point(signals, &prefix).map(|[time, _]| (words("lowest point"), time)));
+        }
     } else {
-        moments.extend(peak(column::FORCE.name).map(|time| ("largest force", time)));
+        moments.extend(peak(column::FORCE.name).map(|time| ("largest force".to_owned(), time)));
     }
-    moments.extend(outcome.rupture_time.map(|time| ("rupture", time)));
+    moments.extend(outcome.rupture_time.map(|time| ("rupture".to_owned(), time)));
     moments.sort_by(|a, b| a.1.total_cmp(&b.1));
     moments
 }
@@ -95,9 +99,9 @@ fn chosen(snapshots: &[&Snapshot], moments: &[Moment], most: usize) -> BTreeSet<
 
 pub(super) fn is_finite(snapshot: &Snapshot) -> bool {
     let finite = |place: &[f32; 3]| place.iter().all(|c| c.is_finite());
-    let body =
-        snapshot.impactor.is_none_or(|(position, rotation)| position.iter().chain(&rotation).all(|c| c.is_finite()));
-    body && snapshot.films.iter().all(|film| film.positions.iter().all(finite))
+    let bodies = &snapshot.impactors;
+    let placed = bodies.iter().all(|(position, rotation)| position.iter().chain(rotation).all(|c| c.is_finite()));
+    placed && snapshot.films.iter().all(|film| film.positions.iter().all(finite))
 }
 
 /// One face of film as it is drawn.
@@ -130,7 +134,7 @@ struct Scene<'a> {
     faces: Vec<Face>,
     states: Vec<&'a Snapshot>,
     moments: Vec<Moment>,
-    body: Option<Body>,
+    bodies: Vec<Body>,
 }
 
 impl Scene<'_> {
@@ -143,14 +147,14 @@ impl Scene<'_> {
         let state = |(state, places): (&&Snapshot, &Vec<[f32; 3]>)| {
             let strains: Vec<u8> =
                 self.faces.iter().flat_map(|face| strains(face, state, [fibre, fibre, shear])).collect();
-            let pose = state.impactor.map(|(position, rotation)| {
-                position.iter().chain(&rotation).map(|c| rounded(*c, DIGITS)).collect::<Vec<_>>()
-            });
+            let pose = |(position, rotation): &([f64; 3], [f64; 4])| {
+                position.iter().chain(rotation).map(|c| rounded(*c, DIGITS)).collect::<Vec<_>>()
+            };
             json!({
                 "time": rounded(state.time * 1e3, DIGITS),
                 "places": text(quantised(places, ends).flat_map(u16::to_le_bytes)),
                 "strains": text(strains),
-                "pose": pose,
+                "poses": state.impactors.iter().map(pose).collect::<Vec<_>>(),
             })
         };
         let moment = |(words, time): &Moment| json!([words, rounded(time * 1e3, DIGITS)]);
@@ -168,7 +172,7 @@ impl Scene<'_> {
             "faces": self.faces.iter().map(face).collect::<Vec<_>>(),
             "states": self.states.iter().zip(&places).map(state).collect::<Vec<_>>(),
             "moments": self.moments.iter().map(moment).collect::<Vec<_>>(),
-            "body": self.body.as_ref().map(body),
+            "bodies": self.bodies.iter().map(body).collect::<Vec<_>>(),
         })
     }
 
@@ -282,7 +286,7 @@ mod tests {
             in_contact: vec![],
             detail: None,
         };
-        Snapshot { time, films: vec![state], impactor: None }
+        Snapshot { time, films: vec![state], impactors: vec![] }
     }
 
     #[test]
@@ -312,7 +316,7 @@ mod tests {
     fn a_face_of_few_elements_is_drawn_beside_a_fine_one() {
         let (fine, small) = (sheet(200), sheet(1));
         let states = [&fine, &small].map(|(points, film)| snapshot(0.0, points, film).films.remove(0));
-        let first = Snapshot { time: 0.0, films: states.into(), impactor: None };
+        let first = Snapshot { time: 0.0, films: states.into(), impactors: vec![] };
         let patches: Vec<usize> =
             faces(&[fine.1, small.1], &first).iter().map(|face| face.surface.patches.len()).collect();
         assert!(patches[0] > 500 && patches[1] == 1, "{patches:?}");
@@ -326,7 +330,7 @@ mod tests {
         // A corner of the first element alone, which has failed.
         points[0] = [-1e6; 3];
         let state = snapshot(0.0, &points, &film);
-        let scene = Scene { faces: vec![face], states: vec![&state], moments: vec![], body: None };
+        let scene = Scene { faces: vec![face], states: vec![&state], moments: vec![], bodies: vec![] };
         assert_eq!(scene.contents()["box"], json!([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]));
     }
 
@@ -348,10 +352,10 @@ mod tests {
         let (points, film) = sheet(1);
         let snapshots: Vec<Snapshot> = (0..240).map(|at| snapshot(f64::from(at) * 0.5e-3, &points, &film)).collect();
         let snapshots: Vec<&Snapshot> = snapshots.iter().collect();
-        let chosen = chosen(&snapshots, &[("lowest point", 57.3e-3), ("rupture", 80.2e-3)], 32);
+        let chosen = chosen(&snapshots, &[("lowest point".into(), 57.3e-3), ("rupture".into(), 80.2e-3)], 32);
         assert!(chosen.len() <= 32 && chosen.len() > 28, "{}", chosen.len());
         assert!([0, 239, 115, 161].iter().all(|at| chosen.contains(at)), "{chosen:?}");
-        assert_eq!(super::chosen(&snapshots[..1], &[("lowest point", 1.0)], 32).len(), 1);
+        assert_eq!(super::chosen(&snapshots[..1], &[("lowest point".into(), 1.0)], 32).len(), 1);
     }
 
     #[test]
@@ -363,7 +367,7 @@ mod tests {
         let most = (MOST_BYTES / surface.bytes()).clamp(2, MOST_STATES);
         let face = Face { index: 0, mirrored: film.mirrored, surface };
         let states = snapshots.iter().take(most).collect();
-        let scene = Scene { faces: vec![face], states, moments: vec![], body: None };
+        let scene = Scene { faces: vec![face], states, moments: vec![], bodies: vec![] };
         let text = data(&scene.contents());
         assert!(text.len() < 1_400_000, "{}", text.len());
     }

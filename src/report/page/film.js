@@ -46,7 +46,7 @@
       this.moments = data.moments;
       this.faces = data.faces.map((face) => ({ ...face, patches: new Uint32Array(bytes(face.patches).buffer) }));
       this.states = data.states.map((state) => this.state(state, data.box));
-      this.body = data.body ?? { points: [], patches: [] };
+      this.bodies = data.bodies;
       this.mirrored = this.faces.some((face) => face.mirrored.some(Boolean));
       // The axis whose negative side is hidden where the film is cut in half.
       this.cut = this.faces.some((face) => face.mirrored[1]) ? 1 : 0;
@@ -68,10 +68,10 @@
     }
 
     /** A state with positions in m and strains as bytes. */
-    state({ time, places, strains, pose }, [low, high]) {
+    state({ time, places, strains, poses }, [low, high]) {
       const steps = new Uint16Array(bytes(places).buffer);
       const points = Float32Array.from(steps, (step, at) => low[at % 3] + (step / 65535) * (high[at % 3] - low[at % 3]));
-      return { time, points, strains: bytes(strains), pose };
+      return { time, points, strains: bytes(strains), poses };
     }
 
     /** Middle of the undeformed film, about which the view rotates. */
@@ -92,17 +92,17 @@
         ends[2] = Math.max(ends[2], down);
         ends[3] = Math.min(ends[3], down);
       };
-      const lowest = Math.min(0, ...this.body.points.map(([, , z]) => z));
-      for (const { points, pose } of this.states) {
-        if (pose) take(pose[0], pose[1], pose[2] + lowest);
+      const heights = this.bodies.map(({ points }) => points.map(([, , z]) => z));
+      for (const { points, poses } of this.states) {
+        poses.forEach((pose, at) => take(pose[0], pose[1], pose[2] + Math.min(0, ...heights[at])));
         for (let at = 0; at < points.length; at += 3) {
           for (const sx of mirrored[0] ? [1, -1] : [1]) {
             for (const sy of mirrored[1] ? [1, -1] : [1]) take(sx * points[at], sy * points[at + 1], points[at + 2]);
           }
         }
       }
-      // The upper part of the impactor may be out of view.
-      const top = Math.max(0, ...this.body.points.map(([, , z]) => z));
+      // The upper part of an impactor may be out of view.
+      const top = Math.max(0, ...heights.flat());
       const [x, y, z] = this.centre;
       if (top) take(x, y, z + Math.min(top, 0.3 * (ends[0] - ends[1])));
       this.ends = ends;
@@ -110,7 +110,7 @@
 
     /** The first time to show: of the lowest point or of the largest force, but not after rupture. */
     busiest() {
-      const time = (name) => this.moments.find(([words]) => words === name)?.[1] ?? Infinity;
+      const time = (name) => this.moments.find(([words]) => words.startsWith(name))?.[1] ?? Infinity;
       const rupture = time("rupture");
       const held = this.states.filter((state) => state.time < rupture).pop() ?? this.states[0];
       return Math.min(time("lowest point"), time("largest force"), held.time);
@@ -301,7 +301,7 @@
       this.raster.clear();
       const sharper = this.camera(wide, tall, this.scaleIn(wide, tall));
       this.film(sharper);
-      this.impactor(sharper);
+      this.impactors(sharper);
       this.raster.glaze(GLASS, 0.01 * (this.ends[0] - this.ends[1]));
       this.raster.show(context, width, height);
       this.triad(context, look, ratio, height, style.color);
@@ -402,19 +402,22 @@
       }
     }
 
-    /** The visible side of the impactor, translucent so that the film behind it is seen. */
-    impactor({ project, facing }) {
+    /** The visible sides of the impactors, translucent so that the film behind them is seen. */
+    impactors(camera) {
       const [a, b, share] = this.between();
-      if (!a.pose || !b.pose) return;
+      this.bodies.forEach((body, at) => this.impactor(camera, body, [a.poses[at], b.poses[at]], share));
+    }
+
+    /** One of them between two poses. */
+    impactor({ project, facing }, { points, patches }, [from, to], share) {
       // A quaternion and its negative are the same rotation; the nearer of both is interpolated to.
-      const [from, to] = [a.pose, b.pose];
       const sense = from.slice(3).reduce((sum, part, at) => sum + part * to[3 + at], 0) < 0 ? -1 : 1;
       const pose = from.map((part, at) => mixed(part, at < 3 ? to[at] : sense * to[at], share));
       const size = Math.hypot(...pose.slice(3)) || 1;
       const rotation = pose.slice(3).map((part) => part / size);
-      const places = this.body.points.map((point) => rotated(point, rotation).map((c, axis) => c + pose[axis]));
+      const places = points.map((point) => rotated(point, rotation).map((c, axis) => c + pose[axis]));
       const seen = places.map((place) => project(...place));
-      for (const [p, q, r, s] of this.body.patches) {
+      for (const [p, q, r, s] of patches) {
         const [u, v] = [[p, r], s === r ? [p, q] : [q, s]].map(([from, to]) => places[to].map((c, axis) => c - places[from][axis]));
         const normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         const length = Math.hypot(...normal);

@@ -1,23 +1,31 @@
-//! The impactor of a recording.
+//! The impactors of a recording.
 
 use droptower_viz::{BodyTrack, Pose};
 
 use crate::engine::Surface;
+use crate::model::Model;
 use crate::report::body::Body;
 use crate::simulate::Snapshot;
 
 /// Sides of a round impactor.
 const SIDES: u32 = 64;
 
-/// The impactor in the snapshots.
-pub(super) fn track(impactor: &Surface, snapshots: &[&Snapshot]) -> BodyTrack {
-    let Body { points, triangles } = Body::of(impactor, SIDES);
-    let poses = snapshots.iter().filter_map(|snapshot| pose(snapshot)).collect();
-    BodyTrack { name: "impactor".to_owned(), points, triangles, poses }
+/// The impactors of `model` in the snapshots.
+pub(super) fn tracks(model: &Model, impactors: &[Surface], snapshots: &[&Snapshot]) -> Vec<BodyTrack> {
+    let track = |(index, (surface, name)): (usize, (&Surface, Option<&str>))| {
+        let Body { points, triangles } = Body::of(surface, SIDES);
+        let poses = snapshots.iter().filter_map(|snapshot| poses(snapshot).nth(index)).collect();
+        let name = name.map_or_else(|| "impactor".to_owned(), |name| format!("impactors/{name}"));
+        BodyTrack { name, points, triangles, poses }
+    };
+    impactors.iter().zip(model.names()).enumerate().map(track).collect()
 }
 
-/// The pose of the impactor in a snapshot.
-pub(super) fn pose(snapshot: &Snapshot) -> Option<Pose> {
-    let (position, rotation) = snapshot.impactor?;
-    Some(Pose { time: snapshot.time, position: position.map(|c| c as f32), rotation: rotation.map(|c| c as f32) })
+/// The poses of the impactors in a snapshot.
+pub(super) fn poses(snapshot: &Snapshot) -> impl Iterator<Item = Pose> {
+    snapshot.impactors.iter().map(|(position, rotation)| Pose {
+        time: snapshot.time,
+        position: position.map(|c| c as f32),
+        rotation: rotation.map(|c| c as f32),
+    })
 }

@@ -5,7 +5,8 @@ use droptower_viz::{Event, Moment, Severity};
 use crate::number::duration;
 use crate::post::lowest_point;
 use crate::report::RunPage;
-use crate::signal::{Recording, column};
+use crate::signal::Recording;
+use crate::signal::column::{self, Column};
 
 /// First contact, extremes, release, rupture and findings in the order of time, and the log of the post script.
 pub(super) fn of(run: &RunPage) -> Vec<Event> {
@@ -18,7 +19,11 @@ pub(super) fn of(run: &RunPage) -> Vec<Event> {
         (end, severity, format!("{} [{}]", found.message, found.code))
     });
     let logged = run.results.script_output.log.iter().map(|text| (end, Severity::Info, text.clone()));
-    let motion = motion(signals).into_iter().map(|(time, text)| (time, Severity::Info, text));
+    let named = run.model.names().into_iter().zip(run.model.prefixes());
+    let motion = named.flat_map(|(name, prefix)| {
+        let of = name.map_or_else(String::new, |name| format!("{name}: "));
+        motion(signals, &prefix).into_iter().map(move |(time, text)| (time, Severity::Info, format!("{of}{text}")))
+    });
     // The column of times in the viewer is too narrow for them.
     let timed = |(time, severity, text)| (time, severity, format!("{}: {text}", duration(time)));
     let mut all: Vec<_> = motion.chain(rupture).map(timed).chain(failure).chain(warnings).chain(logged).collect();
@@ -26,14 +31,16 @@ pub(super) fn of(run: &RunPage) -> Vec<Event> {
     all.into_iter().map(|(time, severity, text)| Event { at: Moment::Time(time), severity, text }).collect()
 }
 
-/// First contact, largest deceleration, lowest point and release of an impactor.
-fn motion(signals: &Recording) -> Vec<(f64, String)> {
-    let Some(force) = signals.channel(column::CONTACT_FORCE.name) else { return vec![] };
+/// First contact, largest deceleration, lowest point and release of the impactor whose channels begin with `prefix`.
+fn motion(signals: &Recording, prefix: &str) -> Vec<(f64, String)> {
+    let name = |column: Column| format!("{prefix}{}", column.name);
+    let Some(force) = signals.channel(&name(column::CONTACT_FORCE)) else { return vec![] };
     let contact = force.iter().position(|force| *force != 0.0).map(|k| (k, "first contact".to_owned()));
-    let braking = largest(signals, column::ACCELERATION_FILTERED.name)
+    let braking = largest(signals, &name(column::ACCELERATION_FILTERED))
         .map(|(k, peak)| (k, format!("largest deceleration, {peak:.1} m/s²")));
-    let lowest = lowest_point(signals);
-    let release = lowest.and_then(|[time, _]| release(signals, force, time));
+    let lowest = lowest_point(signals, prefix);
+    let velocity = signals.channel(&name(column::VELOCITY)).unwrap_or_default();
+    let release = lowest.and_then(|[time, _]| release(&signals.time, [force, velocity], time));
     let lowest = lowest.map(|[time, depth]| (time, format!("lowest point, {:.1} mm", 1e3 * depth)));
     let timed = |(k, text)| Some((*signals.time.get(k)?, text));
     [contact, braking].into_iter().flatten().filter_map(timed).chain(lowest).chain(release).collect()
@@ -44,11 +51,11 @@ fn motion(signals: &Recording) -> Vec<(f64, String)> {
 const RELEASED: f64 = 0.01;
 
 /// When contact ends after the lowest point at the time `lowest` (s), and the speed of the impactor then.
-fn release(signals: &Recording, force: &[f64], lowest: f64) -> Option<(f64, String)> {
+fn release(time: &[f64], [force, velocity]: [&[f64]; 2], lowest: f64) -> Option<(f64, String)> {
     let least = RELEASED * force.iter().copied().fold(0.0, f64::max);
     let left = force.iter().rposition(|force| *force > least)? + 1;
-    let speed = signals.channel(column::VELOCITY.name)?.get(left)?;
-    let time = *signals.time.get(left)?;
+    let speed = velocity.get(left)?;
+    let time = *time.get(left)?;
     (time > lowest && *speed > 0.0).then(|| (time, format!("release at {speed:.2} m/s")))
 }
 
@@ -75,7 +82,7 @@ mod tests {
                 channel("velocity_m_s", [-4.0, -3.0, 0.0, 1.0, 1.5]),
             ],
         };
-        let texts = |force| motion(&signals(force)).into_iter().map(|(time, text)| format!("{time} {text}"));
+        let texts = |force| motion(&signals(force), "").into_iter().map(|(time, text)| format!("{time} {text}"));
         let bounced: Vec<String> = texts([0.0, 3.0, 5.0, 1.0, 0.0]).collect();
         assert_eq!(bounced, ["0.1 first contact", "0.2 lowest point, -200.0 mm", "0.4 release at 1.50 m/s"]);
         assert_eq!(texts([0.0, 3.0, 5.0, 1.0, 1.0]).count(), 2, "the impactor stays in contact");
@@ -83,6 +90,6 @@ mod tests {
             texts([0.0, 300.0, 500.0, 1.0, 1.0]).any(|line| line == "0.3 release at 1.00 m/s"),
             "slack film may come into contact with it"
         );
-        assert_eq!(motion(&Recording::default()), []);
+        assert_eq!(motion(&Recording::default(), ""), []);
     }
 }

@@ -88,7 +88,7 @@ struct Viewer {
 struct State {
     time: f64,
     films: Vec<FilmSnapshot>,
-    pose: Option<Pose>,
+    poses: Vec<Pose>,
     samples: Vec<SignalTrack>,
     ranges: Option<Vec<[f32; 2]>>,
 }
@@ -180,7 +180,7 @@ impl<'a> Live<'a> {
             documents: texts.iter().map(super::Text::document).collect(),
             quantities,
             films: film::tracks(event.films),
-            body: event.impactor.map(|impactor| body::track(impactor, &[event.snapshot])),
+            bodies: body::tracks(model, event.impactors, &[event.snapshot]),
             signals: signals.tracks,
             charts: signals.charts,
             more_charts: signals.more_charts,
@@ -195,7 +195,7 @@ impl<'a> Live<'a> {
         State {
             time: event.snapshot.time,
             films: films.map(|(face, film)| film::state(film, event.snapshot, face)).collect(),
-            pose: body::pose(event.snapshot),
+            poses: body::poses(event.snapshot).collect(),
             samples: signals::of(&signals, &energies, None, f64::INFINITY).tracks,
             ranges,
         }
@@ -266,10 +266,10 @@ impl Viewer {
 /// Sends all snapshots until there are no more, then the results, if there are any.
 fn send(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receiver<Scene>) -> Result<(), VizError> {
     let mut stage = Stage::live(address, scene)?;
-    for State { time, films, pose, samples, ranges } in states {
+    for State { time, films, poses, samples, ranges } in states {
         stage.set_ranges(Moment::Time(time), &ranges.unwrap_or_default())?;
         films.iter().enumerate().try_for_each(|(face, film)| stage.film(face, film))?;
-        pose.iter().try_for_each(|pose| stage.pose(pose))?;
+        poses.iter().enumerate().try_for_each(|(body, pose)| stage.pose(body, pose))?;
         samples.iter().try_for_each(|track| stage.samples(&track.path, &track.places, &track.values))?;
     }
     end.recv().map_or(Ok(()), |rest| stage.complete(rest))?;
@@ -320,7 +320,7 @@ mod tests {
             in_contact: vec![],
             detail: None,
         };
-        Snapshot { time: f64::from(strain), films: vec![state], impactor: None }
+        Snapshot { time: f64::from(strain), films: vec![state], impactors: vec![] }
     }
 
     fn forces(samples: usize) -> Recording {
@@ -355,7 +355,7 @@ mod tests {
             let (snapshot, signals) = (stretched(strain), forces(samples));
             let event = SnapshotEvent {
                 films: &films,
-                impactor: None,
+                impactors: &[],
                 snapshot: &snapshot,
                 signals: &signals,
                 energies: &energies,
@@ -383,7 +383,7 @@ mod tests {
     #[test]
     fn the_end_is_received_though_the_queue_is_full() {
         let (viewer, states, ends) = viewer();
-        let state = || State { time: 0.0, films: vec![], pose: None, samples: vec![], ranges: None };
+        let state = || State { time: 0.0, films: vec![], poses: vec![], samples: vec![], ranges: None };
         viewer.snapshots.try_send(state()).expect("room for one");
         assert!(viewer.snapshots.try_send(state()).is_err(), "and no more");
         viewer.end.send(Scene { name: "end".to_owned(), ..Scene::default() }).expect("room for the end");

@@ -1,4 +1,4 @@
-//! Rerun recordings of runs (film, impactor, signals, events), studies and comparisons.
+//! Rerun recordings of runs (film, impactors, signals, events), studies and comparisons.
 
 mod body;
 mod comparison;
@@ -75,7 +75,7 @@ fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
         documents: documents(run),
         quantities: film::quantities(snapshots),
         films: film::tracks(&outcome.films),
-        body: outcome.impactor.as_ref().map(|impactor| body::track(impactor, snapshots)),
+        bodies: body::tracks(model, &outcome.impactors, snapshots),
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
@@ -134,7 +134,7 @@ mod tests {
                 in_contact: vec![],
                 detail: None,
             };
-            Snapshot { time: 0.0, films: vec![state], impactor: None }
+            Snapshot { time: 0.0, films: vec![state], impactors: vec![] }
         };
         let snapshots = [0.0, 1.0, 1e9, f32::NAN].map(snapshot);
         let drawn = drawn(&snapshots);

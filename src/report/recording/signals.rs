@@ -28,6 +28,9 @@ struct Shown {
     factor: f64,
 }
 
+/// A channel that is the only simulated one of its chart.
+const SIMULATED: &str = "simulated";
+
 /// The unfiltered channel behind its filtered one.
 const RAW: &str = "simulated, raw";
 
@@ -51,9 +54,9 @@ const FIRST: [Pane; 7] = [
     Pane {
         title: "Displacement, mm",
         channels: &[
-            as_plotted(column::DISPLACEMENT, "displacement_mm", "simulated"),
-            as_plotted(column::DEPTH, "depth_mm", "simulated"),
-            as_plotted(column::DEFLECTION, "deflection_mm", "simulated"),
+            as_plotted(column::DISPLACEMENT, "displacement_mm", SIMULATED),
+            as_plotted(column::DEPTH, "depth_mm", SIMULATED),
+            as_plotted(column::DEFLECTION, "deflection_mm", SIMULATED),
         ],
         measured: &[(as_plotted(column::DISPLACEMENT, "displacement_mm", ""), |c| c.displacement.as_ref())],
     },
@@ -70,20 +73,38 @@ const FIRST: [Pane; 7] = [
             (shown(column::TOTAL_ENERGY, "total, "), |c| c.total_energy.as_ref()),
         ],
     },
-    Pane { title: "Force, N", channels: &[shown(column::FORCE, "simulated")], measured: &[] },
-    Pane { title: "Stress, MPa", channels: &[as_plotted(column::STRESS, "stress_MPa", "simulated")], measured: &[] },
-    Pane { title: "Strain, %", channels: &[as_plotted(column::STRAIN, "strain_percent", "simulated")], measured: &[] },
+    Pane { title: "Force, N", channels: &[shown(column::FORCE, SIMULATED)], measured: &[] },
+    Pane { title: "Stress, MPa", channels: &[as_plotted(column::STRESS, "stress_MPa", SIMULATED)], measured: &[] },
+    Pane { title: "Strain, %", channels: &[as_plotted(column::STRAIN, "strain_percent", SIMULATED)], measured: &[] },
     Pane {
         title: "Pressure, kPa",
-        channels: &[as_plotted(column::PRESSURE, "pressure_kPa", "simulated")],
+        channels: &[as_plotted(column::PRESSURE, "pressure_kPa", SIMULATED)],
         measured: &[],
     },
 ];
 
 /// Charts in tabs.
-const MORE: [Pane; 4] = [
-    Pane { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE, "simulated")], measured: &[] },
-    Pane { title: "Velocity, m/s", channels: &[shown(column::VELOCITY, "simulated")], measured: &[] },
+const MORE: [Pane; 7] = [
+    Pane { title: "Contact force, N", channels: &[shown(column::CONTACT_FORCE, SIMULATED)], measured: &[] },
+    Pane {
+        title: "Force of the impactors on each other, N",
+        channels: &[shown(column::COLLISION_FORCE, SIMULATED)],
+        measured: &[],
+    },
+    Pane { title: "Velocity, m/s", channels: &[shown(column::VELOCITY, SIMULATED)], measured: &[] },
+    Pane {
+        title: "Displacement across, mm",
+        channels: &[
+            as_plotted(column::DISPLACEMENT_X, "displacement_x_mm", "along x"),
+            as_plotted(column::DISPLACEMENT_Y, "displacement_y_mm", "along y"),
+        ],
+        measured: &[],
+    },
+    Pane {
+        title: "Size of the acceleration, m/s²",
+        channels: &[shown(column::ACCELERATION_RESULTANT, SIMULATED)],
+        measured: &[],
+    },
     Pane {
         title: "Largest strain, %",
         channels: &[
@@ -160,10 +181,23 @@ impl Pane {
         measured: Option<MeasuredChannel<'_>>,
         all: &mut Vec<SignalTrack>,
     ) -> Option<Chart> {
-        let own = self.channels.iter().filter_map(|shown| Some((shown, signals.channel(shown.channel)?)));
-        let own = own.enumerate().map(|(index, (shown, values))| {
+        let own = self.channels.iter().flat_map(|shown| {
+            signals.channels.iter().filter_map(move |channel| {
+                let (prefix, _) = column::of(&channel.name).filter(|(_, column)| column.name == shown.channel)?;
+                Some((shown, prefix, &channel.values))
+            })
+        });
+        let own = own.enumerate().map(|(index, (shown, prefix, values))| {
             let stroke = if shown.label == RAW { Stroke::nth(4).faint() } else { Stroke::nth(index) };
-            track(format!("signals/{}", shown.entity), shown, [&signals.time, values], stroke)
+            let path = format!("signals/{prefix}{}", shown.entity);
+            let drawn = track(path, shown, [&signals.time, values], stroke);
+            // Of several impactors, each under its name.
+            let label = match prefix.strip_suffix('_') {
+                Some(name) if shown.label == SIMULATED => name.to_owned(),
+                Some(name) => format!("{name}: {}", shown.label),
+                None => drawn.label,
+            };
+            SignalTrack { label, ..drawn }
         });
         let own: Vec<SignalTrack> = own.collect();
         let measured =

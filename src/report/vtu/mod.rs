@@ -64,6 +64,9 @@ pub struct File {
     pub content: Vec<u8>,
 }
 
+/// Vertices of an impactor about its centre of mass, m, and the indices of its triangles.
+type Triangulation = (Vec<nalgebra::Point3<f64>>, Vec<[u32; 3]>);
+
 /// Points and cells with their arrays.
 struct Grid {
     points: Vec<[f32; 3]>,
@@ -79,11 +82,10 @@ struct Grid {
 /// Of each file: snapshots without their [`Detail`](crate::simulate::Detail), and what the formats refuse.
 pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     let film = series("film", &outcome.snapshots, move |snapshot| film::grid(model, outcome, snapshot));
-    let body = outcome.impactor.as_ref().map(|surface| {
-        let (points, triangles) = surface.triangles(SIDES);
-        series("impactor", &outcome.snapshots, move |snapshot| Ok(posed(&points, &triangles, snapshot)))
-    });
-    film.chain(body.into_par_iter().flatten())
+    let surfaces: Vec<Triangulation> = outcome.impactors.iter().map(|surface| surface.triangles(SIDES)).collect();
+    let bodies = (!surfaces.is_empty())
+        .then(|| series("impactor", &outcome.snapshots, move |snapshot| Ok(posed(&surfaces, snapshot))));
+    film.chain(bodies.into_par_iter().flatten())
 }
 
 /// A file for each snapshot, then the collection with their times.
@@ -147,19 +149,24 @@ fn collection(states: impl Iterator<Item = (String, f64)>) -> Result<Vec<u8>, qu
     Ok(writer.into_inner())
 }
 
-/// The impactor in a snapshot; empty where it has no pose.
-fn posed(points: &[nalgebra::Point3<f64>], triangles: &[[u32; 3]], snapshot: &Snapshot) -> Grid {
-    let pose = snapshot.impactor.map(|(position, [i, j, k, w])| {
-        let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, i, j, k));
-        nalgebra::Isometry3::from_parts(nalgebra::Translation3::from(position), turn)
-    });
-    let place = |pose: nalgebra::Isometry3<f64>| points.iter().map(move |p| <[f64; 3]>::from((pose * p).coords));
-    Grid {
-        points: pose.into_iter().flat_map(place).map(|p| p.map(|c| c as f32)).collect(),
-        cells: pose.into_iter().flat_map(|_| triangles).map(|corners| corners.map(u64::from).to_vec()).collect(),
-        on_points: vec![],
-        on_cells: vec![],
+/// The impactors in a snapshot, where it has their poses; of several, each cell has the number of its impactor, from 1.
+fn posed(surfaces: &[Triangulation], snapshot: &Snapshot) -> Grid {
+    let mut grid = Grid { points: vec![], cells: vec![], on_points: vec![], on_cells: vec![] };
+    let mut of_cells = vec![];
+    for (number, ((points, triangles), (position, [i, j, k, w]))) in
+        surfaces.iter().zip(&snapshot.impactors).enumerate()
+    {
+        let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(*w, *i, *j, *k));
+        let pose = nalgebra::Isometry3::from_parts(nalgebra::Translation3::from(*position), turn);
+        let first = grid.points.len() as u64;
+        grid.points.extend(points.iter().map(|p| <[f64; 3]>::from((pose * p).coords).map(|c| c as f32)));
+        grid.cells.extend(triangles.iter().map(|corners| corners.map(|corner| first + u64::from(corner)).to_vec()));
+        of_cells.extend(triangles.iter().map(|_| number as u32 + 1));
     }
+    if surfaces.len() > 1 {
+        grid.on_cells.push(numbers("impactor", of_cells.into_iter()));
+    }
+    grid
 }
 
 /// One number for each point or cell.

@@ -2,13 +2,14 @@
 
 use super::{Inertia, LoadCase, MassScaling};
 use crate::engine::{self, Film, Loads, Nodes, RigidBody};
-use crate::model::{Guide, Model};
-use crate::signal::{Recording, column};
+use crate::model::{Guide, Impactor, Model};
+use crate::signal::{Channel, Recording, column};
 use crate::simulate::fault::RunError;
 use crate::simulate::mount::{self, Mounting};
-use crate::simulate::tracks::Tracks;
+use crate::simulate::tracks::{BodyTracks, Tracks};
 
-const NAMES: [&str; 10] = [
+/// Channels of an impactor.
+const NAMES: [&str; 8] = [
     column::DISPLACEMENT.name,
     column::VELOCITY.name,
     column::ACCELERATION.name,
@@ -17,8 +18,6 @@ const NAMES: [&str; 10] = [
     column::POTENTIAL_ENERGY.name,
     column::ABSORBED_ENERGY.name,
     column::TOTAL_ENERGY.name,
-    column::MAX_STRAIN_MD.name,
-    column::MAX_STRAIN_TD.name,
 ];
 
 /// Further channels of an impactor that does not move along z alone.
@@ -32,7 +31,7 @@ const SPATIAL: [&str; 7] = [
     column::ACCELERATION_RESULTANT.name,
 ];
 
-/// A body that meets the film under `gravity` (m/s²).
+/// Bodies that meet the film under `gravity` (m/s²).
 pub(super) struct Impact<'a> {
     pub(super) model: &'a Model,
     pub(super) gravity: f64,
@@ -51,14 +50,17 @@ impl LoadCase for Impact<'_> {
         self.model.specimen.damping
     }
 
-    fn apply(&self, films: &[Film], nodes: &Nodes, loads: &mut Loads) -> Result<Option<engine::Impact>, RunError> {
+    fn apply(&self, films: &[Film], nodes: &Nodes, loads: &mut Loads) -> Result<Vec<engine::Impact>, RunError> {
         loads.gravity = self.gravity;
         mount::surround(self.model, films, nodes, loads);
-        let Some(impactor) = &self.model.impactor else { return Ok(None) };
-        let (contact, pose) = mount::over_film(impactor, self.model, films, nodes)?;
-        let body = mount::falling(impactor, contact.surface(), pose);
-        let in_contact = impactor.height.is_none() && !matches!(impactor.guide, Guide::Hinge { .. });
-        Ok(Some(engine::Impact { body, contact, in_contact }))
+        let mounted = |impactor: &Impactor| {
+            let (contact, pose) = mount::over_film(impactor, self.model, films, nodes)?;
+            let body = mount::falling(impactor, contact.surface(), pose);
+            let in_contact = impactor.height.is_none() && !matches!(impactor.guide, Guide::Hinge { .. });
+            let impact = engine::Impact::new(body, contact).starting_in_contact(in_contact);
+            Ok(impact.with_restitution(impactor.restitution).released_at(impactor.release))
+        };
+        self.model.impactors.iter().map(mounted).collect()
     }
 
     fn approach(&self, body: &RigidBody) -> [f64; 2] {
@@ -69,40 +71,68 @@ impl LoadCase for Impact<'_> {
         body.kinetic_energy(body)
     }
 
-    /// Motion and energies of the impactor and the largest strains (theory.md, section 8).
+    /// Motion and energies of the impactors and the largest strains (theory.md, section 8). Of several impactors, names
+    /// of channels begin with theirs.
     fn signals(&self, tracks: &Tracks, mounting: &Mounting) -> Recording {
-        let mass = self.model.impactor.as_ref().map_or(0.0, |impactor| impactor.mass);
-        let mass = if mass.is_finite() { mass } else { 0.0 };
-        let start = tracks.first_contact.unwrap_or(mounting.start);
-        let (half, lateral) = (&tracks.at_half_steps.rows, &tracks.lateral_half.rows);
+        let strains = tracks
+            .table(&[column::MAX_STRAIN_MD.name, column::MAX_STRAIN_TD.name], &tracks.strains.rows[..tracks.whole()]);
+        let Recording { time, channels: strains } = strains;
+        let bodies = self.model.impactors.iter().zip(&tracks.bodies).zip(&mounting.bodies);
+        let mut tables: Vec<[Vec<Channel>; 2]> =
+            bodies.map(|((impactor, body), mounting)| self.of_body(impactor, tracks, body, mounting.start)).collect();
+        let channels = match tables.as_mut_slice() {
+            [[along_z, spatial]] => [std::mem::take(along_z), strains, std::mem::take(spatial)].concat(),
+            _ => {
+                let named = |(prefix, channels): (String, [Vec<Channel>; 2])| {
+                    let name = move |channel: Channel| Channel { name: format!("{prefix}{}", channel.name), ..channel };
+                    channels.concat().into_iter().map(name).collect::<Vec<Channel>>()
+                };
+                self.model.prefixes().into_iter().zip(tables).flat_map(named).chain(strains).collect()
+            }
+        };
+        Recording { time, channels }
+    }
+}
+
+impl Impact<'_> {
+    /// Channels of an impactor that starts at the height `start` (m): those of every one, and those of one that does not
+    /// move along z alone.
+    fn of_body(&self, impactor: &Impactor, tracks: &Tracks, body: &BodyTracks, start: f64) -> [Vec<Channel>; 2] {
+        let mass = if impactor.mass.is_finite() { impactor.mass } else { 0.0 };
+        let start = body.first_contact.unwrap_or(start);
+        let (half, lateral) = (&body.at_half_steps.rows, &body.lateral_half.rows);
+        let is_held = |k: usize| k as f64 * tracks.sample < impactor.release;
         let row = |k: usize| {
-            let [z, work, _] = tracks.at_steps.rows[k];
-            let velocity = half[2 * k + 1][0];
+            let [z, work] = body.at_steps.rows[k];
+            let velocity = if is_held(k) { 0.0 } else { half[2 * k + 1][0] };
             let acceleration = (half[2 * k + 2][0] - half[2 * k][0]) / tracks.sample;
             let displacement = z - start;
-            let besides = lateral.get(2 * k + 1).map_or(0.0, |[_, _, energy]| *energy);
+            let besides = lateral.get(2 * k + 1).filter(|_| !is_held(k)).map_or(0.0, |[_, _, energy]| *energy);
             let kinetic = 0.5 * mass * velocity * velocity + besides;
             let potential = mass * self.gravity * displacement;
-            let force = tracks.contact_force(k);
-            let [md, td] = tracks.strains.rows[k];
-            [displacement, velocity, acceleration, force, kinetic, potential, work, kinetic + potential + work, md, td]
+            let force = body.contact_force(k);
+            [displacement, velocity, acceleration, force, kinetic, potential, work, kinetic + potential + work]
         };
-        let rows: Vec<_> = (0..tracks.whole().min(tracks.strains.rows.len())).map(row).collect();
-        let mut signals = tracks.table(&NAMES, &rows);
-        if tracks.are_spatial {
-            let from = tracks.lateral.rows.first().copied().unwrap_or_default();
-            let spatial = |k: usize| {
-                let [x, y] = tracks.lateral.rows[k];
-                let [along_x, along_y, _] = lateral[2 * k + 1];
-                let of = |axis: usize| (lateral[2 * k + 2][axis] - lateral[2 * k][axis]) / tracks.sample;
-                let (across, up) = ([of(0), of(1)], rows[k][2]);
-                let resultant = (across[0] * across[0] + across[1] * across[1] + up * up).sqrt();
-                [x - from[0], y - from[1], along_x, along_y, across[0], across[1], resultant]
-            };
+        let rows: Vec<_> = (0..tracks.whole()).map(row).collect();
+        let from = body.lateral.rows.first().copied().unwrap_or_default();
+        let spatial = |k: usize| {
+            let [x, y] = body.lateral.rows[k];
+            let [along_x, along_y] = if is_held(k) { [0.0; 2] } else { [0, 1].map(|axis| lateral[2 * k + 1][axis]) };
+            let of = |axis: usize| (lateral[2 * k + 2][axis] - lateral[2 * k][axis]) / tracks.sample;
+            let (across, up) = ([of(0), of(1)], rows[k][2]);
+            let resultant = (across[0] * across[0] + across[1] * across[1] + up * up).sqrt();
+            [x - from[0], y - from[1], along_x, along_y, across[0], across[1], resultant]
+        };
+        let spatial = body.is_spatial.then(|| {
             let spatial: Vec<_> = (0..rows.len()).map(spatial).collect();
-            signals.channels.extend(tracks.table(&SPATIAL, &spatial).channels);
+            tracks.table(&SPATIAL, &spatial).channels
+        });
+        let mut along_z = tracks.table(&NAMES, &rows).channels;
+        if self.model.impactors.len() > 1 {
+            let values = (0..rows.len()).map(|k| body.collision_force(k)).collect();
+            along_z.push(Channel { name: column::COLLISION_FORCE.name.into(), values });
         }
-        signals
+        [along_z, spatial.unwrap_or_default()]
     }
 }
 

@@ -47,11 +47,12 @@ impl LoadCase for Indent<'_> {
         2.0 * DECAYS / self.model.run_time()
     }
 
-    fn apply(&self, films: &[Film], nodes: &Nodes, _: &mut Loads) -> Result<Option<engine::Impact>, RunError> {
-        let Some(impactor) = &self.model.impactor else { return Ok(None) };
+    fn apply(&self, films: &[Film], nodes: &Nodes, _: &mut Loads) -> Result<Vec<engine::Impact>, RunError> {
+        let Some(impactor) = self.model.impactor() else { return Ok(vec![]) };
         let (contact, mut pose) = mount::over_film(impactor, self.model, films, nodes)?;
         pose.translation.vector.z -= travel_to_contact(&contact, &pose, nodes).ok_or(RunError::Missed)?;
-        Ok(Some(engine::Impact { body: RigidBody::prescribed(pose, -self.velocity), contact, in_contact: true }))
+        let body = RigidBody::prescribed(pose, -self.velocity);
+        Ok(vec![engine::Impact::new(body, contact).starting_in_contact(true)])
     }
 
     fn approach(&self, _body: &RigidBody) -> [f64; 2] {
@@ -61,8 +62,9 @@ impl LoadCase for Indent<'_> {
     /// Depth below first contact and the force on the impactor: the impulse of the film between two samples over that
     /// time.
     fn signals(&self, tracks: &Tracks, _: &Mounting) -> Recording {
-        let row = |k: usize| [self.velocity * k as f64 * tracks.sample, tracks.contact_force(k)];
-        let rows: Vec<_> = (0..tracks.whole().min(tracks.strains.rows.len())).map(row).collect();
+        let force = |k: usize| tracks.bodies.iter().map(|body| body.contact_force(k)).sum();
+        let row = |k: usize| [self.velocity * k as f64 * tracks.sample, force(k)];
+        let rows: Vec<_> = (0..tracks.whole()).map(row).collect();
         tracks.table(&[column::DEPTH.name, column::FORCE.name], &rows)
     }
 }

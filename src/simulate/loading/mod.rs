@@ -41,18 +41,18 @@ pub(super) trait LoadCase {
         vec![]
     }
 
-    /// Adds what acts on the mounted `films` to `loads`, and returns the impactor.
+    /// Adds what acts on the mounted `films` to `loads`, and returns the impactors.
     ///
     /// # Errors
-    /// The surface of the impactor cannot be used, or has no film under it.
-    fn apply(&self, films: &[Film], nodes: &Nodes, loads: &mut Loads) -> Result<Option<engine::Impact>, RunError>;
+    /// The surface of an impactor cannot be used, or has no film under it.
+    fn apply(&self, films: &[Film], nodes: &Nodes, loads: &mut Loads) -> Result<Vec<engine::Impact>, RunError>;
 
-    /// Speed of the impactor at the start (m/s, downward) and its downward acceleration (m/s²) before contact.
+    /// Speed of an impactor at the start (m/s, downward) and its downward acceleration (m/s²) before contact.
     fn approach(&self, _body: &RigidBody) -> [f64; 2] {
         [0.0; 2]
     }
 
-    /// An energy that the run exchanges at least, J; zero where none is known beforehand.
+    /// An energy of an impactor that the run exchanges at least, J; zero where none is known beforehand.
     fn energy_scale(&self, _body: &RigidBody) -> f64 {
         0.0
     }

@@ -44,9 +44,9 @@ impl LoadCase for Pressure<'_> {
         2.0 * DECAYS / self.ramp
     }
 
-    fn apply(&self, _: &[Film], _: &Nodes, loads: &mut Loads) -> Result<Option<engine::Impact>, RunError> {
+    fn apply(&self, _: &[Film], _: &Nodes, loads: &mut Loads) -> Result<Vec<engine::Impact>, RunError> {
         loads.inflation = Some(self.inflation());
-        Ok(None)
+        Ok(vec![])
     }
 
     fn has_rise(&self) -> bool {

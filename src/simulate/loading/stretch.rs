@@ -71,8 +71,8 @@ impl LoadCase for Stretch {
         jaws.into_iter().filter(|jaw| !jaw.nodes.is_empty()).collect()
     }
 
-    fn apply(&self, _: &[Film], _: &Nodes, _: &mut Loads) -> Result<Option<engine::Impact>, RunError> {
-        Ok(None)
+    fn apply(&self, _: &[Film], _: &Nodes, _: &mut Loads) -> Result<Vec<engine::Impact>, RunError> {
+        Ok(vec![])
     }
 
     /// The force of the jaws is a signal of its own.
@@ -86,10 +86,10 @@ impl LoadCase for Stretch {
         let copies = mounting.films.first().map_or(1.0, |f| if f.mirrored[1] { 2.0 } else { 1.0 });
         let row = |k: usize| {
             let displacement = velocity * k as f64 * tracks.sample;
-            let force = copies * tracks.at_steps.rows[k][2];
+            let force = copies * tracks.jaws.rows[k][0];
             [displacement, force, displacement / gauge, force / section]
         };
-        let rows: Vec<_> = (0..tracks.samples.min(tracks.at_steps.rows.len())).map(row).collect();
+        let rows: Vec<_> = (0..tracks.samples.min(tracks.jaws.rows.len())).map(row).collect();
         tracks.table(&[column::DISPLACEMENT.name, column::FORCE.name, column::STRAIN.name, column::STRESS.name], &rows)
     }
 }

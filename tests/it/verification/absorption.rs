@@ -52,7 +52,7 @@ fn cycle(element: Element, absorption: f64, fibre: usize) -> [f64; 3] {
         nodes.velocity.set(n, [0, 1, 2].map(|axis| if axis == fibre { SPEED } else { 0.0 }));
     }
     let loads = Loads { step_factor: STEP, ..Loads::default() };
-    let mut engine = Engine::new(vec![film], nodes, None, loads);
+    let mut engine = Engine::new(vec![film], nodes, [], loads);
     let (mut largest, mut start) = (0.0_f64, None);
     loop {
         let (strain, energies) = observe_step(&mut engine, |view| {

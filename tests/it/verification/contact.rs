@@ -28,7 +28,7 @@ const SMALL: f64 = 0.12;
 /// Momentum and angular momentum about the origin of film and impactor, and the film's share of the first. Positions
 /// belong to the full step and velocities to the half step after it, which does not matter to x × v.
 fn momenta(view: &View<'_>) -> [Vector3<f64>; 3] {
-    let body = view.body.expect("a body");
+    let body = view.bodies().next().expect("a body");
     let inertia = 0.4 * body.mass * SMALL * SMALL;
     let mut film = [Vector3::zeros(); 2];
     for (n, x) in positions(view.nodes).into_iter().enumerate() {
@@ -116,7 +116,7 @@ fn creep(friction: &str, enough: f64) -> f64 {
     let mut farthest = 0.0_f64;
     loop {
         let (falling, arms) = observe_step(&mut scene.engine, |view| {
-            let body = view.body.expect("a body");
+            let body = view.bodies().next().expect("a body");
             let arm = |n: &usize| Vector3::from(view.nodes.position.at(*n)) - body.pose.translation.vector;
             let arms: BTreeMap<usize, Vector3<f64>> = view
                 .nodes_in_contact()
@@ -188,7 +188,7 @@ fn a_sphere_rotates_with_friction_alone() {
         let mut scene = Scene::impact(&model);
         let mut spin = 0.0;
         while scene.engine.time() < 0.03 {
-            spin = observe_step(&mut scene.engine, |view| view.body.expect("a body").spin.norm());
+            spin = observe_step(&mut scene.engine, |view| view.bodies().next().expect("a body").spin.norm());
         }
         // The normal passes through the centre to round-off.
         let holds = if rolls { spin > 1e-2 } else { spin < 1e-10 };

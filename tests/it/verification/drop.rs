@@ -68,7 +68,7 @@ fn energy_is_balanced() {
         let total = channel(&outcome.signals, "total_energy_J");
         let drift = total.iter().map(|e| (e / total[0] - 1.0).abs()).fold(0.0, f64::max);
         claims.at_most(&format!("{test}, drift of E_kp + work"), drift, 1e-3);
-        let absorption = measured(&model, &outcome).energy_absorption.expect("a share");
+        let absorption = measured(&model, &outcome).first().energy_absorption.expect("a share");
         claims.near(&format!("{test}, D"), absorption, absorption_by_columns(&outcome.signals), 1e-9);
     }
     claims.judge();

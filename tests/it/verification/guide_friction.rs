@@ -41,7 +41,8 @@ fn a_drop_on_a_linear_spring_is_that_of_the_closed_form() {
         claims.at_most(&format!("energy balance error with {force} N"), outcome.energy_balance_error, 1e-8);
         claims.at_most("energy balance error without", free.energy_balance_error, 1e-8);
         let impact = measured(&model, &outcome);
-        let [all, film] = [impact.energy_absorption, impact.film_energy_absorption].map(|d| d.expect("a rebound"));
+        let [all, film] =
+            [impact.first().energy_absorption, impact.first().film_energy_absorption].map(|d| d.expect("a rebound"));
         claims.holds(
             "absorption with guide, of the film",
             &format!("{all:.4}, {film:.4}"),

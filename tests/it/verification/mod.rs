@@ -28,6 +28,7 @@ mod poisson_sheet;
 mod rates;
 mod rupture;
 mod same_bits;
+mod several;
 mod shapes;
 mod single_element;
 mod stability;

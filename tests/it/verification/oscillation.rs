@@ -93,7 +93,7 @@ impl Film {
         let whole: f64 = shape.iter().zip(&nodes.mass).map(|(s, m)| m * s * s).sum();
         let shares = shape.iter().zip(&nodes.mass).map(|(s, m)| m * s / whole).collect();
         let loads = Loads { damping, multiplicity: 1.0, ..Loads::default() };
-        (Engine::new(vec![film], nodes, None, loads), shares)
+        (Engine::new(vec![film], nodes, [], loads), shares)
     }
 }
 

@@ -53,6 +53,14 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         // So coarse that there is face contact.
         (drop(&["specimen.mesh.size=50mm"]), 1500),
         (shipped("../tests/golden/indent-disc/scenario.toml", &[]), 400),
+        // Two bodies that meet after 5 ms.
+        (
+            shipped(
+                "../tests/golden/two-impactors/scenario.toml",
+                &["impactor.1.at=1ms", "impactor.1.position=[0.035, 0, 0.08]"],
+            ),
+            500,
+        ),
         (shipped("../tests/golden/inflation-square/scenario.toml", &[]), 400),
     ];
     for (case, (model, steps)) in cases.iter().enumerate() {

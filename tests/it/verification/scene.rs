@@ -39,7 +39,7 @@ impl Scene {
             offset.resize(nodes.position.len(), between + 0.5 * thickness);
             between += thickness;
         }
-        let impactor = model.impactor.as_ref().expect("an impactor");
+        let impactor = model.impactor().expect("an impactor");
         let surface = surface(&impactor.shape).expect("a surface");
         let [x, y] = impactor.position;
         let lowest = surface.lowest(&UnitQuaternion::identity());
@@ -49,7 +49,7 @@ impl Scene {
         let multiplicity = if model.specimen.symmetry == Symmetry::Quarter { 4.0 } else { 1.0 };
         let contact = Contact::new(surface, impactor.friction, multiplicity, offset);
         let loads = Loads { gravity, multiplicity, ..Loads::default() };
-        Scene { engine: Engine::new(films, nodes, Some(Impact { body, contact, in_contact: true }), loads) }
+        Scene { engine: Engine::new(films, nodes, [Impact::new(body, contact).starting_in_contact(true)], loads) }
     }
 
     /// The film of a stretch between jaws that part at `velocity` (m/s).
@@ -65,7 +65,7 @@ impl Scene {
             jaw
         });
         let loads = Loads { jaws: jaws.into(), multiplicity: 1.0, ..Loads::default() };
-        Scene { engine: Engine::new(vec![film], nodes, None, loads) }
+        Scene { engine: Engine::new(vec![film], nodes, [], loads) }
     }
 
     /// Advances by one step. Returns the number of elements that failed in it.
@@ -131,7 +131,7 @@ pub fn forces(film: &mut Film, nodes: &Nodes) -> Vec<Vector3<f64>> {
 /// Positions of the nodes after `time` (s) under `damping` (1/s), and the energies then.
 pub fn relaxed(film: Film, nodes: Nodes, damping: f64, time: f64) -> (Vec<[f64; 3]>, Energies) {
     let loads = Loads { damping, ..Loads::default() };
-    let mut engine = Engine::new(vec![film], nodes, None, loads);
+    let mut engine = Engine::new(vec![film], nodes, [], loads);
     while engine.time() < time {
         engine.step(&mut NoObserver).expect("a step");
     }

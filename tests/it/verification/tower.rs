@@ -58,7 +58,7 @@ pub fn measured(model: &Model, outcome: &Outcome) -> Impact {
 /// Peak displacement (m) and peak filtered acceleration (m/s²).
 pub fn peaks(impact: &Impact) -> [f64; 2] {
     let of = |value: Option<f64>| value.expect("a peak");
-    [of(impact.peak_displacement_m), of(impact.peak_acceleration_m_s2)]
+    [of(impact.first().peak_displacement_m), of(impact.first().peak_acceleration_m_s2)]
 }
 
 /// A channel that is there.

@@ -95,7 +95,6 @@ impl Constraint {
 impl Contact {
     /// Limits the penetration of every candidate element to [`FACE_PENETRATION`]: Gauss–Seidel sweeps over the
     /// constraints at the deepest point of each, at the nodes in contact, and `between` faces (theory.md, section 6).
-    /// Whether there were any but those of nodes, so that the impulses have changed.
     pub(super) fn resolve_faces(
         &mut self,
         nodes: &mut Nodes,
@@ -103,9 +102,9 @@ impl Contact {
         dt: f64,
         pool: &ThreadPool,
         mut between: Option<&mut FilmContact>,
-    ) -> bool {
-        if !self.lists_impulses {
-            return false;
+    ) {
+        if between.is_none() && self.neighbours.face_candidates.is_empty() {
+            return;
         }
         let pose = body.predicted(dt);
         let candidates = self.neighbours.face_candidates.iter().filter(|element| !self.has_small_sagitta(element));
@@ -118,7 +117,7 @@ impl Contact {
         let mut between = between.take_if(|between| between.is_near());
         let films_meet = between.as_mut().is_some_and(|between| between.begin(nodes, dt, pool));
         if !has_faces && !films_meet {
-            return false;
+            return;
         }
         if between.is_some() {
             constraints.extend(self.near_constraints(nodes, body, &pose, dt));
@@ -149,7 +148,6 @@ impl Contact {
         }
         let active = constraints.into_iter().filter(|constraint| constraint.normal_impulse > 0.0);
         self.replace_impulses(nodes, active.flat_map(Constraint::impulses));
-        true
     }
 
     /// Replaces the impulses of the node contacts by `impulses`, of which a node may have several.

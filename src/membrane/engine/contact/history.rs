@@ -54,6 +54,7 @@ impl Contact {
             + bytes(&self.normals)
             + self.previous_velocity.bytes()
             + bytes(&self.predicted)
+            + self.swept.as_deref().map_or(0, bytes)
             + self.contacts.iter().map(NodeContacts::bytes).sum::<usize>()
     }
 }

@@ -21,9 +21,10 @@ mod surface;
 
 pub use contact_state::ContactState;
 pub(super) use history::ContactHistory;
+pub(super) use surface::Meeting;
 pub use surface::{Surface, SurfaceError};
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::disjoint::Disjoint;
@@ -58,6 +59,8 @@ pub struct Contact {
     lists_impulses: bool,
     /// Work since the start.
     pub(super) work: Work,
+    /// Impulses of all sweeps of the last step; none where there is one body, whose contact takes one sweep.
+    swept: Option<Vec<Impulse>>,
     /// Impulse of the guide on the body in the last step, N s; none without friction of the guide.
     pub(super) guide_impulse: Option<f64>,
 }
@@ -87,12 +90,20 @@ pub(super) struct Work {
 }
 
 /// The impulse on a node in one step, N s.
-struct Impulse {
+pub(super) struct Impulse {
     node: usize,
     /// From the body's centre of mass, m.
     arm: Vector3<f64>,
     normal: Vector3<f64>,
     tangential: Vector3<f64>,
+}
+
+impl Impulse {
+    /// The `impulse` (N s) of a body on a `node` that is pressed on another body, at `arm` (m) from the body's centre of
+    /// mass.
+    pub(super) fn pressing(node: usize, arm: Vector3<f64>, impulse: Vector3<f64>) -> Impulse {
+        Impulse { node, arm, normal: impulse, tangential: Vector3::zeros() }
+    }
 }
 
 impl Contact {
@@ -112,6 +123,7 @@ impl Contact {
             contacts: vec![],
             lists_impulses: false,
             work: Work::default(),
+            swept: None,
             guide_impulse: None,
         }
     }
@@ -119,6 +131,38 @@ impl Contact {
     /// The same with the coefficient `friction` between faces, the first of which has the first `nodes`.
     pub fn with_film_friction(self, friction: f64, nodes: usize) -> Contact {
         Contact { friction: Friction { film: friction, first_face: nodes, ..self.friction }, ..self }
+    }
+
+    /// The same of one of several bodies, which a step may resolve in several sweeps.
+    pub(super) fn beside_others(self) -> Contact {
+        Contact { swept: Some(vec![]), ..self }
+    }
+
+    /// Coulomb coefficient of the body.
+    pub(super) fn friction(&self) -> f64 {
+        self.friction.impactor
+    }
+
+    /// The nodes that may get an impulse in this step, ascending.
+    pub(super) fn listed(&self) -> impl Iterator<Item = u32> + '_ {
+        self.neighbours.impulse_nodes.iter().copied()
+    }
+
+    /// Whether `node` may get an impulse in this step.
+    pub(super) fn lists(&self, node: u32) -> bool {
+        self.neighbours.impulse_nodes.binary_search(&node).is_ok()
+    }
+
+    /// Gap between `node` and the body at `pose`, m, and the surface's normal there.
+    pub(super) fn gap(&self, nodes: &Nodes, pose: &Isometry3<f64>, node: usize) -> (f64, Vector3<f64>) {
+        let projection = self.surface.project(pose, &nodes.position_of(node));
+        (projection.distance - self.offset[node], projection.normal)
+    }
+
+    /// Records an `impulse` for all mirror images of a node that it does not move.
+    pub(super) fn record(&mut self, impulse: Impulse) {
+        let normal = impulse.normal / self.multiplicity;
+        self.swept.iter_mut().for_each(|swept| swept.push(Impulse { normal, ..impulse }));
     }
 
     /// The impactor's surface.
@@ -152,33 +196,53 @@ impl Contact {
 
     /// Corrects the velocities of nodes and body and the positions of nodes so that no node penetrates at the end of
     /// the step of `dt` (s), forces acting `over` (s). The nodes have their predicted positions, the body has not moved;
-    /// `before` is its motion before the forces of this step; `between` is the contact between faces, which is resolved
-    /// together with this one. Returns the largest speed of a node in contact, m/s.
-    pub(super) fn resolve(
+    /// `before` is its motion before the forces of this step, left out in further sweeps of the step; `between` is the
+    /// contact between faces, which is resolved together with this one.
+    pub(super) fn correct(
         &mut self,
         nodes: &mut Nodes,
         body: &mut RigidBody,
-        before: &RigidBody,
+        before: Option<&RigidBody>,
         [over, dt]: [f64; 2],
         pool: &ThreadPool,
         between: Option<&mut FilmContact>,
-    ) -> f64 {
-        self.lists_impulses = between.is_some() || !self.neighbours.face_candidates.is_empty();
+    ) {
+        self.lists_impulses = between.is_some() || self.swept.is_some() || !self.neighbours.face_candidates.is_empty();
         self.contacts.resize_with(self.neighbours.ranges.len(), NodeContacts::default);
         self.predict(nodes, body, dt, pool);
         let (corrected, guide) = self.corrected_body(body, before, over);
         self.correct_nodes(nodes, body, &corrected, dt, pool);
-        let mut sums = self.impulse_sums();
+        let sums = self.impulse_sums();
         body.apply_impulse(&(-self.multiplicity * sums.impulse()), &(-self.multiplicity * sums.moment()));
         if let Some(impulse) = guide {
             body.velocity.z += impulse / body.mass;
         }
-        self.guide_impulse = guide;
-        if self.resolve_faces(nodes, body, dt, pool, between) {
-            sums = self.impulse_sums();
+        if before.is_some() {
+            self.guide_impulse = guide;
+            self.swept.iter_mut().for_each(Vec::clear);
+        }
+        self.resolve_faces(nodes, body, dt, pool, between);
+        if let Some(swept) = &mut self.swept {
+            self.contacts.iter_mut().for_each(|contacts| swept.append(&mut contacts.impulses));
+        }
+    }
+
+    /// Adds the work of the step that ends with the velocities of `nodes` and `body`, which moved as `before`. Returns the
+    /// largest speed of a node in contact, m/s.
+    pub(super) fn account(&mut self, nodes: &Nodes, body: &RigidBody, before: &RigidBody) -> f64 {
+        let Some(swept) = &self.swept else {
+            let sums = self.impulse_sums();
+            self.work.add(&sums, self.multiplicity, body, before);
+            return self.contacts.iter().map(|contacts| contacts.largest_speed_squared).fold(0.0, f64::max).sqrt();
+        };
+        let (mut sums, mut fastest) = (ImpulseSums::default(), 0.0_f64);
+        for impulse in swept {
+            let after = nodes.velocity_of(impulse.node);
+            fastest = fastest.max(after.norm_squared());
+            sums.add(impulse, &(0.5 * (after + Vector3::from(self.previous_velocity.at(impulse.node)))));
         }
         self.work.add(&sums, self.multiplicity, body, before);
-        self.contacts.iter().map(|contacts| contacts.largest_speed_squared).fold(0.0, f64::max).sqrt()
+        fastest.sqrt()
     }
 
     /// Sums over the impulses of all ranges.
@@ -210,14 +274,14 @@ impl Contact {
     }
 
     /// The body as it moves once all node contacts have acted on it (theory.md, equation 20), and its guide over `over`
-    /// (s), with the guide's impulse (N s; equation 52).
-    fn corrected_body(&self, body: &RigidBody, before: &RigidBody, over: f64) -> (RigidBody, Option<f64>) {
+    /// (s) after its motion `before`, with the guide's impulse (N s; equation 52).
+    fn corrected_body(&self, body: &RigidBody, before: Option<&RigidBody>, over: f64) -> (RigidBody, Option<f64>) {
         let mut active = self.contacts.iter().filter(|contacts| contacts.is_active());
         let all = active
             .next()
             .map(|first| active.fold(first.coupled_film.clone(), |all, contacts| all.and(&contacts.coupled_film)));
         let mut corrected = all.as_ref().map_or_else(|| body.clone(), |all| body.after_contact(all));
-        let guide = body.has_guide_friction().then(|| {
+        let guide = before.filter(|_| body.has_guide_friction()).map(|before| {
             let mass = body.mass + all.as_ref().map_or(0.0, CoupledFilm::mass_along_z);
             let impulse = body.guide_impulse(before, corrected.velocity.z, mass, over);
             corrected.velocity.z += impulse / mass;
@@ -254,8 +318,9 @@ impl Contact {
 
     /// Nodes that were in contact in the last step, themselves or as corners of an element.
     pub(super) fn nodes_in_contact(&self) -> impl Iterator<Item = usize> + '_ {
-        let listed = self.contacts.iter().flat_map(|contacts| &contacts.impulses).map(|impulse| impulse.node);
+        let swept = self.swept.iter().flatten();
+        let listed = self.contacts.iter().flat_map(|contacts| &contacts.impulses).chain(swept);
         let unlisted = self.contacts.iter().filter(|_| !self.lists_impulses);
-        listed.chain(unlisted.flat_map(NodeContacts::active_nodes))
+        listed.map(|impulse| impulse.node).chain(unlisted.flat_map(NodeContacts::active_nodes))
     }
 }

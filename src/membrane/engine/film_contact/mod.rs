@@ -83,6 +83,8 @@ pub struct FilmContact {
     is_stale: Vec<bool>,
     /// Whether any node follows another face.
     is_near: bool,
+    /// Whether the constraints of the present step have been found.
+    has_begun: bool,
     /// Bound on the motion of a node in the last step, m.
     last_motion: f64,
     /// Steps so far.
@@ -152,6 +154,7 @@ impl FilmContact {
             stale: vec![],
             is_stale: vec![],
             is_near: false,
+            has_begun: false,
             last_motion: 0.0,
             steps: 0,
             lost: 0,
@@ -202,6 +205,8 @@ impl FilmContact {
             self.search(films, nodes);
         }
         self.list_crossings(&nodes.position);
+        self.constraints.clear();
+        self.has_begun = false;
         if self.is_near {
             self.previous_velocity.clone_from(&nodes.velocity);
         }
@@ -322,8 +327,13 @@ impl FilmContact {
     }
 
     /// Finds what would come too close at the end of a step of `dt` (s), for which the nodes have their predicted positions,
-    /// and starts from the impulses of the last one. Returns whether anything would.
+    /// and starts from the impulses of the last one; in further sweeps of a step, adds what is new. Returns whether there
+    /// is anything.
     pub(super) fn begin(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
+        if std::mem::replace(&mut self.has_begun, true) {
+            self.extend(nodes, dt, pool);
+            return !self.constraints.is_empty();
+        }
         self.constraints = self.detect(nodes, dt, pool);
         for constraint in &mut self.constraints {
             let (impulse, pressed) = match constraint.source {

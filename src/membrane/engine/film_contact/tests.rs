@@ -75,7 +75,7 @@ impl Scene {
             let body =
                 if is_fixed { RigidBody::prescribed(pose, 0.0) } else { RigidBody::guided(pose, -velocity, mass) };
             let surface = Surface::sphere(radius).unwrap();
-            Impact { body, contact: Contact::new(surface, self.friction, 1.0, offset), in_contact: true }
+            Impact::new(body, Contact::new(surface, self.friction, 1.0, offset)).starting_in_contact(true)
         });
         Run { engine: Engine::new(mounted, nodes, impact, self.loads).with_film_contact(self.friction) }
     }
@@ -241,7 +241,7 @@ fn a_sphere_presses_two_films_on_each_other() {
         let mut lowest = f64::INFINITY;
         while run.engine.time() < 0.025 {
             let now = run.after(50);
-            lowest = lowest.min(run.engine.impact.as_ref().unwrap().body.centre().z);
+            lowest = lowest.min(run.engine.impacts[0].body.centre().z);
             assert_eq!((now.crossings, now.contact.lost), (0, 0), "{:?}", now.contact);
             assert!(now.contact.distance > 0.7 * THICKNESS, "{:?}", now.contact);
             assert!(now.balance_error(&start) < 1e-3, "{} {:?}", now.balance_error(&start), now.energies);

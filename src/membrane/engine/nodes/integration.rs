@@ -69,7 +69,7 @@ pub(in crate::engine) struct Integration<'a> {
     kick: Kick,
     dt: f64,
     gravity: f64,
-    record: Option<VelocityRecord<'a>>,
+    records: Vec<VelocityRecord<'a>>,
 }
 
 /// Nodes whose velocities are recorded before the kick.
@@ -81,14 +81,14 @@ pub(in crate::engine) struct VelocityRecord<'a> {
 }
 
 impl Nodes {
-    /// Shares the nodes for a step: velocities enter the `record`, then follow the `kick`, with `gravity` (m/s²,
+    /// Shares the nodes for a step: velocities enter the `records`, then follow the `kick`, with `gravity` (m/s²,
     /// downward), and a drift over `dt` (s).
     pub(in crate::engine) fn integration<'a>(
         &'a mut self,
         kick: Kick,
         dt: f64,
         gravity: f64,
-        record: Option<VelocityRecord<'a>>,
+        records: Vec<VelocityRecord<'a>>,
     ) -> Integration<'a> {
         Integration {
             position: self.position.axes_mut().map(Disjoint::new),
@@ -101,7 +101,7 @@ impl Nodes {
             kick,
             dt,
             gravity,
-            record,
+            records,
         }
     }
 }
@@ -133,16 +133,17 @@ impl Integration<'_> {
         sums
     }
 
-    /// Records the velocities of the nodes of `range` that the record lists.
+    /// Records the velocities of the nodes of `range` that each record lists.
     ///
     /// # Safety
     /// No other thread may access these nodes.
     unsafe fn record(&self, range: Range<usize>) {
-        let Some(VelocityRecord { nodes, velocity }) = &self.record else { return };
-        let from = nodes.partition_point(|n| (*n as usize) < range.start);
-        for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
-            // SAFETY: by the contract no other thread accesses these nodes.
-            (0..3).for_each(|axis| unsafe { *velocity[axis].at(n) = *self.velocity[axis].at(n) });
+        for VelocityRecord { nodes, velocity } in &self.records {
+            let from = nodes.partition_point(|n| (*n as usize) < range.start);
+            for n in nodes[from..].iter().map(|n| *n as usize).take_while(|n| *n < range.end) {
+                // SAFETY: by the contract no other thread accesses these nodes.
+                (0..3).for_each(|axis| unsafe { *velocity[axis].at(n) = *self.velocity[axis].at(n) });
+            }
         }
     }
 

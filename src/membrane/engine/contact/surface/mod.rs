@@ -2,10 +2,12 @@
 //! only place that names parry.
 
 mod deepest_point;
+mod meeting;
 mod projection;
 mod solid;
 mod triangles;
 
+pub(in crate::engine) use meeting::Meeting;
 pub(crate) use triangles::Triangles;
 
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
@@ -215,6 +217,11 @@ impl Surface {
     /// z of the lowest point of the body with `rotation` below its centre of mass, m.
     pub fn lowest(&self, rotation: &UnitQuaternion<f64>) -> f64 {
         -self.shape.reach(&rotation.inverse_transform_vector(&-Vector3::z()))
+    }
+
+    /// Centre of mass in the coordinates in which the shape was given, m.
+    pub fn centre(&self) -> Vector3<f64> {
+        self.centre
     }
 
     /// Inertia of a homogeneous body over its mass, m², body axes.

@@ -1,0 +1,146 @@
+//! An impactor: its body, its contact with the film, and its release.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::contact::{Contact, ContactHistory};
+use super::film::Film;
+use super::rigid_body::{Motion, RigidBody};
+
+/// An impactor and its contact with the film.
+pub struct Impact {
+    /// The impactor. One that is held is at rest.
+    pub body: RigidBody,
+    /// Its contact.
+    pub contact: Contact,
+    /// Whether it starts in contact with the film, and so is lifted with film that settles above where it was mounted.
+    pub in_contact: bool,
+    /// Coefficient of restitution against other bodies, of which a pair has the smaller.
+    pub restitution: f64,
+    /// Impulse of other bodies on it along z so far, N s.
+    pub(super) collision_impulse: f64,
+    release: Release,
+}
+
+/// Whether a body moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Release {
+    /// It is held where it is, and is no obstacle.
+    Held(Launch),
+    /// It is released at this full step.
+    Now,
+    /// It moves.
+    Done,
+}
+
+/// When and how a body is released.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Launch {
+    /// s.
+    at: f64,
+    /// m/s.
+    velocity: Vector3<f64>,
+    /// rad/s.
+    spin: Vector3<f64>,
+}
+
+/// Motion of an impactor and its contact, as they are saved.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct ImpactState {
+    motion: Motion,
+    pub(super) contact: ContactHistory,
+    collision_impulse: f64,
+    is_held: bool,
+}
+
+impl Impact {
+    /// An impactor that moves from the start, beside the film, without restitution.
+    pub fn new(body: RigidBody, contact: Contact) -> Impact {
+        Impact { body, contact, in_contact: false, restitution: 0.0, collision_impulse: 0.0, release: Release::Done }
+    }
+
+    /// The same that starts in contact with the film, or not.
+    pub fn starting_in_contact(self, in_contact: bool) -> Impact {
+        Impact { in_contact, ..self }
+    }
+
+    /// The same with the coefficient of `restitution` against other bodies.
+    pub fn with_restitution(self, restitution: f64) -> Impact {
+        Impact { restitution, ..self }
+    }
+
+    /// The same held where it is until the time `at` (s), where it is released with its motion; from the start where
+    /// that is zero.
+    pub fn released_at(self, at: f64) -> Impact {
+        if at <= 0.0 {
+            return self;
+        }
+        let Impact { mut body, .. } = self;
+        let launch = Launch { at, velocity: body.velocity, spin: body.spin };
+        (body.velocity, body.spin) = (Vector3::zeros(), Vector3::zeros());
+        Impact { body, release: Release::Held(launch), ..self }
+    }
+
+    /// The same of one of several.
+    pub(super) fn beside_others(self) -> Impact {
+        Impact { contact: self.contact.beside_others(), ..self }
+    }
+
+    /// Whether it is held until its release.
+    pub fn is_held(&self) -> bool {
+        matches!(self.release, Release::Held(_))
+    }
+
+    /// Whether it is to be released by `time` (s).
+    pub(super) fn is_due(&self, time: f64) -> bool {
+        matches!(self.release, Release::Held(launch) if launch.at <= time)
+    }
+
+    /// Releases it.
+    pub(super) fn release(&mut self) {
+        self.body = self.launched();
+        self.release = Release::Now;
+    }
+
+    /// The body with the motion that it has, or is released with.
+    pub fn launched(&self) -> RigidBody {
+        let mut body = self.body.clone();
+        if let Release::Held(Launch { velocity, spin, .. }) = self.release {
+            (body.velocity, body.spin) = (velocity, spin);
+        }
+        body
+    }
+
+    /// Changes the velocity by gravity `g` (m/s², downward) over `over` (s), or half the next step `dt` (s) after its
+    /// release.
+    pub(super) fn kick(&mut self, [over, dt]: [f64; 2], g: f64) {
+        match self.release {
+            Release::Held(_) => {}
+            Release::Now => {
+                self.body.kick(0.5 * dt, g);
+                self.release = Release::Done;
+            }
+            Release::Done => self.body.kick(over, g),
+        }
+    }
+
+    /// Its state, to be saved.
+    pub(super) fn save(&self) -> ImpactState {
+        ImpactState {
+            motion: self.body.motion(),
+            contact: self.contact.save(),
+            collision_impulse: self.collision_impulse,
+            is_held: self.is_held(),
+        }
+    }
+
+    /// Restores its state in a scene of the same `films`.
+    pub(super) fn restore(&mut self, state: ImpactState, films: &[Film]) {
+        self.body.restore(&state.motion);
+        self.contact.restore(state.contact, films);
+        self.collision_impulse = state.collision_impulse;
+        if !state.is_held {
+            self.release = Release::Done;
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Contact of all bodies with the film and with each other in one step (theory.md, section 6).
+
+use super::collision::Collisions;
+use super::contact::{Contact, Impulse};
+use super::film_contact::FilmContact;
+use super::impact::Impact;
+use super::nodes::Nodes;
+use super::rigid_body::RigidBody;
+use super::thread_pool::ThreadPool;
+
+/// Penetration of a node that two bodies may touch, over the size of the body, at which another sweep is due.
+const TOLERANCE: f64 = 1e-5;
+
+/// Largest number of sweeps over all bodies in a step.
+const SWEEPS: usize = 12;
+
+/// Largest number of sweeps over the nodes between two bodies after each of those.
+const PINCHES: usize = 10;
+
+/// Cosine of the angle between the normals of two bodies at a node above which it can yield to both.
+const YIELDING: f64 = -0.9;
+
+/// What contact does in a step besides the motion of nodes and bodies.
+pub(super) struct Resolved {
+    /// Largest speed of a node in contact, m/s.
+    pub(super) fastest: f64,
+    /// Energy that bodies lose where they meet each other, and the part of it that belongs to the half step after the
+    /// full one, J.
+    pub(super) collisions: [f64; 2],
+}
+
+/// Resolves the contact of all released bodies: the nodes have their predicted positions, the bodies have not moved;
+/// `before` are the bodies before the forces of this step, which acted `over` (s), and the nodes move on for `dt` (s).
+/// Bodies that share no film and do not meet are resolved in one sweep; contact `between` faces together with each.
+pub(super) fn resolve(
+    impacts: &mut [Impact],
+    before: &[RigidBody],
+    nodes: &mut Nodes,
+    [over, dt]: [f64; 2],
+    pool: &ThreadPool,
+    mut between: Option<&mut FilmContact>,
+) -> Resolved {
+    let mut collisions = Collisions::within(impacts, dt);
+    let shared = SharedNodes::of(impacts);
+    collisions.solve(impacts, dt);
+    for sweep in 0..SWEEPS {
+        for (impact, before) in impacts.iter_mut().zip(before).filter(|(impact, _)| !impact.is_held()) {
+            let Impact { body, contact, .. } = impact;
+            let before = (sweep == 0).then_some(before);
+            contact.correct(nodes, body, before, [over, dt], pool, between.as_deref_mut());
+        }
+        let met = collisions.solve(impacts, dt);
+        let pinched = shared.pinch(impacts, nodes, dt);
+        if !met && !pinched {
+            break;
+        }
+    }
+    if let Some(between) = between.filter(|_| impacts.iter().all(Impact::is_held)) {
+        between.resolve(nodes, dt, pool);
+    }
+    let mut fastest = 0.0_f64;
+    for (impact, before) in impacts.iter_mut().zip(before).filter(|(impact, _)| !impact.is_held()) {
+        fastest = fastest.max(impact.contact.account(nodes, &impact.body, before));
+    }
+    collisions.record(impacts);
+    Resolved { fastest, collisions: collisions.losses(impacts, before) }
+}
+
+/// Nodes that two bodies may touch in this step.
+struct SharedNodes {
+    pairs: Vec<([usize; 2], Vec<usize>)>,
+}
+
+impl SharedNodes {
+    fn of(impacts: &[Impact]) -> SharedNodes {
+        let mut pairs = vec![];
+        for (second, b) in impacts.iter().enumerate().filter(|(_, b)| !b.is_held()) {
+            for (first, a) in impacts[..second].iter().enumerate().filter(|(_, a)| !a.is_held()) {
+                let of_both = a.contact.listed().filter(|node| b.contact.lists(*node));
+                let nodes: Vec<usize> = of_both.map(|node| node as usize).collect();
+                if !nodes.is_empty() {
+                    pairs.push(([first, second], nodes));
+                }
+            }
+        }
+        SharedNodes { pairs }
+    }
+
+    /// Finds the nodes that penetrate one of two bodies. Where such a node cannot yield, the bodies press on each other
+    /// through it (theory.md, equation 55). Returns whether there was one, so that another sweep is due.
+    fn pinch(&self, impacts: &mut [Impact], nodes: &Nodes, dt: f64) -> bool {
+        let mut any = false;
+        for (bodies, shared) in &self.pairs {
+            let Ok([a, b]) = impacts.get_disjoint_mut(*bodies) else { continue };
+            for _ in 0..PINCHES {
+                let found: Vec<Pinch> = shared.iter().map(|node| pinch(a, b, nodes, *node, dt)).collect();
+                any |= found.iter().any(|found| *found != Pinch::None);
+                if !found.contains(&Pinch::Pressed) {
+                    break;
+                }
+            }
+        }
+        any
+    }
+}
+
+/// What a node between two bodies does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Pinch {
+    /// It penetrates neither, or both are fixed.
+    None,
+    /// It penetrates one, and can yield.
+    Yields,
+    /// The bodies got an impulse under which they leave room for it.
+    Pressed,
+}
+
+/// Looks at `node` between two bodies, which press on each other where it cannot yield.
+fn pinch(a: &mut Impact, b: &mut Impact, nodes: &Nodes, node: usize, dt: f64) -> Pinch {
+    let poses = [&*a, &*b].map(|of| of.body.predicted(dt));
+    let [(gap, normal), (other_gap, other_normal)] =
+        [(&a.contact, &poses[0]), (&b.contact, &poses[1])].map(|(contact, pose)| contact.gap(nodes, pose, node));
+    let tolerance = |contact: &Contact| TOLERANCE * contact.surface().size();
+    if nodes.is_held(node) || (gap >= -tolerance(&a.contact) && other_gap >= -tolerance(&b.contact)) {
+        return Pinch::None;
+    }
+    let (overlap, allowed) = (-(gap + other_gap), tolerance(&a.contact).min(tolerance(&b.contact)));
+    if normal.dot(&other_normal) > YIELDING || overlap <= allowed {
+        return Pinch::Yields;
+    }
+    let Some(direction) = (normal - other_normal).try_normalize(0.0) else { return Pinch::Yields };
+    let point = nodes.position_of(node);
+    let arms = poses.map(|pose| point.coords - pose.translation.vector);
+    let inverse_mass =
+        a.body.inverse_effective_mass(&direction, &arms[0]) + b.body.inverse_effective_mass(&direction, &arms[1]);
+    if inverse_mass == 0.0 {
+        return Pinch::None;
+    }
+    let impulse = direction * (overlap / dt / inverse_mass);
+    a.body.apply_impulse_at(&-impulse, &arms[0]);
+    b.body.apply_impulse_at(&impulse, &arms[1]);
+    a.contact.record(Impulse::pressing(node, arms[0], impulse));
+    b.contact.record(Impulse::pressing(node, arms[1], -impulse));
+    Pinch::Pressed
+}
