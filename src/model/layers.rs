@@ -194,7 +194,7 @@ fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, mistakes: &mu
 }
 
 /// Key path of the height of a face.
-fn height_path(scenario: &Scenario, place: usize) -> String {
+pub(super) fn height_path(scenario: &Scenario, place: usize) -> String {
     if scenario.layer.is_empty() { format!("layers.faces.{place}") } else { format!("layer.{place}.height") }
 }
 

@@ -76,6 +76,7 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
     let output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
     let reference = reference::check(scenario, mistakes);
     let post = post::check(scenario, mistakes);
+    let contact = contact::check(scenario, faces.as_deref(), mistakes);
     let model = Model {
         title: scenario.title.clone().unwrap_or_else(|| name.clone()),
         name,
@@ -84,7 +85,7 @@ fn model(scenario: &Scenario, mistakes: &mut Mistakes<'_>) -> Option<Model> {
         frame,
         impactors: impactors?,
         loading,
-        contact: contact::check(scenario, mistakes),
+        contact,
         air,
         solver,
         output,

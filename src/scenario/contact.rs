@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 /// Contact between faces of film.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Contact {
-    /// Whether faces meet each other, also where the impactor is not. Without it each face meets the impactor alone,
-    /// through the film above it. Left out, they do where there are several faces.
-    #[schemars(extend("default" = true))]
-    pub film: Option<bool>,
+    /// Whether faces meet each other, also where the impactor is not; without it each face meets the impactor alone,
+    /// through the film above it.
+    #[serde(default)]
+    pub film: bool,
     /// Coulomb coefficient between faces; that of the impactor where it is left out.
     #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
     pub film_friction: Option<f64>,

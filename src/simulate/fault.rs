@@ -47,7 +47,7 @@ pub enum RunError {
     Below,
     /// Faces lie inside each other at the start.
     #[error(
-        "two faces pass through each other before the test, once they hang in equilibrium: mount them further apart, or \
+        "two faces pass through each other before the test: mount them further apart, or \
          leave contact between them out with `contact.film = false`"
     )]
     FacesCross,

@@ -140,6 +140,9 @@ pub fn run_with(
             }
         });
     }
+    if cancellation.is_cancelled() {
+        return Err(RunError::Cancelled);
+    }
     if engine.steps() == 0 && settled.is_ok() && !engine.has_faces_in_order() {
         return Err(RunError::FacesCross);
     }

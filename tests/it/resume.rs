@@ -278,6 +278,8 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
         ("two-impactors", &["output.frames=20", "impactor.1.at=20ms"]),
         ("dart-disc", &["specimen.mesh.element=quad4-full"]),
         ("drop-different-faces", &[]),
+        ("drop-different-faces", &["contact.film=true", "specimen.damping=20"]),
+        ("drop-1508", &["output.frames=20", "contact.film=true", "specimen.mesh.size=40mm"]),
         ("stretch-oblique-triangles", &[]),
         ("stretch-md", &[]),
         ("indent-disc", &[]),

@@ -65,7 +65,7 @@ impl Engine {
         let [collision, ahead] = resolved.collisions;
         self.ledger.collision += collision;
         self.ledger.collision_ahead = ahead;
-        if let Some(between) = between {
+        if let Some(between) = between.as_mut().filter(|between| between.is_near()) {
             let fastest = resolved.fastest.max(between.finish(nodes, dt));
             if damped {
                 sums.damped += between.damping_correction(nodes);

@@ -68,7 +68,7 @@ fn two_discs_pressed_into_each_other_are_two_membranes_of_revolution() {
              specimen.mesh = {{ element = \"quad4\", size = \"3 mm\" }}
              specimen.symmetry = \"quarter\"
              layers.faces = [{gap}, 0.0]
-             contact.film_friction = 0.0
+             contact = {{ film = true, film_friction = 0.0 }}
              loading.pressure = {{ pressure = {pressure}, ramp = 0.5 }}
              output.frames = 2"
         )));

@@ -46,6 +46,7 @@ fn a_step_has_the_same_bits_with_any_threads_and_vector_instructions() {
         (small(), 400),
         (drop(&free), 400),
         (drop(&fine), 60),
+        (drop(&[&fine[..2], &["layers.faces=[0.0, -2e-3]", "contact.film=true", "specimen.damping=50"]].concat()), 150),
         (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=tri3"]), 400),
         (drop(&["specimen.mesh.size=20mm", "specimen.mesh.element=quad4-full", "specimen.damping=50"]), 400),
         (drop(&["specimen.mesh.size=20mm", "specimen.material.fabric.wrinkling=true"]), 1500),

@@ -26,6 +26,8 @@ pub(super) struct Constraint {
     response: [Vector3<f64>; 4],
     /// Normal velocity per impulse along the normal, 1/kg.
     inverse_effective_mass: f64,
+    /// The same of nodes that are held in no direction, 1/kg: a bound for every direction.
+    inverse_free_mass: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
     /// Least normal velocity, m/s.
@@ -46,10 +48,14 @@ const RECOVERY: f64 = 0.1;
 /// converged leave less. What is deeper does not belong together, as on both sides of a fold.
 const DEEPEST: f64 = 1.0;
 
+/// Response along the normal over that of free nodes below which a pair counts as held: beside mirror planes a pair of
+/// edges may have its normal along a direction that is held, and would take any impulse.
+const LEAST_RESPONSE: f64 = 0.25;
+
 /// Why there is no constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unusable {
-    /// All nodes are held.
+    /// All nodes are held, or nearly so along the normal.
     Held,
     /// The points lie on the wrong sides of each other.
     Beyond,
@@ -74,7 +80,11 @@ impl Constraint {
             std::array::from_fn(|k| Vector3::from(nodes.effective_inverse_mass().at(of[k] as usize)) * weights[k]);
         let along = |k: usize| weights[k] * response[k].component_mul(&normal).dot(&normal);
         let inverse_effective_mass: f64 = (0..4).map(along).sum();
-        if inverse_effective_mass <= 0.0 {
+        let free = |k: usize| {
+            weights[k] * response[k].iter().fold(0.0, |most: f64, of| most.max(of.abs())).copysign(weights[k])
+        };
+        let inverse_free_mass: f64 = (0..4).map(free).sum();
+        if inverse_effective_mass <= LEAST_RESPONSE * inverse_free_mass {
             return Err(Unusable::Held);
         }
         let mut constraint = Constraint {
@@ -84,6 +94,7 @@ impl Constraint {
             normal,
             response,
             inverse_effective_mass,
+            inverse_free_mass,
             bound,
             target: 0.0,
             normal_impulse: 0.0,
@@ -134,7 +145,7 @@ impl Constraint {
         if friction > 0.0 && (normal_impulse > 0.0 || self.tangential_impulse != Vector3::zeros()) {
             relative = self.relative_velocity(velocity);
             let slip = relative - self.normal * relative.dot(&self.normal);
-            let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
+            let sticking = self.tangential_impulse - slip / self.inverse_free_mass;
             let (bound, size) = (friction * normal_impulse, sticking.norm());
             let tangential = if size <= bound { sticking } else { sticking * (bound / size) };
             self.apply(&(tangential - self.tangential_impulse), velocity);

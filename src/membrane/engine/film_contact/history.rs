@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::crossing::Crossing;
-use super::surface::NONE;
 use super::tracking::Tracked;
 use super::{FilmContact, FilmWork};
 use crate::engine::film::Film;
@@ -14,6 +13,7 @@ pub(crate) struct FilmContactHistory {
     tracked: [Vec<Tracked>; 2],
     crossings: Vec<Crossing>,
     stale: Vec<u32>,
+    is_near: bool,
     margin: f64,
     last_motion: f64,
     steps: u64,
@@ -39,6 +39,7 @@ impl FilmContact {
             tracked: [0, 1].map(|side| self.tracking[side].save()),
             crossings: self.crossings.clone(),
             stale: self.stale.clone(),
+            is_near: self.is_near,
             margin: self.margin,
             last_motion: self.last_motion,
             steps: self.steps,
@@ -53,7 +54,7 @@ impl FilmContact {
         for (tracking, tracked) in self.tracking.iter_mut().zip(&history.tracked) {
             tracking.restore(tracked, &self.surface);
         }
-        self.is_near = self.tracking.iter().any(|tracking| tracking.triangle.iter().any(|t| *t != NONE));
+        self.is_near = history.is_near;
         self.crossings = history.crossings;
         self.stale = history.stale;
         self.margin = history.margin;

@@ -2,7 +2,7 @@
 //!
 //! Every node follows the nearest triangle of the next face on either side of its own ([`tracking`]), every edge the
 //! edges that it crosses there ([`crossing`]). Where one of them would come closer than the film is thick in a step, a
-//! constraint gives both films opposite impulses ([`constraint`]; theory.md, section 6b). The side on which a node lies is
+//! constraint gives both films opposite impulses ([`constraint`]; theory.md, section 6). The side on which a node lies is
 //! that on which it came, so film that moves by more than its thickness in a step does not pass through.
 
 mod constraint;
@@ -188,13 +188,8 @@ impl FilmContact {
                 }
             }
         }
-        let surface = &self.surface;
-        let mut alive = vec![false; surface.edges.len()];
-        for (triangle, _) in surface.is_intact.iter().enumerate().filter(|(_, intact)| **intact) {
-            surface.edges_of[triangle].iter().for_each(|edge| alive[*edge as usize] = true);
-        }
-        self.crossings.retain(|crossing| crossing.edges.iter().all(|edge| alive[*edge as usize]));
-        self.stale.retain(|edge| alive[*edge as usize]);
+        let is_intact = &self.surface.is_intact_edge;
+        self.crossings.retain(|crossing| crossing.edges.iter().all(|edge| is_intact[*edge as usize]));
         self.margin = 0.0;
     }
 
@@ -260,10 +255,6 @@ impl FilmContact {
                         }
                         continue;
                     };
-                    if foot.triangle != followed {
-                        changed.push((node as u32, foot.triangle));
-                        changed.extend((followed != NONE).then_some((node as u32, followed)));
-                    }
                     let other = self.surface.face_of(foot.triangle);
                     let same_face = followed != NONE && self.surface.face_of(followed) == other;
                     let kept = if same_face { tracking.sign[node] } else { 0.0 };
@@ -273,10 +264,12 @@ impl FilmContact {
                         (false, _) => 0.0,
                     };
                     let thickness = self.half[face] + self.half[other];
+                    if foot.triangle != followed || sign != tracking.sign[node] {
+                        changed.push((node as u32, foot.triangle));
+                        changed.extend((followed != NONE).then_some((node as u32, followed)));
+                    }
                     tracking.follow(node, foot.triangle, sign, &self.surface);
-                    // Films that were mounted closer than they are thick keep their distance.
-                    let mounted = if self.steps == 0 && foot.is_over { foot.distance.abs() } else { f64::INFINITY };
-                    tracking.bound[node] = (1.0 - SLOP) * thickness.min(mounted);
+                    tracking.bound[node] = (1.0 - SLOP) * thickness;
                 }
             }
         }
@@ -309,6 +302,7 @@ impl FilmContact {
             old.iter().flat_map(|crossing| crossing.edges).chain(self.stale.drain(..)).collect();
         walkers.sort_unstable();
         walkers.dedup();
+        walkers.retain(|edge| self.surface.is_intact_edge[*edge as usize]);
         let mut found = vec![];
         for walker in walkers {
             for tracking in &self.tracking {
@@ -346,6 +340,7 @@ impl FilmContact {
             // Steps count from one here, since nothing is pressed in step zero.
             if pressed == self.steps && pressed > 0 {
                 constraint.start_from(impulse, &mut nodes.velocity);
+                constraint.move_nodes(&mut nodes.position, dt);
             }
         }
         !self.constraints.is_empty()
@@ -409,6 +404,7 @@ impl FilmContact {
             for n in found.lost {
                 self.mark(n as u32, self.tracking[side].triangle[n]);
                 self.tracking[side].lose(n);
+                self.margin = 0.0;
             }
         }
         constraints
@@ -520,6 +516,8 @@ impl FilmContact {
         for constraint in &mut self.constraints {
             constraint.move_nodes(position, dt);
             match constraint.source {
+                // Lost by the impulses of others in this step.
+                Source::Node { side, node } if self.tracking[side].triangle[node as usize] == NONE => {}
                 Source::Node { side, node } => {
                     self.tracking[side].impulse[node as usize] = constraint.impulse();
                     self.tracking[side].pressed[node as usize] = self.steps + 1;

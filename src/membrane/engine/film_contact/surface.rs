@@ -21,6 +21,8 @@ pub(super) struct Surface {
     pub(super) edges: Vec<[u32; 2]>,
     /// Whether a triangle belongs to an element that is not deleted.
     pub(super) is_intact: Vec<bool>,
+    /// Whether an edge belongs to such a triangle.
+    pub(super) is_intact_edge: Vec<bool>,
     /// Triangles of each face.
     pub(super) faces: Vec<Range<u32>>,
     /// Edges of each node, one after the other.
@@ -58,6 +60,7 @@ impl Surface {
             edges_of,
             edges: vec![],
             is_intact,
+            is_intact_edge: vec![],
             faces,
             edges_at: vec![],
             first_edge: vec![],
@@ -86,6 +89,7 @@ impl Surface {
                 self.across[other as usize][l] = one;
             }
         }
+        self.is_intact_edge = vec![true; self.edges.len()];
         let mut at: Vec<(u32, u32)> = vec![];
         for (edge, nodes) in self.edges.iter().enumerate() {
             at.extend(nodes.map(|node| (node, edge as u32)));
@@ -125,10 +129,16 @@ impl Surface {
                 }
             }
         }
+        if any {
+            self.is_intact_edge.fill(false);
+            for (edges, _) in self.edges_of.iter().zip(&self.is_intact).filter(|(_, intact)| **intact) {
+                edges.iter().for_each(|edge| self.is_intact_edge[*edge as usize] = true);
+            }
+        }
         any
     }
 
-    /// Edges of a node.
+    /// Edges of a node, also of elements that are deleted.
     pub(super) fn edges_at(&self, node: u32) -> &[u32] {
         let [from, to] = [0, 1].map(|k| self.first_edge[node as usize + k] as usize);
         &self.edges_at[from..to]
@@ -142,7 +152,8 @@ impl Surface {
     /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
         let of_triangles = bytes(&self.corners) + bytes(&self.across) + bytes(&self.edges_of) + bytes(&self.is_intact);
-        let of_edges = bytes(&self.edges) + bytes(&self.edges_at) + bytes(&self.first_edge);
+        let of_edges =
+            bytes(&self.edges) + bytes(&self.is_intact_edge) + bytes(&self.edges_at) + bytes(&self.first_edge);
         of_triangles + of_edges + self.elements.iter().map(|of_film| bytes(of_film)).sum::<usize>()
     }
 }

@@ -260,7 +260,7 @@ fn cloths_come_to_rest_on_a_ball_without_crossing() {
     let mut run = scene.with(&films);
     let start = run.after(1);
     let (mut last, mut gained) = (run.after(1), 0.0_f64);
-    while run.engine.time() < 0.45 {
+    while run.engine.time() < 0.5 {
         last = run.after(25);
         assert_eq!(last.crossings, 0, "at {} s: {:?}", run.engine.time(), last.contact);
         gained = gained.max((last.energies.total() - start.energies.total()).abs());
@@ -281,5 +281,48 @@ impl Observer for Nothing {
 
     fn observe(&mut self, _: &View<'_>) -> Result<(), Fault> {
         Ok(())
+    }
+}
+
+/// A quarter of two stretched films that a ball presses on each other: at the mirror planes pairs of edges have normals
+/// along directions that are held.
+#[test]
+fn contact_at_mirror_planes_stays_bounded() {
+    let section = Section {
+        law: Law::Elastic(Elastic { young: 3e7, poisson: 0.3 }),
+        density: 915.0,
+        thickness: 288e-6,
+        md_angle: 0.0,
+        prestrain: [0.1, 0.0],
+        full_integration: false,
+    };
+    let mut nodes = Nodes::default();
+    let (mut films, mut offset) = (vec![], vec![]);
+    for height in [0.0, -0.02] {
+        let mesh = square(0.6, 8, 0.0);
+        let moved = mesh.nodes.iter().map(|p| Point3::new(p.x + 0.3, p.y + 0.3, p.z)).collect();
+        let film = Film::mount(&Mesh { nodes: moved, ..mesh }, &section, height, &mut nodes).unwrap();
+        let side = |axis: usize, is_in: fn(f64) -> bool| -> Vec<usize> {
+            film.nodes.clone().filter(|n| is_in(nodes.position.at(*n)[axis])).collect()
+        };
+        let mirrors = [0, 1].map(|axis| side(axis, |x| x < 1e-9));
+        let outer = [0, 1].map(|axis| side(axis, |x| x > 0.599));
+        let [x, y] = mirrors;
+        nodes.hold(x, [true, false, false]);
+        nodes.hold(y, [false, true, false]);
+        outer.into_iter().for_each(|side| nodes.hold(side, [true; 3]));
+        offset.resize(nodes.mass.len(), (films.len() as f64 + 0.5) * section.thickness);
+        films.push(film);
+    }
+    let pose = Isometry3::translation(0.0, 0.0, 0.0825 + 0.5 * section.thickness);
+    let contact = Contact::new(Surface::sphere(0.0825).unwrap(), 0.4, 4.0, offset);
+    let body = Impact::new(RigidBody::guided(pose, -8.33, 4.5), contact).starting_in_contact(true);
+    let loads = Loads { multiplicity: 4.0, ..Loads::default() };
+    let mut run = Run { engine: Engine::new(films, nodes, [body], loads).with_film_contact(0.4) };
+    let start = run.after(1);
+    while run.engine.time() < 0.02 {
+        let now = run.after(10);
+        assert!(now.balance_error(&start) < 2e-3 && now.energies.friction > -1e-3, "{:?}", now.energies);
+        assert_eq!(now.crossings, 0, "{:?}", now.contact);
     }
 }
