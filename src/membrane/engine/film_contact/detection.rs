@@ -64,17 +64,25 @@ pub(super) struct Crossed {
     pub(super) distance: f64,
 }
 
+/// What is found among crossings.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FoundCrossings {
+    /// Those that are too close.
+    pub(super) crossed: Vec<Crossed>,
+    /// Places of those that have become parallel, or are so no more.
+    pub(super) turned: Vec<usize>,
+}
+
 at_width! {
-    /// Adds those of the crossings `range` that are closer than `factor` of what is allowed to `found`, and the places of
-    /// those that have become parallel, or are so no more, to `turned`.
+    /// Adds those of the crossings `range` that are closer than `factor` of what is allowed, and those that have turned, to
+    /// `found`.
     pub(super) fn near_crossings[](
         crossings: &[Crossing],
         surface: &Surface,
         position: &Vectors,
         range: Range<usize>,
         factor: f64,
-        found: &mut Vec<Crossed>,
-        turned: &mut Vec<usize>,
+        found: &mut FoundCrossings,
     ) = near_crossings_lanewise
 }
 
@@ -85,8 +93,7 @@ fn near_crossings_lanewise(
     position: &Vectors,
     range: Range<usize>,
     factor: f64,
-    found: &mut Vec<Crossed>,
-    turned: &mut Vec<usize>,
+    found: &mut FoundCrossings,
 ) {
     for first in range.clone().step_by(LANES) {
         let of = |l: usize| (first + l).min(range.end - 1);
@@ -113,10 +120,15 @@ fn near_crossings_lanewise(
             is_near[l] = is_across && is_inside && out[3][l] < factor * crossing.bound;
         }
         let count = LANES.min(range.end - first);
-        turned.extend((0..count).filter(|l| has_turned[*l]).map(|l| first + l));
+        found.turned.extend((0..count).filter(|l| has_turned[*l]).map(|l| first + l));
         for l in (0..count).filter(|l| is_near[*l] && !has_turned[*l]) {
             let normal = [0, 1, 2].map(|axis| across[axis][l] * out[2][l]);
-            found.push(Crossed { place: first + l, shares: [out[0][l], out[1][l]], normal, distance: out[3][l] });
+            found.crossed.push(Crossed {
+                place: first + l,
+                shares: [out[0][l], out[1][l]],
+                normal,
+                distance: out[3][l],
+            });
         }
     }
 }

@@ -29,7 +29,7 @@ use super::nodes::{Nodes, Vectors};
 use super::thread_pool::ThreadPool;
 use constraint::{Constraint, Pair, Source, Unusable};
 use crossing::Crossing;
-use detection::Crossed;
+use detection::{Crossed, FoundCrossings};
 use search::Search;
 use surface::{NONE, Surface};
 use tracking::{Foot, Tracking};
@@ -121,9 +121,7 @@ pub struct FilmContactState {
 #[derive(Default)]
 struct Found {
     near: Vec<u32>,
-    crossed: Vec<Crossed>,
-    /// Crossings that have become parallel, or are so no more.
-    turned: Vec<usize>,
+    crossings: FoundCrossings,
     constraints: Vec<Constraint>,
     /// Node and foot of those whose triangle or side has changed.
     moved: Vec<(u32, Foot)>,
@@ -383,7 +381,7 @@ impl FilmContact {
             constraints.extend(found.constraints);
             self.lost += found.lost.len() as u64;
             let Some(side) = *side else {
-                let again = found.lost.iter().chain(&found.turned);
+                let again = found.lost.iter().chain(&found.crossings.turned);
                 self.stale.extend(again.flat_map(|place| self.crossings[*place].edges));
                 found.lost.iter().for_each(|place| self.crossings[*place].sign = 0.0);
                 continue;
@@ -459,9 +457,9 @@ impl FilmContact {
     /// Constraints of the crossings of `range`.
     fn near_crossings(&self, pool: &ThreadPool, nodes: &Nodes, range: Range<usize>, dt: f64, found: &mut Found) {
         let (crossings, surface) = (&self.crossings, &self.surface);
-        let (crossed, turned) = (&mut found.crossed, &mut found.turned);
-        detection::near_crossings(pool.width(), crossings, surface, &nodes.position, range, 1.0, crossed, turned);
-        for Crossed { place, shares: [s, t], normal, distance } in &found.crossed {
+        let all = &mut found.crossings;
+        detection::near_crossings(pool.width(), crossings, surface, &nodes.position, range, 1.0, all);
+        for Crossed { place, shares: [s, t], normal, distance } in &found.crossings.crossed {
             let crossing = &crossings[*place];
             let pair = Pair {
                 nodes: crossing.nodes(surface),
@@ -565,11 +563,11 @@ impl FilmContact {
                 }
             }
         }
-        let (mut crossed, mut turned) = (vec![], vec![]);
+        let mut found = FoundCrossings::default();
         let (all, far) = (0..self.crossings.len(), f64::INFINITY);
         let (crossings, surface) = (&self.crossings, &self.surface);
-        detection::near_crossings(pool.width(), crossings, surface, position, all, far, &mut crossed, &mut turned);
-        distance = crossed.iter().map(|crossed| crossed.distance).fold(distance, f64::min);
+        detection::near_crossings(pool.width(), crossings, surface, position, all, far, &mut found);
+        distance = found.crossed.iter().map(|crossed| crossed.distance).fold(distance, f64::min);
         let mut pressed: Vec<u32> =
             self.constraints.iter().filter(|constraint| constraint.is_active()).flat_map(|c| c.nodes).collect();
         pressed.sort_unstable();
