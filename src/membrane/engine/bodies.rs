@@ -45,7 +45,10 @@ impl Engine {
         let before: Vec<RigidBody> = self.impacts.iter().map(|impact| impact.body.clone()).collect();
         let damped = self.loads.damping > 0.0;
         let between = &mut self.film_contact;
-        between.iter_mut().filter(|_| damped).for_each(|between| between.record_prediction(&self.nodes));
+        between
+            .iter_mut()
+            .filter(|between| damped && between.is_near())
+            .for_each(|between| between.record_prediction(&self.nodes));
         for impact in &mut self.impacts {
             impact.kick([over, dt], self.loads.gravity);
             if damped && !impact.is_held() {

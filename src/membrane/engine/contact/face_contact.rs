@@ -111,10 +111,13 @@ impl Contact {
         let faces: Vec<Constraint> =
             candidates.filter_map(|element| self.face_constraint(element.corners, nodes, body, &pose, dt)).collect();
         let has_faces = !faces.is_empty();
+        let mut between = between.take_if(|between| between.is_near());
+        if !has_faces && between.is_none() {
+            return;
+        }
         let at_nodes = self.contacts.iter().flat_map(|contacts| &contacts.impulses);
         let mut constraints: Vec<Constraint> =
             at_nodes.map(|impulse| self.node_constraint(impulse, nodes, body)).chain(faces).collect();
-        let mut between = between.take_if(|between| between.is_near());
         let films_meet = between.as_mut().is_some_and(|between| between.begin(nodes, dt, pool));
         if !has_faces && !films_meet {
             return;
