@@ -40,6 +40,10 @@ pub(super) fn resolve(
     pool: &ThreadPool,
     mut between: Option<&mut FilmContact>,
 ) -> Resolved {
+    let mut between = between.take_if(|between| between.is_near());
+    if let Some(between) = &mut between {
+        between.predict(nodes, dt);
+    }
     let mut collisions = Collisions::within(impacts, dt);
     let shared = SharedNodes::of(impacts);
     collisions.solve(impacts, dt);

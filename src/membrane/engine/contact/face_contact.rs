@@ -81,6 +81,11 @@ impl Constraint {
         normal_change.abs().max(tangential_change.norm())
     }
 
+    /// The node, where it belongs to one.
+    fn node(&self) -> Option<usize> {
+        (self.weights[0] == 1.0).then_some(self.nodes[0])
+    }
+
     /// The impulses on its nodes.
     fn impulses(self) -> impl Iterator<Item = Impulse> {
         (0..4).filter(move |a| self.weights[*a] > 0.0).map(move |a| Impulse {
@@ -111,7 +116,6 @@ impl Contact {
         let faces: Vec<Constraint> =
             candidates.filter_map(|element| self.face_constraint(element.corners, nodes, body, &pose, dt)).collect();
         let has_faces = !faces.is_empty();
-        let mut between = between.take_if(|between| between.is_near());
         if !has_faces && between.is_none() {
             return;
         }
@@ -122,8 +126,8 @@ impl Contact {
         if !has_faces && !films_meet {
             return;
         }
-        if between.is_some() {
-            constraints.extend(self.near_constraints(nodes, body, &pose, dt));
+        if let Some(between) = &between {
+            self.add_near_constraints(&mut constraints, [dt, between.detected_within()], nodes, body, &pose);
         }
         let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction, dt };
         let [most, rounds] = if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [SWEEPS, 1] };
@@ -145,9 +149,11 @@ impl Contact {
                     break;
                 }
             }
-            if !between.as_mut().is_some_and(|between| between.extend(nodes, dt, pool)) {
+            let Some(between) = &mut between else { break };
+            if !between.extend(nodes, dt, pool) {
                 break;
             }
+            self.add_near_constraints(&mut constraints, [dt, between.detected_within()], nodes, body, &pose);
         }
         let active = constraints.into_iter().filter(|constraint| constraint.normal_impulse > 0.0);
         self.replace_impulses(nodes, active.flat_map(Constraint::impulses));
@@ -182,28 +188,32 @@ impl Contact {
         2.0 * (1.0 - least_cosine) * element.longest_squared < sagitta * sagitta
     }
 
-    /// Constraints of nodes that are not in contact, but near enough to be pressed onto the body at `pose` by other film.
-    fn near_constraints(&self, nodes: &Nodes, body: &RigidBody, pose: &Isometry3<f64>, dt: f64) -> Vec<Constraint> {
-        let mut touching: Vec<usize> =
-            self.contacts.iter().flat_map(|contacts| &contacts.impulses).map(|impulse| impulse.node).collect();
-        touching.sort_unstable();
+    /// Adds constraints of nodes that are not in contact, but less than `margin` (m) from the body at `pose`, so that other
+    /// film may press them onto it.
+    fn add_near_constraints(
+        &self,
+        constraints: &mut Vec<Constraint>,
+        [dt, margin]: [f64; 2],
+        nodes: &Nodes,
+        body: &RigidBody,
+        pose: &Isometry3<f64>,
+    ) {
+        let mut known: Vec<usize> = constraints.iter().filter_map(Constraint::node).collect();
+        known.sort_unstable();
         let listed = self.neighbours.nodes.iter().map(|n| *n as usize);
-        let fastest = listed.clone().map(|n| nodes.velocity_of(n).norm_squared()).fold(0.0, f64::max).sqrt();
-        let others = listed.filter(|n| touching.binary_search(n).is_err() && !nodes.is_held(*n));
-        let near = |n: usize| {
+        for n in listed.filter(|n| known.binary_search(n).is_err() && !nodes.is_held(*n)) {
             let found = self.surface.project(pose, &nodes.position_of(n));
             let gap = found.distance - self.offset[n];
-            if gap > 2.0 * fastest * dt {
-                return None;
+            if gap > margin {
+                continue;
             }
             let arm = nodes.position_of(n).coords - pose.translation.vector;
             let impulse = Impulse { node: n, arm, normal: found.normal, tangential: Vector3::zeros() };
             let mut constraint = self.node_constraint(&impulse, nodes, body);
             constraint.normal_impulse = 0.0;
-            constraint.target -= gap.max(0.0) / dt;
-            Some(constraint)
-        };
-        others.filter_map(near).collect()
+            constraint.target -= gap / dt;
+            constraints.push(constraint);
+        }
     }
 
     /// The constraint of a node contact, with its `impulse`.

@@ -1,16 +1,17 @@
 //! A contact constraint between two faces: a node and a triangle, or two edges.
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use crate::engine::nodes::{Nodes, Vectors};
 
 /// What a constraint belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(super) enum Source {
     /// A node tracked on one of two sides.
     Node { side: usize, node: u32 },
-    /// A crossing of two edges, by its place in the list.
-    Crossing(usize),
+    /// A crossing of two edges.
+    Crossing([u32; 2]),
 }
 
 /// The least normal velocity between two points of film: that of four nodes with weights that add up to zero, so that
@@ -24,6 +25,8 @@ pub(super) struct Constraint {
     pub(super) normal: Vector3<f64>,
     /// Velocity of each node per impulse between the points, 1/kg: weight over mass, zero along held directions.
     response: [Vector3<f64>; 4],
+    /// Velocity of one point over the other per impulse along each axis, 1/kg.
+    inverse_mass: Vector3<f64>,
     /// Normal velocity per impulse along the normal, 1/kg.
     inverse_effective_mass: f64,
     /// The same of nodes that are held in no direction, 1/kg: a bound for every direction.
@@ -40,9 +43,42 @@ pub(super) struct Constraint {
     moved: Vector3<f64>,
 }
 
+/// The impulse of a contact in the last step.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Carried {
+    pub(super) source: Source,
+    nodes: [u32; 4],
+    weights: [f64; 4],
+    normal: [f64; 3],
+    /// N s.
+    normal_impulse: f64,
+    /// N s.
+    tangential_impulse: [f64; 3],
+}
+
+impl Carried {
+    /// Applies `factor` times the impulse to the nodes, and moves them on for `dt` (s).
+    pub(super) fn apply(&self, factor: f64, nodes: &mut Nodes, dt: f64) {
+        let [normal, tangential] = [self.normal, self.tangential_impulse].map(Vector3::from);
+        let impulse = (normal * self.normal_impulse + tangential) * factor;
+        for (node, weight) in self.nodes.iter().zip(self.weights) {
+            nodes.apply_impulse(*node as usize, &(impulse * weight), dt);
+        }
+    }
+
+    /// Whether it fits a scene with so many nodes and edges.
+    pub(super) fn fits(&self, nodes: usize, edges: usize) -> bool {
+        let has_source = match self.source {
+            Source::Node { side, node } => side < 2 && (node as usize) < nodes,
+            Source::Crossing(of) => of.iter().all(|edge| (*edge as usize) < edges),
+        };
+        has_source && self.nodes.iter().all(|node| (*node as usize) < nodes)
+    }
+}
+
 /// Share of a distance that is missing already before a step which is recovered in it, so that film that is too close
 /// does not gain velocity.
-const RECOVERY: f64 = 0.1;
+const RECOVERY: f64 = 0.05;
 
 /// Distance over the least allowed one by which films may have passed each other before a step: sweeps that have not
 /// converged leave less. What is deeper does not belong together, as on both sides of a fold.
@@ -78,8 +114,8 @@ impl Constraint {
         let Pair { nodes: of, weights, normal, distance, bound } = pair;
         let response: [Vector3<f64>; 4] =
             std::array::from_fn(|k| Vector3::from(nodes.effective_inverse_mass().at(of[k] as usize)) * weights[k]);
-        let along = |k: usize| weights[k] * response[k].component_mul(&normal).dot(&normal);
-        let inverse_effective_mass: f64 = (0..4).map(along).sum();
+        let inverse_mass: Vector3<f64> = (0..4).map(|k| response[k] * weights[k]).sum();
+        let inverse_effective_mass = inverse_mass.component_mul(&normal).dot(&normal);
         let free = |k: usize| {
             weights[k] * response[k].iter().fold(0.0, |most: f64, of| most.max(of.abs())).copysign(weights[k])
         };
@@ -93,6 +129,7 @@ impl Constraint {
             weights,
             normal,
             response,
+            inverse_mass,
             inverse_effective_mass,
             inverse_free_mass,
             bound,
@@ -124,32 +161,33 @@ impl Constraint {
     }
 
     /// Starts with the impulse that the same contact had in the last step.
-    pub(super) fn start_from(&mut self, [normal, x, y, z]: [f64; 4], velocity: &mut Vectors) {
-        let tangential = Vector3::new(x, y, z);
-        self.normal_impulse = normal;
+    pub(super) fn start_from(&mut self, carried: &Carried, velocity: &mut Vectors) {
+        self.normal_impulse = carried.normal_impulse;
+        let tangential = Vector3::from(carried.tangential_impulse);
         self.tangential_impulse = tangential - self.normal * tangential.dot(&self.normal);
-        self.apply(&(self.normal * normal + self.tangential_impulse), velocity);
+        self.apply(&(self.normal * self.normal_impulse + self.tangential_impulse), velocity);
     }
 
     /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which stays
     /// within Coulomb's cone of `friction`. Returns the change of the normal velocity, m/s.
     pub(super) fn solve(&mut self, friction: f64, velocity: &mut Vectors) -> f64 {
-        let mut relative = self.relative_velocity(velocity);
+        let relative = self.relative_velocity(velocity);
         let violation = self.target - relative.dot(&self.normal);
         let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
         let change = normal_impulse - self.normal_impulse;
-        if change != 0.0 {
-            self.apply(&(self.normal * change), velocity);
-            self.normal_impulse = normal_impulse;
-        }
+        let mut impulse = self.normal * change;
         if friction > 0.0 && (normal_impulse > 0.0 || self.tangential_impulse != Vector3::zeros()) {
-            relative = self.relative_velocity(velocity);
+            let relative = relative + self.inverse_mass.component_mul(&impulse);
             let slip = relative - self.normal * relative.dot(&self.normal);
             let sticking = self.tangential_impulse - slip / self.inverse_free_mass;
             let (bound, size) = (friction * normal_impulse, sticking.norm());
             let tangential = if size <= bound { sticking } else { sticking * (bound / size) };
-            self.apply(&(tangential - self.tangential_impulse), velocity);
+            impulse += tangential - self.tangential_impulse;
             self.tangential_impulse = tangential;
+        }
+        if impulse != Vector3::zeros() {
+            self.normal_impulse = normal_impulse;
+            self.apply(&impulse, velocity);
         }
         change.abs() * self.inverse_effective_mass
     }
@@ -159,10 +197,16 @@ impl Constraint {
         self.normal_impulse > 0.0
     }
 
-    /// The impulse, N s: along the normal, then tangential.
-    pub(super) fn impulse(&self) -> [f64; 4] {
-        let [x, y, z] = self.tangential_impulse.into();
-        [self.normal_impulse, x, y, z]
+    /// What the next step starts from.
+    pub(super) fn carried(&self) -> Carried {
+        Carried {
+            source: self.source,
+            nodes: self.nodes,
+            weights: self.weights,
+            normal: self.normal.into(),
+            normal_impulse: self.normal_impulse,
+            tangential_impulse: self.tangential_impulse.into(),
+        }
     }
 
     /// Moves the nodes by the change of their velocity since the last call times `dt` (s).

@@ -23,10 +23,6 @@ pub(super) struct Crossing {
     pub(super) sign: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
-    /// The last impulse, N s: along the normal, then tangential.
-    pub(super) impulse: [f64; 4],
-    /// The step in which that was.
-    pub(super) pressed: u64,
 }
 
 impl Crossing {
@@ -42,35 +38,42 @@ impl Crossing {
     }
 }
 
-/// Adds the crossings of the edge `walker` over the faces on which its nodes are tracked by `tracking`. Where these are two
-/// faces, since the outline of one ends between the nodes, it is followed over each.
-pub(super) fn find(surface: &Surface, position: &Vectors, tracking: &Tracking, walker: u32, out: &mut Vec<Crossing>) {
-    let ends = surface.edges[walker as usize];
+/// Adds the crossings of `edge` over the faces that its nodes follow on one side. `tracking` is that of this side and that of
+/// the other one. Where these are two faces, since the outline of one ends between the nodes, the edge is followed over each.
+/// Crossings next to a node that lies on a corner are left out: that node has their distance.
+pub(super) fn find(
+    surface: &Surface,
+    position: &Vectors,
+    tracking: [&Tracking; 2],
+    edge: u32,
+    out: &mut Vec<Crossing>,
+) {
+    let ends = surface.edges[edge as usize];
     let face = |n: u32| {
-        let (triangle, sign) = (tracking.triangle[n as usize], tracking.sign[n as usize]);
+        let (triangle, sign) = (tracking[0].triangle[n as usize], tracking[0].sign[n as usize]);
         (triangle != NONE && sign != 0.0).then(|| surface.face_of(triangle))
     };
     let [first, second] = ends.map(face);
     if first.is_some() {
-        walk(surface, position, tracking, walker, ends, out);
+        follow(surface, position, tracking, edge, ends, out);
     }
     if second.is_some() && second != first {
-        walk(surface, position, tracking, walker, [ends[1], ends[0]], out);
+        follow(surface, position, tracking, edge, [ends[1], ends[0]], out);
     }
 }
 
-/// Follows the edge `walker` from one of its nodes to the other over the face on which the first is tracked.
-fn walk(
+/// Follows an edge from one of its nodes to the other over the face that the first follows.
+fn follow(
     surface: &Surface,
     position: &Vectors,
-    tracking: &Tracking,
-    walker: u32,
+    [tracking, back]: [&Tracking; 2],
+    edge: u32,
     [from, to]: [u32; 2],
     out: &mut Vec<Crossing>,
 ) {
     let [start, end] = [from, to].map(|n| Vector3::from(position.at(n as usize)));
     let direction = {
-        let [a, b] = surface.edges[walker as usize].map(|n| Vector3::from(position.at(n as usize)));
+        let [a, b] = surface.edges[edge as usize].map(|n| Vector3::from(position.at(n as usize)));
         b - a
     };
     let (sign, bound) = (tracking.sign[from as usize], tracking.bound[from as usize]);
@@ -87,14 +90,22 @@ fn walk(
         });
         let Some(k) = exit else { return };
         let other = edges[k];
-        let [c, d] = surface.edges[other as usize].map(|n| Vector3::from(position.at(n as usize)));
-        let across = direction.cross(&(d - c));
-        let up = across.dot(&normal) * sign;
-        let is_across = across.norm_squared() > PARALLEL * direction.norm_squared() * (d - c).norm_squared();
-        let sign = if is_across { 1.0_f64.copysign(up) } else { 0.0 };
-        // In the other order both the product and the direction are reversed, and the sign is the same.
-        let edges = [walker.min(other), walker.max(other)];
-        out.push(Crossing { edges, sign, bound, impulse: [0.0; 4], pressed: 0 });
+        // The nodes next to the crossing.
+        let at_exit = share(k);
+        let near = if at_exit < 0.5 { from } else { to };
+        let weight = |l: usize| at_start[l] + at_exit * (at_end[l] - at_start[l]);
+        let [l, m] = [(k + 1) % 3, (k + 2) % 3];
+        let corner = surface.corners[triangle as usize][if weight(l) > weight(m) { l } else { m }];
+        if tracking.corner(near) != Some(corner) && back.corner(corner) != Some(near) {
+            let [c, d] = surface.edges[other as usize].map(|n| Vector3::from(position.at(n as usize)));
+            let across = direction.cross(&(d - c));
+            let up = across.dot(&normal) * sign;
+            let is_across = across.norm_squared() > PARALLEL * direction.norm_squared() * (d - c).norm_squared();
+            let sign = if is_across { 1.0_f64.copysign(up) } else { 0.0 };
+            // In the other order both the product and the direction are reversed, and the sign is the same.
+            let edges = [edge.min(other), edge.max(other)];
+            out.push(Crossing { edges, sign, bound });
+        }
         let next = surface.across[triangle as usize][k];
         // Past a sharp fold the edge lies under the surface that it is followed over.
         if next == NONE || normal_of(surface, position, next).dot(&normal) < 0.0 {

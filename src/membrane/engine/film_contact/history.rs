@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::constraint::Carried;
 use super::crossing::Crossing;
+use super::crossings::Crossings;
 use super::tracking::Tracked;
 use super::{FilmContact, FilmWork};
 use crate::engine::film::Film;
@@ -12,10 +14,12 @@ use crate::engine::film::Film;
 pub(crate) struct FilmContactHistory {
     tracked: [Vec<Tracked>; 2],
     crossings: Vec<Crossing>,
+    carried: Vec<Carried>,
     stale: Vec<u32>,
     is_near: bool,
     margin: f64,
     last_motion: f64,
+    pushed: f64,
     steps: u64,
     lost: u64,
     work: FilmWork,
@@ -25,9 +29,10 @@ impl FilmContactHistory {
     /// Whether it fits the faces of `contact`.
     pub(in crate::engine) fn fits(&self, contact: &FilmContact) -> bool {
         let (nodes, surface) = (contact.tracking[0].triangle.len(), &contact.surface);
-        let (triangles, edges) = (surface.corners.len(), surface.edges.len());
-        self.tracked.iter().flatten().all(|tracked| tracked.fits(nodes, triangles))
+        let edges = surface.edges.len();
+        self.tracked.iter().flatten().all(|tracked| tracked.fits(nodes, surface))
             && self.crossings.iter().all(|crossing| crossing.fits(edges))
+            && self.carried.iter().all(|carried| carried.fits(nodes, edges))
             && self.stale.iter().all(|edge| (*edge as usize) < edges)
     }
 }
@@ -37,11 +42,13 @@ impl FilmContact {
     pub(in crate::engine) fn save(&self) -> FilmContactHistory {
         FilmContactHistory {
             tracked: [0, 1].map(|side| self.tracking[side].save()),
-            crossings: self.crossings.clone(),
+            crossings: self.crossings.iter().collect(),
+            carried: self.carried.clone(),
             stale: self.stale.clone(),
             is_near: self.is_near,
             margin: self.margin,
             last_motion: self.last_motion,
+            pushed: self.pushed,
             steps: self.steps,
             lost: self.lost,
             work: self.work,
@@ -55,10 +62,13 @@ impl FilmContact {
             tracking.restore(tracked, &self.surface);
         }
         self.is_near = history.is_near;
-        self.crossings = history.crossings;
+        self.crossings = Crossings::new(self.surface.edges.len());
+        history.crossings.into_iter().for_each(|crossing| self.crossings.push(crossing, &self.surface));
+        self.carried = history.carried;
         self.stale = history.stale;
         self.margin = history.margin;
         self.last_motion = history.last_motion;
+        self.pushed = history.pushed;
         self.steps = history.steps;
         self.lost = history.lost;
         self.work = history.work;

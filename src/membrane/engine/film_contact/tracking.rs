@@ -10,6 +10,13 @@ use crate::engine::nodes::Vectors;
 /// Share of an element by which a node may lie beside its triangle until it is followed to the next one.
 pub(super) const BESIDE: f64 = 1e-3;
 
+/// Distance along the triangle, over the least allowed one, within which a node lies on a corner. A crossing of their edges is
+/// as far apart as these two, but for the angle between the normals (theory.md, section 6), so that it is left to them.
+const ON_CORNER: f64 = 0.5;
+
+/// The same at which it does not do so any more.
+const OFF_CORNER: f64 = 1.0;
+
 /// Triangles over which a node is followed at most at once.
 const HOPS: usize = 64;
 
@@ -18,17 +25,18 @@ const HOPS: usize = 64;
 pub(super) struct Tracking {
     /// [`NONE`] where no triangle is near.
     pub(super) triangle: Vec<u32>,
-    /// Its corners; the node itself where there is none.
+    /// Its corners, the one on which the node lies first; the node itself where there is no triangle.
     pub(super) corners: [Vec<u32>; 3],
+    /// Square of the distance along the triangle, m², beyond which the node does not lie on that corner any more;
+    /// infinite where it lies on none.
+    pub(super) on_corner: Vec<f64>,
     /// One where the node lies on the side of the triangle's normal, minus one on the other, zero where that is not
     /// decided: beside the outline of the face.
     pub(super) sign: Vec<f64>,
     /// Least allowed distance, m.
     pub(super) bound: Vec<f64>,
-    /// The last impulse, N s: along the normal, then tangential.
-    pub(super) impulse: Vec<[f64; 4]>,
-    /// The step in which that was.
-    pub(super) pressed: Vec<u64>,
+    /// Distance beyond that at which a constraint is found, m.
+    pub(super) additional: Vec<f64>,
 }
 
 /// What a tracked node stores from step to step.
@@ -36,10 +44,11 @@ pub(super) struct Tracking {
 pub(super) struct Tracked {
     pub(super) node: u32,
     triangle: u32,
+    /// First of the corners.
+    corner: u32,
+    on_corner: f64,
     sign: f64,
     bound: f64,
-    impulse: [f64; 4],
-    pressed: u64,
 }
 
 /// The point of a surface next to another one.
@@ -63,10 +72,10 @@ impl Tracking {
         Tracking {
             triangle: vec![NONE; count],
             corners: [own.clone(), own.clone(), own],
+            on_corner: vec![f64::INFINITY; count],
             sign: vec![0.0; count],
             bound: vec![0.0; count],
-            impulse: vec![[0.0; 4]; count],
-            pressed: vec![0; count],
+            additional: vec![0.0; count],
         }
     }
 
@@ -76,14 +85,46 @@ impl Tracking {
         self.sign[node] = sign;
         let corners = surface.corners[triangle as usize];
         (0..3).for_each(|k| self.corners[k][node] = corners[k]);
+        self.on_corner[node] = f64::INFINITY;
+    }
+
+    /// Decides whether `node` lies on a corner of its triangle, if that is not known: within [`ON_CORNER`] of the least
+    /// allowed distance along the triangle, until it is [`OFF_CORNER`] of it away.
+    pub(super) fn find_corner(&mut self, node: usize, position: &Vectors) {
+        if self.triangle[node] == NONE || self.sign[node] == 0.0 || self.on_corner[node].is_finite() {
+            return;
+        }
+        let corners = self.corners.each_ref().map(|corner| corner[node]);
+        let [a, b, c, point] =
+            [corners[0], corners[1], corners[2], node as u32].map(|n| Vector3::from(position.at(n as usize)));
+        let normal = (b - a).cross(&(c - a)).normalize();
+        for (k, corner) in [a, b, c].iter().enumerate() {
+            let from = point - corner;
+            let along = from - normal * from.dot(&normal);
+            if along.norm() <= ON_CORNER * self.bound[node] {
+                (0..3).for_each(|l| self.corners[l][node] = corners[(k + l) % 3]);
+                self.on_corner[node] = (OFF_CORNER * self.bound[node]).powi(2);
+                return;
+            }
+        }
+    }
+
+    /// Notes that `node` does not lie on a corner any more.
+    pub(super) fn leave_corner(&mut self, node: usize) {
+        self.on_corner[node] = f64::INFINITY;
+    }
+
+    /// The corner on which `node` lies.
+    pub(super) fn corner(&self, node: u32) -> Option<u32> {
+        self.on_corner[node as usize].is_finite().then(|| self.corners[0][node as usize])
     }
 
     /// Lets `node` follow nothing.
     pub(super) fn lose(&mut self, node: usize) {
         self.triangle[node] = NONE;
         self.corners.iter_mut().for_each(|corner| corner[node] = node as u32);
+        self.on_corner[node] = f64::INFINITY;
         self.sign[node] = 0.0;
-        self.pressed[node] = 0;
     }
 
     /// What is tracked.
@@ -92,10 +133,10 @@ impl Tracking {
         let entry = |n: usize| Tracked {
             node: n as u32,
             triangle: self.triangle[n],
+            corner: self.corners[0][n],
+            on_corner: self.on_corner[n],
             sign: self.sign[n],
             bound: self.bound[n],
-            impulse: self.impulse[n],
-            pressed: self.pressed[n],
         };
         tracked.map(entry).collect()
     }
@@ -103,10 +144,15 @@ impl Tracking {
     /// Restores what was saved for the same faces.
     pub(super) fn restore(&mut self, saved: &[Tracked], surface: &Surface) {
         *self = Tracking::new(self.triangle.len());
-        for Tracked { node, triangle, sign, bound, impulse, pressed } in saved {
+        for Tracked { node, triangle, corner, on_corner, sign, bound } in saved {
             let n = *node as usize;
             self.follow(n, *triangle, *sign, surface);
-            (self.bound[n], self.impulse[n], self.pressed[n]) = (*bound, *impulse, *pressed);
+            while self.corners[0][n] != *corner {
+                let [a, b, c] = self.corners.each_ref().map(|corner| corner[n]);
+                (self.corners[0][n], self.corners[1][n], self.corners[2][n]) = (b, c, a);
+            }
+            self.on_corner[n] = *on_corner;
+            self.bound[n] = *bound;
         }
     }
 
@@ -115,17 +161,18 @@ impl Tracking {
         let corners: usize = self.corners.iter().map(|corner| bytes(corner)).sum();
         bytes(&self.triangle)
             + corners
+            + bytes(&self.on_corner)
             + bytes(&self.sign)
             + bytes(&self.bound)
-            + bytes(&self.impulse)
-            + bytes(&self.pressed)
+            + bytes(&self.additional)
     }
 }
 
 impl Tracked {
-    /// Whether it fits a scene with so many nodes and triangles.
-    pub(super) fn fits(&self, nodes: usize, triangles: usize) -> bool {
-        (self.node as usize) < nodes && (self.triangle as usize) < triangles
+    /// Whether it fits a scene of so many nodes with the triangles of `surface`.
+    pub(super) fn fits(&self, nodes: usize, surface: &Surface) -> bool {
+        let corners = surface.corners.get(self.triangle as usize);
+        (self.node as usize) < nodes && corners.is_some_and(|corners| corners.contains(&self.corner))
     }
 }
 
@@ -207,6 +254,11 @@ pub(super) fn normal_of(surface: &Surface, position: &Vectors, triangle: u32) ->
     let [a, b, c] = surface.corners[triangle as usize].map(|n| Vector3::from(position.at(n as usize)));
     let area = (b - a).cross(&(c - a));
     area / area.norm()
+}
+
+/// Position of a node.
+pub(super) fn place(position: &Vectors, node: usize) -> Vector3<f64> {
+    Vector3::from(position.at(node))
 }
 
 /// The least of three weights and its corner.

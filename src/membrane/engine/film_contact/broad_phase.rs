@@ -1,14 +1,15 @@
-//! Search for faces near the nodes of others.
+//! Broad phase: which triangles of other faces the nodes follow.
 
 use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 
+use super::FilmContact;
 use super::surface::{NONE, Surface};
-use super::tracking::{Foot, foot};
+use super::tracking::{Foot, foot, place};
 use crate::engine::film::Film;
-use crate::engine::nodes::Vectors;
+use crate::engine::nodes::{Nodes, Vectors};
 
 /// The faces as they are now, in bounding volumes.
 pub(super) struct Search<'a> {
@@ -71,6 +72,66 @@ impl<'a> Search<'a> {
             }
         }
         (nearest.1 != NONE).then(|| foot(surface, position, &point, nearest.1))
+    }
+}
+
+impl FilmContact {
+    /// Searches the next face on either side of every node that has none in touch.
+    pub(super) fn search(&mut self, films: &[Film], nodes: &Nodes) {
+        let mut search = Search::new(films, &self.surface, &nodes.position, self.reach);
+        let mut changed = vec![];
+        for (face, film) in films.iter().enumerate() {
+            for (side, tracking) in self.tracking.iter_mut().enumerate() {
+                let others: Vec<usize> = match side {
+                    0 => (0..face).rev().filter(|other| search.may_meet(face, *other)).collect(),
+                    _ => (face + 1..films.len()).filter(|other| search.may_meet(face, *other)).collect(),
+                };
+                for node in film.nodes.clone() {
+                    let followed = tracking.triangle[node];
+                    if followed != NONE {
+                        let now = foot(&self.surface, &nodes.position, &place(&nodes.position, node), followed);
+                        // Nothing comes between films that touch each other.
+                        if now.is_over && now.distance.abs() < 0.1 * self.reach {
+                            continue;
+                        }
+                    }
+                    let mut beside = None;
+                    let over = others.iter().find_map(|other| {
+                        let foot = search.nearest(node as u32, *other)?;
+                        if foot.is_over && foot.distance.abs() < self.reach {
+                            return Some(foot);
+                        }
+                        beside = beside.or(Some(foot));
+                        None
+                    });
+                    let Some(foot) = over.or(beside) else {
+                        if followed != NONE {
+                            changed.push((node as u32, followed));
+                            tracking.lose(node);
+                        }
+                        continue;
+                    };
+                    let other = self.surface.face_of(foot.triangle);
+                    let same_face = followed != NONE && self.surface.face_of(followed) == other;
+                    let kept = if same_face { tracking.sign[node] } else { 0.0 };
+                    let sign = match (foot.is_over, kept != 0.0) {
+                        (true, true) => kept,
+                        (true, false) => 1.0_f64.copysign(foot.distance),
+                        (false, _) => 0.0,
+                    };
+                    let thickness = self.half[face] + self.half[other];
+                    if foot.triangle != followed || sign != tracking.sign[node] {
+                        changed.push((node as u32, foot.triangle));
+                        changed.extend((followed != NONE).then_some((node as u32, followed)));
+                    }
+                    tracking.follow(node, foot.triangle, sign, &self.surface);
+                    tracking.bound[node] = (1.0 - super::SLOP) * thickness;
+                }
+            }
+        }
+        self.margin = self.reach;
+        self.is_near = self.tracking.iter().any(|tracking| tracking.triangle.iter().any(|t| *t != NONE));
+        changed.into_iter().for_each(|(node, triangle)| self.mark(node, triangle));
     }
 }
 

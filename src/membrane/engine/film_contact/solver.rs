@@ -1,0 +1,215 @@
+//! Gauss–Seidel sweeps over the constraints of a step, and what the step leaves for the next one.
+
+use nalgebra::Vector3;
+
+use super::FilmContact;
+use super::constraint::Source;
+use crate::engine::nodes::{Nodes, Vectors};
+use crate::engine::thread_pool::ThreadPool;
+
+/// Largest number of Gauss–Seidel sweeps in a step.
+pub(in crate::engine) const SWEEPS: usize = 128;
+
+/// How often film that comes too close by the impulses of other contacts is added to them in a step.
+pub(in crate::engine) const ROUNDS: usize = 6;
+
+/// Change of the normal distance in a sweep, over the least allowed one, below which the sweeps have converged.
+pub(in crate::engine) const TOLERANCE: f64 = 0.02;
+
+/// Motion by contact that a detection allows for, over that of the last step.
+const MARGIN: f64 = 1.5;
+
+/// The same over the least allowed distance, at most: where film moves farther it is looked at again.
+const LARGEST_MARGIN: f64 = 0.02;
+
+/// Where the sweeps of a step are.
+#[derive(Default)]
+pub(super) struct Sweeps {
+    /// Whether the next one is over those that have impulses only.
+    skips: bool,
+    /// Places of those of the last one, or of these.
+    active: Vec<usize>,
+}
+
+impl Sweeps {
+    /// The next sweep is over all constraints.
+    fn restart(&mut self) {
+        self.skips = false;
+    }
+}
+
+impl FilmContact {
+    /// Moves the nodes, which have their predicted positions without contact at the end of a step of `dt` (s), by the impulses
+    /// of the last step: those of this one are nearly the same.
+    pub(in crate::engine) fn predict(&mut self, nodes: &mut Nodes, dt: f64) {
+        self.carried.iter().for_each(|carried| carried.apply(1.0, nodes, dt));
+        self.has_begun = false;
+    }
+
+    /// Finds what is too close at the predicted positions, and gives it the impulses of the last step; in further calls of a
+    /// step, adds what comes too close by the impulses of other contacts. Returns whether there is any constraint, or was one in
+    /// the last step.
+    pub(in crate::engine) fn begin(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
+        if self.has_begun {
+            self.extend(nodes, dt, pool);
+            return self.has_impulses();
+        }
+        self.has_begun = true;
+        self.sweeps.restart();
+        self.detected.clone_from(&nodes.position);
+        let least = self.half.iter().copied().fold(f64::INFINITY, f64::min);
+        self.detected_within = (MARGIN * self.pushed).min(LARGEST_MARGIN * 2.0 * least);
+        self.pushed = 0.0;
+        self.constraints.clear();
+        self.keep_carried(f64::INFINITY);
+        self.detect(nodes, [dt, 2.0 * self.detected_within], pool);
+        self.keep_carried(0.0);
+        for carried in &self.carried {
+            carried.apply(-1.0, nodes, dt);
+        }
+        for constraint in &mut self.constraints {
+            if let Ok(place) = self.carried.binary_search_by_key(&constraint.source, |carried| carried.source) {
+                constraint.start_from(&self.carried[place], &mut nodes.velocity);
+                constraint.move_nodes(&mut nodes.position, dt);
+            }
+        }
+        self.has_impulses()
+    }
+
+    /// Whether films have or had impulses in this step, under which nodes move differently from how they were predicted.
+    fn has_impulses(&self) -> bool {
+        !self.constraints.is_empty() || !self.carried.is_empty()
+    }
+
+    /// Motion of nodes that the constraints allow for, m.
+    pub(in crate::engine) fn detected_within(&self) -> f64 {
+        self.detected_within
+    }
+
+    /// Sets the additional distance (m) up to which constraints are found of what has impulses of the last step.
+    fn keep_carried(&mut self, distance: f64) {
+        for carried in &self.carried {
+            match carried.source {
+                Source::Node { side, node } => self.tracking[side].additional[node as usize] = distance,
+                Source::Crossing(edges) => self.crossings.set_additional(edges, distance),
+            }
+        }
+    }
+
+    /// Moves the nodes by the impulses so far. Where they have moved by these and by other contacts farther than the
+    /// detection allows for, adds what has come too close, and returns true.
+    pub(in crate::engine) fn extend(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
+        self.constraints.iter_mut().for_each(|constraint| constraint.move_nodes(&mut nodes.position, dt));
+        let motion = largest_motion(&self.detected, &nodes.position);
+        self.pushed = self.pushed.max(motion);
+        // Both films may have moved by that.
+        if motion <= self.detected_within {
+            return false;
+        }
+        self.detected.clone_from(&nodes.position);
+        self.sweeps.restart();
+        let known = self.constraints.len();
+        let mut listed: Vec<Source> = self.constraints.iter().map(|constraint| constraint.source).collect();
+        listed.sort_unstable();
+        self.detect(nodes, [dt, 2.0 * self.detected_within], pool);
+        let mut place = 0;
+        self.constraints.retain(|constraint| {
+            place += 1;
+            place <= known || listed.binary_search(&constraint.source).is_err()
+        });
+        true
+    }
+
+    /// One sweep over the constraints of a step of `dt` (s), and one back: over all of them first, then over those that have
+    /// impulses until these do not change any more, then over all of them again. Returns whether all have converged.
+    pub(in crate::engine) fn sweep(&mut self, nodes: &mut Nodes, dt: f64) -> bool {
+        let Sweeps { skips, active } = &mut self.sweeps;
+        let (friction, velocity) = (self.friction, &mut nodes.velocity);
+        let is_whole = !*skips;
+        if is_whole {
+            active.clear();
+            active.extend(0..self.constraints.len());
+        }
+        for place in &*active {
+            self.constraints[*place].solve(friction, velocity);
+        }
+        let mut largest = 0.0_f64;
+        for place in active.iter().rev() {
+            let constraint = &mut self.constraints[*place];
+            let moved = constraint.solve(friction, velocity) * dt;
+            largest = largest.max(moved / constraint.bound);
+        }
+        let has_converged = largest <= TOLERANCE;
+        *skips = !has_converged;
+        if is_whole && !has_converged {
+            active.retain(|place| self.constraints[*place].is_active());
+        }
+        is_whole && has_converged
+    }
+
+    /// Sweeps of a step without another body.
+    pub(in crate::engine) fn resolve(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) {
+        if !self.begin(nodes, dt, pool) {
+            return;
+        }
+        for _ in 0..ROUNDS {
+            for _ in 0..SWEEPS {
+                if self.sweep(nodes, dt) {
+                    break;
+                }
+            }
+            if !self.extend(nodes, dt, pool) {
+                return;
+            }
+        }
+    }
+
+    /// Moves the nodes by the impulses of a step of `dt` (s), stores these, and adds their work. Returns the largest speed of
+    /// these nodes, m/s.
+    pub(in crate::engine) fn finish(&mut self, nodes: &mut Nodes, dt: f64) -> f64 {
+        let Nodes { position, velocity, .. } = nodes;
+        let mut fastest = 0.0_f64;
+        self.carried.clear();
+        for constraint in &mut self.constraints {
+            constraint.move_nodes(position, dt);
+            if !constraint.is_active() {
+                continue;
+            }
+            self.carried.push(constraint.carried());
+            let [normal, tangential] = constraint.work(&self.previous_velocity, velocity);
+            self.work.impact_loss -= self.multiplicity * normal;
+            self.work.friction_loss -= self.multiplicity * tangential;
+            let squared = |n: &u32| Vector3::from(velocity.at(*n as usize)).norm_squared();
+            fastest = constraint.nodes.iter().map(squared).fold(fastest, f64::max);
+        }
+        self.carried.sort_unstable_by_key(|carried| carried.source);
+        fastest.sqrt()
+    }
+
+    /// Nodes that press on another face.
+    pub(super) fn pressed_nodes(&self) -> usize {
+        let active = self.constraints.iter().filter(|constraint| constraint.is_active());
+        let mut pressed: Vec<u32> = active.flat_map(|constraint| constraint.nodes).collect();
+        pressed.sort_unstable();
+        pressed.dedup();
+        pressed.len()
+    }
+}
+
+/// Largest distance between the positions of a node, m.
+fn largest_motion(before: &Vectors, after: &Vectors) -> f64 {
+    let ([x, y, z], [u, v, w]) = (before.axes(), after.axes());
+    let mut largest = [0.0_f64; 8];
+    let squared = |n: usize| {
+        let [a, b, c] = [u[n] - x[n], v[n] - y[n], w[n] - z[n]];
+        a * a + b * b + c * c
+    };
+    let whole = x.len() - x.len() % 8;
+    for first in (0..whole).step_by(8) {
+        for l in 0..8 {
+            let of = squared(first + l);
+            largest[l] = if of > largest[l] { of } else { largest[l] };
+        }
+    }
+    (whole..x.len()).map(squared).chain(largest).fold(0.0, f64::max).sqrt()
+}
