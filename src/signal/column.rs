@@ -76,7 +76,7 @@ columns! {
     FRAME_FORCE_X = "frame_force_x_N", "frame_force_x", "N", "force" ("N"), 1.0;
     /// Mean force on the held sides across y.
     FRAME_FORCE_Y = "frame_force_y_N", "frame_force_y", "N", "force" ("N"), 1.0;
-    /// Vertical force on the frame's bars by contact of film and impactors, positive downwards.
+    /// Vertical force on the frame's bars, of film, of the edge on their crest and of impactors, positive downwards.
     FRAME_FORCE = "frame_force_N", "frame_force", "N", "force" ("N"), 1.0;
     /// Largest slip of film in the frame's clamp.
     CLAMP_SLIP = "clamp_slip_m", "clamp_slip", "m", "slip" ("mm"), 1e3;

@@ -47,6 +47,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let (damping, step_factor) = (loading.damping(), model.solver.step_factor);
     let mut loads = Loads { multiplicity, damping, step_factor, ..Loads::default() };
     let mut held = if loading.has_frame_force() { HeldSides::of(model) } else { HeldSides::default() };
+    let mut crest = frame::Crest::of(model);
     for face in &model.faces {
         let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)?;
         let first = nodes.position.len();
@@ -60,6 +61,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         mount::mirror(&mut nodes, &mesh, first);
         held.mount(&mesh, first);
         let topology = topology(&mesh, model);
+        crest.mount(&topology.held, first);
         clamped.extend(frame::clamped(model, &nodes, &mesh, &topology.held, first));
         loads.jaws.extend(loading.hold(&mut nodes, &mesh, first, &model.frame.hold));
         topologies.push(topology);
@@ -76,7 +78,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let bodies = impacts.iter().map(body).collect();
     let mass_scaling = (loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
     let energy_scale = impacts.iter().map(|impact| loading.energy_scale(&impact.launched())).sum();
-    let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, held };
+    let mounting = Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, held, crest };
     let clamp = model.frame.clamp.map(|clamp| {
         let width = clamp.width.unwrap_or(f64::INFINITY);
         Clamp::new(clamped, &nodes, width, multiplicity)

@@ -43,6 +43,41 @@ pub(super) fn bars(model: &Model, films: &[Film]) -> Result<Option<Impact>, RunE
     Ok(Some(Impact::frame(contact, 0.5 * (crest + lowest), film.thickness)))
 }
 
+/// The held edge of film on the crest of bars, whose vertical force on them the contact of the bars does not have.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Crest {
+    /// Counted among all nodes; none without bars.
+    nodes: Vec<u32>,
+    copies: f64,
+}
+
+impl Crest {
+    /// That of `model`, before any face is mounted.
+    pub(super) fn of(model: &Model) -> Crest {
+        Crest { nodes: vec![], copies: model.frame.bars.map_or(0.0, |_| model.specimen.symmetry.copies()) }
+    }
+
+    /// Adds the nodes of the `held` edges of a face whose first node is the `first` of all.
+    pub(super) fn mount(&mut self, held: &[[u32; 2]], first: usize) {
+        if self.copies > 0.0 {
+            let mut nodes: Vec<u32> = held.iter().flatten().map(|n| first as u32 + n).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            self.nodes.append(&mut nodes);
+        }
+    }
+
+    /// Whether there is none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Vertical force of the whole film on it, N, positive downwards.
+    pub(super) fn force(&self, nodes: &Nodes) -> f64 {
+        -self.copies * nodes.total_force(&self.nodes, 2)
+    }
+}
+
 /// The held sides of a rectangle of these half lengths; beyond a free side they continue.
 fn around_rectangle([a, b]: [f64; 2], hold: &Hold, beyond: f64) -> Vec<[[f64; 2]; 2]> {
     let end = |side: Side, at: f64| if hold.holds(side) { at } else { at + beyond };

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::energy_check::EnergyCheck;
 use super::fault::Fault;
+use super::frame::Crest;
 use super::frame_force::HeldSides;
 use super::loading::{self, Inertia, LoadCase};
 use super::monitor::{Figures, Monitor};
@@ -43,6 +44,7 @@ pub(super) struct Probe<'a> {
     detailed: bool,
     audit: f64,
     held: HeldSides,
+    crest: Crest,
     /// Strains of all elements, as last computed.
     faces: Vec<Vec<ElementStrain>>,
     record: Record,
@@ -93,6 +95,7 @@ impl<'a> Probe<'a> {
             snapshot_interval: duration / snapshots.saturating_sub(1).max(1) as f64,
             detailed,
             held: mounting.held.clone(),
+            crest: mounting.crest.clone(),
             audit: (duration / AUDITS).max(sample),
             faces: vec![],
             record,
@@ -194,6 +197,9 @@ impl<'a> Probe<'a> {
         self.record.tracks.strains.push(view.time, [largest(0), largest(1)]);
         if !self.held.is_empty() {
             self.record.tracks.frame.push(view.time, self.held.force(view.nodes));
+        }
+        if !self.crest.is_empty() {
+            self.record.tracks.crest.push(view.time, [self.crest.force(view.nodes)]);
         }
         if let Some(slip) = view.clamp_slip() {
             self.record.tracks.clamp.push(view.time, [slip[0]]);
@@ -299,8 +305,8 @@ impl<'a> Probe<'a> {
         let mut signals = self.loading.signals(tracks, mounting);
         self.held.add_columns(&tracks.frame.rows, &mut signals);
         if let Some(bars) = &tracks.bars {
-            let on_bars = |k: usize| -(bars.contact_force(k) + bars.collision_force(k));
-            let values = (0..signals.time.len()).map(on_bars).collect();
+            let on_bars = |(k, [crest]): (usize, &[f64; 1])| crest - bars.contact_force(k) - bars.collision_force(k);
+            let values = tracks.crest.rows.iter().take(signals.time.len()).enumerate().map(on_bars).collect();
             signals.channels.push(Channel { name: column::FRAME_FORCE.name.into(), values });
         }
         if !tracks.clamp.rows.is_empty() {

@@ -25,6 +25,8 @@ pub(super) struct Tracks {
     pub(super) frame: Grid<2>,
     /// The frame's bars; only where there are any.
     pub(super) bars: Option<BodyTracks>,
+    /// Vertical force of the held edge on the crest of these bars, N; only where there are any.
+    pub(super) crest: Grid<1>,
     /// Largest slip in the frame's clamp, m; only where film may slip in it.
     pub(super) clamp: Grid<1>,
     /// Pressure of the air between two faces over that of the surroundings, Pa; only where it is computed.
@@ -136,6 +138,7 @@ impl Tracks {
             strains: Grid::new(0.0, sample),
             frame: Grid::new(0.0, sample),
             bars,
+            crest: Grid::new(0.0, sample),
             clamp: Grid::new(0.0, sample),
             air: Grid::new(0.0, sample),
             films: Grid::new(0.0, sample),

@@ -102,8 +102,9 @@ impl Clamp {
         sums
     }
 
-    /// Moves its nodes as predicted, after all others, and lets go of those that have left it.
-    pub(super) fn advance(&mut self, nodes: &mut Nodes) {
+    /// Moves its nodes as predicted, after all others, and lets go of those that have left it. Returns whether there are any.
+    pub(super) fn advance(&mut self, nodes: &mut Nodes) -> bool {
+        let mut any = false;
         for (k, clamped) in self.nodes.iter().enumerate() {
             if self.gone[k] {
                 continue;
@@ -112,10 +113,11 @@ impl Clamp {
             nodes.velocity.set(clamped.node, velocity.into());
             nodes.position.set(clamped.node, position.into());
             if (position - self.start[k]).norm_squared() >= self.width * self.width {
-                self.gone[k] = true;
+                (self.gone[k], any) = (true, true);
                 nodes.release(clamped.node, clamped.free);
             }
         }
+        any
     }
 
     /// Largest slip of a node, m; of one that has left the clamp its width.

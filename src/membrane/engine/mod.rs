@@ -389,7 +389,10 @@ impl Engine {
         });
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
         if let Some(clamp) = &mut self.clamp {
-            clamp.advance(&mut self.nodes);
+            if clamp.advance(&mut self.nodes) {
+                // Film that nothing holds any more snaps back as torn film does.
+                self.time_step.tear();
+            }
         }
         let fastest = sums.largest_speed_squared.max(clamping.fastest_squared).sqrt();
         let fastest = fastest.max(self.resolve_contact(over, dt, &mut sums));

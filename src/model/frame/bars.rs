@@ -1,6 +1,6 @@
 //! `frame.bars`: bars along the held edge, over which film bends.
 
-use crate::mesh::Outline;
+use crate::mesh::{Outline, Side};
 use crate::model::{Bars, Face, Hold, Loading, Mistakes};
 use crate::number::significant;
 use crate::scenario::{self, Scenario};
@@ -65,10 +65,13 @@ pub(super) fn check(
         (Outline::Rectangle { x, y }, hold) => {
             let spans = |low, high, length: f64| {
                 let held = [low, high].into_iter().filter(|side| hold.holds(*side)).count();
-                if held == 2 { 0.5 * length } else { length }
+                match held {
+                    0 => f64::INFINITY,
+                    1 => length,
+                    _ => 0.5 * length,
+                }
             };
-            use crate::mesh::Side::{XMinus, XPlus, YMinus, YPlus};
-            spans(XMinus, XPlus, *x).min(spans(YMinus, YPlus, *y))
+            spans(Side::XMinus, Side::XPlus, *x).min(spans(Side::YMinus, Side::YPlus, *y))
         }
     };
     if radius >= opening {

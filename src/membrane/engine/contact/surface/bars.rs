@@ -9,6 +9,7 @@ use parry3d_f64::shape::{Cuboid, SharedShape};
 use super::projection::Projection;
 use super::solid::Solid;
 use super::vector;
+use crate::lane::{larger, smaller};
 
 /// Thickness of the box in a bar over its radius, where the bar meets a body that is no ball: its crest is flat over
 /// twice as much.
@@ -59,11 +60,12 @@ pub(super) struct Piece {
 
 impl Axis {
     /// The vector from the point of the axis nearest to `place` to it, m.
+    #[inline(always)]
     fn offset(&self, place: &Vector2<f64>) -> Vector2<f64> {
         match *self {
             Axis::Line { from, along, length } => {
                 let arm = place - from;
-                arm - along * arm.dot(&along).clamp(0.0, length)
+                arm - along * larger(smaller(arm.dot(&along), length), 0.0)
             }
             Axis::Circle { radius } => {
                 let distance = place.norm();
@@ -173,10 +175,19 @@ impl Bars {
         })
     }
 
-    /// The vector to `place` (m, body axes) from the nearest point of all walls.
+    /// The vector to `place` (m, body axes) from the nearest point of all walls, the first of several.
+    #[inline]
     pub(super) fn offset(&self, place: &Vector3<f64>) -> Vector3<f64> {
-        let nearest = self.offsets(place).min_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
-        nearest.unwrap_or(Vector3::from_element(f64::INFINITY))
+        let flat = place.xy();
+        let (mut least, mut nearest) = (f64::INFINITY, Vector2::from_element(f64::INFINITY));
+        for axis in &self.axes {
+            let offset = axis.offset(&flat);
+            let squared = offset.x * offset.x + offset.y * offset.y;
+            if squared < least {
+                (least, nearest) = (squared, offset);
+            }
+        }
+        Vector3::new(nearest.x, nearest.y, place.z - larger(smaller(place.z, self.half_height), -self.half_height))
     }
 
     /// Signed distances and outward normals of the point at `arm` (m) from the origin of the bars at `pose`, from each.
@@ -194,6 +205,7 @@ impl Bars {
         self.projection(pose, &self.offset(&pose.rotation.inverse_transform_vector(arm)))
     }
 
+    #[inline]
     fn projection(&self, pose: &Isometry3<f64>, offset: &Vector3<f64>) -> Projection {
         let length = offset.norm();
         let normal = if length > 0.0 { pose.rotation * (offset / length) } else { pose.rotation * Vector3::z() };
@@ -204,10 +216,16 @@ impl Bars {
     /// the walls and onto the set in turn (all in body axes). Across a bar one turn is exact where the set is flat.
     pub(super) fn nearest(&self, start: Vector, onto_set: impl Fn(Vector) -> Vector) -> Vector {
         const TURNS: usize = 8;
+        const STILL: f64 = 1e-7;
         let mut point = start;
         for _ in 0..TURNS {
             let place = Vector3::new(point.x, point.y, point.z);
-            point = onto_set(point - vector(&self.offset(&place)));
+            let next = onto_set(point - vector(&self.offset(&place)));
+            let moved = (next - point).length_squared();
+            point = next;
+            if moved <= STILL * STILL * self.radius * self.radius {
+                break;
+            }
         }
         point
     }

@@ -143,6 +143,11 @@ fn deepest(
             }
         }
         Shape::Bars(bars) => {
+            let extent = corners.iter().map(|corner| nalgebra::distance_squared(corner, &mean)).fold(0.0, f64::max);
+            let of_mean = shape.project(pose, &(mean.coords - pose.translation.vector));
+            if of_mean.distance - extent.sqrt() >= within {
+                return None;
+            }
             for [a, b] in triangles {
                 let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
                 let onto = |point: Vector| triangle.project_local_point(point, false).point;

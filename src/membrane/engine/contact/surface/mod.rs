@@ -264,6 +264,11 @@ impl Surface {
         matches!(self.shape, Shape::Compound(_))
     }
 
+    /// Whether it is much longer than its size.
+    pub(super) fn is_long(&self) -> bool {
+        matches!(self.shape, Shape::Bars(_))
+    }
+
     /// Whether its curvature is nowhere larger than that of a sphere of its size, so that node contact suffices for a
     /// fine mesh.
     pub fn is_round(&self) -> bool {
