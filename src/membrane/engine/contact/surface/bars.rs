@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 use parry3d_f64::math::{Pose, Rotation, Vector};
-use parry3d_f64::shape::{Cuboid, SharedShape};
+use parry3d_f64::shape::{Cuboid, SharedShape, Triangle};
 
 use super::projection::Projection;
 use super::solid::Solid;
@@ -216,7 +216,7 @@ impl Bars {
     /// the walls and onto the set in turn (all in body axes). Across a bar one turn is exact where the set is flat.
     pub(super) fn nearest(&self, start: Vector, onto_set: impl Fn(Vector) -> Vector) -> Vector {
         const TURNS: usize = 8;
-        const STILL: f64 = 1e-7;
+        const STILL: f64 = 1e-4;
         let mut point = start;
         for _ in 0..TURNS {
             let place = Vector3::new(point.x, point.y, point.z);
@@ -228,6 +228,15 @@ impl Bars {
             }
         }
         point
+    }
+
+    /// Points of a triangle (body axes) from which [`Bars::nearest`] is looked for: next to a round bar, a large triangle may
+    /// have several nearest points.
+    pub(super) fn starts(&self, triangle: &Triangle) -> impl Iterator<Item = Vector> + use<> {
+        let is_round = self.axes.iter().any(|axis| matches!(axis, Axis::Circle { .. }));
+        let is_large = (triangle.a - triangle.b).length_squared() > self.radius * self.radius;
+        let more = [triangle.a, triangle.b].into_iter().filter(move |_| is_round && is_large);
+        std::iter::once(triangle.center()).chain(more)
     }
 
     /// How far it reaches along the unit vector `direction`, m.

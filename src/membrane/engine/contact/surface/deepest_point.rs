@@ -151,8 +151,7 @@ fn deepest(
             for [a, b] in triangles {
                 let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
                 let onto = |point: Vector| triangle.project_local_point(point, false).point;
-                // Along a bar turns converge slowly, and next to a round one there may be several nearest points.
-                for start in [triangle.center(), triangle.a, triangle.b] {
+                for start in bars.starts(&triangle) {
                     offer(corner_weights(a, b, barycentric(&triangle, bars.nearest(start, onto))));
                 }
             }
