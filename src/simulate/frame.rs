@@ -113,7 +113,7 @@ fn around_polygon(polygon: &Polygon, mirrored: [bool; 2]) -> Vec<[[f64; 2]; 2]> 
 
 /// Nodes of `mesh`, of which `first` is the first of all `nodes`, on the `held` edges, before they are held, with the
 /// force that friction in the clamp of `model` can have on each: 2 µF spread evenly over the held length (theory.md,
-/// equation 77).
+/// equation 73).
 pub(super) fn clamped(model: &Model, nodes: &Nodes, mesh: &Mesh, held: &[[u32; 2]], first: usize) -> Vec<ClampedNode> {
     let Some(clamp) = model.frame.clamp else { return vec![] };
     let mut lengths = vec![0.0; mesh.nodes.len()];

@@ -286,7 +286,14 @@ fn every_kind_of_run_resumes_to_the_same_bits() {
         ("inflation-square", &[]),
         ("dart-polygon", &["output.frames=20"]),
         ("drop-bars", &["output.frames=20", "loading.impact.duration=15ms"]),
-        ("drop-bars", &["output.frames=20", "frame.clamp={ force = \"200 N\", friction = 0.5, width = \"2 mm\" }", "loading.impact.duration=15ms"]),
+        (
+            "drop-bars",
+            &[
+                "output.frames=20",
+                "frame.clamp={ force = \"200 N\", friction = 0.5, width = \"2 mm\" }",
+                "loading.impact.duration=15ms",
+            ],
+        ),
     ] {
         let model = golden(case, changes);
         let every = 0.22 * model.run_time();

@@ -1,4 +1,4 @@
-//! A clamp in which film slips (theory.md, equations 77 and 78).
+//! A clamp in which film slips (theory.md, equations 73 and 74).
 
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};

@@ -388,11 +388,9 @@ impl Engine {
             unsafe { *sums_of.at(part) = integration.advance(width, ranges[part].clone()) };
         });
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
-        if let Some(clamp) = &mut self.clamp {
-            if clamp.advance(&mut self.nodes) {
-                // Film that nothing holds any more snaps back as torn film does.
-                self.time_step.tear();
-            }
+        if self.clamp.as_mut().is_some_and(|clamp| clamp.advance(&mut self.nodes)) {
+            // Film that nothing holds any more snaps back as torn film does.
+            self.time_step.tear();
         }
         let fastest = sums.largest_speed_squared.max(clamping.fastest_squared).sqrt();
         let fastest = fastest.max(self.resolve_contact(over, dt, &mut sums));
